@@ -1,0 +1,2 @@
+//! flipmap: every possible double pendulum at once.
+pub mod physics;

@@ -1,0 +1,168 @@
+//! What counts as a flip, what a pixel remembers of it, and where inside a step it happens.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::pendulum::{Pendulum, State};
+use super::polynomial::{first_rise, quintic_hermite};
+use super::real::Scalar;
+
+/// Which bob is watched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Rule {
+    /// The second, outer bob.
+    #[default]
+    Second,
+    /// The first, inner bob.
+    First,
+    /// Whichever is first.
+    Either,
+}
+
+impl Rule {
+    /// Every rule with its word.
+    pub const ALL: [(&'static str, Rule); 3] = [
+        ("second", Rule::Second),
+        ("first", Rule::First),
+        ("either", Rule::Either),
+    ];
+
+    /// The indices of the watched bobs.
+    pub fn watched(self) -> &'static [usize] {
+        match self {
+            Rule::First => &[0],
+            Rule::Second => &[1],
+            Rule::Either => &[0, 1],
+        }
+    }
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (word, _) = Self::ALL[Self::ALL.iter().position(|(_, r)| r == self).unwrap_or(0)];
+        f.write_str(word)
+    }
+}
+
+impl FromStr for Rule {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .iter()
+            .find(|(word, _)| *word == text)
+            .map(|(_, rule)| *rule)
+            .ok_or_else(|| format!("unknown rule '{text}'; the rules are second, first, either"))
+    }
+}
+
+/// How a pixel's simulation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Status {
+    /// Not within the budget.
+    Unflipped = 0,
+    /// At the time beside it.
+    Flipped = 1,
+    /// Proved impossible by energy conservation; never simulated.
+    Forbidden = 2,
+    /// The numbers stopped being finite, or the step limit was reached.
+    Failed = 3,
+}
+
+/// What a pixel remembers: its status and, if flipped, when (s; otherwise 0).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome<T = f64> {
+    /// How it ended.
+    pub status: Status,
+    /// Simulated seconds from the release to the flip.
+    pub time: T,
+}
+
+impl<T: Scalar> Outcome<T> {
+    /// An outcome without a time.
+    pub fn without_time(status: Status) -> Self {
+        let time = T::zero();
+        Outcome { status, time }
+    }
+
+    /// A flip at `time`.
+    pub fn flipped(time: T) -> Self {
+        Outcome {
+            status: Status::Flipped,
+            time,
+        }
+    }
+}
+
+/// `angle` moved by whole turns into (−π, π]; a start exactly at the top is put on the side from
+/// which its first motion (with acceleration `alpha`) leads inward.
+pub fn settle_at_top<T: Scalar>(angle: T, alpha: T) -> T {
+    if angle.abs() < T::pi() || (alpha < T::zero()) == (angle > T::zero()) {
+        angle
+    } else {
+        -angle
+    }
+}
+
+/// The fraction in (0, 1] of a step at which `bob` first reaches the top moving outward, from
+/// the motion at both ends of the step of `step` seconds: the root of the quintic that has the
+/// angle, speed and acceleration of both ends. Finds passes that fall back inside the step.
+///
+/// The sign test is cheap; the accelerations are only computed where a pass is possible.
+#[inline]
+pub fn fraction_of_step<T: Scalar>(
+    pendulum: &Pendulum<T>,
+    bob: usize,
+    before: &State<T>,
+    after: &State<T>,
+    step: T,
+) -> Option<T> {
+    if !may_pass(before, after, bob, step) {
+        return None;
+    }
+    let side = if after.angle[bob] < T::zero() { -T::from_f64(1.0) } else { T::from_f64(1.0) };
+    let end = |state: &State<T>| {
+        let alpha = pendulum.acceleration(state)[bob];
+        [
+            side * state.angle[bob] - T::pi(),
+            side * state.speed[bob] * step,
+            side * alpha * step * step,
+        ]
+    };
+    first_rise(&quintic_hermite(end(before), end(after)))
+}
+
+/// Whether `bob` can have been at the top in this step: it ends beyond it, or it turned back
+/// within a step's travel of it.
+#[inline(always)]
+pub fn may_pass<T: Scalar>(before: &State<T>, after: &State<T>, bob: usize, step: T) -> bool {
+    let turned = before.speed[bob] * after.speed[bob] < T::zero();
+    let far = before.angle[bob].abs().max(after.angle[bob].abs());
+    let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());
+    after.angle[bob].abs() >= T::pi() || (turned && far + travel >= T::pi())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_are_parsed_and_printed() {
+        for (word, rule) in Rule::ALL {
+            assert_eq!(word.parse::<Rule>().unwrap(), rule);
+            assert_eq!(rule.to_string(), word);
+        }
+        assert!("third".parse::<Rule>().unwrap_err().contains("second, first, either"));
+    }
+
+    #[test]
+    fn a_start_at_the_top_is_taken_on_its_inner_side() {
+        let pi = std::f64::consts::PI;
+        assert_eq!(settle_at_top(pi, -1.0), pi);
+        assert_eq!(settle_at_top(pi, 1.0), -pi);
+        assert_eq!(settle_at_top(3.0, 1.0), 3.0);
+    }
+}

@@ -1,0 +1,188 @@
+//! The gold standard: flip times from the Taylor integrator, with every pass of the top found.
+//!
+//! Whether a bob is at the top inside a step is decided by bounds, not by samples: the step is
+//! halved until on each part the polynomial provably stays away, provably moves one way, or is
+//! too short to matter. So a pass that just touches the top is seen, and one that just misses
+//! it is not.
+
+use super::flip::{Outcome, Rule, Status, settle_at_top};
+use super::pendulum::{Pendulum, State};
+use super::polynomial::evaluate;
+use super::real::Scalar;
+use super::taylor::{Orbit, Step};
+
+/// The outcome of letting go at rest at `angle` (rad, within (−π, π]), with flips up to and
+/// including `budget` seconds.
+pub fn outcome<T: Scalar>(
+    pendulum: &Pendulum<T>,
+    angle: [T; 2],
+    rule: Rule,
+    budget: T,
+) -> Outcome<T> {
+    if pendulum.forbids(rule, angle) {
+        return Outcome::without_time(Status::Forbidden);
+    }
+    if is_balanced(angle) {
+        return Outcome::without_time(Status::Unflipped);
+    }
+    let alpha = pendulum.acceleration(&State::rest(angle));
+    let angle = [0, 1].map(|i| settle_at_top(angle[i], alpha[i]));
+    let mut orbit = Orbit::new(*pendulum, State::rest(angle));
+    while orbit.time() <= budget {
+        let step = orbit.step();
+        if !orbit.state().speed[1].is_finite() {
+            return Outcome::without_time(Status::Failed);
+        }
+        if let Some(tau) = flip_within(&step, rule) {
+            let time = step.start + tau;
+            return if time <= budget {
+                Outcome::flipped(time)
+            } else {
+                Outcome::without_time(Status::Unflipped)
+            };
+        }
+    }
+    Outcome::without_time(Status::Unflipped)
+}
+
+/// Whether both rods stand or hang exactly upright, where a pendulum at rest stays for ever.
+pub fn is_balanced<T: Scalar>(angle: [T; 2]) -> bool {
+    angle
+        .iter()
+        .all(|&theta| theta == T::zero() || theta.abs() == T::pi())
+}
+
+/// Seconds into `step` at which `rule` is first met.
+pub fn flip_within<T: Scalar>(step: &Step<T>, rule: Rule) -> Option<T> {
+    rule.watched()
+        .iter()
+        .filter_map(|&bob| first_passage(&step.angle[bob], step.length))
+        .reduce(|a, b| if b < a { b } else { a })
+}
+
+/// The first moment in (0, length] at which |angle| reaches π moving outward.
+fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
+    // Bounds of the whole step first: most steps never come near the top.
+    let reach = angle[1..]
+        .iter()
+        .rev()
+        .fold(T::zero(), |sum, c| (sum + c.abs()) * length);
+    if angle[0].abs() + reach < T::pi() {
+        return None;
+    }
+    [1.0, -1.0]
+        .into_iter()
+        .filter_map(|side| {
+            let mut above: Vec<T> = angle.iter().map(|&c| c * T::from_f64(side)).collect();
+            above[0] = above[0] - T::pi();
+            first_rise(&above, T::zero(), length, MOST_HALVINGS)
+        })
+        .reduce(|a, b| if b < a { b } else { a })
+}
+
+/// Below 2⁻⁵⁰ of a step nothing is left to separate.
+const MOST_HALVINGS: usize = 50;
+
+/// The first time in (from, to] at which `f` rises to zero from below.
+fn first_rise<T: Scalar>(f: &[T], from: T, to: T, halvings: usize) -> Option<T> {
+    let half = T::from_f64(0.5);
+    let (middle, radius) = ((from + to) * half, (to - from) * half);
+    let local = shifted(f, middle);
+    let tail = |first: usize, weight: fn(usize) -> f64| {
+        let mut power = T::from_f64(1.0);
+        local[first..].iter().enumerate().fold(T::zero(), |sum, (k, c)| {
+            power = if k == 0 { power } else { power * radius };
+            sum + c.abs() * power * T::from_f64(weight(k + first))
+        })
+    };
+    if local[0].abs() > tail(1, |_| 1.0) * radius {
+        return None;
+    }
+    if local[1].abs() > tail(2, |k| k as f64) * radius {
+        let rises = local[1] > T::zero() && evaluate(f, from) < T::zero();
+        return (rises && evaluate(f, to) >= T::zero()).then(|| root(f, from, to));
+    }
+    if halvings == 0 {
+        return (evaluate(f, from) < T::zero() && local[0] >= T::zero()).then_some(middle);
+    }
+    first_rise(f, from, middle, halvings - 1).or_else(|| first_rise(f, middle, to, halvings - 1))
+}
+
+/// The coefficients of `f` about `centre` (repeated synthetic division).
+fn shifted<T: Scalar>(f: &[T], centre: T) -> Vec<T> {
+    let mut c = f.to_vec();
+    for first in 0..c.len() {
+        for k in (first..c.len() - 1).rev() {
+            c[k] = c[k + 1].mul_add(centre, c[k]);
+        }
+    }
+    c
+}
+
+/// The root of a rising `f` between `low` and `high`: bisection to a start, then Newton to the
+/// precision of the type.
+fn root<T: Scalar>(f: &[T], mut low: T, mut high: T) -> T {
+    let half = T::from_f64(0.5);
+    let slope: Vec<T> = (1..f.len())
+        .map(|k| f[k] * T::from_f64(k as f64))
+        .collect();
+    let mut x = (low + high) * half;
+    for _ in 0..ROOT_STEPS {
+        let value = evaluate(f, x);
+        if value < T::zero() {
+            low = x;
+        } else {
+            high = x;
+        }
+        let newton = x - value / evaluate(&slope, x);
+        let inside = newton > low && newton < high;
+        let next = if inside { newton } else { (low + high) * half };
+        if (next - x).abs().to_f64() <= T::EPSILON * x.abs().to_f64() {
+            return next;
+        }
+        x = next;
+    }
+    x
+}
+
+/// Enough for 106 bits by bisection alone.
+const ROOT_STEPS: usize = 120;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tangent_pass_is_decided_by_its_peak() {
+        // e − (t − ½)² written out: passes for e > 0, misses for e < 0.
+        let pass = |e: f64| first_rise(&[e - 0.25, 1.0, -1.0], 0.0, 1.0, MOST_HALVINGS);
+        for e in [1e-3, 1e-8, 1e-14] {
+            let time = pass(e).expect("just over");
+            assert!((time - (0.5 - e.sqrt())).abs() < 1e-8, "{e}: {time}");
+            assert_eq!(pass(-e), None);
+        }
+    }
+
+    #[test]
+    fn moving_inward_over_the_top_is_no_flip() {
+        assert_eq!(first_rise(&[0.1, -0.5, 0.0], 0.0, 1.0, MOST_HALVINGS), None);
+    }
+
+    #[test]
+    fn both_bobs_are_watched_by_either() {
+        let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
+        let time = |rule| outcome(&unit, [-2.0, 3.0], rule, 60.0).time;
+        assert!((time(Rule::First) - 22.017521284556085).abs() < 1e-9);
+        assert_eq!(time(Rule::Either), time(Rule::Second));
+    }
+
+    #[test]
+    fn upright_pendulums_balance_for_ever() {
+        let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
+        let pi = std::f64::consts::PI;
+        for angle in [[pi, pi], [0.0, pi], [pi, 0.0]] {
+            let status = outcome(&unit, angle, Rule::Second, 100.0).status;
+            assert!(matches!(status, Status::Unflipped | Status::Forbidden));
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! The mathematics of the double pendulum, generic over the number type.
+//!
+//! No file, thread or graphics card is known here. Everything else in the crate asks this
+//! module what is true:
+//!
+//! * [`pendulum`] holds the five numbers and the equations of motion, written once for scalars,
+//!   SIMD lanes and the symbols from which the GPU's kernels are printed;
+//! * [`integrator`] holds the fixed-step methods;
+//! * [`taylor`] and [`gold`] are the *gold standard* that every engine is judged by;
+//! * [`flip`] finds the moment at which a bob passes the top.
+
+pub mod dd;
+pub mod flip;
+pub mod gold;
+pub mod integrator;
+pub mod pendulum;
+pub mod polynomial;
+pub mod real;
+pub mod taylor;
+pub mod trig;
+
+pub use dd::Dd;
+pub use flip::{Outcome, Rule, Status};
+pub use pendulum::{Pendulum, State};
+pub use real::{Real, Scalar};

@@ -1,0 +1,257 @@
+//! The five numbers of a double pendulum, its equations of motion, energy and forbidden starts.
+//!
+//! Kinetic energy ½A ω1² + ½B ω2² + C ω1 ω2 cos(θ1−θ2), potential −P cos θ1 − Q cos θ2: every
+//! point-mass and rod pendulum is such five numbers. Lagrange's equations follow as
+//!
+//! ```text
+//! A α1 + C c α2 = −C s ω2² − P sin θ1        c = cos(θ1−θ2)
+//! C c α1 + B α2 =  C s ω1² − Q sin θ2        s = sin(θ1−θ2)
+//! ```
+//!
+//! whose determinant AB − C² c² = (AB − C²) + C² s² is positive; the constant part is carried as
+//! a sixth number, because computing it from the other five cancels for light first bobs.
+
+use super::flip::Rule;
+use super::real::{Real, Scalar};
+
+/// The five numbers (kg m² and J) and what follows from them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pendulum<T> {
+    /// Inertia of the first angle, kg m².
+    pub a: T,
+    /// Inertia of the second angle, kg m².
+    pub b: T,
+    /// Coupling of the two, kg m².
+    pub c: T,
+    /// Weight of the first angle, J.
+    pub p: T,
+    /// Weight of the second angle, J.
+    pub q: T,
+    /// AB − C², kg² m⁴: the least value of the determinant.
+    pub least_det: T,
+}
+
+/// Angles from the downward vertical (rad, anticlockwise, unwrapped) and their speeds (rad/s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<T> {
+    /// θ1 and θ2.
+    pub angle: [T; 2],
+    /// ω1 and ω2.
+    pub speed: [T; 2],
+}
+
+impl<T> State<T> {
+    /// A pendulum held at the two angles and let go.
+    pub fn rest(angle: [T; 2]) -> Self
+    where
+        T: Real,
+    {
+        let zero = angle[0].lit(0.0);
+        State {
+            angle,
+            speed: [zero, zero],
+        }
+    }
+}
+
+impl<T: Scalar> Pendulum<T> {
+    /// Bobs on massless rods: masses in kg, lengths in m, gravity in m/s².
+    pub fn points(masses: [T; 2], lengths: [T; 2], gravity: T) -> Self {
+        let ([m1, m2], [l1, l2]) = (masses, lengths);
+        Pendulum {
+            a: (m1 + m2) * l1 * l1,
+            b: m2 * l2 * l2,
+            c: m2 * l1 * l2,
+            p: (m1 + m2) * gravity * l1,
+            q: m2 * gravity * l2,
+            least_det: m1 * m2 * l1 * l1 * l2 * l2,
+        }
+    }
+
+    /// Uniform bars: masses in kg, lengths in m, gravity in m/s².
+    pub fn rods(masses: [T; 2], lengths: [T; 2], gravity: T) -> Self {
+        let ([m1, m2], [l1, l2]) = (masses, lengths);
+        let lit = T::from_f64;
+        Pendulum {
+            a: (m1 / lit(3.0) + m2) * l1 * l1,
+            b: m2 * l2 * l2 / lit(3.0),
+            c: m2 * l1 * l2 / lit(2.0),
+            p: (m1 / lit(2.0) + m2) * gravity * l1,
+            q: m2 * gravity * l2 / lit(2.0),
+            least_det: (m1 / lit(9.0) + m2 / lit(12.0)) * m2 * l1 * l1 * l2 * l2,
+        }
+    }
+
+    /// The same motion in units that make C = Q = 1, and the unit of time, √(C/Q), in s.
+    ///
+    /// Kernels run in these: the default pendulum becomes A = 2, B = 1, P = 2 without rounding,
+    /// whatever its gravity. Needs Q > 0.
+    pub fn reduced(&self) -> (Self, T) {
+        let one = T::from_f64(1.0);
+        let reduced = Pendulum {
+            a: self.a / self.c,
+            b: self.b / self.c,
+            c: one,
+            p: self.p / self.q,
+            q: one,
+            least_det: self.least_det / (self.c * self.c),
+        };
+        (reduced, (self.c / self.q).sqrt())
+    }
+
+    /// Whether energy conservation proves that a pendulum let go at rest at `angle` can never
+    /// meet `rule`: the watched bob at the top costs more than the start has, even with the
+    /// other one at the bottom. Nothing moves without gravity, so then every start is forbidden.
+    pub fn forbids(&self, rule: Rule, angle: [T; 2]) -> bool {
+        let [cos1, cos2] = angle.map(|theta| theta.sin_cos().1);
+        self.forbids_depth(rule, self.p * cos1 + self.q * cos2)
+    }
+
+    /// The same from `depth` = P cos θ1 + Q cos θ2, the start's energy turned round.
+    pub fn forbids_depth(&self, rule: Rule, depth: T) -> bool {
+        if self.q <= T::zero() {
+            return true;
+        }
+        let second = depth > self.p - self.q;
+        let first = depth > self.q - self.p;
+        match rule {
+            Rule::Second => second,
+            Rule::First => first,
+            Rule::Either => first && second,
+        }
+    }
+
+    /// The same pendulum in another number type.
+    pub fn convert<U: Scalar>(&self) -> Pendulum<U> {
+        self.map(|x| U::from_f64(x.to_f64()))
+    }
+}
+
+impl<T: Copy> Pendulum<T> {
+    /// Each number through `f`.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Pendulum<U> {
+        Pendulum {
+            a: f(self.a),
+            b: f(self.b),
+            c: f(self.c),
+            p: f(self.p),
+            q: f(self.q),
+            least_det: f(self.least_det),
+        }
+    }
+}
+
+impl<T: Real> Pendulum<T> {
+    /// The angular accelerations α1, α2 in rad/s².
+    #[inline(always)]
+    pub fn acceleration(&self, state: &State<T>) -> [T; 2] {
+        let (sin1, cos1) = state.angle[0].sin_cos();
+        let (sin2, cos2) = state.angle[1].sin_cos();
+        let s = sin1 * cos2 - cos1 * sin2;
+        let c = cos1.mul_add(cos2, sin1 * sin2);
+        let (cs, cc) = (self.c * s, self.c * c);
+        let [w1, w2] = state.speed;
+        let torque1 = -(cs * (w2 * w2)) - self.p * sin1;
+        let torque2 = cs * (w1 * w1) - self.q * sin2;
+        let inverse_det = s.lit(1.0) / cs.mul_add(cs, self.least_det);
+        [
+            (self.b * torque1 - cc * torque2) * inverse_det,
+            (self.a * torque2 - cc * torque1) * inverse_det,
+        ]
+    }
+
+    /// Kinetic plus potential energy in J, zero for both rods level and at rest.
+    pub fn energy(&self, state: &State<T>) -> T {
+        let (sin1, cos1) = state.angle[0].sin_cos();
+        let (sin2, cos2) = state.angle[1].sin_cos();
+        let c = cos1 * cos2 + sin1 * sin2;
+        let [w1, w2] = state.speed;
+        let half = c.lit(0.5);
+        let kinetic = half * self.a * w1 * w1 + half * self.b * w2 * w2 + self.c * w1 * w2 * c;
+        kinetic - self.p * cos1 - self.q * cos2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit() -> Pendulum<f64> {
+        Pendulum::points([1.0, 1.0], [1.0, 1.0], 1.0)
+    }
+
+    #[test]
+    fn accelerations_solve_the_matrix_equation() {
+        for pendulum in [
+            Pendulum::points([1.0, 2.0], [1.0, 0.6], 9.81),
+            Pendulum::rods([0.3, 2.0], [0.4, 0.6], 1.62),
+        ] {
+            let state = State {
+                angle: [1.1f64, -2.3],
+                speed: [3.0, -4.0],
+            };
+            let [a1, a2] = pendulum.acceleration(&state);
+            let (s, c) = (state.angle[0] - state.angle[1]).sin_cos();
+            let Pendulum { a, b, c: k, p, q, .. } = pendulum;
+            let first = a * a1 + k * c * a2 + k * s * 16.0 + p * state.angle[0].sin();
+            let second = k * c * a1 + b * a2 - k * s * 9.0 + q * state.angle[1].sin();
+            assert!(first.abs() < 1e-12 && second.abs() < 1e-12);
+            assert!((pendulum.least_det - (a * b - k * k)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn small_swings_are_the_normal_modes() {
+        // ω² = (g/l)(2 ± √2), with θ2 = ∓√2 θ1.
+        for sign in [-1.0, 1.0] {
+            let theta1 = 1e-6;
+            let state = State::rest([theta1, -sign * 2f64.sqrt() * theta1]);
+            let [a1, _] = unit().acceleration(&state);
+            assert!((-a1 / theta1 - (2.0 + sign * 2f64.sqrt())).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn reduced_units_move_the_same_way() {
+        let pendulum = Pendulum::rods([0.3, 2.0], [0.4, 0.6], 1.62);
+        let (reduced, unit_secs) = pendulum.reduced();
+        let state = State {
+            angle: [1.1, -2.3],
+            speed: [3.0, -4.0],
+        };
+        let scaled = State {
+            angle: state.angle,
+            speed: state.speed.map(|w| w * unit_secs),
+        };
+        let (plain, scaled) = (pendulum.acceleration(&state), reduced.acceleration(&scaled));
+        for i in 0..2 {
+            assert!((plain[i] * unit_secs * unit_secs / scaled[i] - 1.0).abs() < 1e-13);
+        }
+        let home = Pendulum::points([1.0, 1.0], [1.0, 1.0], 9.81f64).reduced().0;
+        assert_eq!((home.a, home.b, home.p, home.least_det), (2.0, 1.0, 2.0, 1.0));
+    }
+
+    #[test]
+    fn forbidden_shares_of_the_torus_are_the_known_ones() {
+        let share = |pendulum: Pendulum<f64>, rule| {
+            let n = 1000;
+            let angle = |i: usize| (i as f64 + 0.5) / n as f64 * std::f64::consts::TAU;
+            let count = (0..n * n)
+                .filter(|k| pendulum.forbids(rule, [angle(k / n), angle(k % n)]))
+                .count();
+            count as f64 / (n * n) as f64
+        };
+        let rods = Pendulum::rods([1.0, 1.0], [1.0, 1.0], 9.81);
+        assert!((share(unit(), Rule::Second) - 0.306437).abs() < 1e-4);
+        assert!((share(rods, Rule::Second) - 0.243925).abs() < 1e-4);
+        let (first, either) = (share(unit(), Rule::First), share(unit(), Rule::Either));
+        assert!(first > 0.5 && either == share(unit(), Rule::Second));
+    }
+
+    #[test]
+    fn without_gravity_everything_is_forbidden() {
+        let weightless = Pendulum::points([1.0, 1.0], [1.0, 1.0], 0.0);
+        assert!(weightless.forbids(Rule::Either, [3.0, 3.0]));
+    }
+}

@@ -1,0 +1,118 @@
+//! The two number traits: [`Real`] for arithmetic, [`Scalar`] for what can also be compared.
+
+use std::fmt::{Debug, Display};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number that the equations can be written in: one value, a register of SIMD lanes, or a
+/// symbol that remembers what was done to it.
+///
+/// Literals are made from a number at hand ([`Real::lit`]), because SIMD lanes and symbols
+/// belong to a context that a bare literal does not have.
+pub trait Real:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The literal `value`, in the context of `self`.
+    fn lit(self, value: f64) -> Self;
+
+    /// `self · factor + term`, fused where the type can do so at no cost.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+
+    /// Sine and cosine of an angle in rad.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// `(sum, error)` with `sum + error == self + other` exactly (Knuth's two-sum, any order of
+    /// magnitudes). Types whose compiler may not be trusted with it say so in their own module.
+    fn two_sum(self, other: Self) -> (Self, Self) {
+        let sum = self + other;
+        let part = sum - self;
+        (sum, (self - (sum - part)) + (other - part))
+    }
+}
+
+/// A single ordered number.
+pub trait Scalar: Real + PartialOrd + Display + Send + Sync + 'static {
+    /// Distance from 1 to the next number.
+    const EPSILON: f64;
+
+    /// The nearest number of this type.
+    fn from_f64(value: f64) -> Self;
+    /// The nearest `f64`.
+    fn to_f64(self) -> f64;
+    /// π to the precision of the type.
+    fn pi() -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Parses a decimal straight into the type, correctly rounded; `None` if it is not a number.
+    fn parse(text: &str) -> Option<Self>;
+
+    /// Zero.
+    fn zero() -> Self {
+        Self::from_f64(0.0)
+    }
+    /// Magnitude.
+    fn abs(self) -> Self {
+        if self < Self::zero() { -self } else { self }
+    }
+    /// The larger of two.
+    fn max(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool {
+        self.to_f64().is_finite()
+    }
+}
+
+macro_rules! native_float {
+    ($float:ident) => {
+        impl Real for $float {
+            #[inline(always)]
+            fn lit(self, value: f64) -> Self {
+                value as $float
+            }
+            // A separate multiply and add: without a known FMA unit `mul_add` is a library call.
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                self * factor + term
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                $float::sin_cos(self)
+            }
+        }
+
+        impl Scalar for $float {
+            const EPSILON: f64 = $float::EPSILON as f64;
+
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as $float
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            fn pi() -> Self {
+                std::f64::consts::PI as $float
+            }
+            fn sqrt(self) -> Self {
+                $float::sqrt(self)
+            }
+            fn parse(text: &str) -> Option<Self> {
+                text.trim()
+                    .parse()
+                    .ok()
+                    .filter(|value: &$float| value.is_finite())
+            }
+        }
+    };
+}
+
+native_float!(f32);
+native_float!(f64);
