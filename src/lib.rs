@@ -1,2 +1,3 @@
 //! flipmap: every possible double pendulum at once.
+pub mod engine;
 pub mod physics;

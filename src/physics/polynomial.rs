@@ -1,6 +1,6 @@
 //! Polynomials over one step, lowest power first, and their first rise through zero.
 
-use super::real::Scalar;
+use super::real::{Real, Scalar};
 
 /// Σ cₖ xᵏ by Horner's rule.
 #[inline]
@@ -13,8 +13,8 @@ pub fn evaluate<T: Scalar>(coefficients: &[T], x: T) -> T {
 
 /// The quintic on [0, 1] with value, first and second derivative `at0` and `at1` at its ends.
 #[inline]
-pub fn quintic_hermite<T: Scalar>(at0: [T; 3], at1: [T; 3]) -> [T; 6] {
-    let lit = T::from_f64;
+pub fn quintic_hermite<T: Real>(at0: [T; 3], at1: [T; 3]) -> [T; 6] {
+    let lit = |value| at0[0].lit(value);
     let ([f0, d0, s0], [f1, d1, s1]) = (at0, at1);
     let half = s0 * lit(0.5);
     // What is left for the three upper powers to make up at x = 1.

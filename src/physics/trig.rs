@@ -5,16 +5,16 @@
 
 use super::real::Real;
 
-/// How a number type rounds, and how many terms its precision needs.
+/// A number that can be rounded to an integer.
 pub trait Rounding: Real {
-    /// Coefficients after the first, of each of the two series.
-    const TERMS: usize;
-    /// π in parts, the first ones short enough that a small integer times them is exact.
-    const PI_PARTS: &'static [f64];
-
     /// The nearest integer, ties to even.
     fn nearest(self) -> Self;
 }
+
+/// Terms after the first that f32 needs of each series on [−π/2, π/2].
+pub const TERMS_F32: usize = 6;
+/// The same for f64.
+pub const TERMS_F64: usize = 10;
 
 /// π for f32: 8 and 11 bits, and the rest; exact for up to 2¹³ half turns.
 pub const PI_PARTS_F32: &[f64] = &[
@@ -33,11 +33,12 @@ pub const PI_PARTS_F64: &[f64] = &[
 /// [−π/2, π/2], which leaves no quadrant to choose and hence no branch.
 ///
 /// Exactly odd in the sine and even in the cosine, so that mirrored starts stay mirrored.
+/// `terms` and `pi_parts` are those of the number type, above.
 #[inline(always)]
-pub fn sin_cos<T: Rounding>(x: T) -> (T, T) {
+pub fn sin_cos_with<T: Rounding>(x: T, terms: usize, pi_parts: &[f64]) -> (T, T) {
     let half_turns = (x * x.lit(std::f64::consts::FRAC_1_PI)).nearest();
     let mut r = x;
-    for &part in T::PI_PARTS {
+    for &part in pi_parts {
         r = half_turns.mul_add(x.lit(-part), r);
     }
     // (−1)^half_turns, from how far half of it is from an integer: 0 or ±½.
@@ -47,7 +48,7 @@ pub fn sin_cos<T: Rounding>(x: T) -> (T, T) {
 
     let square = r * r;
     let (mut sin, mut cos) = (x.lit(0.0), x.lit(0.0));
-    for k in (1..=T::TERMS).rev() {
+    for k in (1..=terms).rev() {
         let alternate = if k % 2 == 0 { 1.0 } else { -1.0 };
         sin = square * (sin + x.lit(alternate / factorial(2 * k + 1)));
         cos = square * (cos + x.lit(alternate / factorial(2 * k)));
@@ -96,12 +97,10 @@ mod tests {
             Plain(self.0 * factor.0 + term.0)
         }
         fn sin_cos(self) -> (Self, Self) {
-            sin_cos(self)
+            sin_cos_with(self, TERMS_F64, PI_PARTS_F64)
         }
     }
     impl Rounding for Plain {
-        const TERMS: usize = 11;
-        const PI_PARTS: &'static [f64] = PI_PARTS_F64;
         fn nearest(self) -> Self {
             Plain(self.0.round_ties_even())
         }
@@ -111,7 +110,7 @@ mod tests {
     fn agrees_with_the_library_to_the_last_bits() {
         for i in -40_000..=40_000 {
             let x = f64::from(i) * 1.7e-3 + 1e-7;
-            let (sin, cos) = sin_cos(Plain(x));
+            let (sin, cos) = Plain(x).sin_cos();
             assert!((sin.0 - x.sin()).abs() < 6e-16, "sin {x}");
             assert!((cos.0 - x.cos()).abs() < 6e-16, "cos {x}");
         }
@@ -121,7 +120,7 @@ mod tests {
     fn is_exactly_odd_and_even() {
         for i in 0..10_000 {
             let x = f64::from(i) * 1.3e-3;
-            let ((s, c), (ms, mc)) = (sin_cos(Plain(x)), sin_cos(Plain(-x)));
+            let ((s, c), (ms, mc)) = (Plain(x).sin_cos(), Plain(-x).sin_cos());
             assert!(s.0 == -ms.0 && c.0 == mc.0, "{x}");
         }
     }

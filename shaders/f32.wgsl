@@ -1,0 +1,27 @@
+// The number type f32. The operators are the language's own.
+
+alias Real = f32;
+// θ1 and θ2, each in two parts.
+alias Start = vec4<f32>;
+
+const PI = 3.14159274f;
+// What PI leaves of π.
+const PI_REST = -8.74227766e-8f;
+
+fn from_parts(parts: vec2<f32>) -> Real {
+    return parts.x + parts.y;
+}
+
+fn to_parts(x: Real) -> vec2<f32> {
+    return vec2<f32>(x, 0.0);
+}
+
+fn finite(x: Real) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+// A rounded value that no optimiser sees through. Without it every driver seen folds the error
+// terms of two-sums to zero; a constant in place of `job.zero` is folded as well.
+fn guard(x: Real) -> Real {
+    return bitcast<f32>(bitcast<u32>(x) ^ job.zero);
+}

@@ -1,0 +1,30 @@
+// Known sums and orbits' ingredients, to judge a device by: the host compares every bit.
+
+struct Zero {
+    zero: u32,
+}
+
+// The sums' operands in pairs.
+@group(0) @binding(0) var<storage, read> operands: array<Real>;
+// For each pair: sum, error (f64: difference), product, quotient, sine and cosine of the first,
+// the first rounded.
+@group(0) @binding(1) var<storage, read_write> answers: array<Real>;
+@group(0) @binding(2) var<storage, read> job: Zero;
+
+@compute @workgroup_size(64)
+fn check(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&operands) / 2u {
+        return;
+    }
+    let a = operands[2u * id.x];
+    let b = operands[2u * id.x + 1u];
+{{ maths }}
+    let place = 7u * id.x;
+    answers[place] = sum;
+    answers[place + 1u] = error;
+    answers[place + 2u] = product;
+    answers[place + 3u] = quotient;
+    answers[place + 4u] = sin;
+    answers[place + 5u] = cos;
+    answers[place + 6u] = round(a);
+}

@@ -1,0 +1,139 @@
+//! A graphics device: which adapters there are, how one is opened, and what it reports.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use crate::engine::EngineError;
+
+/// An open device and the adapter it came from. Lives as long as the process, or until lost.
+pub struct Gpu {
+    /// Where the device came from, to open it again.
+    pub adapter: wgpu::Adapter,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its one queue.
+    pub queue: wgpu::Queue,
+    lost: Arc<AtomicBool>,
+    complaint: Arc<Mutex<Option<String>>>,
+}
+
+/// Every adapter of the backends compiled in, best first: real devices before software.
+pub fn adapters() -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::PRIMARY;
+    let instance = wgpu::Instance::new(descriptor);
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    adapters
+}
+
+/// The adapter's name with its kind and driver.
+pub fn describe(adapter: &wgpu::Adapter) -> String {
+    let info = adapter.get_info();
+    let driver = [info.driver.as_str(), info.driver_info.as_str()]
+        .into_iter()
+        .filter(|text| !text.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ");
+    format!("{} ({:?}, {:?}, {driver})", info.name, info.device_type, info.backend)
+}
+
+/// Whether the adapter is a program on the processor.
+pub fn is_software(adapter: &wgpu::Adapter) -> bool {
+    adapter.get_info().device_type == wgpu::DeviceType::Cpu
+}
+
+impl Gpu {
+    /// Opens a device with f64 where the adapter has it and with the adapter's own limits.
+    pub fn open(adapter: wgpu::Adapter) -> Result<Self, EngineError> {
+        let wanted = wgpu::Features::SHADER_F64;
+        let own = adapter.limits();
+        let limits = wgpu::Limits {
+            max_buffer_size: own.max_buffer_size,
+            max_storage_buffer_binding_size: own.max_storage_buffer_binding_size,
+            ..wgpu::Limits::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("flipmap"),
+            required_features: adapter.features() & wanted,
+            required_limits: limits.or_worse_values_from(&own),
+            ..Default::default()
+        }))
+        .map_err(|error| EngineError::DeviceLost(error.to_string()))?;
+        let lost = Arc::new(AtomicBool::new(false));
+        let complaint = Arc::new(Mutex::new(None));
+        device.set_device_lost_callback({
+            let lost = lost.clone();
+            move |_, why| {
+                log::warn!("the graphics device is gone: {why}");
+                lost.store(true, Ordering::Release);
+            }
+        });
+        device.on_uncaptured_error(Arc::new({
+            let complaint = complaint.clone();
+            move |error: wgpu::Error| {
+                let mut first = complaint.lock().expect("no panic while held");
+                first.get_or_insert_with(|| error.to_string());
+            }
+        }));
+        Ok(Gpu { adapter, device, queue, lost, complaint })
+    }
+
+    /// A fresh device on the same adapter.
+    pub fn reopen(&self) -> Result<Self, EngineError> {
+        Gpu::open(self.adapter.clone())
+    }
+
+    /// Whether the device can do nothing more.
+    pub fn is_lost(&self) -> bool {
+        self.lost.load(Ordering::Acquire)
+    }
+
+    /// The first thing the driver or wgpu refused since the last call, unless the device is
+    /// lost, which explains everything.
+    pub fn check(&self) -> Result<(), EngineError> {
+        let complaint = self.complaint.lock().expect("no panic while held").take();
+        match complaint {
+            Some(what) if !self.is_lost() => Err(EngineError::Driver(what)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the device computes in f64 at all; whether rightly, the self-check tells.
+    pub fn has_f64(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SHADER_F64)
+    }
+
+    /// A buffer of `bytes`, refused in words when it is too large or memory has run out.
+    pub fn buffer(
+        &self,
+        label: &'static str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, EngineError> {
+        let limits = self.device.limits();
+        let storage = usage.contains(wgpu::BufferUsages::STORAGE);
+        let binding = limits.max_storage_buffer_binding_size;
+        let allowed = if storage { binding.min(limits.max_buffer_size) } else { limits.max_buffer_size };
+        if bytes > allowed {
+            return Err(EngineError::LimitExceeded { what: label, needed: bytes, allowed });
+        }
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.max(16),
+            usage,
+            mapped_at_creation: false,
+        });
+        match pollster::block_on(scope.pop()) {
+            Some(_) => Err(EngineError::OutOfMemory { mib: bytes.div_ceil(1 << 20) }),
+            None => Ok(buffer),
+        }
+    }
+}

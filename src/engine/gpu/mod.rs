@@ -1,0 +1,212 @@
+//! The engine that runs on an adapter of wgpu.
+//!
+//! Up to [`SLOTS`] jobs are on the device, each with at most one slice submitted: while one
+//! slice runs the other waits behind it, so the device never idles and never has more than one
+//! slice queued. After each slice the host reads 16 bytes, asynchronously, and makes the next
+//! slice longer or shorter so that none runs past the pace. Results do not depend on the pace.
+
+pub mod device;
+pub mod kernel;
+pub mod pipeline;
+mod slot;
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use self::device::Gpu;
+use self::kernel::Design;
+use self::pipeline::Kernel;
+use self::slot::{Landed, Slot};
+use super::method::Method;
+use super::selfcheck::Verdict;
+use super::{Engine, EngineError, Finished, Job, Precision, Wait};
+
+/// Jobs on the device at a time.
+const SLOTS: usize = 2;
+/// How long a slice may run when nobody watches: drivers reset at 2 s.
+const HEADLESS_PACE: Duration = Duration::from_millis(50);
+/// The first slice's steps, before anything was measured.
+const FIRST_SLICE_STEPS: u32 = 8;
+/// Slices that a full budget is cut into at least, so that lanes are packed anew often enough.
+const LEAST_SLICES: u32 = 32;
+/// A device lost this often is given up.
+const MOST_LOSSES: u32 = 3;
+
+/// A device computing jobs.
+pub struct GpuEngine {
+    gpu: Gpu,
+    verdict: Verdict,
+    specialise: bool,
+    kernels: Vec<Kernel>,
+    slots: VecDeque<Slot>,
+    pace: Duration,
+    slice_steps: u32,
+    last_landing: Option<Instant>,
+    losses: u32,
+}
+
+impl GpuEngine {
+    /// An engine on an open device whose arithmetic was judged.
+    pub fn new(gpu: Gpu, verdict: Verdict) -> Self {
+        GpuEngine {
+            gpu,
+            verdict,
+            specialise: true,
+            kernels: Vec::new(),
+            slots: VecDeque::new(),
+            pace: HEADLESS_PACE,
+            slice_steps: FIRST_SLICE_STEPS,
+            last_landing: None,
+            losses: 0,
+        }
+    }
+
+    /// How long a slice may run.
+    pub fn set_pace(&mut self, pace: Duration) {
+        self.pace = pace;
+    }
+
+    /// Whether kernels are made for their scene (the default) or read it as data.
+    pub fn set_specialised(&mut self, specialise: bool) {
+        self.specialise = specialise;
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    fn design(&self, job: &Job) -> Result<Design, EngineError> {
+        self.verdict.require(job.recipe.precision).map_err(EngineError::Unsupported)?;
+        let compensated =
+            self.verdict.compensated && job.recipe.precision == Precision::F32;
+        Ok(if self.specialise {
+            Design::specialised(&job.question, &job.recipe, compensated)
+        } else {
+            Design::general(&job.recipe, compensated)
+        })
+    }
+
+    /// The place of the job's kernel in the list, compiled if it is new.
+    fn kernel_for(&mut self, job: &Job) -> Result<usize, EngineError> {
+        let design = self.design(job)?;
+        if let Some(index) = self.kernels.iter().position(|kernel| kernel.design == design) {
+            return Ok(index);
+        }
+        self.kernels.push(Kernel::new(&self.gpu, design)?);
+        Ok(self.kernels.len() - 1)
+    }
+
+    fn start(&mut self, job: Job) -> Result<(), EngineError> {
+        let index = self.kernel_for(&job)?;
+        let kernel = &self.kernels[index];
+        let mut slot = Slot::new(&self.gpu, kernel, index, job)?;
+        slot.submit_slice(&self.gpu, kernel, self.slice_steps);
+        self.slots.push_back(slot);
+        self.gpu.check()
+    }
+
+    /// Takes all that has been read back and submits what follows from it.
+    fn land(&mut self) -> Vec<Finished> {
+        let mut finished = Vec::new();
+        for mut slot in std::mem::take(&mut self.slots) {
+            match slot.land(&self.gpu) {
+                Landed::InFlight => {}
+                Landed::Slice(since) => {
+                    self.adapt(since, &slot.job);
+                    slot.submit_slice(&self.gpu, &self.kernels[slot.kernel], self.slice_steps);
+                }
+                Landed::Complete(since) => self.adapt(since, &slot.job),
+                Landed::Answer(answer) => {
+                    finished.push(answer);
+                    continue;
+                }
+            }
+            self.slots.push_back(slot);
+        }
+        finished
+    }
+
+    /// Brings the next slices nearer to the pace, from how long the landed one ran: since its
+    /// submission, or since the slice before it ended.
+    fn adapt(&mut self, since: Instant, job: &Job) {
+        let now = Instant::now();
+        let began = self.last_landing.map_or(since, |last| last.max(since));
+        self.last_landing = Some(now);
+        let ratio = self.pace.as_secs_f64() / (now - began).as_secs_f64().max(1e-6);
+        let wanted = f64::from(self.slice_steps) * ratio.clamp(0.5, 2.0);
+        let Method::Rk4 { step_secs } = job.recipe.method;
+        let most = job.question.budget_secs / step_secs / f64::from(LEAST_SLICES);
+        self.slice_steps = wanted.clamp(1.0, most.max(1.0)) as u32;
+    }
+
+    /// Opens the device again and does all unfinished jobs anew.
+    fn recover(&mut self) -> Result<(), EngineError> {
+        self.losses += 1;
+        if self.losses > MOST_LOSSES {
+            return Err(EngineError::DeviceLost(format!("lost {} times", self.losses)));
+        }
+        let jobs: Vec<Job> = self.slots.drain(..).map(|slot| slot.job).collect();
+        self.kernels.clear();
+        self.gpu = self.gpu.reopen()?;
+        jobs.into_iter().try_for_each(|job| self.start(job))
+    }
+
+    /// Waits for the oldest submission, or until a moment.
+    fn wait(&self, wait: Wait) -> bool {
+        let Some(submission) = self.slots.iter().find_map(Slot::submission) else {
+            return false;
+        };
+        let timeout = match wait {
+            Wait::UntilFinished => None,
+            Wait::Until(moment) => match moment.checked_duration_since(Instant::now()) {
+                Some(left) if !left.is_zero() => Some(left),
+                _ => return false,
+            },
+        };
+        // A time-out is no error, and a lost device is seen by the caller.
+        let submission_index = Some(submission.clone());
+        let _ = self.gpu.device.poll(wgpu::PollType::Wait { submission_index, timeout });
+        true
+    }
+}
+
+impl Engine for GpuEngine {
+    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+        self.start(job)
+    }
+
+    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+        loop {
+            let _ = self.gpu.device.poll(wgpu::PollType::Poll);
+            if self.gpu.is_lost() {
+                self.recover()?;
+            }
+            let finished = self.land();
+            self.gpu.check()?;
+            if !finished.is_empty() || !self.wait(wait) {
+                return Ok(finished);
+            }
+        }
+    }
+
+    fn cancel(&mut self) {
+        self.slots.clear();
+    }
+
+    fn slots(&self) -> usize {
+        SLOTS
+    }
+
+    fn job_size(&self) -> usize {
+        if device::is_software(&self.gpu.adapter) { 1 << 16 } else { 1 << 20 }
+    }
+
+    fn name(&self) -> &'static str {
+        "gpu"
+    }
+
+    fn adapter(&self) -> String {
+        device::describe(&self.gpu.adapter)
+    }
+}

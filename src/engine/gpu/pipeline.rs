@@ -1,0 +1,114 @@
+//! A compiled kernel: the pipelines of one [`Design`].
+
+use super::device::Gpu;
+use super::kernel::Design;
+use crate::engine::EngineError;
+
+/// The four entry points of a design, compiled for one device.
+pub struct Kernel {
+    /// What it was made from.
+    pub design: Design,
+    /// Starts to states.
+    pub begin: wgpu::ComputePipeline,
+    /// Swaps the lists and sizes the next dispatch.
+    pub turn: wgpu::ComputePipeline,
+    /// Whole steps.
+    pub advance: wgpu::ComputePipeline,
+    /// Steps in which the top may be reached.
+    pub look: wgpu::ComputePipeline,
+    layouts: [wgpu::BindGroupLayout; 2],
+}
+
+impl Kernel {
+    /// Compiles `design`.
+    pub fn new(gpu: &Gpu, design: Design) -> Result<Self, EngineError> {
+        let device = &gpu.device;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("tile"),
+            source: wgpu::ShaderSource::Wgsl(design.text().into()),
+        });
+        let layouts = [layout(device, &[true, true, false, false, false, false]), layout(device, &[false])];
+        let pipeline = |entry: &str, groups: usize| {
+            let groups: Vec<_> = layouts[..groups].iter().map(Some).collect();
+            compute_pipeline(device, &module, entry, &groups)
+        };
+        let kernel = Kernel {
+            design,
+            begin: pipeline("begin", 1),
+            turn: pipeline("turn", 2),
+            advance: pipeline("advance", 1),
+            look: pipeline("look", 1),
+            layouts: layouts.clone(),
+        };
+        gpu.check()?;
+        Ok(kernel)
+    }
+
+    /// A bind group of this kernel.
+    pub fn bind(&self, gpu: &Gpu, group: usize, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+        bind(&gpu.device, &self.layouts[group], buffers)
+    }
+}
+
+/// A layout of storage buffers, each read-only or not.
+pub fn layout(device: &wgpu::Device, read_only: &[bool]) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = (0..)
+        .zip(read_only)
+        .map(|(binding, &read_only)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &entries,
+    })
+}
+
+/// Buffers in the order of their bindings.
+pub fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    buffers: &[&wgpu::Buffer],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(buffers)
+        .map(|(binding, buffer)| wgpu::BindGroupEntry {
+            binding,
+            resource: buffer.as_entire_binding(),
+        })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout,
+        entries: &entries,
+    })
+}
+
+/// One entry point of a module.
+pub fn compute_pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+) -> wgpu::ComputePipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry),
+        layout: Some(&layout),
+        module,
+        entry_point: Some(entry),
+        compilation_options: Default::default(),
+        cache: None,
+    })
+}

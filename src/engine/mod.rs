@@ -1,0 +1,167 @@
+//! What computes: a job of pendulum starts goes in, their outcomes come out.
+//!
+//! An [`Engine`] knows no picture. It is given starts and a [`Question`] and answers with one
+//! outcome a start, in the same order, whatever it did to be fast. Four lifetimes nest here:
+//! `Gpu` (a device, as long as the process), `Kernel` (a compiled [`Recipe`]), `Slot` (the
+//! buffers of one job in flight) and the job itself, which is plain data.
+//!
+//! * [`gpu`] runs kernels on any adapter that wgpu finds;
+//! * [`cpu`] runs the same physics over threads and SIMD lanes;
+//! * [`mock`] answers at once, for tests of everything above;
+//! * [`selfcheck`] decides which arithmetic of an adapter is believed.
+
+
+
+pub mod gpu;
+pub mod method;
+
+pub mod selfcheck;
+pub mod shared;
+pub mod symbol;
+
+use std::time::Instant;
+
+use crate::physics::{Dd, Outcome, Pendulum, Rule, State};
+pub use method::{Method, Precision};
+
+/// What is asked about every start of a job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Question {
+    /// The five numbers, kg m² and J; gravity must pull.
+    pub pendulum: Pendulum<f64>,
+    /// Which bob is watched.
+    pub rule: Rule,
+    /// Simulated seconds a start may use.
+    pub budget_secs: f64,
+}
+
+/// How it is integrated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recipe {
+    /// The method with its step.
+    pub method: Method,
+    /// The number type.
+    pub precision: Precision,
+}
+
+/// Where the pendulums of a job begin.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Starts {
+    /// Let go at rest at these angles (rad), each within (−π, π].
+    Rest(Vec<[Dd; 2]>),
+    /// Continued from where an earlier job of the same question and recipe paused them.
+    Paused(Vec<Paused>),
+}
+
+impl Starts {
+    /// How many pendulums.
+    pub fn len(&self) -> usize {
+        match self {
+            Starts::Rest(angles) => angles.len(),
+            Starts::Paused(states) => states.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// An unfinished pendulum between two jobs, exactly as the kernel left it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paused {
+    /// Whole steps done.
+    pub steps: u32,
+    /// The state in the kernel's units; exact for every precision.
+    pub state: State<f64>,
+    /// What rounding took from it (f32 keeps it, f64 does not).
+    pub low: State<f64>,
+}
+
+/// One piece of work.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The submitter's own name for it.
+    pub id: u64,
+    /// What is asked.
+    pub question: Question,
+    /// How it is computed.
+    pub recipe: Recipe,
+    /// The pendulums.
+    pub starts: Starts,
+    /// Whether to hand back the states of those unflipped at the end of the budget.
+    pub keep_unfinished: bool,
+}
+
+/// The answer to a job.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finished {
+    /// The job's name.
+    pub id: u64,
+    /// One for each start, in the order of the starts.
+    pub outcomes: Vec<Outcome>,
+    /// For each start still unflipped, its index and state, if they were to be kept.
+    pub unfinished: Vec<(usize, Paused)>,
+    /// Right-hand sides evaluated, those for locating flips included.
+    pub rhs_evaluations: u64,
+}
+
+/// How long [`Engine::poll`] may wait for something to finish.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wait {
+    /// As long as anything is in flight.
+    UntilFinished,
+    /// Not past this moment.
+    Until(Instant),
+}
+
+/// What goes wrong inside an engine.
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    /// A buffer could not be had.
+    #[error(
+        "the device has no room for {mib} MiB more; use a smaller --size, or --engine cpu"
+    )]
+    OutOfMemory {
+        /// What was asked for.
+        mib: u64,
+    },
+    /// More than the adapter's limits allow.
+    #[error("{what} needs {needed}, but this adapter allows at most {allowed}")]
+    LimitExceeded {
+        /// What was too large.
+        what: &'static str,
+        /// How much of it.
+        needed: u64,
+        /// The adapter's limit.
+        allowed: u64,
+    },
+    /// The recipe is not for this engine or adapter.
+    #[error("{0}")]
+    Unsupported(String),
+    /// The device is gone and could not be had again.
+    #[error("the graphics device was lost and could not be recreated: {0}")]
+    DeviceLost(String),
+    /// The driver refused something it should not have.
+    #[error("the graphics driver reported: {0}")]
+    Driver(String),
+}
+
+/// Something that computes jobs. Nothing here blocks but [`Engine::poll`] when told to wait.
+pub trait Engine {
+    /// Takes a job. The caller keeps at most [`Engine::slots`] of them in flight.
+    fn submit(&mut self, job: Job) -> Result<(), EngineError>;
+    /// Moves the work on and returns what has finished, in any order.
+    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError>;
+    /// Forgets all jobs in flight; their answers will not come.
+    fn cancel(&mut self);
+    /// How many jobs in flight keep the engine busy.
+    fn slots(&self) -> usize;
+    /// How many starts make a good job.
+    fn job_size(&self) -> usize;
+    /// `gpu`, `cpu` or `mock`.
+    fn name(&self) -> &'static str;
+    /// The adapter's name, or the processor's SIMD width and threads.
+    fn adapter(&self) -> String;
+}

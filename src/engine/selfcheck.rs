@@ -1,0 +1,241 @@
+//! Whether an adapter's arithmetic can be believed.
+//!
+//! Nothing protects floating point on graphics cards: compilers reorder sums, drop error terms
+//! and emit garbage for some functions. So each number type is offered only where a kernel of
+//! known sums came out right on this very device, bit by bit where the standard says so. The
+//! judgement itself is plain code on plain numbers, so that a test can show it false answers.
+
+use super::gpu::device::Gpu;
+use super::gpu::kernel::selfcheck_text;
+use super::gpu::pipeline::{bind, compute_pipeline, layout};
+use super::{EngineError, Precision};
+use crate::physics::Real;
+
+/// One question put to the device, and how it did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// The number type.
+    pub precision: Precision,
+    /// What was asked.
+    pub name: &'static str,
+    /// Whether it came out right.
+    pub passed: bool,
+    /// The worst error, or what went wrong.
+    pub detail: String,
+}
+
+/// What a device is believed to do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verdict {
+    /// Every check made.
+    pub checks: Vec<Check>,
+    /// f32 arithmetic is sound.
+    pub f32: bool,
+    /// f32 error terms survive the compiler, so states can be compensated.
+    pub compensated: bool,
+    /// f64 arithmetic is there and sound.
+    pub f64: bool,
+}
+
+impl Verdict {
+    /// Why a precision is not offered, if so.
+    pub fn require(&self, precision: Precision) -> Result<(), String> {
+        let offered = match precision {
+            Precision::F32 => self.f32,
+            Precision::F64 => self.f64,
+        };
+        if offered {
+            return Ok(());
+        }
+        let failed: Vec<String> = self
+            .checks
+            .iter()
+            .filter(|check| check.precision == precision && !check.passed)
+            .map(|check| format!("{} ({})", check.name, check.detail))
+            .collect();
+        Err(format!(
+            "this adapter is not trusted with --precision {precision}: {}; use another \
+             --precision, or --engine cpu",
+            failed.join(", ")
+        ))
+    }
+}
+
+/// The name of the check that allows compensated states.
+const ERROR_TERMS: &str = "error terms of sums";
+
+/// Runs all checks on a device.
+pub fn run(gpu: &Gpu) -> Result<Verdict, EngineError> {
+    let mut checks = judge(Precision::F32, &answers_f32(gpu)?);
+    if gpu.has_f64() {
+        checks.extend(judge(Precision::F64, &answers_f64(gpu)?));
+    } else {
+        checks.push(Check {
+            precision: Precision::F64,
+            name: "feature SHADER_F64",
+            passed: false,
+            detail: "the adapter does not have it".to_string(),
+        });
+    }
+    Ok(verdict(checks))
+}
+
+/// What follows from the checks.
+pub fn verdict(checks: Vec<Check>) -> Verdict {
+    let all = |precision: Precision, counts: fn(&Check) -> bool| {
+        let mut of = checks.iter().filter(|c| c.precision == precision && counts(c)).peekable();
+        of.peek().is_some() && of.all(|check| check.passed)
+    };
+    Verdict {
+        f32: all(Precision::F32, |check| check.name != ERROR_TERMS),
+        compensated: all(Precision::F32, |check| check.name == ERROR_TERMS),
+        f64: all(Precision::F64, |_| true),
+        checks,
+    }
+}
+
+/// Pairs of operands: magnitudes from 1e-6 to 30, both signs, and ties of rounding.
+pub fn operands() -> Vec<[f64; 2]> {
+    // A fixed linear congruential sequence (Knuth's MMIX constants): the same on every machine.
+    let mut seed = 20_261_120_u64;
+    let mut random = move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut number = move || {
+        let sign = if random() < 0.5 { -1.0 } else { 1.0 };
+        sign * 10f64.powf(random() * 7.5 - 6.0)
+    };
+    let halves = (-8..8).map(|k| [f64::from(k) + 0.5, 3.0]);
+    (0..1008).map(|_| [number(), number()]).chain(halves).collect()
+}
+
+/// One answer: the operands as the number type held them, and what the device made of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// The pair.
+    pub operands: [f64; 2],
+    /// Sum, error of the sum (f64: difference), product, quotient, sin, cos, rounded.
+    pub results: [f64; 7],
+}
+
+/// Compares the answers of a number type with what they must be.
+pub fn judge(precision: Precision, answers: &[Answer]) -> Vec<Check> {
+    let worst = |error: &dyn Fn(&Answer) -> f64| {
+        // A NaN is the worst of errors.
+        answers.iter().map(error).fold(0.0, |a, b| if a >= b { a } else { b })
+    };
+    let ulp = match precision {
+        Precision::F32 => f64::from(f32::EPSILON),
+        Precision::F64 => f64::EPSILON,
+    };
+    let check = |name, allowed: f64, error: f64| Check {
+        precision,
+        name,
+        passed: error <= allowed,
+        detail: format!("worst error {error:.1e}, allowed {allowed:.1e}"),
+    };
+    let exact = |k: usize, truth: &dyn Fn([f64; 2]) -> f64| {
+        worst(&|answer: &Answer| (answer.results[k] - truth(answer.operands)).abs())
+    };
+    let relative = |k: usize, truth: &dyn Fn([f64; 2]) -> f64| {
+        worst(&|answer: &Answer| {
+            let truth = truth(answer.operands);
+            (answer.results[k] - truth).abs() / truth.abs()
+        })
+    };
+    let sum = move |pair| sum_and_error(precision, pair);
+    let product = move |[a, b]: [f64; 2]| match precision {
+        Precision::F32 => f64::from(a as f32 * b as f32),
+        Precision::F64 => a * b,
+    };
+    let (second, name): (Box<dyn Fn([f64; 2]) -> f64>, _) = match precision {
+        Precision::F32 => (Box::new(move |pair| sum(pair).1), ERROR_TERMS),
+        Precision::F64 => (Box::new(|[a, b]| a - b), "differences"),
+    };
+    vec![
+        check("sums", 0.0, exact(0, &|pair| sum(pair).0)),
+        check(name, 0.0, exact(1, &second)),
+        check("products", 0.0, exact(2, &product)),
+        check("quotients", 2.5 * ulp, relative(3, &|[a, b]| a / b)),
+        check("sines", 4.0 * ulp, exact(4, &|[a, _]| a.sin())),
+        check("cosines", 4.0 * ulp, exact(5, &|[a, _]| a.cos())),
+        check("rounding", 0.0, exact(6, &|[a, _]| a.round_ties_even())),
+    ]
+}
+
+fn sum_and_error(precision: Precision, [a, b]: [f64; 2]) -> (f64, f64) {
+    match precision {
+        Precision::F32 => {
+            let (sum, error) = (a as f32).two_sum(b as f32);
+            (f64::from(sum), f64::from(error))
+        }
+        Precision::F64 => a.two_sum(b),
+    }
+}
+
+fn answers_f32(gpu: &Gpu) -> Result<Vec<Answer>, EngineError> {
+    let operands: Vec<f32> = operands().into_iter().flatten().map(|x| x as f32).collect();
+    let results: Vec<f32> = ask(gpu, Precision::F32, &operands)?;
+    Ok(pair_up(operands.into_iter().map(f64::from), results.into_iter().map(f64::from)))
+}
+
+fn answers_f64(gpu: &Gpu) -> Result<Vec<Answer>, EngineError> {
+    let operands: Vec<f64> = operands().into_iter().flatten().collect();
+    let results: Vec<f64> = ask(gpu, Precision::F64, &operands)?;
+    Ok(pair_up(operands.into_iter(), results.into_iter()))
+}
+
+fn pair_up(
+    operands: impl Iterator<Item = f64>,
+    results: impl Iterator<Item = f64>,
+) -> Vec<Answer> {
+    let (operands, results): (Vec<f64>, Vec<f64>) = (operands.collect(), results.collect());
+    operands
+        .as_chunks()
+        .0
+        .iter()
+        .zip(results.as_chunks().0)
+        .map(|(&operands, &results)| Answer { operands, results })
+        .collect()
+}
+
+/// Seven answers for each pair of operands.
+fn ask<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    precision: Precision,
+    operands: &[T],
+) -> Result<Vec<T>, EngineError> {
+    use wgpu::BufferUsages as Usage;
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("selfcheck"),
+        source: wgpu::ShaderSource::Wgsl(selfcheck_text(precision).into()),
+    });
+    let layout = layout(&gpu.device, &[true, false, true]);
+    let pipeline = compute_pipeline(&gpu.device, &module, "check", &[Some(&layout)]);
+    let bytes = size_of_val(operands) as u64;
+    let input = gpu.buffer("operands", bytes, Usage::STORAGE | Usage::COPY_DST)?;
+    let output = gpu.buffer("answers", bytes / 2 * 7, Usage::STORAGE | Usage::COPY_SRC)?;
+    let zero = gpu.buffer("zero", 16, Usage::STORAGE | Usage::COPY_DST)?;
+    let back = gpu.buffer("answers read back", bytes / 2 * 7, Usage::MAP_READ | Usage::COPY_DST)?;
+    gpu.queue.write_buffer(&input, 0, bytemuck::cast_slice(operands));
+    let group = bind(&gpu.device, &layout, &[&input, &output, &zero]);
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups((operands.len() as u32 / 2).div_ceil(64), 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&output, 0, &back, 0, output.size());
+    gpu.queue.submit([encoder.finish()]);
+    back.map_async(wgpu::MapMode::Read, .., |_| {});
+    let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+    gpu.check()?;
+    waited.map_err(|error| EngineError::Driver(error.to_string()))?;
+    let view = back
+        .slice(..)
+        .get_mapped_range()
+        .map_err(|error| EngineError::Driver(error.to_string()))?;
+    Ok(bytemuck::pod_collect_to_vec(&view))
+}

@@ -1,0 +1,73 @@
+//! What the host and the kernels both know. Twin: `shaders/shared.wgsl`; a test compares the
+//! offsets that naga computes for the assembled shader with the ones here.
+
+use bytemuck::{Pod, Zeroable};
+
+/// The head of a job, for a kernel made for its scene.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct JobHead {
+    /// Pendulums in the job.
+    pub count: u32,
+    /// Steps that begin before the end of the budget.
+    pub most_steps: u32,
+    /// Steps that one dispatch may take with each pendulum.
+    pub slice_steps: u32,
+    /// Always 0.
+    pub zero: u32,
+    /// The step in reduced time units, in two parts.
+    pub step: [f32; 2],
+}
+
+/// What a general kernel reads besides: the scene.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct JobScene {
+    /// 1: the first bob is watched, 2: the second, 3: both.
+    pub watched: u32,
+    /// WGSL aligns what follows to 8 bytes.
+    pub padding: u32,
+    /// A in reduced units, in two parts.
+    pub a: [f32; 2],
+    /// B.
+    pub b: [f32; 2],
+    /// P.
+    pub p: [f32; 2],
+    /// AB − C².
+    pub least_det: [f32; 2],
+}
+
+/// What a kernel says of a pendulum.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct RawOutcome {
+    /// Low byte: the status. Above it: how many times a possible flip was looked at.
+    pub status: u32,
+    /// Whole steps done.
+    pub steps: u32,
+    /// How far into the next step the flip is, in two parts.
+    pub fraction: [f32; 2],
+}
+
+/// The lists of pendulums that still run.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct Queue {
+    /// Which list is read.
+    pub turn: u32,
+    /// Lengths of the two lists.
+    pub running: [u32; 2],
+    /// Length of the list of suspects.
+    pub suspects: u32,
+}
+
+/// `value` as the sum of two f32.
+pub fn to_parts(value: f64) -> [f32; 2] {
+    let high = value as f32;
+    [high, (value - f64::from(high)) as f32]
+}
+
+/// The sum of two f32.
+pub fn from_parts(parts: [f32; 2]) -> f64 {
+    f64::from(parts[0]) + f64::from(parts[1])
+}

@@ -1,0 +1,334 @@
+//! Symbols: numbers that write down what is done to them.
+//!
+//! The equations in `physics` are generic over their number type. Run once on symbols they leave
+//! a list of operations, which is printed as straight-line shader text. So a kernel's maths is
+//! the maths of `physics`, not a second copy of it; what a scene makes trivial (a factor of one,
+//! a product that is used twice) is gone before the text exists; and every value is a scalar,
+//! which on software Vulkan is three times faster than the same maths through structs.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::Precision;
+use crate::physics::Real;
+use crate::physics::trig::{
+    PI_PARTS_F32, PI_PARTS_F64, Rounding, TERMS_F32, TERMS_F64, sin_cos_with,
+};
+
+/// What a symbol stands for.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Node {
+    /// The bits of an f64.
+    Literal(u64),
+    /// A variable of the surrounding shader text.
+    Variable(&'static str),
+    /// An operator between two symbols.
+    Binary(char, u32, u32),
+    Negative(u32),
+    /// A function of the shading language, or of the glued-on number file, of one symbol.
+    Call(&'static str, u32),
+}
+
+struct Tape {
+    precision: Precision,
+    nodes: Vec<Node>,
+    known: HashMap<Node, u32>,
+}
+
+thread_local! {
+    static TAPE: RefCell<Option<Tape>> = const { RefCell::new(None) };
+}
+
+/// A number yet unknown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Symbol(u32);
+
+/// Shader text that computes named results, from running `maths` on symbols: one `let` a
+/// line, then one for each result. `maths` makes its inputs with [`variable`] and [`literal`].
+pub fn write_maths(
+    precision: Precision,
+    indent: &str,
+    maths: impl FnOnce() -> Vec<(String, Symbol)>,
+) -> String {
+    TAPE.with_borrow_mut(|tape| {
+        assert!(tape.is_none(), "symbols of two kernels must not mix");
+        *tape = Some(Tape {
+            precision,
+            nodes: Vec::new(),
+            known: HashMap::new(),
+        });
+    });
+    let results = maths();
+    let tape = TAPE.take().expect("set above");
+    tape.print(indent, &results)
+}
+
+/// The shader variable `name`.
+pub fn variable(name: &'static str) -> Symbol {
+    push(Node::Variable(name))
+}
+
+/// A known number.
+pub fn literal(value: f64) -> Symbol {
+    push(Node::Literal(value.to_bits()))
+}
+
+fn with_tape<R>(f: impl FnOnce(&mut Tape) -> R) -> R {
+    TAPE.with_borrow_mut(|tape| f(tape.as_mut().expect("symbols live inside write_maths")))
+}
+
+fn push(node: Node) -> Symbol {
+    with_tape(|tape| {
+        if let Some(&index) = tape.known.get(&node) {
+            return Symbol(index);
+        }
+        let index = tape.nodes.len() as u32;
+        tape.nodes.push(node.clone());
+        tape.known.insert(node, index);
+        Symbol(index)
+    })
+}
+
+impl Symbol {
+    /// Its value, if that is known already.
+    fn value(self) -> Option<f64> {
+        with_tape(|tape| match tape.nodes[self.0 as usize] {
+            Node::Literal(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        })
+    }
+
+    /// The inside of a negative.
+    fn negated(self) -> Option<Symbol> {
+        with_tape(|tape| match tape.nodes[self.0 as usize] {
+            Node::Negative(inner) => Some(Symbol(inner)),
+            _ => None,
+        })
+    }
+
+    fn call(self, function: &'static str) -> Symbol {
+        push(Node::Call(function, self.0))
+    }
+
+    fn binary(self, operator: char, other: Symbol) -> Symbol {
+        push(Node::Binary(operator, self.0, other.0))
+    }
+}
+
+impl Add for Symbol {
+    type Output = Symbol;
+    fn add(self, other: Symbol) -> Symbol {
+        match (self.value(), other.value()) {
+            (Some(a), Some(b)) => literal(a + b),
+            (Some(0.0), _) => other,
+            (_, Some(0.0)) => self,
+            _ => match other.negated() {
+                Some(inner) => self - inner,
+                None => self.binary('+', other),
+            },
+        }
+    }
+}
+
+impl Sub for Symbol {
+    type Output = Symbol;
+    fn sub(self, other: Symbol) -> Symbol {
+        match (self.value(), other.value()) {
+            (Some(a), Some(b)) => literal(a - b),
+            (Some(0.0), _) => -other,
+            (_, Some(0.0)) => self,
+            _ => match other.negated() {
+                Some(inner) => self + inner,
+                None => self.binary('-', other),
+            },
+        }
+    }
+}
+
+impl Mul for Symbol {
+    type Output = Symbol;
+    fn mul(self, other: Symbol) -> Symbol {
+        match (self.value(), other.value()) {
+            (Some(a), Some(b)) => literal(a * b),
+            (Some(factor), _) => other.scaled(factor),
+            (_, Some(factor)) => self.scaled(factor),
+            _ => self.binary('*', other),
+        }
+    }
+}
+
+impl Symbol {
+    fn scaled(self, factor: f64) -> Symbol {
+        match factor {
+            0.0 => literal(0.0),
+            1.0 => self,
+            -1.0 => -self,
+            _ => self.binary('*', literal(factor)),
+        }
+    }
+}
+
+impl Div for Symbol {
+    type Output = Symbol;
+    fn div(self, other: Symbol) -> Symbol {
+        match (self.value(), other.value()) {
+            (Some(a), Some(b)) => literal(a / b),
+            (_, Some(1.0)) => self,
+            _ => self.binary('/', other),
+        }
+    }
+}
+
+impl Neg for Symbol {
+    type Output = Symbol;
+    fn neg(self) -> Symbol {
+        match (self.value(), self.negated()) {
+            (Some(a), _) => literal(-a),
+            (_, Some(inner)) => inner,
+            _ => push(Node::Negative(self.0)),
+        }
+    }
+}
+
+impl Real for Symbol {
+    fn lit(self, value: f64) -> Self {
+        literal(value)
+    }
+
+    /// Written as a product and a sum: drivers that have a fused unit use it by themselves.
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        match with_tape(|tape| tape.precision) {
+            Precision::F32 => sin_cos_with(self, TERMS_F32, PI_PARTS_F32),
+            Precision::F64 => sin_cos_with(self, TERMS_F64, PI_PARTS_F64),
+        }
+    }
+
+    /// Every rounding behind `guard`, which no optimiser can see through.
+    fn two_sum(self, other: Self) -> (Self, Self) {
+        let guard = |x: Symbol| x.call("guard");
+        let sum = guard(self + other);
+        let part = guard(sum - self);
+        let lost = guard(self - guard(sum - part));
+        (sum, guard(lost + guard(other - part)))
+    }
+}
+
+impl Rounding for Symbol {
+    fn nearest(self) -> Self {
+        self.call("round")
+    }
+}
+
+impl Tape {
+    fn print(&self, indent: &str, results: &[(String, Symbol)]) -> String {
+        let mut needed = vec![false; self.nodes.len()];
+        for (_, symbol) in results {
+            needed[symbol.0 as usize] = true;
+        }
+        // Operands stand before their users, so one pass backwards finds all that is needed.
+        for index in (0..self.nodes.len()).rev() {
+            if needed[index] {
+                self.mark_operands(index, &mut needed);
+            }
+        }
+        let mut text = String::new();
+        for (index, node) in self.nodes.iter().enumerate().filter(|(i, _)| needed[*i]) {
+            if !matches!(node, Node::Literal(_) | Node::Variable(_)) {
+                let _ = writeln!(text, "{indent}let v{index} = {};", self.expression(node));
+            }
+        }
+        for (name, symbol) in results {
+            let _ = writeln!(text, "{indent}let {name} = {};", self.operand(symbol.0));
+        }
+        text
+    }
+
+    fn mark_operands(&self, index: usize, needed: &mut [bool]) {
+        match self.nodes[index] {
+            Node::Binary(_, a, b) => {
+                needed[a as usize] = true;
+                needed[b as usize] = true;
+            }
+            Node::Negative(a) | Node::Call(_, a) => needed[a as usize] = true,
+            Node::Literal(_) | Node::Variable(_) => {}
+        }
+    }
+
+    fn expression(&self, node: &Node) -> String {
+        match node {
+            Node::Binary(operator, a, b) => {
+                format!("{} {operator} {}", self.operand(*a), self.operand(*b))
+            }
+            Node::Negative(a) => format!("-{}", self.operand(*a)),
+            Node::Call(function, a) => format!("{function}({})", self.operand(*a)),
+            Node::Literal(_) | Node::Variable(_) => unreachable!("printed where it is used"),
+        }
+    }
+
+    fn operand(&self, index: u32) -> String {
+        match self.nodes[index as usize] {
+            Node::Literal(bits) => literal_text(self.precision, f64::from_bits(bits)),
+            Node::Variable(name) => name.to_string(),
+            _ => format!("v{index}"),
+        }
+    }
+}
+
+/// A literal of the shading language that reads back as exactly the nearest number.
+pub fn literal_text(precision: Precision, value: f64) -> String {
+    let text = match precision {
+        Precision::F32 => format!("{:?}f", value as f32),
+        Precision::F64 => format!("{value:?}lf"),
+    };
+    if value < 0.0 { format!("({text})") } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(maths: impl FnOnce() -> Symbol) -> String {
+        write_maths(Precision::F32, "", || vec![("result".to_string(), maths())])
+    }
+
+    #[test]
+    fn trivial_operations_leave_no_text() {
+        let text = written(|| {
+            let x = variable("x");
+            (x * literal(1.0) + literal(0.0) * variable("unused")) / literal(1.0)
+        });
+        assert_eq!(text, "let result = x;\n");
+    }
+
+    #[test]
+    fn what_is_used_twice_is_written_once() {
+        let text = written(|| {
+            let (x, y) = (variable("x"), variable("y"));
+            (x * y) + (x * y) * literal(0.5)
+        });
+        assert_eq!(text, "let v2 = x * y;\nlet v4 = v2 * 0.5f;\nlet v5 = v2 + v4;\nlet result = v5;\n");
+    }
+
+    #[test]
+    fn what_no_result_needs_is_not_written() {
+        let text = written(|| {
+            let x = variable("x");
+            let _ = x * x;
+            -x
+        });
+        assert_eq!(text, "let v2 = -x;\nlet result = v2;\n");
+    }
+
+    #[test]
+    fn literals_read_back_exactly() {
+        assert_eq!(literal_text(Precision::F32, 1.0 / 3.0), "0.33333334f");
+        assert_eq!(literal_text(Precision::F64, 1.0 / 3.0), "0.3333333333333333lf");
+        assert_eq!(literal_text(Precision::F64, -1e-300), "(-1e-300lf)");
+    }
+}
