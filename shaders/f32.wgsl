@@ -20,8 +20,14 @@ fn finite(x: Real) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
 
+{% if compensated %}
 // A rounded value that no optimiser sees through. Without it every driver seen folds the error
 // terms of two-sums to zero; a constant in place of `job.zero` is folded as well.
 fn guard(x: Real) -> Real {
     return bitcast<f32>(bitcast<u32>(x) ^ job.zero);
 }
+
+fn guard_lanes(x: Lanes) -> Lanes {
+    return bitcast<Lanes>(bitcast<Counts>(x) ^ Counts(job.zero));
+}
+{% endif %}

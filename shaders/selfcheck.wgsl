@@ -1,5 +1,8 @@
 // Known sums and orbits' ingredients, to judge a device by: the host compares every bit.
 
+alias Lanes = Real;
+alias Counts = u32;
+
 struct Zero {
     zero: u32,
 }

@@ -31,16 +31,15 @@ struct Outcome {
     fraction: vec2<f32>,
 }
 
-// Pendulums that still run, packed together: two lists, read and written in turn.
+// Lengths of the lists of pendulums: two of those that still run, packed together, read and
+// written in turn, and one of those that may have flipped in their next step.
 struct Queue {
-    // Which list is read.
+    // Which of the first two is read.
     turn: u32,
-    // Lengths of the two lists.
-    running: array<atomic<u32>, 2>,
-    // Length of the list of pendulums that may have flipped in their next step.
-    suspects: atomic<u32>,
+    lengths: array<atomic<u32>, 3>,
 }
 
+const SUSPECTS = 2u;
 const UNFLIPPED = 0u;
 const FLIPPED = 1u;
 const FAILED = 3u;

@@ -7,8 +7,9 @@
 fn turn() {
     let written = 1u - queue.turn;
     queue.turn = written;
-    atomicStore(&queue.running[1u - written], 0u);
-    atomicStore(&queue.suspects, 0u);
-    let groups = (atomicLoad(&queue.running[written]) + WORKGROUP - 1u) / WORKGROUP;
+    atomicStore(&queue.lengths[1u - written], 0u);
+    atomicStore(&queue.lengths[SUSPECTS], 0u);
+    // Enough for `look`, which takes one pendulum an invocation; `advance` may leave some idle.
+    let groups = (atomicLoad(&queue.lengths[written]) + WORKGROUP - 1u) / WORKGROUP;
     dispatch_size = array<u32, 3>(groups, 1u, 1u);
 }

@@ -53,6 +53,14 @@ impl Precision {
     /// Every precision with its word.
     pub const ALL: [(&'static str, Precision); 2] =
         [("f32", Precision::F32), ("f64", Precision::F64)];
+
+    /// Half the distance from 1 to the next number: what a rounding may cost.
+    pub fn epsilon(self) -> f64 {
+        match self {
+            Precision::F32 => f64::from(f32::EPSILON) / 2.0,
+            Precision::F64 => f64::EPSILON / 2.0,
+        }
+    }
 }
 
 impl fmt::Display for Precision {

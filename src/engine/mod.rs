@@ -21,6 +21,7 @@ pub mod symbol;
 
 use std::time::Instant;
 
+use crate::physics::trig::Turning;
 use crate::physics::{Dd, Outcome, Pendulum, Rule, State};
 pub use method::{Method, Precision};
 
@@ -42,6 +43,16 @@ pub struct Recipe {
     pub method: Method,
     /// The number type.
     pub precision: Precision,
+}
+
+impl Recipe {
+    /// How the stages of a step find their directions: from the greatest turn that the scene's
+    /// energy allows in one step.
+    pub fn turning(&self, question: &Question) -> Turning {
+        let Method::Rk4 { step_secs } = self.method;
+        let most = question.pendulum.greatest_speed() * step_secs;
+        Turning::within(most, self.precision.epsilon())
+    }
 }
 
 /// Where the pendulums of a job begin.

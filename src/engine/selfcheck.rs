@@ -167,10 +167,10 @@ pub fn judge(precision: Precision, answers: &[Answer]) -> Vec<Check> {
 fn sum_and_error(precision: Precision, [a, b]: [f64; 2]) -> (f64, f64) {
     match precision {
         Precision::F32 => {
-            let (sum, error) = (a as f32).two_sum(b as f32);
+            let (sum, error) = (a as f32).fast_two_sum(b as f32);
             (f64::from(sum), f64::from(error))
         }
-        Precision::F64 => a.two_sum(b),
+        Precision::F64 => a.fast_two_sum(b),
     }
 }
 

@@ -49,16 +49,14 @@ pub struct RawOutcome {
     pub fraction: [f32; 2],
 }
 
-/// The lists of pendulums that still run.
+/// Lengths of the lists of pendulums.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct Queue {
-    /// Which list is read.
+    /// Which of the first two is read.
     pub turn: u32,
-    /// Lengths of the two lists.
-    pub running: [u32; 2],
-    /// Length of the list of suspects.
-    pub suspects: u32,
+    /// Two of those that still run, and one of those that may flip in their next step.
+    pub lengths: [u32; 3],
 }
 
 /// `value` as the sum of two f32.

@@ -14,7 +14,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::Precision;
 use crate::physics::Real;
 use crate::physics::trig::{
-    PI_PARTS_F32, PI_PARTS_F64, Rounding, TERMS_F32, TERMS_F64, sin_cos_with,
+    PI_PARTS_F32, PI_PARTS_F64, Rounding, SERIES_F32, SERIES_F64, sin_cos_with,
 };
 
 /// What a symbol stands for.
@@ -31,8 +31,19 @@ enum Node {
     Call(&'static str, u32),
 }
 
+/// What the text around the maths expects of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Dialect {
+    /// The number type.
+    pub precision: Precision,
+    /// The function that hides a rounded value from the optimiser.
+    pub guard: &'static str,
+    /// Spaces before each line.
+    pub indent: &'static str,
+}
+
 struct Tape {
-    precision: Precision,
+    dialect: Dialect,
     nodes: Vec<Node>,
     known: HashMap<Node, u32>,
 }
@@ -48,21 +59,20 @@ pub struct Symbol(u32);
 /// Shader text that computes named results, from running `maths` on symbols: one `let` a
 /// line, then one for each result. `maths` makes its inputs with [`variable`] and [`literal`].
 pub fn write_maths(
-    precision: Precision,
-    indent: &str,
+    dialect: Dialect,
     maths: impl FnOnce() -> Vec<(String, Symbol)>,
 ) -> String {
     TAPE.with_borrow_mut(|tape| {
         assert!(tape.is_none(), "symbols of two kernels must not mix");
         *tape = Some(Tape {
-            precision,
+            dialect,
             nodes: Vec::new(),
             known: HashMap::new(),
         });
     });
     let results = maths();
     let tape = TAPE.take().expect("set above");
-    tape.print(indent, &results)
+    tape.print(&results)
 }
 
 /// The shader variable `name`.
@@ -203,19 +213,18 @@ impl Real for Symbol {
     }
 
     fn sin_cos(self) -> (Self, Self) {
-        match with_tape(|tape| tape.precision) {
-            Precision::F32 => sin_cos_with(self, TERMS_F32, PI_PARTS_F32),
-            Precision::F64 => sin_cos_with(self, TERMS_F64, PI_PARTS_F64),
+        match with_tape(|tape| tape.dialect.precision) {
+            Precision::F32 => sin_cos_with(self, PI_PARTS_F32, &SERIES_F32),
+            Precision::F64 => sin_cos_with(self, PI_PARTS_F64, &SERIES_F64),
         }
     }
 
     /// Every rounding behind `guard`, which no optimiser can see through.
-    fn two_sum(self, other: Self) -> (Self, Self) {
-        let guard = |x: Symbol| x.call("guard");
+    fn fast_two_sum(self, other: Self) -> (Self, Self) {
+        let name = with_tape(|tape| tape.dialect.guard);
+        let guard = |x: Symbol| x.call(name);
         let sum = guard(self + other);
-        let part = guard(sum - self);
-        let lost = guard(self - guard(sum - part));
-        (sum, guard(lost + guard(other - part)))
+        (sum, other - guard(sum - self))
     }
 }
 
@@ -226,7 +235,7 @@ impl Rounding for Symbol {
 }
 
 impl Tape {
-    fn print(&self, indent: &str, results: &[(String, Symbol)]) -> String {
+    fn print(&self, results: &[(String, Symbol)]) -> String {
         let mut needed = vec![false; self.nodes.len()];
         for (_, symbol) in results {
             needed[symbol.0 as usize] = true;
@@ -237,6 +246,7 @@ impl Tape {
                 self.mark_operands(index, &mut needed);
             }
         }
+        let indent = self.dialect.indent;
         let mut text = String::new();
         for (index, node) in self.nodes.iter().enumerate().filter(|(i, _)| needed[*i]) {
             if !matches!(node, Node::Literal(_) | Node::Variable(_)) {
@@ -273,7 +283,7 @@ impl Tape {
 
     fn operand(&self, index: u32) -> String {
         match self.nodes[index as usize] {
-            Node::Literal(bits) => literal_text(self.precision, f64::from_bits(bits)),
+            Node::Literal(bits) => literal_text(self.dialect.precision, f64::from_bits(bits)),
             Node::Variable(name) => name.to_string(),
             _ => format!("v{index}"),
         }
@@ -294,7 +304,12 @@ mod tests {
     use super::*;
 
     fn written(maths: impl FnOnce() -> Symbol) -> String {
-        write_maths(Precision::F32, "", || vec![("result".to_string(), maths())])
+        let dialect = Dialect {
+            precision: Precision::F32,
+            guard: "guard",
+            indent: "",
+        };
+        write_maths(dialect, || vec![("result".to_string(), maths())])
     }
 
     #[test]

@@ -99,6 +99,13 @@ impl Dd {
     }
 }
 
+/// The sum and its error, whatever the magnitudes (Knuth).
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
+}
+
 /// Veltkamp's split into two halves of 26 bits.
 fn split(a: f64) -> (f64, f64) {
     const SPLITTER: f64 = 134_217_729.0; // 2^27 + 1
@@ -110,8 +117,8 @@ fn split(a: f64) -> (f64, f64) {
 impl Add for Dd {
     type Output = Dd;
     fn add(self, other: Dd) -> Dd {
-        let (sum, error) = self.hi.two_sum(other.hi);
-        let (low_sum, low_error) = self.lo.two_sum(other.lo);
+        let (sum, error) = two_sum(self.hi, other.hi);
+        let (low_sum, low_error) = two_sum(self.lo, other.lo);
         let first = Dd::fast_sum(sum, error + low_sum);
         Dd::fast_sum(first.hi, low_error + first.lo)
     }

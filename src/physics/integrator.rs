@@ -5,23 +5,33 @@
 
 use super::pendulum::{Pendulum, State};
 use super::real::Real;
+use super::trig::Turning;
 
 /// The change of state over `step` seconds by the classical Runge–Kutta method of order 4
 /// (Kutta 1901), written for θ″ = α(θ, ω) so that the angles need no stages of their own.
 #[inline(always)]
-pub fn rk4<T: Real>(pendulum: &Pendulum<T>, state: &State<T>, step: T) -> State<T> {
+pub fn rk4<T: Real>(
+    pendulum: &Pendulum<T>,
+    state: &State<T>,
+    step: T,
+    turning: Turning,
+) -> State<T> {
     let (half, sixth) = (step * step.lit(0.5), step * step.lit(1.0 / 6.0));
-    let at = |shift: T, speed: &[T; 2], push: T, alpha: &[T; 2]| State {
-        angle: [0, 1].map(|i| speed[i].mul_add(shift, state.angle[i])),
-        speed: [0, 1].map(|i| alpha[i].mul_add(push, state.speed[i])),
+    let first = state.angle.map(T::sin_cos);
+    let alpha_at = |rate: &[T; 2], shift: T, speed: [T; 2]| {
+        let turned = |i: usize| turning.turned(first[i], state.angle[i], rate[i] * shift);
+        pendulum.acceleration_towards([turned(0), turned(1)], speed)
     };
-    let alpha1 = pendulum.acceleration(state);
-    let second = at(half, &state.speed, half, &alpha1);
-    let alpha2 = pendulum.acceleration(&second);
-    let third = at(half, &second.speed, half, &alpha2);
-    let alpha3 = pendulum.acceleration(&third);
-    let fourth = at(step, &third.speed, step, &alpha3);
-    let alpha4 = pendulum.acceleration(&fourth);
+    let pushed = |alpha: &[T; 2], push: T| [0, 1].map(|i| alpha[i].mul_add(push, state.speed[i]));
+
+    let alpha1 = pendulum.acceleration_towards(first, state.speed);
+    let speed2 = pushed(&alpha1, half);
+    let alpha2 = alpha_at(&state.speed, half, speed2);
+    let speed3 = pushed(&alpha2, half);
+    let alpha3 = alpha_at(&speed2, half, speed3);
+    let speed4 = pushed(&alpha3, step);
+    let alpha4 = alpha_at(&speed3, step, speed4);
+
     let inner = [0, 1].map(|i| alpha2[i] + alpha3[i]);
     State {
         angle: [0, 1].map(|i| (alpha1[i] + inner[i]).mul_add(sixth, state.speed[i]) * step),
@@ -66,11 +76,11 @@ impl<T: Real> State<T> {
     }
 
     /// This state, whose rounded-off rest is `low`, changed by `change`: the new state and rest
-    /// (Kahan 1965, with Knuth's two-sum).
+    /// (Kahan 1965).
     #[inline(always)]
     pub fn plus_compensated(&self, low: &State<T>, change: &State<T>) -> (State<T>, State<T>) {
-        let angle = [0, 1].map(|i| self.angle[i].two_sum(low.angle[i] + change.angle[i]));
-        let speed = [0, 1].map(|i| self.speed[i].two_sum(low.speed[i] + change.speed[i]));
+        let angle = [0, 1].map(|i| self.angle[i].fast_two_sum(low.angle[i] + change.angle[i]));
+        let speed = [0, 1].map(|i| self.speed[i].fast_two_sum(low.speed[i] + change.speed[i]));
         (
             State {
                 angle: angle.map(|pair| pair.0),
@@ -91,7 +101,11 @@ mod tests {
 
     type Method = fn(&Pendulum<f64>, &State<f64>, f64) -> State<f64>;
 
-    const METHODS: [(Method, f64); 3] = [(euler, 1.0), (semi_implicit_euler, 1.0), (rk4, 4.0)];
+    const METHODS: [(Method, f64); 3] = [(euler, 1.0), (semi_implicit_euler, 1.0), (fresh_rk4, 4.0)];
+
+    fn fresh_rk4(pendulum: &Pendulum<f64>, state: &State<f64>, step: f64) -> State<f64> {
+        rk4(pendulum, state, step, Turning::Fresh)
+    }
 
     fn unit() -> Pendulum<f64> {
         Pendulum::points([1.0, 1.0], [1.0, 1.0], 1.0)
@@ -137,9 +151,9 @@ mod tests {
     #[test]
     fn there_and_back_again() {
         let start = State::rest([2.0, 1.0]);
-        let mut state = run(rk4, start, 1e-3, 1000);
+        let mut state = run(fresh_rk4, start, 1e-3, 1000);
         state.speed = state.speed.map(|w| -w);
-        let back = run(rk4, state, 1e-3, 1000);
+        let back = run(fresh_rk4, state, 1e-3, 1000);
         assert!((back.angle[0] - 2.0).abs() < 1e-9 && back.speed[1].abs() < 1e-9);
     }
 

@@ -99,6 +99,14 @@ impl<T: Scalar> Pendulum<T> {
         (reduced, (self.c / self.q).sqrt())
     }
 
+    /// A bound on both bobs' angular speeds (rad/s) after any release from rest: the energy can
+    /// fall by at most 2(P + Q), and ½ω2²(AB − C²c²)/A ≤ kinetic energy, likewise for ω1.
+    pub fn greatest_speed(&self) -> f64 {
+        let [a, b, p, q, least_det] =
+            [self.a, self.b, self.p, self.q, self.least_det].map(T::to_f64);
+        (4.0 * (p + q) * a.max(b) / least_det).sqrt()
+    }
+
     /// Whether energy conservation proves that a pendulum let go at rest at `angle` can never
     /// meet `rule`: the watched bob at the top costs more than the start has, even with the
     /// other one at the bottom. Nothing moves without gravity, so then every start is forbidden.
@@ -146,12 +154,17 @@ impl<T: Real> Pendulum<T> {
     /// The angular accelerations α1, α2 in rad/s².
     #[inline(always)]
     pub fn acceleration(&self, state: &State<T>) -> [T; 2] {
-        let (sin1, cos1) = state.angle[0].sin_cos();
-        let (sin2, cos2) = state.angle[1].sin_cos();
+        self.acceleration_towards(state.angle.map(T::sin_cos), state.speed)
+    }
+
+    /// The same from the angles' `(sine, cosine)`.
+    #[inline(always)]
+    pub fn acceleration_towards(&self, direction: [(T, T); 2], speed: [T; 2]) -> [T; 2] {
+        let [(sin1, cos1), (sin2, cos2)] = direction;
         let s = sin1 * cos2 - cos1 * sin2;
         let c = cos1.mul_add(cos2, sin1 * sin2);
         let (cs, cc) = (self.c * s, self.c * c);
-        let [w1, w2] = state.speed;
+        let [w1, w2] = speed;
         let torque1 = -(cs * (w2 * w2)) - self.p * sin1;
         let torque2 = cs * (w1 * w1) - self.q * sin2;
         let inverse_det = s.lit(1.0) / cs.mul_add(cs, self.least_det);
@@ -247,6 +260,20 @@ mod tests {
         assert!((share(rods, Rule::Second) - 0.243925).abs() < 1e-4);
         let (first, either) = (share(unit(), Rule::First), share(unit(), Rule::Either));
         assert!(first > 0.5 && either == share(unit(), Rule::Second));
+    }
+
+    #[test]
+    fn no_pendulum_is_faster_than_the_bound() {
+        let pendulum = Pendulum::points([1.0, 0.3], [1.0, 0.6], 9.81);
+        let mut fastest = 0f64;
+        for start in [[3.1, 3.1], [2.9, -3.0], [-1.0, 3.1]] {
+            let mut orbit = crate::physics::taylor::Orbit::new(pendulum, State::rest(start));
+            while orbit.time() < 20.0 {
+                orbit.step();
+                fastest = orbit.state().speed.iter().fold(fastest, |f, w| f.max(w.abs()));
+            }
+        }
+        assert!(fastest < pendulum.greatest_speed() && fastest > 0.3 * pendulum.greatest_speed());
     }
 
     #[test]

@@ -26,12 +26,13 @@ pub trait Real:
     /// Sine and cosine of an angle in rad.
     fn sin_cos(self) -> (Self, Self);
 
-    /// `(sum, error)` with `sum + error == self + other` exactly (Knuth's two-sum, any order of
-    /// magnitudes). Types whose compiler may not be trusted with it say so in their own module.
-    fn two_sum(self, other: Self) -> (Self, Self) {
+    /// `(sum, error)` with `sum + error == self + other` exactly, if |self| ≥ |other| (Dekker
+    /// 1971); otherwise the error is still right to a rounding of `other`. Types whose compiler
+    /// may not be trusted with it say so in their own module.
+    #[inline(always)]
+    fn fast_two_sum(self, other: Self) -> (Self, Self) {
         let sum = self + other;
-        let part = sum - self;
-        (sum, (self - (sum - part)) + (other - part))
+        (sum, other - (sum - self))
     }
 }
 

@@ -89,7 +89,7 @@ impl<T: Scalar> Orbit<T> {
             speed: [0, 1].map(|i| change(&step.speed[i])),
         };
         (self.state, self.low) = self.state.plus_compensated(&self.low, &change);
-        self.time = self.time.0.two_sum(self.time.1 + length);
+        self.time = self.time.0.fast_two_sum(self.time.1 + length);
         step
     }
 

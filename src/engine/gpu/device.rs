@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use super::kernel::Shape;
 use crate::engine::EngineError;
 
 /// An open device and the adapter it came from. Lives as long as the process, or until lost.
@@ -52,7 +53,7 @@ pub fn is_software(adapter: &wgpu::Adapter) -> bool {
 impl Gpu {
     /// Opens a device with f64 where the adapter has it and with the adapter's own limits.
     pub fn open(adapter: wgpu::Adapter) -> Result<Self, EngineError> {
-        let wanted = wgpu::Features::SHADER_F64;
+        let wanted = wgpu::Features::SHADER_F64 | wgpu::Features::SUBGROUP;
         let own = adapter.limits();
         let limits = wgpu::Limits {
             max_buffer_size: own.max_buffer_size,
@@ -108,6 +109,14 @@ impl Gpu {
     /// Whether the device computes in f64 at all; whether rightly, the self-check tells.
     pub fn has_f64(&self) -> bool {
         self.device.features().contains(wgpu::Features::SHADER_F64)
+    }
+
+    /// The kernels' shape for this device.
+    pub fn shape(&self) -> Shape {
+        Shape {
+            lanes: 1,
+            subgroups: self.device.features().contains(wgpu::Features::SUBGROUP),
+        }
     }
 
     /// A buffer of `bytes`, refused in words when it is too large or memory has run out.

@@ -7,9 +7,10 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior};
 use serde::Serialize;
 
-use crate::engine::symbol::{Symbol, literal, variable, write_maths};
+use crate::engine::symbol::{Dialect, Symbol, literal, variable, write_maths};
 use crate::engine::{Precision, Question, Recipe};
 use crate::physics::polynomial::quintic_hermite;
+use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Real, Rule, State, integrator};
 
 /// Every shader file, by name.
@@ -25,6 +26,15 @@ pub const FILES: [(&str, &str); 9] = [
     ("selfcheck.wgsl", include_str!("../../../shaders/selfcheck.wgsl")),
 ];
 
+/// What makes a kernel fit an adapter, whatever it computes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// Pendulums an invocation: 1 or 2.
+    pub lanes: usize,
+    /// Whether invocations of a subgroup can speak to each other.
+    pub subgroups: bool,
+}
+
 /// What a kernel's text depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
@@ -32,24 +42,31 @@ pub struct Design {
     pub precision: Precision,
     /// Whether f32 states keep what rounding takes from them.
     pub compensated: bool,
+    /// What the adapter is good at.
+    pub shape: Shape,
+    /// How the stages of a step find their directions.
+    pub turning: Turning,
     /// The scene the kernel is made for; without one it reads the scene as data.
     pub scene: Option<(Pendulum<f64>, Rule)>,
 }
 
 impl Design {
     /// The kernel made for a question and nothing else.
-    pub fn specialised(question: &Question, recipe: &Recipe, compensated: bool) -> Self {
+    pub fn specialised(self, question: &Question, recipe: &Recipe) -> Self {
         Design {
+            turning: recipe.turning(question),
             scene: Some((question.pendulum.reduced().0, question.rule)),
-            ..Design::general(recipe, compensated)
+            ..self
         }
     }
 
     /// The kernel that takes any question.
-    pub fn general(recipe: &Recipe, compensated: bool) -> Self {
+    pub fn general(recipe: &Recipe, compensated: bool, shape: Shape) -> Self {
         Design {
             precision: recipe.precision,
             compensated: compensated && recipe.precision == Precision::F32,
+            shape,
+            turning: Turning::Fresh,
             scene: None,
         }
     }
@@ -88,10 +105,16 @@ impl Design {
         };
         let watched = self.watched();
         let bobs: Vec<String> = watched.iter().map(|&bob| self.quintic_of(bob)).collect();
-        let mut maths = BTreeMap::from([("step".to_string(), self.step())]);
+        let mut maths = BTreeMap::from([
+            ("step".to_string(), self.step("guard_lanes")),
+            ("one_step".to_string(), self.step("guard")),
+        ]);
         maths.extend(watched.iter().map(|bob| format!("bob{bob}")).zip(bobs));
         let values = Values {
             general: self.scene.is_none(),
+            compensated: self.compensated,
+            lanes: &["x", "y"][..self.shape.lanes],
+            subgroups: self.shape.subgroups,
             state: self.state(),
             begin: self.begin(),
             watched,
@@ -99,6 +122,14 @@ impl Design {
             may_pass: self.may_pass(),
         };
         glue(&["shared.wgsl", number, "start.wgsl", "flip.wgsl", "tile.wgsl", "turn.wgsl"], &values)
+    }
+
+    fn dialect(&self, guard: &'static str) -> Dialect {
+        Dialect {
+            precision: self.precision,
+            guard,
+            indent: "        ",
+        }
     }
 
     fn pendulum(&self) -> Pendulum<Symbol> {
@@ -116,10 +147,10 @@ impl Design {
     }
 
     /// One step: the `_next` value of every variable of the state.
-    fn step(&self) -> String {
-        write_maths(self.precision, "        ", || {
+    fn step(&self, guard: &'static str) -> String {
+        write_maths(self.dialect(guard), || {
             let before = state(["t1", "t2", "w1", "w2"]);
-            let change = integrator::rk4(&self.pendulum(), &before, variable("step"));
+            let change = integrator::rk4(&self.pendulum(), &before, variable("step"), self.turning);
             let next = if self.compensated {
                 let low = state(["t1_low", "t2_low", "w1_low", "w2_low"]);
                 let (high, low) = before.plus_compensated(&low, &change);
@@ -136,16 +167,19 @@ impl Design {
     /// Whether a watched bob may have been at the top (twin: `flip::may_pass`).
     fn may_pass(&self) -> String {
         let one = |bob: &usize| {
-            let watched = match self.scene {
-                Some(_) => String::new(),
-                None => format!("(job.watched & {bob}u) != 0u && "),
-            };
-            format!(
-                "({watched}(abs(t{bob}_next) >= PI || (w{bob} * w{bob}_next < 0 && \
-                 max(abs(t{bob}), abs(t{bob}_next)) + step * max(abs(w{bob}), abs(w{bob}_next)) >= PI)))"
-            )
+            let (t, w) = (format!("t{bob}"), format!("w{bob}"));
+            let turned = format!("({w} * {w}_next < Lanes(0))");
+            let far = format!("max(abs({t}), abs({t}_next))");
+            let travel = format!("step * max(abs({w}), abs({w}_next))");
+            let pass = format!(
+                "(abs({t}_next) >= Lanes(PI)) | ({turned} & ({far} + {travel} >= Lanes(PI)))"
+            );
+            match self.scene {
+                Some(_) => pass,
+                None => format!("(Flags((job.watched & {bob}u) != 0u) & ({pass}))"),
+            }
         };
-        self.watched().iter().map(one).collect::<Vec<_>>().join(" || ")
+        self.watched().iter().map(one).collect::<Vec<_>>().join(" | ")
     }
 
     /// The coefficients of a bob's way to the top over the step (see `flip::fraction_of_step`).
@@ -154,7 +188,7 @@ impl Design {
             ["t1", "t2", "w1", "w2", "t1_low", "t2_low"],
             ["t1_next", "t2_next", "w1_next", "w2_next", "t1_low_next", "t2_low_next"],
         ];
-        write_maths(self.precision, "        ", || {
+        write_maths(self.dialect("guard"), || {
             let (side, step) = (variable("side"), variable("step"));
             let ends = ENDS.map(|[t1, t2, w1, w2, t1_low, t2_low]| {
                 let end = state([t1, t2, w1, w2]);
@@ -178,11 +212,20 @@ impl Design {
 #[derive(Serialize)]
 struct Values {
     general: bool,
+    compensated: bool,
+    subgroups: bool,
+    lanes: &'static [&'static str],
     state: &'static [&'static str],
     begin: Vec<&'static str>,
     watched: Vec<usize>,
     maths: BTreeMap<String, String>,
     may_pass: String,
+}
+
+#[derive(Serialize)]
+struct SelfcheckValues {
+    compensated: bool,
+    maths: String,
 }
 
 fn state(names: [&'static str; 4]) -> State<Symbol> {
@@ -199,10 +242,15 @@ pub fn selfcheck_text(precision: Precision) -> String {
         Precision::F32 => "f32.wgsl",
         Precision::F64 => "f64.wgsl",
     };
-    let maths = write_maths(precision, "    ", || {
+    let dialect = Dialect {
+        precision,
+        guard: "guard",
+        indent: "    ",
+    };
+    let maths = write_maths(dialect, || {
         let (a, b) = (variable("a"), variable("b"));
         let (sum, error) = match precision {
-            Precision::F32 => a.two_sum(b),
+            Precision::F32 => a.fast_two_sum(b),
             Precision::F64 => (a + b, a - b),
         };
         let (sin, cos) = a.sin_cos();
@@ -212,7 +260,11 @@ pub fn selfcheck_text(precision: Precision) -> String {
             .zip([sum, error, a * b, a / b, sin, cos])
             .collect()
     });
-    glue(&[number, "selfcheck.wgsl"], &BTreeMap::from([("maths", maths)]))
+    let values = SelfcheckValues {
+        compensated: true,
+        maths,
+    };
+    glue(&[number, "selfcheck.wgsl"], &values)
 }
 
 /// The named files as one text, with `values` filled in.

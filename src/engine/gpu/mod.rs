@@ -19,7 +19,7 @@ use self::pipeline::Kernel;
 use self::slot::{Landed, Slot};
 use super::method::Method;
 use super::selfcheck::Verdict;
-use super::{Engine, EngineError, Finished, Job, Precision, Wait};
+use super::{Engine, EngineError, Finished, Job, Wait};
 
 /// Jobs on the device at a time.
 const SLOTS: usize = 2;
@@ -28,7 +28,7 @@ const HEADLESS_PACE: Duration = Duration::from_millis(50);
 /// The first slice's steps, before anything was measured.
 const FIRST_SLICE_STEPS: u32 = 8;
 /// Slices that a full budget is cut into at least, so that lanes are packed anew often enough.
-const LEAST_SLICES: u32 = 32;
+const LEAST_SLICES: u32 = 24;
 /// A device lost this often is given up.
 const MOST_LOSSES: u32 = 3;
 
@@ -78,13 +78,8 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.verdict.require(job.recipe.precision).map_err(EngineError::Unsupported)?;
-        let compensated =
-            self.verdict.compensated && job.recipe.precision == Precision::F32;
-        Ok(if self.specialise {
-            Design::specialised(&job.question, &job.recipe, compensated)
-        } else {
-            Design::general(&job.recipe, compensated)
-        })
+        let general = Design::general(&job.recipe, self.verdict.compensated, self.gpu.shape());
+        Ok(if self.specialise { general.specialised(&job.question, &job.recipe) } else { general })
     }
 
     /// The place of the job's kernel in the list, compiled if it is new.

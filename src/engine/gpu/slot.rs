@@ -98,8 +98,7 @@ impl Slot {
 
     /// Puts every pendulum at its start; the first slice reads list 0.
     fn begin(&self, gpu: &Gpu, kernel: &Kernel) {
-        let running = [self.head.count, 0];
-        let queue = Queue { turn: 1, running, suspects: 0 };
+        let queue = Queue { turn: 1, lengths: [self.head.count, 0, 0] };
         gpu.queue.write_buffer(&self.buffers.queue, 0, bytes_of(&queue));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         {
@@ -202,7 +201,7 @@ impl Slot {
         }
         let queue: Queue = read(&self.buffers.progress, 0, 1)[0];
         self.buffers.progress.unmap();
-        if queue.running[1 - queue.turn as usize] > 0 {
+        if queue.lengths[1 - queue.turn as usize] > 0 {
             return Landed::Slice(flight.since);
         }
         self.submit_answer(gpu);
