@@ -22,12 +22,8 @@ fn finite(x: Real) -> bool {
 
 {% if compensated %}
 // A rounded value that no optimiser sees through. Without it every driver seen folds the error
-// terms of two-sums to zero; a constant in place of `job.zero` is folded as well.
-fn guard(x: Real) -> Real {
-    return bitcast<f32>(bitcast<u32>(x) ^ job.zero);
-}
-
-fn guard_lanes(x: Lanes) -> Lanes {
-    return bitcast<Lanes>(bitcast<Counts>(x) ^ Counts(job.zero));
+// terms of two-sums to zero; a constant in place of the zero from a buffer is folded too.
+fn guard(x: Real, zero: u32) -> Real {
+    return bitcast<f32>(bitcast<u32>(x) ^ zero);
 }
 {% endif %}

@@ -1,8 +1,5 @@
 // Known sums and orbits' ingredients, to judge a device by: the host compares every bit.
 
-alias Lanes = Real;
-alias Counts = u32;
-
 struct Zero {
     zero: u32,
 }
@@ -21,6 +18,7 @@ fn check(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let a = operands[2u * id.x];
     let b = operands[2u * id.x + 1u];
+    let zero = job.zero;
 {{ maths }}
     let place = 7u * id.x;
     answers[place] = sum;

@@ -2,18 +2,6 @@
 // one in which the top may be reached; `look` decides those. They are apart because software
 // Vulkan runs both sides of every branch, and real devices have registers to save.
 
-{% if lanes | length == 2 %}
-// Two pendulums an invocation: the arithmetic of one fills the waiting times of the other.
-alias Lanes = vec2<Real>;
-alias Counts = vec2<u32>;
-alias Flags = vec2<bool>;
-{% else %}
-// One pendulum an invocation: a real device has others to run in the waiting times.
-alias Lanes = Real;
-alias Counts = u32;
-alias Flags = bool;
-{% endif %}
-
 // Puts a pendulum on a list if it is wanted there.
 {% if subgroups %}
 // One atomic for all of a subgroup: one for each invocation costs as much as ten steps on
@@ -40,62 +28,55 @@ fn put_on(list: u32, pixel: u32, wanted: bool) {
 }
 {% endif %}
 
-// Keeps what became of a pendulum in this slice, and passes it on.
-fn settle(pixel: u32, steps: u32, sound: bool, suspect: bool, valid: bool) {
-    if valid {
-        outcomes[pixel].steps = steps;
-        if !sound {
-            outcomes[pixel].status = FAILED;
-        }
-    }
-    put_on(SUSPECTS, pixel, valid && sound && suspect);
-    put_on(1u - queue.turn, pixel, valid && sound && !suspect && steps < job.most_steps);
-}
-
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-    let running = atomicLoad(&queue.lengths[queue.turn]);
-    let first = id.x * {{ lanes | length }}u;
-    if first >= running {
+    if id.x >= atomicLoad(&queue.lengths[queue.turn]) {
         return;
     }
-{% for lane in lanes %}
-    let place{{ lane }} = min(first + {{ loop.index0 }}u, running - 1u);
-    let pixel{{ lane }} = lists[queue.turn * job.count + place{{ lane }}];
-{% endfor %}
+    let pixel = lists[queue.turn * job.count + id.x];
 {% for name in state %}
-{% set part = loop.index0 %}
-    var {{ name }} = Lanes({% for lane in lanes %}states[{{ part }}u * job.count + pixel{{ lane }}]{{ ", " if not loop.last }}{% endfor %});
+    var {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
 {% endfor %}
     let step = from_parts(job.step);
+{% if compensated %}
+    let zero = job.zero;
+{% endif %}
 {% include "general.wgsl" %}
-    var steps = Counts({% for lane in lanes %}outcomes[pixel{{ lane }}].steps{{ ", " if not loop.last }}{% endfor %});
-    let stop = min(steps + job.slice_steps, Counts(job.most_steps));
-    var suspect = Flags(false);
+    var steps = outcomes[pixel].steps;
+    let stop = min(steps + job.slice_steps, job.most_steps);
+    var suspect = false;
+    // The step after a suspicious or the last one is computed and thrown away: so no step waits
+    // for the verdict on the one before it. What is kept is the state before the last verdict.
+{% for name in state %}
+    var {{ name }}_kept = {{ name }};
+{% endfor %}
+    var going = true;
     loop {
-        let going = (steps < stop) & !suspect;
-        if !any(going) {
+{% for name in state %}
+        {{ name }}_kept = select({{ name }}_kept, {{ name }}, going);
+{% endfor %}
+        going = going && steps < stop;
+        if !going {
             break;
         }
 {{ maths.step }}
-        suspect = suspect | (going & ({{ may_pass }}));
-        let taken = going & !suspect;
+        suspect = {{ may_pass }};
+        going = !suspect;
+        steps += select(0u, 1u, going);
 {% for name in state %}
-        {{ name }} = select({{ name }}, {{ name }}_next, taken);
-{% endfor %}
-        steps += select(Counts(0u), Counts(1u), taken);
-    }
-{% for lane in lanes %}
-{% set lane_of = "." ~ lane if lanes | length == 2 else "" %}
-    let valid{{ lane }} = first + {{ loop.index0 }}u < running;
-    if valid{{ lane }} {
-{% for name in state %}
-        states[{{ loop.index0 }}u * job.count + pixel{{ lane }}] = {{ name }}{{ lane_of }};
+        {{ name }} = {{ name }}_next;
 {% endfor %}
     }
-    let sound{{ lane }} = finite(w1{{ lane_of }}) && finite(w2{{ lane_of }});
-    settle(pixel{{ lane }}, steps{{ lane_of }}, sound{{ lane }}, suspect{{ lane_of }}, valid{{ lane }});
+{% for name in state %}
+    states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_kept;
 {% endfor %}
+    outcomes[pixel].steps = steps;
+    let sound = finite(w1_kept) && finite(w2_kept);
+    if !sound {
+        outcomes[pixel].status = FAILED;
+    }
+    put_on(SUSPECTS, pixel, sound && suspect);
+    put_on(1u - queue.turn, pixel, sound && !suspect && steps < job.most_steps);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -108,9 +89,12 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
 {% endfor %}
     let step = from_parts(job.step);
+{% if compensated %}
+    let zero = job.zero;
+{% endif %}
 {% include "general.wgsl" %}
     let steps = outcomes[pixel].steps + 1u;
-{{ maths.one_step }}
+{{ maths.step }}
     var fraction = Real(-1);
 {% for bob in watched %}
     {

@@ -86,8 +86,8 @@ pub struct Paused {
     pub steps: u32,
     /// The state in the kernel's units; exact for every precision.
     pub state: State<f64>,
-    /// What rounding took from it (f32 keeps it, f64 does not).
-    pub low: State<f64>,
+    /// What rounding took from the angles (f32 keeps it, f64 does not).
+    pub rest: [f64; 2],
 }
 
 /// One piece of work.

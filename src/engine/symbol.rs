@@ -29,6 +29,8 @@ enum Node {
     Negative(u32),
     /// A function of the shading language, or of the glued-on number file, of one symbol.
     Call(&'static str, u32),
+    /// A rounding that the optimiser must not see through.
+    Guard(u32),
 }
 
 /// What the text around the maths expects of it.
@@ -36,8 +38,6 @@ enum Node {
 pub struct Dialect {
     /// The number type.
     pub precision: Precision,
-    /// The function that hides a rounded value from the optimiser.
-    pub guard: &'static str,
     /// Spaces before each line.
     pub indent: &'static str,
 }
@@ -221,8 +221,7 @@ impl Real for Symbol {
 
     /// Every rounding behind `guard`, which no optimiser can see through.
     fn fast_two_sum(self, other: Self) -> (Self, Self) {
-        let name = with_tape(|tape| tape.dialect.guard);
-        let guard = |x: Symbol| x.call(name);
+        let guard = |x: Symbol| push(Node::Guard(x.0));
         let sum = guard(self + other);
         (sum, other - guard(sum - self))
     }
@@ -265,7 +264,7 @@ impl Tape {
                 needed[a as usize] = true;
                 needed[b as usize] = true;
             }
-            Node::Negative(a) | Node::Call(_, a) => needed[a as usize] = true,
+            Node::Negative(a) | Node::Call(_, a) | Node::Guard(a) => needed[a as usize] = true,
             Node::Literal(_) | Node::Variable(_) => {}
         }
     }
@@ -277,6 +276,7 @@ impl Tape {
             }
             Node::Negative(a) => format!("-{}", self.operand(*a)),
             Node::Call(function, a) => format!("{function}({})", self.operand(*a)),
+            Node::Guard(a) => format!("guard({}, zero)", self.operand(*a)),
             Node::Literal(_) | Node::Variable(_) => unreachable!("printed where it is used"),
         }
     }
@@ -306,7 +306,6 @@ mod tests {
     fn written(maths: impl FnOnce() -> Symbol) -> String {
         let dialect = Dialect {
             precision: Precision::F32,
-            guard: "guard",
             indent: "",
         };
         write_maths(dialect, || vec![("result".to_string(), maths())])

@@ -1,7 +1,7 @@
 //! One step of each fixed-step method, as the change it makes to the state.
 //!
 //! Changes rather than new states, because a change is small: added with
-//! [`State::plus_compensated`] an f32 state loses nothing over thousands of steps.
+//! [`State::plus_with_rest`] an f32 angle loses nothing over thousands of steps.
 
 use super::pendulum::{Pendulum, State};
 use super::real::Real;
@@ -36,8 +36,9 @@ pub fn rk4<T: Real>(
     State {
         angle: [0, 1].map(|i| (alpha1[i] + inner[i]).mul_add(sixth, state.speed[i]) * step),
         speed: [0, 1].map(|i| {
-            let ends = alpha1[i] + alpha4[i];
-            (ends + (inner[i] + inner[i])) * sixth
+            // The last stage is waited for last.
+            let known = (alpha1[i] + (inner[i] + inner[i])) * sixth;
+            alpha4[i].mul_add(sixth, known)
         }),
     }
 }
@@ -75,22 +76,25 @@ impl<T: Real> State<T> {
         }
     }
 
-    /// This state, whose rounded-off rest is `low`, changed by `change`: the new state and rest
-    /// (Kahan 1965).
+    /// This state, from whose angles rounding took `rest`, changed by `change`: the new state
+    /// and what rounding took from its angles (Kahan 1965).
     #[inline(always)]
-    pub fn plus_compensated(&self, low: &State<T>, change: &State<T>) -> (State<T>, State<T>) {
-        let angle = [0, 1].map(|i| self.angle[i].fast_two_sum(low.angle[i] + change.angle[i]));
-        let speed = [0, 1].map(|i| self.speed[i].fast_two_sum(low.speed[i] + change.speed[i]));
-        (
-            State {
-                angle: angle.map(|pair| pair.0),
-                speed: speed.map(|pair| pair.0),
-            },
-            State {
-                angle: angle.map(|pair| pair.1),
-                speed: speed.map(|pair| pair.1),
-            },
-        )
+    pub fn plus_with_rest(&self, rest: [T; 2], change: &State<T>) -> (State<T>, [T; 2]) {
+        let angle = [0, 1].map(|i| self.angle[i].fast_two_sum(rest[i] + change.angle[i]));
+        let next = State {
+            angle: angle.map(|pair| pair.0),
+            speed: [0, 1].map(|i| self.speed[i] + change.speed[i]),
+        };
+        (next, angle.map(|pair| pair.1))
+    }
+
+    /// The same with rests of the speeds too.
+    pub fn plus_compensated(&self, rest: &State<T>, change: &State<T>) -> (State<T>, State<T>) {
+        let (mut next, angle) = self.plus_with_rest(rest.angle, change);
+        let speed = [0, 1].map(|i| self.speed[i].fast_two_sum(rest.speed[i] + change.speed[i]));
+        next.speed = speed.map(|pair| pair.0);
+        let speed = speed.map(|pair| pair.1);
+        (next, State { angle, speed })
     }
 }
 

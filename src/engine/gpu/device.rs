@@ -3,7 +3,6 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use super::kernel::Shape;
 use crate::engine::EngineError;
 
 /// An open device and the adapter it came from. Lives as long as the process, or until lost.
@@ -111,12 +110,9 @@ impl Gpu {
         self.device.features().contains(wgpu::Features::SHADER_F64)
     }
 
-    /// The kernels' shape for this device.
-    pub fn shape(&self) -> Shape {
-        Shape {
-            lanes: 1,
-            subgroups: self.device.features().contains(wgpu::Features::SUBGROUP),
-        }
+    /// Whether invocations of a subgroup can speak to each other.
+    pub fn has_subgroups(&self) -> bool {
+        self.device.features().contains(wgpu::Features::SUBGROUP)
     }
 
     /// A buffer of `bytes`, refused in words when it is too large or memory has run out.

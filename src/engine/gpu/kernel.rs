@@ -26,24 +26,15 @@ pub const FILES: [(&str, &str); 9] = [
     ("selfcheck.wgsl", include_str!("../../../shaders/selfcheck.wgsl")),
 ];
 
-/// What makes a kernel fit an adapter, whatever it computes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
-    /// Pendulums an invocation: 1 or 2.
-    pub lanes: usize,
-    /// Whether invocations of a subgroup can speak to each other.
-    pub subgroups: bool,
-}
-
 /// What a kernel's text depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
     /// The number type.
     pub precision: Precision,
-    /// Whether f32 states keep what rounding takes from them.
+    /// Whether f32 angles keep what rounding takes from them.
     pub compensated: bool,
-    /// What the adapter is good at.
-    pub shape: Shape,
+    /// Whether invocations of a subgroup can speak to each other on this adapter.
+    pub subgroups: bool,
     /// How the stages of a step find their directions.
     pub turning: Turning,
     /// The scene the kernel is made for; without one it reads the scene as data.
@@ -61,11 +52,11 @@ impl Design {
     }
 
     /// The kernel that takes any question.
-    pub fn general(recipe: &Recipe, compensated: bool, shape: Shape) -> Self {
+    pub fn general(recipe: &Recipe, compensated: bool, subgroups: bool) -> Self {
         Design {
             precision: recipe.precision,
             compensated: compensated && recipe.precision == Precision::F32,
-            shape,
+            subgroups,
             turning: Turning::Fresh,
             scene: None,
         }
@@ -73,9 +64,7 @@ impl Design {
 
     /// The variables a pendulum's state is kept in, in the order of the buffer.
     pub fn state(&self) -> &'static [&'static str] {
-        const NAMES: [&str; 8] = [
-            "t1", "t2", "w1", "w2", "t1_low", "t2_low", "w1_low", "w2_low",
-        ];
+        const NAMES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
         if self.compensated { &NAMES } else { &NAMES[..4] }
     }
 
@@ -89,7 +78,7 @@ impl Design {
         match (self.precision, self.compensated) {
             (Precision::F64, _) => vec!["start.x", "start.y", "0.0lf", "0.0lf"],
             (Precision::F32, true) => {
-                vec!["start.x", "start.z", "0.0", "0.0", "start.y", "start.w", "0.0", "0.0"]
+                vec!["start.x", "start.z", "0.0", "0.0", "start.y", "start.w"]
             }
             (Precision::F32, false) => {
                 vec!["start.x + start.y", "start.z + start.w", "0.0", "0.0"]
@@ -106,15 +95,13 @@ impl Design {
         let watched = self.watched();
         let bobs: Vec<String> = watched.iter().map(|&bob| self.quintic_of(bob)).collect();
         let mut maths = BTreeMap::from([
-            ("step".to_string(), self.step("guard_lanes")),
-            ("one_step".to_string(), self.step("guard")),
+            ("step".to_string(), self.step()),
         ]);
         maths.extend(watched.iter().map(|bob| format!("bob{bob}")).zip(bobs));
         let values = Values {
             general: self.scene.is_none(),
             compensated: self.compensated,
-            lanes: &["x", "y"][..self.shape.lanes],
-            subgroups: self.shape.subgroups,
+            subgroups: self.subgroups,
             state: self.state(),
             begin: self.begin(),
             watched,
@@ -124,10 +111,9 @@ impl Design {
         glue(&["shared.wgsl", number, "start.wgsl", "flip.wgsl", "tile.wgsl", "turn.wgsl"], &values)
     }
 
-    fn dialect(&self, guard: &'static str) -> Dialect {
+    fn dialect(&self) -> Dialect {
         Dialect {
             precision: self.precision,
-            guard,
             indent: "        ",
         }
     }
@@ -147,14 +133,14 @@ impl Design {
     }
 
     /// One step: the `_next` value of every variable of the state.
-    fn step(&self, guard: &'static str) -> String {
-        write_maths(self.dialect(guard), || {
+    fn step(&self) -> String {
+        write_maths(self.dialect(), || {
             let before = state(["t1", "t2", "w1", "w2"]);
             let change = integrator::rk4(&self.pendulum(), &before, variable("step"), self.turning);
             let next = if self.compensated {
-                let low = state(["t1_low", "t2_low", "w1_low", "w2_low"]);
-                let (high, low) = before.plus_compensated(&low, &change);
-                [high.angle, high.speed, low.angle, low.speed].concat()
+                let low = ["t1_low", "t2_low"].map(variable);
+                let (next, low) = before.plus_with_rest(low, &change);
+                [next.angle, next.speed, low].concat()
             } else {
                 let next = before.plus(&change);
                 [next.angle, next.speed].concat()
@@ -168,18 +154,18 @@ impl Design {
     fn may_pass(&self) -> String {
         let one = |bob: &usize| {
             let (t, w) = (format!("t{bob}"), format!("w{bob}"));
-            let turned = format!("({w} * {w}_next < Lanes(0))");
+            let turned = format!("({w} * {w}_next < 0)");
             let far = format!("max(abs({t}), abs({t}_next))");
             let travel = format!("step * max(abs({w}), abs({w}_next))");
             let pass = format!(
-                "(abs({t}_next) >= Lanes(PI)) | ({turned} & ({far} + {travel} >= Lanes(PI)))"
+                "(abs({t}_next) >= PI) || ({turned} && ({far} + {travel} >= PI))"
             );
             match self.scene {
                 Some(_) => pass,
-                None => format!("(Flags((job.watched & {bob}u) != 0u) & ({pass}))"),
+                None => format!("((job.watched & {bob}u) != 0u && ({pass}))"),
             }
         };
-        self.watched().iter().map(one).collect::<Vec<_>>().join(" | ")
+        self.watched().iter().map(one).collect::<Vec<_>>().join(" || ")
     }
 
     /// The coefficients of a bob's way to the top over the step (see `flip::fraction_of_step`).
@@ -188,7 +174,7 @@ impl Design {
             ["t1", "t2", "w1", "w2", "t1_low", "t2_low"],
             ["t1_next", "t2_next", "w1_next", "w2_next", "t1_low_next", "t2_low_next"],
         ];
-        write_maths(self.dialect("guard"), || {
+        write_maths(self.dialect(), || {
             let (side, step) = (variable("side"), variable("step"));
             let ends = ENDS.map(|[t1, t2, w1, w2, t1_low, t2_low]| {
                 let end = state([t1, t2, w1, w2]);
@@ -214,7 +200,6 @@ struct Values {
     general: bool,
     compensated: bool,
     subgroups: bool,
-    lanes: &'static [&'static str],
     state: &'static [&'static str],
     begin: Vec<&'static str>,
     watched: Vec<usize>,
@@ -244,7 +229,6 @@ pub fn selfcheck_text(precision: Precision) -> String {
     };
     let dialect = Dialect {
         precision,
-        guard: "guard",
         indent: "    ",
     };
     let maths = write_maths(dialect, || {

@@ -115,10 +115,7 @@ impl Slot {
 
     /// Overwrites what `begin` made with states kept earlier.
     fn write_paused(&self, gpu: &Gpu, paused: &[Paused]) {
-        let part = |k: usize, p: &Paused| {
-            let state = if k < 4 { &p.state } else { &p.low };
-            [state.angle, state.speed].concat()[k % 4]
-        };
+        let part = |k: usize, p: &Paused| [p.state.angle, p.state.speed, p.rest].as_flattened()[k];
         let values = (0..self.state_len).flat_map(|k| paused.iter().map(move |p| part(k, p)));
         let bytes: Vec<u8> = match self.job.recipe.precision {
             Precision::F32 => values.flat_map(|x| (x as f32).to_le_bytes()).collect(),
@@ -253,13 +250,14 @@ impl Slot {
                 .collect(),
             Precision::F64 => read(&self.buffers.answer, offset, numbers),
         };
-        let at = |i: usize, first: usize| {
-            let part = |k: usize| states.get((first + k) * raw.len() + i).copied().unwrap_or(0.0);
-            State { angle: [part(0), part(1)], speed: [part(2), part(3)] }
+        let paused = |i: usize| {
+            let part = |k: usize| states.get(k * raw.len() + i).copied().unwrap_or(0.0);
+            let state = State { angle: [part(0), part(1)], speed: [part(2), part(3)] };
+            Paused { steps: raw[i].steps, state, rest: [part(4), part(5)] }
         };
         (0..raw.len())
             .filter(|&i| outcomes[i].status == Status::Unflipped)
-            .map(|i| (i, Paused { steps: raw[i].steps, state: at(i, 0), low: at(i, 4) }))
+            .map(|i| (i, paused(i)))
             .collect()
     }
 }
