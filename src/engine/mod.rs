@@ -12,6 +12,7 @@
 
 
 
+pub mod cpu;
 pub mod gpu;
 pub mod method;
 

@@ -17,30 +17,59 @@ pub fn rk4<T: Real>(
     turning: Turning,
 ) -> State<T> {
     let (half, sixth) = (step * step.lit(0.5), step * step.lit(1.0 / 6.0));
-    let first = state.angle.map(T::sin_cos);
-    let alpha_at = |rate: &[T; 2], shift: T, speed: [T; 2]| {
-        let turned = |i: usize| turning.turned(first[i], state.angle[i], rate[i] * shift);
-        pendulum.acceleration_towards([turned(0), turned(1)], speed)
-    };
-    let pushed = |alpha: &[T; 2], push: T| [0, 1].map(|i| alpha[i].mul_add(push, state.speed[i]));
-
+    let first = sines(&state.angle);
     let alpha1 = pendulum.acceleration_towards(first, state.speed);
-    let speed2 = pushed(&alpha1, half);
-    let alpha2 = alpha_at(&state.speed, half, speed2);
-    let speed3 = pushed(&alpha2, half);
-    let alpha3 = alpha_at(&speed2, half, speed3);
-    let speed4 = pushed(&alpha3, step);
-    let alpha4 = alpha_at(&speed3, step, speed4);
+    let speed2 = pushed(&state.speed, &alpha1, half);
+    let second = turned(turning, &first, state, &state.speed, half);
+    let alpha2 = pendulum.acceleration_towards(second, speed2);
+    let speed3 = pushed(&state.speed, &alpha2, half);
+    let third = turned(turning, &first, state, &speed2, half);
+    let alpha3 = pendulum.acceleration_towards(third, speed3);
+    let speed4 = pushed(&state.speed, &alpha3, step);
+    let fourth = turned(turning, &first, state, &speed3, step);
+    let alpha4 = pendulum.acceleration_towards(fourth, speed4);
 
-    let inner = [0, 1].map(|i| alpha2[i] + alpha3[i]);
+    let inner = sums(&alpha2, &alpha3);
+    let mean_speed = pushed(&state.speed, &sums(&alpha1, &inner), sixth);
+    // The last stage is waited for last.
+    let known = sums(&alpha1, &sums(&inner, &inner));
     State {
-        angle: [0, 1].map(|i| (alpha1[i] + inner[i]).mul_add(sixth, state.speed[i]) * step),
-        speed: [0, 1].map(|i| {
-            // The last stage is waited for last.
-            let known = (alpha1[i] + (inner[i] + inner[i])) * sixth;
-            alpha4[i].mul_add(sixth, known)
-        }),
+        angle: [mean_speed[0] * step, mean_speed[1] * step],
+        speed: pushed(&[known[0] * sixth, known[1] * sixth], &alpha4, sixth),
     }
+}
+
+// Pairs are written out: closures are not inlined into code for SIMD lanes.
+
+#[inline(always)]
+fn sines<T: Real>(angle: &[T; 2]) -> [(T, T); 2] {
+    [angle[0].sin_cos(), angle[1].sin_cos()]
+}
+
+/// The directions after turning at `rate` for `time`.
+#[inline(always)]
+fn turned<T: Real>(
+    turning: Turning,
+    first: &[(T, T); 2],
+    state: &State<T>,
+    rate: &[T; 2],
+    time: T,
+) -> [(T, T); 2] {
+    [
+        turning.turned(first[0], state.angle[0], rate[0] * time),
+        turning.turned(first[1], state.angle[1], rate[1] * time),
+    ]
+}
+
+/// `base + rate · time`.
+#[inline(always)]
+fn pushed<T: Real>(base: &[T; 2], rate: &[T; 2], time: T) -> [T; 2] {
+    [rate[0].mul_add(time, base[0]), rate[1].mul_add(time, base[1])]
+}
+
+#[inline(always)]
+fn sums<T: Real>(a: &[T; 2], b: &[T; 2]) -> [T; 2] {
+    [a[0] + b[0], a[1] + b[1]]
 }
 
 /// The change over `step` seconds by Euler's explicit method (order 1; gains energy).
@@ -71,8 +100,8 @@ impl<T: Real> State<T> {
     #[inline(always)]
     pub fn plus(&self, change: &State<T>) -> State<T> {
         State {
-            angle: [0, 1].map(|i| self.angle[i] + change.angle[i]),
-            speed: [0, 1].map(|i| self.speed[i] + change.speed[i]),
+            angle: sums(&self.angle, &change.angle),
+            speed: sums(&self.speed, &change.speed),
         }
     }
 
@@ -80,12 +109,14 @@ impl<T: Real> State<T> {
     /// and what rounding took from its angles (Kahan 1965).
     #[inline(always)]
     pub fn plus_with_rest(&self, rest: [T; 2], change: &State<T>) -> (State<T>, [T; 2]) {
-        let angle = [0, 1].map(|i| self.angle[i].fast_two_sum(rest[i] + change.angle[i]));
+        let change_and_rest = sums(&rest, &change.angle);
+        let (angle1, rest1) = self.angle[0].fast_two_sum(change_and_rest[0]);
+        let (angle2, rest2) = self.angle[1].fast_two_sum(change_and_rest[1]);
         let next = State {
-            angle: angle.map(|pair| pair.0),
-            speed: [0, 1].map(|i| self.speed[i] + change.speed[i]),
+            angle: [angle1, angle2],
+            speed: sums(&self.speed, &change.speed),
         };
-        (next, angle.map(|pair| pair.1))
+        (next, [rest1, rest2])
     }
 
     /// The same with rests of the speeds too.

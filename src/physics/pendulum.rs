@@ -154,7 +154,8 @@ impl<T: Real> Pendulum<T> {
     /// The angular accelerations α1, α2 in rad/s².
     #[inline(always)]
     pub fn acceleration(&self, state: &State<T>) -> [T; 2] {
-        self.acceleration_towards(state.angle.map(T::sin_cos), state.speed)
+        let direction = [state.angle[0].sin_cos(), state.angle[1].sin_cos()];
+        self.acceleration_towards(direction, state.speed)
     }
 
     /// The same from the angles' `(sine, cosine)`.

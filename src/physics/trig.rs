@@ -96,16 +96,22 @@ pub fn sin_cos_with<T: Rounding, const S: usize, const C: usize>(
 /// not wait for the other half (Estrin 1960).
 #[inline(always)]
 fn in_pairs<T: Real, const N: usize>(x: T, square: T, terms: &[f64; N]) -> T {
-    let pair = |k: usize| match terms.get(k + 1) {
-        Some(&next) => x.mul_add(x.lit(next), x.lit(terms[k])),
-        None => x.lit(terms[k]),
-    };
     let last = (N - 1) / 2 * 2;
-    let mut sum = pair(last);
+    let mut sum = pair(x, terms, last);
     for k in (0..last).step_by(2).rev() {
-        sum = sum.mul_add(square, pair(k));
+        sum = sum.mul_add(square, pair(x, terms, k));
     }
     sum
+}
+
+/// Two neighbours of a series: termₖ + termₖ₊₁ x.
+#[inline(always)]
+fn pair<T: Real, const N: usize>(x: T, terms: &[f64; N], k: usize) -> T {
+    if k + 1 < N {
+        x.mul_add(x.lit(terms[k + 1]), x.lit(terms[k]))
+    } else {
+        x.lit(terms[k])
+    }
 }
 
 /// How the directions of a step's inner stages are found from the direction at its beginning.
@@ -121,8 +127,10 @@ pub enum Turning {
 impl Turning {
     /// What turns through at most `most` rad need to stay within `epsilon` (relative).
     pub fn within(most: f64, epsilon: f64) -> Self {
+        let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
         let left = |terms: usize| most.powi(2 * terms as i32 + 2) / factorial(2 * terms + 2);
-        (1..=MOST_TURNING_TERMS)
+        TURNING_TERMS
+            .into_iter()
             .find(|&terms| left(terms) < 0.25 * epsilon)
             .map_or(Turning::Fresh, Turning::Small)
     }
@@ -143,29 +151,34 @@ impl Turning {
     }
 }
 
-/// More terms than this cost as much as a fresh sine and cosine.
-const MOST_TURNING_TERMS: usize = 6;
+/// Few choices, because the processor's kernels are compiled for each; more terms than the last
+/// cost as much as a fresh sine and cosine.
+pub const TURNING_TERMS: [usize; 3] = [2, 4, 6];
 
 /// `(sin x, cos x − 1)` of a small x, with `terms` terms after the first of the sine.
 #[inline(always)]
 fn small_series<T: Real>(x: T, terms: usize) -> (T, T) {
     let square = x * x;
-    let coefficient = |k: usize, n: usize| {
-        x.lit(if k % 2 == 0 { 1.0 } else { -1.0 } / factorial(n))
-    };
-    let mut sin = coefficient(terms, 2 * terms + 1);
-    let mut cos = coefficient(terms, 2 * terms);
+    let mut sin = x.lit(TAYLOR[2 * terms + 1]);
+    let mut cos = x.lit(TAYLOR[2 * terms]);
     for k in (1..terms).rev() {
-        sin = sin.mul_add(square, coefficient(k, 2 * k + 1));
-        cos = cos.mul_add(square, coefficient(k, 2 * k));
+        sin = sin.mul_add(square, x.lit(TAYLOR[2 * k + 1]));
+        cos = cos.mul_add(square, x.lit(TAYLOR[2 * k]));
     }
     ((sin * square).mul_add(x, x), cos * square)
 }
 
-#[inline(always)]
-fn factorial(n: usize) -> f64 {
-    (1..=n).fold(1.0, |product, k| product * k as f64)
-}
+/// 1/n! with the signs of the sine (odd n) and the cosine (even n).
+const TAYLOR: [f64; 14] = {
+    let mut terms = [1.0; 14];
+    let (mut n, mut factorial) = (1, 1.0);
+    while n < 14 {
+        factorial *= n as f64;
+        terms[n] = if n % 4 < 2 { 1.0 } else { -1.0 } / factorial;
+        n += 1;
+    }
+    terms
+};
 
 #[cfg(test)]
 mod tests {
@@ -241,7 +254,7 @@ mod tests {
                 let (sin, cos) = turning.turned(angle.sin_cos(), angle, change);
                 let (true_sin, true_cos) = (angle + change).sin_cos();
                 let error = (sin - true_sin).abs().max((cos - true_cos).abs());
-                assert!(error < 4.0 * epsilon, "{most} {epsilon} {change}: {error}");
+                assert!(error < epsilon + 4.0 * f64::EPSILON, "{most} {epsilon} {change}: {error}");
             }
         }
         assert_eq!(Turning::within(10.0, 1e-16), Turning::Fresh);

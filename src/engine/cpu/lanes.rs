@@ -1,0 +1,146 @@
+//! SIMD lanes as numbers: a register of the instruction set found at run time.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use pulp::Simd;
+
+use crate::physics::Real;
+use crate::physics::trig::{
+    PI_PARTS_F32, PI_PARTS_F64, Rounding, SERIES_F32, SERIES_F64, sin_cos_with,
+};
+
+/// A register of numbers, one pendulum in each.
+pub trait Lanes: Rounding {
+    /// The instruction set.
+    type Set: Simd;
+    /// How many.
+    const COUNT: usize;
+
+    /// The same value in every lane.
+    fn splat(set: Self::Set, value: f64) -> Self;
+    /// One value a lane, from the first [`Lanes::COUNT`] of `values`.
+    fn load(set: Self::Set, values: &[f64]) -> Self;
+    /// One value a lane, to the first [`Lanes::COUNT`] of `values`.
+    fn store(self, values: &mut [f64]);
+    /// Magnitudes.
+    fn abs(self) -> Self;
+    /// The larger of two, lane by lane.
+    fn max(self, other: Self) -> Self;
+    /// `self` where `test` is negative, otherwise 0.
+    fn where_negative(self, test: Self) -> Self;
+    /// The largest of the lanes, NaNs passed over or not.
+    fn largest(self) -> f64;
+}
+
+/// Most lanes that any register has.
+pub const MOST_LANES: usize = 16;
+
+macro_rules! lanes {
+    ($name:ident, $float:ident, $register:ident, $count:ident, $magic:expr, $series:expr, $parts:expr,
+     $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $fma:ident,
+     $abs:ident, $max:ident, $less:ident, $select:ident, $largest:ident) => {
+        /// A register of this number type.
+        #[derive(Clone, Copy, Debug)]
+        pub struct $name<S: Simd> {
+            set: S,
+            lanes: S::$register,
+        }
+
+        lanes!(operator $name Add add $add);
+        lanes!(operator $name Sub sub $sub);
+        lanes!(operator $name Mul mul $mul);
+        lanes!(operator $name Div div $div);
+
+        impl<S: Simd> Neg for $name<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self { lanes: self.set.$neg(self.lanes), ..self }
+            }
+        }
+
+        impl<S: Simd> Real for $name<S> {
+            #[inline(always)]
+            fn lit(self, value: f64) -> Self {
+                Self::splat(self.set, value)
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                Self { lanes: self.set.$fma(self.lanes, factor.lanes, term.lanes), ..self }
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                sin_cos_with(self, $parts, &$series)
+            }
+        }
+
+        impl<S: Simd> Rounding for $name<S> {
+            /// Adding 1.5 · 2^mantissa leaves no bits for a fraction.
+            #[inline(always)]
+            fn nearest(self) -> Self {
+                let magic = self.lit($magic);
+                (self + magic) - magic
+            }
+        }
+
+        impl<S: Simd> Lanes for $name<S> {
+            type Set = S;
+            const COUNT: usize = S::$count;
+
+            #[inline(always)]
+            fn splat(set: S, value: f64) -> Self {
+                Self { set, lanes: set.$splat(value as $float) }
+            }
+            #[inline(always)]
+            fn load(set: S, values: &[f64]) -> Self {
+                let mut lanes = set.$splat(0.0);
+                let parts: &mut [$float] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut lanes));
+                for (part, &value) in parts.iter_mut().zip(values) {
+                    *part = value as $float;
+                }
+                Self { set, lanes }
+            }
+            #[inline(always)]
+            fn store(self, values: &mut [f64]) {
+                let parts: &[$float] = bytemuck::cast_slice(std::slice::from_ref(&self.lanes));
+                for (value, &part) in values.iter_mut().zip(parts) {
+                    *value = f64::from(part);
+                }
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                Self { lanes: self.set.$abs(self.lanes), ..self }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self { lanes: self.set.$max(self.lanes, other.lanes), ..self }
+            }
+            #[inline(always)]
+            fn where_negative(self, test: Self) -> Self {
+                let zero = self.set.$splat(0.0);
+                let mask = self.set.$less(test.lanes, zero);
+                Self { lanes: self.set.$select(mask, self.lanes, zero), ..self }
+            }
+            #[inline(always)]
+            fn largest(self) -> f64 {
+                f64::from(self.set.$largest(self.lanes))
+            }
+        }
+    };
+    (operator $name:ident $trait:ident $method:ident $function:ident) => {
+        impl<S: Simd> $trait for $name<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { lanes: self.set.$function(self.lanes, other.lanes), ..self }
+            }
+        }
+    };
+}
+
+lanes!(F32Lanes, f32, f32s, F32_LANES, 12_582_912.0, SERIES_F32, PI_PARTS_F32,
+    splat_f32s, add_f32s, sub_f32s, mul_f32s, div_f32s, neg_f32s, mul_add_e_f32s,
+    abs_f32s, max_f32s, less_than_f32s, select_f32s, reduce_max_f32s);
+lanes!(F64Lanes, f64, f64s, F64_LANES, 6_755_399_441_055_744.0, SERIES_F64, PI_PARTS_F64,
+    splat_f64s, add_f64s, sub_f64s, mul_f64s, div_f64s, neg_f64s, mul_add_e_f64s,
+    abs_f64s, max_f64s, less_than_f64s, select_f64s, reduce_max_f64s);
