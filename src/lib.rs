@@ -1,3 +1,4 @@
 //! flipmap: every possible double pendulum at once.
 pub mod engine;
 pub mod physics;
+pub mod scene;

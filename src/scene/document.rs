@@ -1,0 +1,178 @@
+//! A scene as a file: TOML, every key with a default, unknown keys refused.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Build, Question, Scene, SceneError, View};
+
+/// The newest format this program reads, and the one it writes.
+pub const FORMAT: u32 = 1;
+
+/// A scene file. The tables after the view never change what is computed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Document {
+    /// Version of the file format.
+    pub format: u32,
+    /// The pendulum.
+    pub pendulum: Build,
+    /// What is asked about it.
+    pub question: Question,
+    /// Which part of the plane.
+    pub view: View,
+    /// How it was painted.
+    pub picture: PictureTable,
+    /// How it was computed.
+    pub run: RunTable,
+}
+
+/// How a picture is painted from its samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PictureTable {
+    /// Name of the colour table.
+    pub palette: String,
+    /// Whether the energy curve is drawn.
+    pub curve: bool,
+    /// Samples a pixel along each axis.
+    pub samples: u32,
+}
+
+impl Default for PictureTable {
+    fn default() -> Self {
+        PictureTable {
+            palette: "batlow".to_string(),
+            curve: true,
+            samples: 1,
+        }
+    }
+}
+
+/// How a picture was computed: kept for the record, and the default when it is opened again.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RunTable {
+    /// Width and height in pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[u32; 2]>,
+    /// The method's word.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<String>,
+    /// Its step, as on the command line.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<String>,
+    /// The number type's word.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub precision: Option<String>,
+}
+
+impl Default for Document {
+    fn default() -> Self {
+        Document {
+            format: FORMAT,
+            pendulum: Build::default(),
+            question: Question::default(),
+            view: View::default(),
+            picture: PictureTable::default(),
+            run: RunTable::default(),
+        }
+    }
+}
+
+/// Why a text is no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum DocumentError {
+    /// Not the TOML that a scene is: says where and why.
+    #[error("{0}")]
+    Syntax(String),
+    /// Written by a newer program.
+    #[error("the scene has format {found}; this program reads format 1 to {FORMAT}")]
+    Future {
+        /// Its format.
+        found: u32,
+    },
+    /// A number out of its range.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+/// Only the version, so that a newer file is called newer and not wrong.
+#[derive(Deserialize)]
+struct Version {
+    format: Option<u32>,
+}
+
+impl Document {
+    /// Reads and checks a scene.
+    pub fn parse(text: &str) -> Result<Self, DocumentError> {
+        let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
+        if let Ok(Version { format: Some(found) }) = toml::from_str(text)
+            && !(1..=FORMAT).contains(&found)
+        {
+            return Err(DocumentError::Future { found });
+        }
+        let document: Document = toml::from_str(text).map_err(syntax)?;
+        document.scene().checked()?;
+        Ok(document)
+    }
+
+    /// The text of this document.
+    pub fn text(&self) -> String {
+        toml::to_string(self).expect("plain tables are TOML")
+    }
+
+    /// What to compute.
+    pub fn scene(&self) -> Scene {
+        Scene {
+            build: self.pendulum,
+            question: self.question,
+            view: self.view.clone(),
+        }
+    }
+}
+
+/// A TOML error as one sentence with line and column.
+fn one_line(error: &toml::de::Error, text: &str) -> String {
+    let message = error.message().replace('\n', ", ");
+    let Some(span) = error.span() else {
+        return message;
+    };
+    let before = &text[..span.start.min(text.len())];
+    let line = before.matches('\n').count() + 1;
+    let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+    format!("line {line}, column {column}: {message}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Rule;
+
+    fn refused(text: &str) -> String {
+        Document::parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn an_empty_file_is_the_home_scene() {
+        assert_eq!(Document::parse("").unwrap(), Document::default());
+    }
+
+    #[test]
+    fn what_is_written_reads_back_the_same() {
+        let mut document = Document::default();
+        document.question.rule = Rule::Either;
+        document.view.center = ["-1.66000000000000000000000000000001".into(), "0.1".into()];
+        document.run.step = Some("1/120".into());
+        assert_eq!(Document::parse(&document.text()).unwrap(), document);
+    }
+
+    #[test]
+    fn bad_files_are_refused_where_they_are_bad() {
+        assert!(refused("[pendulum]\nmass = 1").starts_with("line 2, column 1: unknown field `mass`"));
+        assert!(refused("[question]\nbudget = \"long\"").contains("line 2, column 10"));
+        assert!(refused("[question]\nrule = \"third\"").contains("line 2"));
+        assert!(refused("format = 2\nnew = 1").contains("format 2; this program reads"));
+        assert!(refused("[view]\nwidth = \"0\"").contains("--width is '0'"));
+        assert!(refused("[pendulum]\nmasses = [1.0, nan]").contains("--masses"));
+        assert!(refused("[pendulum]\ngravity = -9.81").contains("--gravity"));
+    }
+}

@@ -1,0 +1,182 @@
+//! From pixels to starts: where each pixel's pendulum is let go, and what is known before it is.
+
+use super::Scene;
+use crate::physics::flip::settle_at_top;
+use crate::physics::{Dd, Pendulum, Real, Rule, Scalar, State, gold};
+
+/// The starts of a picture of a scene.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    size: [u32; 2],
+    center: [Dd; 2],
+    /// What one pixel to the right, and one up, adds to θ1 and θ2.
+    right: [Dd; 2],
+    up: [Dd; 2],
+    pendulum: Pendulum<f64>,
+    exact: Pendulum<Dd>,
+    rule: Rule,
+}
+
+/// What becomes of a pixel before any step is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fate {
+    /// Energy conservation forbids the flip.
+    Forbidden,
+    /// Balanced exactly upright, or hanging: it never moves.
+    Balanced,
+    /// It has to be simulated from these angles, within (−π, π].
+    Open([Dd; 2]),
+}
+
+impl Grid {
+    /// The grid of a checked scene for a picture of `size` pixels.
+    pub fn new(scene: &Scene, size: [u32; 2]) -> Self {
+        let pixel = scene.view.width_rad() / Dd::new(f64::from(size[0]));
+        let tall = pixel / Dd::new(scene.view.stretch);
+        let zero = Dd::new(0.0);
+        let (right, up) = if scene.view.rotate == 0.0 {
+            ([pixel, zero], [zero, tall])
+        } else {
+            let angle = Dd::new(scene.view.rotate) * Dd::PI / Dd::new(180.0);
+            let (sin, cos) = angle.sin_cos();
+            ([pixel * cos, pixel * sin], [-(tall * sin), tall * cos])
+        };
+        let pendulum = scene.build.pendulum();
+        Grid {
+            size,
+            center: scene.view.center_rad(),
+            right,
+            up,
+            pendulum,
+            exact: pendulum.convert(),
+            rule: scene.question.rule,
+        }
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// θ1 and θ2 of pixel (`column`, `row`), row 0 at the top, in (−π, π].
+    pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
+        let x = Dd::new(f64::from(column) + 0.5 - f64::from(self.size[0]) / 2.0);
+        let y = Dd::new(f64::from(self.size[1]) / 2.0 - f64::from(row) - 0.5);
+        [0, 1].map(|i| {
+            let angle = self.center[i] + (x * self.right[i] + y * self.up[i]);
+            // Inside a turn there is nothing to take out, and no rounding to fear.
+            if angle <= Dd::PI && angle > -Dd::PI { angle } else { angle.wrapped() }
+        })
+    }
+
+    /// How deep in the forbidden region a start is: P cos θ1 + Q cos θ2 over its bound, J.
+    /// Zero on the energy curve.
+    pub fn energy_depth(&self, angle: [f64; 2]) -> f64 {
+        let Pendulum { p, q, .. } = self.pendulum;
+        let depth = p * angle[0].cos() + q * angle[1].cos();
+        let bound = match self.rule {
+            Rule::Second => p - q,
+            Rule::First => q - p,
+            Rule::Either => (p - q).abs(),
+        };
+        depth - bound
+    }
+
+    /// What is known of a pixel beforehand.
+    pub fn fate(&self, column: u32, row: u32) -> Fate {
+        let angle = self.angle_from_pixel(column, row);
+        if self.is_forbidden(angle) {
+            return Fate::Forbidden;
+        }
+        if gold::is_balanced(angle) {
+            return Fate::Balanced;
+        }
+        if angle.iter().all(|theta| theta.abs() < Dd::PI) {
+            return Fate::Open(angle);
+        }
+        let alpha = self.exact.acceleration(&State::rest(angle));
+        Fate::Open([0, 1].map(|i| settle_at_top(angle[i], alpha[i])))
+    }
+
+    /// The energy test in f64, and in double-double where f64 cannot tell.
+    fn is_forbidden(&self, angle: [Dd; 2]) -> bool {
+        let Pendulum { p, q, .. } = self.pendulum;
+        let near = self.energy_depth(angle.map(|theta| theta.hi));
+        if near.abs() > 1e-12 * (p + q) {
+            let depth = p * angle[0].hi.cos() + q * angle[1].hi.cos();
+            return self.pendulum.forbids_depth(self.rule, depth);
+        }
+        self.exact.forbids(self.rule, angle)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Question, View};
+
+    fn grid(view: View, size: [u32; 2]) -> Grid {
+        let scene = Scene { view, ..Scene::default() };
+        Grid::new(&scene.checked().unwrap(), size)
+    }
+
+    #[test]
+    fn pixels_sit_at_cell_centres_with_row_0_at_the_top() {
+        let view = View { center: ["1".into(), "-1".into()], width: "2".into(), ..View::default() };
+        let grid = grid(view, [4, 2]);
+        let near = |angle: [Dd; 2], x: f64, y: f64| {
+            (angle[0].hi - x).abs() < 1e-15 && (angle[1].hi - y).abs() < 1e-15
+        };
+        assert!(near(grid.angle_from_pixel(0, 0), 0.25, -0.75));
+        assert!(near(grid.angle_from_pixel(3, 1), 1.75, -1.25));
+    }
+
+    #[test]
+    fn opposite_pixels_of_the_home_map_are_exact_mirrors() {
+        let grid = grid(View { rotate: 30.0, ..View::default() }, [30, 20]);
+        for (column, row) in [(0, 0), (7, 3), (29, 19), (15, 10)] {
+            let angle = grid.angle_from_pixel(column, row);
+            let mirror = grid.angle_from_pixel(29 - column, 19 - row);
+            assert_eq!(angle, mirror.map(|theta| -theta));
+        }
+    }
+
+    #[test]
+    fn a_quarter_turn_swaps_the_axes() {
+        let view = View { rotate: 90.0, ..View::default() };
+        let [theta1, theta2] = grid(view, [3, 3]).angle_from_pixel(2, 1);
+        assert!(theta1.hi.abs() < 1e-15 && (theta2.hi - std::f64::consts::TAU / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_stretched_view_shows_less_of_the_vertical() {
+        let view = View { stretch: 4.0, width: "3".into(), ..View::default() };
+        let [_, theta2] = grid(view, [3, 3]).angle_from_pixel(1, 0);
+        assert!((theta2.hi - 0.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_window_beyond_the_seam_wraps_round() {
+        let view = View { center: ["6.283185307179586".into(), "0".into()], width: "1".into(), ..View::default() };
+        let [theta1, _] = grid(view, [2, 2]).angle_from_pixel(1, 0);
+        assert!((theta1.hi - 0.25).abs() < 1e-14);
+    }
+
+    #[test]
+    fn fates_follow_the_rule() {
+        let pi = "3.14159265358979323846264338327950288";
+        let fate = |center: [&str; 2], rule| {
+            let view = View { center: center.map(str::to_string), width: "1e-3".into(), ..View::default() };
+            let question = Question { rule, ..Question::default() };
+            let scene = Scene { view, question, ..Scene::default() };
+            Grid::new(&scene, [1, 1]).fate(0, 0)
+        };
+        assert_eq!(fate(["0", "0"], Rule::Second), Fate::Forbidden);
+        assert_eq!(fate([pi, pi], Rule::Second), Fate::Balanced);
+        assert!(matches!(fate(["3", "3"], Rule::Second), Fate::Open(_)));
+        // At the top with θ1 = 2: the second bob is pushed towards larger angles, so it starts at −π.
+        let Fate::Open([_, theta2]) = fate(["2", pi], Rule::Second) else { panic!() };
+        let alpha = Scene::default().build.pendulum().acceleration(&State::rest([2.0, theta2.hi]));
+        assert!(alpha[1] * theta2.hi < 0.0);
+    }
+}
