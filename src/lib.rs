@@ -2,3 +2,4 @@
 pub mod engine;
 pub mod physics;
 pub mod scene;
+pub mod tiles;

@@ -12,9 +12,11 @@
 
 
 
+pub mod choice;
 pub mod cpu;
 pub mod gpu;
 pub mod method;
+pub mod mock;
 
 pub mod selfcheck;
 pub mod shared;

@@ -1,0 +1,388 @@
+//! The loop from a scene to finished tiles.
+
+use std::collections::{HashMap, VecDeque};
+use std::time::Instant;
+
+use super::plan::{Order, Tile, plan};
+use crate::engine::{Engine, EngineError, Finished, Job, Question, Recipe, Starts, Wait};
+use crate::physics::{Dd, Outcome, Status};
+use crate::scene::{Fate, Grid, Scene};
+
+/// Outcomes, stored tightly.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    statuses: Vec<Status>,
+    times: Vec<f64>,
+}
+
+impl Samples {
+    /// `count` unflipped samples.
+    pub fn unflipped(count: usize) -> Self {
+        Samples { statuses: vec![Status::Unflipped; count], times: vec![0.0; count] }
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.statuses.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.statuses.is_empty()
+    }
+
+    /// Sample `index`.
+    pub fn get(&self, index: usize) -> Outcome {
+        Outcome { status: self.statuses[index], time: self.times[index] }
+    }
+
+    /// Replaces sample `index`.
+    pub fn set(&mut self, index: usize, outcome: Outcome) {
+        self.statuses[index] = outcome.status;
+        self.times[index] = outcome.time;
+    }
+
+    /// The samples in opposite order: of a tile, its mirror image.
+    pub fn reversed(mut self) -> Self {
+        self.statuses.reverse();
+        self.times.reverse();
+        self
+    }
+
+    /// All outcomes in order.
+    pub fn iter(&self) -> impl Iterator<Item = Outcome> + '_ {
+        (0..self.len()).map(|index| self.get(index))
+    }
+
+    /// Bytes a sample takes.
+    pub const BYTES: usize = size_of::<Status>() + size_of::<f64>();
+}
+
+/// A tile and the samples of the pixels it computes, in the order of [`Tile::pixels`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedTile {
+    /// Where it is.
+    pub tile: Tile,
+    /// Its samples.
+    pub samples: Samples,
+}
+
+/// What has been done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Pixels answered, mirror images included.
+    pub pixels: u64,
+    /// Starts that an engine integrated.
+    pub simulated: u64,
+    /// Pixels that flipped.
+    pub flipped: u64,
+    /// Pixels that did not within the budget.
+    pub unflipped: u64,
+    /// Pixels that energy forbids to.
+    pub forbidden: u64,
+    /// Pixels whose integration failed.
+    pub failed: u64,
+    /// Right-hand sides evaluated.
+    pub rhs_evaluations: u64,
+}
+
+/// A picture being computed.
+pub struct Work {
+    grid: Grid,
+    question: Question,
+    recipe: Recipe,
+    mirrored: bool,
+    waiting: VecDeque<Tile>,
+    flying: HashMap<u64, Flying>,
+    next_id: u64,
+    counts: Counts,
+}
+
+/// A tile whose open pixels are with the engine.
+struct Flying {
+    tile: Tile,
+    samples: Samples,
+    /// For each start of the job, its place among the samples.
+    places: Vec<u32>,
+}
+
+/// Samples that the mirror image of a picture may hold back before rows come in order.
+const MIRROR_BYTES: usize = 320 << 20;
+
+impl Work {
+    /// The work of a checked scene as a picture of `size` pixels, in tiles of about
+    /// `tile_pixels` pixels.
+    pub fn new(scene: &Scene, size: [u32; 2], recipe: Recipe, order: Order, tile_pixels: usize) -> Self {
+        let half = size[0] as usize * size[1] as usize / 2;
+        let mirrored = order == Order::Straight
+            && scene.view.is_symmetric()
+            && half * Samples::BYTES <= MIRROR_BYTES;
+        let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
+        Work {
+            grid: Grid::new(scene, size),
+            question: Question {
+                pendulum: scene.build.pendulum(),
+                rule: scene.question.rule,
+                budget_secs: scene.question.budget,
+            },
+            recipe,
+            mirrored,
+            waiting: plan(size, rows, order, tile_pixels).into(),
+            flying: HashMap::new(),
+            next_id: 0,
+            counts: Counts::default(),
+        }
+    }
+
+    /// Moves the work on until tiles have finished or `deadline` has come, and returns them.
+    /// Without a deadline an empty answer means that all is done.
+    pub fn work(
+        &mut self,
+        engine: &mut dyn Engine,
+        deadline: Option<Instant>,
+    ) -> Result<Vec<FinishedTile>, EngineError> {
+        let mut finished = Vec::new();
+        while finished.is_empty() && !self.is_done() {
+            self.submit(engine, &mut finished)?;
+            if self.flying.is_empty() {
+                continue;
+            }
+            let wait = deadline.map_or(Wait::UntilFinished, Wait::Until);
+            for answer in engine.poll(wait)? {
+                self.take(answer, &mut finished);
+            }
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                break;
+            }
+        }
+        Ok(finished)
+    }
+
+    /// Whether every tile has been handed back.
+    pub fn is_done(&self) -> bool {
+        self.waiting.is_empty() && self.flying.is_empty()
+    }
+
+    /// Forgets everything that is not finished.
+    pub fn cancel(&mut self, engine: &mut dyn Engine) {
+        engine.cancel();
+        self.waiting.clear();
+        self.flying.clear();
+    }
+
+    /// What has been done so far.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Fills the engine's slots; tiles without open pixels are finished at once.
+    fn submit(&mut self, engine: &mut dyn Engine, finished: &mut Vec<FinishedTile>) -> Result<(), EngineError> {
+        while self.flying.len() < engine.slots() {
+            let Some(tile) = self.waiting.pop_front() else {
+                return Ok(());
+            };
+            let (flying, starts) = self.prepare(tile);
+            if starts.is_empty() {
+                self.finish(flying.tile, flying.samples, finished);
+                return Ok(());
+            }
+            let id = self.next_id;
+            self.next_id += 1;
+            engine.submit(Job {
+                id,
+                question: self.question,
+                recipe: self.recipe,
+                starts: Starts::Rest(starts),
+                keep_unfinished: false,
+            })?;
+            self.flying.insert(id, flying);
+        }
+        Ok(())
+    }
+
+    /// Answers what is known beforehand, and collects the rest.
+    fn prepare(&self, tile: Tile) -> (Flying, Vec<[Dd; 2]>) {
+        let fates: Vec<Fate> = tile.pixels().map(|[x, y]| self.grid.fate(x, y)).collect();
+        let mut samples = Samples::unflipped(fates.len());
+        let (mut places, mut starts) = (Vec::new(), Vec::new());
+        for (place, fate) in (0..).zip(fates) {
+            match fate {
+                Fate::Forbidden => {
+                    samples.set(place as usize, Outcome::without_time(Status::Forbidden));
+                }
+                Fate::Balanced => {}
+                Fate::Open(angle) => {
+                    places.push(place);
+                    starts.push(angle);
+                }
+            }
+        }
+        (Flying { tile, samples, places }, starts)
+    }
+
+    fn take(&mut self, answer: Finished, finished: &mut Vec<FinishedTile>) {
+        let Some(Flying { tile, mut samples, places }) = self.flying.remove(&answer.id) else {
+            return;
+        };
+        self.counts.simulated += places.len() as u64;
+        self.counts.rhs_evaluations += answer.rhs_evaluations;
+        for (&place, &outcome) in places.iter().zip(&answer.outcomes) {
+            samples.set(place as usize, outcome);
+        }
+        self.finish(tile, samples, finished);
+    }
+
+    /// Hands a tile back, and its mirror image.
+    fn finish(&mut self, tile: Tile, samples: Samples, finished: &mut Vec<FinishedTile>) {
+        let image = if self.mirrored { self.mirror_of(&tile, &samples) } else { None };
+        for part in [Some(FinishedTile { tile, samples }), image].into_iter().flatten() {
+            count(&mut self.counts, &part.samples);
+            finished.push(part);
+        }
+    }
+
+    /// The image of a band of the upper half in the lower one, without a middle row that is its
+    /// own image.
+    fn mirror_of(&self, tile: &Tile, samples: &Samples) -> Option<FinishedTile> {
+        let [width, height] = self.grid.size();
+        let own_image = (tile.origin[1] + tile.size[1]) * 2 > height;
+        let rows = tile.size[1] - u32::from(own_image);
+        if rows == 0 {
+            return None;
+        }
+        let mut image = samples.clone();
+        image.statuses.truncate((rows * width) as usize);
+        image.times.truncate((rows * width) as usize);
+        let origin = [0, height - tile.origin[1] - rows];
+        let tile = Tile { origin, size: [width, rows], ..*tile };
+        Some(FinishedTile { tile, samples: image.reversed() })
+    }
+}
+
+fn count(counts: &mut Counts, samples: &Samples) {
+    counts.pixels += samples.len() as u64;
+    for status in &samples.statuses {
+        *match status {
+            Status::Flipped => &mut counts.flipped,
+            Status::Unflipped => &mut counts.unflipped,
+            Status::Forbidden => &mut counts.forbidden,
+            Status::Failed => &mut counts.failed,
+        } += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::mock::MockEngine;
+    use crate::engine::{Method, Precision};
+    use crate::scene::View;
+
+    const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+
+    fn scene(center: [&str; 2]) -> Scene {
+        let view = View { center: center.map(str::to_string), ..View::default() };
+        Scene { view, ..Scene::default() }.checked().unwrap()
+    }
+
+    /// Every pixel's outcome, by running the work to its end.
+    fn picture(scene: &Scene, size: [u32; 2], order: Order, engine: &mut MockEngine) -> (Samples, Counts) {
+        let mut work = Work::new(scene, size, RECIPE, order, 64);
+        let mut samples = Samples::unflipped((size[0] * size[1]) as usize);
+        let mut seen = vec![false; samples.len()];
+        loop {
+            let finished = work.work(engine, None).unwrap();
+            if finished.is_empty() {
+                break;
+            }
+            for part in finished {
+                for ([x, y], outcome) in part.tile.pixels().zip(part.samples.iter()) {
+                    let index = (y * size[0] + x) as usize;
+                    assert!(!std::mem::replace(&mut seen[index], true), "({x}, {y}) came twice");
+                    samples.set(index, outcome);
+                }
+            }
+        }
+        assert!(seen.iter().all(|&seen| seen));
+        (samples, work.counts())
+    }
+
+    fn expected(scene: &Scene, size: [u32; 2]) -> Samples {
+        let grid = Grid::new(scene, size);
+        let mut samples = Samples::unflipped((size[0] * size[1]) as usize);
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                let outcome = match grid.fate(x, y) {
+                    Fate::Open(angle) => MockEngine::answer(angle.map(|theta| theta.hi)),
+                    Fate::Forbidden => Outcome::without_time(Status::Forbidden),
+                    Fate::Balanced => Outcome::without_time(Status::Unflipped),
+                };
+                samples.set((y * size[0] + x) as usize, outcome);
+            }
+        }
+        samples
+    }
+
+    #[test]
+    fn order_and_tiling_do_not_change_the_answer() {
+        let scene = scene(["1", "0.5"]);
+        let truth = expected(&scene, [37, 23]);
+        for order in [Order::Straight, Order::CoarseFirst] {
+            for backwards in [false, true] {
+                let mut engine = MockEngine { backwards, ..MockEngine::default() };
+                let (samples, counts) = picture(&scene, [37, 23], order, &mut engine);
+                assert_eq!(samples, truth);
+                assert_eq!(counts.pixels, 37 * 23);
+                assert_eq!(counts.simulated as usize, engine.answered);
+                assert!(engine.most_in_flight <= engine.slots());
+            }
+        }
+    }
+
+    #[test]
+    fn forbidden_pixels_cost_nothing_and_a_mirror_halves_the_rest() {
+        for size in [[40, 30], [31, 31], [5, 1]] {
+            let mut engine = MockEngine::default();
+            let (samples, counts) = picture(&scene(["0", "0"]), size, Order::Straight, &mut engine);
+            let open = counts.pixels - counts.forbidden;
+            let middle_row = if size[1] % 2 == 1 { u64::from(size[0]) } else { 0 };
+            assert!(engine.answered as u64 <= open / 2 + middle_row, "{size:?}");
+            let last = samples.len() - 1;
+            // Rows below the middle are images, so they repeat the upper half, turned round.
+            for index in 0..samples.len() / 2 - middle_row as usize / 2 {
+                assert_eq!(samples.get(index), samples.get(last - index));
+            }
+        }
+    }
+
+    #[test]
+    fn a_deadline_ends_a_call_and_loses_nothing() {
+        let (scene, size) = (scene(["1", "0.5"]), [40, 40]);
+        let mut engine = MockEngine::default();
+        let mut work = Work::new(&scene, size, RECIPE, Order::CoarseFirst, 64);
+        let mut pixels = 0;
+        while !work.is_done() {
+            for part in work.work(&mut engine, Some(Instant::now())).unwrap() {
+                pixels += part.samples.len();
+            }
+        }
+        assert_eq!(pixels, 1600);
+    }
+
+    #[test]
+    fn cancelled_work_is_done() {
+        let mut engine = MockEngine::default();
+        let mut work = Work::new(&scene(["1", "0"]), [64, 64], RECIPE, Order::Straight, 64);
+        work.work(&mut engine, None).unwrap();
+        work.cancel(&mut engine);
+        assert!(work.is_done() && work.work(&mut engine, None).unwrap().is_empty());
+    }
+
+    #[test]
+    fn an_engine_that_fails_is_reported() {
+        let mut engine = MockEngine { fail_at: Some(3), ..MockEngine::default() };
+        let mut work = Work::new(&scene(["1", "0"]), [64, 64], RECIPE, Order::Straight, 64);
+        let error = (0..10).find_map(|_| work.work(&mut engine, None).err());
+        assert!(error.unwrap().to_string().contains("MiB"));
+    }
+}
