@@ -1,0 +1,16 @@
+//! Samples to files: pictures, arrays, and the safety of what was there before.
+//!
+//! Every file is written beside its destination and renamed onto it when it is complete, so a
+//! failure or an interruption leaves what was there.
+
+mod npy;
+mod paint;
+mod png;
+mod rows;
+mod safe;
+
+pub use npy::NpyWriter;
+pub use paint::Painter;
+pub use png::{PngError, PngWriter, document_in_png};
+pub use rows::RowOrder;
+pub use safe::{Destination, SafeFile};

@@ -1,0 +1,160 @@
+//! Samples to colours: the palette, the mean of several samples a pixel, and the energy curve.
+
+use crate::scene::palette::{Palette, Range, Rgb, colour_of};
+use crate::scene::{Grid, PictureTable, Scene};
+use crate::tiles::Samples;
+
+/// Paints bands of a picture from the top.
+pub struct Painter {
+    palette: Palette,
+    range: Range,
+    curve: bool,
+    samples_along: u32,
+    grid: Grid,
+    next_row: u32,
+    /// Samples of a row of pixels that is not complete.
+    pending: Vec<Rgb>,
+}
+
+/// Half the width of the energy curve, in pixels.
+const CURVE_HALF_WIDTH: f64 = 0.75;
+
+impl Painter {
+    /// For a `size` picture of a checked scene; says so if the palette is unknown.
+    pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, String> {
+        let pendulum = scene.build.pendulum();
+        let unit_secs = if pendulum.q > 0.0 { pendulum.reduced().1 } else { 1.0 };
+        Ok(Painter {
+            palette: Palette::named(&picture.palette)?,
+            range: Range::of(unit_secs, scene.question.budget),
+            curve: picture.curve && pendulum.q > 0.0,
+            samples_along: picture.samples,
+            grid: Grid::new(scene, size),
+            next_row: 0,
+            pending: Vec::new(),
+        })
+    }
+
+    /// The next rows of samples as rows of RGB bytes. With several samples a pixel, rows come
+    /// out as they are complete.
+    pub fn paint(&mut self, samples: &Samples) -> Vec<u8> {
+        let colours = samples.iter().map(|outcome| colour_of(&outcome, &self.palette, &self.range));
+        self.pending.extend(colours);
+        let along = self.samples_along as usize;
+        let width = self.grid.size()[0] as usize;
+        let row_samples = width * along * along;
+        let rows = self.pending.len() / row_samples;
+        let mut bytes = Vec::with_capacity(rows * width * 3);
+        let painted: Vec<Rgb> = self.pending.drain(..rows * row_samples).collect();
+        for row in painted.chunks(row_samples) {
+            for column in 0..width {
+                let colour = mean(row, width * along, column * along, along);
+                bytes.extend(self.with_curve(colour, column as u32));
+            }
+            self.next_row += 1;
+        }
+        bytes
+    }
+
+    /// Black over `colour` where the energy curve passes.
+    fn with_curve(&self, colour: Rgb, column: u32) -> Rgb {
+        if !self.curve {
+            return colour;
+        }
+        let cover = self.curve_cover(column, self.next_row);
+        colour.map(|channel| (f64::from(channel) * (1.0 - cover)).round() as u8)
+    }
+
+    /// How much of a pixel the curve covers, from its distance to the pixel's middle: the
+    /// energy's depth there over its slope.
+    fn curve_cover(&self, column: u32, row: u32) -> f64 {
+        let depth = |dx: i64, dy: i64| {
+            let [x, y] = [i64::from(column) + dx, i64::from(row) + dy].map(|i| i.max(0) as u32);
+            self.grid.energy_depth(self.grid.angle_from_pixel(x, y).map(|theta| theta.hi))
+        };
+        let here = depth(0, 0);
+        let slope = (depth(1, 0) - here).hypot(depth(0, 1) - here);
+        if slope == 0.0 {
+            return 0.0;
+        }
+        (CURVE_HALF_WIDTH + 0.5 - here.abs() / slope).clamp(0.0, 1.0)
+    }
+}
+
+/// The mean colour of `along` × `along` samples from `first`, in linear light.
+fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
+    if along == 1 {
+        return row[first];
+    }
+    let mut sum = [0.0; 3];
+    for j in 0..along {
+        for colour in &row[j * stride + first..j * stride + first + along] {
+            for (sum, &channel) in sum.iter_mut().zip(colour) {
+                *sum += linear(channel);
+            }
+        }
+    }
+    sum.map(|sum| encoded(sum / (along * along) as f64))
+}
+
+/// sRGB to linear light (IEC 61966-2-1).
+fn linear(channel: u8) -> f64 {
+    let c = f64::from(channel) / 255.0;
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Linear light to sRGB.
+fn encoded(light: f64) -> u8 {
+    let c = if light <= 0.0031308 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    (c * 255.0).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{Outcome, Status};
+    use crate::scene::palette::{FORBIDDEN, UNFLIPPED};
+
+    fn painter(size: [u32; 2], samples: u32, curve: bool) -> Painter {
+        let picture = PictureTable { samples, curve, ..PictureTable::default() };
+        Painter::new(&Scene::default(), size, &picture).unwrap()
+    }
+
+    #[test]
+    fn one_sample_a_pixel_is_its_colour() {
+        let mut samples = Samples::unflipped(4);
+        samples.set(1, Outcome::without_time(Status::Forbidden));
+        let bytes = painter([2, 2], 1, false).paint(&samples);
+        assert_eq!(bytes, [UNFLIPPED, FORBIDDEN, UNFLIPPED, UNFLIPPED].concat());
+    }
+
+    #[test]
+    fn samples_are_averaged_as_light_and_rows_wait_until_complete() {
+        let mut painter = painter([1, 1], 2, false);
+        let mut samples = Samples::unflipped(2);
+        samples.set(0, Outcome::without_time(Status::Forbidden));
+        assert_eq!(painter.paint(&samples), []);
+        let mixed = painter.paint(&samples);
+        let light = (linear(255) + linear(FORBIDDEN[0])) / 2.0;
+        assert_eq!(mixed[0], encoded(light));
+    }
+
+    #[test]
+    fn light_survives_encoding() {
+        for channel in 0..=255 {
+            assert_eq!(encoded(linear(channel)), channel);
+        }
+    }
+
+    #[test]
+    fn the_energy_curve_is_a_thin_dark_ring() {
+        let size = [64, 64];
+        let bytes = painter(size, 1, true).paint(&Samples::unflipped(64 * 64));
+        let dark = bytes.chunks(3).filter(|rgb| rgb[0] < 64).count();
+        assert!((60..400).contains(&dark), "{dark}");
+        // cos θ2 = −1 + … at θ1 = 0: 2 + cos θ2 = 1 only at θ2 = π; at θ2 = 0, θ1 = ±π/2.
+        let at = |x: usize, y: usize| bytes[3 * (y * 64 + x)];
+        assert!(at(48, 32) < 64 || at(47, 32) < 64);
+        assert_eq!(at(32, 32), 255);
+    }
+}

@@ -1,0 +1,128 @@
+//! PNG written row by row, with the scene inside; and the scene read back from one.
+
+use std::cell::RefCell;
+use std::io::{self, BufRead, Seek, Write};
+use std::rc::Rc;
+
+use crate::scene::Document;
+
+/// The keyword of the text chunk.
+const KEYWORD: &str = "flipmap";
+
+/// Why a PNG could not be written, or gives no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum PngError {
+    /// Writing failed.
+    #[error("{0}")]
+    Write(#[from] png::EncodingError),
+    /// Not a PNG, or cut short.
+    #[error("is not a complete PNG ({0})")]
+    Broken(#[from] png::DecodingError),
+    /// A PNG of some other program.
+    #[error("is a PNG, but flipmap did not write it: it has no '{KEYWORD}' text")]
+    Foreign,
+    /// Our text, but no scene.
+    #[error("has a damaged '{KEYWORD}' text: {0}")]
+    Text(#[from] crate::scene::DocumentError),
+}
+
+/// Writes 8-bit RGB rows as they come.
+pub struct PngWriter<W: Write + 'static> {
+    out: Shared<W>,
+    stream: png::StreamWriter<'static, Shared<W>>,
+}
+
+impl<W: Write + 'static> PngWriter<W> {
+    /// Begins a `size` picture that carries `document`.
+    pub fn new(out: W, [width, height]: [u32; 2], document: &Document) -> Result<Self, PngError> {
+        let out = Shared(Rc::new(RefCell::new(out)));
+        let mut encoder = png::Encoder::new(out.clone(), width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.add_itxt_chunk(KEYWORD.to_string(), document.text())?;
+        let stream = encoder.write_header()?.into_stream_writer()?;
+        Ok(PngWriter { out, stream })
+    }
+
+    /// Writes the next rows, three bytes a pixel.
+    pub fn write(&mut self, rgb: &[u8]) -> Result<(), PngError> {
+        self.stream.write_all(rgb).map_err(|error| PngError::Write(error.into()))
+    }
+
+    /// Completes the picture and gives the file back.
+    pub fn finish(self) -> Result<W, PngError> {
+        self.stream.finish()?;
+        let out = Rc::into_inner(self.out.0).expect("the stream's share is gone");
+        Ok(out.into_inner())
+    }
+}
+
+/// The file, shared with the encoder, which takes its writer and never gives it back.
+struct Shared<W>(Rc<RefCell<W>>);
+
+impl<W> Clone for Shared<W> {
+    fn clone(&self) -> Self {
+        Shared(self.0.clone())
+    }
+}
+
+impl<W: Write> Write for Shared<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.borrow_mut().flush()
+    }
+}
+
+/// The document inside a PNG that flipmap wrote. The whole file is read, so that one that was
+/// cut short is not taken for a picture.
+pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> {
+    let mut reader = png::Decoder::new(file).read_info()?;
+    while reader.next_row()?.is_some() {}
+    reader.finish()?;
+    let mut texts = reader.info().utf8_text.iter();
+    let chunk = texts.find(|chunk| chunk.keyword == KEYWORD).ok_or(PngError::Foreign)?;
+    Ok(Document::parse(&chunk.get_text()?)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    fn picture(document: &Document) -> Vec<u8> {
+        let mut writer = PngWriter::new(Vec::new(), [3, 2], document).unwrap();
+        writer.write(&[7; 9]).unwrap();
+        writer.write(&[200; 9]).unwrap();
+        writer.finish().unwrap()
+    }
+
+    #[test]
+    fn the_scene_comes_back_out() {
+        let mut document = Document::default();
+        document.view.center[0] = "-1.66".to_string();
+        assert_eq!(document_in_png(Cursor::new(picture(&document))).unwrap(), document);
+    }
+
+    #[test]
+    fn equal_pictures_are_equal_files() {
+        assert_eq!(picture(&Document::default()), picture(&Document::default()));
+    }
+
+    #[test]
+    fn truncated_and_foreign_files_are_refused() {
+        let bytes = picture(&Document::default());
+        for length in [0, 4, 60, bytes.len() / 2, bytes.len() - 14] {
+            let error = document_in_png(Cursor::new(&bytes[..length])).unwrap_err();
+            assert!(matches!(error, PngError::Broken(_)), "{length}: {error}");
+        }
+        let mut foreign = Vec::new();
+        let mut encoder = png::Encoder::new(&mut foreign, 1, 1);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.write_header().unwrap().write_image_data(&[0]).unwrap();
+        let error = document_in_png(Cursor::new(foreign)).unwrap_err();
+        assert!(matches!(error, PngError::Foreign), "{error}");
+    }
+}

@@ -1,0 +1,138 @@
+//! Files that appear only when they are complete.
+
+use std::fmt;
+use std::io::{self, BufWriter, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// Where output goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Destination {
+    /// A file.
+    File(PathBuf),
+    /// Standard output, given as `-`.
+    Stdout,
+}
+
+impl From<&Path> for Destination {
+    fn from(path: &Path) -> Self {
+        if path.as_os_str() == "-" {
+            Destination::Stdout
+        } else {
+            Destination::File(path.to_path_buf())
+        }
+    }
+}
+
+impl fmt::Display for Destination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Destination::File(path) => write!(f, "{}", path.display()),
+            Destination::Stdout => f.write_str("standard output"),
+        }
+    }
+}
+
+/// A file being written beside its destination, or standard output.
+pub enum SafeFile {
+    /// Renamed onto the path at the end.
+    Beside(BufWriter<NamedTempFile>, PathBuf),
+    /// Written as it comes.
+    Stdout(BufWriter<io::Stdout>),
+}
+
+impl SafeFile {
+    /// Opens a destination for writing; refuses at once what would fail at the end.
+    pub fn create(destination: &Destination) -> io::Result<Self> {
+        let path = match destination {
+            Destination::Stdout if io::stdout().is_terminal() => {
+                return Err(io::Error::other("is a terminal: redirect it, or name a file"));
+            }
+            Destination::Stdout => return Ok(SafeFile::Stdout(BufWriter::new(io::stdout()))),
+            Destination::File(path) => path,
+        };
+        if path.is_dir() {
+            return Err(io::Error::other("is a folder: name a file in it"));
+        }
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return Err(io::Error::other(format!("the folder {} does not exist", folder.display())));
+        }
+        let file = tempfile::Builder::new().prefix(".flipmap-").tempfile_in(folder)?;
+        Ok(SafeFile::Beside(BufWriter::new(file), path.clone()))
+    }
+
+    /// Completes the file and puts it in its place.
+    pub fn finish(self) -> io::Result<()> {
+        match self {
+            SafeFile::Stdout(mut out) => out.flush(),
+            SafeFile::Beside(out, path) => {
+                let file = out.into_inner().map_err(|error| error.into_error())?;
+                allow_reading(file.path())?;
+                file.persist(path).map_err(|error| error.error)?;
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Temporary files are private; what replaces them is an ordinary file.
+#[cfg(unix)]
+fn allow_reading(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn allow_reading(_: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+impl Write for SafeFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            SafeFile::Beside(out, _) => out.write(bytes),
+            SafeFile::Stdout(out) => out.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            SafeFile::Beside(out, _) => out.flush(),
+            SafeFile::Stdout(out) => out.flush(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unfinished_file_leaves_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.png");
+        std::fs::write(&path, "old").unwrap();
+        let mut file = SafeFile::create(&Destination::File(path.clone())).unwrap();
+        file.write_all(b"half").unwrap();
+        drop(file);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+
+        let mut file = SafeFile::create(&Destination::File(path.clone())).unwrap();
+        file.write_all(b"new").unwrap();
+        file.finish().unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
+    }
+
+    #[test]
+    fn a_missing_folder_is_named() {
+        let missing = Destination::File(PathBuf::from("/nowhere/at/all/map.png"));
+        let error = SafeFile::create(&missing).err().unwrap();
+        assert!(error.to_string().contains("/nowhere/at/all does not exist"));
+    }
+}
