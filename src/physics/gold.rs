@@ -60,14 +60,38 @@ pub fn flip_within<T: Scalar>(step: &Step<T>, rule: Rule) -> Option<T> {
         .reduce(|a, b| if b < a { b } else { a })
 }
 
+/// All moments in (0, length] at which an unwrapped angle passes an odd multiple of π, either
+/// way.
+pub fn passages<T: Scalar>(angle: &[T], length: T) -> Vec<T> {
+    let turn = 2.0 * std::f64::consts::PI;
+    let reach = reach(angle, length).to_f64();
+    let start = angle[0].to_f64();
+    let index = |x: f64| ((x / turn) - 0.5).round() as i64;
+    let mut times = Vec::new();
+    for k in index(start - reach) - 1..=index(start + reach) + 1 {
+        let mut above = angle.to_vec();
+        above[0] = above[0] - T::pi() * T::from_f64((2 * k + 1) as f64);
+        let below: Vec<T> = above.iter().map(|&c| -c).collect();
+        for f in [above, below] {
+            let mut from = T::zero();
+            while let Some(time) = first_rise(&f, from, length, MOST_HALVINGS) {
+                times.push(time);
+                from = time + length * T::from_f64(1e-9);
+            }
+        }
+    }
+    times
+}
+
+/// A bound on how far an angle moves in `length`.
+fn reach<T: Scalar>(angle: &[T], length: T) -> T {
+    angle[1..].iter().rev().fold(T::zero(), |sum, c| (sum + c.abs()) * length)
+}
+
 /// The first moment in (0, length] at which |angle| reaches π moving outward.
 fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
     // Bounds of the whole step first: most steps never come near the top.
-    let reach = angle[1..]
-        .iter()
-        .rev()
-        .fold(T::zero(), |sum, c| (sum + c.abs()) * length);
-    if angle[0].abs() + reach < T::pi() {
+    if angle[0].abs() + reach(angle, length) < T::pi() {
         return None;
     }
     [1.0, -1.0]

@@ -1,0 +1,121 @@
+//! `flipmap doctor`: what is here, what of it can be trusted, and what would be used.
+
+use std::fmt::Write as _;
+
+use clap::Args;
+use flipmap::engine::choice::{INSTALL_HINT, Wish, choose, open_checked};
+use flipmap::engine::gpu::device::{adapters, describe};
+use flipmap::engine::selfcheck::Verdict;
+use serde_json::{Value, json};
+
+#[derive(Args, Debug)]
+pub struct Options {
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found out about one adapter.
+struct Finding {
+    adapter: wgpu::Adapter,
+    verdict: Result<Verdict, String>,
+}
+
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let findings: Vec<Finding> = adapters()
+        .into_iter()
+        .map(|adapter| Finding {
+            verdict: open_checked(adapter.clone())
+                .map(|(_, verdict)| verdict)
+                .map_err(|error| error.to_string()),
+            adapter,
+        })
+        .collect();
+    let chosen = choose(&Wish::default())?;
+    let used = format!("{} ({})", chosen.engine.name(), chosen.engine.adapter());
+    if options.json {
+        let object = json!({
+            "adapters": findings.iter().map(as_json).collect::<Vec<_>>(),
+            "engine": chosen.engine.name(),
+            "adapter": chosen.engine.adapter(),
+            "why": chosen.why,
+        });
+        return super::say(&serde_json::to_string_pretty(&object)?);
+    }
+    let mut text = String::new();
+    if findings.is_empty() {
+        writeln!(text, "Adapters: none. {INSTALL_HINT}")?;
+    }
+    for finding in &findings {
+        describe_finding(&mut text, finding)?;
+    }
+    write!(text, "\nWould use: {used}\n  because {}", chosen.why)?;
+    super::say(&text)
+}
+
+fn describe_finding(text: &mut String, finding: &Finding) -> anyhow::Result<()> {
+    let limits = finding.adapter.limits();
+    let features = finding.adapter.features();
+    let has = |feature| if features.contains(feature) { "yes" } else { "no" };
+    writeln!(text, "Adapter: {}", describe(&finding.adapter))?;
+    writeln!(
+        text,
+        "  features: f64 {}, subgroups {}, timestamps {}",
+        has(wgpu::Features::SHADER_F64),
+        has(wgpu::Features::SUBGROUP),
+        has(wgpu::Features::TIMESTAMP_QUERY),
+    )?;
+    writeln!(
+        text,
+        "  limits: buffers of {} MiB, storage bindings of {} MiB, {} workgroups a dispatch",
+        limits.max_buffer_size >> 20,
+        limits.max_storage_buffer_binding_size >> 20,
+        limits.max_compute_workgroups_per_dimension,
+    )?;
+    match &finding.verdict {
+        Err(error) => writeln!(text, "  cannot be used: {error}")?,
+        Ok(verdict) => {
+            writeln!(text, "  self-check:")?;
+            for check in &verdict.checks {
+                let mark = if check.passed { "passed" } else { "FAILED" };
+                writeln!(text, "    {mark} {} {}: {}", check.precision, check.name, check.detail)?;
+            }
+            let word = |offered| if offered { "offered" } else { "not offered" };
+            let kept = if verdict.compensated { "with" } else { "without" };
+            writeln!(
+                text,
+                "  precisions: f32 {} ({kept} compensated angles), f64 {}",
+                word(verdict.f32),
+                word(verdict.f64)
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn as_json(finding: &Finding) -> Value {
+    let limits = finding.adapter.limits();
+    let checks = |verdict: &Verdict| -> Vec<Value> {
+        verdict
+            .checks
+            .iter()
+            .map(|check| {
+                json!({
+                    "precision": check.precision.to_string(),
+                    "name": check.name,
+                    "passed": check.passed,
+                    "detail": check.detail,
+                })
+            })
+            .collect()
+    };
+    json!({
+        "name": describe(&finding.adapter),
+        "f64": finding.adapter.features().contains(wgpu::Features::SHADER_F64),
+        "max_buffer_size": limits.max_buffer_size,
+        "max_storage_buffer_binding_size": limits.max_storage_buffer_binding_size,
+        "checks": finding.verdict.as_ref().map(checks).unwrap_or_default(),
+        "offered": finding.verdict.as_ref().map(|v| json!({"f32": v.f32, "f64": v.f64})).ok(),
+        "error": finding.verdict.as_ref().err(),
+    })
+}

@@ -1,0 +1,55 @@
+//! Exit codes, and the one place where errors become words.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use flipmap::engine::choice::ChoiceError;
+use flipmap::scene::{DocumentError, SceneError};
+
+/// What the program did not do, by exit code.
+#[derive(Debug, thiserror::Error)]
+pub enum Exit {
+    /// Code 2.
+    #[error("{0}")]
+    Usage(String),
+    /// Code 130.
+    #[error("stopped; nothing was written")]
+    Interrupted,
+}
+
+/// Prints an error and gives its code.
+pub fn report(error: &anyhow::Error) -> ExitCode {
+    if is_broken_pipe(error) {
+        return ExitCode::SUCCESS;
+    }
+    // With standard error closed too there is nobody left to tell.
+    let _ = writeln!(io::stderr(), "flipmap: {error:#}");
+    ExitCode::from(code_of(error))
+}
+
+fn code_of(error: &anyhow::Error) -> u8 {
+    for cause in error.chain() {
+        if let Some(exit) = cause.downcast_ref() {
+            return match exit {
+                Exit::Usage(_) => 2,
+                Exit::Interrupted => 130,
+            };
+        }
+        if cause.is::<SceneError>() || cause.is::<DocumentError>() {
+            return 2;
+        }
+        if let Some(choice) = cause.downcast_ref() {
+            return match choice {
+                ChoiceError::NoAdapter(_) => 69,
+                ChoiceError::UnknownAdapter { .. } => 2,
+                ChoiceError::Engine(_) => 1,
+            };
+        }
+    }
+    1
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let broken = |cause: &io::Error| cause.kind() == io::ErrorKind::BrokenPipe;
+    error.chain().any(|cause| cause.downcast_ref().is_some_and(broken))
+}

@@ -1,0 +1,45 @@
+//! The command line: typed options become a scene and a job.
+
+mod doctor;
+pub mod exit;
+mod options;
+mod progress;
+mod render;
+mod stop;
+mod trace;
+
+use clap::{Parser, Subcommand};
+
+/// Every possible double pendulum at once: each pixel is a pendulum let go at rest at
+/// (θ1, θ2), its colour the time until its second bob flips over the top.
+#[derive(Parser)]
+#[command(version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Draw a map to a picture, an array of flip times, or both.
+    Render(Box<render::Options>),
+    /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
+    Trace(trace::Options),
+    /// Show the adapters, check their arithmetic, and say what would be used and why.
+    Doctor(doctor::Options),
+}
+
+/// Runs the program.
+pub fn run() -> anyhow::Result<()> {
+    match Cli::parse().verb {
+        Verb::Render(options) => render::run(&options),
+        Verb::Trace(options) => trace::run(&options),
+        Verb::Doctor(options) => doctor::run(&options),
+    }
+}
+
+/// Prints to standard output; a reader that has gone away is an ordinary error.
+fn say(text: &str) -> anyhow::Result<()> {
+    use std::io::Write;
+    Ok(writeln!(std::io::stdout(), "{text}")?)
+}

@@ -1,0 +1,63 @@
+//! How far the work is: a bar on a terminal, lines of JSON for machines, silence elsewhere.
+
+use std::io::{IsTerminal, stderr};
+use std::time::{Duration, Instant};
+
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// `--progress`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Mode {
+    /// A bar if standard error is a terminal.
+    #[default]
+    Auto,
+    /// Nothing.
+    None,
+    /// A JSON object a second on standard error.
+    Json,
+}
+
+/// Pixels done of all.
+pub struct Progress {
+    bar: ProgressBar,
+    json: bool,
+    total: u64,
+    begun: Instant,
+    last_line: Instant,
+}
+
+impl Progress {
+    /// Begins at none of `total` pixels.
+    pub fn new(mode: Mode, total: u64) -> Self {
+        let shown = mode == Mode::Auto && stderr().is_terminal();
+        let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(total), target);
+        let style = "{wide_bar} {percent}% · {human_pos} of {human_len} pixels · {per_sec} · {eta} left";
+        bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
+        let now = Instant::now();
+        Progress { bar, json: mode == Mode::Json, total, begun: now, last_line: now }
+    }
+
+    /// `done` pixels are done.
+    pub fn set(&mut self, done: u64) {
+        self.bar.set_position(done);
+        let complete = done == self.total;
+        if self.json && (complete || self.last_line.elapsed() >= Duration::from_secs(1)) {
+            self.last_line = Instant::now();
+            let secs = self.begun.elapsed().as_secs_f64();
+            let rate = done as f64 / secs.max(1e-9);
+            let secs_left = (self.total - done) as f64 / rate.max(1e-9);
+            let line = serde_json::json!({
+                "done": done, "total": self.total, "pixels_per_sec": rate, "secs_left": secs_left,
+            });
+            eprintln!("{line}");
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

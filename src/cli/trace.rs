@@ -1,0 +1,156 @@
+//! `flipmap trace`: one pendulum, followed by the gold standard in double-double.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use flipmap::output::{Destination, SafeFile};
+use flipmap::physics::flip::settle_at_top;
+use flipmap::physics::taylor::{Orbit, Step};
+use flipmap::physics::{Dd, Pendulum, Scalar, State, gold};
+
+use super::exit::Exit;
+use super::options::SceneOptions;
+use super::stop;
+
+#[derive(Args, Debug)]
+pub struct Options {
+    #[command(flatten)]
+    scene: SceneOptions,
+    /// Angles in rad at which the pendulum is let go, as many digits as you like
+    #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
+    start: String,
+    /// Simulated seconds to follow it
+    #[arg(long, value_name = "SECONDS", default_value = "30", allow_hyphen_values = true)]
+    until: String,
+    /// Simulated seconds between two rows
+    #[arg(long, value_name = "SECONDS", default_value = "0.01", allow_hyphen_values = true)]
+    every: String,
+    /// The table to write (default: standard output)
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// List the flips as one JSON object on standard output; needs -o
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let scene = options.scene.document()?.scene();
+    let pendulum: Pendulum<Dd> = scene.build.pendulum().convert();
+    let angle = parse_start(&options.start)?;
+    let until = seconds("--until", &options.until, 1e-9..=1e6)?;
+    let every = seconds("--every", &options.every, 1e-9..=1e6)?;
+    if options.json && options.output.is_none() {
+        return Err(Exit::Usage("--json needs -o FILE.csv: both would use standard output".into()).into());
+    }
+    let destination = Destination::from(options.output.as_deref().unwrap_or("-".as_ref()));
+    let mut out = match &options.output {
+        Some(_) => SafeFile::create(&destination).with_context(|| format!("-o: cannot write {destination}"))?,
+        None => SafeFile::Stdout(std::io::BufWriter::new(std::io::stdout())),
+    };
+    stop::listen()?;
+    let alpha = pendulum.acceleration(&State::rest(angle));
+    let start = State::rest([0, 1].map(|i| settle_at_top(angle[i], alpha[i])));
+    let flips = follow(&pendulum, start, until, every, &mut out)
+        .with_context(|| format!("cannot write {destination}"))?;
+    out.finish().with_context(|| format!("cannot write {destination}"))?;
+    tell(options, &flips)
+}
+
+/// One passing of the top.
+struct Passage {
+    bob: usize,
+    time: Dd,
+}
+
+/// Writes the rows and returns all passings of the top in order.
+fn follow(
+    pendulum: &Pendulum<Dd>,
+    start: State<Dd>,
+    until: Dd,
+    every: Dd,
+    out: &mut SafeFile,
+) -> anyhow::Result<Vec<Passage>> {
+    writeln!(out, "t,theta1,theta2,omega1,omega2,energy_error")?;
+    let energy = pendulum.energy(&start);
+    let scale = pendulum.p + pendulum.q;
+    let mut orbit = Orbit::new(*pendulum, start);
+    let (mut passages, mut row) = (Vec::new(), 0u64);
+    while orbit.time() < until {
+        stop::check()?;
+        let step = orbit.step();
+        anyhow::ensure!(orbit.state().speed[1].is_finite(), "the motion stopped being finite");
+        passages.extend(passages_in(&step).into_iter().filter(|p| p.time <= until));
+        loop {
+            let time = every * Dd::new(row as f64);
+            if time > step.end() || time > until {
+                break;
+            }
+            let state = step.state(time - step.start);
+            let rise = pendulum.energy(&state) - energy;
+            let error = if scale.hi > 0.0 { (rise / scale).hi } else { 0.0 };
+            write_row(out, time, &state, error)?;
+            row += 1;
+        }
+    }
+    Ok(passages)
+}
+
+fn write_row(out: &mut SafeFile, time: Dd, state: &State<Dd>, error: f64) -> std::io::Result<()> {
+    let [theta1, theta2] = state.angle.map(|x| x.hi);
+    let [omega1, omega2] = state.speed.map(|x| x.hi);
+    writeln!(out, "{},{theta1},{theta2},{omega1},{omega2},{error:e}", time.hi)
+}
+
+fn passages_in(step: &Step<Dd>) -> Vec<Passage> {
+    let mut passages: Vec<Passage> = (0..2)
+        .flat_map(|bob| gold::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau)))
+        .map(|(bob, tau)| Passage { bob: bob + 1, time: step.start + tau })
+        .collect();
+    passages.sort_by(|a, b| a.time.hi.total_cmp(&b.time.hi));
+    passages
+}
+
+/// Lists the passages: the first of each bob is its flip.
+fn tell(options: &Options, passages: &[Passage]) -> anyhow::Result<()> {
+    let first = |bob| passages.iter().find(|p| p.bob == bob).map(|p| p.time.hi);
+    if options.json {
+        let list: Vec<_> = passages
+            .iter()
+            .map(|p| serde_json::json!({ "bob": p.bob, "time": p.time.hi }))
+            .collect();
+        let object = serde_json::json!({
+            "first_flip": first(1), "second_flip": first(2), "passages": list,
+        });
+        return super::say(&serde_json::to_string_pretty(&object)?);
+    }
+    for (bob, name) in [(1, "first"), (2, "second")] {
+        match passages.iter().find(|p| p.bob == bob) {
+            Some(flip) => eprintln!("flipmap: the {name} bob flips at {} s", flip.time),
+            None => eprintln!("flipmap: the {name} bob does not flip"),
+        }
+    }
+    for Passage { bob, time } in passages {
+        eprintln!("flipmap: bob {bob} passes the top at {:.12} s", time.hi);
+    }
+    Ok(())
+}
+
+fn parse_start(text: &str) -> Result<[Dd; 2], Exit> {
+    let both = text.split_once(',').and_then(|(a, b)| Some([Dd::parse(a)?, Dd::parse(b)?]));
+    match both {
+        Some(angle) if angle.iter().all(|theta| theta.hi.abs() <= 1e6) => {
+            Ok(angle.map(|theta| if theta.abs() <= Dd::PI { theta } else { theta.wrapped() }))
+        }
+        _ => Err(Exit::Usage(format!(
+            "--start is '{text}'; it must be two angles between -1e6 and 1e6 rad with a comma between"
+        ))),
+    }
+}
+
+fn seconds(option: &str, text: &str, range: std::ops::RangeInclusive<f64>) -> Result<Dd, Exit> {
+    Dd::parse(text).filter(|time| range.contains(&time.hi)).ok_or_else(|| {
+        Exit::Usage(format!("{option} is '{text}'; it must be seconds between {:e} and {:e}", range.start(), range.end()))
+    })
+}
