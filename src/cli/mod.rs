@@ -24,7 +24,7 @@ enum Verb {
     /// Draw a map to a picture, an array of flip times, or both.
     Render(Box<render::Options>),
     /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
-    Trace(trace::Options),
+    Trace(Box<trace::Options>),
     /// Show the adapters, check their arithmetic, and say what would be used and why.
     Doctor(doctor::Options),
 }

@@ -128,7 +128,8 @@ fn load(scene: &str) -> anyhow::Result<Document> {
         return Ok(Document::parse(text)?);
     }
     let path = Path::new(scene);
-    let is = |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
+    let is =
+        |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
     if is("png") {
         let file = File::open(path).with_context(|| format!("cannot open {scene}"))?;
         return document_in_png(BufReader::new(file))

@@ -31,9 +31,11 @@ impl Progress {
     /// Begins at none of `total` pixels.
     pub fn new(mode: Mode, total: u64) -> Self {
         let shown = mode == Mode::Auto && stderr().is_terminal();
-        let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let target =
+            if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(total), target);
-        let style = "{wide_bar} {percent}% · {human_pos} of {human_len} pixels · {per_sec} · {eta} left";
+        let style =
+            "{wide_bar} {percent}% · {human_pos} of {human_len} pixels · {per_sec} · {eta} left";
         bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
         let now = Instant::now();
         Progress { bar, json: mode == Mode::Json, total, begun: now, last_line: now }

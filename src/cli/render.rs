@@ -76,16 +76,28 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     stop::listen()?;
     let chosen = choose(&options.run.wish())?;
     let mut engine = chosen.engine;
-    eprintln!("flipmap: {} engine, {} {} in {}; {}", engine.name(), recipe.method.name(),
-        recipe.method.setting(), recipe.precision, chosen.why);
+    eprintln!(
+        "flipmap: {} engine, {} {} in {}; {}",
+        engine.name(),
+        recipe.method.name(),
+        recipe.method.setting(),
+        recipe.precision,
+        chosen.why
+    );
 
     let mut clock = Clock { setup: begun.elapsed(), ..Clock::default() };
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let size = size.map(|side| side * pass.along);
-        let done = compute(&scene, size, recipe, engine.as_mut(), options.progress, &mut |samples| {
-            sinks.write(&pass, samples)
-        }, &mut clock)?;
+        let done = compute(
+            &scene,
+            size,
+            recipe,
+            engine.as_mut(),
+            options.progress,
+            &mut |samples| sinks.write(&pass, samples),
+            &mut clock,
+        )?;
         counts = sum(counts, done);
     }
     let finishing = Instant::now();
@@ -121,7 +133,8 @@ fn check_outputs(options: &Options, document: &Document, size: [u32; 2]) -> Resu
     if size[0] * samples > LONGEST_ROW {
         return usage(format!(
             "--size {} wide with --samples {samples} is {} samples a row; at most {LONGEST_ROW} fit",
-            size[0], size[0] * samples
+            size[0],
+            size[0] * samples
         ));
     }
     Ok(())
@@ -251,7 +264,8 @@ fn report(
     counts: Counts,
     clock: &Clock,
 ) -> anyhow::Result<()> {
-    let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, rhs_evaluations } = counts;
+    let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, rhs_evaluations } =
+        counts;
     let seconds = [clock.setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
     if options.json {
         let object = serde_json::json!({

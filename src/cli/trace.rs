@@ -42,11 +42,14 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let until = seconds("--until", &options.until, 1e-9..=1e6)?;
     let every = seconds("--every", &options.every, 1e-9..=1e6)?;
     if options.json && options.output.is_none() {
-        return Err(Exit::Usage("--json needs -o FILE.csv: both would use standard output".into()).into());
+        return Err(
+            Exit::Usage("--json needs -o FILE.csv: both would use standard output".into()).into()
+        );
     }
     let destination = Destination::from(options.output.as_deref().unwrap_or("-".as_ref()));
     let mut out = match &options.output {
-        Some(_) => SafeFile::create(&destination).with_context(|| format!("-o: cannot write {destination}"))?,
+        Some(_) => SafeFile::create(&destination)
+            .with_context(|| format!("-o: cannot write {destination}"))?,
         None => SafeFile::Stdout(std::io::BufWriter::new(std::io::stdout())),
     };
     stop::listen()?;
@@ -105,7 +108,9 @@ fn write_row(out: &mut SafeFile, time: Dd, state: &State<Dd>, error: f64) -> std
 
 fn passages_in(step: &Step<Dd>) -> Vec<Passage> {
     let mut passages: Vec<Passage> = (0..2)
-        .flat_map(|bob| gold::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau)))
+        .flat_map(|bob| {
+            gold::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau))
+        })
         .map(|(bob, tau)| Passage { bob: bob + 1, time: step.start + tau })
         .collect();
     passages.sort_by(|a, b| a.time.hi.total_cmp(&b.time.hi));
@@ -151,6 +156,10 @@ fn parse_start(text: &str) -> Result<[Dd; 2], Exit> {
 
 fn seconds(option: &str, text: &str, range: std::ops::RangeInclusive<f64>) -> Result<Dd, Exit> {
     Dd::parse(text).filter(|time| range.contains(&time.hi)).ok_or_else(|| {
-        Exit::Usage(format!("{option} is '{text}'; it must be seconds between {:e} and {:e}", range.start(), range.end()))
+        Exit::Usage(format!(
+            "{option} is '{text}'; it must be seconds between {:e} and {:e}",
+            range.start(),
+            range.end()
+        ))
     })
 }

@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::{EngineError, Question};
+use crate::physics::{Outcome, Status};
 
 /// How a pixel is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,9 +18,7 @@ pub enum Method {
 
 impl Method {
     /// The lesson's: 120 steps a second.
-    pub const LESSON: Method = Method::Rk4 {
-        step_secs: 1.0 / 120.0,
-    };
+    pub const LESSON: Method = Method::Rk4 { step_secs: 1.0 / 120.0 };
 
     /// Its word.
     pub fn name(self) -> &'static str {
@@ -92,13 +91,16 @@ pub struct Steps {
     pub length_secs: f64,
     /// Steps that begin before the end of the budget.
     pub count: u32,
-    /// How much of the last of them lies within the budget, in (0, 1].
-    pub last_fraction: f64,
+    budget_secs: f64,
 }
 
 impl Steps {
     /// The steps of `step_secs` that cover a question's budget.
-    pub fn new(question: &Question, step_secs: f64, precision: Precision) -> Result<Self, EngineError> {
+    pub fn new(
+        question: &Question,
+        step_secs: f64,
+        precision: Precision,
+    ) -> Result<Self, EngineError> {
         let (_, unit_secs) = question.pendulum.reduced();
         let ideal = step_secs / unit_secs;
         let length = match precision {
@@ -118,17 +120,18 @@ impl Steps {
                 question.budget_secs
             )));
         }
-        Ok(Steps {
-            length,
-            length_secs,
-            count: count as u32,
-            last_fraction: (exact - (count - 1.0)).min(1.0),
-        })
+        Ok(Steps { length, length_secs, count: count as u32, budget_secs: question.budget_secs })
     }
 
-    /// Seconds from the release to `fraction` of the step that follows `steps` whole ones.
-    pub fn secs(&self, steps: u32, fraction: f64) -> f64 {
-        (f64::from(steps) + fraction) * self.length_secs
+    /// The outcome of a pendulum that passes the top `fraction` into the step that follows
+    /// `steps` whole ones: a flip if that is within the budget, its end included.
+    pub fn outcome_of_pass(&self, steps: u32, fraction: f64) -> Outcome {
+        let time = (f64::from(steps) + fraction) * self.length_secs;
+        if time <= self.budget_secs {
+            Outcome::flipped(time)
+        } else {
+            Outcome::without_time(Status::Unflipped)
+        }
     }
 }
 
@@ -153,7 +156,7 @@ mod tests {
         for precision in [Precision::F32, Precision::F64] {
             let steps = Steps::new(&question(30.0), 1.0 / 120.0, precision).unwrap();
             assert_eq!(steps.count, 3600);
-            assert!((steps.secs(3599, steps.last_fraction) - 30.0).abs() < 1e-5);
+            assert!((f64::from(steps.count) * steps.length_secs - 30.0).abs() < 1e-5);
         }
     }
 
@@ -161,7 +164,8 @@ mod tests {
     fn the_last_step_may_be_used_in_part() {
         let steps = Steps::new(&question(0.0125), 1.0 / 120.0, Precision::F64).unwrap();
         assert_eq!(steps.count, 2);
-        assert!((steps.last_fraction - 0.5).abs() < 1e-12);
+        assert_eq!(steps.outcome_of_pass(1, 0.49).status, Status::Flipped);
+        assert_eq!(steps.outcome_of_pass(1, 0.51).status, Status::Unflipped);
     }
 
     #[test]

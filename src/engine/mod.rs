@@ -10,8 +10,6 @@
 //! * [`mock`] answers at once, for tests of everything above;
 //! * [`selfcheck`] decides which arithmetic of an adapter is believed.
 
-
-
 pub mod choice;
 pub mod cpu;
 pub mod gpu;
@@ -134,9 +132,7 @@ pub enum Wait {
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
     /// A buffer could not be had.
-    #[error(
-        "the device has no room for {mib} MiB more; use a smaller --size, or --engine cpu"
-    )]
+    #[error("the device has no room for {mib} MiB more; use a smaller --size, or --engine cpu")]
     OutOfMemory {
         /// What was asked for.
         mib: u64,

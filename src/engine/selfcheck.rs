@@ -66,9 +66,16 @@ const ERROR_TERMS: &str = "error terms of sums";
 
 /// Runs all checks on a device.
 pub fn run(gpu: &Gpu) -> Result<Verdict, EngineError> {
-    let mut checks = judge(Precision::F32, &answers_f32(gpu)?);
+    run_with(gpu, &|text| text)
+}
+
+/// The same with the kernel's text changed by `edit`: how a test shows that a wrong kernel is
+/// found out.
+pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, EngineError> {
+    let text = |precision| edit(selfcheck_text(precision));
+    let mut checks = judge(Precision::F32, &answers_f32(gpu, text(Precision::F32))?);
     if gpu.has_f64() {
-        checks.extend(judge(Precision::F64, &answers_f64(gpu)?));
+        checks.extend(judge(Precision::F64, &answers_f64(gpu, text(Precision::F64))?));
     } else {
         checks.push(Check {
             precision: Precision::F64,
@@ -174,22 +181,19 @@ fn sum_and_error(precision: Precision, [a, b]: [f64; 2]) -> (f64, f64) {
     }
 }
 
-fn answers_f32(gpu: &Gpu) -> Result<Vec<Answer>, EngineError> {
+fn answers_f32(gpu: &Gpu, text: String) -> Result<Vec<Answer>, EngineError> {
     let operands: Vec<f32> = operands().into_iter().flatten().map(|x| x as f32).collect();
-    let results: Vec<f32> = ask(gpu, Precision::F32, &operands)?;
+    let results: Vec<f32> = ask(gpu, text, &operands)?;
     Ok(pair_up(operands.into_iter().map(f64::from), results.into_iter().map(f64::from)))
 }
 
-fn answers_f64(gpu: &Gpu) -> Result<Vec<Answer>, EngineError> {
+fn answers_f64(gpu: &Gpu, text: String) -> Result<Vec<Answer>, EngineError> {
     let operands: Vec<f64> = operands().into_iter().flatten().collect();
-    let results: Vec<f64> = ask(gpu, Precision::F64, &operands)?;
+    let results: Vec<f64> = ask(gpu, text, &operands)?;
     Ok(pair_up(operands.into_iter(), results.into_iter()))
 }
 
-fn pair_up(
-    operands: impl Iterator<Item = f64>,
-    results: impl Iterator<Item = f64>,
-) -> Vec<Answer> {
+fn pair_up(operands: impl Iterator<Item = f64>, results: impl Iterator<Item = f64>) -> Vec<Answer> {
     let (operands, results): (Vec<f64>, Vec<f64>) = (operands.collect(), results.collect());
     operands
         .as_chunks()
@@ -201,15 +205,11 @@ fn pair_up(
 }
 
 /// Seven answers for each pair of operands.
-fn ask<T: bytemuck::Pod>(
-    gpu: &Gpu,
-    precision: Precision,
-    operands: &[T],
-) -> Result<Vec<T>, EngineError> {
+fn ask<T: bytemuck::Pod>(gpu: &Gpu, text: String, operands: &[T]) -> Result<Vec<T>, EngineError> {
     use wgpu::BufferUsages as Usage;
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("selfcheck"),
-        source: wgpu::ShaderSource::Wgsl(selfcheck_text(precision).into()),
+        source: wgpu::ShaderSource::Wgsl(text.into()),
     });
     let layout = layout(&gpu.device, &[true, false, true]);
     let pipeline = compute_pipeline(&gpu.device, &module, "check", &[Some(&layout)]);
@@ -238,4 +238,58 @@ fn ask<T: bytemuck::Pod>(
         .get_mapped_range()
         .map_err(|error| EngineError::Driver(error.to_string()))?;
     Ok(bytemuck::pod_collect_to_vec(&view))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a sound device answers.
+    fn sound(precision: Precision) -> Vec<Answer> {
+        let round = |x: f64| match precision {
+            Precision::F32 => f64::from(x as f32),
+            Precision::F64 => x,
+        };
+        let answer = |pair: [f64; 2]| {
+            let [a, b] = pair.map(round);
+            let (sum, error) = sum_and_error(precision, [a, b]);
+            let second = if precision == Precision::F32 { error } else { a - b };
+            let (sin, cos) = a.sin_cos();
+            let results = [sum, second, a * b, a / b, sin, cos, a.round_ties_even()];
+            Answer { operands: [a, b], results: results.map(round) }
+        };
+        operands().into_iter().map(answer).collect()
+    }
+
+    #[test]
+    fn sound_answers_pass() {
+        for precision in [Precision::F32, Precision::F64] {
+            let checks = judge(precision, &sound(precision));
+            assert!(checks.iter().all(|check| check.passed), "{checks:?}");
+        }
+    }
+
+    #[test]
+    fn every_check_can_fail() {
+        for precision in [Precision::F32, Precision::F64] {
+            for wrong in 0..7 {
+                for value in [f64::NAN, 0.123, f64::INFINITY] {
+                    let mut answers = sound(precision);
+                    answers[500].results[wrong] = value;
+                    let checks = judge(precision, &answers);
+                    let failed: Vec<usize> = (0..7).filter(|&k| !checks[k].passed).collect();
+                    assert_eq!(failed, [wrong], "{precision} {value}: {checks:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn folded_error_terms_cost_the_compensation_only() {
+        let mut answers = sound(Precision::F32);
+        answers.iter_mut().for_each(|answer| answer.results[1] = 0.0);
+        let verdict = verdict(judge(Precision::F32, &answers));
+        assert!(verdict.f32 && !verdict.compensated && !verdict.f64);
+        assert!(verdict.require(Precision::F64).is_err());
+    }
 }

@@ -58,17 +58,10 @@ pub struct Symbol(u32);
 
 /// Shader text that computes named results, from running `maths` on symbols: one `let` a
 /// line, then one for each result. `maths` makes its inputs with [`variable`] and [`literal`].
-pub fn write_maths(
-    dialect: Dialect,
-    maths: impl FnOnce() -> Vec<(String, Symbol)>,
-) -> String {
+pub fn write_maths(dialect: Dialect, maths: impl FnOnce() -> Vec<(String, Symbol)>) -> String {
     TAPE.with_borrow_mut(|tape| {
         assert!(tape.is_none(), "symbols of two kernels must not mix");
-        *tape = Some(Tape {
-            dialect,
-            nodes: Vec::new(),
-            known: HashMap::new(),
-        });
+        *tape = Some(Tape { dialect, nodes: Vec::new(), known: HashMap::new() });
     });
     let results = maths();
     let tape = TAPE.take().expect("set above");
@@ -304,10 +297,7 @@ mod tests {
     use super::*;
 
     fn written(maths: impl FnOnce() -> Symbol) -> String {
-        let dialect = Dialect {
-            precision: Precision::F32,
-            indent: "",
-        };
+        let dialect = Dialect { precision: Precision::F32, indent: "" };
         write_maths(dialect, || vec![("result".to_string(), maths())])
     }
 
@@ -326,7 +316,10 @@ mod tests {
             let (x, y) = (variable("x"), variable("y"));
             (x * y) + (x * y) * literal(0.5)
         });
-        assert_eq!(text, "let v2 = x * y;\nlet v4 = v2 * 0.5f;\nlet v5 = v2 + v4;\nlet result = v5;\n");
+        assert_eq!(
+            text,
+            "let v2 = x * y;\nlet v4 = v2 * 0.5f;\nlet v5 = v2 + v4;\nlet result = v5;\n"
+        );
     }
 
     #[test]

@@ -14,7 +14,8 @@ pub struct NpyWriter<W: Write> {
 impl<W: Write> NpyWriter<W> {
     /// Writes the header of a `size` array.
     pub fn new(mut out: W, [width, height]: [u32; 2]) -> io::Result<Self> {
-        let shape = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({height}, {width}), }}");
+        let shape =
+            format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({height}, {width}), }}");
         // Magic, version and length take 10 bytes; the whole is padded to a multiple of 64.
         let padded = (10 + shape.len() + 1).next_multiple_of(64) - 10;
         out.write_all(b"\x93NUMPY\x01\x00")?;

@@ -60,7 +60,10 @@ impl SafeFile {
             _ => Path::new("."),
         };
         if !folder.is_dir() {
-            return Err(io::Error::other(format!("the folder {} does not exist", folder.display())));
+            return Err(io::Error::other(format!(
+                "the folder {} does not exist",
+                folder.display()
+            )));
         }
         let file = tempfile::Builder::new().prefix(".flipmap-").tempfile_in(folder)?;
         Ok(SafeFile::Beside(BufWriter::new(file), path.clone()))

@@ -25,15 +25,9 @@ pub struct Dd {
 
 impl Dd {
     /// π to 106 bits.
-    pub const PI: Dd = Dd {
-        hi: std::f64::consts::PI,
-        lo: 1.224_646_799_147_353_2e-16,
-    };
+    pub const PI: Dd = Dd { hi: std::f64::consts::PI, lo: 1.224_646_799_147_353_2e-16 };
     /// 2π to 106 bits.
-    pub const TAU: Dd = Dd {
-        hi: std::f64::consts::TAU,
-        lo: 2.449_293_598_294_706_4e-16,
-    };
+    pub const TAU: Dd = Dd { hi: std::f64::consts::TAU, lo: 2.449_293_598_294_706_4e-16 };
 
     /// The exact value of `hi`.
     pub const fn new(hi: f64) -> Self {
@@ -43,30 +37,20 @@ impl Dd {
     /// `hi + lo`, renormalised; needs |hi| ≥ |lo| or hi = 0.
     fn fast_sum(hi: f64, lo: f64) -> Self {
         let sum = hi + lo;
-        Dd {
-            hi: sum,
-            lo: lo - (sum - hi),
-        }
+        Dd { hi: sum, lo: lo - (sum - hi) }
     }
 
     /// The exact product of two `f64`.
     pub fn product(a: f64, b: f64) -> Self {
         let hi = a * b;
         let ((ah, al), (bh, bl)) = (split(a), split(b));
-        Dd {
-            hi,
-            lo: ((ah * bh - hi) + ah * bl + al * bh) + al * bl,
-        }
+        Dd { hi, lo: ((ah * bh - hi) + ah * bl + al * bh) + al * bl }
     }
 
     /// The nearest integer (ties as `f64::round_ties_even` on the leading part).
     pub fn round(self) -> Self {
         let hi = self.hi.round_ties_even();
-        if hi == self.hi {
-            Dd::fast_sum(hi, self.lo.round_ties_even())
-        } else {
-            Dd::new(hi)
-        }
+        if hi == self.hi { Dd::fast_sum(hi, self.lo.round_ties_even()) } else { Dd::new(hi) }
     }
 
     /// This number without whole turns, in (−π, π].
@@ -127,10 +111,7 @@ impl Add for Dd {
 impl Neg for Dd {
     type Output = Dd;
     fn neg(self) -> Dd {
-        Dd {
-            hi: -self.hi,
-            lo: -self.lo,
-        }
+        Dd { hi: -self.hi, lo: -self.lo }
     }
 }
 
@@ -181,10 +162,7 @@ impl Real for Dd {
 
     /// Taylor series after taking out quarter turns; good to a few units of 1e-32 for |x| < 1e3.
     fn sin_cos(self) -> (Self, Self) {
-        let half_pi = Dd {
-            hi: Dd::PI.hi / 2.0,
-            lo: Dd::PI.lo / 2.0,
-        };
+        let half_pi = Dd { hi: Dd::PI.hi / 2.0, lo: Dd::PI.lo / 2.0 };
         let quarters = (self / half_pi).round();
         let r = self - quarters * half_pi;
         let (sin, cos) = (series(r, r, 1.0), series(r, Dd::new(1.0), 0.0));
@@ -230,9 +208,7 @@ impl Scalar for Dd {
         Dd::new(root) + Dd::new((self - Dd::product(root, root)).hi / (2.0 * root))
     }
     fn parse(text: &str) -> Option<Self> {
-        DBig::from_str(text.trim())
-            .ok()
-            .map(|value| Dd::from_decimal(&value))
+        DBig::from_str(text.trim()).ok().map(|value| Dd::from_decimal(&value))
     }
 }
 

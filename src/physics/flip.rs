@@ -24,11 +24,8 @@ pub enum Rule {
 
 impl Rule {
     /// Every rule with its word.
-    pub const ALL: [(&'static str, Rule); 3] = [
-        ("second", Rule::Second),
-        ("first", Rule::First),
-        ("either", Rule::Either),
-    ];
+    pub const ALL: [(&'static str, Rule); 3] =
+        [("second", Rule::Second), ("first", Rule::First), ("either", Rule::Either)];
 
     /// The indices of the watched bobs.
     pub fn watched(self) -> &'static [usize] {
@@ -90,21 +87,14 @@ impl<T: Scalar> Outcome<T> {
 
     /// A flip at `time`.
     pub fn flipped(time: T) -> Self {
-        Outcome {
-            status: Status::Flipped,
-            time,
-        }
+        Outcome { status: Status::Flipped, time }
     }
 }
 
 /// `angle` moved by whole turns into (−π, π]; a start exactly at the top is put on the side from
 /// which its first motion (with acceleration `alpha`) leads inward.
 pub fn settle_at_top<T: Scalar>(angle: T, alpha: T) -> T {
-    if angle.abs() < T::pi() || (alpha < T::zero()) == (angle > T::zero()) {
-        angle
-    } else {
-        -angle
-    }
+    if angle.abs() < T::pi() || (alpha < T::zero()) == (angle > T::zero()) { angle } else { -angle }
 }
 
 /// The fraction in (0, 1] of a step at which `bob` first reaches the top moving outward, from

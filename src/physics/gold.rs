@@ -47,9 +47,7 @@ pub fn outcome<T: Scalar>(
 
 /// Whether both rods stand or hang exactly upright, where a pendulum at rest stays for ever.
 pub fn is_balanced<T: Scalar>(angle: [T; 2]) -> bool {
-    angle
-        .iter()
-        .all(|&theta| theta == T::zero() || theta.abs() == T::pi())
+    angle.iter().all(|&theta| theta == T::zero() || theta.abs() == T::pi())
 }
 
 /// Seconds into `step` at which `rule` is first met.
@@ -147,9 +145,7 @@ fn shifted<T: Scalar>(f: &[T], centre: T) -> Vec<T> {
 /// precision of the type.
 fn root<T: Scalar>(f: &[T], mut low: T, mut high: T) -> T {
     let half = T::from_f64(0.5);
-    let slope: Vec<T> = (1..f.len())
-        .map(|k| f[k] * T::from_f64(k as f64))
-        .collect();
+    let slope: Vec<T> = (1..f.len()).map(|k| f[k] * T::from_f64(k as f64)).collect();
     let mut x = (low + high) * half;
     for _ in 0..ROOT_STEPS {
         let value = evaluate(f, x);

@@ -75,34 +75,21 @@ fn sums<T: Real>(a: &[T; 2], b: &[T; 2]) -> [T; 2] {
 /// The change over `step` seconds by Euler's explicit method (order 1; gains energy).
 pub fn euler<T: Real>(pendulum: &Pendulum<T>, state: &State<T>, step: T) -> State<T> {
     let alpha = pendulum.acceleration(state);
-    State {
-        angle: state.speed.map(|w| w * step),
-        speed: alpha.map(|a| a * step),
-    }
+    State { angle: state.speed.map(|w| w * step), speed: alpha.map(|a| a * step) }
 }
 
 /// The change over `step` seconds by the semi-implicit Euler method (order 1): speeds first,
 /// then angles with the new speeds.
-pub fn semi_implicit_euler<T: Real>(
-    pendulum: &Pendulum<T>,
-    state: &State<T>,
-    step: T,
-) -> State<T> {
+pub fn semi_implicit_euler<T: Real>(pendulum: &Pendulum<T>, state: &State<T>, step: T) -> State<T> {
     let speed = pendulum.acceleration(state).map(|a| a * step);
-    State {
-        angle: [0, 1].map(|i| (state.speed[i] + speed[i]) * step),
-        speed,
-    }
+    State { angle: [0, 1].map(|i| (state.speed[i] + speed[i]) * step), speed }
 }
 
 impl<T: Real> State<T> {
     /// This state changed by `change`.
     #[inline(always)]
     pub fn plus(&self, change: &State<T>) -> State<T> {
-        State {
-            angle: sums(&self.angle, &change.angle),
-            speed: sums(&self.speed, &change.speed),
-        }
+        State { angle: sums(&self.angle, &change.angle), speed: sums(&self.speed, &change.speed) }
     }
 
     /// This state, from whose angles rounding took `rest`, changed by `change`: the new state
@@ -112,10 +99,7 @@ impl<T: Real> State<T> {
         let change_and_rest = sums(&rest, &change.angle);
         let (angle1, rest1) = self.angle[0].fast_two_sum(change_and_rest[0]);
         let (angle2, rest2) = self.angle[1].fast_two_sum(change_and_rest[1]);
-        let next = State {
-            angle: [angle1, angle2],
-            speed: sums(&self.speed, &change.speed),
-        };
+        let next = State { angle: [angle1, angle2], speed: sums(&self.speed, &change.speed) };
         (next, [rest1, rest2])
     }
 
@@ -136,7 +120,8 @@ mod tests {
 
     type Method = fn(&Pendulum<f64>, &State<f64>, f64) -> State<f64>;
 
-    const METHODS: [(Method, f64); 3] = [(euler, 1.0), (semi_implicit_euler, 1.0), (fresh_rk4, 4.0)];
+    const METHODS: [(Method, f64); 3] =
+        [(euler, 1.0), (semi_implicit_euler, 1.0), (fresh_rk4, 4.0)];
 
     fn fresh_rk4(pendulum: &Pendulum<f64>, state: &State<f64>, step: f64) -> State<f64> {
         rk4(pendulum, state, step, Turning::Fresh)
@@ -194,16 +179,10 @@ mod tests {
 
     #[test]
     fn a_compensated_f32_state_keeps_what_a_plain_one_loses() {
-        let one = State {
-            angle: [1.0f32, 1.0],
-            speed: [1.0, 1.0],
-        };
+        let one = State { angle: [1.0f32, 1.0], speed: [1.0, 1.0] };
         let tiny = one.plus(&one).plus(&State::rest([0.0, 0.0]));
         assert_eq!(tiny.angle[0], 2.0);
-        let change = State {
-            angle: [1e-8f32; 2],
-            speed: [1e-8; 2],
-        };
+        let change = State { angle: [1e-8f32; 2], speed: [1e-8; 2] };
         let (mut plain, mut kept) = (one, (one, State::rest([0.0; 2])));
         for _ in 0..1000 {
             plain = plain.plus(&change);

@@ -47,10 +47,7 @@ impl<T> State<T> {
         T: Real,
     {
         let zero = angle[0].lit(0.0);
-        State {
-            angle,
-            speed: [zero, zero],
-        }
+        State { angle, speed: [zero, zero] }
     }
 }
 
@@ -201,10 +198,7 @@ mod tests {
             Pendulum::points([1.0, 2.0], [1.0, 0.6], 9.81),
             Pendulum::rods([0.3, 2.0], [0.4, 0.6], 1.62),
         ] {
-            let state = State {
-                angle: [1.1f64, -2.3],
-                speed: [3.0, -4.0],
-            };
+            let state = State { angle: [1.1f64, -2.3], speed: [3.0, -4.0] };
             let [a1, a2] = pendulum.acceleration(&state);
             let (s, c) = (state.angle[0] - state.angle[1]).sin_cos();
             let Pendulum { a, b, c: k, p, q, .. } = pendulum;
@@ -230,14 +224,8 @@ mod tests {
     fn reduced_units_move_the_same_way() {
         let pendulum = Pendulum::rods([0.3, 2.0], [0.4, 0.6], 1.62);
         let (reduced, unit_secs) = pendulum.reduced();
-        let state = State {
-            angle: [1.1, -2.3],
-            speed: [3.0, -4.0],
-        };
-        let scaled = State {
-            angle: state.angle,
-            speed: state.speed.map(|w| w * unit_secs),
-        };
+        let state = State { angle: [1.1, -2.3], speed: [3.0, -4.0] };
+        let scaled = State { angle: state.angle, speed: state.speed.map(|w| w * unit_secs) };
         let (plain, scaled) = (pendulum.acceleration(&state), reduced.acceleration(&scaled));
         for i in 0..2 {
             assert!((plain[i] * unit_secs * unit_secs / scaled[i] - 1.0).abs() < 1e-13);
@@ -251,9 +239,8 @@ mod tests {
         let share = |pendulum: Pendulum<f64>, rule| {
             let n = 1000;
             let angle = |i: usize| (i as f64 + 0.5) / n as f64 * std::f64::consts::TAU;
-            let count = (0..n * n)
-                .filter(|k| pendulum.forbids(rule, [angle(k / n), angle(k % n)]))
-                .count();
+            let count =
+                (0..n * n).filter(|k| pendulum.forbids(rule, [angle(k / n), angle(k % n)])).count();
             count as f64 / (n * n) as f64
         };
         let rods = Pendulum::rods([1.0, 1.0], [1.0, 1.0], 9.81);

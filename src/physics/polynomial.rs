@@ -5,10 +5,7 @@ use super::real::{Real, Scalar};
 /// Σ cₖ xᵏ by Horner's rule.
 #[inline]
 pub fn evaluate<T: Scalar>(coefficients: &[T], x: T) -> T {
-    coefficients
-        .iter()
-        .rev()
-        .fold(T::zero(), |sum, &c| sum.mul_add(x, c))
+    coefficients.iter().rev().fold(T::zero(), |sum, &c| sum.mul_add(x, c))
 }
 
 /// The quintic on [0, 1] with value, first and second derivative `at0` and `at1` at its ends.

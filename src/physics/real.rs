@@ -106,10 +106,7 @@ macro_rules! native_float {
                 $float::sqrt(self)
             }
             fn parse(text: &str) -> Option<Self> {
-                text.trim()
-                    .parse()
-                    .ok()
-                    .filter(|value: &$float| value.is_finite())
+                text.trim().parse().ok().filter(|value: &$float| value.is_finite())
             }
         }
     };

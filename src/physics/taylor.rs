@@ -168,8 +168,8 @@ impl<T: Scalar> Series<T> {
             } else {
                 let over = T::from_f64(k as f64);
                 let (mut sin, mut cos) = (T::zero(), T::zero());
-                for j in 1..=k {
-                    let weight = angle[j] * T::from_f64(j as f64);
+                for (j, &term) in angle.iter().enumerate().take(k + 1).skip(1) {
+                    let weight = term * T::from_f64(j as f64);
                     sin = weight.mul_add(self.cos[i][k - j], sin);
                     cos = weight.mul_add(self.sin[i][k - j], cos);
                 }

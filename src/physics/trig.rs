@@ -107,11 +107,7 @@ fn in_pairs<T: Real, const N: usize>(x: T, square: T, terms: &[f64; N]) -> T {
 /// Two neighbours of a series: termₖ + termₖ₊₁ x.
 #[inline(always)]
 fn pair<T: Real, const N: usize>(x: T, terms: &[f64; N], k: usize) -> T {
-    if k + 1 < N {
-        x.mul_add(x.lit(terms[k + 1]), x.lit(terms[k]))
-    } else {
-        x.lit(terms[k])
-    }
+    if k + 1 < N { x.mul_add(x.lit(terms[k + 1]), x.lit(terms[k])) } else { x.lit(terms[k]) }
 }
 
 /// How the directions of a step's inner stages are found from the direction at its beginning.
@@ -144,10 +140,7 @@ impl Turning {
         let (sin, cos) = small_series(change, terms);
         let (y, x) = direction;
         // cos = 1 + cos−1: the small parts are summed first.
-        (
-            x.mul_add(sin, y.mul_add(cos, y)),
-            (-y).mul_add(sin, x.mul_add(cos, x)),
-        )
+        (x.mul_add(sin, y.mul_add(cos, y)), (-y).mul_add(sin, x.mul_add(cos, x)))
     }
 }
 

@@ -39,11 +39,7 @@ pub struct PictureTable {
 
 impl Default for PictureTable {
     fn default() -> Self {
-        PictureTable {
-            palette: "batlow".to_string(),
-            curve: true,
-            samples: 1,
-        }
+        PictureTable { palette: "batlow".to_string(), curve: true, samples: 1 }
     }
 }
 
@@ -122,11 +118,7 @@ impl Document {
 
     /// What to compute.
     pub fn scene(&self) -> Scene {
-        Scene {
-            build: self.pendulum,
-            question: self.question,
-            view: self.view.clone(),
-        }
+        Scene { build: self.pendulum, question: self.question, view: self.view.clone() }
     }
 }
 
@@ -167,7 +159,9 @@ mod tests {
 
     #[test]
     fn bad_files_are_refused_where_they_are_bad() {
-        assert!(refused("[pendulum]\nmass = 1").starts_with("line 2, column 1: unknown field `mass`"));
+        assert!(
+            refused("[pendulum]\nmass = 1").starts_with("line 2, column 1: unknown field `mass`")
+        );
         assert!(refused("[question]\nbudget = \"long\"").contains("line 2, column 10"));
         assert!(refused("[question]\nrule = \"third\"").contains("line 2"));
         assert!(refused("format = 2\nnew = 1").contains("format 2; this program reads"));

@@ -157,7 +157,11 @@ mod tests {
 
     #[test]
     fn a_window_beyond_the_seam_wraps_round() {
-        let view = View { center: ["6.283185307179586".into(), "0".into()], width: "1".into(), ..View::default() };
+        let view = View {
+            center: ["6.283185307179586".into(), "0".into()],
+            width: "1".into(),
+            ..View::default()
+        };
         let [theta1, _] = grid(view, [2, 2]).angle_from_pixel(1, 0);
         assert!((theta1.hi - 0.25).abs() < 1e-14);
     }
@@ -166,7 +170,11 @@ mod tests {
     fn fates_follow_the_rule() {
         let pi = "3.14159265358979323846264338327950288";
         let fate = |center: [&str; 2], rule| {
-            let view = View { center: center.map(str::to_string), width: "1e-3".into(), ..View::default() };
+            let view = View {
+                center: center.map(str::to_string),
+                width: "1e-3".into(),
+                ..View::default()
+            };
             let question = Question { rule, ..Question::default() };
             let scene = Scene { view, question, ..Scene::default() };
             Grid::new(&scene, [1, 1]).fate(0, 0)

@@ -49,12 +49,7 @@ pub struct Build {
 
 impl Default for Build {
     fn default() -> Self {
-        Build {
-            kind: Kind::Points,
-            masses: [1.0, 1.0],
-            lengths: [1.0, 1.0],
-            gravity: 9.81,
-        }
+        Build { kind: Kind::Points, masses: [1.0, 1.0], lengths: [1.0, 1.0], gravity: 9.81 }
     }
 }
 
@@ -80,10 +75,7 @@ pub struct Question {
 
 impl Default for Question {
     fn default() -> Self {
-        Question {
-            rule: Rule::Second,
-            budget: 30.0,
-        }
+        Question { rule: Rule::Second, budget: 30.0 }
     }
 }
 
@@ -114,9 +106,8 @@ impl Scene {
     /// Checks every number, so that nothing after this needs to.
     pub fn checked(self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-        let refuse = |option, value: f64, range| {
-            Err(SceneError { option, value: value.to_string(), range })
-        };
+        let refuse =
+            |option, value: f64, range| Err(SceneError { option, value: value.to_string(), range });
         let Build { masses, lengths, gravity, .. } = self.build;
         if let Some(mass) = masses.into_iter().find(|m| !WIDE.contains(m)) {
             return refuse("--masses", mass, "each mass must lie between 1e-9 and 1e9 kg");

@@ -64,7 +64,8 @@ pub fn plan(size: [u32; 2], rows: u32, order: Order, tile_pixels: usize) -> Vec<
     match order {
         Order::Straight => bands(size, rows, tile_pixels),
         Order::CoarseFirst => {
-            let passes = std::iter::successors(Some(COARSEST), |step| (*step > 1).then(|| step / 2));
+            let passes =
+                std::iter::successors(Some(COARSEST), |step| (*step > 1).then(|| step / 2));
             passes
                 .flat_map(|step| {
                     let first = step == COARSEST;
@@ -80,11 +81,7 @@ fn bands([width, _]: [u32; 2], rows: u32, tile_pixels: usize) -> Vec<Tile> {
     let height = (tile_pixels as u32 / width).max(1);
     (0..rows)
         .step_by(height as usize)
-        .map(|y| Tile {
-            origin: [0, y],
-            size: [width, height.min(rows - y)],
-            stride: Stride::All,
-        })
+        .map(|y| Tile { origin: [0, y], size: [width, height.min(rows - y)], stride: Stride::All })
         .collect()
 }
 

@@ -112,7 +112,13 @@ const MIRROR_BYTES: usize = 320 << 20;
 impl Work {
     /// The work of a checked scene as a picture of `size` pixels, in tiles of about
     /// `tile_pixels` pixels.
-    pub fn new(scene: &Scene, size: [u32; 2], recipe: Recipe, order: Order, tile_pixels: usize) -> Self {
+    pub fn new(
+        scene: &Scene,
+        size: [u32; 2],
+        recipe: Recipe,
+        order: Order,
+        tile_pixels: usize,
+    ) -> Self {
         let half = size[0] as usize * size[1] as usize / 2;
         let mirrored = order == Order::Straight
             && scene.view.is_symmetric()
@@ -176,7 +182,11 @@ impl Work {
     }
 
     /// Fills the engine's slots; tiles without open pixels are finished at once.
-    fn submit(&mut self, engine: &mut dyn Engine, finished: &mut Vec<FinishedTile>) -> Result<(), EngineError> {
+    fn submit(
+        &mut self,
+        engine: &mut dyn Engine,
+        finished: &mut Vec<FinishedTile>,
+    ) -> Result<(), EngineError> {
         while self.flying.len() < engine.slots() {
             let Some(tile) = self.waiting.pop_front() else {
                 return Ok(());
@@ -286,7 +296,12 @@ mod tests {
     }
 
     /// Every pixel's outcome, by running the work to its end.
-    fn picture(scene: &Scene, size: [u32; 2], order: Order, engine: &mut MockEngine) -> (Samples, Counts) {
+    fn picture(
+        scene: &Scene,
+        size: [u32; 2],
+        order: Order,
+        engine: &mut MockEngine,
+    ) -> (Samples, Counts) {
         let mut work = Work::new(scene, size, RECIPE, order, 64);
         let mut samples = Samples::unflipped((size[0] * size[1]) as usize);
         let mut seen = vec![false; samples.len()];

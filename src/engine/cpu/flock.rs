@@ -82,7 +82,12 @@ const PI_BELOW: f64 = 3.141_592_5;
 
 /// How near any lane may have come to the top in a step (twin: `flip::may_pass`).
 #[inline(always)]
-fn nearest_pass<L: Lanes>(question: &Question, before: &State<L>, after: &State<L>, step: L) -> f64 {
+fn nearest_pass<L: Lanes>(
+    question: &Question,
+    before: &State<L>,
+    after: &State<L>,
+    step: L,
+) -> f64 {
     let mut nearest = before.angle[0].lit(0.0);
     for &bob in question.rule.watched() {
         let end = after.angle[bob].abs();
@@ -139,7 +144,10 @@ impl<'a> Flock<'a> {
             while self.start[lane] == IDLE && self.next_start < self.chunk.starts.len() {
                 let start = self.chunk.starts[self.next_start];
                 let [angle, speed] = [start.state.angle, start.state.speed];
-                self.put(lane, [angle[0], angle[1], speed[0], speed[1], start.rest[0], start.rest[1]]);
+                self.put(
+                    lane,
+                    [angle[0], angle[1], speed[0], speed[1], start.rest[0], start.rest[1]],
+                );
                 (self.start[lane], self.taken[lane]) = (self.next_start, start.steps);
                 self.next_start += 1;
                 self.busy += 1;
@@ -214,13 +222,7 @@ impl<'a> Flock<'a> {
             self.finish_if_over(lane);
             return;
         };
-        let steps = &self.chunk.steps;
-        let past = self.taken[lane] + 1 == steps.count && fraction > steps.last_fraction;
-        self.finish(lane, if past {
-            Outcome::without_time(Status::Unflipped)
-        } else {
-            Outcome::flipped(steps.secs(self.taken[lane], fraction))
-        });
+        self.finish(lane, self.chunk.steps.outcome_of_pass(self.taken[lane], fraction));
     }
 
     fn finish_if_over(&mut self, lane: usize) {

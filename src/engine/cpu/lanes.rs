@@ -138,9 +138,45 @@ macro_rules! lanes {
     };
 }
 
-lanes!(F32Lanes, f32, f32s, F32_LANES, 12_582_912.0, SERIES_F32, PI_PARTS_F32,
-    splat_f32s, add_f32s, sub_f32s, mul_f32s, div_f32s, neg_f32s, mul_add_e_f32s,
-    abs_f32s, max_f32s, less_than_f32s, select_f32s, reduce_max_f32s);
-lanes!(F64Lanes, f64, f64s, F64_LANES, 6_755_399_441_055_744.0, SERIES_F64, PI_PARTS_F64,
-    splat_f64s, add_f64s, sub_f64s, mul_f64s, div_f64s, neg_f64s, mul_add_e_f64s,
-    abs_f64s, max_f64s, less_than_f64s, select_f64s, reduce_max_f64s);
+lanes!(
+    F32Lanes,
+    f32,
+    f32s,
+    F32_LANES,
+    12_582_912.0,
+    SERIES_F32,
+    PI_PARTS_F32,
+    splat_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    div_f32s,
+    neg_f32s,
+    mul_add_e_f32s,
+    abs_f32s,
+    max_f32s,
+    less_than_f32s,
+    select_f32s,
+    reduce_max_f32s
+);
+lanes!(
+    F64Lanes,
+    f64,
+    f64s,
+    F64_LANES,
+    6_755_399_441_055_744.0,
+    SERIES_F64,
+    PI_PARTS_F64,
+    splat_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    div_f64s,
+    neg_f64s,
+    mul_add_e_f64s,
+    abs_f64s,
+    max_f64s,
+    less_than_f64s,
+    select_f64s,
+    reduce_max_f64s
+);

@@ -58,13 +58,7 @@ impl CpuEngine {
             .build()
             .map_err(|error| EngineError::Unsupported(format!("cannot start threads: {error}")))?;
         let (sender, receiver) = channel();
-        Ok(CpuEngine {
-            pool,
-            flying: HashMap::new(),
-            cancelled: Arc::default(),
-            sender,
-            receiver,
-        })
+        Ok(CpuEngine { pool, flying: HashMap::new(), cancelled: Arc::default(), sender, receiver })
     }
 
     fn take(&mut self, landed: Landed) -> Option<Finished> {

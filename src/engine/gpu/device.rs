@@ -125,7 +125,8 @@ impl Gpu {
         let limits = self.device.limits();
         let storage = usage.contains(wgpu::BufferUsages::STORAGE);
         let binding = limits.max_storage_buffer_binding_size;
-        let allowed = if storage { binding.min(limits.max_buffer_size) } else { limits.max_buffer_size };
+        let allowed =
+            if storage { binding.min(limits.max_buffer_size) } else { limits.max_buffer_size };
         if bytes > allowed {
             return Err(EngineError::LimitExceeded { what: label, needed: bytes, allowed });
         }

@@ -94,9 +94,7 @@ impl Design {
         };
         let watched = self.watched();
         let bobs: Vec<String> = watched.iter().map(|&bob| self.quintic_of(bob)).collect();
-        let mut maths = BTreeMap::from([
-            ("step".to_string(), self.step()),
-        ]);
+        let mut maths = BTreeMap::from([("step".to_string(), self.step())]);
         maths.extend(watched.iter().map(|bob| format!("bob{bob}")).zip(bobs));
         let values = Values {
             general: self.scene.is_none(),
@@ -112,10 +110,7 @@ impl Design {
     }
 
     fn dialect(&self) -> Dialect {
-        Dialect {
-            precision: self.precision,
-            indent: "        ",
-        }
+        Dialect { precision: self.precision, indent: "        " }
     }
 
     fn pendulum(&self) -> Pendulum<Symbol> {
@@ -157,9 +152,7 @@ impl Design {
             let turned = format!("({w} * {w}_next < 0)");
             let far = format!("max(abs({t}), abs({t}_next))");
             let travel = format!("step * max(abs({w}), abs({w}_next))");
-            let pass = format!(
-                "(abs({t}_next) >= PI) || ({turned} && ({far} + {travel} >= PI))"
-            );
+            let pass = format!("(abs({t}_next) >= PI) || ({turned} && ({far} + {travel} >= PI))");
             match self.scene {
                 Some(_) => pass,
                 None => format!("((job.watched & {bob}u) != 0u && ({pass}))"),
@@ -215,10 +208,7 @@ struct SelfcheckValues {
 
 fn state(names: [&'static str; 4]) -> State<Symbol> {
     let [t1, t2, w1, w2] = names.map(variable);
-    State {
-        angle: [t1, t2],
-        speed: [w1, w2],
-    }
+    State { angle: [t1, t2], speed: [w1, w2] }
 }
 
 /// The self-check's text for one number type.
@@ -227,10 +217,7 @@ pub fn selfcheck_text(precision: Precision) -> String {
         Precision::F32 => "f32.wgsl",
         Precision::F64 => "f64.wgsl",
     };
-    let dialect = Dialect {
-        precision,
-        indent: "    ",
-    };
+    let dialect = Dialect { precision, indent: "    " };
     let maths = write_maths(dialect, || {
         let (a, b) = (variable("a"), variable("b"));
         let (sum, error) = match precision {
@@ -244,10 +231,7 @@ pub fn selfcheck_text(precision: Precision) -> String {
             .zip([sum, error, a * b, a / b, sin, cos])
             .collect()
     });
-    let values = SelfcheckValues {
-        compensated: true,
-        maths,
-    };
+    let values = SelfcheckValues { compensated: true, maths };
     glue(&[number, "selfcheck.wgsl"], &values)
 }
 
@@ -264,7 +248,8 @@ fn glue(names: &[&str], values: &impl Serialize) -> String {
         .iter()
         .map(|name| {
             let file = files.get_template(name).expect("a file of the list");
-            file.render(minijinja::value::Serde(values)).expect("every value that a shader file names is given")
+            file.render(minijinja::value::Serde(values))
+                .expect("every value that a shader file names is given")
         })
         .collect::<Vec<_>>()
         .join("\n")

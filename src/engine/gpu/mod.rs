@@ -78,7 +78,8 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.verdict.require(job.recipe.precision).map_err(EngineError::Unsupported)?;
-        let general = Design::general(&job.recipe, self.verdict.compensated, self.gpu.has_subgroups());
+        let general =
+            Design::general(&job.recipe, self.verdict.compensated, self.gpu.has_subgroups());
         Ok(if self.specialise { general.specialised(&job.question, &job.recipe) } else { general })
     }
 

@@ -27,7 +27,8 @@ impl Kernel {
             label: Some("tile"),
             source: wgpu::ShaderSource::Wgsl(design.text().into()),
         });
-        let layouts = [layout(device, &[true, true, false, false, false, false]), layout(device, &[false])];
+        let layouts =
+            [layout(device, &[true, true, false, false, false, false]), layout(device, &[false])];
         let pipeline = |entry: &str, groups: usize| {
             let groups: Vec<_> = layouts[..groups].iter().map(Some).collect();
             compute_pipeline(device, &module, entry, &groups)
@@ -84,11 +85,7 @@ pub fn bind(
             resource: buffer.as_entire_binding(),
         })
         .collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout,
-        entries: &entries,
-    })
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
 /// One entry point of a module.

@@ -75,7 +75,8 @@ impl Slot {
             step: to_parts(steps.length),
         };
         let (buffers, groups) = make_buffers(gpu, kernel, &job, state_len)?;
-        let slot = Slot { job, kernel: index, steps, state_len, head, buffers, groups, flight: None };
+        let slot =
+            Slot { job, kernel: index, steps, state_len, head, buffers, groups, flight: None };
         slot.write_scene(gpu);
         slot.begin(gpu, kernel);
         Ok(slot)
@@ -122,10 +123,8 @@ impl Slot {
             Precision::F64 => values.flat_map(f64::to_le_bytes).collect(),
         };
         gpu.queue.write_buffer(&self.buffers.states, 0, &bytes);
-        let outcomes: Vec<RawOutcome> = paused
-            .iter()
-            .map(|p| RawOutcome { steps: p.steps, ..Default::default() })
-            .collect();
+        let outcomes: Vec<RawOutcome> =
+            paused.iter().map(|p| RawOutcome { steps: p.steps, ..Default::default() }).collect();
         gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
     }
 
@@ -229,12 +228,7 @@ impl Slot {
 
     fn outcome(&self, raw: &RawOutcome) -> Outcome {
         match raw.status & 255 {
-            1 => {
-                let time = self.steps.secs(raw.steps, from_parts(raw.fraction));
-                let past = raw.steps + 1 == self.steps.count
-                    && from_parts(raw.fraction) > self.steps.last_fraction;
-                if past { Outcome::without_time(Status::Unflipped) } else { Outcome::flipped(time) }
-            }
+            1 => self.steps.outcome_of_pass(raw.steps, from_parts(raw.fraction)),
             3 => Outcome::without_time(Status::Failed),
             _ => Outcome::without_time(Status::Unflipped),
         }

@@ -1,0 +1,130 @@
+//! What the engines' tests share: starts of a scene, the gold standard's answers to them, a
+//! scalar RK4 of the plain kind, and shares of pixels that are right.
+#![allow(dead_code)]
+
+use flipmap::engine::choice::open_checked;
+use flipmap::engine::gpu::{GpuEngine, device};
+use flipmap::engine::{Engine, Finished, Job, Method, Precision, Question, Recipe, Starts, Wait};
+use flipmap::physics::trig::Turning;
+use flipmap::physics::{Dd, Outcome, State, Status, flip, gold, integrator};
+use flipmap::scene::{Fate, Grid, Scene};
+use rayon::prelude::*;
+
+/// The lesson's step in seconds.
+pub const STEP: f64 = 1.0 / 120.0;
+
+/// RK4 at 120 steps a second.
+pub fn lesson(precision: Precision) -> Recipe {
+    Recipe { method: Method::LESSON, precision }
+}
+
+/// An engine on the first adapter, software preferred so that results are the same everywhere;
+/// without one the test fails and says what to install.
+pub fn gpu_engine() -> GpuEngine {
+    let adapter = device::adapters().into_iter().next_back();
+    let adapter = adapter.unwrap_or_else(|| {
+        panic!(
+            "{}; or declare its absence with FLIPMAP_NO_GPU=1",
+            flipmap::engine::choice::INSTALL_HINT
+        )
+    });
+    eprintln!("adapter: {}", device::describe(&adapter));
+    let (gpu, verdict) = open_checked(adapter).expect("the adapter opens");
+    GpuEngine::new(gpu, verdict)
+}
+
+/// The question of a scene.
+pub fn question(scene: &Scene) -> Question {
+    Question {
+        pendulum: scene.build.pendulum(),
+        rule: scene.question.rule,
+        budget_secs: scene.question.budget,
+    }
+}
+
+/// The open starts of every `every`-th column and row of a square picture.
+pub fn open_starts(scene: &Scene, side: u32, every: u32) -> Vec<[Dd; 2]> {
+    let grid = Grid::new(scene, [side, side]);
+    let lines = (every / 2..side).step_by(every as usize);
+    lines
+        .clone()
+        .flat_map(|y| lines.clone().map(move |x| (x, y)))
+        .filter_map(|(x, y)| match grid.fate(x, y) {
+            Fate::Open(angle) => Some(angle),
+            _ => None,
+        })
+        .collect()
+}
+
+/// All answers of an engine, in the order of the starts.
+pub fn answers(
+    engine: &mut dyn Engine,
+    question: &Question,
+    recipe: Recipe,
+    starts: &[[Dd; 2]],
+) -> Vec<Outcome> {
+    finished(engine, question, recipe, Starts::Rest(starts.to_vec())).outcomes
+}
+
+/// One job run to its end, its unfinished states kept.
+pub fn finished(
+    engine: &mut dyn Engine,
+    question: &Question,
+    recipe: Recipe,
+    starts: Starts,
+) -> Finished {
+    let job = Job { id: 7, question: *question, recipe, starts, keep_unfinished: true };
+    engine.submit(job).expect("the job is taken");
+    let mut finished = engine.poll(Wait::UntilFinished).expect("the engine works");
+    assert_eq!(finished.len(), 1);
+    finished.remove(0)
+}
+
+/// The truth in f64.
+pub fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    let one = |angle: &[Dd; 2]| {
+        let angle = angle.map(|theta| theta.hi);
+        gold::outcome(&question.pendulum, angle, question.rule, question.budget_secs)
+    };
+    starts.par_iter().map(one).collect()
+}
+
+/// Plain RK4 at 120 steps a second in f64, one pendulum at a time.
+pub fn scalar_rk4(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    let steps = (question.budget_secs / STEP).round() as usize;
+    let one = |angle: &[Dd; 2]| {
+        let mut state = State::rest(angle.map(|theta| theta.hi));
+        for n in 0..steps {
+            let change = integrator::rk4(&question.pendulum, &state, STEP, Turning::Fresh);
+            let next = state.plus(&change);
+            let fraction = question.rule.watched().iter().filter_map(|&bob| {
+                flip::fraction_of_step(&question.pendulum, bob, &state, &next, STEP)
+            });
+            if let Some(fraction) = fraction.reduce(f64::min) {
+                return Outcome::flipped((n as f64 + fraction) * STEP);
+            }
+            state = next;
+        }
+        Outcome::without_time(Status::Unflipped)
+    };
+    starts.par_iter().map(one).collect()
+}
+
+/// The share of outcomes of the same status and within `secs` of the other's time.
+pub fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) -> f64 {
+    assert!(!truth.is_empty() && answers.len() == truth.len());
+    let close = |(a, b): &(&Outcome, &Outcome)| {
+        a.status == b.status && (a.status != Status::Flipped || (a.time - b.time).abs() <= secs)
+    };
+    answers.iter().zip(truth).filter(close).count() as f64 / truth.len() as f64
+}
+
+/// The pairs whose true flip comes before `secs`.
+pub fn flips_before(
+    secs: f64,
+    answers: &[Outcome],
+    truth: &[Outcome],
+) -> (Vec<Outcome>, Vec<Outcome>) {
+    let early = |t: &Outcome| t.status == Status::Flipped && t.time < secs;
+    answers.iter().zip(truth).filter(|(_, t)| early(t)).map(|(a, t)| (*a, *t)).unzip()
+}

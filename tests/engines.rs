@@ -1,0 +1,245 @@
+//! What must hold of every engine, each test once for each of them.
+
+mod common;
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use common::*;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::{Engine, Precision, Question, Starts};
+use flipmap::physics::{Dd, Outcome, Rule, Status};
+use flipmap::scene::{Build, Kind, Question as Asked, Scene, View};
+
+const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
+
+macro_rules! on_every_engine {
+    ($($name:ident)*) => {
+        mod cpu {
+            $(
+                #[test]
+                fn $name() {
+                    super::$name(&|| Box::new(super::CpuEngine::new(None).unwrap()));
+                }
+            )*
+        }
+        mod gpu {
+            $(
+                #[test]
+                #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+                fn $name() {
+                    super::$name(&|| Box::new(super::gpu_engine()));
+                }
+            )*
+        }
+    };
+}
+
+on_every_engine! {
+    the_lesson_is_right_where_rk4_at_120_is
+    other_pendulums_and_rules_are_as_right_as_scalar_rk4
+    mirrored_starts_have_mirrored_fates
+    a_whole_turn_away_is_the_same_pendulum
+    splitting_a_job_changes_nothing
+    stopping_and_going_on_changes_nothing
+    the_budget_ends_where_it_says
+    starts_at_the_top_begin_inside
+    the_lightest_and_fastest_do_not_break_it
+    cancelled_jobs_never_come_back
+}
+
+type Make<'a> = &'a dyn Fn() -> Box<dyn Engine>;
+
+fn the_lesson_is_right_where_rk4_at_120_is(make: Make) {
+    let question = question(&Scene::default());
+    let starts = open_starts(&Scene::default(), 512, 4);
+    let truth = truth(&question, &starts);
+    let mut engine = make();
+    for precision in PRECISIONS {
+        let answers = answers(engine.as_mut(), &question, lesson(precision), &starts);
+        let right = share_within(1e-3, &answers, &truth);
+        assert!((0.89..=0.92).contains(&right), "{precision}: {right}");
+        let (early, early_truth) = flips_before(2.0, &answers, &truth);
+        let right = share_within(1e-4, &early, &early_truth);
+        assert!(right >= 0.995, "{precision}: {right} of the flips before 2 s");
+    }
+}
+
+fn scenes() -> Vec<Scene> {
+    let scene = |build: Build, rule: Rule, budget: f64| Scene {
+        build,
+        question: Asked { rule, budget },
+        ..Scene::default()
+    };
+    let plain = Build::default();
+    vec![
+        scene(Build { masses: [1.0, 2.0], lengths: [1.0, 0.6], ..plain }, Rule::Second, 30.0),
+        scene(Build { kind: Kind::Rods, ..plain }, Rule::Second, 30.0),
+        scene(plain, Rule::First, 30.0),
+        scene(plain, Rule::Either, 30.0),
+        scene(Build { gravity: 1.62, ..plain }, Rule::Second, 30.0),
+    ]
+}
+
+fn other_pendulums_and_rules_are_as_right_as_scalar_rk4(make: Make) {
+    let mut engine = make();
+    for scene in scenes() {
+        let question = question(&scene);
+        let starts = open_starts(&scene, 72, 1);
+        let truth = truth(&question, &starts);
+        let plain = share_within(1e-3, &scalar_rk4(&question, &starts), &truth);
+        for (precision, allowed) in [(Precision::F32, 0.08), (Precision::F64, 0.02)] {
+            let answers = answers(engine.as_mut(), &question, lesson(precision), &starts);
+            let right = share_within(1e-3, &answers, &truth);
+            assert!((right - plain).abs() <= allowed, "{scene:?} {precision}: {right} {plain}");
+        }
+    }
+}
+
+fn mirrored_starts_have_mirrored_fates(make: Make) {
+    let starts = open_starts(&Scene::default(), 64, 1);
+    let mirrored: Vec<[Dd; 2]> = starts.iter().map(|angle| angle.map(|theta| -theta)).collect();
+    let mut engine = make();
+    for rule in [Rule::Second, Rule::Either] {
+        let question = Question { rule, ..question(&Scene::default()) };
+        for precision in PRECISIONS {
+            let there = answers(engine.as_mut(), &question, lesson(precision), &starts);
+            let back = answers(engine.as_mut(), &question, lesson(precision), &mirrored);
+            assert_eq!(there, back, "{rule} {precision}");
+        }
+    }
+}
+
+fn a_whole_turn_away_is_the_same_pendulum(make: Make) {
+    let moved = |center: [&str; 2]| {
+        let view =
+            View { center: center.map(str::to_string), width: "3".into(), ..View::default() };
+        Scene { view, ..Scene::default() }
+    };
+    let [here, there] = [moved(["2", "1"]), moved(["8.283185307179586", "-5.283185307179586"])];
+    let question = question(&here);
+    let mut engine = make();
+    for precision in PRECISIONS {
+        let [near, far] = [&here, &there].map(|scene| {
+            answers(engine.as_mut(), &question, lesson(precision), &open_starts(scene, 64, 1))
+        });
+        let (far, near) = flips_before(5.0, &far, &near);
+        let same = share_within(1e-3, &far, &near);
+        assert!(same >= 0.999, "{precision}: {same}");
+    }
+}
+
+fn splitting_a_job_changes_nothing(make: Make) {
+    let question = question(&Scene::default());
+    let starts = open_starts(&Scene::default(), 48, 1);
+    let mut engine = make();
+    for precision in PRECISIONS {
+        let whole = answers(engine.as_mut(), &question, lesson(precision), &starts);
+        let parts: Vec<Outcome> = starts
+            .chunks(97)
+            .flat_map(|part| answers(engine.as_mut(), &question, lesson(precision), part))
+            .collect();
+        assert_eq!(whole, parts, "{precision}");
+    }
+}
+
+fn stopping_and_going_on_changes_nothing(make: Make) {
+    let question = question(&Scene::default());
+    let starts = open_starts(&Scene::default(), 48, 1);
+    let mut engine = make();
+    for precision in PRECISIONS {
+        let recipe = lesson(precision);
+        let whole = finished(engine.as_mut(), &question, recipe, Starts::Rest(starts.clone()));
+        let mut outcomes = vec![None; starts.len()];
+        let mut open: Vec<usize> = (0..starts.len()).collect();
+        let mut next = Starts::Rest(starts.clone());
+        let mut evaluations = 0;
+        // Stops between steps, inside steps, and almost at once.
+        for budget_secs in [0.001, 1.0, 3.3333, 7.0, 30.0] {
+            let question = Question { budget_secs, ..question };
+            let part = finished(engine.as_mut(), &question, recipe, next);
+            for (&start, &outcome) in open.iter().zip(&part.outcomes) {
+                outcomes[start] = Some(outcome);
+            }
+            evaluations += part.rhs_evaluations;
+            let (left, states): (Vec<usize>, Vec<_>) = part.unfinished.into_iter().unzip();
+            open = left.into_iter().map(|index| open[index]).collect();
+            next = Starts::Paused(states);
+        }
+        let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
+        assert_eq!(outcomes, whole.outcomes, "{precision}");
+        // What is done twice is at most the step around each stop.
+        let most = whole.rhs_evaluations + 5 * 10 * starts.len() as u64;
+        assert!((whole.rhs_evaluations..=most).contains(&evaluations), "{precision}");
+    }
+}
+
+fn the_budget_ends_where_it_says(make: Make) {
+    let scene = Scene::default();
+    let starts = open_starts(&scene, 32, 1);
+    let mut engine = make();
+    let full = question(&scene);
+    let all = answers(engine.as_mut(), &full, lesson(Precision::F64), &starts);
+    let some_flip = all.iter().find(|o| o.status == Status::Flipped && o.time > 4.0).unwrap().time;
+    for budget_secs in [5.0, 5.0001, some_flip, some_flip - 1e-9, 0.4] {
+        let question = Question { budget_secs, ..full };
+        let cut = answers(engine.as_mut(), &question, lesson(Precision::F64), &starts);
+        for (cut, all) in cut.iter().zip(&all) {
+            let within = all.status == Status::Flipped && all.time <= budget_secs;
+            assert_eq!(cut.status == Status::Flipped, within, "{budget_secs}: {cut:?} {all:?}");
+            assert!(!within || cut == all);
+        }
+    }
+}
+
+fn starts_at_the_top_begin_inside(make: Make) {
+    let pi = "3.14159265358979323846264338327950288";
+    let view = View { center: ["2".into(), pi.into()], width: "1e-9".into(), ..View::default() };
+    let scene = Scene { view, ..Scene::default() };
+    let starts = open_starts(&scene, 1, 1);
+    let question = question(&scene);
+    let truth = truth(&question, &starts);
+    assert!(truth[0].time > 0.1, "{truth:?}");
+    let mut engine = make();
+    for precision in PRECISIONS {
+        let answers = answers(engine.as_mut(), &question, lesson(precision), &starts);
+        assert!(
+            (answers[0].time - truth[0].time).abs() < 1e-2,
+            "{precision}: {answers:?} {truth:?}"
+        );
+    }
+}
+
+fn the_lightest_and_fastest_do_not_break_it(make: Make) {
+    let mut engine = make();
+    for (masses, lengths) in
+        [([1e-3, 1.0], [1.0, 1.0]), ([1.0, 1e-3], [1.0, 1e-3]), ([1e3, 1.0], [1e-3, 1.0])]
+    {
+        let build = Build { masses, lengths, ..Build::default() };
+        let asked = Asked { budget: 3.0, ..Asked::default() };
+        let scene = Scene { build, question: asked, ..Scene::default() };
+        let starts = open_starts(&scene, 24, 1);
+        for precision in PRECISIONS {
+            let answers = answers(engine.as_mut(), &question(&scene), lesson(precision), &starts);
+            for outcome in &answers {
+                let sound = outcome.time.is_finite() && (0.0..=3.0).contains(&outcome.time);
+                assert!(sound && outcome.status != Status::Forbidden, "{build:?}: {outcome:?}");
+            }
+        }
+    }
+}
+
+fn cancelled_jobs_never_come_back(make: Make) {
+    use flipmap::engine::{Job, Wait};
+    static IDS: AtomicU32 = AtomicU32::new(100);
+    let question = question(&Scene::default());
+    let starts = Starts::Rest(open_starts(&Scene::default(), 64, 1));
+    let mut engine = make();
+    let id = u64::from(IDS.fetch_add(1, Ordering::Relaxed));
+    let recipe = lesson(Precision::F32);
+    let job = Job { id, question, recipe, starts, keep_unfinished: false };
+    engine.submit(job).unwrap();
+    engine.cancel();
+    assert!(engine.poll(Wait::UntilFinished).unwrap().is_empty());
+    let again = answers(engine.as_mut(), &question, recipe, &open_starts(&Scene::default(), 8, 1));
+    assert!(!again.is_empty());
+}

@@ -1,0 +1,149 @@
+//! What must hold of the GPU engine alone.
+
+mod common;
+
+use std::time::Duration;
+
+use common::*;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::gpu::device::Gpu;
+use flipmap::engine::selfcheck::{self, Verdict};
+use flipmap::engine::{Engine, EngineError, Job, Precision, Starts, Wait};
+use flipmap::scene::Scene;
+
+macro_rules! gpu_tests {
+    ($($name:ident)*) => {
+        $(
+            #[test]
+            #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+            fn $name() {
+                checks::$name();
+            }
+        )*
+    };
+}
+
+gpu_tests! {
+    the_two_engines_agree_on_early_flips
+    the_length_of_slices_changes_nothing
+    a_general_kernel_is_as_right_as_one_made_for_the_scene
+    a_lost_device_is_replaced_and_its_jobs_done_again
+    the_selfcheck_passes_here_and_its_answers_are_judged
+    an_untrusted_precision_is_refused_by_name
+    f32_without_compensation_still_works
+    buffers_beyond_the_limits_are_refused_in_words
+}
+
+mod checks {
+    use super::*;
+
+    pub fn the_two_engines_agree_on_early_flips() {
+        let question = question(&Scene::default());
+        let starts = open_starts(&Scene::default(), 512, 4);
+        let (mut gpu, mut cpu) = (gpu_engine(), CpuEngine::new(None).unwrap());
+        for precision in [Precision::F32, Precision::F64] {
+            let gpu = answers(&mut gpu, &question, lesson(precision), &starts);
+            let cpu = answers(&mut cpu, &question, lesson(precision), &starts);
+            let (gpu, cpu) = flips_before(2.0, &gpu, &cpu);
+            let agree = share_within(1e-5, &gpu, &cpu);
+            assert!(agree >= 0.99, "{precision}: {agree} of {}", cpu.len());
+        }
+    }
+
+    pub fn the_length_of_slices_changes_nothing() {
+        let question = question(&Scene::default());
+        let starts = open_starts(&Scene::default(), 40, 1);
+        for precision in [Precision::F32, Precision::F64] {
+            let outcomes = [1, 20_000].map(|pace| {
+                let mut engine = gpu_engine();
+                engine.set_pace(Duration::from_micros(pace));
+                answers(&mut engine, &question, lesson(precision), &starts)
+            });
+            assert_eq!(outcomes[0], outcomes[1], "{precision}");
+        }
+    }
+
+    pub fn a_general_kernel_is_as_right_as_one_made_for_the_scene() {
+        let question = question(&Scene::default());
+        let starts = open_starts(&Scene::default(), 64, 1);
+        let truth = truth(&question, &starts);
+        let right = [true, false].map(|specialised| {
+            let mut engine = gpu_engine();
+            engine.set_specialised(specialised);
+            let answers = answers(&mut engine, &question, lesson(Precision::F64), &starts);
+            share_within(1e-3, &answers, &truth)
+        });
+        assert!((right[0] - right[1]).abs() < 0.01, "{right:?}");
+    }
+
+    pub fn a_lost_device_is_replaced_and_its_jobs_done_again() {
+        let question = question(&Scene::default());
+        let starts = open_starts(&Scene::default(), 64, 1);
+        let recipe = lesson(Precision::F32);
+        let expected = answers(&mut gpu_engine(), &question, recipe, &starts);
+        let mut engine = gpu_engine();
+        for id in [1, 2] {
+            let starts = Starts::Rest(starts.clone());
+            engine.submit(Job { id, question, recipe, starts, keep_unfinished: false }).unwrap();
+        }
+        engine.gpu().device.destroy();
+        let mut finished = Vec::new();
+        while finished.len() < 2 {
+            finished.extend(engine.poll(Wait::UntilFinished).unwrap());
+        }
+        for answer in finished {
+            assert_eq!(answer.outcomes, expected);
+        }
+    }
+
+    pub fn the_selfcheck_passes_here_and_its_answers_are_judged() {
+        let gpu = gpu_engine();
+        let verdict = selfcheck::run(gpu.gpu()).unwrap();
+        assert!(verdict.f32, "{:?}", verdict.checks);
+        assert_eq!(verdict.f64, gpu.gpu().has_f64(), "{:?}", verdict.checks);
+        // The same kernel with its guards taken out: this device's compiler, or the next one's,
+        // folds the error terms; where it does, the check must see it.
+        let bare = selfcheck::run_with(gpu.gpu(), &|text| {
+            text.replace("bitcast<f32>(bitcast<u32>(x) ^ zero)", "x * 1.0000001")
+        });
+        let bare = bare.unwrap();
+        assert!(!bare.compensated && !bare.f32, "{:?}", bare.checks);
+    }
+
+    pub fn an_untrusted_precision_is_refused_by_name() {
+        let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
+        let mut checks = selfcheck::run(&gpu).unwrap().checks;
+        for check in checks.iter_mut().filter(|check| check.precision == Precision::F64) {
+            check.passed = check.name != "sines";
+        }
+        let mut engine = flipmap::engine::gpu::GpuEngine::new(gpu, selfcheck::verdict(checks));
+        let error = engine.submit(Job {
+            id: 0,
+            question: question(&Scene::default()),
+            recipe: lesson(Precision::F64),
+            starts: Starts::Rest(open_starts(&Scene::default(), 4, 1)),
+            keep_unfinished: false,
+        });
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("--precision f64") && message.contains("sines"), "{message}");
+    }
+
+    pub fn f32_without_compensation_still_works() {
+        let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
+        let verdict = Verdict { compensated: false, ..selfcheck::run(&gpu).unwrap() };
+        let mut engine = flipmap::engine::gpu::GpuEngine::new(gpu, verdict);
+        let question = question(&Scene::default());
+        let starts = open_starts(&Scene::default(), 64, 1);
+        let answers = answers(&mut engine, &question, lesson(Precision::F32), &starts);
+        let right = share_within(1e-3, &answers, &truth(&question, &starts));
+        assert!(right > 0.87, "{right}");
+    }
+
+    pub fn buffers_beyond_the_limits_are_refused_in_words() {
+        let engine = gpu_engine();
+        let error = engine.gpu().buffer("a test", u64::MAX / 2, wgpu::BufferUsages::STORAGE);
+        let error = error.err().unwrap();
+        assert!(matches!(error, EngineError::LimitExceeded { .. }), "{error}");
+        assert!(error.to_string().contains("a test needs"), "{error}");
+    }
+}
