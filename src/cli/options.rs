@@ -152,7 +152,7 @@ fn load(scene: &str) -> anyhow::Result<Document> {
 #[command(next_help_heading = "Run")]
 pub struct RunOptions {
     /// Width and height of the picture in pixels
-    #[arg(long, value_name = "WxH")]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<String>,
     /// lesson: RK4 at 120 steps a second in f32
     #[arg(long)]

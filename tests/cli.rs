@@ -1,0 +1,311 @@
+//! The program as its users meet it: files, exit codes, and one clear sentence for each mistake.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// The program on the processor, so that these tests need no adapter.
+fn flipmap(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::cargo_bin("flipmap").unwrap().current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn render(folder: &TempDir, arguments: &[&str]) -> Output {
+    let small = ["render", "--engine", "cpu", "--size", "32x24"];
+    flipmap(folder, &[&small, arguments].concat())
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn error_of(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Flip times of a `.npy` file.
+fn numbers(path: &Path) -> Vec<f64> {
+    let bytes = fs::read(path).unwrap();
+    assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
+    let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    bytes[header..].as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()
+}
+
+#[test]
+fn a_map_and_its_times_are_written() {
+    let folder = folder();
+    let output = render(&folder, &["-o", "map.png", "--raw", "map.npy", "--json"]);
+    assert!(output.status.success(), "{}", error_of(&output));
+    let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(object["pixels"], 32 * 24);
+    assert_eq!((object["engine"].as_str(), object["method"].as_str()), (Some("cpu"), Some("rk4")));
+    let sum = ["flipped", "unflipped", "forbidden", "failed"]
+        .iter()
+        .map(|key| object[key].as_u64().unwrap())
+        .sum::<u64>();
+    assert_eq!(sum, 32 * 24);
+    let times = numbers(&folder.path().join("map.npy"));
+    assert_eq!(times.len(), 32 * 24);
+    let count = |fits: fn(&f64) -> bool| times.iter().filter(|t| fits(t)).count() as u64;
+    assert_eq!(object["forbidden"], count(|t| t.is_nan()));
+    assert_eq!(object["unflipped"], count(|t| t.is_infinite()));
+}
+
+#[test]
+fn a_picture_is_a_scene_and_gives_itself_again() {
+    let folder = folder();
+    let options = ["-o", "a.png", "--center=-1.66,0.1", "--width", "0.4", "--palette", "magma"];
+    assert!(render(&folder, &options).status.success());
+    let again = flipmap(&folder, &["render", "a.png", "--engine", "cpu", "-o", "b.png"]);
+    assert!(again.status.success(), "{}", error_of(&again));
+    let [a, b] = ["a.png", "b.png"].map(|name| fs::read(folder.path().join(name)).unwrap());
+    assert!(a == b);
+}
+
+#[test]
+fn samples_change_the_picture_and_not_the_times() {
+    let folder = folder();
+    assert!(render(&folder, &["-o", "one.png", "--raw", "one.npy"]).status.success());
+    let options = ["-o", "four.png", "--raw", "four.npy", "--samples", "2"];
+    assert!(render(&folder, &options).status.success());
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("one.npy") == read("four.npy") && read("one.png") != read("four.png"));
+}
+
+#[test]
+fn threads_do_not_change_the_file() {
+    let folder = folder();
+    assert!(render(&folder, &["-o", "1.png", "--threads", "1"]).status.success());
+    assert!(render(&folder, &["-o", "3.png", "--threads", "3"]).status.success());
+    let [one, three] = ["1.png", "3.png"].map(|name| fs::read(folder.path().join(name)).unwrap());
+    assert!(one == three);
+}
+
+#[test]
+fn standard_output_carries_the_picture() {
+    let folder = folder();
+    let output = render(&folder, &["-o", "-"]);
+    assert!(output.status.success());
+    assert!(output.stdout.starts_with(b"\x89PNG") && output.stdout.ends_with(b"IEND\xaeB`\x82"));
+}
+
+/// Arguments, exit code, and what the one sentence must mention.
+const MISTAKES: [(&[&str], i32, &[&str]); 32] = [
+    (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
+    (&["--masses", "1"], 2, &["--masses", "two numbers"]),
+    (&["--masses", "1,-1"], 2, &["--masses"]),
+    (&["--masses", "nan,1"], 2, &["--masses"]),
+    (&["--lengths", "inf,1"], 2, &["--lengths", "1e-9"]),
+    (&["--lengths", "1,0"], 2, &["--lengths"]),
+    (&["--gravity", "-9.81"], 2, &["--gravity", "it must be 0 or"]),
+    (&["--gravity", "nan"], 2, &["--gravity"]),
+    (&["--width", "0"], 2, &["--width", "between"]),
+    (&["--width", "-1"], 2, &["--width"]),
+    (&["--width", "inf"], 2, &["--width"]),
+    (&["--budget", "0"], 2, &["--budget", "between"]),
+    (&["--budget", "-3"], 2, &["--budget"]),
+    (&["--budget", "inf"], 2, &["--budget"]),
+    (&["--budget", "soon"], 2, &["--budget", "a number"]),
+    (&["--step", "0"], 2, &["--step", "between 1e-9 and 1"]),
+    (&["--step", "nan"], 2, &["--step"]),
+    (&["--step", "1e-9", "--budget", "1e6"], 1, &["--step", "--budget"]),
+    (&["--center", "1"], 2, &["--center", "comma"]),
+    (&["--center", "1,x"], 2, &["--center", "decimal"]),
+    (&["--rule", "third"], 2, &["--rule", "second, first, either"]),
+    (&["--kind", "springs"], 2, &["--kind", "points or rods"]),
+    (&["--palette", "rainbow"], 2, &["--palette", "batlow"]),
+    (&["--method", "leapfrog"], 2, &["--method", "rk4"]),
+    (&["--precision", "f16"], 2, &["--precision", "f32, f64"]),
+    (&["--samples", "9"], 2, &["--samples"]),
+    (&["--threads", "0"], 2, &["--threads"]),
+    (&["nowhere.toml"], 1, &["nowhere.toml"]),
+    (&["elsewhere"], 2, &["elsewhere", "home"]),
+    (&["--stretch", "0"], 2, &["--stretch"]),
+    (&["--rotate", "nan"], 2, &["--rotate"]),
+    (&["--accuracy", "perfect"], 2, &["--accuracy", "lesson"]),
+];
+
+#[test]
+fn every_mistake_gets_a_sentence_a_code_and_leaves_files_alone() {
+    let folder = folder();
+    fs::write(folder.path().join("map.png"), "mine").unwrap();
+    for (arguments, code, words) in MISTAKES {
+        let output = render(&folder, &[arguments, &["-o", "map.png"]].concat());
+        let error = error_of(&output);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
+        for word in words {
+            assert!(error.contains(word), "{arguments:?}: {error}");
+        }
+        assert_eq!(fs::read_to_string(folder.path().join("map.png")).unwrap(), "mine");
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a stray file was left");
+}
+
+#[test]
+fn impossible_sizes_are_refused() {
+    let folder = folder();
+    for size in ["0x5", "5x0", "1000001x1", "x", "5", "-1x5", "99999999999x2"] {
+        let output =
+            flipmap(&folder, &["render", "--engine", "cpu", "-o", "a.png", "--size", size]);
+        assert_eq!(output.status.code(), Some(2), "{size}");
+        assert!(error_of(&output).contains("--size"), "{size}: {}", error_of(&output));
+    }
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_named() {
+    let folder = folder();
+    let none = flipmap(&folder, &["render", "--engine", "cpu"]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(error_of(&none).contains("-o FILE.png"));
+    for (option, path) in [("-o", "no/such/map.png"), ("--raw", "no/such/map.npy"), ("-o", ".")] {
+        let output = render(&folder, &[option, path]);
+        assert_eq!(output.status.code(), Some(1), "{path}");
+        assert!(
+            error_of(&output).contains(&format!("{option}: cannot write {path}")),
+            "{}",
+            error_of(&output)
+        );
+    }
+    let twice = render(&folder, &["-o", "-", "--raw", "-"]);
+    assert_eq!(twice.status.code(), Some(2));
+}
+
+#[test]
+fn scenes_that_are_none_are_refused_by_name() {
+    let folder = folder();
+    let put = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
+    assert!(render(&folder, &["-o", "good.png"]).status.success());
+    let good = fs::read(folder.path().join("good.png")).unwrap();
+    put("cut.png", &good[..good.len() / 2]);
+    put("text.png", b"not a picture");
+    put("unknown.toml", b"[pendulum]\ncolour = 1");
+    put("type.toml", b"[question]\nbudget = true");
+    put("future.toml", b"format = 2");
+    let cases = [
+        ("cut.png", "not a complete PNG"),
+        ("text.png", "not a complete PNG"),
+        ("unknown.toml", "line 2, column 1: unknown field `colour`"),
+        ("type.toml", "line 2, column 10"),
+        ("future.toml", "format 2"),
+    ];
+    for (name, words) in cases {
+        let output = render(&folder, &[name, "-o", "x.png"]);
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        let error = error_of(&output);
+        assert!(error.contains(name) && error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn no_adapter_and_no_fallback_is_69() {
+    let folder = folder();
+    let output = Command::cargo_bin("flipmap")
+        .unwrap()
+        .current_dir(&folder)
+        .env("VK_DRIVER_FILES", "/nowhere.json")
+        .env("VK_ICD_FILENAMES", "/nowhere.json")
+        .args(["render", "--engine", "gpu", "--size", "8x8", "-o", "a.png"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(69), "{}", error_of(&output));
+    assert!(error_of(&output).contains("apt-get install libvulkan1 mesa-vulkan-drivers"));
+}
+
+#[test]
+fn without_an_adapter_the_processor_steps_in_and_says_so() {
+    let folder = folder();
+    let output = Command::cargo_bin("flipmap")
+        .unwrap()
+        .current_dir(&folder)
+        .env("VK_DRIVER_FILES", "/nowhere.json")
+        .env("VK_ICD_FILENAMES", "/nowhere.json")
+        .args(["render", "--size", "8x8", "-o", "a.png"])
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    assert!(error_of(&output).contains("cpu engine"), "{}", error_of(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_stops_at_once_and_leaves_no_half_file() {
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+    for signal in ["INT", "TERM"] {
+        let folder = folder();
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_flipmap"))
+            .current_dir(&folder)
+            .args(["render", "--engine", "cpu", "--size", "3000x3000", "-o", "map.png"])
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let begun = Instant::now();
+        while fs::read_dir(folder.path()).unwrap().count() == 0 && begun.elapsed().as_secs() < 20 {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        std::thread::sleep(Duration::from_millis(300));
+        let id = child.id().to_string();
+        assert!(
+            std::process::Command::new("kill")
+                .args(["-s", signal, &id])
+                .status()
+                .unwrap()
+                .success()
+        );
+        let asked = Instant::now();
+        let status = child.wait().unwrap();
+        assert!(asked.elapsed() < Duration::from_secs(5), "{signal}: {:?}", asked.elapsed());
+        assert_eq!(status.code(), Some(130), "{signal}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{signal} left a file");
+    }
+}
+
+#[test]
+fn a_trace_has_its_columns_and_its_flips() {
+    let folder = folder();
+    let arguments = ["trace", "--start", "3,3", "--gravity", "1", "--until", "8", "--every", "0.5"];
+    let output = flipmap(&folder, &[&arguments[..], &["-o", "t.csv", "--json"]].concat());
+    assert!(output.status.success(), "{}", error_of(&output));
+    let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines[0], "t,theta1,theta2,omega1,omega2,energy_error");
+    assert_eq!(lines.len(), 1 + 17);
+    assert!(lines[1].starts_with("0,3,3,0,0,"));
+    let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let near = |key: &str, time: f64| (object[key].as_f64().unwrap() - time).abs() < 1e-12;
+    assert!(
+        near("second_flip", 1.767_916_558_420_626_6) && near("first_flip", 6.764_561_342_766_418)
+    );
+    let energy =
+        lines.iter().skip(1).map(|line| line.rsplit(',').next().unwrap().parse::<f64>().unwrap());
+    assert!(energy.fold(0.0, |worst: f64, e| worst.max(e.abs())) < 1e-28);
+}
+
+#[test]
+fn traces_with_bad_numbers_are_refused() {
+    let folder = folder();
+    let cases: [(&[&str], &str); 4] = [
+        (&["--start", "3"], "--start"),
+        (&["--start", "x,3"], "--start"),
+        (&["--start", "3,3", "--until", "-1"], "--until"),
+        (&["--start", "3,3", "--every", "0"], "--every"),
+    ];
+    for (arguments, word) in cases {
+        let output = flipmap(&folder, &[&["trace"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(error_of(&output).contains(word));
+    }
+}
+
+#[test]
+fn the_doctor_says_what_would_be_used() {
+    let output = flipmap(&folder(), &["doctor"]);
+    assert!(output.status.success());
+    assert!(String::from_utf8_lossy(&output.stdout).contains("Would use: "));
+    let output = flipmap(&folder(), &["doctor", "--json"]);
+    let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(object["engine"].is_string());
+}

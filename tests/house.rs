@@ -1,0 +1,187 @@
+//! The house rules that a machine can check: arrows between modules, sizes of files, shaders
+//! that validate, twins that match, kernels that hold only what their scene needs.
+
+use std::fs;
+use std::mem::offset_of;
+use std::path::{Path, PathBuf};
+
+use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
+use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome};
+use flipmap::engine::{Method, Precision, Question, Recipe};
+use flipmap::physics::Rule;
+use flipmap::scene::Build;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+/// Left to right: a module may use those before it.
+const ORDER: [&str; 5] = ["physics", "scene", "engine", "tiles", "output"];
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// The modules that `text` uses and that stand to the right of `module`.
+fn arrows_back<'a>(module: &str, text: &str) -> Vec<&'a str> {
+    let place = ORDER.iter().position(|name| *name == module).expect("a module of the house");
+    let uses = |name: &&&str| text.contains(&format!("crate::{name}"));
+    ORDER[place + 1..].iter().filter(uses).copied().collect()
+}
+
+#[test]
+fn data_flows_one_way() {
+    for module in ORDER {
+        let files = rust_files(&Path::new("src").join(module));
+        assert!(!files.is_empty(), "{module} is empty");
+        for file in files {
+            let back = arrows_back(module, &fs::read_to_string(&file).unwrap());
+            assert!(back.is_empty(), "{} uses {back:?}", file.display());
+        }
+    }
+    assert_eq!(arrows_back("scene", "use crate::tiles::Work;"), ["tiles"], "the test can fail");
+}
+
+#[test]
+fn files_are_short() {
+    for file in rust_files(Path::new("src")).into_iter().chain(rust_files(Path::new("tests"))) {
+        let text = fs::read_to_string(&file).unwrap();
+        let lines = text.split("#[cfg(test)]").next().unwrap_or(&text).lines().count();
+        assert!(lines <= 400, "{} has {lines} lines before its tests", file.display());
+    }
+}
+
+#[test]
+fn every_shader_file_is_glued_on_somewhere() {
+    let mut files: Vec<String> = fs::read_dir("shaders")
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    let mut known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
+    files.sort();
+    known.sort_unstable();
+    assert_eq!(files, known);
+}
+
+fn question(build: Build, rule: Rule) -> Question {
+    Question { pendulum: build.pendulum(), rule, budget_secs: 30.0 }
+}
+
+/// Every kind of kernel there is.
+fn designs() -> Vec<Design> {
+    let mut designs = Vec::new();
+    let builds = [Build::default(), Build { masses: [1.0, 2.0], ..Build::default() }];
+    for precision in [Precision::F32, Precision::F64] {
+        let recipe = Recipe { method: Method::LESSON, precision };
+        for compensated in [false, true] {
+            for subgroups in [false, true] {
+                let general = Design::general(&recipe, compensated, subgroups);
+                designs.push(general);
+                for (_, rule) in Rule::ALL {
+                    let made = |build| general.specialised(&question(build, rule), &recipe);
+                    designs.extend(builds.map(made));
+                }
+            }
+        }
+    }
+    designs
+}
+
+fn parsed(text: &str) -> naga::Module {
+    let module = naga::front::wgsl::parse_str(text);
+    let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    let valid = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module);
+    valid.unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    module
+}
+
+#[test]
+fn every_assembled_shader_is_valid() {
+    let designs = designs();
+    assert!(designs.len() > 50);
+    for design in designs {
+        let module = parsed(&design.text());
+        let entries: Vec<&str> = module.entry_points.iter().map(|e| e.name.as_str()).collect();
+        assert_eq!(entries, ["begin", "advance", "look", "turn"], "{design:?}");
+    }
+    for precision in [Precision::F32, Precision::F64] {
+        parsed(&selfcheck_text(precision));
+    }
+}
+
+/// Names and offsets of the members of a struct of a shader.
+fn members(module: &naga::Module, name: &str) -> Vec<(String, usize)> {
+    let is = |ty: &&naga::Type| ty.name.as_deref() == Some(name);
+    let (_, ty) = module.types.iter().find(|(_, ty)| is(ty)).expect("the struct is there");
+    let naga::TypeInner::Struct { members, .. } = &ty.inner else { panic!("{name}") };
+    let named = |m: &naga::StructMember| (m.name.clone().unwrap(), m.offset as usize);
+    members.iter().map(named).collect()
+}
+
+#[test]
+fn structs_have_the_same_offsets_on_both_sides() {
+    let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+    let module = parsed(&Design::general(&recipe, true, true).text());
+    let head = size_of::<JobHead>();
+    let job = [
+        ("count", offset_of!(JobHead, count)),
+        ("most_steps", offset_of!(JobHead, most_steps)),
+        ("slice_steps", offset_of!(JobHead, slice_steps)),
+        ("zero", offset_of!(JobHead, zero)),
+        ("step", offset_of!(JobHead, step)),
+        ("watched", head + offset_of!(JobScene, watched)),
+        ("a", head + offset_of!(JobScene, a)),
+        ("b", head + offset_of!(JobScene, b)),
+        ("p", head + offset_of!(JobScene, p)),
+        ("least_det", head + offset_of!(JobScene, least_det)),
+    ];
+    let outcome = [
+        ("status", offset_of!(RawOutcome, status)),
+        ("steps", offset_of!(RawOutcome, steps)),
+        ("fraction", offset_of!(RawOutcome, fraction)),
+    ];
+    let queue = [("turn", offset_of!(Queue, turn)), ("lengths", offset_of!(Queue, lengths))];
+    for (name, twin) in [("Job", &job[..]), ("Outcome", &outcome[..]), ("Queue", &queue[..])] {
+        let twin: Vec<_> = twin.iter().map(|(name, offset)| (name.to_string(), *offset)).collect();
+        assert_eq!(members(&module, name), twin, "{name}");
+    }
+}
+
+#[test]
+fn the_home_kernel_holds_only_what_it_needs() {
+    let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+    let home = question(Build::default(), Rule::Second);
+    let text = Design::general(&recipe, true, true).specialised(&home, &recipe).text();
+    // No other rule, no pendulum as data, no general directions in the stages.
+    for absent in
+        ["watched", "job.a", "least_det", "t1) >=", "f64", "* 1.0f", " + 0.0f", "{%", "{{"]
+    {
+        assert!(!text.contains(absent), "{absent} is in the home kernel");
+    }
+    assert!(text.contains("t2_next) >="));
+    // Nothing is computed twice or for nothing: every value made in a step is used.
+    let step = text.split("fn advance").nth(1).unwrap().split("fn look").next().unwrap();
+    let values: Vec<&str> = step
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("let v"))
+        .filter_map(|line| line.split(' ').next())
+        .collect();
+    assert!(values.len() > 100);
+    for value in values {
+        let uses = step
+            .split(|c: char| !c.is_alphanumeric())
+            .filter(|word| word[..].strip_prefix('v') == Some(value));
+        assert!(uses.count() >= 2, "v{value} is never used");
+    }
+    let general = Design::general(&recipe, true, true).text();
+    assert!(general.contains("job.watched") && general.len() > text.len());
+    // Two rounds (one in each angle's half turns, one in their parity) and no more: the other
+    // stages turn the first direction instead.
+    assert_eq!(step.matches("round(").count(), 4);
+}
