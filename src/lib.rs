@@ -14,6 +14,7 @@
 //! assert_eq!(outcome.status, Status::Flipped);
 //! assert!((outcome.time - 1.767_916_558_420_626_6).abs() < 1e-12);
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 pub mod engine;
 pub mod output;

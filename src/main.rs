@@ -1,4 +1,5 @@
 //! The `flipmap` program: options to work, errors to exit codes.
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 mod cli;
 
