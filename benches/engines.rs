@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use flipmap::engine::choice::open_checked;
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::gpu::{GpuEngine, device};
+use flipmap::engine::gpu::device;
 use flipmap::engine::{Engine, Job, Method, Precision, Question, Recipe, Starts, Wait};
 use flipmap::physics::trig::Turning;
 use flipmap::physics::{Dd, Rule, State, flip, integrator};
@@ -71,8 +71,7 @@ fn contenders() -> Vec<Contender> {
     let mut rows: Vec<Contender> = Vec::new();
     let gpu = |specialised: bool| {
         let adapter = device::adapters().into_iter().next()?;
-        let (gpu, verdict) = open_checked(adapter).expect("the adapter opens");
-        let mut engine = GpuEngine::new(gpu, verdict);
+        let mut engine = open_checked(adapter).expect("the adapter opens");
         engine.set_specialised(specialised);
         Some(Box::new(engine) as Box<dyn Engine>)
     };

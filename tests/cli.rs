@@ -169,6 +169,11 @@ fn outputs_that_cannot_be_written_are_named() {
             error_of(&output)
         );
     }
+    if Path::new("/dev/full").exists() {
+        let full = render(&folder, &["-o", "/dev/full"]);
+        assert_eq!(full.status.code(), Some(1));
+        assert!(error_of(&full).contains("cannot write /dev/full"), "{}", error_of(&full));
+    }
     let twice = render(&folder, &["-o", "-", "--raw", "-"]);
     assert_eq!(twice.status.code(), Some(2));
 }

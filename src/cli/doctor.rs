@@ -26,7 +26,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         .into_iter()
         .map(|adapter| Finding {
             verdict: open_checked(adapter.clone())
-                .map(|(_, verdict)| verdict)
+                .map(|engine| engine.verdict().clone())
                 .map_err(|error| error.to_string()),
             adapter,
         })

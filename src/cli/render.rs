@@ -1,6 +1,7 @@
 //! `flipmap render`: a scene to a picture, an array of flip times, or both.
 
-use std::path::PathBuf;
+use std::io::{IsTerminal, stdout};
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -126,6 +127,9 @@ fn check_outputs(options: &Options, document: &Document, size: [u32; 2]) -> Resu
     if streams.into_iter().filter(|&used| used).count() > 1 {
         return usage("only one of -o -, --raw - and --json can use standard output".to_string());
     }
+    if streams[..2].contains(&true) && stdout().is_terminal() {
+        return usage("- is a terminal here: redirect it, or name a file".to_string());
+    }
     let samples = document.picture.samples;
     if !(1..=8).contains(&samples) {
         return usage(format!("--samples is {samples}; it must lie between 1 and 8"));
@@ -250,7 +254,7 @@ impl Sinks {
     }
 }
 
-fn create(option: &str, path: &std::path::Path) -> anyhow::Result<(SafeFile, Destination)> {
+fn create(option: &str, path: &Path) -> anyhow::Result<(SafeFile, Destination)> {
     let destination = Destination::from(path);
     let file = SafeFile::create(&destination)
         .with_context(|| format!("{option}: cannot write {destination}"))?;

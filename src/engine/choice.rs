@@ -3,7 +3,7 @@
 use super::cpu::CpuEngine;
 use super::gpu::GpuEngine;
 use super::gpu::device::{Gpu, adapters, describe};
-use super::selfcheck::{self, Verdict};
+use super::selfcheck;
 use super::{Engine, EngineError};
 
 /// What the user asked for.
@@ -66,9 +66,9 @@ pub fn choose(wish: &Wish) -> Result<Chosen, ChoiceError> {
         return cpu(wish, "asked for".to_string());
     }
     let failure = match first_sound(wish.adapter.as_deref())? {
-        Ok((gpu, verdict)) => {
-            let why = format!("{} passed the self-check", describe(&gpu.adapter));
-            return Ok(Chosen { engine: Box::new(GpuEngine::new(gpu, verdict)), why });
+        Ok(engine) => {
+            let why = format!("{} passed the self-check", engine.adapter());
+            return Ok(Chosen { engine: Box::new(engine), why });
         }
         Err(failure) => failure,
     };
@@ -84,7 +84,7 @@ fn cpu(wish: &Wish, why: String) -> Result<Chosen, ChoiceError> {
 }
 
 /// The first adapter that matches and whose f32 is sound; otherwise what was wrong.
-fn first_sound(name: Option<&str>) -> Result<Result<(Gpu, Verdict), String>, ChoiceError> {
+fn first_sound(name: Option<&str>) -> Result<Result<GpuEngine, String>, ChoiceError> {
     let all = adapters();
     if all.is_empty() {
         return Ok(Err(INSTALL_HINT.to_string()));
@@ -101,7 +101,7 @@ fn first_sound(name: Option<&str>) -> Result<Result<(Gpu, Verdict), String>, Cho
     let mut failures = Vec::new();
     for adapter in fitting {
         match open_checked(adapter.clone()) {
-            Ok((gpu, verdict)) if verdict.f32 => return Ok(Ok((gpu, verdict))),
+            Ok(engine) if engine.verdict().f32 => return Ok(Ok(engine)),
             Ok(_) => failures.push(format!("{} failed the self-check", describe(&adapter))),
             Err(error) => failures.push(format!("{}: {error}", describe(&adapter))),
         }
@@ -109,9 +109,12 @@ fn first_sound(name: Option<&str>) -> Result<Result<(Gpu, Verdict), String>, Cho
     Ok(Err(failures.join("; ")))
 }
 
-/// An open device and the judgement of its arithmetic.
-pub fn open_checked(adapter: wgpu::Adapter) -> Result<(Gpu, Verdict), EngineError> {
+/// An engine on an opened adapter, its arithmetic judged by sums and by short orbits.
+pub fn open_checked(adapter: wgpu::Adapter) -> Result<GpuEngine, EngineError> {
     let gpu = Gpu::open(adapter)?;
     let verdict = selfcheck::run(&gpu)?;
-    Ok((gpu, verdict))
+    let mut engine = GpuEngine::new(gpu, verdict);
+    let orbits = selfcheck::orbits(&mut engine)?;
+    engine.judge_by(orbits);
+    Ok(engine)
 }

@@ -8,8 +8,8 @@
 use super::gpu::device::Gpu;
 use super::gpu::kernel::selfcheck_text;
 use super::gpu::pipeline::{bind, compute_pipeline, layout};
-use super::{EngineError, Precision};
-use crate::physics::Real;
+use super::{Engine, EngineError, Job, Method, Precision, Question, Recipe, Starts, Wait};
+use crate::physics::{Dd, Outcome, Pendulum, Real, Rule, gold};
 
 /// One question put to the device, and how it did.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +87,53 @@ pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, E
     Ok(verdict(checks))
 }
 
+/// The checks of short orbits: what the kernels make of a few starts, beside the gold standard,
+/// in every precision that is offered so far.
+pub fn orbits(engine: &mut dyn Engine) -> Result<Vec<Check>, EngineError> {
+    let question = Question {
+        pendulum: Pendulum::points([1.0, 1.0], [1.0, 1.0], 9.81),
+        rule: Rule::Second,
+        budget_secs: 1.0,
+    };
+    let angles = ORBITS.map(|angle| angle.map(Dd::new));
+    let truth = ORBITS.map(|angle| gold::outcome(&question.pendulum, angle, Rule::Second, 1.0));
+    let mut checks = Vec::new();
+    for (_, precision) in Precision::ALL {
+        let starts = Starts::Rest(angles.to_vec());
+        let recipe = Recipe { method: Method::LESSON, precision };
+        let job = Job { id: 0, question, recipe, starts, keep_unfinished: false };
+        // A refused precision has its failed checks already.
+        let Ok(()) = engine.submit(job) else { continue };
+        let finished = engine.poll(Wait::UntilFinished)?;
+        let answers = finished.first().map_or(&[][..], |finished| &finished.outcomes);
+        checks.push(judge_orbits(precision, answers, &truth));
+    }
+    Ok(checks)
+}
+
+/// Starts that flip within a second, and one that does not.
+const ORBITS: [[f64; 2]; 5] = [[3.0, 3.0], [-2.0, 3.0], [1.75, -2.5], [-3.0, -2.8], [1.2, 1.6]];
+
+/// Compares orbits with the truth: RK4 at 120 steps a second is within 0.1 ms of it here.
+pub fn judge_orbits(precision: Precision, answers: &[Outcome], truth: &[Outcome]) -> Check {
+    let off = |(a, t): (&Outcome, &Outcome)| {
+        if a.status == t.status { (a.time - t.time).abs() } else { f64::INFINITY }
+    };
+    let complete = answers.len() == truth.len();
+    let error = worst_of(answers.iter().zip(truth).map(off));
+    Check {
+        precision,
+        name: "short orbits",
+        passed: complete && error <= 1e-4,
+        detail: format!("worst error {error:.1e} s, allowed 1.0e-4 s"),
+    }
+}
+
+/// The largest error; a NaN is the worst of all.
+fn worst_of(errors: impl Iterator<Item = f64>) -> f64 {
+    errors.map(|error| if error.is_nan() { f64::INFINITY } else { error }).fold(0.0, f64::max)
+}
+
 /// What follows from the checks.
 pub fn verdict(checks: Vec<Check>) -> Verdict {
     let all = |precision: Precision, counts: fn(&Check) -> bool| {
@@ -128,10 +175,7 @@ pub struct Answer {
 
 /// Compares the answers of a number type with what they must be.
 pub fn judge(precision: Precision, answers: &[Answer]) -> Vec<Check> {
-    let worst = |error: &dyn Fn(&Answer) -> f64| {
-        // A NaN is the worst of errors.
-        answers.iter().map(error).fold(0.0, |a, b| if a >= b { a } else { b })
-    };
+    let worst = |error: &dyn Fn(&Answer) -> f64| worst_of(answers.iter().map(error));
     let ulp = match precision {
         Precision::F32 => f64::from(f32::EPSILON),
         Precision::F64 => f64::EPSILON,
@@ -243,6 +287,7 @@ fn ask<T: bytemuck::Pod>(gpu: &Gpu, text: String, operands: &[T]) -> Result<Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::Status;
 
     /// What a sound device answers.
     fn sound(precision: Precision) -> Vec<Answer> {
@@ -282,6 +327,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_wrong_orbit_fails() {
+        let truth = [Outcome::flipped(0.5), Outcome::without_time(Status::Unflipped)];
+        let passed = |answers: &[Outcome]| judge_orbits(Precision::F64, answers, &truth).passed;
+        assert!(passed(&truth));
+        assert!(!passed(&[Outcome::flipped(0.5002), truth[1]]));
+        assert!(!passed(&[truth[0], Outcome::flipped(0.9)]));
+        assert!(!passed(&[Outcome::flipped(f64::NAN), truth[1]]));
+        assert!(!passed(&truth[..1]));
     }
 
     #[test]

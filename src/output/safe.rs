@@ -1,7 +1,8 @@
 //! Files that appear only when they are complete.
 
 use std::fmt;
-use std::io::{self, BufWriter, IsTerminal, Write};
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -38,6 +39,9 @@ impl fmt::Display for Destination {
 pub enum SafeFile {
     /// Renamed onto the path at the end.
     Beside(BufWriter<NamedTempFile>, PathBuf),
+    /// A pipe or a device, written as it comes: there is nothing to keep safe, and a rename
+    /// would put a file in its place.
+    Device(BufWriter<File>),
     /// Written as it comes.
     Stdout(BufWriter<io::Stdout>),
 }
@@ -46,15 +50,18 @@ impl SafeFile {
     /// Opens a destination for writing; refuses at once what would fail at the end.
     pub fn create(destination: &Destination) -> io::Result<Self> {
         let path = match destination {
-            Destination::Stdout if io::stdout().is_terminal() => {
-                return Err(io::Error::other("is a terminal: redirect it, or name a file"));
-            }
             Destination::Stdout => return Ok(SafeFile::Stdout(BufWriter::new(io::stdout()))),
             Destination::File(path) => path,
         };
         if path.is_dir() {
             return Err(io::Error::other("is a folder: name a file in it"));
         }
+        if path.exists() && !path.is_file() {
+            let device = OpenOptions::new().write(true).open(path)?;
+            return Ok(SafeFile::Device(BufWriter::new(device)));
+        }
+        // What a link points to is replaced, not the link.
+        let path = path.canonicalize().unwrap_or_else(|_| path.clone());
         let folder = match path.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
@@ -66,13 +73,14 @@ impl SafeFile {
             )));
         }
         let file = tempfile::Builder::new().prefix(".flipmap-").tempfile_in(folder)?;
-        Ok(SafeFile::Beside(BufWriter::new(file), path.clone()))
+        Ok(SafeFile::Beside(BufWriter::new(file), path))
     }
 
     /// Completes the file and puts it in its place.
     pub fn finish(self) -> io::Result<()> {
         match self {
             SafeFile::Stdout(mut out) => out.flush(),
+            SafeFile::Device(mut out) => out.flush(),
             SafeFile::Beside(out, path) => {
                 let file = out.into_inner().map_err(|error| error.into_error())?;
                 allow_reading(file.path())?;
@@ -99,6 +107,7 @@ impl Write for SafeFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
             SafeFile::Beside(out, _) => out.write(bytes),
+            SafeFile::Device(out) => out.write(bytes),
             SafeFile::Stdout(out) => out.write(bytes),
         }
     }
@@ -106,6 +115,7 @@ impl Write for SafeFile {
     fn flush(&mut self) -> io::Result<()> {
         match self {
             SafeFile::Beside(out, _) => out.flush(),
+            SafeFile::Device(out) => out.flush(),
             SafeFile::Stdout(out) => out.flush(),
         }
     }
@@ -130,6 +140,23 @@ mod tests {
         file.write_all(b"new").unwrap();
         file.finish().unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_links_and_devices_stay_devices() {
+        let folder = tempfile::tempdir().unwrap();
+        let [file, link] = ["file", "link"].map(|name| folder.path().join(name));
+        std::fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        let mut out = SafeFile::create(&Destination::File(link.clone())).unwrap();
+        out.write_all(b"new").unwrap();
+        out.finish().unwrap();
+        assert!(link.is_symlink() && std::fs::read_to_string(&file).unwrap() == "new");
+
+        let mut full = SafeFile::create(&Destination::File("/dev/full".into())).unwrap();
+        full.write_all(b"lost").unwrap();
+        assert_eq!(full.finish().unwrap_err().kind(), io::ErrorKind::StorageFull);
     }
 
     #[test]

@@ -29,8 +29,7 @@ pub fn gpu_engine() -> GpuEngine {
         )
     });
     eprintln!("adapter: {}", device::describe(&adapter));
-    let (gpu, verdict) = open_checked(adapter).expect("the adapter opens");
-    GpuEngine::new(gpu, verdict)
+    open_checked(adapter).expect("the adapter opens")
 }
 
 /// The question of a scene.

@@ -18,7 +18,7 @@ use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{Landed, Slot};
 use super::method::Method;
-use super::selfcheck::Verdict;
+use super::selfcheck::{self, Check, Verdict};
 use super::{Engine, EngineError, Finished, Job, Wait};
 
 /// Jobs on the device at a time.
@@ -69,6 +69,18 @@ impl GpuEngine {
     /// Whether kernels are made for their scene (the default) or read it as data.
     pub fn set_specialised(&mut self, specialise: bool) {
         self.specialise = specialise;
+    }
+
+    /// What the device is believed to do.
+    pub fn verdict(&self) -> &Verdict {
+        &self.verdict
+    }
+
+    /// Takes more checks into account.
+    pub fn judge_by(&mut self, checks: Vec<Check>) {
+        let mut all = std::mem::take(&mut self.verdict).checks;
+        all.extend(checks);
+        self.verdict = selfcheck::verdict(all);
     }
 
     /// The device.
