@@ -1,10 +1,11 @@
 //! How far the work is: a bar on a terminal, lines of JSON for machines, silence elsewhere.
 
+use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 /// `--progress`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -35,8 +36,9 @@ impl Progress {
             if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(total), target);
         let style =
-            "{wide_bar} {percent}% · {human_pos} of {human_len} pixels · {per_sec} · {eta} left";
-        bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
+            "{wide_bar} {percent}% · {human_pos} of {human_len} pixels · {rate} · {eta} left";
+        let style = ProgressStyle::with_template(style).expect("a valid template");
+        bar.set_style(style.with_key("rate", write_rate));
         let now = Instant::now();
         Progress { bar, json: mode == Mode::Json, total, begun: now, last_line: now }
     }
@@ -56,6 +58,11 @@ impl Progress {
             eprintln!("{line}");
         }
     }
+}
+
+fn write_rate(state: &ProgressState, out: &mut dyn Write) {
+    // The bar's own buffer takes everything.
+    let _ = write!(out, "{} pixels a second", HumanCount(state.per_sec() as u64));
 }
 
 impl Drop for Progress {

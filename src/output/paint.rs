@@ -11,6 +11,8 @@ pub struct Painter {
     curve: bool,
     samples_along: u32,
     grid: Grid,
+    /// No pixel with a depth beyond this is near the curve, J.
+    steepest: f64,
     next_row: u32,
     /// Samples of a row of pixels that is not complete.
     pending: Vec<Rgb>,
@@ -24,12 +26,14 @@ impl Painter {
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, String> {
         let pendulum = scene.build.pendulum();
         let unit_secs = if pendulum.q > 0.0 { pendulum.reduced().1 } else { 1.0 };
+        let grid = Grid::new(scene, size);
         Ok(Painter {
             palette: Palette::named(&picture.palette)?,
             range: Range::of(unit_secs, scene.question.budget),
             curve: picture.curve && pendulum.q > 0.0,
             samples_along: picture.samples,
-            grid: Grid::new(scene, size),
+            steepest: (CURVE_HALF_WIDTH + 0.5) * (pendulum.p + pendulum.q) * grid.pixel_rad(),
+            grid,
             next_row: 0,
             pending: Vec::new(),
         })
@@ -73,6 +77,9 @@ impl Painter {
             self.grid.energy_depth(self.grid.angle_from_pixel(x, y).map(|theta| theta.hi))
         };
         let here = depth(0, 0);
+        if here.abs() > self.steepest {
+            return 0.0;
+        }
         let slope = (depth(1, 0) - here).hypot(depth(0, 1) - here);
         if slope == 0.0 {
             return 0.0;

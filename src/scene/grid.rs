@@ -58,6 +58,12 @@ impl Grid {
         self.size
     }
 
+    /// A bound on how far one pixel to the right and one up moves each angle, rad.
+    pub fn pixel_rad(&self) -> f64 {
+        let [right, up] = [self.right, self.up].map(|by| by[0].hi.hypot(by[1].hi));
+        right + up
+    }
+
     /// θ1 and θ2 of pixel (`column`, `row`), row 0 at the top, in (−π, π].
     pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
         let x = Dd::new(f64::from(column) + 0.5 - f64::from(self.size[0]) / 2.0);
