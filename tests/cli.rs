@@ -92,7 +92,7 @@ fn standard_output_carries_the_picture() {
 }
 
 /// Arguments, exit code, and what the one sentence must mention.
-const MISTAKES: [(&[&str], i32, &[&str]); 32] = [
+const MISTAKES: [(&[&str], i32, &[&str]); 33] = [
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -124,6 +124,7 @@ const MISTAKES: [(&[&str], i32, &[&str]); 32] = [
     (&["elsewhere"], 2, &["elsewhere", "home"]),
     (&["--stretch", "0"], 2, &["--stretch"]),
     (&["--rotate", "nan"], 2, &["--rotate"]),
+    (&["--adapter", "geforce"], 2, &["--adapter", "--engine cpu"]),
     (&["--accuracy", "perfect"], 2, &["--accuracy", "lesson"]),
 ];
 

@@ -103,3 +103,11 @@ fn counts_on_the_grid_are_exact() {
         assert_eq!([2.0, 5.0, 10.0, 20.0].map(by), counts, "{rule}");
     }
 }
+
+#[test]
+fn flip_times_in_f32() {
+    for (theta1, theta2, time) in [SECOND[0], SECOND[4], SECOND[5]] {
+        let error = outcome::<f32>(theta1, theta2, Rule::Second).time - f32::parse(time).unwrap();
+        assert!(error.abs() <= 1e-5, "({theta1}, {theta2}): {error:e}");
+    }
+}

@@ -23,8 +23,15 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     // With standard error closed too there is nobody left to tell.
-    let _ = writeln!(io::stderr(), "flipmap: {error:#}");
+    let _ = writeln!(io::stderr(), "flipmap: {}", sentence(error));
     ExitCode::from(code_of(error))
+}
+
+/// The causes from the outermost in, each said once: some libraries repeat their source.
+fn sentence(error: &anyhow::Error) -> String {
+    let mut causes: Vec<String> = error.chain().map(ToString::to_string).collect();
+    causes.dedup();
+    causes.join(": ")
 }
 
 fn code_of(error: &anyhow::Error) -> u8 {

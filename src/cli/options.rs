@@ -209,6 +209,15 @@ impl RunOptions {
         }
     }
 
+    /// Refuses options that contradict each other.
+    pub fn check(&self) -> Result<(), Exit> {
+        if self.engine == EngineKind::Cpu && self.adapter.is_some() {
+            let message = "--adapter names a graphics adapter; leave it out with --engine cpu";
+            return Err(Exit::Usage(message.to_string()));
+        }
+        Ok(())
+    }
+
     /// Fills in the document's run table, so that it says what ran, and gives the same typed.
     pub fn settle(&self, document: &mut Document) -> Result<(Recipe, [u32; 2]), Exit> {
         let run = &mut document.run;

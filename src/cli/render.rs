@@ -68,6 +68,7 @@ const LONGEST_ROW: u32 = 1 << 20;
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
+    options.run.check()?;
     let mut document = options.scene.document()?;
     let (recipe, size) = options.run.settle(&mut document)?;
     apply(&options.picture, &mut document);

@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use tempfile::TempPath;
 
 /// Where output goes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,7 +38,7 @@ impl fmt::Display for Destination {
 /// A file being written beside its destination, or standard output.
 pub enum SafeFile {
     /// Renamed onto the path at the end.
-    Beside(BufWriter<NamedTempFile>, PathBuf),
+    Beside(BufWriter<File>, TempPath, PathBuf),
     /// A pipe or a device, written as it comes: there is nothing to keep safe, and a rename
     /// would put a file in its place.
     Device(BufWriter<File>),
@@ -73,7 +73,8 @@ impl SafeFile {
             )));
         }
         let file = tempfile::Builder::new().prefix(".flipmap-").tempfile_in(folder)?;
-        Ok(SafeFile::Beside(BufWriter::new(file), path))
+        let (file, beside) = file.into_parts();
+        Ok(SafeFile::Beside(BufWriter::new(file), beside, path))
     }
 
     /// Completes the file and puts it in its place.
@@ -81,11 +82,10 @@ impl SafeFile {
         match self {
             SafeFile::Stdout(mut out) => out.flush(),
             SafeFile::Device(mut out) => out.flush(),
-            SafeFile::Beside(out, path) => {
-                let file = out.into_inner().map_err(|error| error.into_error())?;
-                allow_reading(file.path())?;
-                file.persist(path).map_err(|error| error.error)?;
-                Ok(())
+            SafeFile::Beside(mut out, beside, path) => {
+                out.flush()?;
+                allow_reading(&beside)?;
+                beside.persist(path).map_err(|error| error.error)
             }
         }
     }
@@ -106,7 +106,7 @@ fn allow_reading(_: &Path) -> io::Result<()> {
 impl Write for SafeFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            SafeFile::Beside(out, _) => out.write(bytes),
+            SafeFile::Beside(out, ..) => out.write(bytes),
             SafeFile::Device(out) => out.write(bytes),
             SafeFile::Stdout(out) => out.write(bytes),
         }
@@ -114,7 +114,7 @@ impl Write for SafeFile {
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            SafeFile::Beside(out, _) => out.flush(),
+            SafeFile::Beside(out, ..) => out.flush(),
             SafeFile::Device(out) => out.flush(),
             SafeFile::Stdout(out) => out.flush(),
         }

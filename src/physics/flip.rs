@@ -153,6 +153,7 @@ mod tests {
         let pi = std::f64::consts::PI;
         assert_eq!(settle_at_top(pi, -1.0), pi);
         assert_eq!(settle_at_top(pi, 1.0), -pi);
+        assert_eq!(settle_at_top(pi, 0.0), pi);
         assert_eq!(settle_at_top(3.0, 1.0), 3.0);
     }
 }

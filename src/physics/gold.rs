@@ -102,6 +102,8 @@ fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
         .reduce(|a, b| if b < a { b } else { a })
 }
 
+/// Angles that move by less than this many epsilons are at rest as far as anyone can tell.
+const RESOLVED: f64 = 8.0;
 /// Below 2⁻⁵⁰ of a step nothing is left to separate.
 const MOST_HALVINGS: usize = 50;
 
@@ -117,17 +119,26 @@ fn first_rise<T: Scalar>(f: &[T], from: T, to: T, halvings: usize) -> Option<T> 
             sum + c.abs() * power * T::from_f64(weight(k + first))
         })
     };
-    if local[0].abs() > tail(1, |_| 1.0) * radius {
+    let spread = tail(1, |_| 1.0) * radius;
+    if local[0].abs() > spread {
         return None;
+    }
+    if spread.to_f64() <= RESOLVED * T::EPSILON {
+        return rises_through(f, from, middle, local[0]);
     }
     if local[1].abs() > tail(2, |k| k as f64) * radius {
         let rises = local[1] > T::zero() && evaluate(f, from) < T::zero();
         return (rises && evaluate(f, to) >= T::zero()).then(|| root(f, from, to));
     }
     if halvings == 0 {
-        return (evaluate(f, from) < T::zero() && local[0] >= T::zero()).then_some(middle);
+        return rises_through(f, from, middle, local[0]);
     }
     first_rise(f, from, middle, halvings - 1).or_else(|| first_rise(f, middle, to, halvings - 1))
+}
+
+/// For parts in which nothing can be resolved: their middle, if `f` has risen by then.
+fn rises_through<T: Scalar>(f: &[T], from: T, middle: T, at_middle: T) -> Option<T> {
+    (evaluate(f, from) < T::zero() && at_middle >= T::zero()).then_some(middle)
 }
 
 /// The coefficients of `f` about `centre` (repeated synthetic division).
@@ -181,6 +192,14 @@ mod tests {
             assert!((time - (0.5 - e.sqrt())).abs() < 1e-8, "{e}: {time}");
             assert_eq!(pass(-e), None);
         }
+    }
+
+    #[test]
+    fn an_angle_that_rests_at_the_top_is_decided_at_once() {
+        assert_eq!(first_rise(&[0.0; 20], 0.0, 1e3, MOST_HALVINGS), None);
+        assert_eq!(passages(&[std::f64::consts::PI; 1], 1.0), []);
+        let noise: [f64; 4] = [1e-17, -3e-17, 2e-17, 1e-18];
+        assert_eq!(first_rise(&noise, 0.0, 1.0, MOST_HALVINGS), None);
     }
 
     #[test]

@@ -164,7 +164,7 @@ impl<T: Scalar> Series<T> {
         let angles = [&self.angle[0], &self.angle[1], &self.delta];
         for (i, angle) in angles.into_iter().enumerate() {
             let (sin, cos) = if k == 0 {
-                angle[0].sin_cos()
+                sin_cos_exact(angle[0])
             } else {
                 let over = T::from_f64(k as f64);
                 let (mut sin, mut cos) = (T::zero(), T::zero());
@@ -225,6 +225,19 @@ impl<T: Scalar> Series<T> {
     }
 }
 
+/// Sine and cosine, where half and whole turns in the number type stand for exact ones, so that
+/// a pendulum put upright stays upright.
+fn sin_cos_exact<T: Scalar>(angle: T) -> (T, T) {
+    let one = T::from_f64(1.0);
+    if angle.abs() == T::pi() {
+        (T::zero(), -one)
+    } else if angle.abs() == T::pi() + T::pi() {
+        (T::zero(), one)
+    } else {
+        angle.sin_cos()
+    }
+}
+
 /// e⁻², and Jorba and Zou's safety exp(−0.7/(p−1)) taken once for all orders used.
 const SAFETY: f64 = 0.135_335_283 * 0.95;
 /// Seconds; a pendulum at an equilibrium has no scale of its own.
@@ -262,6 +275,15 @@ mod tests {
         let back = Orbit::new(pendulum, turned).state_at(dd(5.0));
         assert!((back.angle[0] - dd(2.0)).hi.abs() < 1e-27);
         assert!(back.speed[1].hi.abs() < 1e-27);
+    }
+
+    #[test]
+    fn an_upright_pendulum_stays_upright() {
+        let pendulum = Pendulum::points([Dd::new(1.0); 2], [Dd::new(1.0); 2], Dd::new(9.81));
+        for angle in [[Dd::PI, Dd::PI], [Dd::PI, -Dd::PI], [Dd::new(0.0), Dd::PI]] {
+            let state = Orbit::new(pendulum, State::rest(angle)).state_at(Dd::new(100.0));
+            assert_eq!(state, State::rest(angle));
+        }
     }
 
     #[test]
