@@ -94,7 +94,8 @@ impl<T: Scalar> Outcome<T> {
 /// `angle` moved by whole turns into (−π, π]; a start exactly at the top is put on the side from
 /// which its first motion (with acceleration `alpha`) leads inward.
 pub fn settle_at_top<T: Scalar>(angle: T, alpha: T) -> T {
-    if angle.abs() < T::pi() || (alpha < T::zero()) == (angle > T::zero()) { angle } else { -angle }
+    let outward = alpha * angle > T::zero();
+    if angle.abs() >= T::pi() && outward { -angle } else { angle }
 }
 
 /// The fraction in (0, 1] of a step at which `bob` first reaches the top moving outward, from
