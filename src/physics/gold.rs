@@ -7,7 +7,7 @@
 
 use super::flip::{Outcome, Rule, Status, settle_at_top};
 use super::pendulum::{Pendulum, State};
-use super::polynomial::evaluate;
+use super::polynomial::{evaluate, root_between};
 use super::real::Scalar;
 use super::taylor::{Orbit, Step};
 
@@ -128,7 +128,8 @@ fn first_rise<T: Scalar>(f: &[T], from: T, to: T, halvings: usize) -> Option<T> 
     }
     if local[1].abs() > tail(2, |k| k as f64) * radius {
         let rises = local[1] > T::zero() && evaluate(f, from) < T::zero();
-        return (rises && evaluate(f, to) >= T::zero()).then(|| root(f, from, to));
+        return (rises && evaluate(f, to) >= T::zero())
+            .then(|| root_between(f, &derivative(f), from, to));
     }
     if halvings == 0 {
         return rises_through(f, from, middle, local[0]);
@@ -141,6 +142,11 @@ fn rises_through<T: Scalar>(f: &[T], from: T, middle: T, at_middle: T) -> Option
     (evaluate(f, from) < T::zero() && at_middle >= T::zero()).then_some(middle)
 }
 
+/// The coefficients of f′.
+fn derivative<T: Scalar>(f: &[T]) -> Vec<T> {
+    (1..f.len()).map(|k| f[k] * T::from_f64(k as f64)).collect()
+}
+
 /// The coefficients of `f` about `centre` (repeated synthetic division).
 fn shifted<T: Scalar>(f: &[T], centre: T) -> Vec<T> {
     let mut c = f.to_vec();
@@ -151,33 +157,6 @@ fn shifted<T: Scalar>(f: &[T], centre: T) -> Vec<T> {
     }
     c
 }
-
-/// The root of a rising `f` between `low` and `high`: bisection to a start, then Newton to the
-/// precision of the type.
-fn root<T: Scalar>(f: &[T], mut low: T, mut high: T) -> T {
-    let half = T::from_f64(0.5);
-    let slope: Vec<T> = (1..f.len()).map(|k| f[k] * T::from_f64(k as f64)).collect();
-    let mut x = (low + high) * half;
-    for _ in 0..ROOT_STEPS {
-        let value = evaluate(f, x);
-        if value < T::zero() {
-            low = x;
-        } else {
-            high = x;
-        }
-        let newton = x - value / evaluate(&slope, x);
-        let inside = newton > low && newton < high;
-        let next = if inside { newton } else { (low + high) * half };
-        if (next - x).abs().to_f64() <= T::EPSILON * x.abs().to_f64() {
-            return next;
-        }
-        x = next;
-    }
-    x
-}
-
-/// Enough for 106 bits by bisection alone.
-const ROOT_STEPS: usize = 120;
 
 #[cfg(test)]
 mod tests {

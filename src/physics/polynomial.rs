@@ -54,11 +54,16 @@ pub fn first_rise<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Option<T>
     (evaluate(coefficients, peak) >= T::zero()).then(|| rise_before(coefficients, &slope, peak))
 }
 
-/// The root in [0, upper] of a polynomial that is negative at 0 and not at `upper`: Newton's
-/// steps kept inside a shrinking bracket, until they no longer move.
+/// The root in [0, upper] of a polynomial that is negative at 0 and not at `upper`.
 fn rise_before<T: Scalar, const N: usize>(f: &[T; N], slope: &[T; N], upper: T) -> T {
+    root_between(f, slope, T::zero(), upper)
+}
+
+/// The root between `low`, where `f` is negative, and `high`, where it is not: Newton's steps
+/// kept inside a shrinking bracket, until they no longer move.
+pub fn root_between<T: Scalar>(f: &[T], slope: &[T], mut low: T, mut high: T) -> T {
     let half = T::from_f64(0.5);
-    let (mut low, mut high, mut x) = (T::zero(), upper, upper * half);
+    let mut x = (low + high) * half;
     for _ in 0..ROOT_STEPS {
         let value = evaluate(f, x);
         if value < T::zero() {
@@ -69,16 +74,16 @@ fn rise_before<T: Scalar, const N: usize>(f: &[T; N], slope: &[T; N], upper: T) 
         let newton = x - value / evaluate(slope, x);
         let inside = newton >= low && newton <= high;
         let next = if inside { newton } else { (low + high) * half };
-        if next == x {
-            break;
+        if (next - x).abs().to_f64() <= T::EPSILON * x.abs().to_f64() {
+            return next;
         }
         x = next;
     }
     x
 }
 
-/// Enough bisections for the 53 bits of a fraction, should Newton never help.
-const ROOT_STEPS: usize = 60;
+/// Enough for 106 bits by bisection alone, should Newton never help.
+const ROOT_STEPS: usize = 120;
 
 #[cfg(test)]
 mod tests {
