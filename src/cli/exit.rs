@@ -13,7 +13,7 @@ pub enum Exit {
     #[error("{0}")]
     Usage(String),
     /// Code 130.
-    #[error("stopped; nothing was written")]
+    #[error("stopped; no unfinished file was left")]
     Interrupted,
 }
 
@@ -29,6 +29,9 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
 
 /// The causes from the outermost in, each said once: some libraries repeat their source.
 fn sentence(error: &anyhow::Error) -> String {
+    if let Some(stopped @ Exit::Interrupted) = error.downcast_ref() {
+        return stopped.to_string();
+    }
     let mut causes: Vec<String> = error.chain().map(ToString::to_string).collect();
     causes.dedup();
     causes.join(": ")
@@ -56,7 +59,8 @@ fn code_of(error: &anyhow::Error) -> u8 {
     1
 }
 
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
+/// Whether the reader at the other end went away.
+pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     let broken = |cause: &io::Error| cause.kind() == io::ErrorKind::BrokenPipe;
     error.chain().any(|cause| cause.downcast_ref().is_some_and(broken))
 }

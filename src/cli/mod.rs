@@ -38,6 +38,12 @@ pub fn run() -> anyhow::Result<()> {
     }
 }
 
+/// Prints to standard error; with nobody reading there it is nobody's error.
+fn tell(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
 /// Prints to standard output; a reader that has gone away is an ordinary error.
 fn say(text: &str) -> anyhow::Result<()> {
     use std::io::Write;

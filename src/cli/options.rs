@@ -131,7 +131,7 @@ fn load(scene: &str) -> anyhow::Result<Document> {
     let is =
         |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
     if is("png") {
-        let file = File::open(path).with_context(|| format!("cannot open {scene}"))?;
+        let file = File::open(path).map_err(|error| unreadable(scene, &error))?;
         return document_in_png(BufReader::new(file))
             .map_err(|error| Exit::Usage(format!("{scene} {error}")).into());
     }
@@ -143,8 +143,12 @@ fn load(scene: &str) -> anyhow::Result<Document> {
         );
         return Err(Exit::Usage(message).into());
     }
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {scene}"))?;
+    let text = std::fs::read_to_string(path).map_err(|error| unreadable(scene, &error))?;
     Document::parse(&text).with_context(|| scene.to_string())
+}
+
+fn unreadable(scene: &str, error: &std::io::Error) -> Exit {
+    Exit::Usage(format!("cannot read the scene {scene}: {error}"))
 }
 
 /// How to compute it.
@@ -197,7 +201,7 @@ const LONGEST_SIDE: u32 = 1_000_000;
 
 impl RunOptions {
     /// The engine asked for.
-    pub fn wish(&self) -> Wish {
+    pub fn wish(&self, precision: Precision) -> Wish {
         Wish {
             kind: match self.engine {
                 EngineKind::Auto => choice::Kind::Auto,
@@ -206,6 +210,7 @@ impl RunOptions {
             },
             adapter: self.adapter.clone(),
             threads: self.threads.map(|threads| threads as usize),
+            precision: Some(precision),
         }
     }
 

@@ -55,7 +55,7 @@ impl Progress {
             let line = serde_json::json!({
                 "done": done, "total": self.total, "pixels_per_sec": rate, "secs_left": secs_left,
             });
-            eprintln!("{line}");
+            super::tell(&line.to_string());
         }
     }
 }

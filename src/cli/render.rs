@@ -1,18 +1,20 @@
 //! `flipmap render`: a scene to a picture, an array of flip times, or both.
 
-use std::io::{IsTerminal, stdout};
+use std::io::{IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use clap::Args;
 use flipmap::engine::choice::choose;
-use flipmap::engine::{Engine, Recipe};
+use flipmap::engine::method::Steps;
+use flipmap::engine::{Engine, Method, Precision, Question, Recipe};
 use flipmap::output::{Destination, NpyWriter, Painter, PngWriter, RowOrder, SafeFile};
-use flipmap::scene::{Document, Scene};
+use flipmap::scene::palette::Palette;
+use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{Counts, Order, Samples, Work};
 
-use super::exit::Exit;
+use super::exit::{Exit, is_broken_pipe};
 use super::options::{RunOptions, SceneOptions};
 use super::progress::{Mode, Progress};
 use super::stop;
@@ -74,18 +76,19 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     apply(&options.picture, &mut document);
     check_outputs(options, &document, size)?;
     let scene = document.scene();
+    check_numbers(&scene, size, recipe)?;
     let mut sinks = Sinks::open(options, &document, size)?;
     stop::listen()?;
-    let chosen = choose(&options.run.wish())?;
+    let chosen = choose(&options.run.wish(recipe.precision))?;
     let mut engine = chosen.engine;
-    eprintln!(
+    super::tell(&format!(
         "flipmap: {} engine, {} {} in {}; {}",
         engine.name(),
         recipe.method.name(),
         recipe.method.setting(),
         recipe.precision,
         chosen.why
-    );
+    ));
 
     let mut clock = Clock { setup: begun.elapsed(), ..Clock::default() };
     let mut counts = Counts::default();
@@ -117,6 +120,33 @@ fn apply(options: &PictureOptions, document: &mut Document) {
     picture.curve &= !options.no_curve;
 }
 
+/// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
+fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Exit> {
+    let question = Question {
+        pendulum: scene.build.pendulum(),
+        rule: scene.question.rule,
+        budget_secs: scene.question.budget,
+    };
+    let Method::Rk4 { step_secs } = recipe.method;
+    if question.pendulum.q > 0.0 {
+        Steps::new(&question, step_secs, recipe.precision)
+            .map_err(|error| Exit::Usage(error.to_string()))?;
+    }
+    let pixel = Grid::new(scene, size).pixel_rad();
+    let resolved = match recipe.precision {
+        Precision::F32 => 1e-14,
+        Precision::F64 => 1e-15,
+    };
+    if pixel < resolved {
+        super::tell(&format!(
+            "flipmap: warning: pixels are {pixel:.1e} rad apart, but starts in {} are only told \
+             apart at {resolved:.0e} rad: this picture is coarser than it looks",
+            recipe.precision
+        ));
+    }
+    Ok(())
+}
+
 /// Refuses what cannot be written, before anything is computed.
 fn check_outputs(options: &Options, document: &Document, size: [u32; 2]) -> Result<(), Exit> {
     let usage = |message: String| Err(Exit::Usage(message));
@@ -129,8 +159,14 @@ fn check_outputs(options: &Options, document: &Document, size: [u32; 2]) -> Resu
         return usage("only one of -o -, --raw - and --json can use standard output".to_string());
     }
     if streams[..2].contains(&true) && stdout().is_terminal() {
-        return usage("- is a terminal here: redirect it, or name a file".to_string());
+        let message = "-o - and --raw - write to a terminal here: redirect it, or name a file";
+        return usage(message.to_string());
     }
+    if options.output.is_some() && options.output == options.raw {
+        return usage("-o and --raw name the same file; give each its own".to_string());
+    }
+    Palette::named(&document.picture.palette)
+        .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
     let samples = document.picture.samples;
     if !(1..=8).contains(&samples) {
         return usage(format!("--samples is {samples}; it must lie between 1 and 8"));
@@ -164,7 +200,10 @@ fn compute(
         clock.compute += computing.elapsed();
         let writing = Instant::now();
         for tile in finished {
-            rows.push(tile).iter().try_for_each(&mut *write)?;
+            for samples in rows.push(tile) {
+                write(&samples)?;
+                stop::check()?;
+            }
         }
         clock.output += writing.elapsed();
         progress.set(work.counts().pixels);
@@ -234,22 +273,40 @@ impl Sinks {
     }
 
     fn write(&mut self, pass: &Pass, samples: &Samples) -> anyhow::Result<()> {
+        let both = self.picture.is_some() && self.raw.is_some();
         if let (true, Some((painter, png, name))) = (pass.picture, &mut self.picture) {
-            png.write(&painter.paint(samples)).with_context(|| format!("cannot write {name}"))?;
+            let written = png.write(&painter.paint(samples));
+            let written = written.with_context(|| format!("cannot write {name}"));
+            if both && written.as_ref().is_err_and(is_broken_pipe) {
+                self.picture = None;
+            } else {
+                written?;
+            }
         }
         if let (true, Some((npy, name))) = (pass.raw, &mut self.raw) {
-            npy.write(samples).with_context(|| format!("cannot write {name}"))?;
+            let written = npy.write(samples).with_context(|| format!("cannot write {name}"));
+            if both && written.as_ref().is_err_and(is_broken_pipe) {
+                self.raw = None;
+            } else {
+                written?;
+            }
         }
         Ok(())
     }
 
+    /// Completes every file before any takes its place.
     fn finish(self) -> anyhow::Result<()> {
+        let mut complete = Vec::new();
         if let Some((_, png, name)) = self.picture {
-            let finished = png.finish().map_err(anyhow::Error::from).and_then(|f| Ok(f.finish()?));
-            finished.with_context(|| format!("cannot write {name}"))?;
+            let file = png.finish().with_context(|| format!("cannot write {name}"))?;
+            complete.push((file, name));
         }
-        if let Some((npy, name)) = self.raw {
-            npy.into_inner().finish().with_context(|| format!("cannot write {name}"))?;
+        complete.extend(self.raw.map(|(npy, name)| (npy.into_inner(), name)));
+        for (file, name) in &mut complete {
+            file.flush().with_context(|| format!("cannot write {name}"))?;
+        }
+        for (file, name) in complete {
+            file.finish().with_context(|| format!("cannot write {name}"))?;
         }
         Ok(())
     }
@@ -291,10 +348,10 @@ fn report(
         });
         super::say(&serde_json::to_string_pretty(&object)?)?;
     }
-    eprintln!(
+    super::tell(&format!(
         "flipmap: {pixels} pixels: {flipped} flipped, {unflipped} unflipped, {forbidden} forbidden, \
          {failed} failed; {simulated} simulated in {:.2} s ({:.2} s setup, {:.2} s output)",
         seconds[1], seconds[0], seconds[2]
-    );
+    ));
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: asked for once, work stops at the next slice; twice, at once.
+//! Ctrl-C and SIGTERM: work stops at the next slice, and unfinished files are removed.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,9 +9,7 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// From now on signals are remembered instead of ending the program.
 pub fn listen() -> anyhow::Result<()> {
     ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
+        STOP.store(true, Ordering::Relaxed);
     })?;
     Ok(())
 }

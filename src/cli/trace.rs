@@ -41,7 +41,17 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let angle = parse_start(&options.start)?;
     let until = seconds("--until", &options.until, 1e-9..=1e6)?;
     let every = seconds("--every", &options.every, 1e-9..=1e6)?;
-    if options.json && options.output.is_none() {
+    if (until / every).hi > MOST_ROWS {
+        let message = format!(
+            "--every {} gives {:.0e} rows until {}; at most {MOST_ROWS:e} are written",
+            options.every,
+            (until / every).hi,
+            options.until
+        );
+        return Err(Exit::Usage(message).into());
+    }
+    let to_stdout = options.output.as_ref().is_none_or(|path| path.as_os_str() == "-");
+    if options.json && to_stdout {
         return Err(
             Exit::Usage("--json needs -o FILE.csv: both would use standard output".into()).into()
         );
@@ -55,11 +65,18 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     stop::listen()?;
     let alpha = pendulum.acceleration(&State::rest(angle));
     let start = State::rest([0, 1].map(|i| settle_at_top(angle[i], alpha[i])));
-    let flips = follow(&pendulum, start, until, every, &mut out)
-        .with_context(|| format!("cannot write {destination}"))?;
+    let flips = follow(&pendulum, start, until, every, &mut out).map_err(|error| {
+        match error.is::<std::io::Error>() {
+            true => error.context(format!("cannot write {destination}")),
+            false => error,
+        }
+    })?;
     out.finish().with_context(|| format!("cannot write {destination}"))?;
     tell(options, &flips)
 }
+
+/// Rows of a table that somebody may still want to read.
+const MOST_ROWS: f64 = 1e8;
 
 /// One passing of the top.
 struct Passage {
@@ -90,6 +107,7 @@ fn follow(
             if time > step.end() || time > until {
                 break;
             }
+            stop::check()?;
             let state = step.state(time - step.start);
             let rise = pendulum.energy(&state) - energy;
             let error = if scale.hi > 0.0 { (rise / scale).hi } else { 0.0 };
@@ -132,12 +150,12 @@ fn tell(options: &Options, passages: &[Passage]) -> anyhow::Result<()> {
     }
     for (bob, name) in [(1, "first"), (2, "second")] {
         match passages.iter().find(|p| p.bob == bob) {
-            Some(flip) => eprintln!("flipmap: the {name} bob flips at {} s", flip.time),
-            None => eprintln!("flipmap: the {name} bob does not flip"),
+            Some(flip) => super::tell(&format!("flipmap: the {name} bob flips at {} s", flip.time)),
+            None => super::tell(&format!("flipmap: the {name} bob does not flip")),
         }
     }
     for Passage { bob, time } in passages {
-        eprintln!("flipmap: bob {bob} passes the top at {:.12} s", time.hi);
+        super::tell(&format!("flipmap: bob {bob} passes the top at {:.12} s", time.hi));
     }
     Ok(())
 }

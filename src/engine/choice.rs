@@ -4,7 +4,7 @@ use super::cpu::CpuEngine;
 use super::gpu::GpuEngine;
 use super::gpu::device::{Gpu, adapters, describe};
 use super::selfcheck;
-use super::{Engine, EngineError};
+use super::{Engine, EngineError, Precision};
 
 /// What the user asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Wish {
     pub adapter: Option<String>,
     /// Threads of the CPU engine.
     pub threads: Option<usize>,
+    /// What the adapter must be trusted with; without it, f32.
+    pub precision: Option<Precision>,
 }
 
 /// `--engine`.
@@ -65,7 +67,7 @@ pub fn choose(wish: &Wish) -> Result<Chosen, ChoiceError> {
     if wish.kind == Kind::Cpu {
         return cpu(wish, "asked for".to_string());
     }
-    let failure = match first_sound(wish.adapter.as_deref())? {
+    let failure = match first_sound(wish)? {
         Ok(engine) => {
             let why = format!("{} passed the self-check", engine.adapter());
             return Ok(Chosen { engine: Box::new(engine), why });
@@ -84,7 +86,9 @@ fn cpu(wish: &Wish, why: String) -> Result<Chosen, ChoiceError> {
 }
 
 /// The first adapter that matches and whose f32 is sound; otherwise what was wrong.
-fn first_sound(name: Option<&str>) -> Result<Result<GpuEngine, String>, ChoiceError> {
+fn first_sound(wish: &Wish) -> Result<Result<GpuEngine, String>, ChoiceError> {
+    let name = wish.adapter.as_deref();
+    let precision = wish.precision.unwrap_or(Precision::F32);
     let all = adapters();
     if all.is_empty() {
         return Ok(Err(INSTALL_HINT.to_string()));
@@ -101,8 +105,10 @@ fn first_sound(name: Option<&str>) -> Result<Result<GpuEngine, String>, ChoiceEr
     let mut failures = Vec::new();
     for adapter in fitting {
         match open_checked(adapter.clone()) {
-            Ok(engine) if engine.verdict().f32 => return Ok(Ok(engine)),
-            Ok(_) => failures.push(format!("{} failed the self-check", describe(&adapter))),
+            Ok(engine) => match engine.verdict().require(precision) {
+                Ok(()) => return Ok(Ok(engine)),
+                Err(why) => failures.push(format!("{}: {why}", describe(&adapter))),
+            },
             Err(error) => failures.push(format!("{}: {error}", describe(&adapter))),
         }
     }

@@ -54,8 +54,7 @@ impl Verdict {
             .map(|check| format!("{} ({})", check.name, check.detail))
             .collect();
         Err(format!(
-            "this adapter is not trusted with --precision {precision}: {}; use another \
-             --precision, or --engine cpu",
+            "this adapter is not trusted with --precision {precision}: {}",
             failed.join(", ")
         ))
     }

@@ -1,6 +1,8 @@
 //! Files that appear only when they are complete.
 
 use std::fmt;
+#[cfg(unix)]
+use std::fs::Permissions;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -53,7 +55,10 @@ impl SafeFile {
             Destination::Stdout => return Ok(SafeFile::Stdout(BufWriter::new(io::stdout()))),
             Destination::File(path) => path,
         };
-        if path.is_dir() {
+        if path.is_symlink() && !path.exists() {
+            return Err(io::Error::other("is a link to nothing: remove it, or name a file"));
+        }
+        if path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
             return Err(io::Error::other("is a folder: name a file in it"));
         }
         if path.exists() && !path.is_file() {
@@ -72,7 +77,11 @@ impl SafeFile {
                 folder.display()
             )));
         }
-        let file = tempfile::Builder::new().prefix(".flipmap-").tempfile_in(folder)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".flipmap-");
+        #[cfg(unix)]
+        builder.permissions(permissions(&path));
+        let file = builder.tempfile_in(folder)?;
         let (file, beside) = file.into_parts();
         Ok(SafeFile::Beside(BufWriter::new(file), beside, path))
     }
@@ -84,23 +93,18 @@ impl SafeFile {
             SafeFile::Device(mut out) => out.flush(),
             SafeFile::Beside(mut out, beside, path) => {
                 out.flush()?;
-                allow_reading(&beside)?;
                 beside.persist(path).map_err(|error| error.error)
             }
         }
     }
 }
 
-/// Temporary files are private; what replaces them is an ordinary file.
+/// The mode of the file that is replaced, or that of any new file (less the umask).
 #[cfg(unix)]
-fn allow_reading(path: &Path) -> io::Result<()> {
+fn permissions(path: &Path) -> Permissions {
     use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn allow_reading(_: &Path) -> io::Result<()> {
-    Ok(())
+    let old = path.metadata().map(|found| found.permissions());
+    old.unwrap_or_else(|_| Permissions::from_mode(0o666))
 }
 
 impl Write for SafeFile {

@@ -208,7 +208,12 @@ impl Scalar for Dd {
         Dd::new(root) + Dd::new((self - Dd::product(root, root)).hi / (2.0 * root))
     }
     fn parse(text: &str) -> Option<Self> {
-        DBig::from_str(text.trim()).ok().map(|value| Dd::from_decimal(&value))
+        let text = text.trim();
+        // The library also takes digit separators, which no other number here has.
+        if text.contains('_') {
+            return None;
+        }
+        DBig::from_str(text).ok().map(|value| Dd::from_decimal(&value))
     }
 }
 
@@ -241,7 +246,7 @@ mod tests {
         assert_eq!(Dd::parse("3.14159265358979323846264338327950288"), Some(Dd::PI));
         assert_eq!(Dd::parse("-2.5e-3").unwrap().hi, -0.0025);
         assert_eq!(Dd::parse("0"), Some(Dd::new(0.0)));
-        for text in ["", "x", "1e", "nan", "inf", "1 2"] {
+        for text in ["1_0", "", "x", "1e", "nan", "inf", "1 2"] {
             assert_eq!(Dd::parse(text), None, "{text:?}");
         }
     }

@@ -84,7 +84,7 @@ pub enum DocumentError {
     #[error("the scene has format {found}; this program reads format 1 to {FORMAT}")]
     Future {
         /// Its format.
-        found: u32,
+        found: String,
     },
     /// A number out of its range.
     #[error(transparent)]
@@ -94,7 +94,7 @@ pub enum DocumentError {
 /// Only the version, so that a newer file is called newer and not wrong.
 #[derive(Deserialize)]
 struct Version {
-    format: Option<u32>,
+    format: Option<toml::Value>,
 }
 
 impl Document {
@@ -102,9 +102,9 @@ impl Document {
     pub fn parse(text: &str) -> Result<Self, DocumentError> {
         let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
         if let Ok(Version { format: Some(found) }) = toml::from_str(text)
-            && !(1..=FORMAT).contains(&found)
+            && !found.as_integer().is_some_and(|found| (1..=i64::from(FORMAT)).contains(&found))
         {
-            return Err(DocumentError::Future { found });
+            return Err(DocumentError::Future { found: found.to_string() });
         }
         let document: Document = toml::from_str(text).map_err(syntax)?;
         document.scene().checked()?;

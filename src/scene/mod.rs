@@ -106,8 +106,9 @@ impl Scene {
     /// Checks every number, so that nothing after this needs to.
     pub fn checked(self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-        let refuse =
-            |option, value: f64, range| Err(SceneError { option, value: value.to_string(), range });
+        let refuse = |option, value: f64, range| {
+            Err(SceneError { option, value: format!("{value:?}"), range })
+        };
         let Build { masses, lengths, gravity, .. } = self.build;
         if let Some(mass) = masses.into_iter().find(|m| !WIDE.contains(m)) {
             return refuse("--masses", mass, "each mass must lie between 1e-9 and 1e9 kg");
