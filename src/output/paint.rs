@@ -11,8 +11,6 @@ pub struct Painter {
     curve: bool,
     samples_along: u32,
     grid: Grid,
-    /// No pixel with a depth beyond this is near the curve, J.
-    steepest: f64,
     next_row: u32,
     /// Samples of a row of pixels that is not complete.
     pending: Vec<Rgb>,
@@ -32,7 +30,6 @@ impl Painter {
             range: Range::of(unit_secs, scene.question.budget),
             curve: picture.curve && pendulum.q > 0.0,
             samples_along: picture.samples,
-            steepest: (CURVE_HALF_WIDTH + 0.5) * (pendulum.p + pendulum.q) * grid.pixel_rad(),
             grid,
             next_row: 0,
             pending: Vec::new(),
@@ -69,22 +66,10 @@ impl Painter {
         colour.map(|channel| (f64::from(channel) * (1.0 - cover)).round() as u8)
     }
 
-    /// How much of a pixel the curve covers, from its distance to the pixel's middle: the
-    /// energy's depth there over its slope.
+    /// How much of a pixel the curve covers, from its distance to the pixel's middle.
     fn curve_cover(&self, column: u32, row: u32) -> f64 {
-        let depth = |dx: i64, dy: i64| {
-            let [x, y] = [i64::from(column) + dx, i64::from(row) + dy].map(|i| i.max(0) as u32);
-            self.grid.energy_depth(self.grid.angle_from_pixel(x, y).map(|theta| theta.hi))
-        };
-        let here = depth(0, 0);
-        if here.abs() > self.steepest {
-            return 0.0;
-        }
-        let slope = (depth(1, 0) - here).hypot(depth(0, 1) - here);
-        if slope == 0.0 {
-            return 0.0;
-        }
-        (CURVE_HALF_WIDTH + 0.5 - here.abs() / slope).clamp(0.0, 1.0)
+        let distance = self.grid.pixels_from_curve(column, row);
+        (CURVE_HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
     }
 }
 

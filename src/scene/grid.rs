@@ -75,17 +75,40 @@ impl Grid {
         })
     }
 
+    /// How many pixels the middle of a pixel is from the energy curve, to first order: the
+    /// energy's depth there over its slope. Large where it is flat.
+    pub fn pixels_from_curve(&self, column: u32, row: u32) -> f64 {
+        let angle = self.angle_from_pixel(column, row);
+        let Pendulum { p, q, .. } = self.pendulum;
+        let near = angle.map(|theta| theta.hi);
+        let slope = [-p * near[0].sin(), -q * near[1].sin()];
+        let along = |by: [Dd; 2]| slope[0] * by[0].hi + slope[1] * by[1].hi;
+        let a_pixel = along(self.right).hypot(along(self.up));
+        let depth = self.energy_depth(near);
+        let depth = if depth.abs() > 1e-9 * (p + q) { depth } else { self.exact_depth(angle).hi };
+        if a_pixel > 0.0 { depth.abs() / a_pixel } else { f64::INFINITY }
+    }
+
     /// How deep in the forbidden region a start is: P cos θ1 + Q cos θ2 over its bound, J.
     /// Zero on the energy curve.
-    pub fn energy_depth(&self, angle: [f64; 2]) -> f64 {
+    fn energy_depth(&self, angle: [f64; 2]) -> f64 {
         let Pendulum { p, q, .. } = self.pendulum;
-        let depth = p * angle[0].cos() + q * angle[1].cos();
-        let bound = match self.rule {
+        p * angle[0].cos() + q * angle[1].cos() - self.bound(p, q)
+    }
+
+    fn exact_depth(&self, angle: [Dd; 2]) -> Dd {
+        let Pendulum { p, q, .. } = self.exact;
+        let [cos1, cos2] = angle.map(|theta| theta.sin_cos().1);
+        p * cos1 + q * cos2 - self.bound(p, q)
+    }
+
+    /// Starts that are deeper than this are forbidden, J.
+    fn bound<T: Scalar>(&self, p: T, q: T) -> T {
+        match self.rule {
             Rule::Second => p - q,
             Rule::First => q - p,
             Rule::Either => (p - q).abs(),
-        };
-        depth - bound
+        }
     }
 
     /// What is known of a pixel beforehand.

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use self::device::Gpu;
 use self::kernel::Design;
 use self::pipeline::Kernel;
-use self::slot::{Landed, Slot};
+use self::slot::{Landed, Ran, Slot};
 use super::method::Method;
 use super::selfcheck::{self, Check, Verdict};
 use super::{Engine, EngineError, Finished, Job, Wait};
@@ -40,7 +40,8 @@ pub struct GpuEngine {
     kernels: Vec<Kernel>,
     slots: VecDeque<Slot>,
     pace: Duration,
-    slice_steps: u32,
+    /// Seconds a step of one pendulum takes, measured on the last slice.
+    step_secs: Option<f64>,
     last_landing: Option<Instant>,
     losses: u32,
 }
@@ -55,7 +56,7 @@ impl GpuEngine {
             kernels: Vec::new(),
             slots: VecDeque::new(),
             pace: HEADLESS_PACE,
-            slice_steps: FIRST_SLICE_STEPS,
+            step_secs: None,
             last_landing: None,
             losses: 0,
         }
@@ -109,22 +110,29 @@ impl GpuEngine {
         let index = self.kernel_for(&job)?;
         let kernel = &self.kernels[index];
         let mut slot = Slot::new(&self.gpu, kernel, index, job)?;
-        slot.submit_slice(&self.gpu, kernel, self.slice_steps);
+        slot.submit_slice(&self.gpu, kernel, self.slice_steps(&slot));
         self.slots.push_back(slot);
         self.gpu.check()
     }
 
     /// Takes all that has been read back and submits what follows from it.
-    fn land(&mut self) -> Vec<Finished> {
+    fn land(&mut self) -> Result<Vec<Finished>, EngineError> {
         let mut finished = Vec::new();
         for mut slot in std::mem::take(&mut self.slots) {
             match slot.land(&self.gpu) {
                 Landed::InFlight => {}
-                Landed::Slice(since) => {
-                    self.adapt(since, &slot.job);
-                    slot.submit_slice(&self.gpu, &self.kernels[slot.kernel], self.slice_steps);
+                Landed::Slice(ran) => {
+                    self.measure(&ran);
+                    let steps = self.slice_steps(&slot);
+                    slot.submit_slice(&self.gpu, &self.kernels[slot.kernel], steps);
                 }
-                Landed::Complete(since) => self.adapt(since, &slot.job),
+                Landed::Complete(ran) => self.measure(&ran),
+                // A lost device explains it, and is replaced at the next poll.
+                Landed::Failed if self.gpu.is_lost() => {}
+                Landed::Failed => {
+                    let what = "a result could not be read back".to_string();
+                    return Err(EngineError::Driver(what));
+                }
                 Landed::Answer(answer) => {
                     finished.push(answer);
                     continue;
@@ -132,20 +140,28 @@ impl GpuEngine {
             }
             self.slots.push_back(slot);
         }
-        finished
+        Ok(finished)
     }
 
-    /// Brings the next slices nearer to the pace, from how long the landed one ran: since its
-    /// submission, or since the slice before it ended.
-    fn adapt(&mut self, since: Instant, job: &Job) {
+    /// Learns how long a step takes from how long a slice ran: since its submission, or since
+    /// the slice before it ended.
+    fn measure(&mut self, ran: &Ran) {
         let now = Instant::now();
-        let began = self.last_landing.map_or(since, |last| last.max(since));
+        let began = self.last_landing.map_or(ran.since, |last| last.max(ran.since));
         self.last_landing = Some(now);
-        let ratio = self.pace.as_secs_f64() / (now - began).as_secs_f64().max(1e-6);
-        let wanted = f64::from(self.slice_steps) * ratio.clamp(0.5, 2.0);
-        let Method::Rk4 { step_secs } = job.recipe.method;
-        let most = job.question.budget_secs / step_secs / f64::from(LEAST_SLICES);
-        self.slice_steps = wanted.clamp(1.0, most.max(1.0)) as u32;
+        self.step_secs = Some((now - began).as_secs_f64().max(1e-6) / ran.pendulum_steps);
+    }
+
+    /// Steps that a slot's next slice may take to keep the pace.
+    fn slice_steps(&self, slot: &Slot) -> u32 {
+        let Some(step_secs) = self.step_secs else {
+            return FIRST_SLICE_STEPS;
+        };
+        let Method::Rk4 { step_secs: simulated_secs } = slot.job.recipe.method;
+        let budget_steps = slot.job.question.budget_secs / simulated_secs;
+        let most = (budget_steps / f64::from(LEAST_SLICES)).max(1.0);
+        let wanted = self.pace.as_secs_f64() / (step_secs * f64::from(slot.running()));
+        wanted.clamp(1.0, most) as u32
     }
 
     /// Opens the device again and does all unfinished jobs anew.
@@ -190,7 +206,7 @@ impl Engine for GpuEngine {
             if self.gpu.is_lost() {
                 self.recover()?;
             }
-            let finished = self.land();
+            let finished = self.land()?;
             self.gpu.check()?;
             if !finished.is_empty() || !self.wait(wait) {
                 return Ok(finished);

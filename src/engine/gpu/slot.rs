@@ -1,7 +1,7 @@
 //! One job in flight on a device: its buffers, its slices, its answer.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Instant;
 
 use bytemuck::{Pod, bytes_of, cast_slice};
@@ -24,6 +24,8 @@ pub struct Slot {
     steps: Steps,
     state_len: usize,
     head: JobHead,
+    /// Pendulums that still run.
+    running: u32,
     buffers: Buffers,
     groups: [wgpu::BindGroup; 2],
     flight: Option<Flight>,
@@ -45,20 +47,30 @@ struct Buffers {
 struct Flight {
     submission: wgpu::SubmissionIndex,
     since: Instant,
-    mapped: Arc<AtomicBool>,
+    mapped: Arc<AtomicU8>,
     answer: bool,
+}
+
+/// A slice that has run.
+pub struct Ran {
+    /// When it was submitted.
+    pub since: Instant,
+    /// Steps of all its pendulums together, at most.
+    pub pendulum_steps: f64,
 }
 
 /// What a slot has come to.
 pub enum Landed {
     /// Nothing new.
     InFlight,
-    /// A slice is done, submitted at the given moment; more are needed.
-    Slice(Instant),
+    /// A slice is done; more are needed.
+    Slice(Ran),
     /// All pendulums are done; the answer has been asked for.
-    Complete(Instant),
+    Complete(Ran),
     /// The answer.
     Answer(Finished),
+    /// The read-back failed.
+    Failed,
 }
 
 impl Slot {
@@ -75,8 +87,17 @@ impl Slot {
             step: to_parts(steps.length),
         };
         let (buffers, groups) = make_buffers(gpu, kernel, &job, state_len)?;
-        let slot =
-            Slot { job, kernel: index, steps, state_len, head, buffers, groups, flight: None };
+        let slot = Slot {
+            job,
+            kernel: index,
+            steps,
+            state_len,
+            running: head.count,
+            head,
+            buffers,
+            groups,
+            flight: None,
+        };
         slot.write_scene(gpu);
         slot.begin(gpu, kernel);
         Ok(slot)
@@ -171,14 +192,21 @@ impl Slot {
 
     fn fly(&mut self, gpu: &Gpu, encoder: wgpu::CommandEncoder, answer: bool) {
         let submission = gpu.queue.submit([encoder.finish()]);
-        let mapped = Arc::new(AtomicBool::new(false));
+        let mapped = Arc::new(AtomicU8::new(PENDING));
         let buffer = if answer { &self.buffers.answer } else { &self.buffers.progress };
         buffer.map_async(wgpu::MapMode::Read, .., {
             let mapped = mapped.clone();
-            // A failed mapping means a lost device, which is noticed elsewhere.
-            move |result| mapped.store(result.is_ok(), Ordering::Release)
+            move |result| {
+                let state = if result.is_ok() { MAPPED } else { REFUSED };
+                mapped.store(state, Ordering::Release);
+            }
         });
         self.flight = Some(Flight { submission, since: Instant::now(), mapped, answer });
+    }
+
+    /// Pendulums that still run.
+    pub fn running(&self) -> u32 {
+        self.running
     }
 
     /// The submission that is waited for, if any.
@@ -188,20 +216,26 @@ impl Slot {
 
     /// Takes what has been read back.
     pub fn land(&mut self, gpu: &Gpu) -> Landed {
-        let landed = |flight: &mut Flight| flight.mapped.load(Ordering::Acquire);
+        let landed = |flight: &mut Flight| flight.mapped.load(Ordering::Acquire) != PENDING;
         let Some(flight) = self.flight.take_if(landed) else {
             return Landed::InFlight;
         };
+        if flight.mapped.load(Ordering::Acquire) == REFUSED {
+            return Landed::Failed;
+        }
         if flight.answer {
             return Landed::Answer(self.read_answer());
         }
         let queue: Queue = read(&self.buffers.progress, 0, 1)[0];
         self.buffers.progress.unmap();
-        if queue.lengths[1 - queue.turn as usize] > 0 {
-            return Landed::Slice(flight.since);
+        let pendulum_steps = f64::from(self.running) * f64::from(self.head.slice_steps);
+        let ran = Ran { since: flight.since, pendulum_steps };
+        self.running = queue.lengths[1 - queue.turn as usize];
+        if self.running > 0 {
+            return Landed::Slice(ran);
         }
         self.submit_answer(gpu);
-        Landed::Complete(flight.since)
+        Landed::Complete(ran)
     }
 
     fn read_answer(&self) -> Finished {
@@ -255,6 +289,11 @@ impl Slot {
             .collect()
     }
 }
+
+// How far a read-back is.
+const PENDING: u8 = 0;
+const MAPPED: u8 = 1;
+const REFUSED: u8 = 2;
 
 /// Invocations in a workgroup; the shaders have the same number.
 const WORKGROUP: u32 = 64;
