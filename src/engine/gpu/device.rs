@@ -90,6 +90,11 @@ impl Gpu {
         Gpu::open(self.adapter.clone())
     }
 
+    /// Treats the device as lost.
+    pub fn give_up(&self) {
+        self.lost.store(true, Ordering::Release);
+    }
+
     /// Whether the device can do nothing more.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)

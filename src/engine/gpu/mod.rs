@@ -116,7 +116,7 @@ impl GpuEngine {
     }
 
     /// Takes all that has been read back and submits what follows from it.
-    fn land(&mut self) -> Result<Vec<Finished>, EngineError> {
+    fn land(&mut self) -> Vec<Finished> {
         let mut finished = Vec::new();
         for mut slot in std::mem::take(&mut self.slots) {
             match slot.land(&self.gpu) {
@@ -127,12 +127,8 @@ impl GpuEngine {
                     slot.submit_slice(&self.gpu, &self.kernels[slot.kernel], steps);
                 }
                 Landed::Complete(ran) => self.measure(&ran),
-                // A lost device explains it, and is replaced at the next poll.
-                Landed::Failed if self.gpu.is_lost() => {}
-                Landed::Failed => {
-                    let what = "a result could not be read back".to_string();
-                    return Err(EngineError::Driver(what));
-                }
+                // The device may not have said yet that it is lost; it is of no use either way.
+                Landed::Failed => self.gpu.give_up(),
                 Landed::Answer(answer) => {
                     finished.push(answer);
                     continue;
@@ -140,7 +136,7 @@ impl GpuEngine {
             }
             self.slots.push_back(slot);
         }
-        Ok(finished)
+        finished
     }
 
     /// Learns how long a step takes from how long a slice ran: since its submission, or since
@@ -203,10 +199,10 @@ impl Engine for GpuEngine {
     fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
         loop {
             let _ = self.gpu.device.poll(wgpu::PollType::Poll);
+            let finished = self.land();
             if self.gpu.is_lost() {
                 self.recover()?;
             }
-            let finished = self.land()?;
             self.gpu.check()?;
             if !finished.is_empty() || !self.wait(wait) {
                 return Ok(finished);
