@@ -107,7 +107,7 @@ const MISTAKES: [(&[&str], i32, &[&str]); 33] = [
     (&["--budget", "0"], 2, &["--budget", "between"]),
     (&["--budget", "-3"], 2, &["--budget"]),
     (&["--budget", "inf"], 2, &["--budget"]),
-    (&["--budget", "soon"], 2, &["--budget", "a number"]),
+    (&["--budget", "soon"], 2, &["--budget", "a number of seconds between 1e-9 and 1e6"]),
     (&["--step", "0"], 2, &["--step", "between 1e-9 and 1"]),
     (&["--step", "nan"], 2, &["--step"]),
     (&["--step", "1e-9", "--budget", "1e6"], 2, &["--step", "--budget"]),

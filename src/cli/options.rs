@@ -75,33 +75,42 @@ impl SceneOptions {
 
     fn apply(&self, document: &mut Document) -> Result<(), Exit> {
         let Document { pendulum, question, view, .. } = document;
-        set(&mut pendulum.masses, "--masses", &self.masses, pair)?;
-        set(&mut pendulum.lengths, "--lengths", &self.lengths, pair)?;
-        set(&mut pendulum.gravity, "--gravity", &self.gravity, number)?;
+        set(&mut pendulum.masses, "--masses", &self.masses, |text| pair(text).ok_or(WIDE_PAIR))?;
+        set(&mut pendulum.lengths, "--lengths", &self.lengths, |text| pair(text).ok_or(WIDE_PAIR))?;
+        set(&mut pendulum.gravity, "--gravity", &self.gravity, |text| {
+            number(text).ok_or("it must be 0 or a number between 1e-9 and 1e9 m/s²")
+        })?;
         set(&mut pendulum.kind, "--kind", &self.kind, |text| {
             let known = Kind::ALL.iter().find(|(word, _)| *word == text);
-            known.map(|(_, kind)| *kind).ok_or("it must be points or rods".to_string())
+            known.map(|(_, kind)| *kind).ok_or("it must be points or rods")
         })?;
         set(&mut question.rule, "--rule", &self.rule, Rule::from_str)?;
-        set(&mut question.budget, "--budget", &self.budget, number)?;
-        set(&mut view.center, "--center", &self.center, |text| {
-            let (theta1, theta2) = text.split_once(',').ok_or(PAIR.to_string())?;
-            Ok([theta1, theta2].map(|theta| theta.trim().to_string()))
+        set(&mut question.budget, "--budget", &self.budget, |text| {
+            number(text).ok_or("it must be a number of seconds between 1e-9 and 1e6")
         })?;
-        set(&mut view.width, "--width", &self.width, |text| Ok(text.to_string()))?;
-        set(&mut view.rotate, "--rotate", &self.rotate, number)?;
-        set(&mut view.stretch, "--stretch", &self.stretch, number)
+        set(&mut view.center, "--center", &self.center, |text| {
+            let (theta1, theta2) = text.split_once(',').ok_or(PAIR)?;
+            Ok::<_, &str>([theta1, theta2].map(|theta| theta.trim().to_string()))
+        })?;
+        set(&mut view.width, "--width", &self.width, |text| Ok::<_, String>(text.to_string()))?;
+        set(&mut view.rotate, "--rotate", &self.rotate, |text| {
+            number(text).ok_or("it must be a number of degrees between -360 and 360")
+        })?;
+        set(&mut view.stretch, "--stretch", &self.stretch, |text| {
+            number(text).ok_or("it must be a number between 1e-6 and 1e6")
+        })
     }
 }
 
 const PAIR: &str = "it must be two numbers with a comma between them";
+const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comma between them";
 
 /// Replaces `value` by what an option says, or names the option in the refusal.
-fn set<T>(
+fn set<T, Why: std::fmt::Display>(
     value: &mut T,
     option: &str,
     text: &Option<String>,
-    parse: impl Fn(&str) -> Result<T, String>,
+    parse: impl Fn(&str) -> Result<T, Why>,
 ) -> Result<(), Exit> {
     if let Some(text) = text {
         *value = parse(text).map_err(|why| Exit::Usage(format!("{option} is '{text}'; {why}")))?;
@@ -109,17 +118,13 @@ fn set<T>(
     Ok(())
 }
 
-fn number(text: &str) -> Result<f64, String> {
-    text.trim().parse().map_err(|_| "it must be a number".to_string())
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok()
 }
 
-fn pair(text: &str) -> Result<[f64; 2], String> {
-    let (first, second) = text.split_once(',').ok_or(PAIR.to_string())?;
-    let both = [number(first), number(second)];
-    let [Ok(first), Ok(second)] = both else {
-        return Err(PAIR.to_string());
-    };
-    Ok([first, second])
+fn pair(text: &str) -> Option<[f64; 2]> {
+    let (first, second) = text.split_once(',')?;
+    Some([number(first)?, number(second)?])
 }
 
 /// A scene from a file or by name.
@@ -262,13 +267,13 @@ fn parse_method(method: &str, step: &str) -> Result<Method, Exit> {
         return Err(Exit::Usage(format!("--method is '{method}'; the methods are rk4")));
     }
     let step_secs = match step.split_once('/') {
-        Some((numerator, denominator)) => {
-            number(numerator).and_then(|n| Ok(n / number(denominator)?))
+        Some((above, below)) => {
+            number(above).zip(number(below)).map(|(above, below)| above / below)
         }
         None => number(step),
     };
     match step_secs {
-        Ok(step_secs) if (1e-9..=1.0).contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
+        Some(step_secs) if (1e-9..=1.0).contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
         _ => Err(Exit::Usage(format!(
             "--step is '{step}'; it must be seconds between 1e-9 and 1, as a number or a fraction"
         ))),
