@@ -11,7 +11,7 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device;
 use flipmap::engine::{Engine, Job, Method, Precision, Question, Recipe, Starts, Wait};
 use flipmap::physics::trig::Turning;
-use flipmap::physics::{Dd, Rule, State, flip, integrator};
+use flipmap::physics::{Dd, State, flip, integrator};
 use flipmap::scene::{Fate, Grid, Scene};
 
 const SIDE: u32 = 512;
@@ -21,11 +21,7 @@ const SCALAR_SHARE: usize = 61;
 
 fn main() {
     let scene = Scene::default();
-    let question = Question {
-        pendulum: scene.build.pendulum(),
-        rule: Rule::Second,
-        budget_secs: scene.question.budget,
-    };
+    let question = Question::from(&scene);
     let grid = Grid::new(&scene, [SIDE, SIDE]);
     let starts: Vec<[Dd; 2]> = (0..SIDE * SIDE)
         .filter_map(|k| match grid.fate(k % SIDE, k / SIDE) {

@@ -237,6 +237,33 @@ fn without_an_adapter_the_processor_steps_in_and_says_so() {
 
 #[cfg(unix)]
 #[test]
+fn a_reader_that_leaves_is_no_error_and_costs_no_other_file() {
+    use std::io::Read;
+    use std::process::Stdio;
+    for raw in [&[][..], &["--raw", "kept.npy"]] {
+        let folder = folder();
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_flipmap"))
+            .current_dir(&folder)
+            .args(["render", "--engine", "cpu", "--size", "900x900", "--budget", "3", "-o", "-"])
+            .args(raw)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut reader = child.stdout.take().unwrap();
+        reader.read_exact(&mut [0; 10]).unwrap();
+        drop(reader);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{raw:?}: {}", error_of(&output));
+        assert!(!error_of(&output).contains("Broken pipe"), "{}", error_of(&output));
+        if !raw.is_empty() {
+            assert_eq!(numbers(&folder.path().join("kept.npy")).len(), 900 * 900);
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
 fn a_signal_stops_at_once_and_leaves_no_half_file() {
     use std::process::Stdio;
     use std::time::{Duration, Instant};

@@ -122,11 +122,7 @@ fn apply(options: &PictureOptions, document: &mut Document) {
 
 /// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
 fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Exit> {
-    let question = Question {
-        pendulum: scene.build.pendulum(),
-        rule: scene.question.rule,
-        budget_secs: scene.question.budget,
-    };
+    let question = Question::from(scene);
     let Method::Rk4 { step_secs } = recipe.method;
     if question.pendulum.q > 0.0 {
         Steps::new(&question, step_secs, recipe.precision)
@@ -277,18 +273,14 @@ impl Sinks {
         if let (true, Some((painter, png, name))) = (pass.picture, &mut self.picture) {
             let written = png.write(&painter.paint(samples));
             let written = written.with_context(|| format!("cannot write {name}"));
-            if both && written.as_ref().is_err_and(is_broken_pipe) {
+            if reader_left(written, both)? {
                 self.picture = None;
-            } else {
-                written?;
             }
         }
         if let (true, Some((npy, name))) = (pass.raw, &mut self.raw) {
             let written = npy.write(samples).with_context(|| format!("cannot write {name}"));
-            if both && written.as_ref().is_err_and(is_broken_pipe) {
+            if reader_left(written, both)? {
                 self.raw = None;
-            } else {
-                written?;
             }
         }
         Ok(())
@@ -297,9 +289,13 @@ impl Sinks {
     /// Completes every file before any takes its place.
     fn finish(self) -> anyhow::Result<()> {
         let mut complete = Vec::new();
+        let another = self.raw.is_some();
         if let Some((_, png, name)) = self.picture {
-            let file = png.finish().with_context(|| format!("cannot write {name}"))?;
-            complete.push((file, name));
+            let finished = png.finish().with_context(|| format!("cannot write {name}"));
+            match finished {
+                Err(error) if another && is_broken_pipe(&error) => {}
+                finished => complete.push((finished?, name)),
+            }
         }
         complete.extend(self.raw.map(|(npy, name)| (npy.into_inner(), name)));
         for (file, name) in &mut complete {
@@ -309,6 +305,14 @@ impl Sinks {
             file.finish().with_context(|| format!("cannot write {name}"))?;
         }
         Ok(())
+    }
+}
+
+/// Whether an output lost its reader while another one is still wanted; any other failure is one.
+fn reader_left(written: anyhow::Result<()>, another: bool) -> anyhow::Result<bool> {
+    match written {
+        Err(error) if another && is_broken_pipe(&error) => Ok(true),
+        other => other.map(|()| false),
     }
 }
 

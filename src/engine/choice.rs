@@ -85,7 +85,7 @@ fn cpu(wish: &Wish, why: String) -> Result<Chosen, ChoiceError> {
     Ok(Chosen { engine: Box::new(engine), why })
 }
 
-/// The first adapter that matches and whose f32 is sound; otherwise what was wrong.
+/// The first adapter that matches and is trusted with the precision; otherwise what was wrong.
 fn first_sound(wish: &Wish) -> Result<Result<GpuEngine, String>, ChoiceError> {
     let name = wish.adapter.as_deref();
     let precision = wish.precision.unwrap_or(Precision::F32);

@@ -24,6 +24,7 @@ use std::time::Instant;
 
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, Outcome, Pendulum, Rule, State};
+use crate::scene::Scene;
 pub use method::{Method, Precision};
 
 /// What is asked about every start of a job.
@@ -35,6 +36,17 @@ pub struct Question {
     pub rule: Rule,
     /// Simulated seconds a start may use.
     pub budget_secs: f64,
+}
+
+impl From<&Scene> for Question {
+    /// What a checked scene asks.
+    fn from(scene: &Scene) -> Self {
+        Question {
+            pendulum: scene.build.pendulum(),
+            rule: scene.question.rule,
+            budget_secs: scene.question.budget,
+        }
+    }
 }
 
 /// How it is integrated.

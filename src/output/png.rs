@@ -14,7 +14,7 @@ const KEYWORD: &str = "flipmap";
 pub enum PngError {
     /// Writing failed.
     #[error("{0}")]
-    Write(#[from] png::EncodingError),
+    Write(#[from] io::Error),
     /// Not a PNG, or cut short.
     #[error("is not a complete PNG ({0})")]
     Broken(#[from] png::DecodingError),
@@ -35,31 +35,57 @@ pub struct PngWriter<W: Write + 'static> {
 impl<W: Write + 'static> PngWriter<W> {
     /// Begins a `size` picture that carries `document`.
     pub fn new(out: W, [width, height]: [u32; 2], document: &Document) -> Result<Self, PngError> {
-        let out = Shared(Rc::new(RefCell::new(out)));
+        let out = Shared(Rc::new(RefCell::new(Inner { out, failure: None })));
         let mut encoder = png::Encoder::new(out.clone(), width, height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        encoder.add_itxt_chunk(KEYWORD.to_string(), document.text())?;
-        let stream = encoder.write_header()?.into_stream_writer()?;
+        let begun = encoder
+            .add_itxt_chunk(KEYWORD.to_string(), document.text())
+            .and_then(|()| encoder.write_header()?.into_stream_writer());
+        let stream = begun.map_err(|error| out.explain(error.into()))?;
         Ok(PngWriter { out, stream })
     }
 
     /// Writes the next rows, three bytes a pixel.
     pub fn write(&mut self, rgb: &[u8]) -> Result<(), PngError> {
-        self.stream.write_all(rgb).map_err(|error| PngError::Write(error.into()))
+        self.stream.write_all(rgb).map_err(|error| self.out.explain(error).into())
     }
 
     /// Completes the picture and gives the file back.
     pub fn finish(self) -> Result<W, PngError> {
-        self.stream.finish()?;
-        let out = Rc::into_inner(self.out.0).expect("the stream's share is gone");
-        Ok(out.into_inner())
+        let PngWriter { out, stream } = self;
+        stream.finish().map_err(|error| out.explain(error.into()))?;
+        let inner = Rc::into_inner(out.0).expect("the stream's share is gone");
+        Ok(inner.into_inner().out)
     }
 }
 
 /// The file, shared with the encoder, which takes its writer and never gives it back.
-struct Shared<W>(Rc<RefCell<W>>);
+struct Shared<W>(Rc<RefCell<Inner<W>>>);
+
+struct Inner<W> {
+    out: W,
+    /// The first thing that went wrong; the encoder only hands on its words.
+    failure: Option<io::Error>,
+}
+
+impl<W> Shared<W> {
+    /// What really went wrong when the encoder reported `error`.
+    fn explain(&self, error: io::Error) -> io::Error {
+        self.0.borrow_mut().failure.take().unwrap_or(error)
+    }
+
+    fn remember<T>(&self, result: io::Result<T>) -> io::Result<T> {
+        result.map_err(|error| {
+            let kind = error.kind();
+            if kind != io::ErrorKind::Interrupted {
+                self.0.borrow_mut().failure.get_or_insert(error);
+            }
+            kind.into()
+        })
+    }
+}
 
 impl<W> Clone for Shared<W> {
     fn clone(&self) -> Self {
@@ -69,10 +95,12 @@ impl<W> Clone for Shared<W> {
 
 impl<W: Write> Write for Shared<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.borrow_mut().write(bytes)
+        let written = self.0.borrow_mut().out.write(bytes);
+        self.remember(written)
     }
     fn flush(&mut self) -> io::Result<()> {
-        self.0.borrow_mut().flush()
+        let flushed = self.0.borrow_mut().out.flush();
+        self.remember(flushed)
     }
 }
 

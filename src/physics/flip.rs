@@ -91,8 +91,8 @@ impl<T: Scalar> Outcome<T> {
     }
 }
 
-/// `angle` moved by whole turns into (−π, π]; a start exactly at the top is put on the side from
-/// which its first motion (with acceleration `alpha`) leads inward.
+/// `angle`, within [−π, π], where a start exactly at the top is put on the side from which its
+/// first motion (with acceleration `alpha`) leads inward.
 pub fn settle_at_top<T: Scalar>(angle: T, alpha: T) -> T {
     let outward = alpha * angle > T::zero();
     if angle.abs() >= T::pi() && outward { -angle } else { angle }

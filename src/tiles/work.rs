@@ -126,11 +126,7 @@ impl Work {
         let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
         Work {
             grid: Grid::new(scene, size),
-            question: Question {
-                pendulum: scene.build.pendulum(),
-                rule: scene.question.rule,
-                budget_secs: scene.question.budget,
-            },
+            question: Question::from(scene),
             recipe,
             mirrored,
             waiting: plan(size, rows, order, tile_pixels).into(),

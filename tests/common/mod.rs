@@ -34,11 +34,7 @@ pub fn gpu_engine() -> GpuEngine {
 
 /// The question of a scene.
 pub fn question(scene: &Scene) -> Question {
-    Question {
-        pendulum: scene.build.pendulum(),
-        rule: scene.question.rule,
-        budget_secs: scene.question.budget,
-    }
+    Question::from(scene)
 }
 
 /// The open starts of every `every`-th column and row of a square picture.
