@@ -1,12 +1,18 @@
 // The number type f32. The operators are the language's own.
 
 alias Real = f32;
-// θ1 and θ2, each in two parts.
-alias Start = vec4<f32>;
 
 const PI = 3.14159274f;
 // What PI leaves of π.
 const PI_REST = -8.74227766e-8f;
+
+fn real(x: f32) -> Real {
+    return x;
+}
+
+fn rough(x: Real) -> f32 {
+    return x;
+}
 
 fn from_parts(parts: vec2<f32>) -> Real {
     return parts.x + parts.y;

@@ -2,10 +2,16 @@
 // compile to garbage for it (wgpu issue 6087).
 
 alias Real = f64;
-// θ1 and θ2.
-alias Start = vec2<f64>;
 
 const PI = 3.141592653589793lf;
+
+fn real(x: f32) -> Real {
+    return f64(x);
+}
+
+fn rough(x: Real) -> f32 {
+    return f32(x);
+}
 
 fn from_parts(parts: vec2<f32>) -> Real {
     return f64(parts.x) + f64(parts.y);

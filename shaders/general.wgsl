@@ -4,4 +4,8 @@
     let b = from_parts(job.b);
     let p = from_parts(job.p);
     let least_det = from_parts(job.least_det);
+{% if adaptive %}
+    let inverse_scale1 = real(job.inverse_scale.x);
+    let inverse_scale2 = real(job.inverse_scale.y);
+{% endif %}
 {% endif %}

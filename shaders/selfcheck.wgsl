@@ -6,8 +6,8 @@ struct Zero {
 
 // The sums' operands in pairs.
 @group(0) @binding(0) var<storage, read> operands: array<Real>;
-// For each pair: sum, error (f64: difference), product, quotient, sine and cosine of the first,
-// the first rounded.
+// For each pair: sum, error (of number types other than f32: difference), product, quotient, sine
+// and cosine of the first, the first rounded (pairs of f32: the operands themselves).
 @group(0) @binding(1) var<storage, read_write> answers: array<Real>;
 @group(0) @binding(2) var<storage, read> job: Zero;
 
@@ -27,5 +27,9 @@ fn check(@builtin(global_invocation_id) id: vec3<u32>) {
     answers[place + 3u] = quotient;
     answers[place + 4u] = sin;
     answers[place + 5u] = cos;
+{% if pairs %}
+    answers[place + 6u] = a;
+{% else %}
     answers[place + 6u] = round(a);
+{% endif %}
 }

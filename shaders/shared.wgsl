@@ -3,14 +3,20 @@
 struct Job {
     // Pendulums in the job.
     count: u32,
-    // Steps that begin before the end of the budget.
+    // Steps after which a pendulum is over.
     most_steps: u32,
     // Steps that one dispatch may take with each pendulum.
     slice_steps: u32,
     // Always 0, but only the host knows: what is mixed with it cannot be optimised away.
     zero: u32,
-    // The step in reduced time units, in two parts.
+    // The fixed step in reduced time units, in two parts.
     step: vec2<f32>,
+    // Reduced time at which adaptive steps end.
+    budget: f32,
+    // Log2 of the squared tolerance at the release, what a unit of time adds, where that ends.
+    start: f32,
+    rise: f32,
+    ceiling: f32,
 {% if general %}
     // 1: the first bob is watched, 2: the second, 3: both.
     watched: u32,
@@ -19,16 +25,21 @@ struct Job {
     b: vec2<f32>,
     p: vec2<f32>,
     least_det: vec2<f32>,
+{% if adaptive %}
+    // 1 over the scale of each momentum.
+    inverse_scale: vec2<f32>,
+{% endif %}
 {% endif %}
 }
 
 struct Outcome {
-    // Low byte: the status. Above it: how many times a possible flip was looked at.
+    // Low byte: the status. Above it: how many steps were taken to look for a flip.
     status: u32,
-    // Whole steps done.
+    // Steps done; of adaptive ones, tried.
     steps: u32,
-    // How far into the next step the flip is, in two parts.
-    fraction: vec2<f32>,
+    // When the flip is, in two parts: of fixed steps the fraction of the next one, of adaptive
+    // ones the reduced time.
+    moment: vec2<f32>,
 }
 
 // Lengths of the lists of pendulums: two of those that still run, packed together, read and
@@ -47,8 +58,33 @@ const LOOK = 256u;
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<storage, read> job: Job;
-@group(0) @binding(1) var<storage, read> starts: array<Start>;
-@group(0) @binding(2) var<storage, read_write> states: array<Real>;
-@group(0) @binding(3) var<storage, read_write> outcomes: array<Outcome>;
-@group(0) @binding(4) var<storage, read_write> lists: array<u32>;
-@group(0) @binding(5) var<storage, read_write> queue: Queue;
+@group(0) @binding(1) var<storage, read_write> states: array<Real>;
+@group(0) @binding(2) var<storage, read_write> outcomes: array<Outcome>;
+@group(0) @binding(3) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(4) var<storage, read_write> queue: Queue;
+
+// Puts a pendulum on a list if it is wanted there.
+{% if subgroups %}
+// One atomic for all of a subgroup: one for each invocation costs as much as ten steps on
+// software Vulkan.
+fn put_on(list: u32, pixel: u32, wanted: bool) {
+    let one = select(0u, 1u, wanted);
+    let before = subgroupExclusiveAdd(one);
+    let all = subgroupAdd(one);
+    var first = 0u;
+    if wanted && before == 0u {
+        first = atomicAdd(&queue.lengths[list], all);
+    }
+    let place = subgroupAdd(first) + before;
+    if wanted {
+        lists[list * job.count + place] = pixel;
+    }
+}
+{% else %}
+fn put_on(list: u32, pixel: u32, wanted: bool) {
+    if wanted {
+        let place = atomicAdd(&queue.lengths[list], 1u);
+        lists[list * job.count + place] = pixel;
+    }
+}
+{% endif %}

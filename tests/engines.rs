@@ -6,11 +6,24 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::{Engine, Precision, Question, Starts};
+use flipmap::engine::{Engine, Method, Precision, Question, Recipe, Starts};
 use flipmap::physics::{Dd, Outcome, Rule, Status};
 use flipmap::scene::{Build, Kind, Question as Asked, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
+
+/// What an engine is used for: both precisions of the lesson, and the adaptive methods where they
+/// are at home.
+fn recipes(engine: &dyn Engine) -> Vec<Recipe> {
+    let recipe = |method, precision| Recipe { method, precision };
+    let mut recipes = PRECISIONS.map(lesson).to_vec();
+    recipes.push(recipe(Method::Dopri5 { tolerance: 1e-7 }, Precision::F32));
+    recipes.push(recipe(Method::Dop853 { tolerance: 1e-12 }, Precision::F64));
+    if engine.name() == "cpu" {
+        recipes.push(recipe(Method::Taylor { tolerance: 1e-15 }, Precision::F64));
+    }
+    recipes
+}
 
 macro_rules! on_every_engine {
     ($($name:ident)*) => {
@@ -101,10 +114,10 @@ fn mirrored_starts_have_mirrored_fates(make: Make) {
     let mut engine = make();
     for rule in [Rule::Second, Rule::Either] {
         let question = Question { rule, ..question(&Scene::default()) };
-        for precision in PRECISIONS {
-            let there = answers(engine.as_mut(), &question, lesson(precision), &starts);
-            let back = answers(engine.as_mut(), &question, lesson(precision), &mirrored);
-            assert_eq!(there, back, "{rule} {precision}");
+        for recipe in recipes(engine.as_ref()) {
+            let there = answers(engine.as_mut(), &question, recipe, &starts);
+            let back = answers(engine.as_mut(), &question, recipe, &mirrored);
+            assert_eq!(there, back, "{rule} {recipe:?}");
         }
     }
 }
@@ -118,13 +131,13 @@ fn a_whole_turn_away_is_the_same_pendulum(make: Make) {
     let [here, there] = [moved(["2", "1"]), moved(["8.283185307179586", "-5.283185307179586"])];
     let question = question(&here);
     let mut engine = make();
-    for precision in PRECISIONS {
+    for recipe in recipes(engine.as_ref()) {
         let [near, far] = [&here, &there].map(|scene| {
-            answers(engine.as_mut(), &question, lesson(precision), &open_starts(scene, 64, 1))
+            answers(engine.as_mut(), &question, recipe, &open_starts(scene, 64, 1))
         });
         let (far, near) = flips_before(5.0, &far, &near);
         let same = share_within(1e-3, &far, &near);
-        assert!(same >= 0.999, "{precision}: {same}");
+        assert!(same >= 0.999, "{recipe:?}: {same}");
     }
 }
 
@@ -132,13 +145,13 @@ fn splitting_a_job_changes_nothing(make: Make) {
     let question = question(&Scene::default());
     let starts = open_starts(&Scene::default(), 48, 1);
     let mut engine = make();
-    for precision in PRECISIONS {
-        let whole = answers(engine.as_mut(), &question, lesson(precision), &starts);
+    for recipe in recipes(engine.as_ref()) {
+        let whole = answers(engine.as_mut(), &question, recipe, &starts);
         let parts: Vec<Outcome> = starts
             .chunks(97)
-            .flat_map(|part| answers(engine.as_mut(), &question, lesson(precision), part))
+            .flat_map(|part| answers(engine.as_mut(), &question, recipe, part))
             .collect();
-        assert_eq!(whole, parts, "{precision}");
+        assert_eq!(whole, parts, "{recipe:?}");
     }
 }
 
@@ -146,8 +159,7 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
     let question = question(&Scene::default());
     let starts = open_starts(&Scene::default(), 48, 1);
     let mut engine = make();
-    for precision in PRECISIONS {
-        let recipe = lesson(precision);
+    for recipe in recipes(engine.as_ref()) {
         let whole = finished(engine.as_mut(), &question, recipe, Starts::Rest(starts.clone()));
         let mut outcomes = vec![None; starts.len()];
         let mut open: Vec<usize> = (0..starts.len()).collect();
@@ -160,16 +172,16 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
             for (&start, &outcome) in open.iter().zip(&part.outcomes) {
                 outcomes[start] = Some(outcome);
             }
-            evaluations += part.rhs_evaluations;
+            evaluations += part.effort.rhs_evaluations;
             let (left, states): (Vec<usize>, Vec<_>) = part.unfinished.into_iter().unzip();
             open = left.into_iter().map(|index| open[index]).collect();
             next = Starts::Paused(states);
         }
         let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
-        assert_eq!(outcomes, whole.outcomes, "{precision}");
+        assert_eq!(outcomes, whole.outcomes, "{recipe:?}");
         // What is done twice is at most the step around each stop.
-        let most = whole.rhs_evaluations + 5 * 10 * starts.len() as u64;
-        assert!((whole.rhs_evaluations..=most).contains(&evaluations), "{precision}");
+        let most = whole.effort.rhs_evaluations + 5 * 40 * starts.len() as u64;
+        assert!((whole.effort.rhs_evaluations..=most).contains(&evaluations), "{recipe:?}");
     }
 }
 
@@ -200,11 +212,11 @@ fn starts_at_the_top_begin_inside(make: Make) {
     let truth = truth(&question, &starts);
     assert!(truth[0].time > 0.1, "{truth:?}");
     let mut engine = make();
-    for precision in PRECISIONS {
-        let answers = answers(engine.as_mut(), &question, lesson(precision), &starts);
+    for recipe in recipes(engine.as_ref()) {
+        let answers = answers(engine.as_mut(), &question, recipe, &starts);
         assert!(
             (answers[0].time - truth[0].time).abs() < 1e-2,
-            "{precision}: {answers:?} {truth:?}"
+            "{recipe:?}: {answers:?} {truth:?}"
         );
     }
 }
@@ -218,8 +230,8 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
         let asked = Asked { budget: 3.0, ..Asked::default() };
         let scene = Scene { build, question: asked, ..Scene::default() };
         let starts = open_starts(&scene, 24, 1);
-        for precision in PRECISIONS {
-            let answers = answers(engine.as_mut(), &question(&scene), lesson(precision), &starts);
+        for recipe in recipes(engine.as_ref()) {
+            let answers = answers(engine.as_mut(), &question(&scene), recipe, &starts);
             for outcome in &answers {
                 let sound = outcome.time.is_finite() && (0.0..=3.0).contains(&outcome.time);
                 assert!(sound && outcome.status != Status::Forbidden, "{build:?}: {outcome:?}");

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use clap::Args;
 use flipmap::engine::choice::choose;
-use flipmap::engine::method::Steps;
-use flipmap::engine::{Engine, Method, Precision, Question, Recipe};
+use flipmap::engine::method::Pace;
+use flipmap::engine::{Engine, Precision, Question, Recipe};
 use flipmap::output::{Destination, NpyWriter, Painter, PngWriter, RowOrder, SafeFile};
 use flipmap::scene::palette::Palette;
 use flipmap::scene::{Document, Grid, Scene};
@@ -123,15 +123,15 @@ fn apply(options: &PictureOptions, document: &mut Document) {
 /// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
 fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Exit> {
     let question = Question::from(scene);
-    let Method::Rk4 { step_secs } = recipe.method;
     if question.pendulum.q > 0.0 {
-        Steps::new(&question, step_secs, recipe.precision)
+        Pace::new(&question, &recipe)
             .map_err(|error| Exit::Usage(error.to_string()))?;
     }
     let pixel = Grid::new(scene, size).pixel_rad();
     let resolved = match recipe.precision {
-        Precision::F32 => 1e-14,
+        Precision::F32 | Precision::Df32 => 1e-14,
         Precision::F64 => 1e-15,
+        Precision::Dd => 1e-31,
     };
     if pixel < resolved {
         super::tell(&format!(

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Engine, EngineError, Finished, Job, Starts, Wait};
+use super::{Effort, Engine, EngineError, Finished, Job, Starts, Wait};
 use crate::physics::{Outcome, Status};
 
 /// Answers jobs in the order of submission, or backwards, one a poll.
@@ -54,8 +54,8 @@ impl Engine for MockEngine {
         };
         self.answered += angles.len();
         let outcomes = angles.iter().map(|a| Self::answer(a.map(|theta| theta.hi))).collect();
-        let rhs_evaluations = angles.len() as u64;
-        Ok(vec![Finished { id: job.id, outcomes, unfinished: Vec::new(), rhs_evaluations }])
+        let effort = Effort { rhs_evaluations: angles.len() as u64, ..Effort::default() };
+        Ok(vec![Finished { id: job.id, outcomes, unfinished: Vec::new(), effort }])
     }
 
     fn cancel(&mut self) {

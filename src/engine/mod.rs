@@ -18,12 +18,12 @@ pub mod mock;
 
 pub mod selfcheck;
 pub mod shared;
+pub mod start;
 pub mod symbol;
 
 use std::time::Instant;
 
-use crate::physics::trig::Turning;
-use crate::physics::{Dd, Outcome, Pendulum, Rule, State};
+use crate::physics::{Dd, Outcome, Pendulum, Rule};
 use crate::scene::Scene;
 pub use method::{Method, Precision};
 
@@ -58,16 +58,6 @@ pub struct Recipe {
     pub precision: Precision,
 }
 
-impl Recipe {
-    /// How the stages of a step find their directions: from the greatest turn that the scene's
-    /// energy allows in one step.
-    pub fn turning(&self, question: &Question) -> Turning {
-        let Method::Rk4 { step_secs } = self.method;
-        let most = question.pendulum.greatest_speed() * step_secs;
-        Turning::within(most, self.precision.epsilon())
-    }
-}
-
 /// Where the pendulums of a job begin.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Starts {
@@ -92,15 +82,17 @@ impl Starts {
     }
 }
 
+/// Numbers that a pendulum's state takes at most, see [`start`].
+pub const NUMBERS: usize = 15;
+
 /// An unfinished pendulum between two jobs, exactly as the kernel left it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paused {
-    /// Whole steps done.
+    /// Steps done; of adaptive methods those tried.
     pub steps: u32,
-    /// The state in the kernel's units; exact for every precision.
-    pub state: State<f64>,
-    /// What rounding took from the angles (f32 keeps it, f64 does not).
-    pub rest: [f64; 2],
+    /// The state in the kernel's units and in the order that [`start`] gives; exact for every
+    /// precision.
+    pub numbers: [f64; NUMBERS],
 }
 
 /// One piece of work.
@@ -127,8 +119,28 @@ pub struct Finished {
     pub outcomes: Vec<Outcome>,
     /// For each start still unflipped, its index and state, if they were to be kept.
     pub unfinished: Vec<(usize, Paused)>,
-    /// Right-hand sides evaluated, those for locating flips included.
+    /// What it took.
+    pub effort: Effort,
+}
+
+/// Work done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Right-hand sides evaluated, those for locating flips included; an expansion to order N
+    /// counts as N.
     pub rhs_evaluations: u64,
+    /// Steps tried, of all pendulums.
+    pub steps: u64,
+    /// Steps that the lanes had room for while these were done.
+    pub lane_steps: u64,
+}
+
+impl std::ops::AddAssign for Effort {
+    fn add_assign(&mut self, other: Effort) {
+        self.rhs_evaluations += other.rhs_evaluations;
+        self.steps += other.steps;
+        self.lane_steps += other.lane_steps;
+    }
 }
 
 /// How long [`Engine::poll`] may wait for something to finish.

@@ -8,6 +8,7 @@
 use super::gpu::device::Gpu;
 use super::gpu::kernel::selfcheck_text;
 use super::gpu::pipeline::{bind, compute_pipeline, layout};
+use super::shared::{from_parts, to_parts};
 use super::{Engine, EngineError, Job, Method, Precision, Question, Recipe, Starts, Wait};
 use crate::physics::{Dd, Outcome, Pendulum, Real, Rule, gold};
 
@@ -33,6 +34,8 @@ pub struct Verdict {
     pub f32: bool,
     /// f32 error terms survive the compiler, so states can be compensated.
     pub compensated: bool,
+    /// Pairs of f32 keep 44 bits and more.
+    pub df32: bool,
     /// f64 arithmetic is there and sound.
     pub f64: bool,
 }
@@ -42,7 +45,9 @@ impl Verdict {
     pub fn require(&self, precision: Precision) -> Result<(), String> {
         let offered = match precision {
             Precision::F32 => self.f32,
+            Precision::Df32 => self.df32,
             Precision::F64 => self.f64,
+            Precision::Dd => false,
         };
         if offered {
             return Ok(());
@@ -73,6 +78,7 @@ pub fn run(gpu: &Gpu) -> Result<Verdict, EngineError> {
 pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, EngineError> {
     let text = |precision| edit(selfcheck_text(precision));
     let mut checks = judge(Precision::F32, &answers_f32(gpu, text(Precision::F32))?);
+    checks.extend(judge(Precision::Df32, &answers_df32(gpu, text(Precision::Df32))?));
     if gpu.has_f64() {
         checks.extend(judge(Precision::F64, &answers_f64(gpu, text(Precision::F64))?));
     } else {
@@ -97,7 +103,7 @@ pub fn orbits(engine: &mut dyn Engine) -> Result<Vec<Check>, EngineError> {
     let angles = ORBITS.map(|angle| angle.map(Dd::new));
     let truth = ORBITS.map(|angle| gold::outcome(&question.pendulum, angle, Rule::Second, 1.0));
     let mut checks = Vec::new();
-    for (_, precision) in Precision::ALL {
+    for precision in [Precision::F32, Precision::F64] {
         let starts = Starts::Rest(angles.to_vec());
         let recipe = Recipe { method: Method::LESSON, precision };
         let job = Job { id: 0, question, recipe, starts, keep_unfinished: false };
@@ -142,6 +148,7 @@ pub fn verdict(checks: Vec<Check>) -> Verdict {
     Verdict {
         f32: all(Precision::F32, |check| check.name != ERROR_TERMS),
         compensated: all(Precision::F32, |check| check.name == ERROR_TERMS),
+        df32: all(Precision::Df32, |_| true),
         f64: all(Precision::F64, |_| true),
         checks,
     }
@@ -168,17 +175,15 @@ pub fn operands() -> Vec<[f64; 2]> {
 pub struct Answer {
     /// The pair.
     pub operands: [f64; 2],
-    /// Sum, error of the sum (f64: difference), product, quotient, sin, cos, rounded.
+    /// Sum, error of the sum (but of f32: difference), product, quotient, sin, cos, rounded;
+    /// of pairs the first four only.
     pub results: [f64; 7],
 }
 
 /// Compares the answers of a number type with what they must be.
 pub fn judge(precision: Precision, answers: &[Answer]) -> Vec<Check> {
     let worst = |error: &dyn Fn(&Answer) -> f64| worst_of(answers.iter().map(error));
-    let ulp = match precision {
-        Precision::F32 => f64::from(f32::EPSILON),
-        Precision::F64 => f64::EPSILON,
-    };
+    let ulp = 2.0 * precision.epsilon();
     let check = |name, allowed: f64, error: f64| Check {
         precision,
         name,
@@ -194,14 +199,22 @@ pub fn judge(precision: Precision, answers: &[Answer]) -> Vec<Check> {
             (answer.results[k] - truth).abs() / truth.abs()
         })
     };
+    if precision == Precision::Df32 {
+        return vec![
+            check("sums", PAIR_ERROR, relative(0, &|[a, b]| a + b)),
+            check("differences", PAIR_ERROR, relative(1, &|[a, b]| a - b)),
+            check("products", PAIR_ERROR, relative(2, &|[a, b]| a * b)),
+            check("quotients", PAIR_ERROR, relative(3, &|[a, b]| a / b)),
+        ];
+    }
     let sum = move |pair| sum_and_error(precision, pair);
     let product = move |[a, b]: [f64; 2]| match precision {
         Precision::F32 => f64::from(a as f32 * b as f32),
-        Precision::F64 => a * b,
+        _ => a * b,
     };
     let (second, name): (Box<dyn Fn([f64; 2]) -> f64>, _) = match precision {
         Precision::F32 => (Box::new(move |pair| sum(pair).1), ERROR_TERMS),
-        Precision::F64 => (Box::new(|[a, b]| a - b), "differences"),
+        _ => (Box::new(|[a, b]| a - b), "differences"),
     };
     vec![
         check("sums", 0.0, exact(0, &|pair| sum(pair).0)),
@@ -220,14 +233,23 @@ fn sum_and_error(precision: Precision, [a, b]: [f64; 2]) -> (f64, f64) {
             let (sum, error) = (a as f32).fast_two_sum(b as f32);
             (f64::from(sum), f64::from(error))
         }
-        Precision::F64 => a.fast_two_sum(b),
+        _ => a.fast_two_sum(b),
     }
 }
+
+/// What a pair of f32 may lose: 2⁻⁴⁴.
+const PAIR_ERROR: f64 = 5.7e-14;
 
 fn answers_f32(gpu: &Gpu, text: String) -> Result<Vec<Answer>, EngineError> {
     let operands: Vec<f32> = operands().into_iter().flatten().map(|x| x as f32).collect();
     let results: Vec<f32> = ask(gpu, text, &operands)?;
     Ok(pair_up(operands.into_iter().map(f64::from), results.into_iter().map(f64::from)))
+}
+
+fn answers_df32(gpu: &Gpu, text: String) -> Result<Vec<Answer>, EngineError> {
+    let operands: Vec<[f32; 2]> = operands().into_iter().flatten().map(to_parts).collect();
+    let results: Vec<[f32; 2]> = ask(gpu, text, &operands)?;
+    Ok(pair_up(operands.into_iter().map(from_parts), results.into_iter().map(from_parts)))
 }
 
 fn answers_f64(gpu: &Gpu, text: String) -> Result<Vec<Answer>, EngineError> {
@@ -292,7 +314,8 @@ mod tests {
     fn sound(precision: Precision) -> Vec<Answer> {
         let round = |x: f64| match precision {
             Precision::F32 => f64::from(x as f32),
-            Precision::F64 => x,
+            Precision::Df32 => from_parts(to_parts(x)),
+            _ => x,
         };
         let answer = |pair: [f64; 2]| {
             let [a, b] = pair.map(round);
@@ -307,7 +330,7 @@ mod tests {
 
     #[test]
     fn sound_answers_pass() {
-        for precision in [Precision::F32, Precision::F64] {
+        for precision in [Precision::F32, Precision::Df32, Precision::F64] {
             let checks = judge(precision, &sound(precision));
             assert!(checks.iter().all(|check| check.passed), "{checks:?}");
         }
@@ -315,13 +338,13 @@ mod tests {
 
     #[test]
     fn every_check_can_fail() {
-        for precision in [Precision::F32, Precision::F64] {
-            for wrong in 0..7 {
+        for (precision, asked) in [(Precision::F32, 7), (Precision::Df32, 4), (Precision::F64, 7)] {
+            for wrong in 0..asked {
                 for value in [f64::NAN, 0.123, f64::INFINITY] {
                     let mut answers = sound(precision);
                     answers[500].results[wrong] = value;
                     let checks = judge(precision, &answers);
-                    let failed: Vec<usize> = (0..7).filter(|&k| !checks[k].passed).collect();
+                    let failed: Vec<usize> = (0..asked).filter(|&k| !checks[k].passed).collect();
                     assert_eq!(failed, [wrong], "{precision} {value}: {checks:?}");
                 }
             }
@@ -344,7 +367,7 @@ mod tests {
         let mut answers = sound(Precision::F32);
         answers.iter_mut().for_each(|answer| answer.results[1] = 0.0);
         let verdict = verdict(judge(Precision::F32, &answers));
-        assert!(verdict.f32 && !verdict.compensated && !verdict.f64);
+        assert!(verdict.f32 && !verdict.compensated && !verdict.df32 && !verdict.f64);
         assert!(verdict.require(Precision::F64).is_err());
     }
 }

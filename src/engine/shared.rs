@@ -15,8 +15,17 @@ pub struct JobHead {
     pub slice_steps: u32,
     /// Always 0.
     pub zero: u32,
-    /// The step in reduced time units, in two parts.
+    /// The fixed step in reduced time units, in two parts.
     pub step: [f32; 2],
+    /// Reduced time at which adaptive steps end.
+    pub budget: f32,
+    /// log₂ of the squared tolerance at the release, what a unit of time adds, and where that
+    /// ends (see `physics::control`).
+    pub start: f32,
+    /// See there.
+    pub rise: f32,
+    /// See there.
+    pub ceiling: f32,
 }
 
 /// What a general kernel reads besides: the scene.
@@ -35,6 +44,8 @@ pub struct JobScene {
     pub p: [f32; 2],
     /// AB − C².
     pub least_det: [f32; 2],
+    /// 1 over the scale of each momentum; only adaptive kernels read it.
+    pub inverse_scale: [f32; 2],
 }
 
 /// What a kernel says of a pendulum.
@@ -43,10 +54,11 @@ pub struct JobScene {
 pub struct RawOutcome {
     /// Low byte: the status. Above it: how many times a possible flip was looked at.
     pub status: u32,
-    /// Whole steps done.
+    /// Steps done; of adaptive ones, tried.
     pub steps: u32,
-    /// How far into the next step the flip is, in two parts.
-    pub fraction: [f32; 2],
+    /// When the flip is, in two parts: of fixed steps the fraction of the next one, of adaptive
+    /// ones the reduced time.
+    pub moment: [f32; 2],
 }
 
 /// Lengths of the lists of pendulums.

@@ -12,6 +12,7 @@ use std::fmt::Write as _;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Precision;
+use super::shared::to_parts;
 use crate::physics::Real;
 use crate::physics::trig::{
     PI_PARTS_F32, PI_PARTS_F64, Rounding, SERIES_F32, SERIES_F64, sin_cos_with,
@@ -209,6 +210,7 @@ impl Real for Symbol {
         match with_tape(|tape| tape.dialect.precision) {
             Precision::F32 => sin_cos_with(self, PI_PARTS_F32, &SERIES_F32),
             Precision::F64 => sin_cos_with(self, PI_PARTS_F64, &SERIES_F64),
+            Precision::Df32 | Precision::Dd => unimplemented!("pairs run without angles"),
         }
     }
 
@@ -265,7 +267,17 @@ impl Tape {
     fn expression(&self, node: &Node) -> String {
         match node {
             Node::Binary(operator, a, b) => {
-                format!("{} {operator} {}", self.operand(*a), self.operand(*b))
+                let (a, b) = (self.operand(*a), self.operand(*b));
+                if self.dialect.precision != Precision::Df32 {
+                    return format!("{a} {operator} {b}");
+                }
+                let function = match operator {
+                    '+' => "add",
+                    '-' => "subtract",
+                    '*' => "multiply",
+                    _ => "divide",
+                };
+                format!("{function}({a}, {b}, zero)")
             }
             Node::Negative(a) => format!("-{}", self.operand(*a)),
             Node::Call(function, a) => format!("{function}({})", self.operand(*a)),
@@ -287,7 +299,11 @@ impl Tape {
 pub fn literal_text(precision: Precision, value: f64) -> String {
     let text = match precision {
         Precision::F32 => format!("{:?}f", value as f32),
-        Precision::F64 => format!("{value:?}lf"),
+        Precision::Df32 => {
+            let [high, low] = to_parts(value);
+            return format!("Real({high:?}f, {low:?}f)");
+        }
+        Precision::F64 | Precision::Dd => format!("{value:?}lf"),
     };
     if value < 0.0 { format!("({text})") } else { text }
 }

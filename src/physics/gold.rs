@@ -102,6 +102,23 @@ fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
         .reduce(|a, b| if b < a { b } else { a })
 }
 
+/// The first moment in (0, length] at which the point with the polynomials `x` and `y` on the unit
+/// circle passes the top, (−1, 0): the same proof without angles.
+pub fn passage_of_top<T: Scalar>(x: &[T], y: &[T], length: T) -> Option<T> {
+    let first = y.iter().find(|&&c| c != T::zero())?;
+    let mut side = if *first > T::zero() { -T::from_f64(1.0) } else { T::from_f64(1.0) };
+    let mut from = T::zero();
+    loop {
+        let inward: Vec<T> = y.iter().map(|&c| c * side).collect();
+        let time = first_rise(&inward, from, length, MOST_HALVINGS)?;
+        if evaluate(x, time) < T::zero() {
+            return Some(time);
+        }
+        // Through the bottom; beyond it the sides change.
+        (from, side) = (time, -side);
+    }
+}
+
 /// Angles that move by less than this many epsilons are at rest as far as anyone can tell.
 const RESOLVED: f64 = 8.0;
 /// Below 2⁻⁵⁰ of a step nothing is left to separate.

@@ -5,17 +5,24 @@
 //!
 //! * [`pendulum`] holds the five numbers and the equations of motion, written once for scalars,
 //!   SIMD lanes and the symbols from which the GPU's kernels are printed;
-//! * [`integrator`] holds the fixed-step methods;
+//! * [`phase`] writes the same motion without angles;
+//! * [`integrator`] holds the fixed-step methods, [`embedded`] and [`series`] those that choose
+//!   their steps, [`control`] how;
 //! * [`taylor`] and [`gold`] are the *gold standard* that every engine is judged by;
-//! * [`flip`] finds the moment at which a bob passes the top.
+//! * [`flip`] and [`passage`] find the moment at which a bob passes the top.
 
+pub mod control;
 pub mod dd;
+pub mod embedded;
 pub mod flip;
 pub mod gold;
 pub mod integrator;
+pub mod passage;
 pub mod pendulum;
+pub mod phase;
 pub mod polynomial;
 pub mod real;
+pub mod series;
 pub mod taylor;
 pub mod trig;
 

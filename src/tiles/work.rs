@@ -231,7 +231,7 @@ impl Work {
             return;
         };
         self.counts.simulated += places.len() as u64;
-        self.counts.rhs_evaluations += answer.rhs_evaluations;
+        self.counts.rhs_evaluations += answer.effort.rhs_evaluations;
         for (&place, &outcome) in places.iter().zip(&answer.outcomes) {
             samples.set(place as usize, outcome);
         }

@@ -26,10 +26,22 @@ pub trait Lanes: Rounding {
     fn abs(self) -> Self;
     /// The larger of two, lane by lane.
     fn max(self, other: Self) -> Self;
+    /// The smaller of two, lane by lane.
+    fn min(self, other: Self) -> Self;
+    /// `self · factor + term` with one rounding.
+    fn fused(self, factor: Self, term: Self) -> Self;
+    /// Lane by lane `self` where `test` is negative, otherwise `other`.
+    fn select(self, test: Self, other: Self) -> Self;
+    /// log₂ of the magnitude to 0.09, from the bits of the number.
+    fn rough_log2(self) -> Self;
+    /// 2^x to 6 % for |x| < 100: undoes [`Lanes::rough_log2`] exactly.
+    fn rough_exp2(self) -> Self;
     /// `self` where `test` is negative, otherwise 0.
     fn where_negative(self, test: Self) -> Self;
     /// The largest of the lanes, NaNs passed over or not.
     fn largest(self) -> f64;
+    /// The smallest of the lanes, NaNs passed over or not.
+    fn smallest(self) -> f64;
 }
 
 /// Most lanes that any register has.
@@ -38,7 +50,9 @@ pub const MOST_LANES: usize = 16;
 macro_rules! lanes {
     ($name:ident, $float:ident, $register:ident, $count:ident, $magic:expr, $series:expr, $parts:expr,
      $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $fma:ident,
-     $abs:ident, $max:ident, $less:ident, $select:ident, $largest:ident) => {
+     $abs:ident, $max:ident, $less:ident, $select:ident, $largest:ident,
+     $min:ident, $fused:ident, $smallest:ident, $signed:ident, $magnitude:expr, $mantissa:expr,
+     $bias:expr) => {
         /// A register of this number type.
         #[derive(Clone, Copy, Debug)]
         pub struct $name<S: Simd> {
@@ -116,6 +130,40 @@ macro_rules! lanes {
                 Self { lanes: self.set.$max(self.lanes, other.lanes), ..self }
             }
             #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self { lanes: self.set.$min(self.lanes, other.lanes), ..self }
+            }
+            #[inline(always)]
+            fn fused(self, factor: Self, term: Self) -> Self {
+                Self { lanes: self.set.$fused(self.lanes, factor.lanes, term.lanes), ..self }
+            }
+            #[inline(always)]
+            fn select(self, test: Self, other: Self) -> Self {
+                let mask = self.set.$less(test.lanes, self.set.$splat(0.0));
+                Self { lanes: self.set.$select(mask, self.lanes, other.lanes), ..self }
+            }
+            #[inline(always)]
+            fn rough_log2(mut self) -> Self {
+                let parts: &mut [$float] =
+                    bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.lanes));
+                for part in parts {
+                    let bits = (part.to_bits() & $magnitude) as $signed;
+                    *part = bits as $float * (1.0 / $mantissa) - $bias;
+                }
+                self
+            }
+            #[inline(always)]
+            fn rough_exp2(mut self) -> Self {
+                let parts: &mut [$float] =
+                    bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.lanes));
+                for part in parts {
+                    // Through f32, whose conversions every instruction set has.
+                    let bits = ((*part as f32 + 127.0) * 8_388_608.0) as i32;
+                    *part = $float::from(f32::from_bits(bits as u32));
+                }
+                self
+            }
+            #[inline(always)]
             fn where_negative(self, test: Self) -> Self {
                 let zero = self.set.$splat(0.0);
                 let mask = self.set.$less(test.lanes, zero);
@@ -124,6 +172,10 @@ macro_rules! lanes {
             #[inline(always)]
             fn largest(self) -> f64 {
                 f64::from(self.set.$largest(self.lanes))
+            }
+            #[inline(always)]
+            fn smallest(self) -> f64 {
+                f64::from(self.set.$smallest(self.lanes))
             }
         }
     };
@@ -157,7 +209,14 @@ lanes!(
     max_f32s,
     less_than_f32s,
     select_f32s,
-    reduce_max_f32s
+    reduce_max_f32s,
+    min_f32s,
+    mul_add_f32s,
+    reduce_min_f32s,
+    i32,
+    0x7fff_ffff,
+    8_388_608.0,
+    127.0
 );
 lanes!(
     F64Lanes,
@@ -178,5 +237,12 @@ lanes!(
     max_f64s,
     less_than_f64s,
     select_f64s,
-    reduce_max_f64s
+    reduce_max_f64s,
+    min_f64s,
+    mul_add_f64s,
+    reduce_min_f64s,
+    i64,
+    0x7fff_ffff_ffff_ffff,
+    4_503_599_627_370_496.0,
+    1023.0
 );

@@ -4,8 +4,12 @@
 //! chunks that the threads take as they come free; what a pendulum's answer is does not depend
 //! on its chunk, its lane or its thread.
 
+mod adaptive;
+mod fixed;
 mod flock;
 mod lanes;
+mod number;
+mod taylor;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -15,12 +19,15 @@ use std::time::Instant;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use self::flock::{Answer, Chunk, run};
+use self::adaptive::{Eighth, Fifth};
+use self::flock::{Answer, Chunk};
 use self::lanes::{F32Lanes, F64Lanes};
-use super::method::{Method, Steps};
-use super::{Engine, EngineError, Finished, Job, Paused, Precision, Starts, Wait};
+use self::number::{Kept, Two};
+use super::method::{Adaptive, Pace, Steps};
+use super::{Effort, Engine, EngineError, Finished, Job, Method, Paused, Precision, Starts, Wait, start};
+use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
-use crate::physics::{Dd, Outcome, State, Status};
+use crate::physics::{Dd, Outcome, Status};
 
 /// Starts in a chunk: long enough to keep lanes full, short enough to share out evenly.
 const CHUNK: usize = 512;
@@ -70,7 +77,7 @@ impl CpuEngine {
             flying.finished.unfinished.extend(kept.map(|i| (first + i, answer.states[i])));
         }
         flying.finished.outcomes[first..first + count].copy_from_slice(&answer.outcomes);
-        flying.finished.rhs_evaluations += answer.rhs_evaluations;
+        flying.finished.effort += answer.effort;
         flying.chunks_left -= 1;
         if flying.chunks_left > 0 {
             return None;
@@ -83,8 +90,16 @@ impl CpuEngine {
 
 impl Engine for CpuEngine {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        let Method::Rk4 { step_secs } = job.recipe.method;
-        let steps = Steps::new(&job.question, step_secs, job.recipe.precision)?;
+        if job.recipe.method.least_tolerance(job.recipe.precision).is_none()
+            || job.recipe.precision == Precision::Df32
+        {
+            return Err(EngineError::Unsupported(format!(
+                "the processor has no {} in {}",
+                job.recipe.method.name(),
+                job.recipe.precision
+            )));
+        }
+        let pace = Pace::new(&job.question, &job.recipe)?;
         let starts = states_at_start(&job);
         let count = starts.len();
         let flying = Flying {
@@ -94,24 +109,23 @@ impl Engine for CpuEngine {
                 id: job.id,
                 outcomes: vec![Outcome::without_time(Status::Unflipped); count],
                 unfinished: Vec::new(),
-                rhs_evaluations: 0,
+                effort: Effort::default(),
             },
         };
         self.flying.insert(job.id, flying);
-        let turning = job.recipe.turning(&job.question);
-        let (precision, question) = (job.recipe.precision, job.question);
+        let (recipe, question) = (job.recipe, job.question);
         for (index, chunk) in starts.chunks(CHUNK).enumerate() {
             let (starts, sender) = (chunk.to_vec(), self.sender.clone());
             let cancelled = self.cancelled.clone();
             self.pool.spawn_fifo(move || {
                 let chunk = Chunk {
                     question: &question,
-                    steps,
+                    recipe,
+                    pace,
                     starts: &starts,
-                    compensated: precision == Precision::F32,
                     cancelled: &cancelled,
                 };
-                let flown = Arch::new().dispatch(Flight { chunk: &chunk, precision, turning });
+                let flown = Arch::new().dispatch(Flight { chunk: &chunk });
                 if let Some(answer) = flown {
                     // Nobody listens any more once the engine is dropped.
                     let _ = sender.send(Landed { job: job.id, first: index * CHUNK, answer });
@@ -187,8 +201,6 @@ impl Drop for CpuEngine {
 /// A chunk on its way to the widest lanes.
 struct Flight<'a> {
     chunk: &'a Chunk<'a>,
-    precision: Precision,
-    turning: Turning,
 }
 
 impl WithSimd for Flight<'_> {
@@ -196,19 +208,52 @@ impl WithSimd for Flight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
+        match self.chunk.pace {
+            Pace::Fixed(steps) => self.fixed(set, steps),
+            Pace::Adaptive(pace) => self.adaptive(set, pace),
+        }
+    }
+}
+
+impl Flight<'_> {
+    #[inline(always)]
+    fn fixed<S: Simd>(self, set: S, steps: Steps) -> Option<Answer> {
+        let Chunk { question, recipe, .. } = *self.chunk;
         macro_rules! lanes {
             ($lanes:ident) => {
-                match self.turning {
-                    Turning::Small(2) => run::<$lanes<S>, 2>(set, self.chunk),
-                    Turning::Small(4) => run::<$lanes<S>, 4>(set, self.chunk),
-                    Turning::Small(6) => run::<$lanes<S>, 6>(set, self.chunk),
-                    _ => run::<$lanes<S>, 0>(set, self.chunk),
+                match steps.turning(question, recipe.precision) {
+                    Turning::Small(2) => fixed::run::<$lanes<S>, 2>(set, self.chunk, steps),
+                    Turning::Small(4) => fixed::run::<$lanes<S>, 4>(set, self.chunk, steps),
+                    Turning::Small(6) => fixed::run::<$lanes<S>, 6>(set, self.chunk, steps),
+                    _ => fixed::run::<$lanes<S>, 0>(set, self.chunk, steps),
                 }
             };
         }
-        match self.precision {
+        match recipe.precision {
             Precision::F32 => lanes!(F32Lanes),
-            Precision::F64 => lanes!(F64Lanes),
+            _ => lanes!(F64Lanes),
+        }
+    }
+
+    #[inline(always)]
+    fn adaptive<S: Simd>(self, set: S, pace: Adaptive) -> Option<Answer> {
+        let chunk = self.chunk;
+        match (chunk.recipe.method, chunk.recipe.precision) {
+            (Method::Dopri5 { .. }, Precision::F32) => {
+                adaptive::run::<Kept<F32Lanes<S>>, Fifth>(set, chunk, pace)
+            }
+            (Method::Dopri5 { .. }, _) => adaptive::run::<F64Lanes<S>, Fifth>(set, chunk, pace),
+            (Method::Taylor { .. }, Precision::Dd) => {
+                let dd = |hi, lo| Dd { hi, lo };
+                taylor::run::<Two<F64Lanes<S>>, Dd, { ORDER_DD + 1 }>(set, chunk, pace, dd)
+            }
+            (Method::Taylor { .. }, _) => {
+                taylor::run::<F64Lanes<S>, f64, { ORDER_F64 + 1 }>(set, chunk, pace, |high, _| high)
+            }
+            (_, Precision::F32) => {
+                adaptive::run::<Kept<F32Lanes<S>>, Eighth>(set, chunk, pace)
+            }
+            _ => adaptive::run::<F64Lanes<S>, Eighth>(set, chunk, pace),
         }
     }
 }
@@ -217,26 +262,9 @@ impl WithSimd for Flight<'_> {
 fn states_at_start(job: &Job) -> Vec<Paused> {
     match &job.starts {
         Starts::Paused(paused) => paused.clone(),
-        Starts::Rest(angles) => angles
-            .iter()
-            .map(|angle| {
-                let parts = angle.map(|theta| split(theta, job.recipe.precision));
-                Paused {
-                    steps: 0,
-                    state: State::rest([parts[0].0, parts[1].0]),
-                    rest: [parts[0].1, parts[1].1],
-                }
-            })
-            .collect(),
-    }
-}
-
-fn split(theta: Dd, precision: Precision) -> (f64, f64) {
-    match precision {
-        Precision::F64 => (theta.hi, 0.0),
-        Precision::F32 => {
-            let high = f64::from(theta.hi as f32);
-            (high, f64::from(((theta.hi - high) + theta.lo) as f32))
+        Starts::Rest(angles) => {
+            let state = |angle: &[Dd; 2]| start::at_rest(&job.question, &job.recipe, *angle);
+            angles.iter().map(state).collect()
         }
     }
 }

@@ -7,6 +7,7 @@
 
 pub mod device;
 pub mod kernel;
+mod maths;
 pub mod pipeline;
 mod slot;
 
@@ -17,7 +18,6 @@ use self::device::Gpu;
 use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{Landed, Ran, Slot};
-use super::method::Method;
 use super::selfcheck::{self, Check, Verdict};
 use super::{Engine, EngineError, Finished, Job, Wait};
 
@@ -92,8 +92,8 @@ impl GpuEngine {
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.verdict.require(job.recipe.precision).map_err(EngineError::Unsupported)?;
         let general =
-            Design::general(&job.recipe, self.verdict.compensated, self.gpu.has_subgroups());
-        Ok(if self.specialise { general.specialised(&job.question, &job.recipe) } else { general })
+            Design::general(&job.recipe, self.verdict.compensated, self.gpu.has_subgroups())?;
+        if self.specialise { general.specialised(&job.question, &job.recipe) } else { Ok(general) }
     }
 
     /// The place of the job's kernel in the list, compiled if it is new.
@@ -153,9 +153,7 @@ impl GpuEngine {
         let Some(step_secs) = self.step_secs else {
             return FIRST_SLICE_STEPS;
         };
-        let Method::Rk4 { step_secs: simulated_secs } = slot.job.recipe.method;
-        let budget_steps = slot.job.question.budget_secs / simulated_secs;
-        let most = (budget_steps / f64::from(LEAST_SLICES)).max(1.0);
+        let most = (slot.pace.typical_steps() / f64::from(LEAST_SLICES)).max(1.0);
         let wanted = self.pace.as_secs_f64() / (step_secs * f64::from(slot.running()));
         wanted.clamp(1.0, most) as u32
     }

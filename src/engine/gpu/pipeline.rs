@@ -8,8 +8,6 @@ use crate::engine::EngineError;
 pub struct Kernel {
     /// What it was made from.
     pub design: Design,
-    /// Starts to states.
-    pub begin: wgpu::ComputePipeline,
     /// Swaps the lists and sizes the next dispatch.
     pub turn: wgpu::ComputePipeline,
     /// Whole steps.
@@ -28,14 +26,13 @@ impl Kernel {
             source: wgpu::ShaderSource::Wgsl(design.text().into()),
         });
         let layouts =
-            [layout(device, &[true, true, false, false, false, false]), layout(device, &[false])];
+            [layout(device, &[true, false, false, false, false]), layout(device, &[false])];
         let pipeline = |entry: &str, groups: usize| {
             let groups: Vec<_> = layouts[..groups].iter().map(Some).collect();
             compute_pipeline(device, &module, entry, &groups)
         };
         let kernel = Kernel {
             design,
-            begin: pipeline("begin", 1),
             turn: pipeline("turn", 2),
             advance: pipeline("advance", 1),
             look: pipeline("look", 1),

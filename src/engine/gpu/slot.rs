@@ -9,10 +9,11 @@ use wgpu::BufferUsages as Usage;
 
 use super::device::Gpu;
 use super::pipeline::Kernel;
-use crate::engine::method::{Method, Steps};
+use crate::engine::method::Pace;
 use crate::engine::shared::{JobHead, JobScene, Queue, RawOutcome, from_parts, to_parts};
-use crate::engine::{EngineError, Finished, Job, Paused, Precision, Starts};
-use crate::physics::{Outcome, State, Status};
+use crate::engine::start::{self, ANGLES, PHASE};
+use crate::engine::{Effort, EngineError, Finished, Job, NUMBERS, Paused, Precision, Starts};
+use crate::physics::{Outcome, Status};
 
 /// A job on the device. Slices are submitted one at a time; each leaves behind how many
 /// pendulums still run, and the last one is followed by the outcomes.
@@ -21,8 +22,11 @@ pub struct Slot {
     pub job: Job,
     /// The kernel's place in the engine's list.
     pub kernel: usize,
-    steps: Steps,
-    state_len: usize,
+    /// Its steps over the budget.
+    pub pace: Pace,
+    /// Where each number of the device's state is in a [`Paused`] one, and its rest.
+    places: Vec<[Option<usize>; 2]>,
+    lane_steps: u64,
     head: JobHead,
     /// Pendulums that still run.
     running: u32,
@@ -35,6 +39,7 @@ struct Buffers {
     job: wgpu::Buffer,
     states: wgpu::Buffer,
     outcomes: wgpu::Buffer,
+    lists: wgpu::Buffer,
     queue: wgpu::Buffer,
     dispatch_size: wgpu::Buffer,
     /// Read back after each slice: the queue.
@@ -76,22 +81,16 @@ pub enum Landed {
 impl Slot {
     /// Buffers for `job`, filled; the pendulums at their start.
     pub fn new(gpu: &Gpu, kernel: &Kernel, index: usize, job: Job) -> Result<Self, EngineError> {
-        let Method::Rk4 { step_secs } = job.recipe.method;
-        let steps = Steps::new(&job.question, step_secs, job.recipe.precision)?;
-        let state_len = kernel.design.state().len();
-        let head = JobHead {
-            count: job.starts.len() as u32,
-            most_steps: steps.count,
-            slice_steps: 0,
-            zero: 0,
-            step: to_parts(steps.length),
-        };
-        let (buffers, groups) = make_buffers(gpu, kernel, &job, state_len)?;
+        let pace = Pace::new(&job.question, &job.recipe)?;
+        let places = places(&kernel.design.state(), job.recipe.precision);
+        let head = head(&job, &pace);
+        let (buffers, groups) = make_buffers(gpu, kernel, &job, places.len())?;
         let slot = Slot {
             job,
             kernel: index,
-            steps,
-            state_len,
+            pace,
+            places,
+            lane_steps: 0,
             running: head.count,
             head,
             buffers,
@@ -99,7 +98,7 @@ impl Slot {
             flight: None,
         };
         slot.write_scene(gpu);
-        slot.begin(gpu, kernel);
+        slot.begin(gpu);
         Ok(slot)
     }
 
@@ -112,6 +111,7 @@ impl Slot {
             b: to_parts(pendulum.b),
             p: to_parts(pendulum.p),
             least_det: to_parts(pendulum.least_det),
+            inverse_scale: pendulum.momentum_scale().map(|scale| (1.0 / scale) as f32),
         };
         let size = size_of::<JobHead>() as u64;
         gpu.queue.write_buffer(&self.buffers.job, 0, bytes_of(&self.head));
@@ -119,30 +119,36 @@ impl Slot {
     }
 
     /// Puts every pendulum at its start; the first slice reads list 0.
-    fn begin(&self, gpu: &Gpu, kernel: &Kernel) {
+    fn begin(&self, gpu: &Gpu) {
         let queue = Queue { turn: 1, lengths: [self.head.count, 0, 0] };
         gpu.queue.write_buffer(&self.buffers.queue, 0, bytes_of(&queue));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&kernel.begin);
-            pass.set_bind_group(0, &self.groups[0], &[]);
-            pass.dispatch_workgroups(self.head.count.div_ceil(WORKGROUP), 1, 1);
-        }
-        gpu.queue.submit([encoder.finish()]);
-        if let Starts::Paused(paused) = &self.job.starts {
-            self.write_paused(gpu, paused);
+        let list: Vec<u32> = (0..self.head.count).collect();
+        gpu.queue.write_buffer(&self.buffers.lists, 0, cast_slice(&list));
+        match &self.job.starts {
+            Starts::Paused(paused) => self.write_states(gpu, paused),
+            Starts::Rest(angles) => {
+                let Job { question, recipe, .. } = &self.job;
+                let state = |angle: &[_; 2]| start::at_rest(question, recipe, *angle);
+                self.write_states(gpu, &angles.iter().map(state).collect::<Vec<_>>());
+            }
         }
     }
 
-    /// Overwrites what `begin` made with states kept earlier.
-    fn write_paused(&self, gpu: &Gpu, paused: &[Paused]) {
-        let part = |k: usize, p: &Paused| [p.state.angle, p.state.speed, p.rest].as_flattened()[k];
-        let values = (0..self.state_len).flat_map(|k| paused.iter().map(move |p| part(k, p)));
-        let bytes: Vec<u8> = match self.job.recipe.precision {
-            Precision::F32 => values.flat_map(|x| (x as f32).to_le_bytes()).collect(),
-            Precision::F64 => values.flat_map(f64::to_le_bytes).collect(),
-        };
+    fn write_states(&self, gpu: &Gpu, paused: &[Paused]) {
+        let part = |place: Option<usize>, p: &Paused| place.map_or(0.0, |place| p.numbers[place]);
+        let mut bytes: Vec<u8> = Vec::with_capacity(self.buffers.states.size() as usize);
+        for &[high, low] in &self.places {
+            for p in paused {
+                match self.job.recipe.precision {
+                    Precision::F32 => bytes.extend((part(high, p) as f32).to_le_bytes()),
+                    Precision::Df32 => {
+                        let parts = [high, low].map(|place| part(place, p) as f32);
+                        bytes.extend(parts.into_iter().flat_map(f32::to_le_bytes));
+                    }
+                    _ => bytes.extend(part(high, p).to_le_bytes()),
+                }
+            }
+        }
         gpu.queue.write_buffer(&self.buffers.states, 0, &bytes);
         let outcomes: Vec<RawOutcome> =
             paused.iter().map(|p| RawOutcome { steps: p.steps, ..Default::default() }).collect();
@@ -229,6 +235,7 @@ impl Slot {
         let queue: Queue = read(&self.buffers.progress, 0, 1)[0];
         self.buffers.progress.unmap();
         let pendulum_steps = f64::from(self.running) * f64::from(self.head.slice_steps);
+        self.lane_steps += pendulum_steps as u64;
         let ran = Ran { since: flight.since, pendulum_steps };
         self.running = queue.lengths[1 - queue.turn as usize];
         if self.running > 0 {
@@ -247,41 +254,66 @@ impl Slot {
         } else {
             Vec::new()
         };
+        let effort = self.effort(&raw);
+        self.buffers.answer.unmap();
+        Finished { id: self.job.id, outcomes, unfinished, effort }
+    }
+
+    fn effort(&self, raw: &[RawOutcome]) -> Effort {
         let before: u64 = match &self.job.starts {
             Starts::Rest(_) => 0,
             Starts::Paused(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
         };
         let steps: u64 = raw.iter().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
-        let bobs = self.job.question.rule.watched().len() as u64;
         let looks: u64 = raw.iter().map(|raw| u64::from(raw.status >> 8)).sum();
-        // A look repeats its step and takes both ends' accelerations for each bob.
-        let rhs_evaluations = 4 * steps + looks * (4 + 2 * bobs);
-        self.buffers.answer.unmap();
-        Finished { id: self.job.id, outcomes, unfinished, rhs_evaluations }
+        let Job { recipe, question, .. } = &self.job;
+        let rhs = recipe.method.rhs_per_step(recipe.precision);
+        let per_look = match self.pace {
+            // A look repeats its step and takes both ends' accelerations for each bob.
+            Pace::Fixed(_) => rhs + 2 * question.rule.watched().len() as u64,
+            Pace::Adaptive(_) => rhs,
+        };
+        Effort {
+            rhs_evaluations: rhs * steps + looks * per_look,
+            steps,
+            lane_steps: self.lane_steps + looks,
+        }
     }
 
     fn outcome(&self, raw: &RawOutcome) -> Outcome {
-        match raw.status & 255 {
-            1 => self.steps.outcome_of_pass(raw.steps, from_parts(raw.fraction)),
-            3 => Outcome::without_time(Status::Failed),
+        let moment = from_parts(raw.moment);
+        match (raw.status & 255, self.pace) {
+            (1, Pace::Fixed(steps)) => steps.outcome_of_pass(raw.steps, moment),
+            (1, Pace::Adaptive(adaptive)) => adaptive.outcome_of_pass(moment),
+            (3, _) => Outcome::without_time(Status::Failed),
             _ => Outcome::without_time(Status::Unflipped),
         }
     }
 
     fn read_unfinished(&self, raw: &[RawOutcome], outcomes: &[Outcome]) -> Vec<(usize, Paused)> {
-        let numbers = raw.len() * self.state_len;
-        let offset = self.outcome_bytes();
-        let states: Vec<f64> = match self.job.recipe.precision {
-            Precision::F32 => read::<f32>(&self.buffers.answer, offset, numbers)
-                .into_iter()
-                .map(f64::from)
+        let (count, offset) = (raw.len() * self.places.len(), self.outcome_bytes());
+        let answer = &self.buffers.answer;
+        // For each number of each pendulum its value and, of two f32, its rest.
+        let states: Vec<[f64; 2]> = match self.job.recipe.precision {
+            Precision::F32 => {
+                read::<f32>(answer, offset, count).iter().map(|&x| [f64::from(x), 0.0]).collect()
+            }
+            Precision::Df32 => read::<[f32; 2]>(answer, offset, count)
+                .iter()
+                .map(|parts| parts.map(f64::from))
                 .collect(),
-            Precision::F64 => read(&self.buffers.answer, offset, numbers),
+            _ => read::<f64>(answer, offset, count).iter().map(|&x| [x, 0.0]).collect(),
         };
         let paused = |i: usize| {
-            let part = |k: usize| states.get(k * raw.len() + i).copied().unwrap_or(0.0);
-            let state = State { angle: [part(0), part(1)], speed: [part(2), part(3)] };
-            Paused { steps: raw[i].steps, state, rest: [part(4), part(5)] }
+            let mut numbers = [0.0; NUMBERS];
+            for (k, places) in self.places.iter().enumerate() {
+                for (place, value) in places.iter().zip(states[k * raw.len() + i]) {
+                    if let Some(place) = place {
+                        numbers[*place] = value;
+                    }
+                }
+            }
+            Paused { steps: raw[i].steps, numbers }
         };
         (0..raw.len())
             .filter(|&i| outcomes[i].status == Status::Unflipped)
@@ -290,34 +322,41 @@ impl Slot {
     }
 }
 
+/// Where the numbers of a device's state are in [`Paused::numbers`].
+fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
+    let all: &[&str] = if state.contains(&"h") { &PHASE } else { &ANGLES };
+    let place = |name: &str| all.iter().position(|&other| other == name);
+    let low = |name: &str| match precision {
+        Precision::Df32 => place(&format!("{name}_low")),
+        _ => None,
+    };
+    state.iter().map(|name| [place(name), low(name)]).collect()
+}
+
+fn head(job: &Job, pace: &Pace) -> JobHead {
+    let head =
+        JobHead { count: job.starts.len() as u32, most_steps: pace.most_steps(), ..Default::default() };
+    match pace {
+        Pace::Fixed(steps) => JobHead { step: to_parts(steps.length), ..head },
+        Pace::Adaptive(adaptive) => JobHead {
+            budget: adaptive.budget as f32,
+            start: adaptive.control.start as f32,
+            rise: adaptive.control.rise as f32,
+            ceiling: adaptive.control.ceiling as f32,
+            ..head
+        },
+    }
+}
+
 // How far a read-back is.
 const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const REFUSED: u8 = 2;
 
-/// Invocations in a workgroup; the shaders have the same number.
-const WORKGROUP: u32 = 64;
-
 fn read<T: Pod>(buffer: &wgpu::Buffer, offset: u64, count: usize) -> Vec<T> {
     let bytes = offset..offset + (count * size_of::<T>()) as u64;
     let view = buffer.slice(bytes).get_mapped_range().expect("mapped before it is read");
     bytemuck::pod_collect_to_vec(&view)
-}
-
-fn start_bytes(job: &Job) -> Vec<u8> {
-    let Starts::Rest(angles) = &job.starts else {
-        return Vec::new();
-    };
-    match job.recipe.precision {
-        Precision::F32 => {
-            let split = |theta: &crate::physics::Dd| {
-                let high = theta.hi as f32;
-                [high, ((theta.hi - f64::from(high)) + theta.lo) as f32]
-            };
-            angles.iter().flatten().flat_map(split).flat_map(f32::to_le_bytes).collect()
-        }
-        Precision::F64 => angles.iter().flatten().flat_map(|t| t.hi.to_le_bytes()).collect(),
-    }
 }
 
 fn make_buffers(
@@ -327,10 +366,7 @@ fn make_buffers(
     state_len: usize,
 ) -> Result<(Buffers, [wgpu::BindGroup; 2]), EngineError> {
     let count = job.starts.len() as u64;
-    let (number, start) = match job.recipe.precision {
-        Precision::F32 => (4, 16),
-        Precision::F64 => (8, 16),
-    };
+    let number = if job.recipe.precision == Precision::F32 { 4 } else { 8 };
     let state_bytes = count * number * state_len as u64;
     let outcome_bytes = count * size_of::<RawOutcome>() as u64;
     let storage = Usage::STORAGE | Usage::COPY_DST;
@@ -338,21 +374,19 @@ fn make_buffers(
     let back = Usage::MAP_READ | Usage::COPY_DST;
     let kept = if job.keep_unfinished { state_bytes } else { 0 };
     let head = (size_of::<JobHead>() + size_of::<JobScene>()) as u64;
-    let starts = gpu.buffer("a job's starts", count * start, storage)?;
-    let lists = gpu.buffer("a job's lists", count * 12, storage)?;
     let buffers = Buffers {
         job: gpu.buffer("a job's head", head, storage)?,
         states: gpu.buffer("a job's states", state_bytes, both)?,
         outcomes: gpu.buffer("a job's outcomes", outcome_bytes, both)?,
+        lists: gpu.buffer("a job's lists", count * 12, storage)?,
         queue: gpu.buffer("a job's queue", size_of::<Queue>() as u64, both)?,
         dispatch_size: gpu.buffer("a job's dispatch", 16, Usage::STORAGE | Usage::INDIRECT)?,
         progress: gpu.buffer("a job's progress", size_of::<Queue>() as u64, back)?,
         answer: gpu.buffer("a job's answer", outcome_bytes + kept, back)?,
     };
-    gpu.queue.write_buffer(&starts, 0, &start_bytes(job));
-    let Buffers { job, states, outcomes, queue, .. } = &buffers;
+    let Buffers { job, states, outcomes, lists, queue, .. } = &buffers;
     let groups = [
-        kernel.bind(gpu, 0, &[job, &starts, states, outcomes, &lists, queue]),
+        kernel.bind(gpu, 0, &[job, states, outcomes, lists, queue]),
         kernel.bind(gpu, 1, &[&buffers.dispatch_size]),
     ];
     Ok((buffers, groups))

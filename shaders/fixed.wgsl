@@ -1,32 +1,6 @@
-// A tile's pendulums, a slice of steps at a time. `advance` takes whole steps and stops before
+// A tile's pendulums in fixed steps, a slice at a time. `advance` takes whole steps and stops before
 // one in which the top may be reached; `look` decides those. They are apart because software
 // Vulkan runs both sides of every branch, and real devices have registers to save.
-
-// Puts a pendulum on a list if it is wanted there.
-{% if subgroups %}
-// One atomic for all of a subgroup: one for each invocation costs as much as ten steps on
-// software Vulkan.
-fn put_on(list: u32, pixel: u32, wanted: bool) {
-    let one = select(0u, 1u, wanted);
-    let before = subgroupExclusiveAdd(one);
-    let all = subgroupAdd(one);
-    var first = 0u;
-    if wanted && before == 0u {
-        first = atomicAdd(&queue.lengths[list], all);
-    }
-    let place = subgroupAdd(first) + before;
-    if wanted {
-        lists[list * job.count + place] = pixel;
-    }
-}
-{% else %}
-fn put_on(list: u32, pixel: u32, wanted: bool) {
-    if wanted {
-        let place = atomicAdd(&queue.lengths[list], 1u);
-        lists[list * job.count + place] = pixel;
-    }
-}
-{% endif %}
 
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {

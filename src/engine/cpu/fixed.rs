@@ -1,0 +1,180 @@
+//! Fixed steps: RK4 in angles, a register's worth of pendulums together.
+
+use super::flock::{Answer, Chunk, Flock, PATIENCE};
+use super::lanes::{Lanes, MOST_LANES};
+use crate::engine::method::Steps;
+use crate::engine::{NUMBERS, Precision, Question};
+use crate::physics::flip::{fraction_of_step, may_pass};
+use crate::physics::integrator::rk4;
+use crate::physics::trig::Turning;
+use crate::physics::{Outcome, Pendulum, State, Status};
+
+/// Runs a chunk in lanes of `L`; `TERMS` terms turn a stage's direction (0: a fresh sine).
+#[inline(always)]
+pub fn run<L: Lanes, const TERMS: usize>(
+    set: L::Set,
+    chunk: &Chunk,
+    steps: Steps,
+) -> Option<Answer> {
+    let turning = if TERMS == 0 { Turning::Fresh } else { Turning::Small(TERMS) };
+    let compensated = chunk.recipe.precision == Precision::F32;
+    let (reduced, _) = chunk.question.pendulum.reduced();
+    let pendulum = reduced.map(|number| L::splat(set, number));
+    let step = L::splat(set, steps.length);
+    let mut fixed =
+        Fixed { flock: Flock::new(chunk, L::COUNT, [0.0; NUMBERS]), reduced, steps };
+    fixed.finish_those_over();
+    while fixed.flock.is_busy() {
+        if fixed.flock.is_cancelled() {
+            return None;
+        }
+        let [mut state, mut rest] = fixed.load::<L>(set);
+        let mut taken = 0;
+        let most = fixed.steps_left().min(PATIENCE);
+        while taken < most {
+            let change = rk4(&pendulum, &state, step, turning);
+            let (next, next_rest) = if compensated {
+                state.plus_with_rest(rest.angle, &change)
+            } else {
+                (state.plus(&change), rest.angle)
+            };
+            if nearest_pass(chunk.question, &state, &next, step) >= PI_BELOW {
+                fixed.store([&state, &rest], taken);
+                fixed.look([&next, &State { angle: next_rest, ..rest }]);
+                taken = u32::MAX;
+                break;
+            }
+            (state, rest.angle) = (next, next_rest);
+            taken += 1;
+        }
+        if taken != u32::MAX {
+            fixed.store([&state, &rest], taken);
+        }
+        fixed.finish_those_over();
+    }
+    Some(fixed.flock.answer)
+}
+
+/// The f32 next below π: lanes compare with it, the exact test follows in f64.
+const PI_BELOW: f64 = 3.141_592_5;
+
+/// How near any lane may have come to the top in a step (twin: `flip::may_pass`).
+#[inline(always)]
+fn nearest_pass<L: Lanes>(
+    question: &Question,
+    before: &State<L>,
+    after: &State<L>,
+    step: L,
+) -> f64 {
+    let mut nearest = before.angle[0].lit(0.0);
+    for &bob in question.rule.watched() {
+        let end = after.angle[bob].abs();
+        let far = before.angle[bob].abs().max(end);
+        let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());
+        let turned = before.speed[bob] * after.speed[bob];
+        nearest = nearest.max(end).max((far + travel).where_negative(turned));
+    }
+    nearest.largest()
+}
+
+/// A flock in fixed steps. Its rows are θ1, θ2, ω1, ω2 and the rests of the angles.
+struct Fixed<'a> {
+    flock: Flock<'a>,
+    reduced: Pendulum<f64>,
+    steps: Steps,
+}
+
+impl Fixed<'_> {
+    #[inline(always)]
+    fn load<L: Lanes>(&self, set: L::Set) -> [State<L>; 2] {
+        let rows = &self.flock.rows;
+        let zero = L::splat(set, 0.0);
+        let angle = [L::load(set, &rows[0]), L::load(set, &rows[1])];
+        let speed = [L::load(set, &rows[2]), L::load(set, &rows[3])];
+        let rest = [L::load(set, &rows[4]), L::load(set, &rows[5])];
+        [State { angle, speed }, State { angle: rest, speed: [zero, zero] }]
+    }
+
+    /// Takes the lanes' state after `taken` steps.
+    #[inline(always)]
+    fn store<L: Lanes>(&mut self, [state, rest]: [&State<L>; 2], taken: u32) {
+        let rows = [state.angle, state.speed, rest.angle];
+        for (row, lanes) in self.flock.rows.iter_mut().zip(rows.as_flattened()) {
+            lanes.store(row);
+        }
+        self.flock.count_steps(taken);
+    }
+
+    /// Decides for each lane whether the step to `next` is a flip; otherwise takes it.
+    #[inline(always)]
+    fn look<L: Lanes>(&mut self, [next, next_rest]: [&State<L>; 2]) {
+        let mut after = [[0.0; MOST_LANES]; 6];
+        let rows = [next.angle, next.speed, next_rest.angle];
+        for (row, lanes) in after.iter_mut().zip(rows.as_flattened()) {
+            lanes.store(row);
+        }
+        for lane in self.flock.running() {
+            self.look_at(lane, after.map(|row| row[lane]));
+        }
+        self.flock.answer.effort.lane_steps += L::COUNT as u64;
+    }
+
+    fn look_at(&mut self, lane: usize, after: [f64; 6]) {
+        let before = exact_state(&self.flock.numbers(lane));
+        let exact_after = exact_state(&after);
+        let effort = &mut self.flock.answer.effort;
+        effort.steps += 1;
+        effort.rhs_evaluations += 4;
+        let step = self.steps.length;
+        let mut fraction: Option<f64> = None;
+        for &bob in self.flock.chunk.question.rule.watched() {
+            if may_pass(&before, &exact_after, bob, step) {
+                effort.rhs_evaluations += 2;
+                let found = fraction_of_step(&self.reduced, bob, &before, &exact_after, step);
+                fraction = [fraction, found].into_iter().flatten().reduce(f64::min);
+            }
+        }
+        let Some(fraction) = fraction else {
+            for (row, value) in self.flock.rows.iter_mut().zip(after) {
+                row[lane] = value;
+            }
+            self.flock.taken[lane] += 1;
+            return;
+        };
+        let steps = self.flock.taken[lane];
+        self.flock.finish(lane, self.steps.outcome_of_pass(steps, fraction));
+    }
+
+    /// Frees the lanes whose budget is used, until every lane has work or none is left.
+    fn finish_those_over(&mut self) {
+        loop {
+            self.flock.refill();
+            let mut finished = false;
+            for lane in self.flock.running() {
+                let speeds = [self.flock.rows[2][lane], self.flock.rows[3][lane]];
+                let sound = speeds.iter().all(|speed| speed.is_finite());
+                if !sound || self.flock.taken[lane] >= self.steps.count {
+                    let status = if sound { Status::Unflipped } else { Status::Failed };
+                    self.flock.finish(lane, Outcome::without_time(status));
+                    finished = true;
+                }
+            }
+            if !finished {
+                return;
+            }
+        }
+    }
+
+    /// Steps until the first lane's budget is used.
+    fn steps_left(&self) -> u32 {
+        let left = |lane: usize| self.steps.count - self.flock.taken[lane];
+        self.flock.running().map(left).min().unwrap_or(0)
+    }
+}
+
+fn exact_state(numbers: &[f64]) -> State<f64> {
+    State {
+        angle: [numbers[0] + numbers[4], numbers[1] + numbers[5]],
+        speed: [numbers[2], numbers[3]],
+    }
+}

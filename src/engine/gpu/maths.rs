@@ -1,0 +1,173 @@
+//! The maths of a kernel as shader text, printed from the Rust of `physics`.
+
+use super::kernel::{Design, Scheme};
+use crate::engine::Precision;
+use crate::engine::symbol::{Dialect, Symbol, literal, variable, write_maths};
+use crate::physics::embedded::{Trial, dop853, dopri5};
+use crate::physics::phase::Phase;
+use crate::physics::polynomial::quintic_hermite;
+use crate::physics::trig::Turning;
+use crate::physics::{Pendulum, Real, State, integrator};
+
+const INDENT: &str = "        ";
+
+impl Design {
+    fn dialect(&self) -> Dialect {
+        Dialect { precision: self.precision, indent: INDENT }
+    }
+
+    fn pendulum(&self) -> Pendulum<Symbol> {
+        match self.scene {
+            Some((pendulum, _)) => pendulum.map(literal),
+            None => Pendulum {
+                a: variable("a"),
+                b: variable("b"),
+                c: literal(1.0),
+                p: variable("p"),
+                q: literal(1.0),
+                least_det: variable("least_det"),
+            },
+        }
+    }
+
+    fn inverse_scale(&self) -> [Symbol; 2] {
+        match self.scene {
+            Some((pendulum, _)) => pendulum.momentum_scale().map(|scale| literal(1.0 / scale)),
+            None => ["inverse_scale1", "inverse_scale2"].map(variable),
+        }
+    }
+
+    /// One step: the `_next` value of every variable of the state that moves, and what it is
+    /// judged by.
+    pub fn step(&self) -> String {
+        match self.scheme {
+            Scheme::Fixed(turning) => self.fixed_step(turning),
+            Scheme::Fifth => self.adaptive_step(dopri5),
+            Scheme::Eighth => self.adaptive_step(dop853),
+        }
+    }
+
+    fn fixed_step(&self, turning: Turning) -> String {
+        write_maths(self.dialect(), || {
+            let before = state(["t1", "t2", "w1", "w2"]);
+            let change = integrator::rk4(&self.pendulum(), &before, variable("step"), turning);
+            let next = if self.compensated {
+                let low = ["t1_low", "t2_low"].map(variable);
+                let (next, low) = before.plus_with_rest(low, &change);
+                [next.angle, next.speed, low].concat()
+            } else {
+                let next = before.plus(&change);
+                [next.angle, next.speed].concat()
+            };
+            self.state().iter().map(|name| format!("{name}_next")).zip(next).collect()
+        })
+    }
+
+    fn adaptive_step(
+        &self,
+        pair: fn(&Pendulum<Symbol>, [Symbol; 2], &Phase<Symbol>, Symbol) -> Trial<Symbol>,
+    ) -> String {
+        const NAMES: Phase<&str> = ["x1", "y1", "x2", "y2", "p1", "p2"];
+        const LOWS: Phase<&str> = ["x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low"];
+        write_maths(self.dialect(), || {
+            let (pendulum, phase, step) =
+                (self.pendulum(), NAMES.map(variable), variable("step"));
+            let trial = pair(&pendulum, self.inverse_scale(), &phase, step);
+            let mut results = Vec::new();
+            let mut next = phase;
+            for i in 0..6 {
+                let name = |name: &str| format!("{name}_next");
+                if self.compensated {
+                    let change = variable(LOWS[i]) + trial.change[i];
+                    let (value, rest) = phase[i].fast_two_sum(change);
+                    next[i] = value;
+                    results.push((name(LOWS[i]), rest));
+                } else {
+                    next[i] = phase[i] + trial.change[i];
+                }
+                results.push((name(NAMES[i]), next[i]));
+            }
+            let time = variable("time");
+            if self.compensated {
+                let (sum, rest) = time.fast_two_sum(variable("time_low") + step);
+                results.push(("time_next".to_string(), sum));
+                results.push(("time_low_next".to_string(), rest));
+            } else {
+                results.push(("time_next".to_string(), time + step));
+            }
+            results.push(("error_squared".to_string(), trial.error_squared));
+            let (before, after) = (pendulum.speeds(&phase), pendulum.speeds(&next));
+            for bob in self.watched() {
+                results.push((format!("w{bob}"), before[bob - 1]));
+                results.push((format!("w{bob}_next"), after[bob - 1]));
+            }
+            results
+        })
+    }
+
+    /// Whether a watched bob may have been at the top (twin: `flip::may_pass`).
+    pub fn may_pass(&self) -> String {
+        let one = |bob: &usize| {
+            let (t, w) = (format!("t{bob}"), format!("w{bob}"));
+            let turned = format!("({w} * {w}_next < 0)");
+            let far = format!("max(abs({t}), abs({t}_next))");
+            let travel = format!("step * max(abs({w}), abs({w}_next))");
+            let pass = format!("(abs({t}_next) >= PI) || ({turned} && ({far} + {travel} >= PI))");
+            match self.scene {
+                Some(_) => pass,
+                None => format!("((job.watched & {bob}u) != 0u && ({pass}))"),
+            }
+        };
+        self.watched().iter().map(one).collect::<Vec<_>>().join(" || ")
+    }
+
+    /// The coefficients of a bob's way to the top over the step (see `flip::fraction_of_step`).
+    pub fn quintic_of(&self, bob: usize) -> String {
+        const ENDS: [[&str; 6]; 2] = [
+            ["t1", "t2", "w1", "w2", "t1_low", "t2_low"],
+            ["t1_next", "t2_next", "w1_next", "w2_next", "t1_low_next", "t2_low_next"],
+        ];
+        write_maths(self.dialect(), || {
+            let (side, step) = (variable("side"), variable("step"));
+            let ends = ENDS.map(|[t1, t2, w1, w2, t1_low, t2_low]| {
+                let end = state([t1, t2, w1, w2]);
+                let alpha = self.pendulum().acceleration(&end)[bob - 1];
+                let margin = side * end.angle[bob - 1] - variable("PI");
+                let rest = [t1_low, t2_low][bob - 1];
+                let margin = if self.compensated {
+                    margin + (side * variable(rest) - variable("PI_REST"))
+                } else {
+                    margin
+                };
+                [margin, side * end.speed[bob - 1] * step, side * alpha * step * step]
+            });
+            let coefficients = quintic_hermite(ends[0], ends[1]);
+            (0..6).map(|k| format!("c{k}")).zip(coefficients).collect()
+        })
+    }
+}
+
+fn state(names: [&'static str; 4]) -> State<Symbol> {
+    let [t1, t2, w1, w2] = names.map(variable);
+    State { angle: [t1, t2], speed: [w1, w2] }
+}
+
+/// The self-check's results for one number type.
+pub fn selfcheck(precision: Precision) -> String {
+    write_maths(Dialect { precision, indent: "    " }, || {
+        let (a, b) = (variable("a"), variable("b"));
+        let (sum, error) = match precision {
+            Precision::F32 => a.fast_two_sum(b),
+            _ => (a + b, a - b),
+        };
+        let (sin, cos) = match precision {
+            Precision::Df32 => (a, b),
+            _ => a.sin_cos(),
+        };
+        ["sum", "error", "product", "quotient", "sin", "cos"]
+            .map(str::to_string)
+            .into_iter()
+            .zip([sum, error, a * b, a / b, sin, cos])
+            .collect()
+    })
+}

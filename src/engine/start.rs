@@ -1,0 +1,69 @@
+//! The numbers a pendulum's state is kept in, and those it begins with.
+//!
+//! Fixed steps run in angles, adaptive ones in unit vectors and momenta; both in reduced units.
+//! Every name has a place, whatever the precision; a precision without rests leaves theirs at 0.
+
+use super::{Method, NUMBERS, Paused, Precision, Question, Recipe};
+use crate::physics::{Dd, Pendulum, Scalar, State, control};
+
+/// What the numbers of a fixed-step state are called.
+pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
+
+/// What the numbers of an adaptive state are called.
+pub const PHASE: [&str; NUMBERS] = [
+    "x1", "y1", "x2", "y2", "p1", "p2", "x1_low", "y1_low", "x2_low", "y2_low", "p1_low",
+    "p2_low", "time", "time_low", "h",
+];
+
+/// Places in an adaptive state.
+pub const TIME: usize = 12;
+/// See [`TIME`].
+pub const TIME_LOW: usize = 13;
+/// See [`TIME`].
+pub const STEP: usize = 14;
+
+/// The state of a pendulum let go at rest at `angle` (rad, within (−π, π]).
+pub fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
+    let mut numbers = [0.0; NUMBERS];
+    if let Method::Rk4 { .. } = recipe.method {
+        for i in 0..2 {
+            [numbers[i], numbers[4 + i]] = parts(angle[i], recipe.precision);
+        }
+    } else {
+        let vectors = match recipe.precision {
+            Precision::Dd => exact_vectors(&question.pendulum, angle),
+            _ => angle.map(unit_vector),
+        };
+        for (i, value) in vectors.as_flattened().iter().enumerate() {
+            [numbers[i], numbers[6 + i]] = parts(*value, recipe.precision);
+        }
+        numbers[STEP] = control::FIRST;
+    }
+    Paused { steps: 0, numbers }
+}
+
+/// `value` as the number type holds it, and what that leaves.
+fn parts(value: Dd, precision: Precision) -> [f64; 2] {
+    match precision {
+        Precision::F64 => [value.hi, 0.0],
+        Precision::Dd => [value.hi, value.lo],
+        Precision::F32 | Precision::Df32 => {
+            let high = f64::from(value.hi as f32);
+            [high, f64::from(((value.hi - high) + value.lo) as f32)]
+        }
+    }
+}
+
+/// Cosine and sine to the precision of f64; at the top exactly.
+fn unit_vector(angle: Dd) -> [Dd; 2] {
+    if angle.abs() == Dd::PI {
+        return [Dd::new(-1.0), Dd::new(0.0)];
+    }
+    let (sin, cos) = angle.hi.sin_cos();
+    [Dd::new(cos - sin * angle.lo), Dd::new(sin + cos * angle.lo)]
+}
+
+fn exact_vectors(pendulum: &Pendulum<f64>, angle: [Dd; 2]) -> [[Dd; 2]; 2] {
+    let [x1, y1, x2, y2, _, _] = pendulum.map(Dd::new).phase(&State::rest(angle));
+    [[x1, y1], [x2, y2]]
+}

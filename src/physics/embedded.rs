@@ -1,0 +1,285 @@
+//! One trial step of each embedded Runge–Kutta pair, with the error it says it made.
+//!
+//! Coefficients are data from the papers named. The stages are written out, because code for
+//! SIMD lanes and for shaders has to be straight.
+
+use super::pendulum::Pendulum;
+use super::phase::Phase;
+use super::real::Real;
+
+/// A step that may be taken, or tried again shorter.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial<T> {
+    /// What it changes.
+    pub change: Phase<T>,
+    /// The square of its error: root mean square over the six, momenta in units of their scale.
+    pub error_squared: T,
+}
+
+/// Dormand and Prince's pair of orders 8 and 5 with 3 (Hairer, Nørsett and Wanner, *Solving
+/// Ordinary Differential Equations I*, 2nd ed., II.5 and II.10): 12 right-hand sides.
+/// `inverse_scale` is 1 over the scale of each momentum.
+#[inline(always)]
+pub fn dop853<T: Real>(
+    pendulum: &Pendulum<T>,
+    inverse_scale: [T; 2],
+    phase: &Phase<T>,
+    step: T,
+) -> Trial<T> {
+    let k1 = pendulum.flow(phase);
+    let k2 = pendulum.flow(&moved(phase, step, [&k1], [0.05260015195876773]));
+    let k3 =
+        pendulum.flow(&moved(phase, step, [&k1, &k2], [0.0197250569845379, 0.0591751709536137]));
+    let k4 =
+        pendulum.flow(&moved(phase, step, [&k1, &k3], [0.02958758547680685, 0.08876275643042054]));
+    let k5 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k3, &k4],
+        [0.2413651341592667, -0.8845494793282861, 0.924834003261792],
+    ));
+    let k6 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k4, &k5],
+        [0.037037037037037035, 0.17082860872947386, 0.12546768756682242],
+    ));
+    let k7 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k4, &k5, &k6],
+        [0.037109375, 0.17025221101954405, 0.06021653898045596, -0.017578125],
+    ));
+    let k8 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k4, &k5, &k6, &k7],
+        [
+            0.03709200011850479,
+            0.17038392571223998,
+            0.10726203044637328,
+            -0.015319437748624402,
+            0.008273789163814023,
+        ],
+    ));
+    let k9 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k4, &k5, &k6, &k7, &k8],
+        [
+            0.6241109587160757,
+            -3.3608926294469414,
+            -0.868219346841726,
+            27.59209969944671,
+            20.154067550477894,
+            -43.48988418106996,
+        ],
+    ));
+    let k10 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k4, &k5, &k6, &k7, &k8, &k9],
+        [
+            0.47766253643826434,
+            -2.4881146199716677,
+            -0.590290826836843,
+            21.230051448181193,
+            15.279233632882423,
+            -33.28821096898486,
+            -0.020331201708508627,
+        ],
+    ));
+    let k11 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k4, &k5, &k6, &k7, &k8, &k9, &k10],
+        [
+            -0.9371424300859873,
+            5.186372428844064,
+            1.0914373489967295,
+            -8.149787010746927,
+            -18.52006565999696,
+            22.739487099350505,
+            2.4936055526796523,
+            -3.0467644718982196,
+        ],
+    ));
+    let k12 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k4, &k5, &k6, &k7, &k8, &k9, &k10, &k11],
+        [
+            2.273310147516538,
+            -10.53449546673725,
+            -2.0008720582248625,
+            -17.9589318631188,
+            27.94888452941996,
+            -2.8589982771350235,
+            -8.87285693353063,
+            12.360567175794303,
+            0.6433927460157636,
+        ],
+    ));
+    let k = [&k1, &k6, &k7, &k8, &k9, &k10, &k11, &k12];
+    let rate = sum(
+        k,
+        [
+            0.054293734116568765,
+            4.450312892752409,
+            1.8915178993145003,
+            -5.801203960010585,
+            0.3111643669578199,
+            -0.1521609496625161,
+            0.20136540080403034,
+            0.04471061572777259,
+        ],
+    );
+    let fifth = sum(
+        k,
+        [
+            0.01312004499419488,
+            -1.2251564463762044,
+            -0.4957589496572502,
+            1.6643771824549864,
+            -0.35032884874997366,
+            0.3341791187130175,
+            0.08192320648511571,
+            -0.022355307863886294,
+        ],
+    );
+    // The third-order solution is the eighth-order one but for three terms.
+    let third = less(&rate, [&k1, &k9, &k12], [0.2440944881889764, 0.7338466882816118, 0.02205882352941176]);
+    let fifth = square(&fifth, inverse_scale);
+    let third = square(&third, inverse_scale);
+    let both = third.mul_add(step.lit(0.01), fifth) + step.lit(TINY);
+    let error = fifth * step;
+    Trial { change: scaled(&rate, step), error_squared: error * error / (both * step.lit(6.0)) }
+}
+
+/// Keeps a resting pendulum's error from being 0/0.
+const TINY: f64 = 1e-30;
+
+/// Dormand and Prince's pair of orders 5 and 4 (J. Comp. Appl. Math. 6, 1980): 7 right-hand
+/// sides.
+#[inline(always)]
+pub fn dopri5<T: Real>(
+    pendulum: &Pendulum<T>,
+    inverse_scale: [T; 2],
+    phase: &Phase<T>,
+    step: T,
+) -> Trial<T> {
+    let k1 = pendulum.flow(phase);
+    let k2 = pendulum.flow(&moved(phase, step, [&k1], [0.2]));
+    let k3 = pendulum.flow(&moved(phase, step, [&k1, &k2], [3.0 / 40.0, 9.0 / 40.0]));
+    let k4 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k2, &k3],
+        [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+    ));
+    let k5 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k2, &k3, &k4],
+        [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
+    ));
+    let k6 = pendulum.flow(&moved(
+        phase,
+        step,
+        [&k1, &k2, &k3, &k4, &k5],
+        [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
+    ));
+    let rate = sum(
+        [&k1, &k3, &k4, &k5, &k6],
+        [35.0 / 384.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+    );
+    let change = scaled(&rate, step);
+    let k7 = pendulum.flow(&plus(phase, &change));
+    let error = sum(
+        [&k1, &k3, &k4, &k5, &k6, &k7],
+        [
+            71.0 / 57600.0,
+            -71.0 / 16695.0,
+            71.0 / 1920.0,
+            -17253.0 / 339200.0,
+            22.0 / 525.0,
+            -1.0 / 40.0,
+        ],
+    );
+    let error = square(&error, inverse_scale) * (step * step) * step.lit(1.0 / 6.0);
+    Trial { change, error_squared: error }
+}
+
+/// `phase + step · Σ weightⱼ kⱼ`.
+#[inline(always)]
+fn moved<T: Real, const N: usize>(
+    phase: &Phase<T>,
+    step: T,
+    k: [&Phase<T>; N],
+    weights: [f64; N],
+) -> Phase<T> {
+    let mut rate = sum(k, weights);
+    for i in 0..6 {
+        rate[i] = rate[i].mul_add(step, phase[i]);
+    }
+    rate
+}
+
+/// `Σ weightⱼ kⱼ`.
+#[inline(always)]
+fn sum<T: Real, const N: usize>(k: [&Phase<T>; N], weights: [f64; N]) -> Phase<T> {
+    let mut sum = *k[0];
+    for i in 0..6 {
+        sum[i] = sum[i] * sum[i].lit(weights[0]);
+        for j in 1..N {
+            sum[i] = k[j][i].mul_add(sum[i].lit(weights[j]), sum[i]);
+        }
+    }
+    sum
+}
+
+/// `rate − Σ weightⱼ kⱼ`.
+#[inline(always)]
+fn less<T: Real, const N: usize>(
+    rate: &Phase<T>,
+    k: [&Phase<T>; N],
+    weights: [f64; N],
+) -> Phase<T> {
+    let mut rate = *rate;
+    for i in 0..6 {
+        for j in 0..N {
+            rate[i] = k[j][i].mul_add(rate[i].lit(-weights[j]), rate[i]);
+        }
+    }
+    rate
+}
+
+#[inline(always)]
+fn scaled<T: Real>(rate: &Phase<T>, step: T) -> Phase<T> {
+    let mut change = *rate;
+    for value in &mut change {
+        *value = *value * step;
+    }
+    change
+}
+
+/// `phase + change`.
+#[inline(always)]
+pub fn plus<T: Real>(phase: &Phase<T>, change: &Phase<T>) -> Phase<T> {
+    let mut next = *phase;
+    for i in 0..6 {
+        next[i] = next[i] + change[i];
+    }
+    next
+}
+
+/// The sum of squares, momenta in units of their scale.
+#[inline(always)]
+fn square<T: Real>(rate: &Phase<T>, inverse_scale: [T; 2]) -> T {
+    let (p1, p2) = (rate[4] * inverse_scale[0], rate[5] * inverse_scale[1]);
+    let mut total = p1.mul_add(p1, p2 * p2);
+    for value in &rate[..4] {
+        total = value.mul_add(*value, total);
+    }
+    total
+}
