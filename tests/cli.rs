@@ -7,11 +7,18 @@ use std::process::Output;
 use assert_cmd::Command;
 use tempfile::TempDir;
 
-/// The program on the processor, so that these tests need no adapter.
-fn flipmap(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("flipmap").unwrap().current_dir(folder).args(arguments).output().unwrap()
+/// The program in a folder, with a cache that only tests share.
+fn program(folder: &TempDir) -> Command {
+    let mut command = Command::cargo_bin("flipmap").unwrap();
+    command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
+    command
 }
 
+fn flipmap(folder: &TempDir, arguments: &[&str]) -> Output {
+    program(folder).args(arguments).output().unwrap()
+}
+
+/// On the processor, so that these tests need no adapter.
 fn render(folder: &TempDir, arguments: &[&str]) -> Output {
     let small = ["render", "--engine", "cpu", "--size", "32x24"];
     flipmap(folder, &[&small, arguments].concat())
@@ -40,7 +47,8 @@ fn a_map_and_its_times_are_written() {
     assert!(output.status.success(), "{}", error_of(&output));
     let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(object["pixels"], 32 * 24);
-    assert_eq!((object["engine"].as_str(), object["method"].as_str()), (Some("cpu"), Some("rk4")));
+    let ran = ["engine", "method", "precision", "setting"].map(|key| object[key].as_str().unwrap());
+    assert_eq!(ran, ["cpu", "dop853", "f64", "tolerance 3e-13"]);
     let sum = ["flipped", "unflipped", "forbidden", "failed"]
         .iter()
         .map(|key| object[key].as_u64().unwrap())
@@ -92,7 +100,7 @@ fn standard_output_carries_the_picture() {
 }
 
 /// Arguments, exit code, and what the one sentence must mention.
-const MISTAKES: [(&[&str], i32, &[&str]); 33] = [
+const MISTAKES: [(&[&str], i32, &[&str]); 44] = [
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -117,7 +125,7 @@ const MISTAKES: [(&[&str], i32, &[&str]); 33] = [
     (&["--kind", "springs"], 2, &["--kind", "points or rods"]),
     (&["--palette", "rainbow"], 2, &["--palette", "batlow"]),
     (&["--method", "leapfrog"], 2, &["--method", "rk4"]),
-    (&["--precision", "f16"], 2, &["--precision", "f32, f64"]),
+    (&["--precision", "f16"], 2, &["--precision", "f32, df32, f64, dd"]),
     (&["--samples", "9"], 2, &["--samples"]),
     (&["--threads", "0"], 2, &["--threads"]),
     (&["nowhere.toml"], 2, &["nowhere.toml"]),
@@ -125,7 +133,18 @@ const MISTAKES: [(&[&str], i32, &[&str]); 33] = [
     (&["--stretch", "0"], 2, &["--stretch"]),
     (&["--rotate", "nan"], 2, &["--rotate"]),
     (&["--adapter", "geforce"], 2, &["--adapter", "--engine cpu"]),
-    (&["--accuracy", "perfect"], 2, &["--accuracy", "lesson"]),
+    (&["--accuracy", "perfect"], 2, &["--accuracy", "lesson, fast, balanced, exact"]),
+    (&["--tolerance", "1e-16"], 2, &["--tolerance", "between 1e-15 and 1e-2"]),
+    (&["--tolerance", "1e-12", "--precision", "f32"], 2, &["--tolerance", "1e-8"]),
+    (&["--tolerance", "nan"], 2, &["--tolerance", "between"]),
+    (&["--method", "rk4", "--tolerance", "1e-9"], 2, &["--tolerance", "--step"]),
+    (&["--method", "dop853", "--step", "0.01"], 2, &["--step", "--tolerance"]),
+    (&["--method", "taylor", "--precision", "f32"], 2, &["--precision", "f64, dd"]),
+    (&["--precision", "df32"], 2, &["df32", "processor"]),
+    (&["--trust", "t.png"], 2, &["--trust", "--verify"]),
+    (&["--state", "s", "--verify"], 2, &["--state", "--verify"]),
+    (&["--state", "s", "--samples", "2"], 2, &["--state", "--samples"]),
+    (&["--exr", "map.png"], 2, &["-o", "--exr", "same file"]),
 ];
 
 #[test]
@@ -208,9 +227,7 @@ fn scenes_that_are_none_are_refused_by_name() {
 #[test]
 fn no_adapter_and_no_fallback_is_69() {
     let folder = folder();
-    let output = Command::cargo_bin("flipmap")
-        .unwrap()
-        .current_dir(&folder)
+    let output = program(&folder)
         .env("VK_DRIVER_FILES", "/nowhere.json")
         .env("VK_ICD_FILENAMES", "/nowhere.json")
         .args(["render", "--engine", "gpu", "--size", "8x8", "-o", "a.png"])
@@ -223,9 +240,7 @@ fn no_adapter_and_no_fallback_is_69() {
 #[test]
 fn without_an_adapter_the_processor_steps_in_and_says_so() {
     let folder = folder();
-    let output = Command::cargo_bin("flipmap")
-        .unwrap()
-        .current_dir(&folder)
+    let output = program(&folder)
         .env("VK_DRIVER_FILES", "/nowhere.json")
         .env("VK_ICD_FILENAMES", "/nowhere.json")
         .args(["render", "--size", "8x8", "-o", "a.png"])

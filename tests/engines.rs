@@ -132,9 +132,8 @@ fn a_whole_turn_away_is_the_same_pendulum(make: Make) {
     let question = question(&here);
     let mut engine = make();
     for recipe in recipes(engine.as_ref()) {
-        let [near, far] = [&here, &there].map(|scene| {
-            answers(engine.as_mut(), &question, recipe, &open_starts(scene, 64, 1))
-        });
+        let [near, far] = [&here, &there]
+            .map(|scene| answers(engine.as_mut(), &question, recipe, &open_starts(scene, 64, 1)));
         let (far, near) = flips_before(5.0, &far, &near);
         let same = share_within(1e-3, &far, &near);
         assert!(same >= 0.999, "{recipe:?}: {same}");

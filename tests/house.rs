@@ -90,7 +90,8 @@ fn designs() -> Vec<Design> {
                 let general = Design::general(&recipe, compensated, subgroups).unwrap();
                 designs.push(general);
                 for (_, rule) in Rule::ALL {
-                    let made = |build| general.specialised(&question(build, rule), &recipe).unwrap();
+                    let made =
+                        |build| general.specialised(&question(build, rule), &recipe).unwrap();
                     designs.extend(builds.map(made));
                 }
             }
@@ -169,7 +170,8 @@ fn structs_have_the_same_offsets_on_both_sides() {
 fn the_home_kernel_holds_only_what_it_needs() {
     let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
     let home = question(Build::default(), Rule::Second);
-    let text = Design::general(&recipe, true, true).unwrap().specialised(&home, &recipe).unwrap().text();
+    let text =
+        Design::general(&recipe, true, true).unwrap().specialised(&home, &recipe).unwrap().text();
     // No other rule, no pendulum as data, no general directions in the stages.
     for absent in
         ["watched", "job.a", "least_det", "t1) >=", "f64", "* 1.0f", " + 0.0f", "{%", "{{"]

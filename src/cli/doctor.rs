@@ -31,7 +31,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             adapter,
         })
         .collect();
-    let chosen = choose(&Wish::default())?;
+    let chosen = choose(&Wish::default(), &|text| super::tell(&format!("flipmap: {text}")))?;
     let used = format!("{} ({})", chosen.engine.name(), chosen.engine.adapter());
     if options.json {
         let object = json!({

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use flipmap::engine::EngineError;
 use flipmap::engine::choice::ChoiceError;
 use flipmap::scene::{DocumentError, SceneError};
 
@@ -52,6 +53,7 @@ fn code_of(error: &anyhow::Error) -> u8 {
             return match choice {
                 ChoiceError::NoAdapter(_) => 69,
                 ChoiceError::UnknownAdapter { .. } => 2,
+                ChoiceError::Engine(EngineError::Unsupported(_)) => 2,
                 ChoiceError::Engine(_) => 1,
             };
         }

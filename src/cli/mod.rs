@@ -1,10 +1,13 @@
 //! The command line: typed options become a scene and a job.
 
+mod continued;
 mod doctor;
 pub mod exit;
 mod options;
 mod progress;
 mod render;
+mod run_options;
+mod sinks;
 mod stop;
 mod trace;
 

@@ -1,4 +1,4 @@
-//! Options that several verbs share, and how they become a checked document and a recipe.
+//! The options that name a scene, and how they become a checked document.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -6,9 +6,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use anyhow::Context;
-use clap::{Args, ValueEnum};
-use flipmap::engine::choice::{self, Wish};
-use flipmap::engine::{Method, Precision, Recipe};
+use clap::Args;
 use flipmap::output::document_in_png;
 use flipmap::physics::Rule;
 use flipmap::scene::{Document, Kind};
@@ -106,7 +104,7 @@ const PAIR: &str = "it must be two numbers with a comma between them";
 const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comma between them";
 
 /// Replaces `value` by what an option says, or names the option in the refusal.
-fn set<T, Why: std::fmt::Display>(
+pub fn set<T, Why: std::fmt::Display>(
     value: &mut T,
     option: &str,
     text: &Option<String>,
@@ -118,7 +116,8 @@ fn set<T, Why: std::fmt::Display>(
     Ok(())
 }
 
-fn number(text: &str) -> Option<f64> {
+/// A plain number.
+pub fn number(text: &str) -> Option<f64> {
     text.trim().parse().ok()
 }
 
@@ -156,153 +155,9 @@ fn unreadable(scene: &str, error: &std::io::Error) -> Exit {
     Exit::Usage(format!("cannot read the scene {scene}: {error}"))
 }
 
-/// How to compute it.
-#[derive(Args, Debug, Default)]
-#[command(next_help_heading = "Run")]
-pub struct RunOptions {
-    /// Width and height of the picture in pixels
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
-    pub size: Option<String>,
-    /// lesson: RK4 at 120 steps a second in f32
-    #[arg(long)]
-    accuracy: Option<Accuracy>,
-    /// rk4
-    #[arg(long)]
-    method: Option<String>,
-    /// Seconds a step, as a number or a fraction
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
-    step: Option<String>,
-    /// f32 or f64
-    #[arg(long)]
-    precision: Option<String>,
-    /// auto: an adapter if one is sound, else the processor
-    #[arg(long, value_enum, default_value_t = EngineKind::Auto)]
-    engine: EngineKind,
-    /// Part of the name of the adapter to use
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
-    /// Threads of the CPU engine (default: one for each core)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    threads: Option<u32>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Accuracy {
-    Lesson,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum EngineKind {
-    #[default]
-    Auto,
-    Gpu,
-    Cpu,
-}
-
-/// Without `--size`.
-const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
-/// Longest side of a picture.
-const LONGEST_SIDE: u32 = 1_000_000;
-
-impl RunOptions {
-    /// The engine asked for.
-    pub fn wish(&self, precision: Precision) -> Wish {
-        Wish {
-            kind: match self.engine {
-                EngineKind::Auto => choice::Kind::Auto,
-                EngineKind::Gpu => choice::Kind::Gpu,
-                EngineKind::Cpu => choice::Kind::Cpu,
-            },
-            adapter: self.adapter.clone(),
-            threads: self.threads.map(|threads| threads as usize),
-            precision: Some(precision),
-        }
-    }
-
-    /// Refuses options that contradict each other.
-    pub fn check(&self) -> Result<(), Exit> {
-        if self.engine == EngineKind::Cpu && self.adapter.is_some() {
-            let message = "--adapter names a graphics adapter; leave it out with --engine cpu";
-            return Err(Exit::Usage(message.to_string()));
-        }
-        Ok(())
-    }
-
-    /// Fills in the document's run table, so that it says what ran, and gives the same typed.
-    pub fn settle(&self, document: &mut Document) -> Result<(Recipe, [u32; 2]), Exit> {
-        let run = &mut document.run;
-        let mut size = run.size.unwrap_or(DEFAULT_SIZE);
-        set(&mut size, "--size", &self.size, parse_size)?;
-        if size.iter().any(|side| !(1..=LONGEST_SIDE).contains(side)) {
-            let text = format!("{}x{}", size[0], size[1]);
-            return Err(Exit::Usage(format!("--size is '{text}'; {SIZE}")));
-        }
-        let kept = |text: &Option<String>, kept: &Option<String>, lesson: &str| {
-            let kept = if self.accuracy.is_some() { None } else { kept.clone() };
-            text.clone().or(kept).unwrap_or_else(|| lesson.to_string())
-        };
-        let method = kept(&self.method, &run.method, "rk4");
-        let step = kept(&self.step, &run.step, "1/120");
-        let precision = kept(&self.precision, &run.precision, "f32");
-        let recipe = Recipe {
-            method: parse_method(&method, &step)?,
-            precision: Precision::from_str(&precision)
-                .map_err(|why| Exit::Usage(format!("--precision: {why}")))?,
-        };
-        run.size = Some(size);
-        (run.method, run.step, run.precision) = (Some(method), Some(step), Some(precision));
-        Ok((recipe, size))
-    }
-}
-
-const SIZE: &str = "it must be WIDTHxHEIGHT with both between 1 and 1000000 pixels";
-
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    sides.ok_or(SIZE.to_string())
-}
-
-fn parse_method(method: &str, step: &str) -> Result<Method, Exit> {
-    if method != "rk4" {
-        return Err(Exit::Usage(format!("--method is '{method}'; the methods are rk4")));
-    }
-    let step_secs = match step.split_once('/') {
-        Some((above, below)) => {
-            number(above).zip(number(below)).map(|(above, below)| above / below)
-        }
-        None => number(step),
-    };
-    match step_secs {
-        Some(step_secs) if (1e-9..=1.0).contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
-        _ => Err(Exit::Usage(format!(
-            "--step is '{step}'; it must be seconds between 1e-9 and 1, as a number or a fraction"
-        ))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn steps_are_numbers_or_fractions() {
-        assert_eq!(parse_method("rk4", "1/120").unwrap(), Method::LESSON);
-        assert_eq!(parse_method("rk4", "1e-3").unwrap(), Method::Rk4 { step_secs: 1e-3 });
-        for bad in ["0", "-1/120", "nan", "inf", "1/0", "2", "x", "1/"] {
-            let message = parse_method("rk4", bad).unwrap_err().to_string();
-            assert!(message.contains("--step") && message.contains("between 1e-9 and 1"), "{bad}");
-        }
-    }
-
-    #[test]
-    fn a_picture_remembers_how_it_was_made() {
-        let mut document = Document::default();
-        document.run.precision = Some("f64".to_string());
-        let (recipe, _) = RunOptions::default().settle(&mut document).unwrap();
-        assert_eq!(recipe.precision, Precision::F64);
-        let lesson = RunOptions { accuracy: Some(Accuracy::Lesson), ..RunOptions::default() };
-        assert_eq!(lesson.settle(&mut document).unwrap().0.precision, Precision::F32);
-    }
 
     #[test]
     fn every_built_in_scene_is_valid() {

@@ -1,22 +1,25 @@
-//! `flipmap render`: a scene to a picture, an array of flip times, or both.
+//! `flipmap render`: a scene to a picture, arrays of flip times, a map of trust, or all of them.
 
-use std::io::{IsTerminal, Write, stdout};
-use std::path::{Path, PathBuf};
+use std::io::{IsTerminal, stdout};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use clap::Args;
-use flipmap::engine::choice::choose;
+use flipmap::engine::choice::{Chosen, choose};
 use flipmap::engine::method::Pace;
-use flipmap::engine::{Engine, Precision, Question, Recipe};
-use flipmap::output::{Destination, NpyWriter, Painter, PngWriter, RowOrder, SafeFile};
+use flipmap::engine::trust::TrustEngine;
+use flipmap::engine::{Engine, Precision, Question, Recipe, Trust};
+use flipmap::output::RowOrder;
 use flipmap::scene::palette::Palette;
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{Counts, Order, Samples, Work};
 
-use super::exit::{Exit, is_broken_pipe};
-use super::options::{RunOptions, SceneOptions};
+use super::continued::Continued;
+use super::exit::Exit;
+use super::options::SceneOptions;
 use super::progress::{Mode, Progress};
+use super::run_options::{Plan, RunOptions};
+use super::sinks::{Paths, Sinks};
 use super::stop;
 
 #[derive(Args, Debug)]
@@ -33,6 +36,12 @@ pub struct Options {
     /// Flip times to write as a NumPy array (- for standard output)
     #[arg(long, value_name = "FILE.npy")]
     raw: Option<PathBuf>,
+    /// Flip times, statuses and doubts to write as an OpenEXR image
+    #[arg(long, value_name = "FILE.exr")]
+    exr: Option<PathBuf>,
+    /// Keep what has not flipped in this file, and go on from it with a larger --budget
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
     /// Print what ran, the counts and the times as one JSON object
     #[arg(long)]
     json: bool,
@@ -53,6 +62,9 @@ struct PictureOptions {
     /// Leave out the energy curve
     #[arg(long)]
     no_curve: bool,
+    /// A picture of how sure each pixel is, when they are checked
+    #[arg(long, value_name = "FILE.png")]
+    trust: Option<PathBuf>,
 }
 
 /// Seconds spent, by what for.
@@ -72,43 +84,74 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
     options.run.check()?;
     let mut document = options.scene.document()?;
-    let (recipe, size) = options.run.settle(&mut document)?;
+    let plan = options.run.settle(&mut document)?;
     apply(&options.picture, &mut document);
-    check_outputs(options, &document, size)?;
+    check_outputs(options, &document, &plan)?;
     let scene = document.scene();
-    check_numbers(&scene, size, recipe)?;
-    let mut sinks = Sinks::open(options, &document, size)?;
+    let paths = options.paths();
+    let mut continued =
+        options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
+    let mut sinks = Sinks::open(&paths, &document, plan.size)?;
     stop::listen()?;
-    let chosen = choose(&options.run.wish(recipe.precision))?;
-    let mut engine = chosen.engine;
-    super::tell(&format!(
-        "flipmap: {} engine, {} {} in {}; {}",
-        engine.name(),
-        recipe.method.name(),
-        recipe.method.setting(),
-        recipe.precision,
-        chosen.why
-    ));
+    let mut wish = options.run.wish(plan.demand);
+    if let Some(continued) = &continued {
+        continued.prefer_engine(&mut wish);
+    }
+    let Chosen { mut engine, recipe, why } =
+        choose(&wish, &|text| super::tell(&format!("flipmap: {text}")))?;
+    check_numbers(&scene, plan.size, recipe)?;
+    if let Some(continued) = &mut continued {
+        continued.check_ran(engine.as_ref(), recipe)?;
+    }
+    if plan.verify {
+        engine = Box::new(TrustEngine::new(engine, options.run.threads())?);
+    }
+    announce(engine.as_ref(), recipe, plan.verify, &why);
 
     let mut clock = Clock { setup: begun.elapsed(), ..Clock::default() };
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
-        let size = size.map(|side| side * pass.along);
-        let done = compute(
-            &scene,
-            size,
-            recipe,
-            engine.as_mut(),
-            options.progress,
-            &mut |samples| sinks.write(&pass, samples),
-            &mut clock,
-        )?;
-        counts = sum(counts, done);
+        let size = plan.size.map(|side| side * pass.along);
+        let mut work = Work::new(&scene, size, recipe, Order::Straight, engine.job_size());
+        if let Some(continued) = &mut continued {
+            work = work.keeping(continued.take());
+        }
+        let mut write = |samples: &Samples| sinks.write(&pass, samples);
+        compute(&mut work, size, engine.as_mut(), options.progress, &mut write, &mut clock)?;
+        counts += work.counts();
+        if let (Some(continued), Some(kept)) = (&mut continued, work.into_kept()) {
+            continued.put(kept);
+        }
     }
     let finishing = Instant::now();
     sinks.finish()?;
+    if let Some(continued) = continued {
+        continued.write()?;
+    }
     clock.output += finishing.elapsed();
-    report(options, engine.as_ref(), recipe, counts, &clock)
+    report(options, engine.as_ref(), recipe, plan.verify, &counts, &clock)
+}
+
+impl Options {
+    fn paths(&self) -> Paths {
+        Paths {
+            picture: self.output.clone(),
+            raw: self.raw.clone(),
+            exr: self.exr.clone(),
+            trust: self.picture.trust.clone(),
+        }
+    }
+}
+
+fn announce(engine: &dyn Engine, recipe: Recipe, verify: bool, why: &str) {
+    let checked = if verify { ", every pixel checked" } else { "" };
+    super::tell(&format!(
+        "flipmap: {} engine, {} {} in {}{checked}; {why}",
+        engine.name(),
+        recipe.method.name(),
+        recipe.method.setting(),
+        recipe.precision,
+    ));
 }
 
 fn apply(options: &PictureOptions, document: &mut Document) {
@@ -124,8 +167,7 @@ fn apply(options: &PictureOptions, document: &mut Document) {
 fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Exit> {
     let question = Question::from(scene);
     if question.pendulum.q > 0.0 {
-        Pace::new(&question, &recipe)
-            .map_err(|error| Exit::Usage(error.to_string()))?;
+        Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
     }
     let pixel = Grid::new(scene, size).pixel_rad();
     let resolved = match recipe.precision {
@@ -144,23 +186,51 @@ fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Ex
 }
 
 /// Refuses what cannot be written, before anything is computed.
-fn check_outputs(options: &Options, document: &Document, size: [u32; 2]) -> Result<(), Exit> {
+fn check_outputs(options: &Options, document: &Document, plan: &Plan) -> Result<(), Exit> {
     let usage = |message: String| Err(Exit::Usage(message));
-    if options.output.is_none() && options.raw.is_none() {
-        return usage("nothing to write: give -o FILE.png, --raw FILE.npy, or both".to_string());
-    }
-    let to_stdout = |path: &Option<PathBuf>| path.as_ref().is_some_and(|p| p.as_os_str() == "-");
-    let streams = [to_stdout(&options.output), to_stdout(&options.raw), options.json];
-    if streams.into_iter().filter(|&used| used).count() > 1 {
-        return usage("only one of -o -, --raw - and --json can use standard output".to_string());
-    }
-    if streams[..2].contains(&true) && stdout().is_terminal() {
-        let message = "-o - and --raw - write to a terminal here: redirect it, or name a file";
+    let paths = options.paths();
+    let named = paths.named();
+    if named.is_empty() {
+        let message = "nothing to write: give -o FILE.png, --raw FILE.npy, --exr FILE.exr or more";
         return usage(message.to_string());
     }
-    if options.output.is_some() && options.output == options.raw {
-        return usage("-o and --raw name the same file; give each its own".to_string());
+    let streams: Vec<&str> =
+        named.iter().filter(|(_, path)| path.as_os_str() == "-").map(|(name, _)| *name).collect();
+    if streams.len() + usize::from(options.json) > 1 {
+        return usage("only one of the outputs and --json can use standard output".to_string());
     }
+    if let ([stream], true) = (&streams[..], stdout().is_terminal()) {
+        return usage(format!("{stream} - writes to a terminal here: redirect it, or name a file"));
+    }
+    for (k, (option, path)) in named.iter().enumerate() {
+        if let Some((other, _)) = named[..k].iter().find(|(_, earlier)| earlier == path) {
+            return usage(format!("{other} and {option} name the same file; give each its own"));
+        }
+    }
+    if options.picture.trust.is_some() && !plan.verify {
+        let message = "--trust shows what checks found: add --verify, or --accuracy exact";
+        return usage(message.to_string());
+    }
+    check_state(options, document, plan)?;
+    check_picture(document, plan.size)
+}
+
+fn check_state(options: &Options, document: &Document, plan: &Plan) -> Result<(), Exit> {
+    if options.state.is_none() {
+        return Ok(());
+    }
+    let why = if plan.verify {
+        "checks begin at the release: leave out --verify and --accuracy exact"
+    } else if document.picture.samples > 1 {
+        "it keeps one sample a pixel: leave out --samples"
+    } else {
+        return Ok(());
+    };
+    Err(Exit::Usage(format!("--state cannot go on here, because {why}")))
+}
+
+fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
+    let usage = |message: String| Err(Exit::Usage(message));
     Palette::named(&document.picture.palette)
         .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
     let samples = document.picture.samples;
@@ -179,15 +249,13 @@ fn check_outputs(options: &Options, document: &Document, size: [u32; 2]) -> Resu
 
 /// Runs one pass and hands its samples on, rows from the top.
 fn compute(
-    scene: &Scene,
+    work: &mut Work,
     size: [u32; 2],
-    recipe: Recipe,
     engine: &mut dyn Engine,
     mode: Mode,
     write: &mut dyn FnMut(&Samples) -> anyhow::Result<()>,
     clock: &mut Clock,
-) -> anyhow::Result<Counts> {
-    let mut work = Work::new(scene, size, recipe, Order::Straight, engine.job_size());
+) -> anyhow::Result<()> {
     let mut progress = Progress::new(mode, u64::from(size[0]) * u64::from(size[1]));
     let mut rows = RowOrder::default();
     while !work.is_done() {
@@ -205,134 +273,23 @@ fn compute(
         progress.set(work.counts().pixels);
         stop::check()?;
     }
-    Ok(work.counts())
-}
-
-fn sum(a: Counts, b: Counts) -> Counts {
-    Counts {
-        pixels: a.pixels + b.pixels,
-        simulated: a.simulated + b.simulated,
-        flipped: a.flipped + b.flipped,
-        unflipped: a.unflipped + b.unflipped,
-        forbidden: a.forbidden + b.forbidden,
-        failed: a.failed + b.failed,
-        rhs_evaluations: a.rhs_evaluations + b.rhs_evaluations,
-    }
-}
-
-/// One run over the picture, for the outputs that want its samples.
-struct Pass {
-    along: u32,
-    picture: bool,
-    raw: bool,
-}
-
-/// The files being written.
-struct Sinks {
-    picture: Option<(Painter, PngWriter<SafeFile>, Destination)>,
-    raw: Option<(NpyWriter<SafeFile>, Destination)>,
-}
-
-impl Sinks {
-    fn open(options: &Options, document: &Document, size: [u32; 2]) -> anyhow::Result<Self> {
-        let picture = match &options.output {
-            None => None,
-            Some(path) => {
-                let painter = Painter::new(&document.scene(), size, &document.picture)
-                    .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
-                let (file, name) = create("-o", path)?;
-                Some((painter, PngWriter::new(file, size, document)?, name))
-            }
-        };
-        let raw = match &options.raw {
-            None => None,
-            Some(path) => {
-                let (file, name) = create("--raw", path)?;
-                Some((NpyWriter::new(file, size)?, name))
-            }
-        };
-        Ok(Sinks { picture, raw })
-    }
-
-    /// With several samples a pixel the array still holds the samples at the pixels' centres,
-    /// in a pass of its own.
-    fn passes(&self, along: u32) -> Vec<Pass> {
-        let (picture, raw) = (self.picture.is_some(), self.raw.is_some());
-        if along == 1 || !picture {
-            return vec![Pass { along: 1, picture, raw }];
-        }
-        let mut passes = vec![Pass { along, picture, raw: false }];
-        if raw {
-            passes.push(Pass { along: 1, picture: false, raw });
-        }
-        passes
-    }
-
-    fn write(&mut self, pass: &Pass, samples: &Samples) -> anyhow::Result<()> {
-        let both = self.picture.is_some() && self.raw.is_some();
-        if let (true, Some((painter, png, name))) = (pass.picture, &mut self.picture) {
-            let written = png.write(&painter.paint(samples));
-            let written = written.with_context(|| format!("cannot write {name}"));
-            if reader_left(written, both)? {
-                self.picture = None;
-            }
-        }
-        if let (true, Some((npy, name))) = (pass.raw, &mut self.raw) {
-            let written = npy.write(samples).with_context(|| format!("cannot write {name}"));
-            if reader_left(written, both)? {
-                self.raw = None;
-            }
-        }
-        Ok(())
-    }
-
-    /// Completes every file before any takes its place.
-    fn finish(self) -> anyhow::Result<()> {
-        let mut complete = Vec::new();
-        let another = self.raw.is_some();
-        if let Some((_, png, name)) = self.picture {
-            let finished = png.finish().with_context(|| format!("cannot write {name}"));
-            match finished {
-                Err(error) if another && is_broken_pipe(&error) => {}
-                finished => complete.push((finished?, name)),
-            }
-        }
-        complete.extend(self.raw.map(|(npy, name)| (npy.into_inner(), name)));
-        for (file, name) in &mut complete {
-            file.flush().with_context(|| format!("cannot write {name}"))?;
-        }
-        for (file, name) in complete {
-            file.finish().with_context(|| format!("cannot write {name}"))?;
-        }
-        Ok(())
-    }
-}
-
-/// Whether an output lost its reader while another one is still wanted; any other failure is one.
-fn reader_left(written: anyhow::Result<()>, another: bool) -> anyhow::Result<bool> {
-    match written {
-        Err(error) if another && is_broken_pipe(&error) => Ok(true),
-        other => other.map(|()| false),
-    }
-}
-
-fn create(option: &str, path: &Path) -> anyhow::Result<(SafeFile, Destination)> {
-    let destination = Destination::from(path);
-    let file = SafeFile::create(&destination)
-        .with_context(|| format!("{option}: cannot write {destination}"))?;
-    Ok((file, destination))
+    Ok(())
 }
 
 fn report(
     options: &Options,
     engine: &dyn Engine,
     recipe: Recipe,
-    counts: Counts,
+    verified: bool,
+    counts: &Counts,
     clock: &Clock,
 ) -> anyhow::Result<()> {
-    let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, rhs_evaluations } =
-        counts;
+    let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
     let seconds = [clock.setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
+    let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
+        .iter()
+        .map(|(word, trust)| (word.to_string(), counts.trusts[*trust as usize].into()))
+        .collect();
     if options.json {
         let object = serde_json::json!({
             "engine": engine.name(),
@@ -340,14 +297,16 @@ fn report(
             "method": recipe.method.name(),
             "precision": recipe.precision.to_string(),
             "setting": recipe.method.setting(),
+            "verified": verified,
             "pixels": pixels,
             "simulated": simulated,
             "flipped": flipped,
             "unflipped": unflipped,
             "forbidden": forbidden,
-            "uncertain": 0,
+            "uncertain": counts.uncertain(),
             "failed": failed,
-            "rhs_evaluations": rhs_evaluations,
+            "trust": trust,
+            "rhs_evaluations": counts.rhs_evaluations,
             "seconds": { "setup": seconds[0], "compute": seconds[1], "output": seconds[2] },
         });
         super::say(&serde_json::to_string_pretty(&object)?)?;
@@ -357,5 +316,12 @@ fn report(
          {failed} failed; {simulated} simulated in {:.2} s ({:.2} s setup, {:.2} s output)",
         seconds[1], seconds[0], seconds[2]
     ));
+    if verified {
+        let [_, agreed, confirmed, settled, uncertain] = counts.trusts;
+        super::tell(&format!(
+            "flipmap: checked: {agreed} agreed at once, {confirmed} confirmed by Taylor expansions, \
+             {settled} settled in double-double, {uncertain} uncertain"
+        ));
+    }
     Ok(())
 }

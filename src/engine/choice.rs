@@ -1,13 +1,14 @@
-//! Which engine runs: what was asked for, what there is, and why the one was chosen.
+//! Which engine runs, and which recipe: what was asked for, what there is, and why the one was
+//! chosen.
 
 use super::cpu::CpuEngine;
 use super::gpu::GpuEngine;
 use super::gpu::device::{Gpu, adapters, describe};
-use super::selfcheck;
-use super::{Engine, EngineError, Precision};
+use super::profile::{Profile, Row};
+use super::{Accuracy, Engine, EngineError, Precision, Recipe, selfcheck};
 
 /// What the user asked for.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     /// Which kind of engine.
     pub kind: Kind,
@@ -15,14 +16,40 @@ pub struct Wish {
     pub adapter: Option<String>,
     /// Threads of the CPU engine.
     pub threads: Option<usize>,
-    /// What the adapter must be trusted with; without it, f32.
-    pub precision: Option<Precision>,
+    /// What is to be computed with it.
+    pub demand: Demand,
+}
+
+impl Default for Wish {
+    fn default() -> Self {
+        let demand = Demand::Level(Accuracy::default());
+        Wish { kind: Kind::Auto, adapter: None, threads: None, demand }
+    }
+}
+
+/// How right the answers must be, or by what recipe they must come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Demand {
+    /// Whatever keeps the level's promise.
+    Level(Accuracy),
+    /// Exactly this.
+    Recipe(Recipe),
+}
+
+impl Demand {
+    /// The recipes that meet it, the preferred one first.
+    fn recipes(self) -> Vec<Recipe> {
+        match self {
+            Demand::Level(accuracy) => accuracy.recipes(),
+            Demand::Recipe(recipe) => vec![recipe],
+        }
+    }
 }
 
 /// `--engine`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
-    /// An adapter whose arithmetic is sound, else the processor.
+    /// The fastest of the measured profile.
     #[default]
     Auto,
     /// An adapter or nothing.
@@ -50,10 +77,12 @@ pub enum ChoiceError {
     Engine(#[from] EngineError),
 }
 
-/// The engine and one sentence on why it is this one.
+/// The engine, the recipe, and one sentence on why.
 pub struct Chosen {
     /// Ready to run.
     pub engine: Box<dyn Engine>,
+    /// What to run on it.
+    pub recipe: Recipe,
     /// For people.
     pub why: String,
 }
@@ -62,33 +91,75 @@ pub struct Chosen {
 pub const INSTALL_HINT: &str = "no Vulkan adapter was found; on Debian or Ubuntu install one with: \
      apt-get install libvulkan1 mesa-vulkan-drivers";
 
-/// Chooses and starts an engine.
-pub fn choose(wish: &Wish) -> Result<Chosen, ChoiceError> {
-    if wish.kind == Kind::Cpu {
-        return cpu(wish, "asked for".to_string());
+/// Chooses and starts an engine; `tell` hears of anything that takes long.
+pub fn choose(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
+    match (wish.kind, &wish.adapter) {
+        (Kind::Cpu, _) => cpu(wish, "asked for".to_string()),
+        (Kind::Gpu, _) | (Kind::Auto, Some(_)) => match first_sound(wish)? {
+            Ok(chosen) => Ok(chosen),
+            Err(why) => Err(ChoiceError::NoAdapter(format!("{why}; or use --engine cpu"))),
+        },
+        (Kind::Auto, None) => automatic(wish, tell),
     }
-    let failure = match first_sound(wish)? {
-        Ok(engine) => {
-            let why = format!("{} passed the self-check", engine.adapter());
-            return Ok(Chosen { engine: Box::new(engine), why });
-        }
-        Err(failure) => failure,
+}
+
+/// The fastest engine of the profile. Adapters are not even opened where only the processor has
+/// the method.
+fn automatic(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
+    let recipes = wish.demand.recipes();
+    let on_cpu = recipes.iter().any(|recipe| CpuEngine::offers(recipe));
+    if on_cpu && !recipes.iter().any(GpuEngine::has) {
+        return cpu(wish, "only the processor has this method and precision".to_string());
+    }
+    let profile = Profile::get(wish.threads, tell);
+    let Some(row) = fastest(&profile, wish.demand) else {
+        return first_sound(wish)?.or_else(|why| cpu(wish, why));
     };
-    if wish.kind == Kind::Gpu || wish.adapter.is_some() {
-        return Err(ChoiceError::NoAdapter(format!("{failure}; or use --engine cpu")));
+    let why =
+        format!("{:.1} µs a pixel on this machine, the fastest of its profile", row.us_per_pixel);
+    if row.engine == "cpu" {
+        return cpu(wish, why);
     }
-    cpu(wish, failure)
+    let wish = Wish { adapter: Some(row.adapter.clone()), ..wish.clone() };
+    match first_sound(&wish)? {
+        Ok(chosen) => Ok(Chosen { why, ..chosen }),
+        Err(why) => cpu(&wish, why),
+    }
+}
+
+/// The fastest row that can do what is demanded: of the level's own, or of the level whose
+/// recipes are most like the one demanded.
+fn fastest(profile: &Profile, demand: Demand) -> Option<&Row> {
+    match demand {
+        Demand::Level(accuracy) => profile.fastest(accuracy, |_| true),
+        Demand::Recipe(recipe) => {
+            let offers = |row: &Row| row.engine == "gpu" || CpuEngine::offers(&recipe);
+            let like = Accuracy::ALL.iter().map(|(_, accuracy)| *accuracy).find(|accuracy| {
+                accuracy.recipes().iter().any(|other| {
+                    other.precision == recipe.precision
+                        && other.method.name() == recipe.method.name()
+                })
+            });
+            let like = like.unwrap_or(match recipe.precision {
+                Precision::F32 => Accuracy::Fast,
+                _ => Accuracy::Balanced,
+            });
+            profile.fastest(like, offers)
+        }
+    }
 }
 
 fn cpu(wish: &Wish, why: String) -> Result<Chosen, ChoiceError> {
+    let recipes = wish.demand.recipes();
+    let recipe = recipes.iter().find(|recipe| CpuEngine::offers(recipe)).unwrap_or(&recipes[0]);
+    CpuEngine::require(recipe)?;
     let engine = CpuEngine::new(wish.threads)?;
-    Ok(Chosen { engine: Box::new(engine), why })
+    Ok(Chosen { engine: Box::new(engine), recipe: *recipe, why })
 }
 
-/// The first adapter that matches and is trusted with the precision; otherwise what was wrong.
-fn first_sound(wish: &Wish) -> Result<Result<GpuEngine, String>, ChoiceError> {
+/// The first adapter that matches and is trusted with what is demanded; otherwise what was wrong.
+fn first_sound(wish: &Wish) -> Result<Result<Chosen, String>, ChoiceError> {
     let name = wish.adapter.as_deref();
-    let precision = wish.precision.unwrap_or(Precision::F32);
     let all = adapters();
     if all.is_empty() {
         return Ok(Err(INSTALL_HINT.to_string()));
@@ -104,23 +175,42 @@ fn first_sound(wish: &Wish) -> Result<Result<GpuEngine, String>, ChoiceError> {
     }
     let mut failures = Vec::new();
     for adapter in fitting {
-        match open_checked(adapter.clone()) {
-            Ok(engine) => match engine.verdict().require(precision) {
-                Ok(()) => return Ok(Ok(engine)),
-                Err(why) => failures.push(format!("{}: {why}", describe(&adapter))),
-            },
-            Err(error) => failures.push(format!("{}: {error}", describe(&adapter))),
+        match sound(&adapter, wish.demand) {
+            Ok((engine, recipe)) => {
+                let why = format!("{} passed the self-check", engine.adapter());
+                return Ok(Ok(Chosen { engine: Box::new(engine), recipe, why }));
+            }
+            Err(why) => failures.push(format!("{}: {why}", describe(&adapter))),
         }
     }
     Ok(Err(failures.join("; ")))
 }
 
-/// An engine on an opened adapter, its arithmetic judged by sums and by short orbits.
+/// An engine on the adapter and the first recipe it is trusted with.
+fn sound(adapter: &wgpu::Adapter, demand: Demand) -> Result<(GpuEngine, Recipe), String> {
+    let mut engine = open_checked(adapter.clone()).map_err(|error| error.to_string())?;
+    let mut refusals = Vec::new();
+    for recipe in demand.recipes() {
+        if recipe.precision == Precision::Df32 {
+            // Its orbits are run only here: the kernel takes long to compile.
+            let checks = selfcheck::orbits(&mut engine, &[Precision::Df32]);
+            engine.judge_by(checks.map_err(|error| error.to_string())?);
+        }
+        match engine.require(&recipe) {
+            Ok(()) => return Ok((engine, recipe)),
+            Err(why) => refusals.push(why.to_string()),
+        }
+    }
+    Err(refusals.join("; "))
+}
+
+/// An engine on an opened adapter, its arithmetic judged by sums and, in f32 and f64, by short
+/// orbits.
 pub fn open_checked(adapter: wgpu::Adapter) -> Result<GpuEngine, EngineError> {
     let gpu = Gpu::open(adapter)?;
     let verdict = selfcheck::run(&gpu)?;
     let mut engine = GpuEngine::new(gpu, verdict);
-    let orbits = selfcheck::orbits(&mut engine)?;
+    let orbits = selfcheck::orbits(&mut engine, &[Precision::F32, Precision::F64])?;
     engine.judge_by(orbits);
     Ok(engine)
 }

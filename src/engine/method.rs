@@ -135,9 +135,13 @@ impl fmt::Display for Precision {
 impl FromStr for Precision {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.iter().find(|(word, _)| *word == text).map(|(_, precision)| *precision).ok_or_else(
-            || format!("unknown precision '{text}'; the precisions are f32, df32, f64, dd"),
-        )
+        Self::ALL
+            .iter()
+            .find(|(word, _)| *word == text)
+            .map(|(_, precision)| *precision)
+            .ok_or_else(|| {
+                format!("unknown precision '{text}'; the precisions are f32, df32, f64, dd")
+            })
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Effort, Engine, EngineError, Finished, Job, Starts, Wait};
+use super::{Effort, Engine, EngineError, Finished, Job, Recipe, Starts, Wait};
 use crate::physics::{Outcome, Status};
 
 /// Answers jobs in the order of submission, or backwards, one a poll.
@@ -55,7 +55,13 @@ impl Engine for MockEngine {
         self.answered += angles.len();
         let outcomes = angles.iter().map(|a| Self::answer(a.map(|theta| theta.hi))).collect();
         let effort = Effort { rhs_evaluations: angles.len() as u64, ..Effort::default() };
-        Ok(vec![Finished { id: job.id, outcomes, unfinished: Vec::new(), effort }])
+        Ok(vec![Finished {
+            id: job.id,
+            outcomes,
+            unfinished: Vec::new(),
+            trusts: Vec::new(),
+            effort,
+        }])
     }
 
     fn cancel(&mut self) {
@@ -68,6 +74,10 @@ impl Engine for MockEngine {
 
     fn job_size(&self) -> usize {
         64
+    }
+
+    fn offers(&self, _: &Recipe) -> bool {
+        true
     }
 
     fn name(&self) -> &'static str {

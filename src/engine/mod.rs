@@ -8,24 +8,32 @@
 //! * [`gpu`] runs kernels on any adapter that wgpu finds;
 //! * [`cpu`] runs the same physics over threads and SIMD lanes;
 //! * [`mock`] answers at once, for tests of everything above;
-//! * [`selfcheck`] decides which arithmetic of an adapter is believed.
+//! * [`trust`] checks the answers of another engine until two methods agree;
+//! * [`selfcheck`] decides which arithmetic of an adapter is believed, [`profile`] what its
+//!   recipes cost, [`choice`] which engine runs which of them.
 
 pub mod choice;
 pub mod cpu;
 pub mod gpu;
+pub mod level;
 pub mod method;
 pub mod mock;
-
+pub mod profile;
 pub mod selfcheck;
 pub mod shared;
 pub mod start;
 pub mod symbol;
+pub mod trust;
 
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
+
 use crate::physics::{Dd, Outcome, Pendulum, Rule};
 use crate::scene::Scene;
+pub use level::Accuracy;
 pub use method::{Method, Precision};
+pub use trust::Trust;
 
 /// What is asked about every start of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +94,7 @@ impl Starts {
 pub const NUMBERS: usize = 15;
 
 /// An unfinished pendulum between two jobs, exactly as the kernel left it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Paused {
     /// Steps done; of adaptive methods those tried.
     pub steps: u32,
@@ -119,6 +127,8 @@ pub struct Finished {
     pub outcomes: Vec<Outcome>,
     /// For each start still unflipped, its index and state, if they were to be kept.
     pub unfinished: Vec<(usize, Paused)>,
+    /// How sure each outcome is; empty where nobody looked.
+    pub trusts: Vec<Trust>,
     /// What it took.
     pub effort: Effort,
 }
@@ -198,4 +208,6 @@ pub trait Engine {
     fn name(&self) -> &'static str;
     /// The adapter's name, or the processor's SIMD width and threads.
     fn adapter(&self) -> String;
+    /// Whether it has the recipe and can be trusted with it.
+    fn offers(&self, recipe: &Recipe) -> bool;
 }

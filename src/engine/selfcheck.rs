@@ -93,8 +93,11 @@ pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, E
 }
 
 /// The checks of short orbits: what the kernels make of a few starts, beside the gold standard,
-/// in every precision that is offered so far.
-pub fn orbits(engine: &mut dyn Engine) -> Result<Vec<Check>, EngineError> {
+/// in each of `precisions` that is offered so far.
+pub fn orbits(
+    engine: &mut dyn Engine,
+    precisions: &[Precision],
+) -> Result<Vec<Check>, EngineError> {
     let question = Question {
         pendulum: Pendulum::points([1.0, 1.0], [1.0, 1.0], 9.81),
         rule: Rule::Second,
@@ -103,9 +106,13 @@ pub fn orbits(engine: &mut dyn Engine) -> Result<Vec<Check>, EngineError> {
     let angles = ORBITS.map(|angle| angle.map(Dd::new));
     let truth = ORBITS.map(|angle| gold::outcome(&question.pendulum, angle, Rule::Second, 1.0));
     let mut checks = Vec::new();
-    for precision in [Precision::F32, Precision::F64] {
+    for &precision in precisions {
         let starts = Starts::Rest(angles.to_vec());
-        let recipe = Recipe { method: Method::LESSON, precision };
+        let method = match precision {
+            Precision::Df32 => Method::Dop853 { tolerance: 1e-10 },
+            _ => Method::LESSON,
+        };
+        let recipe = Recipe { method, precision };
         let job = Job { id: 0, question, recipe, starts, keep_unfinished: false };
         // A refused precision has its failed checks already.
         let Ok(()) = engine.submit(job) else { continue };

@@ -3,7 +3,9 @@
 //! Fixed steps run in angles, adaptive ones in unit vectors and momenta; both in reduced units.
 //! Every name has a place, whatever the precision; a precision without rests leaves theirs at 0.
 
+use super::method::Pace;
 use super::{Method, NUMBERS, Paused, Precision, Question, Recipe};
+use crate::physics::phase::Phase;
 use crate::physics::{Dd, Pendulum, Scalar, State, control};
 
 /// What the numbers of a fixed-step state are called.
@@ -11,8 +13,8 @@ pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
 
 /// What the numbers of an adaptive state are called.
 pub const PHASE: [&str; NUMBERS] = [
-    "x1", "y1", "x2", "y2", "p1", "p2", "x1_low", "y1_low", "x2_low", "y2_low", "p1_low",
-    "p2_low", "time", "time_low", "h",
+    "x1", "y1", "x2", "y2", "p1", "p2", "x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low",
+    "time", "time_low", "h",
 ];
 
 /// Places in an adaptive state.
@@ -40,6 +42,23 @@ pub fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
         numbers[STEP] = control::FIRST;
     }
     Paused { steps: 0, numbers }
+}
+
+/// The state a paused pendulum has reached, as unit vectors and momenta, and its reduced time.
+pub fn reached(question: &Question, recipe: &Recipe, paused: &Paused) -> Option<(Phase<f64>, f64)> {
+    let numbers = &paused.numbers;
+    match Pace::new(question, recipe).ok()? {
+        Pace::Adaptive(_) => {
+            let phase = std::array::from_fn(|i| numbers[i] + numbers[6 + i]);
+            Some((phase, numbers[TIME] + numbers[TIME_LOW]))
+        }
+        Pace::Fixed(steps) => {
+            let (reduced, _) = question.pendulum.reduced();
+            let angle = [numbers[0] + numbers[4], numbers[1] + numbers[5]];
+            let phase = reduced.phase(&State { angle, speed: [numbers[2], numbers[3]] });
+            Some((phase, f64::from(paused.steps) * steps.length))
+        }
+    }
 }
 
 /// `value` as the number type holds it, and what that leaves.

@@ -3,14 +3,20 @@
 //! Every file is written beside its destination and renamed onto it when it is complete, so a
 //! failure or an interruption leaves what was there.
 
+mod exr;
 mod npy;
 mod paint;
 mod png;
 mod rows;
 mod safe;
+mod state;
+mod trust;
 
+pub use exr::ExrWriter;
 pub use npy::NpyWriter;
 pub use paint::Painter;
 pub use png::{PngError, PngWriter, document_in_png};
 pub use rows::RowOrder;
 pub use safe::{Destination, SafeFile};
+pub use state::{Ran, RenderState, StateError};
+pub use trust::trust_colours;

@@ -35,7 +35,8 @@ impl<W: Write> NpyWriter<W> {
     }
 }
 
-fn number_of(outcome: Outcome) -> f64 {
+/// The number that stands for an outcome.
+pub fn number_of(outcome: Outcome) -> f64 {
     match outcome.status {
         Status::Flipped => outcome.time,
         Status::Unflipped | Status::Failed => f64::INFINITY,

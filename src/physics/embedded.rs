@@ -148,7 +148,11 @@ pub fn dop853<T: Real>(
         ],
     );
     // The third-order solution is the eighth-order one but for three terms.
-    let third = less(&rate, [&k1, &k9, &k12], [0.2440944881889764, 0.7338466882816118, 0.02205882352941176]);
+    let third = less(
+        &rate,
+        [&k1, &k9, &k12],
+        [0.2440944881889764, 0.7338466882816118, 0.02205882352941176],
+    );
     let fifth = square(&fifth, inverse_scale);
     let third = square(&third, inverse_scale);
     let both = third.mul_add(step.lit(0.01), fifth) + step.lit(TINY);

@@ -117,12 +117,7 @@ fn crossing<T: Scalar>(
 const MOST_STEPS: usize = 120;
 
 /// The fraction at y = 0 of the cubic for fraction(y) that has the values and slopes of both ends.
-fn inverse_cubic<T: Scalar>(
-    bob: usize,
-    low: &(T, Moment<T>),
-    high: &(T, Moment<T>),
-    step: T,
-) -> T {
+fn inverse_cubic<T: Scalar>(bob: usize, low: &(T, Moment<T>), high: &(T, Moment<T>), step: T) -> T {
     let lit = T::from_f64;
     let span = high.1.y(bob) - low.1.y(bob);
     let s = -low.1.y(bob) / span;

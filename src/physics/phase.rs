@@ -58,11 +58,7 @@ impl<T: Scalar> Pendulum<T> {
     /// the top itself.
     pub fn phase(&self, state: &State<T>) -> Phase<T> {
         let [(y1, x1), (y2, x2)] = state.angle.map(|theta| {
-            if theta.abs() == T::pi() {
-                (T::zero(), -T::from_f64(1.0))
-            } else {
-                theta.sin_cos()
-            }
+            if theta.abs() == T::pi() { (T::zero(), -T::from_f64(1.0)) } else { theta.sin_cos() }
         });
         let cos = self.c * (x1 * x2 + y1 * y2);
         let [w1, w2] = state.speed;

@@ -50,15 +50,29 @@ pub struct RunTable {
     /// Width and height in pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[u32; 2]>,
+    /// The accuracy's word, where no method is said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<String>,
     /// The method's word.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
     /// Its step, as on the command line.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<String>,
+    /// Its tolerance, likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<String>,
     /// The number type's word.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub precision: Option<String>,
+    /// Whether every pixel was checked, beyond what the accuracy asks for.
+    #[serde(skip_serializing_if = "is_false")]
+    pub verify: bool,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 impl Default for Document {

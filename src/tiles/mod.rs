@@ -7,8 +7,12 @@
 //!
 //! Nothing here knows a graphics card: the tests run it on the mock engine.
 
+mod kept;
 mod plan;
+mod samples;
 mod work;
 
+pub use kept::{Kept, Known};
 pub use plan::{Order, Tile, plan};
-pub use work::{Counts, FinishedTile, Samples, Work};
+pub use samples::{Counts, Samples};
+pub use work::{FinishedTile, Work};

@@ -3,60 +3,12 @@
 use std::collections::{HashMap, VecDeque};
 use std::time::Instant;
 
+use super::kept::{Kept, Known};
 use super::plan::{Order, Tile, plan};
+use super::samples::{Counts, Samples};
 use crate::engine::{Engine, EngineError, Finished, Job, Question, Recipe, Starts, Wait};
-use crate::physics::{Dd, Outcome, Status};
+use crate::physics::{Outcome, Status};
 use crate::scene::{Fate, Grid, Scene};
-
-/// Outcomes, stored tightly.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Samples {
-    statuses: Vec<Status>,
-    times: Vec<f64>,
-}
-
-impl Samples {
-    /// `count` unflipped samples.
-    pub fn unflipped(count: usize) -> Self {
-        Samples { statuses: vec![Status::Unflipped; count], times: vec![0.0; count] }
-    }
-
-    /// How many.
-    pub fn len(&self) -> usize {
-        self.statuses.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.statuses.is_empty()
-    }
-
-    /// Sample `index`.
-    pub fn get(&self, index: usize) -> Outcome {
-        Outcome { status: self.statuses[index], time: self.times[index] }
-    }
-
-    /// Replaces sample `index`.
-    pub fn set(&mut self, index: usize, outcome: Outcome) {
-        self.statuses[index] = outcome.status;
-        self.times[index] = outcome.time;
-    }
-
-    /// The samples in opposite order: of a tile, its mirror image.
-    pub fn reversed(mut self) -> Self {
-        self.statuses.reverse();
-        self.times.reverse();
-        self
-    }
-
-    /// All outcomes in order.
-    pub fn iter(&self) -> impl Iterator<Item = Outcome> + '_ {
-        (0..self.len()).map(|index| self.get(index))
-    }
-
-    /// Bytes a sample takes.
-    pub const BYTES: usize = size_of::<Status>() + size_of::<f64>();
-}
 
 /// A tile and the samples of the pixels it computes, in the order of [`Tile::pixels`].
 #[derive(Clone, Debug, PartialEq)]
@@ -65,25 +17,6 @@ pub struct FinishedTile {
     pub tile: Tile,
     /// Its samples.
     pub samples: Samples,
-}
-
-/// What has been done so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Pixels answered, mirror images included.
-    pub pixels: u64,
-    /// Starts that an engine integrated.
-    pub simulated: u64,
-    /// Pixels that flipped.
-    pub flipped: u64,
-    /// Pixels that did not within the budget.
-    pub unflipped: u64,
-    /// Pixels that energy forbids to.
-    pub forbidden: u64,
-    /// Pixels whose integration failed.
-    pub failed: u64,
-    /// Right-hand sides evaluated.
-    pub rhs_evaluations: u64,
 }
 
 /// A picture being computed.
@@ -96,6 +29,8 @@ pub struct Work {
     flying: HashMap<u64, Flying>,
     next_id: u64,
     counts: Counts,
+    /// What is known from an earlier run, and what a later one will want to know.
+    kept: Option<Kept>,
 }
 
 /// A tile whose open pixels are with the engine.
@@ -133,7 +68,19 @@ impl Work {
             flying: HashMap::new(),
             next_id: 0,
             counts: Counts::default(),
+            kept: None,
         }
+    }
+
+    /// Continues from what an earlier run kept, and keeps what a later one needs.
+    pub fn keeping(mut self, kept: Kept) -> Self {
+        self.kept = Some(kept);
+        self
+    }
+
+    /// What was kept, once all is done.
+    pub fn into_kept(self) -> Option<Kept> {
+        self.kept
     }
 
     /// Moves the work on until tiles have finished or `deadline` has come, and returns them.
@@ -188,7 +135,7 @@ impl Work {
                 return Ok(());
             };
             let (flying, starts) = self.prepare(tile);
-            if starts.is_empty() {
+            if flying.places.is_empty() {
                 self.finish(flying.tile, flying.samples, finished);
                 return Ok(());
             }
@@ -198,8 +145,8 @@ impl Work {
                 id,
                 question: self.question,
                 recipe: self.recipe,
-                starts: Starts::Rest(starts),
-                keep_unfinished: false,
+                starts,
+                keep_unfinished: self.kept.is_some(),
             })?;
             self.flying.insert(id, flying);
         }
@@ -207,23 +154,40 @@ impl Work {
     }
 
     /// Answers what is known beforehand, and collects the rest.
-    fn prepare(&self, tile: Tile) -> (Flying, Vec<[Dd; 2]>) {
+    fn prepare(&self, tile: Tile) -> (Flying, Starts) {
         let fates: Vec<Fate> = tile.pixels().map(|[x, y]| self.grid.fate(x, y)).collect();
         let mut samples = Samples::unflipped(fates.len());
-        let (mut places, mut starts) = (Vec::new(), Vec::new());
-        for (place, fate) in (0..).zip(fates) {
+        let (mut places, mut angles, mut paused) = (Vec::new(), Vec::new(), Vec::new());
+        for (place, (fate, pixel)) in (0..).zip(fates.into_iter().zip(tile.pixels())) {
             match fate {
                 Fate::Forbidden => {
                     samples.set(place as usize, Outcome::without_time(Status::Forbidden));
                 }
                 Fate::Balanced => {}
-                Fate::Open(angle) => {
-                    places.push(place);
-                    starts.push(angle);
-                }
+                Fate::Open(angle) => match self.known(pixel) {
+                    Some(Known::Over(outcome)) => samples.set(place as usize, outcome),
+                    Some(Known::Paused(state)) => {
+                        places.push(place);
+                        paused.push(state);
+                    }
+                    None => {
+                        places.push(place);
+                        angles.push(angle);
+                    }
+                },
             }
         }
+        let starts = if paused.is_empty() { Starts::Rest(angles) } else { Starts::Paused(paused) };
         (Flying { tile, samples, places }, starts)
+    }
+
+    fn known(&self, pixel: [u32; 2]) -> Option<Known> {
+        self.kept.as_ref().and_then(|kept| kept.known(self.index(pixel)))
+    }
+
+    /// A pixel's place in the picture, row by row from the top.
+    fn index(&self, [x, y]: [u32; 2]) -> u64 {
+        u64::from(y) * u64::from(self.grid.size()[0]) + u64::from(x)
     }
 
     fn take(&mut self, answer: Finished, finished: &mut Vec<FinishedTile>) {
@@ -232,17 +196,36 @@ impl Work {
         };
         self.counts.simulated += places.len() as u64;
         self.counts.rhs_evaluations += answer.effort.rhs_evaluations;
-        for (&place, &outcome) in places.iter().zip(&answer.outcomes) {
-            samples.set(place as usize, outcome);
+        for (k, &place) in places.iter().enumerate() {
+            samples.set(place as usize, answer.outcomes[k]);
+            if let Some(&trust) = answer.trusts.get(k) {
+                samples.set_trust(place as usize, trust);
+            }
         }
+        self.keep(&tile, &places, &answer);
         self.finish(tile, samples, finished);
+    }
+
+    fn keep(&mut self, tile: &Tile, places: &[u32], answer: &Finished) {
+        let Some(mut kept) = self.kept.take() else { return };
+        let pixels: Vec<[u32; 2]> = tile.pixels().collect();
+        let index = |k: usize| self.index(pixels[places[k] as usize]);
+        for (k, &outcome) in answer.outcomes.iter().enumerate() {
+            if outcome.status != Status::Unflipped {
+                kept.finish(index(k), outcome);
+            }
+        }
+        for &(k, state) in &answer.unfinished {
+            kept.pause(index(k), state);
+        }
+        self.kept = Some(kept);
     }
 
     /// Hands a tile back, and its mirror image.
     fn finish(&mut self, tile: Tile, samples: Samples, finished: &mut Vec<FinishedTile>) {
         let image = if self.mirrored { self.mirror_of(&tile, &samples) } else { None };
         for part in [Some(FinishedTile { tile, samples }), image].into_iter().flatten() {
-            count(&mut self.counts, &part.samples);
+            self.counts.add(&part.samples);
             finished.push(part);
         }
     }
@@ -256,24 +239,10 @@ impl Work {
         if rows == 0 {
             return None;
         }
-        let mut image = samples.clone();
-        image.statuses.truncate((rows * width) as usize);
-        image.times.truncate((rows * width) as usize);
+        let image = samples.clone().truncated((rows * width) as usize);
         let origin = [0, height - tile.origin[1] - rows];
         let tile = Tile { origin, size: [width, rows], ..*tile };
         Some(FinishedTile { tile, samples: image.reversed() })
-    }
-}
-
-fn count(counts: &mut Counts, samples: &Samples) {
-    counts.pixels += samples.len() as u64;
-    for status in &samples.statuses {
-        *match status {
-            Status::Flipped => &mut counts.flipped,
-            Status::Unflipped => &mut counts.unflipped,
-            Status::Forbidden => &mut counts.forbidden,
-            Status::Failed => &mut counts.failed,
-        } += 1;
     }
 }
 

@@ -66,11 +66,8 @@ pub fn run<N: Number, P: Pair>(
     let number = N::exactly(one);
     let pendulum = reduced.map(|value| number.lit(value));
     let inverse_scale = [number.lit(1.0 / scale[0]), number.lit(1.0 / scale[1])];
-    let mut field = Field {
-        flock: Flock::new(chunk, <N::Leading as Lanes>::COUNT, idle()),
-        reduced,
-        adaptive,
-    };
+    let mut field =
+        Field { flock: Flock::new(chunk, <N::Leading as Lanes>::COUNT, idle()), reduced, adaptive };
     finish_those_over(&mut field.flock, &adaptive);
     while field.flock.is_busy() {
         if field.flock.is_cancelled() {

@@ -21,8 +21,7 @@ pub fn run<L: Lanes, const TERMS: usize>(
     let (reduced, _) = chunk.question.pendulum.reduced();
     let pendulum = reduced.map(|number| L::splat(set, number));
     let step = L::splat(set, steps.length);
-    let mut fixed =
-        Fixed { flock: Flock::new(chunk, L::COUNT, [0.0; NUMBERS]), reduced, steps };
+    let mut fixed = Fixed { flock: Flock::new(chunk, L::COUNT, [0.0; NUMBERS]), reduced, steps };
     fixed.finish_those_over();
     while fixed.flock.is_busy() {
         if fixed.flock.is_cancelled() {

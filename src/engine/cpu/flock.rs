@@ -136,8 +136,7 @@ impl<'a> Flock<'a> {
     pub fn finish(&mut self, lane: usize, outcome: Outcome) {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;
-        self.answer.states[start] =
-            Paused { steps: self.taken[lane], numbers: self.numbers(lane) };
+        self.answer.states[start] = Paused { steps: self.taken[lane], numbers: self.numbers(lane) };
         self.put(lane, self.idle);
         self.busy -= 1;
     }

@@ -24,7 +24,10 @@ use self::flock::{Answer, Chunk};
 use self::lanes::{F32Lanes, F64Lanes};
 use self::number::{Kept, Two};
 use super::method::{Adaptive, Pace, Steps};
-use super::{Effort, Engine, EngineError, Finished, Job, Method, Paused, Precision, Starts, Wait, start};
+use super::{
+    Effort, Engine, EngineError, Finished, Job, Method, Paused, Precision, Recipe, Starts, Wait,
+    start,
+};
 use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, Outcome, Status};
@@ -68,6 +71,23 @@ impl CpuEngine {
         Ok(CpuEngine { pool, flying: HashMap::new(), cancelled: Arc::default(), sender, receiver })
     }
 
+    /// Whether the processor has the method in the precision.
+    pub fn offers(recipe: &Recipe) -> bool {
+        recipe.precision != Precision::Df32
+            && recipe.method.least_tolerance(recipe.precision).is_some()
+    }
+
+    /// Refuses what it does not have.
+    pub fn require(recipe: &Recipe) -> Result<(), EngineError> {
+        if Self::offers(recipe) {
+            return Ok(());
+        }
+        let Recipe { method, precision } = recipe;
+        let why =
+            format!("the processor has no --method {} in --precision {precision}", method.name());
+        Err(EngineError::Unsupported(why))
+    }
+
     fn take(&mut self, landed: Landed) -> Option<Finished> {
         let flying = self.flying.get_mut(&landed.job)?;
         let Landed { first, answer, job } = landed;
@@ -90,15 +110,7 @@ impl CpuEngine {
 
 impl Engine for CpuEngine {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        if job.recipe.method.least_tolerance(job.recipe.precision).is_none()
-            || job.recipe.precision == Precision::Df32
-        {
-            return Err(EngineError::Unsupported(format!(
-                "the processor has no {} in {}",
-                job.recipe.method.name(),
-                job.recipe.precision
-            )));
-        }
+        Self::require(&job.recipe)?;
         let pace = Pace::new(&job.question, &job.recipe)?;
         let starts = states_at_start(&job);
         let count = starts.len();
@@ -109,6 +121,7 @@ impl Engine for CpuEngine {
                 id: job.id,
                 outcomes: vec![Outcome::without_time(Status::Unflipped); count],
                 unfinished: Vec::new(),
+                trusts: Vec::new(),
                 effort: Effort::default(),
             },
         };
@@ -178,6 +191,10 @@ impl Engine for CpuEngine {
 
     fn name(&self) -> &'static str {
         "cpu"
+    }
+
+    fn offers(&self, recipe: &Recipe) -> bool {
+        CpuEngine::offers(recipe)
     }
 
     fn adapter(&self) -> String {
@@ -250,9 +267,7 @@ impl Flight<'_> {
             (Method::Taylor { .. }, _) => {
                 taylor::run::<F64Lanes<S>, f64, { ORDER_F64 + 1 }>(set, chunk, pace, |high, _| high)
             }
-            (_, Precision::F32) => {
-                adaptive::run::<Kept<F32Lanes<S>>, Eighth>(set, chunk, pace)
-            }
+            (_, Precision::F32) => adaptive::run::<Kept<F32Lanes<S>>, Eighth>(set, chunk, pace),
             _ => adaptive::run::<F64Lanes<S>, Eighth>(set, chunk, pace),
         }
     }

@@ -42,8 +42,7 @@ pub fn run<N: Number, T: Scalar, const M: usize>(
             let suspicion = suspicion(chunk, &series, &next, length);
             taken += 1;
             if suspicion.smallest() < 0.0 {
-                let flips =
-                    flips_in_step(&mut flock, &series, length, suspicion, from_parts);
+                let flips = flips_in_step(&mut flock, &series, length, suspicion, from_parts);
                 if flips.iter().any(Option::is_some) {
                     herd.finish_step(&mut flock, next, length, taken, flips, &adaptive);
                     break;

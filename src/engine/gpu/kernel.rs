@@ -83,7 +83,7 @@ impl Design {
             Method::Dop853 { .. } => Scheme::Eighth,
             method => {
                 return Err(EngineError::Unsupported(format!(
-                    "graphics adapters have no {} in {}; use --engine cpu",
+                    "graphics adapters have no --method {} in --precision {}",
                     method.name(),
                     recipe.precision
                 )));

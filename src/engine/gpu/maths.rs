@@ -70,8 +70,7 @@ impl Design {
         const NAMES: Phase<&str> = ["x1", "y1", "x2", "y2", "p1", "p2"];
         const LOWS: Phase<&str> = ["x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low"];
         write_maths(self.dialect(), || {
-            let (pendulum, phase, step) =
-                (self.pendulum(), NAMES.map(variable), variable("step"));
+            let (pendulum, phase, step) = (self.pendulum(), NAMES.map(variable), variable("step"));
             let trial = pair(&pendulum, self.inverse_scale(), &phase, step);
             let mut results = Vec::new();
             let mut next = phase;

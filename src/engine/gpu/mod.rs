@@ -19,7 +19,7 @@ use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{Landed, Ran, Slot};
 use super::selfcheck::{self, Check, Verdict};
-use super::{Engine, EngineError, Finished, Job, Wait};
+use super::{Engine, EngineError, Finished, Job, Recipe, Wait};
 
 /// Jobs on the device at a time.
 const SLOTS: usize = 2;
@@ -77,6 +77,17 @@ impl GpuEngine {
         &self.verdict
     }
 
+    /// Whether any adapter has the method in the precision.
+    pub fn has(recipe: &Recipe) -> bool {
+        Design::general(recipe, false, false).is_ok()
+    }
+
+    /// Refuses a recipe that the kernels do not have or the device is not trusted with.
+    pub fn require(&self, recipe: &Recipe) -> Result<(), EngineError> {
+        Design::general(recipe, false, false)?;
+        self.verdict.require(recipe.precision).map_err(EngineError::Unsupported)
+    }
+
     /// Takes more checks into account.
     pub fn judge_by(&mut self, checks: Vec<Check>) {
         let mut all = std::mem::take(&mut self.verdict).checks;
@@ -90,7 +101,7 @@ impl GpuEngine {
     }
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
-        self.verdict.require(job.recipe.precision).map_err(EngineError::Unsupported)?;
+        self.require(&job.recipe)?;
         let general =
             Design::general(&job.recipe, self.verdict.compensated, self.gpu.has_subgroups())?;
         if self.specialise { general.specialised(&job.question, &job.recipe) } else { Ok(general) }
@@ -222,6 +233,10 @@ impl Engine for GpuEngine {
 
     fn name(&self) -> &'static str {
         "gpu"
+    }
+
+    fn offers(&self, recipe: &Recipe) -> bool {
+        self.require(recipe).is_ok()
     }
 
     fn adapter(&self) -> String {

@@ -256,7 +256,7 @@ impl Slot {
         };
         let effort = self.effort(&raw);
         self.buffers.answer.unmap();
-        Finished { id: self.job.id, outcomes, unfinished, effort }
+        Finished { id: self.job.id, outcomes, unfinished, trusts: Vec::new(), effort }
     }
 
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
@@ -334,8 +334,11 @@ fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
 }
 
 fn head(job: &Job, pace: &Pace) -> JobHead {
-    let head =
-        JobHead { count: job.starts.len() as u32, most_steps: pace.most_steps(), ..Default::default() };
+    let head = JobHead {
+        count: job.starts.len() as u32,
+        most_steps: pace.most_steps(),
+        ..Default::default()
+    };
     match pace {
         Pace::Fixed(steps) => JobHead { step: to_parts(steps.length), ..head },
         Pace::Adaptive(adaptive) => JobHead {

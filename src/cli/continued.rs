@@ -1,0 +1,118 @@
+//! `--state`: going on where an earlier render of the same scene stopped.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use flipmap::engine::choice::{Kind, Wish};
+use flipmap::engine::{Engine, Recipe};
+use flipmap::output::{Destination, Ran, RenderState, SafeFile};
+use flipmap::scene::Document;
+use flipmap::tiles::Kept;
+
+use super::exit::Exit;
+
+/// A state file, what was in it, and what goes into it next.
+pub struct Continued {
+    path: PathBuf,
+    file: SafeFile,
+    earlier: Option<RenderState>,
+    document: Document,
+    ran: Option<Ran>,
+    kept: Kept,
+}
+
+impl Continued {
+    /// Reads the file if there is one, and makes sure that it can be written.
+    pub fn open(path: &Path, document: &Document) -> anyhow::Result<Self> {
+        if path.as_os_str() == "-" {
+            let message = "--state is read and written: name a file, not standard output";
+            return Err(Exit::Usage(message.to_string()).into());
+        }
+        let earlier = if path.exists() { Some(read(path, document)?) } else { None };
+        let file = SafeFile::create(&Destination::from(path))
+            .with_context(|| format!("--state: cannot write {}", path.display()))?;
+        let document = document.clone();
+        Ok(Continued {
+            path: path.to_path_buf(),
+            file,
+            earlier,
+            document,
+            ran: None,
+            kept: Kept::default(),
+        })
+    }
+
+    /// Where the engine is free, it is the earlier one: another would give other last digits.
+    pub fn prefer_engine(&self, wish: &mut Wish) {
+        if let (Some(earlier), Kind::Auto, None) = (&self.earlier, wish.kind, &wish.adapter) {
+            if earlier.ran.engine == "cpu" {
+                wish.kind = Kind::Cpu;
+            } else {
+                wish.kind = Kind::Gpu;
+                wish.adapter = Some(earlier.ran.adapter.clone());
+            }
+        }
+    }
+
+    /// Refuses to go on with another engine or recipe, and takes what is known.
+    pub fn check_ran(&mut self, engine: &dyn Engine, recipe: Recipe) -> anyhow::Result<()> {
+        let ran = ran(engine, recipe);
+        if let Some(earlier) = self.earlier.take() {
+            earlier
+                .check_ran(&ran)
+                .map_err(|why| Exit::Usage(format!("--state {} {why}", self.path.display())))?;
+            super::tell(&format!(
+                "flipmap: going on with the {} pixels that {} left",
+                earlier.kept.paused(),
+                self.path.display()
+            ));
+            self.kept = earlier.kept;
+        }
+        self.ran = Some(ran);
+        Ok(())
+    }
+
+    /// What is known so far, to be put back when the work is done.
+    pub fn take(&mut self) -> Kept {
+        std::mem::take(&mut self.kept)
+    }
+
+    /// What is known now.
+    pub fn put(&mut self, kept: Kept) {
+        self.kept = kept;
+    }
+
+    /// Replaces the file.
+    pub fn write(mut self) -> anyhow::Result<()> {
+        let ran = self.ran.context("a state is written after its engine was chosen")?;
+        let state = RenderState { ran, document: self.document.text(), kept: self.kept };
+        let name = self.path.display();
+        state.write(&mut self.file).with_context(|| format!("cannot write {name}"))?;
+        self.file.finish().with_context(|| format!("cannot write {name}"))
+    }
+}
+
+fn read(path: &Path, document: &Document) -> Result<RenderState, Exit> {
+    let refuse =
+        |why: &dyn std::fmt::Display| Exit::Usage(format!("--state {} {why}", path.display()));
+    let bytes = std::fs::read(path).map_err(|error| refuse(&format!("cannot be read: {error}")))?;
+    let state = RenderState::parse(&bytes).map_err(|why| refuse(&why))?;
+    state.check_scene(document).map_err(|why| refuse(&why))?;
+    Ok(state)
+}
+
+fn ran(engine: &dyn Engine, recipe: Recipe) -> Ran {
+    let adapter = engine.adapter();
+    // Of the processor "2 threads, AVX2" only the second part matters.
+    let adapter = match (engine.name(), adapter.split_once(", ")) {
+        ("cpu", Some((_, set))) => set.to_string(),
+        _ => adapter,
+    };
+    Ran {
+        engine: engine.name().to_string(),
+        adapter,
+        method: recipe.method.name().to_string(),
+        setting: recipe.method.setting(),
+        precision: recipe.precision.to_string(),
+    }
+}

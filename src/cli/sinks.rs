@@ -1,0 +1,166 @@
+//! The files that a render writes, as its samples come.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use flipmap::output::{
+    Destination, ExrWriter, NpyWriter, Painter, PngWriter, SafeFile, trust_colours,
+};
+use flipmap::scene::Document;
+use flipmap::tiles::Samples;
+
+use super::exit::{Exit, is_broken_pipe};
+
+/// Where what is asked to go, by option.
+#[derive(Clone, Debug, Default)]
+pub struct Paths {
+    /// `-o`.
+    pub picture: Option<PathBuf>,
+    /// `--raw`.
+    pub raw: Option<PathBuf>,
+    /// `--exr`.
+    pub exr: Option<PathBuf>,
+    /// `--trust`.
+    pub trust: Option<PathBuf>,
+}
+
+impl Paths {
+    /// Each path with its option.
+    pub fn named(&self) -> Vec<(&'static str, &Path)> {
+        let all = [
+            ("-o", &self.picture),
+            ("--raw", &self.raw),
+            ("--exr", &self.exr),
+            ("--trust", &self.trust),
+        ];
+        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect()
+    }
+}
+
+/// One run over the picture, for the outputs that want its samples.
+pub struct Pass {
+    /// Samples a pixel along each axis.
+    pub along: u32,
+    /// Whether it is the picture's; the other outputs want one sample at each pixel's centre.
+    picture: bool,
+    others: bool,
+}
+
+/// One file being written.
+enum Sink {
+    Picture(Painter, PngWriter<SafeFile>),
+    Raw(NpyWriter<SafeFile>),
+    Exr(ExrWriter<SafeFile>),
+    Trust(PngWriter<SafeFile>),
+}
+
+impl Sink {
+    fn write(&mut self, samples: &Samples) -> anyhow::Result<()> {
+        match self {
+            Sink::Picture(painter, png) => png.write(&painter.paint(samples))?,
+            Sink::Raw(npy) => npy.write(samples)?,
+            Sink::Exr(exr) => exr.write(samples),
+            Sink::Trust(png) => png.write(&trust_colours(samples))?,
+        }
+        Ok(())
+    }
+
+    /// The file with everything in it, not yet in its place.
+    fn complete(self) -> anyhow::Result<SafeFile> {
+        let mut file = match self {
+            Sink::Picture(_, png) | Sink::Trust(png) => png.finish()?,
+            Sink::Raw(npy) => npy.into_inner(),
+            Sink::Exr(exr) => exr.finish()?,
+        };
+        file.flush()?;
+        Ok(file)
+    }
+}
+
+/// The files being written.
+pub struct Sinks {
+    open: Vec<(Sink, Destination)>,
+}
+
+impl Sinks {
+    /// Opens every file before anything is computed.
+    pub fn open(paths: &Paths, document: &Document, size: [u32; 2]) -> anyhow::Result<Self> {
+        let mut open = Vec::new();
+        for (option, path) in paths.named() {
+            let (file, name) = create(option, path)?;
+            let sink = match option {
+                "-o" => {
+                    let painter = Painter::new(&document.scene(), size, &document.picture)
+                        .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
+                    Sink::Picture(painter, PngWriter::new(file, size, document)?)
+                }
+                "--raw" => Sink::Raw(NpyWriter::new(file, size)?),
+                "--exr" => Sink::Exr(ExrWriter::new(file, size, document)),
+                _ => Sink::Trust(PngWriter::new(file, size, document)?),
+            };
+            open.push((sink, name));
+        }
+        Ok(Sinks { open })
+    }
+
+    /// With several samples a pixel all but the picture still hold the samples at the pixels'
+    /// centres, in a pass of their own.
+    pub fn passes(&self, along: u32) -> Vec<Pass> {
+        let is_picture = |(sink, _): &(Sink, _)| matches!(sink, Sink::Picture(..));
+        let picture = self.open.iter().any(is_picture);
+        let others = !self.open.iter().all(is_picture);
+        if along == 1 || !picture {
+            return vec![Pass { along: 1, picture, others }];
+        }
+        let mut passes = vec![Pass { along, picture, others: false }];
+        if others {
+            passes.push(Pass { along: 1, picture: false, others });
+        }
+        passes
+    }
+
+    /// Hands samples, rows from the top, to the outputs of a pass. An output whose reader has
+    /// left is given up if there is another one.
+    pub fn write(&mut self, pass: &Pass, samples: &Samples) -> anyhow::Result<()> {
+        let mut others = self.open.len() - 1;
+        let mut kept = Vec::new();
+        for (mut sink, name) in std::mem::take(&mut self.open) {
+            let wanted = match sink {
+                Sink::Picture(..) => pass.picture,
+                _ => pass.others,
+            };
+            let written = if wanted { sink.write(samples) } else { Ok(()) };
+            match written.with_context(|| format!("cannot write {name}")) {
+                Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
+                Err(error) => return Err(error),
+                Ok(()) => kept.push((sink, name)),
+            }
+        }
+        self.open = kept;
+        Ok(())
+    }
+
+    /// Completes every file before any takes its place.
+    pub fn finish(self) -> anyhow::Result<()> {
+        let mut others = self.open.len() - 1;
+        let mut complete = Vec::new();
+        for (sink, name) in self.open {
+            match sink.complete().with_context(|| format!("cannot write {name}")) {
+                Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
+                file => complete.push((file?, name)),
+            }
+        }
+        for (file, name) in complete {
+            file.finish().with_context(|| format!("cannot write {name}"))?;
+        }
+        Ok(())
+    }
+}
+
+fn create(option: &str, path: &Path) -> anyhow::Result<(SafeFile, Destination)> {
+    let destination = Destination::from(path);
+    let file = SafeFile::create(&destination)
+        .with_context(|| format!("{option}: cannot write {destination}"))?;
+    Ok((file, destination))
+}

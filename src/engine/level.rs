@@ -1,0 +1,165 @@
+//! The user's word for how right a picture must be, and what it means in methods.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Method, Precision, Recipe};
+
+/// How right a picture must be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Accuracy {
+    /// RK4 at 120 steps a second in f32, as the lesson has it.
+    Lesson,
+    /// As right as f32 can be.
+    Fast,
+    /// Right within 1 ms but for one pixel in a thousand.
+    #[default]
+    Balanced,
+    /// The same, every pixel checked, and marked where the checks disagree.
+    Exact,
+}
+
+/// `fast`.
+const FAST: Recipe =
+    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
+/// `balanced`, where f64 is trusted.
+const BALANCED: Recipe =
+    Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
+/// `balanced`, where it is not, or slower.
+const BALANCED_DF32: Recipe =
+    Recipe { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
+
+impl Accuracy {
+    /// Every level with its word.
+    pub const ALL: [(&'static str, Accuracy); 4] = [
+        ("lesson", Accuracy::Lesson),
+        ("fast", Accuracy::Fast),
+        ("balanced", Accuracy::Balanced),
+        ("exact", Accuracy::Exact),
+    ];
+
+    /// The recipes that keep the level's promise, in order of preference where nothing is
+    /// measured; which of them is the fastest depends on the adapter.
+    pub fn recipes(self) -> Vec<Recipe> {
+        match self {
+            Accuracy::Lesson => {
+                vec![Recipe { method: Method::LESSON, precision: Precision::F32 }]
+            }
+            Accuracy::Fast => vec![FAST],
+            Accuracy::Balanced | Accuracy::Exact => vec![BALANCED, BALANCED_DF32],
+        }
+    }
+
+    /// Whether every pixel is checked.
+    pub fn verifies(self) -> bool {
+        self == Accuracy::Exact
+    }
+}
+
+impl fmt::Display for Accuracy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (word, _) = Self::ALL[Self::ALL.iter().position(|(_, a)| a == self).unwrap_or(0)];
+        f.write_str(word)
+    }
+}
+
+impl FromStr for Accuracy {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL.iter().find(|(word, _)| *word == text).map(|(_, level)| *level).ok_or_else(|| {
+            format!("unknown accuracy '{text}'; the levels are lesson, fast, balanced, exact")
+        })
+    }
+}
+
+impl Method {
+    /// The method called `name` with the setting that suits `precision`.
+    pub fn named(name: &str, precision: Precision) -> Option<Method> {
+        let of_pairs = match precision {
+            Precision::F32 => 5e-8,
+            Precision::Df32 => 1e-12,
+            _ => 3e-13,
+        };
+        let of_series = if precision == Precision::Dd { 1e-25 } else { 1e-15 };
+        match name {
+            "rk4" => Some(Method::LESSON),
+            "dopri5" => Some(Method::Dopri5 { tolerance: of_pairs }),
+            "dop853" => Some(Method::Dop853 { tolerance: of_pairs }),
+            "taylor" => Some(Method::Taylor { tolerance: of_series }),
+            _ => None,
+        }
+    }
+
+    /// The precision in which the method is at home.
+    pub fn home_precision(name: &str) -> Precision {
+        match name {
+            "rk4" | "dopri5" => Precision::F32,
+            _ => Precision::F64,
+        }
+    }
+
+    /// The method that `precision` is at home with.
+    pub fn home_method(precision: Precision) -> &'static str {
+        match precision {
+            Precision::F32 => "dopri5",
+            Precision::Df32 | Precision::F64 => "dop853",
+            Precision::Dd => "taylor",
+        }
+    }
+
+    /// The method with another tolerance; none for fixed steps.
+    pub fn with_tolerance(self, tolerance: f64) -> Option<Method> {
+        match self {
+            Method::Rk4 { .. } => None,
+            Method::Dopri5 { .. } => Some(Method::Dopri5 { tolerance }),
+            Method::Dop853 { .. } => Some(Method::Dop853 { tolerance }),
+            Method::Taylor { .. } => Some(Method::Taylor { tolerance }),
+        }
+    }
+
+    /// Its tolerance; none for fixed steps.
+    pub fn tolerance(self) -> Option<f64> {
+        match self {
+            Method::Rk4 { .. } => None,
+            Method::Dopri5 { tolerance }
+            | Method::Dop853 { tolerance }
+            | Method::Taylor { tolerance } => Some(tolerance),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_level_is_within_its_precisions_reach() {
+        for (word, level) in Accuracy::ALL {
+            assert_eq!(word.parse::<Accuracy>().unwrap(), level);
+            assert_eq!(level.to_string(), word);
+            for recipe in level.recipes() {
+                let least = recipe.method.least_tolerance(recipe.precision).unwrap();
+                assert!(recipe.method.tolerance().is_none_or(|t| t >= least), "{recipe:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_method_has_a_setting_and_a_home() {
+        for name in Method::NAMES {
+            let precision = Method::home_precision(name);
+            let method = Method::named(name, precision).unwrap();
+            assert_eq!(method.name(), name);
+            assert!(method.least_tolerance(precision).is_some());
+        }
+        for (_, precision) in Precision::ALL {
+            let method = Method::named(Method::home_method(precision), precision).unwrap();
+            let least = method.least_tolerance(precision).unwrap();
+            assert!(method.tolerance().unwrap() >= least, "{precision}");
+        }
+        assert_eq!(Method::named("euler", Precision::F32), None);
+    }
+}

@@ -1,0 +1,83 @@
+//! What one run keeps for a later one with a larger budget: who flipped when, and where those
+//! that did not are.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::Paused;
+use crate::physics::{Outcome, Status};
+
+/// Pixels by their place in the picture, row by row from the top. Forbidden pixels and mirror
+/// images are not among them: they are known without.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    flipped: BTreeMap<u64, f64>,
+    failed: Vec<u64>,
+    paused: BTreeMap<u64, Paused>,
+}
+
+/// What is known of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Known {
+    /// It is done.
+    Over(Outcome),
+    /// It had not flipped.
+    Paused(Paused),
+}
+
+impl Kept {
+    /// What is known of pixel `index`.
+    pub fn known(&self, index: u64) -> Option<Known> {
+        let over = self.flipped.get(&index).map(|&time| Outcome::flipped(time));
+        let failed = || {
+            let failed = self.failed.binary_search(&index).is_ok();
+            failed.then(|| Outcome::without_time(Status::Failed))
+        };
+        let paused = || self.paused.get(&index).map(|&state| Known::Paused(state));
+        over.or_else(failed).map(Known::Over).or_else(paused)
+    }
+
+    /// Pixel `index` is done.
+    pub fn finish(&mut self, index: u64, outcome: Outcome) {
+        self.paused.remove(&index);
+        if outcome.status == Status::Flipped {
+            self.flipped.insert(index, outcome.time);
+        } else if let Err(place) = self.failed.binary_search(&index) {
+            self.failed.insert(place, index);
+        }
+    }
+
+    /// Pixel `index` has not flipped.
+    pub fn pause(&mut self, index: u64, state: Paused) {
+        self.paused.insert(index, state);
+    }
+
+    /// How many pixels wait to go on.
+    pub fn paused(&self) -> usize {
+        self.paused.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::NUMBERS;
+
+    #[test]
+    fn what_was_kept_is_known_and_nothing_else() {
+        let state = Paused { steps: 7, numbers: [0.5; NUMBERS] };
+        let mut kept = Kept::default();
+        kept.pause(3, state);
+        kept.finish(1, Outcome::flipped(2.5));
+        kept.finish(9, Outcome::without_time(Status::Failed));
+        kept.finish(4, Outcome::without_time(Status::Failed));
+        assert_eq!(kept.known(3), Some(Known::Paused(state)));
+        assert_eq!(kept.known(1), Some(Known::Over(Outcome::flipped(2.5))));
+        let failed = Known::Over(Outcome::without_time(Status::Failed));
+        assert_eq!((kept.known(4), kept.known(9)), (Some(failed), Some(failed)));
+        assert_eq!(kept.known(2), None);
+        kept.finish(3, Outcome::flipped(40.0));
+        assert_eq!((kept.paused(), kept.known(3)), (0, Some(Known::Over(Outcome::flipped(40.0)))));
+    }
+}

@@ -1,0 +1,93 @@
+//! Going on with a larger budget.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+fn render(folder: &TempDir, arguments: &[&str]) -> Output {
+    Command::cargo_bin("flipmap")
+        .unwrap()
+        .current_dir(folder)
+        .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"))
+        .args(["render", "--size", "40x40", "--center", "1.2,0.7", "--width", "3", "--json"])
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn object(output: &Output) -> serde_json::Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn same(folder: &TempDir, one: &str, other: &str) -> bool {
+    let read = |name: &str| fs::read(Path::new(folder.path()).join(name)).unwrap();
+    read(one) == read(other)
+}
+
+fn going_on_is_one_run(engine: &str, accuracy: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let how = ["--engine", engine, "--accuracy", accuracy];
+        object(&render(&folder, &[&how, arguments].concat()))
+    };
+    let first = run(&["--budget", "12", "--raw", "a.npy", "--state", "s"]);
+    let second = run(&["--budget", "25", "--raw", "b.npy", "-o", "b.png", "--state", "s"]);
+    let whole = run(&["--budget", "25", "--raw", "c.npy", "-o", "c.png"]);
+    assert!(same(&folder, "b.npy", "c.npy") && same(&folder, "b.png", "c.png"));
+    assert_eq!(second["simulated"], first["unflipped"]);
+    let evaluations = |object: &serde_json::Value| object["rhs_evaluations"].as_u64().unwrap();
+    let (parts, whole) = (evaluations(&first) + evaluations(&second), evaluations(&whole));
+    // Twice is done at most what found a flip beyond the first budget.
+    let most = whole + 100 * first["unflipped"].as_u64().unwrap();
+    assert!((whole..=most).contains(&parts), "{parts} {whole}");
+    // Once more to the same budget costs nothing.
+    assert_eq!(
+        run(&["--budget", "25", "--raw", "d.npy", "--state", "s"])["simulated"],
+        second["unflipped"]
+    );
+    assert!(same(&folder, "d.npy", "c.npy"));
+}
+
+#[test]
+fn on_the_processor_going_on_is_one_run() {
+    for accuracy in ["lesson", "fast", "balanced"] {
+        going_on_is_one_run("cpu", accuracy);
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn on_an_adapter_going_on_is_one_run() {
+    for accuracy in ["lesson", "fast", "balanced"] {
+        going_on_is_one_run("gpu", accuracy);
+    }
+}
+
+#[test]
+fn what_cannot_go_on_is_refused_by_what_differs() {
+    let folder = tempfile::tempdir().unwrap();
+    let cpu = ["--engine", "cpu", "--raw", "a.npy", "--state", "s"];
+    object(&render(&folder, &[&cpu[..], &["--budget", "5"]].concat()));
+    let kept = fs::read(folder.path().join("s")).unwrap();
+    for (arguments, words) in [
+        (&["--budget", "4"][..], &["5 s already", "--budget"][..]),
+        (&["--budget", "9", "--gravity", "5"], &["another pendulum"]),
+        (&["--budget", "9", "--rule", "first"], &["another rule", "second", "first"]),
+        (&["--budget", "9", "--rotate", "2"], &["another view"]),
+        (&["--budget", "9", "--accuracy", "lesson"], &["another recipe", "rk4", "dop853"]),
+    ] {
+        let output = render(&folder, &[&cpu[..], arguments].concat());
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert!(words.iter().all(|word| error.contains(word)), "{arguments:?}: {error}");
+        assert_eq!(fs::read(folder.path().join("s")).unwrap(), kept, "{arguments:?}");
+    }
+    fs::write(folder.path().join("s"), "something else").unwrap();
+    let output = render(&folder, &cpu);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("is not a state"));
+    assert_eq!(fs::read_to_string(folder.path().join("s")).unwrap(), "something else");
+}

@@ -1,0 +1,120 @@
+//! What a checked answer is worth.
+
+mod common;
+
+use common::*;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::trust::TrustEngine;
+use flipmap::engine::{Accuracy, Engine, Method, Precision, Recipe, Starts, Trust};
+use flipmap::physics::{Dd, Outcome, Pendulum, Status, gold};
+use flipmap::scene::{Question as Asked, Scene, View};
+use rayon::prelude::*;
+
+fn exact() -> TrustEngine {
+    TrustEngine::new(Box::new(CpuEngine::new(None).unwrap()), None).unwrap()
+}
+
+fn balanced() -> Recipe {
+    Accuracy::Exact.recipes()[0]
+}
+
+/// A window beside the energy curve, where flips come late, or in the filigree.
+fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
+    let center = center.map(str::to_string);
+    let view = View { center, width: width.to_string(), ..View::default() };
+    Scene { view, question: Asked { budget, ..Asked::default() }, ..Scene::default() }
+}
+
+/// The truth in double-double, from the starts' whole digits.
+fn truth_in_dd(scene: &Scene, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    let question = question(scene);
+    let pendulum: Pendulum<Dd> = question.pendulum.map(Dd::new);
+    let budget = Dd::new(question.budget_secs);
+    let one = |angle: &[Dd; 2]| {
+        let outcome = gold::outcome(&pendulum, *angle, question.rule, budget);
+        Outcome { status: outcome.status, time: outcome.time.hi }
+    };
+    starts.par_iter().map(one).collect()
+}
+
+fn is_right(answer: &Outcome, truth: &Outcome) -> bool {
+    answer.status == truth.status
+        && (answer.status != Status::Flipped || (answer.time - truth.time).abs() <= 1e-3)
+}
+
+#[test]
+fn no_pixel_of_a_late_window_is_wrong_unmarked() {
+    for scene in [
+        window(["-1.66", "0.1"], "0.08", 30.0),
+        window(["-2.2", "-1.6"], "0.4", 30.0),
+        window(["1.5", "0.6"], "1e-3", 30.0),
+    ] {
+        let starts = open_starts(&scene, 14, 1);
+        let truth = truth_in_dd(&scene, &starts);
+        let answer = finished(&mut exact(), &question(&scene), balanced(), Starts::Rest(starts));
+        assert_eq!(answer.trusts.len(), truth.len());
+        for ((answer, trust), truth) in answer.outcomes.iter().zip(&answer.trusts).zip(&truth) {
+            assert_ne!(*trust, Trust::Unchecked);
+            assert!(
+                *trust == Trust::Uncertain || is_right(answer, truth),
+                "{answer:?} {truth:?} {trust:?}"
+            );
+        }
+        let uncertain = answer.trusts.iter().filter(|trust| **trust == Trust::Uncertain).count();
+        assert_eq!(uncertain, 0, "30 s are no horizon for double-double");
+    }
+}
+
+#[test]
+fn a_coarse_answer_is_corrected_when_it_is_checked() {
+    let scene = Scene::default();
+    let starts = open_starts(&scene, 512, 12);
+    let truth = truth(&question(&scene), &starts);
+    let alone = answers(
+        &mut CpuEngine::new(None).unwrap(),
+        &question(&scene),
+        lesson(Precision::F32),
+        &starts,
+    );
+    assert!(share_within(1e-3, &alone, &truth) < 0.93);
+    let checked =
+        finished(&mut exact(), &question(&scene), lesson(Precision::F32), Starts::Rest(starts));
+    assert_eq!(share_within(1e-3, &checked.outcomes, &truth), 1.0);
+    let count = |trust| checked.trusts.iter().filter(|&&t| t == trust).count();
+    assert!(count(Trust::Agreed) > 8 * count(Trust::Confirmed) && count(Trust::Confirmed) > 50);
+}
+
+#[test]
+fn beyond_every_horizon_pixels_are_marked() {
+    let late = window(["2.6", "2.6"], "0.5", 1000.0);
+    let mut scene = late;
+    // The first bob flips so late that growth has eaten every digit.
+    scene.question.rule = flipmap::physics::Rule::First;
+    scene.view.center = ["1.2".to_string(), "1.6".to_string()];
+    let starts = open_starts(&scene, 3, 1);
+    let answer = finished(&mut exact(), &question(&scene), balanced(), Starts::Rest(starts));
+    let late: Vec<Trust> = answer
+        .outcomes
+        .iter()
+        .zip(&answer.trusts)
+        .filter(|(outcome, _)| outcome.status == Status::Unflipped || outcome.time > 300.0)
+        .map(|(_, trust)| *trust)
+        .collect();
+    let marked = late.iter().filter(|trust| **trust == Trust::Uncertain).count();
+    eprintln!("{} late pixels, {marked} marked", late.len());
+    assert!(!late.is_empty() && marked * 10 >= late.len() * 9);
+}
+
+#[test]
+fn a_paused_pendulum_cannot_be_checked() {
+    let mut engine = exact();
+    let question = question(&Scene::default());
+    let job = flipmap::engine::Job {
+        id: 1,
+        question,
+        recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
+        starts: Starts::Paused(Vec::new()),
+        keep_unfinished: false,
+    };
+    assert!(engine.submit(job).unwrap_err().to_string().contains("release"));
+}
