@@ -19,5 +19,6 @@
 pub mod engine;
 pub mod output;
 pub mod physics;
+pub mod report;
 pub mod scene;
 pub mod tiles;

@@ -58,6 +58,7 @@ on_every_engine! {
     starts_at_the_top_begin_inside
     the_lightest_and_fastest_do_not_break_it
     cancelled_jobs_never_come_back
+    a_job_without_starts_is_done_at_once
 }
 
 type Make<'a> = &'a dyn Fn() -> Box<dyn Engine>;
@@ -236,6 +237,14 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
                 assert!(sound && outcome.status != Status::Forbidden, "{build:?}: {outcome:?}");
             }
         }
+    }
+}
+
+fn a_job_without_starts_is_done_at_once(make: Make) {
+    let mut engine = make();
+    for recipe in recipes(engine.as_ref()) {
+        let none = answers(engine.as_mut(), &question(&Scene::default()), recipe, &[]);
+        assert!(none.is_empty());
     }
 }
 

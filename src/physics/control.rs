@@ -29,8 +29,10 @@ pub const SHRINK: f64 = 0.2;
 pub const GROW: f64 = 5.0;
 /// Steps are at most this long, so that a bob turns by far less than half a turn in one.
 pub const LONGEST: f64 = 1.0;
-/// The first step that is tried.
-pub const FIRST: f64 = 0.05;
+/// The first step that is tried. A bob at rest has no speed whose change of sign could show that
+/// it rose over the top and fell back within its first step, as it can by at most FIRST⁴/8 rad
+/// (near (π/2, π), where its acceleration changes sign); so this is below what f64 can tell.
+pub const FIRST: f64 = 2e-3;
 
 /// 0.2 decades a second for the default pendulum.
 const DECADES_PER_UNIT: f64 = 0.2 * 0.319_275_428_5;

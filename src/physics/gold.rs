@@ -72,7 +72,7 @@ pub fn passages<T: Scalar>(angle: &[T], length: T) -> Vec<T> {
         let below: Vec<T> = above.iter().map(|&c| -c).collect();
         for f in [above, below] {
             let mut from = T::zero();
-            while let Some(time) = first_rise(&f, from, length, MOST_HALVINGS) {
+            while let Some(time) = first_rise(&f, [from, length], resolved(), MOST_HALVINGS) {
                 times.push(time);
                 from = time + length * T::from_f64(1e-9);
             }
@@ -97,7 +97,7 @@ fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
         .filter_map(|side| {
             let mut above: Vec<T> = angle.iter().map(|&c| c * T::from_f64(side)).collect();
             above[0] = above[0] - T::pi();
-            first_rise(&above, T::zero(), length, MOST_HALVINGS)
+            first_rise(&above, [T::zero(), length], resolved(), MOST_HALVINGS)
         })
         .reduce(|a, b| if b < a { b } else { a })
 }
@@ -108,9 +108,11 @@ pub fn passage_of_top<T: Scalar>(x: &[T], y: &[T], length: T) -> Option<T> {
     let first = y.iter().find(|&&c| c != T::zero())?;
     let mut side = if *first > T::zero() { -T::from_f64(1.0) } else { T::from_f64(1.0) };
     let mut from = T::zero();
+    // Near the top `y` keeps its leading digits, however small it is: unlike an angle there.
+    let least = resolved::<T>() * (y[0].abs() + reach(y, length));
     loop {
         let inward: Vec<T> = y.iter().map(|&c| c * side).collect();
-        let time = first_rise(&inward, from, length, MOST_HALVINGS)?;
+        let time = first_rise(&inward, [from, length], least, MOST_HALVINGS)?;
         if evaluate(x, time) < T::zero() {
             return Some(time);
         }
@@ -119,13 +121,17 @@ pub fn passage_of_top<T: Scalar>(x: &[T], y: &[T], length: T) -> Option<T> {
     }
 }
 
-/// Angles that move by less than this many epsilons are at rest as far as anyone can tell.
-const RESOLVED: f64 = 8.0;
+/// Angles that move by less than 8 epsilons are at rest as far as anyone can tell.
+fn resolved<T: Scalar>() -> T {
+    T::from_f64(8.0 * T::EPSILON)
+}
+
 /// Below 2⁻⁵⁰ of a step nothing is left to separate.
 const MOST_HALVINGS: usize = 50;
 
-/// The first time in (from, to] at which `f` rises to zero from below.
-fn first_rise<T: Scalar>(f: &[T], from: T, to: T, halvings: usize) -> Option<T> {
+/// The first time in (from, to] at which `f` rises to zero from below; where it moves by less
+/// than `least`, nobody can tell.
+fn first_rise<T: Scalar>(f: &[T], [from, to]: [T; 2], least: T, halvings: usize) -> Option<T> {
     let half = T::from_f64(0.5);
     let (middle, radius) = ((from + to) * half, (to - from) * half);
     let local = shifted(f, middle);
@@ -140,7 +146,7 @@ fn first_rise<T: Scalar>(f: &[T], from: T, to: T, halvings: usize) -> Option<T> 
     if local[0].abs() > spread {
         return None;
     }
-    if spread.to_f64() <= RESOLVED * T::EPSILON {
+    if spread <= least {
         return rises_through(f, from, middle, local[0]);
     }
     if local[1].abs() > tail(2, |k| k as f64) * radius {
@@ -151,7 +157,8 @@ fn first_rise<T: Scalar>(f: &[T], from: T, to: T, halvings: usize) -> Option<T> 
     if halvings == 0 {
         return rises_through(f, from, middle, local[0]);
     }
-    first_rise(f, from, middle, halvings - 1).or_else(|| first_rise(f, middle, to, halvings - 1))
+    first_rise(f, [from, middle], least, halvings - 1)
+        .or_else(|| first_rise(f, [middle, to], least, halvings - 1))
 }
 
 /// For parts in which nothing can be resolved: their middle, if `f` has risen by then.
@@ -179,10 +186,22 @@ fn shifted<T: Scalar>(f: &[T], centre: T) -> Vec<T> {
 mod tests {
     use super::*;
 
+    fn rise(f: &[f64], to: f64) -> Option<f64> {
+        first_rise(f, [0.0, to], resolved(), MOST_HALVINGS)
+    }
+
+    #[test]
+    fn without_angles_a_pass_is_seen_however_near_the_top_it_begins() {
+        for size in [1e-3, 1e-15, 1e-30] {
+            let pass = passage_of_top(&[-1.0, 0.0], &[-0.9 * size, size], 1.0);
+            assert!((pass.expect("beyond the top") - 0.9f64).abs() < 1e-12, "{size} {pass:?}");
+        }
+    }
+
     #[test]
     fn a_tangent_pass_is_decided_by_its_peak() {
         // e − (t − ½)² written out: passes for e > 0, misses for e < 0.
-        let pass = |e: f64| first_rise(&[e - 0.25, 1.0, -1.0], 0.0, 1.0, MOST_HALVINGS);
+        let pass = |e: f64| rise(&[e - 0.25, 1.0, -1.0], 1.0);
         for e in [1e-3, 1e-8, 1e-14] {
             let time = pass(e).expect("just over");
             assert!((time - (0.5 - e.sqrt())).abs() < 1e-8, "{e}: {time}");
@@ -192,15 +211,15 @@ mod tests {
 
     #[test]
     fn an_angle_that_rests_at_the_top_is_decided_at_once() {
-        assert_eq!(first_rise(&[0.0; 20], 0.0, 1e3, MOST_HALVINGS), None);
+        assert_eq!(rise(&[0.0; 20], 1e3), None);
         assert_eq!(passages(&[std::f64::consts::PI; 1], 1.0), []);
         let noise: [f64; 4] = [1e-17, -3e-17, 2e-17, 1e-18];
-        assert_eq!(first_rise(&noise, 0.0, 1.0, MOST_HALVINGS), None);
+        assert_eq!(rise(&noise, 1.0), None);
     }
 
     #[test]
     fn moving_inward_over_the_top_is_no_flip() {
-        assert_eq!(first_rise(&[0.1, -0.5, 0.0], 0.0, 1.0, MOST_HALVINGS), None);
+        assert_eq!(rise(&[0.1, -0.5, 0.0], 1.0), None);
     }
 
     #[test]

@@ -23,6 +23,7 @@ pub struct Chunk<'a> {
 }
 
 /// What became of a chunk: per start its outcome and last state, and the work done.
+#[derive(Default)]
 pub struct Answer {
     /// In the order of the starts.
     pub outcomes: Vec<Outcome>,

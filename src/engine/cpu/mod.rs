@@ -115,7 +115,7 @@ impl Engine for CpuEngine {
         let starts = states_at_start(&job);
         let count = starts.len();
         let flying = Flying {
-            chunks_left: count.div_ceil(CHUNK),
+            chunks_left: count.div_ceil(CHUNK).max(1),
             keep_unfinished: job.keep_unfinished,
             finished: Finished {
                 id: job.id,
@@ -126,6 +126,10 @@ impl Engine for CpuEngine {
             },
         };
         self.flying.insert(job.id, flying);
+        if starts.is_empty() {
+            let answer = Answer::default();
+            let _ = self.sender.send(Landed { job: job.id, first: 0, answer });
+        }
         let (recipe, question) = (job.recipe, job.question);
         for (index, chunk) in starts.chunks(CHUNK).enumerate() {
             let (starts, sender) = (chunk.to_vec(), self.sender.clone());

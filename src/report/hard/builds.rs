@@ -1,0 +1,142 @@
+//! Pendulums that are hard to integrate: whips, lopsided ones, weightless ones.
+
+use super::{BALANCED, Bench, Case, Finding, Of, apart, count, gold_f64, home};
+use crate::engine::{EngineError, Question};
+use crate::physics::{Dd, Rule, Status};
+use crate::scene::{Build, Kind};
+
+pub const CASES: &[Case] = &[
+    Case {
+        name: "fast whips",
+        expected: "nine in ten within 1 ms of gold, none failed",
+        why: "a light bob on a short rod turns dozens of times while the other one swings, and \
+              steps that choose their length follow it at its own pace",
+        of: Of::Engine,
+        run: whips,
+    },
+    Case {
+        name: "ratios of 1e-3 … 1e3",
+        expected: "every outcome within 1 ms of gold over 1 s, none failed",
+        why: "in reduced units such pendulums are the same equations with large coefficients; the \
+              determinant is carried by itself so that it does not cancel",
+        of: Of::Engine,
+        run: ratios,
+    },
+    Case {
+        name: "gravity from 0 to 1e3",
+        expected: "all forbidden without it; otherwise times × √g are equal to 1e-9",
+        why: "gravity only sets the unit of time, √(l/g)",
+        of: Of::Engine,
+        run: gravity,
+    },
+];
+
+/// Starts over the whole torus, on no line of symmetry, those that are forbidden left out.
+pub fn scattered(question: &Question, count: u32) -> Vec<[Dd; 2]> {
+    // A lattice by the golden ratio.
+    let at = |k: u32| {
+        let place =
+            [f64::from(k) + 0.5, (f64::from(k) + 0.3) * 0.618_033_988_749_894_9 * f64::from(count)];
+        place.map(|x| {
+            Dd::new((x / f64::from(count)).fract() * std::f64::consts::TAU - std::f64::consts::PI)
+        })
+    };
+    let open = |start: &[Dd; 2]| !question.pendulum.forbids(question.rule, start.map(|x| x.hi));
+    (0..count).map(at).filter(open).collect()
+}
+
+/// What a comparison of an engine with gold comes to.
+#[derive(Default)]
+struct Tally {
+    starts: usize,
+    flips: usize,
+    right: usize,
+    failed: usize,
+    worst: f64,
+}
+
+impl Tally {
+    fn add(
+        &mut self,
+        bench: &mut Bench,
+        question: &Question,
+        lattice: u32,
+    ) -> Result<(), EngineError> {
+        let starts = scattered(question, lattice);
+        let truth = gold_f64(question, &starts);
+        let answers = bench.answers(question, BALANCED, &starts)?;
+        self.starts += starts.len();
+        self.flips += count(&truth, Status::Flipped);
+        let sound = |o: &crate::physics::Outcome| o.status != Status::Failed && o.time.is_finite();
+        self.failed += answers.iter().chain(&truth).filter(|o| !sound(o)).count();
+        for (answer, truth) in answers.iter().zip(&truth) {
+            let off = apart(answer, truth);
+            self.right += usize::from(off <= 1e-3);
+            self.worst = self.worst.max(off);
+        }
+        Ok(())
+    }
+
+    fn text(&self) -> String {
+        let Tally { starts, flips, right, failed, worst } = self;
+        format!(
+            "{starts} starts, {flips} flip: {right} within 1 ms, at most {worst:.0e} s off, {failed} failed"
+        )
+    }
+}
+
+fn question(build: Build, budget_secs: f64) -> Question {
+    Question { pendulum: build.pendulum(), rule: Rule::Second, budget_secs }
+}
+
+fn whips(bench: &mut Bench) -> Result<Finding, EngineError> {
+    let mut tally = Tally::default();
+    for (kind, masses, lengths) in [
+        (Kind::Points, [1.0, 0.01], [1.0, 0.1]),
+        (Kind::Points, [1.0, 0.1], [0.3, 0.03]),
+        (Kind::Points, [0.02, 1.0], [0.1, 1.0]),
+        (Kind::Rods, [1.0, 0.05], [1.0, 0.1]),
+    ] {
+        let build = Build { kind, masses, lengths, ..Build::default() };
+        tally.add(bench, &question(build, 5.0), 40)?;
+    }
+    let share = tally.right as f64 / tally.starts as f64;
+    Finding::new(share >= 0.9 && tally.failed == 0, tally.text())
+}
+
+fn ratios(bench: &mut Bench) -> Result<Finding, EngineError> {
+    let mut tally = Tally::default();
+    for kind in [Kind::Points, Kind::Rods] {
+        for masses in [[1.0, 1e-3], [1e-3, 1.0], [1.0, 1.0]] {
+            for lengths in [[1.0, 1e-3], [1e-3, 1.0], [1.0, 1.0]] {
+                let build = Build { kind, masses, lengths, ..Build::default() };
+                // Light and short first rods leave few starts open, so more are tried.
+                let asked = question(build, 1.0);
+                let few = asked.pendulum.p < 0.1 * asked.pendulum.q;
+                tally.add(bench, &asked, if few { 1000 } else { 16 })?;
+            }
+        }
+    }
+    Finding::new(tally.right == tally.starts && tally.failed == 0, tally.text())
+}
+
+fn gravity(bench: &mut Bench) -> Result<Finding, EngineError> {
+    let weightless = Build { gravity: 0.0, ..Build::default() };
+    let none = scattered(&question(weightless, 1.0), 1000).len();
+    let starts = scattered(&home(Rule::Second, 1.0), 200);
+    let mut scaled = Vec::new();
+    for gravity in [1e-6, 1e-3, 1.0, 9.81, 1e3f64] {
+        let asked = question(Build { gravity, ..Build::default() }, 20.0 / gravity.sqrt());
+        let mut answers = bench.answers(&asked, BALANCED, &starts)?;
+        answers.iter_mut().for_each(|outcome| outcome.time *= gravity.sqrt());
+        scaled.push(answers);
+    }
+    let flips = count(&scaled[0], Status::Flipped);
+    let worst = scaled.iter().map(|other| super::farthest(other, &scaled[0])).fold(0.0, f64::max);
+    Finding::new(
+        none == 0 && worst <= 1e-9 && flips > 50,
+        format!(
+            "{flips} flips, times × √g apart by at most {worst:.0e}; {none} starts open at g = 0"
+        ),
+    )
+}

@@ -1,0 +1,194 @@
+//! The hard cases: starts, pendulums and windows at which flip-time programs go wrong, each with
+//! what is expected, why, and a function that measures it.
+//!
+//! The tests run every case on every engine, and the report prints the same list, so that what is
+//! claimed is what was measured. The judge is the gold standard, in double-double where f64 would
+//! not be above suspicion.
+
+mod balance;
+mod builds;
+mod chaos;
+mod methods;
+pub mod tangent;
+mod top;
+mod views;
+
+use rayon::prelude::*;
+
+use crate::engine::{
+    Engine, EngineError, Finished, Job, Method, Precision, Question, Recipe, Starts, Wait,
+};
+use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status, gold};
+
+/// One claim and the way to refute it.
+#[derive(Clone, Copy)]
+pub struct Case {
+    /// A few words.
+    pub name: &'static str,
+    /// What should be measured.
+    pub expected: &'static str,
+    /// Why that is to be expected, in one sentence.
+    pub why: &'static str,
+    /// What is measured: an engine, or the mathematics that all engines share.
+    pub of: Of,
+    run: fn(&mut Bench) -> Result<Finding, EngineError>,
+}
+
+/// What a case is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// Any engine that has DOP853 in f64.
+    Engine,
+    /// The processor's engine only: needs methods that no other has.
+    Cpu,
+    /// No engine: the methods themselves.
+    Physics,
+}
+
+/// What was measured, and whether it is what was expected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// The numbers, for people.
+    pub measured: String,
+    /// Whether the claim held.
+    pub held: bool,
+}
+
+impl Finding {
+    fn new(held: bool, measured: String) -> Result<Self, EngineError> {
+        Ok(Finding { measured, held })
+    }
+}
+
+impl Case {
+    /// Measures. An engine that gives up has not kept the claim.
+    pub fn measure(&self, bench: &mut Bench) -> Finding {
+        (self.run)(bench)
+            .unwrap_or_else(|error| Finding { measured: error.to_string(), held: false })
+    }
+
+    /// Whether `engine` (its name) can be asked.
+    pub fn is_for(&self, engine: &str) -> bool {
+        self.of == Of::Engine || engine == "cpu"
+    }
+}
+
+/// All cases, in the order of the report.
+pub fn cases() -> Vec<Case> {
+    [top::CASES, balance::CASES, builds::CASES, views::CASES, methods::CASES, chaos::CASES].concat()
+}
+
+/// What `balanced` means: DOP853 in f64.
+pub const BALANCED: Recipe =
+    Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
+/// The check by another method.
+pub const TAYLOR: Recipe =
+    Recipe { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
+/// The lesson's method, without its f32.
+pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F64 };
+/// The fast level.
+pub const FAST: Recipe =
+    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
+
+/// The engine under examination.
+pub struct Bench {
+    engine: Box<dyn Engine>,
+}
+
+impl Bench {
+    /// Examines `engine`.
+    pub fn new(engine: Box<dyn Engine>) -> Self {
+        Bench { engine }
+    }
+
+    /// The engine's answers, in the order of the starts.
+    fn answers(
+        &mut self,
+        question: &Question,
+        recipe: Recipe,
+        starts: &[[Dd; 2]],
+    ) -> Result<Vec<Outcome>, EngineError> {
+        Ok(self.finished(question, recipe, Starts::Rest(starts.to_vec()))?.outcomes)
+    }
+
+    /// The recipes that claim to be right: of the processor's two, which share no event test.
+    fn exact(&self) -> &'static [Recipe] {
+        if self.engine.name() == "cpu" { &[BALANCED, TAYLOR] } else { &[BALANCED] }
+    }
+
+    /// How far the worst answer of the exact recipes is from the truth, s.
+    fn worst(
+        &mut self,
+        question: &Question,
+        starts: &[[Dd; 2]],
+        truth: &[Outcome],
+    ) -> Result<f64, EngineError> {
+        let mut worst = 0f64;
+        for &recipe in self.exact() {
+            worst = worst.max(farthest(&self.answers(question, recipe, starts)?, truth));
+        }
+        Ok(worst)
+    }
+
+    /// One job run to its end, its unfinished states kept.
+    fn finished(
+        &mut self,
+        question: &Question,
+        recipe: Recipe,
+        starts: Starts,
+    ) -> Result<Finished, EngineError> {
+        let job = Job { id: 1, question: *question, recipe, starts, keep_unfinished: true };
+        self.engine.submit(job)?;
+        let finished = self.engine.poll(Wait::UntilFinished)?.pop();
+        finished.ok_or_else(|| EngineError::Unsupported("the engine gave no answer".to_string()))
+    }
+}
+
+/// A question about the pendulum of the home map.
+fn home(rule: Rule, budget_secs: f64) -> Question {
+    Question { pendulum: Pendulum::points([1.0; 2], [1.0; 2], 9.81), rule, budget_secs }
+}
+
+/// The gold standard's outcomes in the number type `T`, times as f64.
+fn gold<T: Scalar>(
+    question: &Question,
+    starts: &[[Dd; 2]],
+    as_scalar: fn(Dd) -> T,
+) -> Vec<Outcome> {
+    let pendulum = question.pendulum.convert();
+    let one = |start: &[Dd; 2]| {
+        let budget = T::from_f64(question.budget_secs);
+        let outcome = gold::outcome(&pendulum, start.map(as_scalar), question.rule, budget);
+        Outcome { status: outcome.status, time: outcome.time.to_f64() }
+    };
+    starts.par_iter().map(one).collect()
+}
+
+/// The same in double-double.
+fn gold_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    gold(question, starts, |theta| theta)
+}
+
+/// The same in f64.
+fn gold_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    gold(question, starts, |theta| theta.hi)
+}
+
+/// How far apart two outcomes are in seconds; infinitely where their statuses differ.
+fn apart(a: &Outcome, b: &Outcome) -> f64 {
+    match (a.status, b.status) {
+        (Status::Flipped, Status::Flipped) => (a.time - b.time).abs(),
+        (a, b) if a == b => 0.0,
+        _ => f64::INFINITY,
+    }
+}
+
+/// The largest of all.
+fn farthest(a: &[Outcome], b: &[Outcome]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| apart(a, b)).fold(0.0, f64::max)
+}
+
+/// How many have this status.
+fn count(outcomes: &[Outcome], status: Status) -> usize {
+    outcomes.iter().filter(|outcome| outcome.status == status).count()
+}

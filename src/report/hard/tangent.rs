@@ -1,0 +1,204 @@
+//! The tangent of the motion: how fast neighbours part, by numbers that carry their derivatives.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::physics::embedded::{dop853, plus};
+use crate::physics::phase::Phase;
+use crate::physics::{Pendulum, Real, State};
+
+/// A number and its derivatives along four directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual {
+    value: f64,
+    slope: [f64; 4],
+}
+
+impl Dual {
+    fn new(value: f64) -> Self {
+        Dual { value, slope: [0.0; 4] }
+    }
+
+    /// f(x, y) of value `value` with ∂f/∂x = `by_x` and ∂f/∂y = `by_y`.
+    #[inline(always)]
+    fn of(value: f64, by_x: f64, x: &Dual, by_y: f64, y: &Dual) -> Self {
+        Dual { value, slope: std::array::from_fn(|i| by_x * x.slope[i] + by_y * y.slope[i]) }
+    }
+}
+
+impl Add for Dual {
+    type Output = Self;
+    fn add(self, y: Self) -> Self {
+        Dual::of(self.value + y.value, 1.0, &self, 1.0, &y)
+    }
+}
+
+impl Sub for Dual {
+    type Output = Self;
+    fn sub(self, y: Self) -> Self {
+        Dual::of(self.value - y.value, 1.0, &self, -1.0, &y)
+    }
+}
+
+impl Mul for Dual {
+    type Output = Self;
+    fn mul(self, y: Self) -> Self {
+        Dual::of(self.value * y.value, y.value, &self, self.value, &y)
+    }
+}
+
+impl Div for Dual {
+    type Output = Self;
+    fn div(self, y: Self) -> Self {
+        let quotient = self.value / y.value;
+        Dual::of(quotient, 1.0 / y.value, &self, -quotient / y.value, &y)
+    }
+}
+
+impl Neg for Dual {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Dual { value: -self.value, slope: self.slope.map(|slope| -slope) }
+    }
+}
+
+impl Real for Dual {
+    fn lit(self, value: f64) -> Self {
+        Dual::new(value)
+    }
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.value.sin_cos();
+        (Dual::of(sin, cos, &self, 0.0, &self), Dual::of(cos, -sin, &self, 0.0, &self))
+    }
+}
+
+/// Four directions away from a state, each δθ1, δθ2, δp1, δp2: canonical coordinates, in which
+/// the motion keeps volumes.
+type Frame = [[f64; 4]; 4];
+
+/// Time between two straightenings of the frame.
+const STRETCH: f64 = 1.0;
+/// The squared error of a step.
+const TOLERANCE: f64 = 1e-22;
+
+/// The finite-time Lyapunov spectrum of a release from rest at `angle` over `time`, largest
+/// first, per unit of time: the frame is carried along and made orthonormal again and again
+/// (Benettin et al., Meccanica 15, 1980).
+pub fn spectrum(pendulum: &Pendulum<f64>, angle: [f64; 2], time: f64) -> [f64; 4] {
+    let mut phase = pendulum.phase(&State::rest(angle));
+    let mut frame: Frame =
+        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let stretches = (time / STRETCH).round().max(1.0) as usize;
+    let stretch = time / stretches as f64;
+    let mut sums = [0.0; 4];
+    for _ in 0..stretches {
+        (phase, frame) = carried(pendulum, &phase, &frame, stretch);
+        let growth = straightened(&mut frame);
+        for (sum, growth) in sums.iter_mut().zip(growth) {
+            *sum += growth.ln() / time;
+        }
+    }
+    sums
+}
+
+/// Phase and frame after `time`, by DOP853 on numbers that carry their slopes.
+fn carried(
+    pendulum: &Pendulum<f64>,
+    phase: &Phase<f64>,
+    frame: &Frame,
+    time: f64,
+) -> (Phase<f64>, Frame) {
+    let dual = pendulum.map(Dual::new);
+    let inverse_scale = pendulum.momentum_scale().map(|scale| Dual::new(1.0 / scale));
+    let mut state = with_slopes(phase, frame);
+    let (mut done, mut step) = (0.0, 0.05f64);
+    while done < time {
+        let length = step.min(time - done);
+        let trial = dop853(&dual, inverse_scale, &state, Dual::new(length));
+        let error = trial.error_squared.value;
+        if error <= TOLERANCE {
+            state = plus(&state, &trial.change);
+            done += length;
+        }
+        step = length * (0.9 * (TOLERANCE / error.max(1e-40)).powf(1.0 / 16.0)).clamp(0.2, 5.0);
+    }
+    without_slopes(&state)
+}
+
+/// Unit vectors turn by (−y, x) δθ.
+fn with_slopes(phase: &Phase<f64>, frame: &Frame) -> Phase<Dual> {
+    let [x1, y1, x2, y2, _, _] = *phase;
+    let by = [(-y1, 0), (x1, 0), (-y2, 1), (x2, 1), (1.0, 2), (1.0, 3)];
+    std::array::from_fn(|i| {
+        let (factor, coordinate) = by[i];
+        Dual { value: phase[i], slope: std::array::from_fn(|k| factor * frame[k][coordinate]) }
+    })
+}
+
+fn without_slopes(state: &Phase<Dual>) -> (Phase<f64>, Frame) {
+    let phase = state.map(|number| number.value);
+    let [x1, y1, x2, y2, p1, p2] = state;
+    let turn = |x: &Dual, y: &Dual, k: usize| x.value * y.slope[k] - y.value * x.slope[k];
+    let frame =
+        std::array::from_fn(|k| [turn(x1, y1, k), turn(x2, y2, k), p1.slope[k], p2.slope[k]]);
+    (phase, frame)
+}
+
+/// Makes the frame orthonormal (Gram and Schmidt) and says how long each direction had grown.
+fn straightened(frame: &mut Frame) -> [f64; 4] {
+    let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
+    let mut growth = [0.0; 4];
+    for k in 0..4 {
+        let mut direction = frame[k];
+        // Twice is enough, once is not, for nearly parallel directions.
+        for _ in 0..2 {
+            for before in &frame[..k] {
+                let along = dot(before, &direction);
+                direction = std::array::from_fn(|i| direction[i] - along * before[i]);
+            }
+        }
+        growth[k] = dot(&direction, &direction).sqrt();
+        frame[k] = direction.map(|x| x / growth[k]);
+    }
+    growth
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_swings_do_not_part() {
+        let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
+        for exponent in spectrum(&unit, [1e-3, 1e-3], 200.0) {
+            assert!(exponent.abs() < 0.02, "{exponent}");
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_differences() {
+        let unit = Pendulum::points([1.0, 2.0], [1.0, 0.6], 1.0);
+        let phase = unit.phase(&State { angle: [1.0, -2.0], speed: [0.5, 1.0] });
+        let frame: Frame = [
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+            [0.3, 0.1, 0.2, 1.0],
+        ];
+        let state = with_slopes(&phase, &frame);
+        let flow = unit.map(Dual::new).flow(&state);
+        for k in 0..4 {
+            let nudged = |sign: f64| {
+                unit.flow(&std::array::from_fn(|i| phase[i] + sign * 1e-6 * state[i].slope[k]))
+            };
+            let (up, down) = (nudged(1.0), nudged(-1.0));
+            for i in 0..6 {
+                let slope = (up[i] - down[i]) / 2e-6;
+                assert!((slope - flow[i].slope[k]).abs() < 1e-8, "{i} {k}");
+            }
+        }
+        assert_eq!(without_slopes(&state).0, phase);
+    }
+}

@@ -1,0 +1,92 @@
+//! The hard cases, each once for every engine that can be asked, and the one that is a warning.
+
+mod common;
+
+use std::process::Output;
+
+use assert_cmd::Command;
+use common::gpu_engine;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::{Engine, Question, Starts};
+use flipmap::physics::Dd;
+use flipmap::report::hard::{Bench, LESSON, cases};
+use flipmap::scene::{Grid, Scene, View};
+
+fn all_hold(engine: Box<dyn Engine>) {
+    let (name, mut bench) = (engine.name(), Bench::new(engine));
+    let mut broken = Vec::new();
+    for case in cases().into_iter().filter(|case| case.is_for(name)) {
+        let begun = std::time::Instant::now();
+        let finding = case.measure(&mut bench);
+        let told = format!("{}: {}", case.name, finding.measured);
+        println!("{:.1} s {told}", begun.elapsed().as_secs_f64());
+        if !finding.held {
+            broken.push(format!("{told}\n    expected: {}", case.expected));
+        }
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+#[test]
+fn all_hold_on_the_processor() {
+    all_hold(Box::new(CpuEngine::new(None).unwrap()));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn all_hold_on_an_adapter() {
+    all_hold(Box::new(gpu_engine()));
+}
+
+#[test]
+fn every_case_says_what_and_why() {
+    let cases = cases();
+    assert_eq!(cases.len(), 15);
+    let names: std::collections::BTreeSet<&str> = cases.iter().map(|case| case.name).collect();
+    assert_eq!(names.len(), cases.len(), "names are told apart");
+    assert!(cases.iter().all(|case| !case.expected.is_empty() && case.why.len() > 40));
+}
+
+/// A window of 32 × 32 pixels so narrow that neighbours round to one start.
+fn rendered(width: &str, raw: &std::path::Path) -> Output {
+    Command::cargo_bin("flipmap")
+        .unwrap()
+        .args(["render", "--center=2.1,2.3", "--width", width, "--size", "32x32"])
+        .args(["--method", "rk4", "--step", "1/120", "--precision", "f64", "--engine", "cpu"])
+        .arg("--raw")
+        .arg(raw)
+        .output()
+        .unwrap()
+}
+
+/// The numbers of a `.npy` of f64.
+fn numbers(raw: &std::path::Path) -> Vec<f64> {
+    let bytes = std::fs::read(raw).unwrap();
+    let head = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    bytes[head..].as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect()
+}
+
+#[test]
+fn a_window_below_the_resolution_is_warned_of_and_shows_the_starts_there_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let raw = folder.path().join("times.npy");
+    let said = |output: Output| {
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(!said(rendered("1e-9", &raw)).contains("warning"));
+    assert!(said(rendered("4e-15", &raw)).contains("coarser than it looks"));
+
+    let center = ["2.1".to_string(), "2.3".to_string()];
+    let view = View { center, width: "4e-15".to_string(), ..View::default() };
+    let scene = Scene { view, ..Scene::default() };
+    let grid = Grid::new(&scene, [32, 32]);
+    let rounded = (0..32 * 32)
+        .map(|k| grid.angle_from_pixel(k % 32, k / 32).map(|theta| Dd::new(theta.hi)))
+        .collect();
+    let mut engine = CpuEngine::new(None).unwrap();
+    let asked = Question::from(&scene);
+    let answers = common::finished(&mut engine, &asked, LESSON, Starts::Rest(rounded)).outcomes;
+    let expected: Vec<f64> = answers.iter().map(|outcome| outcome.time).collect();
+    assert_eq!(numbers(&raw), expected);
+}
