@@ -192,7 +192,7 @@ enum Accuracy {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum EngineKind {
+pub enum EngineKind {
     #[default]
     Auto,
     Gpu,
