@@ -3,9 +3,8 @@
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 
+use anyhow::Context;
 use clap::Args;
-use flipmap::engine::choice::{ChoiceError, INSTALL_HINT};
-use flipmap::engine::gpu::device::{adapters, describe};
 use flipmap::report::{Field, Folder, ReportError, Session, Thoroughness};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -31,7 +30,7 @@ pub struct Options {
     /// Threads of the CPU engine (default: one for each core)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
-    /// Starts compared with the gold standard, at most (default: 8000; with --quick 2000)
+    /// Starts compared with the gold standard, at most (default: 20000; with --quick 5000)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     sample: Option<u32>,
     /// How to show progress
@@ -41,18 +40,15 @@ pub struct Options {
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let field = field(options)?;
-    let folder = Folder::create(&options.output)
-        .map_err(|error| Exit::Usage(format!("-o: {error}")))?;
+    let folder = Folder::create(&options.output).context("-o")?;
     stop::listen()?;
     let care = care(options);
-    let mut session =
-        Session::open(&field, care, &stop::asked).map_err(|error| stopped(error, &folder, None))?;
+    let mut session = Session::open(&field, care, &stop::asked)
+        .map_err(|error| explained(error, &folder, None))?;
     let progress = Progress::new(options.progress, session.len());
     while let Some(name) = session.next_name() {
         progress.begin(session.done(), name);
-        session
-            .advance(&stop::asked)
-            .map_err(|error| stopped(error, &folder, Some(&session)))?;
+        session.advance(&stop::asked).map_err(|error| explained(error, &folder, Some(&session)))?;
         folder.write(session.report())?;
         progress.finish(session.done());
     }
@@ -61,7 +57,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn field(options: &Options) -> anyhow::Result<Field> {
+fn field(options: &Options) -> Result<Field, Exit> {
     let field = Field {
         only_gpu: options.engine == EngineKind::Gpu,
         only_cpu: options.engine == EngineKind::Cpu,
@@ -70,26 +66,9 @@ fn field(options: &Options) -> anyhow::Result<Field> {
     };
     if field.only_cpu && field.adapter.is_some() {
         let message = "--adapter names a graphics adapter; leave it out with --engine cpu";
-        return Err(Exit::Usage(message.to_string()).into());
-    }
-    if !field.only_cpu {
-        check_adapters(&field)?;
+        return Err(Exit::Usage(message.to_string()));
     }
     Ok(field)
-}
-
-/// Refuses a report without the adapters that were asked for.
-fn check_adapters(field: &Field) -> Result<(), ChoiceError> {
-    let found: Vec<String> = adapters().iter().map(describe).collect();
-    if found.is_empty() && (field.only_gpu || field.adapter.is_some()) {
-        return Err(ChoiceError::NoAdapter(format!("{INSTALL_HINT}; or use --engine cpu")));
-    }
-    let Some(wanted) = &field.adapter else { return Ok(()) };
-    let fits = |name: &String| name.to_lowercase().contains(&wanted.to_lowercase());
-    if found.iter().any(fits) {
-        return Ok(());
-    }
-    Err(ChoiceError::UnknownAdapter { wanted: wanted.clone(), found: found.join(", ") })
 }
 
 fn care(options: &Options) -> Thoroughness {
@@ -98,21 +77,24 @@ fn care(options: &Options) -> Thoroughness {
     Thoroughness { sample, ..care }
 }
 
-/// What a stop left behind; other errors stay what they are.
-fn stopped(error: ReportError, folder: &Folder, session: Option<&Session>) -> anyhow::Error {
-    if !matches!(error, ReportError::Stopped) {
-        return error.into();
+/// Errors as the exit codes know them; of a stop, what it left behind.
+fn explained(error: ReportError, folder: &Folder, session: Option<&Session>) -> anyhow::Error {
+    match (error, session) {
+        (ReportError::Choice(error), _) => error.into(),
+        (ReportError::Stopped, Some(session)) if session.done() > 0 => {
+            let message = format!(
+                "stopped; {} holds {} of {} measurements and says what is missing",
+                folder.path().display(),
+                session.done(),
+                session.len()
+            );
+            Exit::Partly(message).into()
+        }
+        (ReportError::Stopped, _) => {
+            Exit::Partly("stopped before anything was measured".to_string()).into()
+        }
+        (error, _) => error.into(),
     }
-    let message = match session {
-        Some(session) if session.done() > 0 => format!(
-            "stopped; {} holds {} of {} measurements and says what is missing",
-            folder.path().display(),
-            session.done(),
-            session.len()
-        ),
-        _ => "stopped before anything was measured; nothing was written".to_string(),
-    };
-    Exit::Partly(message).into()
 }
 
 /// Measurements done of all: a bar on a terminal, or a JSON object for each.

@@ -1,7 +1,7 @@
 //! The engines that are measured.
 
 use super::{Refusal, ReportError, StopTest};
-use crate::engine::choice::open_checked;
+use crate::engine::choice::{ChoiceError, INSTALL_HINT, open_checked};
 use crate::engine::cpu::CpuEngine;
 use crate::engine::gpu::GpuEngine;
 use crate::engine::gpu::device::{adapters, describe};
@@ -61,9 +61,22 @@ impl Contender {
         }
     }
 
-    /// `gpu (…)`.
-    pub fn label(&self) -> String {
-        format!("{} ({})", self.name(), self.adapter())
+    /// Its full name.
+    pub fn full_name(&self) -> String {
+        format!("{}: {}", self.name(), self.adapter())
+    }
+
+    /// See [`short_name`].
+    pub fn short_name(&self) -> String {
+        short_name(self.name(), &self.adapter())
+    }
+}
+
+/// `cpu`, or `gpu` with the adapter's name but without its driver.
+pub fn short_name(engine: &str, adapter: &str) -> String {
+    match (engine, adapter.split_once(" (")) {
+        ("gpu", Some((name, _))) => format!("gpu {name}"),
+        _ => engine.to_string(),
     }
 }
 
@@ -73,20 +86,14 @@ pub fn muster(
     stop: StopTest,
 ) -> Result<(Vec<Contender>, Vec<Refusal>), ReportError> {
     let (mut contenders, mut refusals) = (Vec::new(), Vec::new());
-    let wanted = field.adapter.as_ref().map(|name| name.to_lowercase());
-    let fits = |adapter: &wgpu::Adapter| {
-        let described = describe(adapter).to_lowercase();
-        wanted.as_ref().is_none_or(|name| described.contains(name))
-    };
-    let found = if field.only_cpu { Vec::new() } else { adapters() };
-    for adapter in found.into_iter().filter(fits) {
+    for adapter in fitting(field)? {
         if stop() {
             return Err(ReportError::Stopped);
         }
         match open_checked(adapter.clone()) {
             Ok(engine) => contenders.push(Contender::Gpu(Box::new(engine))),
             Err(error) => refusals.push(Refusal {
-                engine: format!("gpu ({})", describe(&adapter)),
+                engine: format!("gpu: {}", describe(&adapter)),
                 what: "anything".to_string(),
                 reason: error.to_string(),
             }),
@@ -95,7 +102,31 @@ pub fn muster(
     if !field.only_gpu {
         contenders.push(processor(field.threads)?);
     }
+    if contenders.is_empty() {
+        let reasons: Vec<&str> = refusals.iter().map(|refusal| refusal.reason.as_str()).collect();
+        return Err(ChoiceError::NoAdapter(reasons.join("; ")).into());
+    }
     Ok((contenders, refusals))
+}
+
+/// The adapters that are wanted; to ask for one that is not there is an error.
+fn fitting(field: &Field) -> Result<Vec<wgpu::Adapter>, ChoiceError> {
+    if field.only_cpu {
+        return Ok(Vec::new());
+    }
+    let found = adapters();
+    if found.is_empty() && (field.only_gpu || field.adapter.is_some()) {
+        return Err(ChoiceError::NoAdapter(format!("{INSTALL_HINT}; or use --engine cpu")));
+    }
+    let Some(wanted) = &field.adapter else { return Ok(found) };
+    let fits =
+        |adapter: &wgpu::Adapter| describe(adapter).to_lowercase().contains(&wanted.to_lowercase());
+    let (fitting, others): (Vec<_>, Vec<_>) = found.into_iter().partition(fits);
+    if fitting.is_empty() {
+        let found = others.iter().map(describe).collect::<Vec<_>>().join(", ");
+        return Err(ChoiceError::UnknownAdapter { wanted: wanted.clone(), found });
+    }
+    Ok(fitting)
 }
 
 fn processor(threads: Option<usize>) -> Result<Contender, EngineError> {

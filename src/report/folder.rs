@@ -18,9 +18,9 @@ impl Folder {
     /// Makes the folder, and refuses one in which the files could not be written. Files that
     /// are there stay as they are.
     pub fn create(path: &Path) -> Result<Self, ReportError> {
-        let failed = |source: io::Error| ReportError::Write {
-            path: path.display().to_string(),
-            source,
+        let failed = |why: io::Error| {
+            let path = path.display().to_string();
+            ReportError::Write { path, why }
         };
         if path.exists() && !path.is_dir() {
             return Err(failed(io::Error::other("it is a file, and a report needs a folder")));
@@ -49,18 +49,18 @@ impl Folder {
         for (name, text) in NAMES.into_iter().zip(texts) {
             let mut file = self.open(name)?;
             let written = file.write_all(text.as_bytes());
-            written.and_then(|()| file.finish()).map_err(|source| self.failed(name, source))?;
+            written.and_then(|()| file.finish()).map_err(|why| self.failed(name, why))?;
         }
         Ok(())
     }
 
     fn open(&self, name: &str) -> Result<SafeFile, ReportError> {
         SafeFile::create(&Destination::File(self.0.join(name)))
-            .map_err(|source| self.failed(name, source))
+            .map_err(|why| self.failed(name, why))
     }
 
-    fn failed(&self, name: &str, source: io::Error) -> ReportError {
-        ReportError::Write { path: self.0.join(name).display().to_string(), source }
+    fn failed(&self, name: &str, why: io::Error) -> ReportError {
+        ReportError::Write { path: self.0.join(name).display().to_string(), why }
     }
 }
 

@@ -11,8 +11,8 @@ h1, h2 { line-height: 1.2; font-weight: 600; }
 h2 { margin-top: 2.5rem; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
 caption { text-align: left; font-weight: 600; padding: .4rem 0; }
-th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--edge); text-align: right; }
-th:first-child, td:first-child { text-align: left; }
+th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--edge); text-align: left; }
+.number { text-align: right; white-space: nowrap; }
 th { font-weight: 600; vertical-align: bottom; }
 tr:hover td { background: #8881; }
 .wide { overflow-x: auto; margin: 1rem 0; }
@@ -57,8 +57,11 @@ fn write_table(page: &mut String, table: &Table) {
         let _ = writeln!(page, "<caption>{}</caption>", escaped(&table.caption));
     }
     let line = |cells: &[String], tag: &str| {
-        let cells: String =
-            cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
+        let cell = |(column, text): (usize, &String)| {
+            let class = if table.is_numeric(column) { " class=\"number\"" } else { "" };
+            format!("<{tag}{class}>{}</{tag}>", escaped(text))
+        };
+        let cells: String = cells.iter().enumerate().map(cell).collect();
         format!("<tr>{cells}</tr>\n")
     };
     page.push_str(&line(&table.head, "th"));

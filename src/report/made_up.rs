@@ -52,9 +52,8 @@ fn the_page_needs_nothing_else() {
 #[test]
 fn every_file_says_what_is_missing() {
     let mut report = report();
-    let markdown = |report: &Report| {
-        markdown::write(&pages::title(report), &pages::sections(report).unwrap())
-    };
+    let markdown =
+        |report: &Report| markdown::write(&pages::title(report), &pages::sections(report).unwrap());
     let text = markdown(&report);
     assert!(text.contains("INCOMPLETE: 1 measurements") && text.contains("something\\|else"));
     report.missing.clear();
@@ -68,15 +67,36 @@ fn json_has_the_agreed_names() {
     let object = serde_json::to_value(report()).unwrap();
     let row = &object["rows"][0];
     for name in [
-        "engine", "adapter", "method", "precision", "setting", "us_per_pixel", "spread",
-        "right_1ms", "wrong_class", "median", "p90", "p99", "max", "rhs_per_pixel",
-        "steps_per_pixel", "lane_use", "times_scalar", "bands",
+        "engine",
+        "adapter",
+        "method",
+        "precision",
+        "setting",
+        "us_per_pixel",
+        "spread",
+        "right_1ms",
+        "wrong_class",
+        "median",
+        "p90",
+        "p99",
+        "max",
+        "rhs_per_pixel",
+        "steps_per_pixel",
+        "lane_use",
+        "times_scalar",
+        "bands",
     ] {
         assert!(row.get(name).is_some(), "{name}");
     }
-    assert_eq!((row["method"].as_str(), row["setting"].as_str()), (Some("rk4"), Some("step 1/120")));
+    assert_eq!(
+        (row["method"].as_str(), row["setting"].as_str()),
+        (Some("rk4"), Some("step 1/120"))
+    );
     assert_eq!(row["bands"][0]["name"], "0–2 s");
     assert_eq!(row["bands"][0]["right_1ms"], 1.0);
     assert!(object["machine"]["cpu"].is_string());
-    assert_eq!((object["complete"].as_bool(), object["missing"][0].as_str()), (Some(false), Some("cpu: something|else")));
+    assert_eq!(
+        (object["complete"].as_bool(), object["missing"][0].as_str()),
+        (Some(false), Some("cpu: something|else"))
+    );
 }

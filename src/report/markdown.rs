@@ -32,8 +32,8 @@ fn write_table(text: &mut String, table: &Table) {
         let cells: Vec<String> = cells.iter().map(|cell| plain(cell)).collect();
         format!("| {} |\n", cells.join(" | "))
     };
-    // The first column is words, the others are mostly numbers.
-    let rule: String = (0..table.head.len()).map(|k| if k == 0 { "---|" } else { "---:|" }).collect();
+    let side = |column| if table.is_numeric(column) { "---:|" } else { "---|" };
+    let rule: String = (0..table.head.len()).map(side).collect();
     let _ = write!(text, "\n{}|{rule}\n", line(&table.head));
     for row in &table.rows {
         text.push_str(&line(row));
@@ -59,10 +59,10 @@ mod tests {
 
     #[test]
     fn tables_keep_their_columns_whatever_is_in_them() {
-        let table = Table::new("", &["a", "b"], vec![vec!["x|y".into(), "<i>\n".into()]]);
+        let table = Table::new("", &["a", "b"], vec![vec!["x|y".into(), "7<i>\n".into()]]);
         let section = Section { title: "T".into(), blocks: vec![Block::Table(table)] };
         let text = write("R", &[section]);
         assert!(text.starts_with("# R\n\n## T\n"));
-        assert!(text.contains("| a | b |\n|---|---:|\n| x\\|y | \\<i>  |\n"), "{text}");
+        assert!(text.contains("| a | b |\n|---|---:|\n| x\\|y | 7\\<i>  |\n"), "{text}");
     }
 }

@@ -13,8 +13,11 @@ use crate::physics::{Dd, Outcome};
 const FIRST_STARTS: usize = 64;
 /// A run of fewer is no measurement.
 const LEAST_STARTS: usize = 256;
-/// A graphics card wants this many to show what it can do.
-const LEAST_STARTS_OF_GPU: usize = 1 << 14;
+/// The same of a fast recipe: the last, longest pendulums must not be most of the time. Graphics
+/// cards, in software too, want full jobs to show what they can do.
+const LEAST_STARTS_OF_FAST: usize = 1 << 14;
+/// See [`LEAST_STARTS_OF_FAST`].
+const LEAST_STARTS_OF_GPU: usize = 1 << 16;
 
 /// What measuring needs besides an engine and a recipe.
 pub struct Bench<'a> {
@@ -141,7 +144,11 @@ impl Bench<'_> {
     ) -> Result<Vec<[Dd; 2]>, ReportError> {
         let Recipe { method, precision } = recipe;
         let slow = precision == Precision::Df32 || matches!(method, Method::Taylor { .. });
-        let least = if is_gpu && !slow { LEAST_STARTS_OF_GPU } else { LEAST_STARTS };
+        let least = match (slow, is_gpu) {
+            (true, _) => LEAST_STARTS,
+            (false, true) => LEAST_STARTS_OF_GPU,
+            (false, false) => LEAST_STARTS_OF_FAST,
+        };
         let fill = |us: f64| {
             let count = (self.care.round_secs * 1e6 / us) as usize;
             spread(&self.ground.starts, count.max(least))
@@ -168,7 +175,8 @@ impl Times {
     /// what disturbs a shared machine lasts longer than a round.
     fn put(&self, row: &mut Row) {
         let fold = |f: fn(f64, f64) -> f64| self.us.iter().copied().reduce(f).unwrap_or(f64::NAN);
-        let multiples: Vec<f64> = self.scalar_us.iter().zip(&self.us).map(|(s, us)| s / us).collect();
+        let multiples: Vec<f64> =
+            self.scalar_us.iter().zip(&self.us).map(|(s, us)| s / us).collect();
         let middle = |numbers: &[f64]| median(numbers).unwrap_or(f64::NAN);
         row.us_per_pixel = middle(&self.us);
         row.us_least = fold(f64::min);

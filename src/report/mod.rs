@@ -11,6 +11,8 @@ mod folder;
 mod ground;
 mod html;
 mod machine;
+#[cfg(test)]
+mod made_up;
 mod markdown;
 mod measure;
 pub mod motion;
@@ -24,6 +26,7 @@ mod targets;
 
 use serde::Serialize;
 
+use crate::engine::choice::ChoiceError;
 use crate::engine::{EngineError, Recipe};
 
 pub use contender::{Contender, Field};
@@ -46,16 +49,19 @@ pub enum ReportError {
     /// As was asked for.
     #[error("stopped")]
     Stopped,
+    /// No engine fits what was asked for.
+    #[error(transparent)]
+    Choice(#[from] ChoiceError),
     /// An engine failed.
     #[error(transparent)]
     Engine(#[from] EngineError),
     /// A file could not be written.
-    #[error("cannot write {path}: {source}")]
+    #[error("cannot write {path}: {why}")]
     Write {
         /// Which.
         path: String,
         /// Why.
-        source: std::io::Error,
+        why: std::io::Error,
     },
     /// A plot could not be drawn, or a table not be written as JSON.
     #[error("cannot lay out the report: {0}")]
@@ -158,9 +164,14 @@ impl Row {
         }
     }
 
-    /// `gpu (…)`.
-    pub fn label(&self) -> String {
-        format!("{} ({})", self.engine, self.adapter)
+    /// The engine's full name.
+    pub fn full_name(&self) -> String {
+        format!("{}: {}", self.engine, self.adapter)
+    }
+
+    /// `cpu`, or `gpu` with the adapter's name.
+    pub fn short_name(&self) -> String {
+        contender::short_name(&self.engine, &self.adapter)
     }
 }
 
@@ -203,6 +214,3 @@ fn as_words<S: serde::Serializer>(recipe: &Recipe, serializer: S) -> Result<S::O
     let (precision, setting) = (precision.to_string(), method.setting());
     Words { method: method.name(), precision, setting }.serialize(serializer)
 }
-
-#[cfg(test)]
-mod made_up;

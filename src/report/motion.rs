@@ -57,9 +57,15 @@ pub fn errors(recipes: &[Recipe], stop: StopTest) -> Result<Vec<MotionError>, Re
                 return Err(ReportError::Stopped);
             }
             let worst = worst(&pendulum, recipe, &truths, unit_secs);
-            found.extend(worst.into_iter().zip(TIMES_SECS).map(|([angle_rad, energy_share], secs)| {
-                MotionError { motion, recipe, secs, angle_rad, energy_share }
-            }));
+            found.extend(worst.into_iter().zip(TIMES_SECS).map(
+                |([angle_rad, energy_share], secs)| MotionError {
+                    motion,
+                    recipe,
+                    secs,
+                    angle_rad,
+                    energy_share,
+                },
+            ));
         }
     }
     Ok(found)

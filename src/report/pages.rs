@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
+use super::contender::short_name;
+use super::motion::TIMES_SECS;
 use super::plot::{Plot, Series};
 use super::statistics::Errors;
 use super::{Report, ReportError, Row};
-use crate::report::motion::TIMES_SECS;
 
 /// A chapter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -50,6 +51,13 @@ impl Table {
         let head = head.iter().map(ToString::to_string).collect();
         Table { caption: caption.to_string(), head, rows }
     }
+
+    /// Whether a column holds numbers, or dashes for want of them.
+    pub fn is_numeric(&self, column: usize) -> bool {
+        let is_number =
+            |cell: &String| cell == "–" || cell.starts_with(|c: char| c.is_ascii_digit());
+        column > 0 && self.rows.iter().all(|row| row.get(column).is_some_and(is_number))
+    }
 }
 
 /// The title of a report.
@@ -76,7 +84,8 @@ fn section(title: &str, blocks: Vec<Block>) -> Section {
 
 /// Whether everything is there, and what is not.
 fn state(report: &Report) -> Section {
-    let kind = if report.quick { "a quick report: fewer settings and starts" } else { "a full report" };
+    let kind =
+        if report.quick { "a quick report: fewer settings and starts" } else { "a full report" };
     if report.complete {
         return section("State", vec![Block::Text(format!("Complete; {kind}."))]);
     }
@@ -111,20 +120,23 @@ fn machine(report: &Report) -> Section {
         row("system", &machine.os),
     ];
     rows.extend(machine.engines.iter().map(|engine| row("engine", engine)));
-    rows.extend([row("flipmap", &machine.flipmap), row("date", &machine.date)]);
+    rows.extend([
+        row("program", &format!("flipmap {}", machine.flipmap)),
+        row("date", &machine.date),
+    ]);
     section("Machine", vec![Block::Table(Table::new("", &["", ""], rows))])
 }
 
 /// The engines of the rows, each once.
 fn engines(rows: &[Row]) -> Vec<String> {
-    let mut labels: Vec<String> = rows.iter().map(Row::label).collect();
+    let mut labels: Vec<String> = rows.iter().map(Row::full_name).collect();
     labels.dedup();
     labels
 }
 
 /// Everything about one engine.
 fn speeds(report: &Report, engine: &str) -> Result<Section, ReportError> {
-    let rows: Vec<&Row> = report.rows.iter().filter(|row| row.label() == engine).collect();
+    let rows: Vec<&Row> = report.rows.iter().filter(|row| row.full_name() == engine).collect();
     let mut blocks = vec![Block::Table(speed_table(&rows))];
     for (caption, up, value) in PLOTS {
         let series = series(&rows, value);
@@ -139,8 +151,20 @@ fn speeds(report: &Report, engine: &str) -> Result<Section, ReportError> {
 
 fn speed_table(rows: &[&Row]) -> Table {
     let head = [
-        "method", "µs/pixel", "± spread", "× scalar", "right", "wrong class", "median s", "p90 s",
-        "p99 s", "max s", "RHS", "steps", "lane use", "compared",
+        "method",
+        "µs/pixel",
+        "± spread",
+        "× scalar",
+        "right",
+        "wrong class",
+        "median s",
+        "p90 s",
+        "p99 s",
+        "max s",
+        "RHS",
+        "steps",
+        "lane use",
+        "compared",
     ];
     let line = |row: &&Row| {
         let errors = &row.errors;
@@ -212,7 +236,7 @@ fn band_table(caption: &str, rows: &[&Row], cell: fn(&Errors) -> String) -> Tabl
 fn specialising(report: &Report) -> Option<Section> {
     let line = |gain: &super::Specialising| {
         vec![
-            format!("{} on {}", super::plan::words(&gain.recipe), gain.adapter),
+            format!("{} on {}", super::plan::words(&gain.recipe), short_name("gpu", &gain.adapter)),
             short(gain.general_us_per_pixel),
             short(gain.specialised_us_per_pixel),
             format!("{:.2}", gain.ratio),
@@ -235,8 +259,9 @@ fn motion(report: &Report) -> Option<Section> {
                 let head = ["method".to_string()].into_iter().chain(names).collect();
                 tables.push(Table { caption, head, rows: Vec::new() });
             }
-            let cells =
-                errors.iter().map(|error| brief(Some([error.angle_rad, error.energy_share][value])));
+            let cells = errors
+                .iter()
+                .map(|error| brief(Some([error.angle_rad, error.energy_share][value])));
             let line = [super::plan::words(&errors[0].recipe)].into_iter().chain(cells).collect();
             tables.last_mut()?.rows.push(line);
         }

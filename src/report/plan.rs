@@ -23,20 +23,20 @@ impl Thoroughness {
     /// A quarter of an hour at most.
     pub const FULL: Self = Thoroughness {
         quick: false,
-        sample: 8000,
+        sample: 20_000,
         rounds: 7,
-        round_secs: 0.5,
-        compare_secs: 6.0,
+        round_secs: 1.0,
+        compare_secs: 5.0,
         scalar_starts: 1000,
     };
     /// Two minutes at most.
     pub const QUICK: Self = Thoroughness {
         quick: true,
-        sample: 2000,
-        rounds: 3,
-        round_secs: 0.15,
+        sample: 5000,
+        rounds: 5,
+        round_secs: 0.3,
         compare_secs: 1.5,
-        scalar_starts: 400,
+        scalar_starts: 500,
     };
 }
 

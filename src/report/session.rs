@@ -36,7 +36,7 @@ impl Session {
         let tasks = tasks(&contenders, care.quick);
         let ground = Ground::home(care.sample, stop)?;
         let report = Report {
-            machine: Machine::here(contenders.iter().map(Contender::label).collect()),
+            machine: Machine::here(contenders.iter().map(Contender::full_name).collect()),
             quick: care.quick,
             sample: ground.sample.len(),
             complete: false,
@@ -109,7 +109,7 @@ impl Session {
     fn refuse(&mut self, task: Task, reason: String) {
         let Task::Row(index, recipe) = task else { return };
         let what = format!("{} in {}", recipe.method.name(), recipe.precision);
-        let refusal = Refusal { engine: self.contenders[index].label(), what, reason };
+        let refusal = Refusal { engine: self.contenders[index].short_name(), what, reason };
         if !self.report.not_offered.contains(&refusal) {
             self.report.not_offered.push(refusal);
         }
@@ -132,11 +132,11 @@ fn tasks(contenders: &[Contender], quick: bool) -> Vec<Task> {
 fn name(task: &Task, contenders: &[Contender]) -> String {
     match task {
         Task::Row(index, recipe) => {
-            format!("{}: {}", contenders[*index].label(), plan::words(recipe))
+            format!("{}: {}", contenders[*index].short_name(), plan::words(recipe))
         }
         Task::Specialising(index, recipe) => format!(
             "{}: what specialising buys {}",
-            contenders[*index].label(),
+            contenders[*index].short_name(),
             plan::words(recipe)
         ),
         Task::Motion => "errors in angle and energy".to_string(),

@@ -144,7 +144,8 @@ mod tests {
     #[test]
     fn a_wrong_class_is_counted_and_has_no_distance() {
         let failed = Outcome::without_time(Status::Failed);
-        let pairs = [(flip(1.0), still()), (failed, still()), (still(), still()), (still(), flip(1.0))];
+        let pairs =
+            [(flip(1.0), still()), (failed, still()), (still(), still()), (still(), flip(1.0))];
         let errors = Errors::of(&pairs);
         assert_eq!((errors.wrong_class, errors.max), (Some(0.75), None));
         assert_eq!(Errors::of(&pairs[2..3]).wrong_class, Some(0.0));

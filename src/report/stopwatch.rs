@@ -36,7 +36,13 @@ pub fn run(
         while flying < engine.slots() {
             let Some((id, starts)) = jobs.next() else { break };
             let starts = Starts::Rest(starts.to_vec());
-            engine.submit(Job { id, question: *question, recipe, starts, keep_unfinished: false })?;
+            engine.submit(Job {
+                id,
+                question: *question,
+                recipe,
+                starts,
+                keep_unfinished: false,
+            })?;
             flying += 1;
         }
         if flying == 0 {

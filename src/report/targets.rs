@@ -116,7 +116,7 @@ impl Hope {
             .filter_map(|row| {
                 let measured = (self.measure)(row)?;
                 let met = measured >= self.bounds[0] && measured <= self.bounds[1];
-                let name = format!("{}, on {}", self.about, row.label());
+                let name = format!("{}, on {}", self.about, row.short_name());
                 Some(self.target(name, Some((measured, met))))
             })
             .collect();
