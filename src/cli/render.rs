@@ -124,7 +124,8 @@ fn apply(options: &PictureOptions, document: &mut Document) {
 fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Exit> {
     let question = Question::from(scene);
     if question.pendulum.q > 0.0 {
-        Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
+        Pace::new(&question, &recipe)
+            .map_err(|error| Exit::Usage(error.to_string()))?;
     }
     let pixel = Grid::new(scene, size).pixel_rad();
     let resolved = match recipe.precision {

@@ -78,13 +78,13 @@ mod tests {
         let ground = Ground::home(40, &|| false).unwrap();
         let starts: Vec<[Dd; 2]> = ground.sample.iter().map(|(start, _)| *start).collect();
         let mut engine = CpuEngine::new(Some(1)).unwrap();
-        let mut run = |stop: StopTest| {
-            super::run(&mut engine, &ground.question, plan::BALANCED, &starts, stop)
+        let mut attempt = |stop: StopTest| {
+            run(&mut engine, &ground.question, plan::BALANCED, &starts, stop)
         };
-        let ran = run(&|| false).unwrap();
+        let ran = attempt(&|| false).unwrap();
         let pairs = ran.outcomes.iter().zip(&ground.sample);
         assert!(pairs.clone().all(|(answer, (_, truth))| answer.status == truth.status));
         assert!(ran.effort.steps > 40 && ran.us_per_pixel > 0.0);
-        assert!(matches!(run(&|| true), Err(ReportError::Stopped)));
+        assert!(matches!(attempt(&|| true), Err(ReportError::Stopped)));
     }
 }
