@@ -78,9 +78,8 @@ mod tests {
         let ground = Ground::home(40, &|| false).unwrap();
         let starts: Vec<[Dd; 2]> = ground.sample.iter().map(|(start, _)| *start).collect();
         let mut engine = CpuEngine::new(Some(1)).unwrap();
-        let mut attempt = |stop: StopTest| {
-            run(&mut engine, &ground.question, plan::BALANCED, &starts, stop)
-        };
+        let mut attempt =
+            |stop: StopTest| run(&mut engine, &ground.question, plan::BALANCED, &starts, stop);
         let ran = attempt(&|| false).unwrap();
         let pairs = ran.outcomes.iter().zip(&ground.sample);
         assert!(pairs.clone().all(|(answer, (_, truth))| answer.status == truth.status));
