@@ -91,7 +91,8 @@ pub struct Report {
     pub motion: Vec<MotionError>,
     /// What was hoped for, and what came of it.
     pub targets: Vec<Target>,
-    /// Whatever others measured: accuracy levels, hard cases.
+    /// Whatever else was measured, each task adding a chapter of its own: accuracy levels, hard
+    /// cases.
     pub sections: Vec<Section>,
 }
 

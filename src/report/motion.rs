@@ -216,9 +216,12 @@ fn angles(pendulum: &Pendulum<f64>, phase: &Phase<f64>) -> State<f64> {
     State { angle: [y1.atan2(x1), y2.atan2(x2)], speed: pendulum.speeds(phase) }
 }
 
+/// A step tried by an embedded pair.
+type Trying<T> = fn(&Pendulum<T>, [T; 2], &Phase<T>, T) -> Trial<T>;
+
 /// An embedded pair with its step-size control.
 struct Pair<T> {
-    trial: fn(&Pendulum<T>, [T; 2], &Phase<T>, T) -> Trial<T>,
+    trial: Trying<T>,
     control: Control,
 }
 

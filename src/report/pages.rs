@@ -215,7 +215,9 @@ fn series(rows: &[&Row], value: Value) -> Vec<Series> {
     all
 }
 
-const BY_BAND: [(&str, fn(&Errors) -> String); 5] = [
+type Cell = fn(&Errors) -> String;
+
+const BY_BAND: [(&str, Cell); 5] = [
     ("Share right within 1 ms, by true flip time", |errors| share(errors.right_1ms)),
     ("Share in the wrong class, by true flip time", |errors| share(errors.wrong_class)),
     ("Median error in s, by true flip time", |errors| brief(errors.median)),
@@ -223,7 +225,7 @@ const BY_BAND: [(&str, fn(&Errors) -> String); 5] = [
     ("Largest error in s, by true flip time", |errors| brief(errors.max)),
 ];
 
-fn band_table(caption: &str, rows: &[&Row], cell: fn(&Errors) -> String) -> Table {
+fn band_table(caption: &str, rows: &[&Row], cell: Cell) -> Table {
     let names = rows.first().map_or(&[][..], |row| &row.bands).iter().map(|band| band.name.clone());
     let head = ["method".to_string()].into_iter().chain(names).collect();
     let line = |row: &&Row| {

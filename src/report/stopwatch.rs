@@ -28,6 +28,27 @@ pub fn run(
     stop: StopTest,
 ) -> Result<Ran, ReportError> {
     let begun = Instant::now();
+    let answered = answers(engine, question, recipe, starts, stop);
+    let us_per_pixel = begun.elapsed().as_secs_f64() * 1e6 / starts.len() as f64;
+    if answered.is_err() {
+        // What is still in flight must not answer the next run.
+        engine.cancel();
+    }
+    let (outcomes, effort) = answered?;
+    if outcomes.len() != starts.len() {
+        let message = format!("{} answers to {} starts", outcomes.len(), starts.len());
+        return Err(EngineError::Driver(message).into());
+    }
+    Ok(Ran { outcomes, effort, us_per_pixel })
+}
+
+fn answers(
+    engine: &mut dyn Engine,
+    question: &Question,
+    recipe: Recipe,
+    starts: &[[Dd; 2]],
+    stop: StopTest,
+) -> Result<(Vec<Outcome>, Effort), ReportError> {
     let size = engine.job_size();
     let mut answers: Vec<Vec<Outcome>> = vec![Vec::new(); starts.len().div_ceil(size)];
     let mut jobs = (0..).zip(starts.chunks(size));
@@ -46,7 +67,7 @@ pub fn run(
             flying += 1;
         }
         if flying == 0 {
-            break;
+            return Ok((answers.concat(), effort));
         }
         for finished in engine.poll(Wait::Until(Instant::now() + PATIENCE))? {
             flying -= 1;
@@ -54,17 +75,9 @@ pub fn run(
             answers[finished.id as usize] = finished.outcomes;
         }
         if stop() {
-            engine.cancel();
             return Err(ReportError::Stopped);
         }
     }
-    let us_per_pixel = begun.elapsed().as_secs_f64() * 1e6 / starts.len() as f64;
-    let outcomes = answers.concat();
-    if outcomes.len() != starts.len() {
-        let message = format!("{} answers to {} starts", outcomes.len(), starts.len());
-        return Err(EngineError::Driver(message).into());
-    }
-    Ok(Ran { outcomes, effort, us_per_pixel })
 }
 
 #[cfg(test)]
