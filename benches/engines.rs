@@ -4,14 +4,12 @@
 //! `cargo bench` prints a table; the ratio is what to quote, because machines differ and are
 //! shared. Rounds are interleaved, and the median of each is shown with its spread.
 
-use std::time::Instant;
-
 use flipmap::engine::choice::open_checked;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device;
-use flipmap::engine::{Engine, Job, Method, Precision, Question, Recipe, Starts, Wait};
-use flipmap::physics::trig::Turning;
-use flipmap::physics::{Dd, State, flip, integrator};
+use flipmap::engine::{Engine, Method, Precision, Question, Recipe};
+use flipmap::physics::Dd;
+use flipmap::report::{baseline, stopwatch};
 use flipmap::scene::{Fate, Grid, Scene};
 
 const SIDE: u32 = 512;
@@ -29,15 +27,18 @@ fn main() {
             _ => None,
         })
         .collect();
+    let some: Vec<[Dd; 2]> = starts.iter().step_by(SCALAR_SHARE).copied().collect();
     let mut rows = contenders();
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); rows.len() + 1];
     // The first round compiles kernels and warms caches.
     for round in 0..=ROUNDS {
-        let scalar = scalar_us_per_pixel(&question, &starts);
+        let scalar = baseline::us_per_pixel(&question, &some);
         let others: Vec<f64> = rows
             .iter_mut()
             .map(|(_, engine, precision)| {
-                us_per_pixel(engine.as_mut(), *precision, &question, &starts)
+                let recipe = Recipe { method: Method::LESSON, precision: *precision };
+                let ran = stopwatch::run(engine.as_mut(), &question, recipe, &starts, &|| false);
+                ran.expect("the engine works").us_per_pixel
             })
             .collect();
         if round > 0 {
@@ -85,54 +86,6 @@ fn contenders() -> Vec<Contender> {
         rows.push((name, Box::new(engine), precision));
     }
     rows
-}
-
-fn us_per_pixel(
-    engine: &mut dyn Engine,
-    precision: Precision,
-    question: &Question,
-    starts: &[[Dd; 2]],
-) -> f64 {
-    let recipe = Recipe { method: Method::LESSON, precision };
-    let begun = Instant::now();
-    let mut jobs = (0..).zip(starts.chunks(engine.job_size()));
-    let mut flying = 0;
-    loop {
-        while flying < engine.slots() {
-            let Some((id, starts)) = jobs.next() else { break };
-            let starts = Starts::Rest(starts.to_vec());
-            let job = Job { id, question: *question, recipe, starts, keep_unfinished: false };
-            engine.submit(job).expect("the job fits");
-            flying += 1;
-        }
-        if flying == 0 {
-            return begun.elapsed().as_secs_f64() * 1e6 / starts.len() as f64;
-        }
-        flying -= engine.poll(Wait::UntilFinished).expect("the engine works").len();
-    }
-}
-
-fn scalar_us_per_pixel(question: &Question, starts: &[[Dd; 2]]) -> f64 {
-    let step = 1.0 / 120.0;
-    let begun = Instant::now();
-    let (mut pixels, mut found) = (0, 0.0);
-    for angle in starts.iter().step_by(SCALAR_SHARE) {
-        let mut state = State::rest(angle.map(|theta| theta.hi));
-        pixels += 1;
-        for n in 0..3600 {
-            let change = integrator::rk4(&question.pendulum, &state, step, Turning::Fresh);
-            let next = state.plus(&change);
-            if let Some(fraction) =
-                flip::fraction_of_step(&question.pendulum, 1, &state, &next, step)
-            {
-                found += (f64::from(n) + fraction) * step;
-                break;
-            }
-            state = next;
-        }
-    }
-    std::hint::black_box(found);
-    begun.elapsed().as_secs_f64() * 1e6 / f64::from(pixels)
 }
 
 fn median(times: &mut [f64]) -> f64 {

@@ -16,6 +16,9 @@ pub enum Exit {
     /// Code 130.
     #[error("stopped; no unfinished file was left")]
     Interrupted,
+    /// Code 130 too, and what there is all the same.
+    #[error("{0}")]
+    Partly(String),
 }
 
 /// Prints an error and gives its code.
@@ -43,7 +46,7 @@ fn code_of(error: &anyhow::Error) -> u8 {
         if let Some(exit) = cause.downcast_ref() {
             return match exit {
                 Exit::Usage(_) => 2,
-                Exit::Interrupted => 130,
+                Exit::Interrupted | Exit::Partly(_) => 130,
             };
         }
         if cause.is::<SceneError>() || cause.is::<DocumentError>() {

@@ -6,6 +6,7 @@ pub mod exit;
 mod options;
 mod progress;
 mod render;
+mod report;
 mod run_options;
 mod sinks;
 mod stop;
@@ -28,6 +29,8 @@ enum Verb {
     Render(Box<render::Options>),
     /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
     Trace(Box<trace::Options>),
+    /// Measure the engines of this machine, speed against error, and write a report.
+    Report(report::Options),
     /// Show the adapters, check their arithmetic, and say what would be used and why.
     Doctor(doctor::Options),
 }
@@ -37,6 +40,7 @@ pub fn run() -> anyhow::Result<()> {
     match Cli::parse().verb {
         Verb::Render(options) => render::run(&options),
         Verb::Trace(options) => trace::run(&options),
+        Verb::Report(options) => report::run(&options),
         Verb::Doctor(options) => doctor::run(&options),
     }
 }

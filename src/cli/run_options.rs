@@ -49,7 +49,7 @@ pub struct RunOptions {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum EngineKind {
+pub enum EngineKind {
     #[default]
     Auto,
     Gpu,

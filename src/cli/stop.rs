@@ -14,7 +14,12 @@ pub fn listen() -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Whether the user has asked to stop.
+pub fn asked() -> bool {
+    STOP.load(Ordering::Relaxed)
+}
+
 /// An error once the user has asked to stop.
 pub fn check() -> Result<(), Exit> {
-    if STOP.load(Ordering::Relaxed) { Err(Exit::Interrupted) } else { Ok(()) }
+    if asked() { Err(Exit::Interrupted) } else { Ok(()) }
 }

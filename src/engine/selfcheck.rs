@@ -52,6 +52,9 @@ impl Verdict {
         if offered {
             return Ok(());
         }
+        if precision == Precision::Dd {
+            return Err("graphics adapters have no dd; use --engine cpu".to_string());
+        }
         let failed: Vec<String> = self
             .checks
             .iter()

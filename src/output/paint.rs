@@ -125,7 +125,7 @@ mod tests {
         let mut painter = painter([1, 1], 2, false);
         let mut samples = Samples::unflipped(2);
         samples.set(0, Outcome::without_time(Status::Forbidden));
-        assert_eq!(painter.paint(&samples), []);
+        assert!(painter.paint(&samples).is_empty());
         let mixed = painter.paint(&samples);
         let light = (linear(255) + linear(FORBIDDEN[0])) / 2.0;
         assert_eq!(mixed[0], encoded(light));

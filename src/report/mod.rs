@@ -1,4 +1,218 @@
-//! What the program can say about its own correctness: lists of claims, each with the measurement
-//! that would refute it.
+//! What this machine's engines are worth: speed against error, measured.
+//!
+//! A [`Session`] works through a list of tasks ([`plan`]) on the same [`Ground`]: the open
+//! starts of the home map and the gold standard's answers to some of them. After each task the
+//! [`Report`] is complete in itself and says what is still missing; [`pages`] lays it out for
+//! people, [`Folder`] writes it.
 
+pub mod baseline;
+pub mod contender;
+mod folder;
+mod ground;
 pub mod hard;
+mod html;
+mod machine;
+#[cfg(test)]
+mod made_up;
+mod markdown;
+mod measure;
+pub mod motion;
+pub mod pages;
+pub mod plan;
+mod plot;
+mod session;
+pub mod statistics;
+pub mod stopwatch;
+mod targets;
+
+use serde::Serialize;
+
+use crate::engine::choice::ChoiceError;
+use crate::engine::{EngineError, Recipe};
+
+pub use contender::{Contender, Field};
+pub use folder::Folder;
+pub use ground::Ground;
+pub use machine::Machine;
+pub use motion::MotionError;
+pub use pages::{Block, Section, Table};
+pub use plan::Thoroughness;
+pub use session::Session;
+pub use statistics::{Band, Errors};
+pub use targets::Target;
+
+/// Asked again and again: whether to stop.
+pub type StopTest<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Why there is no more of a report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// As was asked for.
+    #[error("stopped")]
+    Stopped,
+    /// No engine fits what was asked for.
+    #[error(transparent)]
+    Choice(#[from] ChoiceError),
+    /// An engine failed.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    /// A file could not be written.
+    #[error("cannot write {path}: {why}")]
+    Write {
+        /// Which.
+        path: String,
+        /// Why.
+        why: std::io::Error,
+    },
+    /// A plot could not be drawn, or a table not be written as JSON.
+    #[error("cannot lay out the report: {0}")]
+    Layout(String),
+}
+
+/// Everything measured so far.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// What it was measured on.
+    pub machine: Machine,
+    /// With fewer settings and starts.
+    pub quick: bool,
+    /// Starts compared with the gold standard, at most.
+    pub sample: usize,
+    /// Whether nothing is missing.
+    pub complete: bool,
+    /// Measurements that were planned and not made.
+    pub missing: Vec<String>,
+    /// Engine by engine, recipe by recipe.
+    pub rows: Vec<Row>,
+    /// What the engines do not offer.
+    pub not_offered: Vec<Refusal>,
+    /// What kernels made for their scene gain.
+    pub specialising: Vec<Specialising>,
+    /// Errors in angle and energy.
+    pub motion: Vec<MotionError>,
+    /// What was hoped for, and what came of it.
+    pub targets: Vec<Target>,
+    /// Whatever else was measured, each task adding a chapter of its own: accuracy levels, hard
+    /// cases.
+    pub sections: Vec<Section>,
+}
+
+/// An engine with a recipe.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// `cpu` or `gpu`.
+    pub engine: String,
+    /// Its full name.
+    pub adapter: String,
+    /// Threads of the processor, where it is the processor that computes.
+    pub threads: Option<usize>,
+    /// How it was integrated.
+    #[serde(flatten, serialize_with = "as_words")]
+    pub recipe: Recipe,
+    /// Starts in each timed round.
+    pub starts: usize,
+    /// Timed rounds.
+    pub rounds: usize,
+    /// Microseconds for each integrated pixel: the median of the rounds.
+    pub us_per_pixel: f64,
+    /// Of the fastest round.
+    pub us_least: f64,
+    /// Of the slowest round.
+    pub us_most: f64,
+    /// From the fastest to the slowest round, as a share of the median.
+    pub spread: f64,
+    /// What the scalar loop took between the rounds.
+    pub scalar_us_per_pixel: f64,
+    /// How many times faster than the scalar loop.
+    pub times_scalar: f64,
+    /// Against the gold standard.
+    #[serde(flatten)]
+    pub errors: Errors,
+    /// Right-hand sides; an expansion to order N counts as N.
+    pub rhs_per_pixel: f64,
+    /// Steps tried.
+    pub steps_per_pixel: f64,
+    /// Share of the lanes' steps that were of use.
+    pub lane_use: f64,
+    /// The errors by true flip time.
+    pub bands: Vec<Band>,
+}
+
+impl Row {
+    /// A row in which nothing was measured yet.
+    pub fn new(contender: &Contender, recipe: Recipe) -> Self {
+        Row::named(contender.name(), &contender.adapter(), contender.threads(), recipe)
+    }
+
+    fn named(engine: &str, adapter: &str, threads: Option<usize>, recipe: Recipe) -> Self {
+        Row {
+            engine: engine.to_string(),
+            adapter: adapter.to_string(),
+            threads,
+            recipe,
+            starts: 0,
+            rounds: 0,
+            us_per_pixel: f64::NAN,
+            us_least: f64::NAN,
+            us_most: f64::NAN,
+            spread: f64::NAN,
+            scalar_us_per_pixel: f64::NAN,
+            times_scalar: f64::NAN,
+            errors: Errors::default(),
+            rhs_per_pixel: f64::NAN,
+            steps_per_pixel: f64::NAN,
+            lane_use: f64::NAN,
+            bands: Vec::new(),
+        }
+    }
+
+    /// The engine's full name.
+    pub fn full_name(&self) -> String {
+        format!("{}: {}", self.engine, self.adapter)
+    }
+
+    /// `cpu`, or `gpu` with the adapter's name.
+    pub fn short_name(&self) -> String {
+        contender::short_name(&self.engine, &self.adapter)
+    }
+}
+
+/// Something that an engine does not do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Refusal {
+    /// Its name.
+    pub engine: String,
+    /// What it was asked for.
+    pub what: String,
+    /// What it answered.
+    pub reason: String,
+}
+
+/// A kernel made for its scene beside the general one.
+#[derive(Clone, Debug, Serialize)]
+pub struct Specialising {
+    /// On which adapter.
+    pub adapter: String,
+    /// How it was integrated.
+    #[serde(flatten, serialize_with = "as_words")]
+    pub recipe: Recipe,
+    /// Median microseconds of the general kernel.
+    pub general_us_per_pixel: f64,
+    /// Median microseconds of the other.
+    pub specialised_us_per_pixel: f64,
+    /// How many times faster it is, the median of the rounds.
+    pub ratio: f64,
+}
+
+/// A recipe as the three texts by which files know it.
+fn as_words<S: serde::Serializer>(recipe: &Recipe, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Words {
+        method: &'static str,
+        precision: String,
+        setting: String,
+    }
+    let Recipe { method, precision } = recipe;
+    let (precision, setting) = (precision.to_string(), method.setting());
+    Words { method: method.name(), precision, setting }.serialize(serializer)
+}

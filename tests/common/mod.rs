@@ -5,13 +5,10 @@
 use flipmap::engine::choice::open_checked;
 use flipmap::engine::gpu::{GpuEngine, device};
 use flipmap::engine::{Engine, Finished, Job, Method, Precision, Question, Recipe, Starts, Wait};
-use flipmap::physics::trig::Turning;
-use flipmap::physics::{Dd, Outcome, State, Status, flip, gold, integrator};
+use flipmap::physics::{Dd, Outcome, Status, gold};
+use flipmap::report::baseline;
 use flipmap::scene::{Fate, Grid, Scene};
 use rayon::prelude::*;
-
-/// The lesson's step in seconds.
-pub const STEP: f64 = 1.0 / 120.0;
 
 /// RK4 at 120 steps a second.
 pub fn lesson(precision: Precision) -> Recipe {
@@ -86,23 +83,7 @@ pub fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
 
 /// Plain RK4 at 120 steps a second in f64, one pendulum at a time.
 pub fn scalar_rk4(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
-    let steps = (question.budget_secs / STEP).round() as usize;
-    let one = |angle: &[Dd; 2]| {
-        let mut state = State::rest(angle.map(|theta| theta.hi));
-        for n in 0..steps {
-            let change = integrator::rk4(&question.pendulum, &state, STEP, Turning::Fresh);
-            let next = state.plus(&change);
-            let fraction = question.rule.watched().iter().filter_map(|&bob| {
-                flip::fraction_of_step(&question.pendulum, bob, &state, &next, STEP)
-            });
-            if let Some(fraction) = fraction.reduce(f64::min) {
-                return Outcome::flipped((n as f64 + fraction) * STEP);
-            }
-            state = next;
-        }
-        Outcome::without_time(Status::Unflipped)
-    };
-    starts.par_iter().map(one).collect()
+    starts.par_iter().map(|&angle| baseline::outcome(question, angle)).collect()
 }
 
 /// The share of outcomes of the same status and within `secs` of the other's time.

@@ -1,0 +1,145 @@
+//! `flipmap report`: what this machine's engines are worth, measured.
+
+use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use flipmap::report::{Field, Folder, ReportError, Session, Thoroughness};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::exit::Exit;
+use super::progress::Mode;
+use super::run_options::EngineKind;
+use super::stop;
+
+#[derive(Args, Debug)]
+pub struct Options {
+    /// The folder for report.json, report.md and report.html
+    #[arg(short, long, value_name = "FOLDER", default_value = "report")]
+    output: PathBuf,
+    /// Fewer settings and fewer starts: two minutes instead of a quarter of an hour
+    #[arg(long)]
+    quick: bool,
+    /// auto: every adapter and the processor
+    #[arg(long, value_enum, default_value_t = EngineKind::Auto)]
+    engine: EngineKind,
+    /// Part of the names of the adapters to measure
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Threads of the CPU engine (default: one for each core)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: Option<u32>,
+    /// Starts compared with the gold standard, at most (default: 20000; with --quick 5000)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    sample: Option<u32>,
+    /// How to show progress
+    #[arg(long, value_enum, default_value_t = Mode::Auto)]
+    progress: Mode,
+}
+
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let field = field(options)?;
+    let folder = Folder::create(&options.output).context("-o")?;
+    stop::listen()?;
+    let care = care(options);
+    let mut session = Session::open(&field, care, &stop::asked)
+        .map_err(|error| explained(error, &folder, None))?;
+    let progress = Progress::new(options.progress, session.len());
+    while let Some(name) = session.next_name() {
+        progress.begin(session.done(), name);
+        session.advance(&stop::asked).map_err(|error| explained(error, &folder, Some(&session)))?;
+        folder.write(session.report())?;
+        progress.finish(session.done());
+    }
+    let path = folder.path().join("report.html");
+    super::tell(&format!("flipmap: the report is {}", path.display()));
+    Ok(())
+}
+
+fn field(options: &Options) -> Result<Field, Exit> {
+    let field = Field {
+        only_gpu: options.engine == EngineKind::Gpu,
+        only_cpu: options.engine == EngineKind::Cpu,
+        adapter: options.adapter.clone(),
+        threads: options.threads.map(|threads| threads as usize),
+    };
+    if field.only_cpu && field.adapter.is_some() {
+        let message = "--adapter names a graphics adapter; leave it out with --engine cpu";
+        return Err(Exit::Usage(message.to_string()));
+    }
+    Ok(field)
+}
+
+fn care(options: &Options) -> Thoroughness {
+    let care = if options.quick { Thoroughness::QUICK } else { Thoroughness::FULL };
+    let sample = options.sample.map_or(care.sample, |sample| sample as usize);
+    Thoroughness { sample, ..care }
+}
+
+/// Errors as the exit codes know them; of a stop, what it left behind.
+fn explained(error: ReportError, folder: &Folder, session: Option<&Session>) -> anyhow::Error {
+    match (error, session) {
+        (ReportError::Choice(error), _) => error.into(),
+        (ReportError::Stopped, Some(session)) if session.done() > 0 => {
+            let message = format!(
+                "stopped; {} holds {} of {} measurements and says what is missing",
+                folder.path().display(),
+                session.done(),
+                session.len()
+            );
+            Exit::Partly(message).into()
+        }
+        (ReportError::Stopped, _) => {
+            Exit::Partly("stopped before anything was measured".to_string()).into()
+        }
+        (error, _) => error.into(),
+    }
+}
+
+/// Measurements done of all: a bar on a terminal, or a JSON object for each.
+struct Progress {
+    bar: ProgressBar,
+    json: bool,
+    total: usize,
+}
+
+impl Progress {
+    fn new(mode: Mode, total: usize) -> Self {
+        let shown = mode == Mode::Auto && stderr().is_terminal();
+        let target =
+            if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(total as u64), target);
+        let style = "{bar:30} {pos} of {len} · {eta} left · {wide_msg}";
+        bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
+        Progress { bar, json: mode == Mode::Json, total }
+    }
+
+    fn begin(&self, done: usize, name: &str) {
+        self.bar.set_message(name.to_string());
+        self.tell(done, Some(name));
+    }
+
+    fn finish(&self, done: usize) {
+        self.bar.set_position(done as u64);
+        if done == self.total {
+            self.tell(done, None);
+        }
+    }
+
+    fn tell(&self, done: usize, now: Option<&str>) {
+        if self.json {
+            let secs = self.bar.elapsed().as_secs_f64();
+            let line = serde_json::json!({
+                "done": done, "total": self.total, "secs": secs, "now": now,
+            });
+            super::tell(&line.to_string());
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,37 @@
+//! What every speed is a multiple of: the loop that one would write first.
+
+use std::time::Instant;
+
+use crate::engine::Question;
+use crate::physics::trig::Turning;
+use crate::physics::{Dd, Outcome, State, Status, flip, integrator};
+
+/// Its step in seconds.
+pub const STEP_SECS: f64 = 1.0 / 120.0;
+
+/// One pendulum by plain RK4 in f64 at 120 steps a second.
+pub fn outcome(question: &Question, angle: [Dd; 2]) -> Outcome {
+    let steps = (question.budget_secs / STEP_SECS).round() as u32;
+    let mut state = State::rest(angle.map(|theta| theta.hi));
+    for n in 0..steps {
+        let change = integrator::rk4(&question.pendulum, &state, STEP_SECS, Turning::Fresh);
+        let next = state.plus(&change);
+        let passes = question.rule.watched().iter().filter_map(|&bob| {
+            flip::fraction_of_step(&question.pendulum, bob, &state, &next, STEP_SECS)
+        });
+        if let Some(fraction) = passes.reduce(f64::min) {
+            return Outcome::flipped((f64::from(n) + fraction) * STEP_SECS);
+        }
+        state = next;
+    }
+    Outcome::without_time(Status::Unflipped)
+}
+
+/// Microseconds that one start takes the loop, on one core.
+pub fn us_per_pixel(question: &Question, starts: &[[Dd; 2]]) -> f64 {
+    let begun = Instant::now();
+    for &angle in starts {
+        std::hint::black_box(outcome(question, angle));
+    }
+    begun.elapsed().as_secs_f64() * 1e6 / starts.len() as f64
+}

@@ -1,0 +1,69 @@
+//! The starts that everything is measured on, and the truth about some of them.
+
+use rayon::prelude::*;
+
+use super::{ReportError, StopTest};
+use crate::engine::Question;
+use crate::physics::{Dd, Outcome, gold};
+use crate::scene::{Fate, Grid, Scene};
+
+/// Pixels along each side of the home map whose open starts are measured on.
+const SIDE: u32 = 1024;
+
+/// The open starts of the home map.
+pub struct Ground {
+    /// What is asked about them.
+    pub question: Question,
+    /// All of them, in the order of the pixels.
+    pub starts: Vec<[Dd; 2]>,
+    /// Some of them, evenly spread, with the gold standard's answers.
+    pub sample: Vec<([Dd; 2], Outcome)>,
+}
+
+impl Ground {
+    /// The home map's, the truth known about `sample` of them.
+    pub fn home(sample: usize, stop: StopTest) -> Result<Self, ReportError> {
+        let scene = Scene::default();
+        let question = Question::from(&scene);
+        let grid = Grid::new(&scene, [SIDE, SIDE]);
+        let pixels = (0..SIDE * SIDE).map(|k| grid.fate(k % SIDE, k / SIDE));
+        let starts: Vec<[Dd; 2]> = pixels
+            .filter_map(|fate| match fate {
+                Fate::Open(angle) => Some(angle),
+                _ => None,
+            })
+            .collect();
+        let sample = spread(&starts, sample)
+            .into_par_iter()
+            .map(|angle| match stop() {
+                true => Err(ReportError::Stopped),
+                false => Ok((angle, truth(&question, angle))),
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Ground { question, starts, sample })
+    }
+}
+
+fn truth(question: &Question, angle: [Dd; 2]) -> Outcome {
+    let angle = angle.map(|theta| theta.hi);
+    gold::outcome(&question.pendulum, angle, question.rule, question.budget_secs)
+}
+
+/// `count` of `all`, evenly spread and in their order.
+pub fn spread<T: Copy>(all: &[T], count: usize) -> Vec<T> {
+    let count = count.min(all.len());
+    (0..count).map(|k| all[k * all.len() / count]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spread_covers_everything_evenly() {
+        let all: Vec<u32> = (0..10).collect();
+        assert_eq!(spread(&all, 3), [0, 3, 6]);
+        assert_eq!(spread(&all, 99), all);
+        assert_eq!(spread(&all, 0), [0; 0]);
+    }
+}

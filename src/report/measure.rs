@@ -1,0 +1,197 @@
+//! One row: an engine with a recipe, its speed and its errors.
+
+use super::contender::Contender;
+use super::ground::{Ground, spread};
+use super::plan::Thoroughness;
+use super::statistics::{Errors, bands, median};
+use super::stopwatch::{self, Ran};
+use super::{ReportError, Row, Specialising, StopTest, baseline};
+use crate::engine::{Engine, EngineError, Method, Precision, Recipe};
+use crate::physics::{Dd, Outcome};
+
+/// Starts of the first run, which compiles kernels, and of the second, which is timed roughly.
+const FIRST_STARTS: usize = 64;
+/// A run of fewer is no measurement.
+const LEAST_STARTS: usize = 256;
+/// The same of a fast recipe: the last, longest pendulums must not be most of the time. Graphics
+/// cards, in software too, want full jobs to show what they can do.
+const LEAST_STARTS_OF_FAST: usize = 1 << 14;
+/// See [`LEAST_STARTS_OF_FAST`].
+const LEAST_STARTS_OF_GPU: usize = 1 << 16;
+
+/// What measuring needs besides an engine and a recipe.
+pub struct Bench<'a> {
+    /// The starts.
+    pub ground: &'a Ground,
+    /// How carefully.
+    pub care: &'a Thoroughness,
+    /// Whether to give up.
+    pub stop: StopTest<'a>,
+}
+
+/// Repeated times of a run and, between them, of the scalar loop on some of the same starts.
+struct Times {
+    us: Vec<f64>,
+    scalar_us: Vec<f64>,
+}
+
+impl Bench<'_> {
+    /// Measures a row.
+    pub fn row(&self, contender: &mut Contender, recipe: Recipe) -> Result<Row, ReportError> {
+        let is_gpu = contender.threads().is_none();
+        let engine = contender.engine();
+        let rough = self.rough_us(engine, recipe)?;
+        let (pairs, compared) = self.compare(engine, recipe, rough)?;
+        let starts = self.timed_starts(engine, recipe, compared.us_per_pixel, is_gpu)?;
+        let mut times = Times { us: Vec::new(), scalar_us: Vec::new() };
+        let mut effort = compared.effort;
+        for _ in 0..self.care.rounds {
+            times.scalar_us.push(self.scalar_us(&starts));
+            let ran = self.run(engine, recipe, &starts)?;
+            times.us.push(ran.us_per_pixel);
+            effort = ran.effort;
+        }
+        let mut row = Row::new(contender, recipe);
+        row.starts = starts.len();
+        row.rounds = times.us.len();
+        times.put(&mut row);
+        let per_pixel = |count: u64| count as f64 / starts.len() as f64;
+        row.rhs_per_pixel = per_pixel(effort.rhs_evaluations);
+        row.steps_per_pixel = per_pixel(effort.steps);
+        row.lane_use = effort.steps as f64 / effort.lane_steps.max(1) as f64;
+        row.errors = Errors::of(&pairs);
+        row.bands = bands(&pairs);
+        Ok(row)
+    }
+
+    /// What a kernel made for its scene gains over one that reads the scene as data; nothing
+    /// for the processor, which has one kind only.
+    pub fn specialising(
+        &self,
+        contender: &mut Contender,
+        recipe: Recipe,
+    ) -> Result<Option<Specialising>, ReportError> {
+        let adapter = contender.adapter();
+        let Contender::Gpu(engine) = contender else { return Ok(None) };
+        let rough = self.rough_us(engine.as_mut(), recipe)?;
+        let starts = self.timed_starts(engine.as_mut(), recipe, rough, true)?;
+        let mut times = [Vec::new(), Vec::new()];
+        let mut measure = || -> Result<(), ReportError> {
+            // The first round compiles the general kernel.
+            for round in 0..=self.care.rounds {
+                for (list, specialised) in times.iter_mut().zip([false, true]) {
+                    engine.set_specialised(specialised);
+                    let us = self.run(engine.as_mut(), recipe, &starts)?.us_per_pixel;
+                    if round > 0 {
+                        list.push(us);
+                    }
+                }
+            }
+            Ok(())
+        };
+        let measured = measure();
+        engine.set_specialised(true);
+        measured?;
+        let ratios: Vec<f64> = times[0].iter().zip(&times[1]).map(|(a, b)| a / b).collect();
+        let [general, specialised] = times.map(|times| median(&times).unwrap_or(f64::NAN));
+        Ok(Some(Specialising {
+            adapter,
+            recipe,
+            general_us_per_pixel: general,
+            specialised_us_per_pixel: specialised,
+            ratio: median(&ratios).unwrap_or(f64::NAN),
+        }))
+    }
+
+    fn run(
+        &self,
+        engine: &mut dyn Engine,
+        recipe: Recipe,
+        starts: &[[Dd; 2]],
+    ) -> Result<Ran, ReportError> {
+        stopwatch::run(engine, &self.ground.question, recipe, starts, self.stop)
+    }
+
+    /// Microseconds a pixel, too many rather than too few, after everything is compiled.
+    fn rough_us(&self, engine: &mut dyn Engine, recipe: Recipe) -> Result<f64, ReportError> {
+        let few = spread(&self.ground.starts, FIRST_STARTS);
+        self.run(engine, recipe, &few)?;
+        Ok(self.run(engine, recipe, &few)?.us_per_pixel)
+    }
+
+    /// The engine's answers beside the truth, for as many of the sample as there is time for.
+    fn compare(
+        &self,
+        engine: &mut dyn Engine,
+        recipe: Recipe,
+        rough_us: f64,
+    ) -> Result<(Vec<(Outcome, Outcome)>, Ran), ReportError> {
+        let affordable = (self.care.compare_secs * 1e6 / rough_us) as usize;
+        let sample = spread(&self.ground.sample, affordable.max(LEAST_STARTS));
+        let starts: Vec<[Dd; 2]> = sample.iter().map(|(start, _)| *start).collect();
+        let ran = self.run(engine, recipe, &starts)?;
+        let truth = sample.iter().map(|(_, truth)| *truth);
+        Ok((ran.outcomes.iter().copied().zip(truth).collect(), ran))
+    }
+
+    /// As many starts as fill a round, warmed up.
+    fn timed_starts(
+        &self,
+        engine: &mut dyn Engine,
+        recipe: Recipe,
+        rough_us: f64,
+        is_gpu: bool,
+    ) -> Result<Vec<[Dd; 2]>, ReportError> {
+        let Recipe { method, precision } = recipe;
+        let slow = precision == Precision::Df32 || matches!(method, Method::Taylor { .. });
+        let least = match (slow, is_gpu) {
+            (true, _) => LEAST_STARTS,
+            (false, true) => LEAST_STARTS_OF_GPU,
+            (false, false) => LEAST_STARTS_OF_FAST,
+        };
+        let fill = |us: f64| {
+            let count = (self.care.round_secs * 1e6 / us) as usize;
+            spread(&self.ground.starts, count.max(least))
+        };
+        // A first guess from few starts is too slow: graphics cards want to be full.
+        let guess = fill(rough_us);
+        let us = self.run(engine, recipe, &guess)?.us_per_pixel;
+        if us * 2.0 > rough_us {
+            return Ok(guess);
+        }
+        let starts = fill(us);
+        self.run(engine, recipe, &starts)?;
+        Ok(starts)
+    }
+
+    fn scalar_us(&self, starts: &[[Dd; 2]]) -> f64 {
+        let some = spread(starts, self.care.scalar_starts);
+        baseline::us_per_pixel(&self.ground.question, &some)
+    }
+}
+
+impl Times {
+    /// Medians of the rounds; the multiple is that of each round, not of the medians, because
+    /// what disturbs a shared machine lasts longer than a round.
+    fn put(&self, row: &mut Row) {
+        let fold = |f: fn(f64, f64) -> f64| self.us.iter().copied().reduce(f).unwrap_or(f64::NAN);
+        let multiples: Vec<f64> =
+            self.scalar_us.iter().zip(&self.us).map(|(s, us)| s / us).collect();
+        let middle = |numbers: &[f64]| median(numbers).unwrap_or(f64::NAN);
+        row.us_per_pixel = middle(&self.us);
+        row.us_least = fold(f64::min);
+        row.us_most = fold(f64::max);
+        row.spread = (row.us_most - row.us_least) / row.us_per_pixel;
+        row.scalar_us_per_pixel = middle(&self.scalar_us);
+        row.times_scalar = middle(&multiples);
+    }
+}
+
+/// Why an engine does not offer a recipe, if that is what an error says.
+pub fn refusal(error: &ReportError) -> Option<String> {
+    match error {
+        ReportError::Engine(EngineError::Unsupported(why)) => Some(why.clone()),
+        ReportError::Engine(error) => Some(format!("it failed: {error}")),
+        _ => None,
+    }
+}

@@ -1,0 +1,130 @@
+//! What is measured: every method in every precision, at settings from coarse to fine.
+
+use crate::engine::{Method, Precision, Recipe};
+
+/// How much time a report takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thoroughness {
+    /// Fewer settings.
+    pub quick: bool,
+    /// Starts compared with the gold standard, at most.
+    pub sample: usize,
+    /// Times that each measurement is repeated.
+    pub rounds: usize,
+    /// Seconds that one repetition should take.
+    pub round_secs: f64,
+    /// Seconds that comparing a recipe with the gold standard may take.
+    pub compare_secs: f64,
+    /// Starts of the scalar loop in each repetition.
+    pub scalar_starts: usize,
+}
+
+impl Thoroughness {
+    /// A quarter of an hour at most.
+    pub const FULL: Self = Thoroughness {
+        quick: false,
+        sample: 20_000,
+        rounds: 7,
+        round_secs: 1.0,
+        compare_secs: 5.0,
+        scalar_starts: 1000,
+    };
+    /// Two minutes at most.
+    pub const QUICK: Self = Thoroughness {
+        quick: true,
+        sample: 5000,
+        rounds: 5,
+        round_secs: 0.3,
+        compare_secs: 1.5,
+        scalar_starts: 500,
+    };
+}
+
+/// The recipe of the accuracy `fast`.
+pub const FAST: Recipe =
+    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
+/// The recipe of the accuracy `balanced`.
+pub const BALANCED: Recipe =
+    Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
+/// The same where there is no f64.
+pub const BALANCED_DF32: Recipe =
+    Recipe { method: Method::Dop853 { tolerance: 1e-10 }, precision: Precision::Df32 };
+/// The recipe of the accuracy `lesson`.
+pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+
+/// Every recipe that an engine is asked for, those with a kernel in common side by side.
+pub fn recipes(quick: bool) -> Vec<Recipe> {
+    let rk4 = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
+    let dopri5 = |tolerance| Method::Dopri5 { tolerance };
+    let dop853 = |tolerance| Method::Dop853 { tolerance };
+    let taylor = |tolerance| Method::Taylor { tolerance };
+    let of = |precision, method: &dyn Fn(f64) -> Method, settings: &[f64]| -> Vec<Recipe> {
+        settings.iter().map(|&setting| Recipe { method: method(setting), precision }).collect()
+    };
+    use Precision::{Dd, Df32, F32, F64};
+    let groups = if quick {
+        vec![
+            of(F32, &rk4, &[120.0, 480.0]),
+            of(F64, &rk4, &[120.0]),
+            of(F32, &dopri5, &[1e-6, 5e-8]),
+            of(F64, &dop853, &[1e-9, 3e-13]),
+            vec![BALANCED_DF32],
+        ]
+    } else {
+        vec![
+            of(F32, &rk4, &[60.0, 120.0, 240.0, 480.0]),
+            of(F64, &rk4, &[60.0, 120.0, 240.0, 480.0]),
+            of(F32, &dopri5, &[1e-5, 1e-6, 1e-7, 5e-8]),
+            of(F64, &dopri5, &[1e-7, 1e-8, 1e-9]),
+            of(F32, &dop853, &[1e-6, 1e-7]),
+            of(F64, &dop853, &[1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 3e-13, 1e-13]),
+            of(F64, &taylor, &[1e-14, 1e-15]),
+            of(Df32, &dop853, &[1e-9, 1e-10, 1e-11]),
+            of(Df32, &dopri5, &[1e-9, 1e-10, 1e-11]),
+            of(Dd, &taylor, &[1e-25]),
+        ]
+    };
+    groups.concat()
+}
+
+/// The recipes whose kernels are measured both made for their scene and general.
+pub fn specialised(quick: bool) -> &'static [Recipe] {
+    if quick { &[LESSON] } else { &[LESSON, FAST, BALANCED] }
+}
+
+/// Methods of the table of errors in angle and energy.
+pub fn motions() -> Vec<Recipe> {
+    let step = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
+    let mut recipes = Vec::new();
+    for precision in [Precision::F32, Precision::F64] {
+        let methods = [step(120.0), step(480.0), FAST.method, Method::Dop853 { tolerance: 1e-7 }];
+        recipes.extend(methods.map(|method| Recipe { method, precision }));
+    }
+    let finer = [
+        Method::Dopri5 { tolerance: 1e-9 },
+        Method::Dop853 { tolerance: 1e-10 },
+        BALANCED.method,
+        Method::Taylor { tolerance: 1e-15 },
+    ];
+    recipes.extend(finer.map(|method| Recipe { method, precision: Precision::F64 }));
+    recipes
+}
+
+/// A recipe as people say it.
+pub fn words(recipe: &Recipe) -> String {
+    format!("{}, {}, {}", recipe.method.name(), recipe.method.setting(), recipe.precision)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quick_measures_some_of_the_rest_and_all_that_targets_need() {
+        let (quick, full) = (recipes(true), recipes(false));
+        assert!(quick.iter().all(|recipe| full.contains(recipe)) && quick.len() < full.len());
+        for needed in [LESSON, FAST, BALANCED, BALANCED_DF32] {
+            assert!(quick.contains(&needed), "{needed:?}");
+        }
+    }
+}
