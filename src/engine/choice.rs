@@ -107,7 +107,7 @@ pub fn choose(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
 /// the method.
 fn automatic(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let recipes = wish.demand.recipes();
-    let on_cpu = recipes.iter().any(|recipe| CpuEngine::offers(recipe));
+    let on_cpu = recipes.iter().any(CpuEngine::offers);
     if on_cpu && !recipes.iter().any(GpuEngine::has) {
         return cpu(wish, "only the processor has this method and precision".to_string());
     }

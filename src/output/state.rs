@@ -150,7 +150,8 @@ mod tests {
         let mut later = home.clone();
         later.question.budget = 60.0;
         state.check_scene(&later).unwrap();
-        let changes: [(&str, fn(&mut Document)); 5] = [
+        type Change = fn(&mut Document);
+        let changes: [(&str, Change); 5] = [
             ("pendulum", |document| document.pendulum.gravity = 1.0),
             ("rule", |document| document.question.rule = crate::physics::Rule::First),
             ("view", |document| document.view.width = "1".to_string()),

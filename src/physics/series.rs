@@ -66,12 +66,12 @@ impl<T: Real, const N: usize> Series<T, N> {
     #[inline(always)]
     pub fn change(&self, time: T) -> Phase<T> {
         let mut change = [time; 6];
-        for i in 0..6 {
-            let mut sum = self.phase[i][N - 1];
+        for (change, series) in change.iter_mut().zip(&self.phase) {
+            let mut sum = series[N - 1];
             for k in (1..N - 1).rev() {
-                sum = sum.mul_add(time, self.phase[i][k]);
+                sum = sum.mul_add(time, series[k]);
             }
-            change[i] = sum * time;
+            *change = sum * time;
         }
         change
     }

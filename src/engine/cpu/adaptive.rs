@@ -170,8 +170,8 @@ impl<N: Number> Herd<N> {
         let power = excess.mul_add(lit(control.exponent), lit(control.safety));
         let factor = power.max(lit(-8.0)).min(lit(8.0)).rough_exp2();
         let factor = factor.max(lit(SHRINK)).min(lit(GROW));
-        for i in 0..6 {
-            self.phase[i] = next[i].select(excess, self.phase[i]);
+        for (value, next) in self.phase.iter_mut().zip(next) {
+            *value = next.select(excess, *value);
         }
         let (time, low) = self.time.fast_two_sum(self.time_low + self.step);
         self.time = Lanes::select(time, excess, self.time);

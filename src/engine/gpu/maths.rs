@@ -9,6 +9,9 @@ use crate::physics::polynomial::quintic_hermite;
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Real, State, integrator};
 
+/// An embedded pair on symbols.
+type Pair = fn(&Pendulum<Symbol>, [Symbol; 2], &Phase<Symbol>, Symbol) -> Trial<Symbol>;
+
 const INDENT: &str = "        ";
 
 impl Design {
@@ -63,10 +66,7 @@ impl Design {
         })
     }
 
-    fn adaptive_step(
-        &self,
-        pair: fn(&Pendulum<Symbol>, [Symbol; 2], &Phase<Symbol>, Symbol) -> Trial<Symbol>,
-    ) -> String {
+    fn adaptive_step(&self, pair: Pair) -> String {
         const NAMES: Phase<&str> = ["x1", "y1", "x2", "y2", "p1", "p2"];
         const LOWS: Phase<&str> = ["x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low"];
         write_maths(self.dialect(), || {

@@ -230,9 +230,13 @@ impl Slot {
             return Landed::Failed;
         }
         if flight.answer {
-            return Landed::Answer(self.read_answer());
+            return self.read_answer().map_or(Landed::Failed, Landed::Answer);
         }
-        let queue: Queue = read(&self.buffers.progress, 0, 1)[0];
+        let Some(queue) =
+            read::<Queue>(&self.buffers.progress, 0, 1).and_then(|read| read.first().copied())
+        else {
+            return Landed::Failed;
+        };
         self.buffers.progress.unmap();
         let pendulum_steps = f64::from(self.running) * f64::from(self.head.slice_steps);
         self.lane_steps += pendulum_steps as u64;
@@ -245,18 +249,18 @@ impl Slot {
         Landed::Complete(ran)
     }
 
-    fn read_answer(&self) -> Finished {
+    fn read_answer(&self) -> Option<Finished> {
         let count = self.head.count as usize;
-        let raw: Vec<RawOutcome> = read(&self.buffers.answer, 0, count);
+        let raw: Vec<RawOutcome> = read(&self.buffers.answer, 0, count)?;
         let outcomes: Vec<Outcome> = raw.iter().map(|raw| self.outcome(raw)).collect();
         let unfinished = if self.job.keep_unfinished {
-            self.read_unfinished(&raw, &outcomes)
+            self.read_unfinished(&raw, &outcomes)?
         } else {
             Vec::new()
         };
         let effort = self.effort(&raw);
         self.buffers.answer.unmap();
-        Finished { id: self.job.id, outcomes, unfinished, trusts: Vec::new(), effort }
+        Some(Finished { id: self.job.id, outcomes, unfinished, trusts: Vec::new(), effort })
     }
 
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
@@ -290,19 +294,23 @@ impl Slot {
         }
     }
 
-    fn read_unfinished(&self, raw: &[RawOutcome], outcomes: &[Outcome]) -> Vec<(usize, Paused)> {
+    fn read_unfinished(
+        &self,
+        raw: &[RawOutcome],
+        outcomes: &[Outcome],
+    ) -> Option<Vec<(usize, Paused)>> {
         let (count, offset) = (raw.len() * self.places.len(), self.outcome_bytes());
         let answer = &self.buffers.answer;
         // For each number of each pendulum its value and, of two f32, its rest.
         let states: Vec<[f64; 2]> = match self.job.recipe.precision {
             Precision::F32 => {
-                read::<f32>(answer, offset, count).iter().map(|&x| [f64::from(x), 0.0]).collect()
+                read::<f32>(answer, offset, count)?.iter().map(|&x| [f64::from(x), 0.0]).collect()
             }
-            Precision::Df32 => read::<[f32; 2]>(answer, offset, count)
+            Precision::Df32 => read::<[f32; 2]>(answer, offset, count)?
                 .iter()
                 .map(|parts| parts.map(f64::from))
                 .collect(),
-            _ => read::<f64>(answer, offset, count).iter().map(|&x| [x, 0.0]).collect(),
+            _ => read::<f64>(answer, offset, count)?.iter().map(|&x| [x, 0.0]).collect(),
         };
         let paused = |i: usize| {
             let mut numbers = [0.0; NUMBERS];
@@ -315,10 +323,8 @@ impl Slot {
             }
             Paused { steps: raw[i].steps, numbers }
         };
-        (0..raw.len())
-            .filter(|&i| outcomes[i].status == Status::Unflipped)
-            .map(|i| (i, paused(i)))
-            .collect()
+        let unflipped = (0..raw.len()).filter(|&i| outcomes[i].status == Status::Unflipped);
+        Some(unflipped.map(|i| (i, paused(i))).collect())
     }
 }
 
@@ -356,10 +362,11 @@ const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const REFUSED: u8 = 2;
 
-fn read<T: Pod>(buffer: &wgpu::Buffer, offset: u64, count: usize) -> Vec<T> {
+/// `count` values of a mapped buffer; none if the device was lost after it was mapped.
+fn read<T: Pod>(buffer: &wgpu::Buffer, offset: u64, count: usize) -> Option<Vec<T>> {
     let bytes = offset..offset + (count * size_of::<T>()) as u64;
-    let view = buffer.slice(bytes).get_mapped_range().expect("mapped before it is read");
-    bytemuck::pod_collect_to_vec(&view)
+    let view = buffer.slice(bytes).get_mapped_range().ok()?;
+    Some(bytemuck::pod_collect_to_vec(&view))
 }
 
 fn make_buffers(
