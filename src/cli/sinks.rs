@@ -49,7 +49,7 @@ pub struct Pass {
 
 /// One file being written.
 enum Sink {
-    Picture(Painter, PngWriter<SafeFile>),
+    Picture(Box<(Painter, PngWriter<SafeFile>)>),
     Raw(NpyWriter<SafeFile>),
     Exr(ExrWriter<SafeFile>),
     Trust(PngWriter<SafeFile>),
@@ -58,7 +58,10 @@ enum Sink {
 impl Sink {
     fn write(&mut self, samples: &Samples) -> anyhow::Result<()> {
         match self {
-            Sink::Picture(painter, png) => png.write(&painter.paint(samples))?,
+            Sink::Picture(picture) => {
+                let (painter, png) = picture.as_mut();
+                png.write(&painter.paint(samples))?;
+            }
             Sink::Raw(npy) => npy.write(samples)?,
             Sink::Exr(exr) => exr.write(samples),
             Sink::Trust(png) => png.write(&trust_colours(samples))?,
@@ -69,7 +72,8 @@ impl Sink {
     /// The file with everything in it, not yet in its place.
     fn complete(self) -> anyhow::Result<SafeFile> {
         let mut file = match self {
-            Sink::Picture(_, png) | Sink::Trust(png) => png.finish()?,
+            Sink::Picture(picture) => picture.1.finish()?,
+            Sink::Trust(png) => png.finish()?,
             Sink::Raw(npy) => npy.into_inner(),
             Sink::Exr(exr) => exr.finish()?,
         };
@@ -93,7 +97,7 @@ impl Sinks {
                 "-o" => {
                     let painter = Painter::new(&document.scene(), size, &document.picture)
                         .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
-                    Sink::Picture(painter, PngWriter::new(file, size, document)?)
+                    Sink::Picture(Box::new((painter, PngWriter::new(file, size, document)?)))
                 }
                 "--raw" => Sink::Raw(NpyWriter::new(file, size)?),
                 "--exr" => Sink::Exr(ExrWriter::new(file, size, document)),
