@@ -64,8 +64,7 @@ impl Profile {
     /// The kept profile of this machine, or one measured now; `tell` hears that it takes a while.
     pub fn get(threads: Option<usize>, tell: &dyn Fn(&str)) -> Profile {
         let key = key(threads);
-        let path = path();
-        if let Some(kept) = path.as_deref().and_then(read)
+        if let Some(kept) = path().as_deref().and_then(read)
             && kept.key == key
         {
             return kept;
@@ -73,10 +72,15 @@ impl Profile {
         tell("measuring the engines of this machine once; this takes some seconds");
         let profile = Profile::measure(threads);
         // A cache that cannot be written costs the next run the same seconds and nothing else.
-        if let Some(Err(error)) = path.map(|path| write(&path, &profile)) {
+        if let Err(error) = profile.keep() {
             tell(&format!("the measured profile could not be kept: {error}"));
         }
         profile
+    }
+
+    /// Keeps it for the next run.
+    pub fn keep(&self) -> std::io::Result<()> {
+        path().map_or(Ok(()), |path| write(&path, self))
     }
 
     /// Measures every engine here.
@@ -229,7 +233,7 @@ fn key(threads: Option<usize>) -> String {
 }
 
 /// Where the profile is kept.
-pub fn path() -> Option<PathBuf> {
+fn path() -> Option<PathBuf> {
     let folders = etcetera::choose_base_strategy().ok()?;
     Some(folders.cache_dir().join("flipmap").join("profile.json"))
 }
