@@ -151,6 +151,7 @@ impl Case {
             // A coarse probe and the last check are coarser than what they check.
             let better = match stage {
                 PROBED => !fine && !close,
+                CHECKED => self.job.recipe.precision != Precision::Dd,
                 LAST_CHECKED => false,
                 _ => true,
             };
