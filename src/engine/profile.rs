@@ -63,10 +63,7 @@ const SLOW_US: f64 = 50.0;
 impl Profile {
     /// The kept profile of this machine, or one measured now; `tell` hears that it takes a while.
     pub fn get(threads: Option<usize>, tell: &dyn Fn(&str)) -> Profile {
-        let key = key(threads);
-        if let Some(kept) = path().as_deref().and_then(read)
-            && kept.key == key
-        {
+        if let Some(kept) = Profile::kept(threads) {
             return kept;
         }
         tell("measuring the engines of this machine once; this takes some seconds");
@@ -76,6 +73,12 @@ impl Profile {
             tell(&format!("the measured profile could not be kept: {error}"));
         }
         profile
+    }
+
+    /// The profile that an earlier run kept, if it is of this machine as it is now.
+    pub fn kept(threads: Option<usize>) -> Option<Profile> {
+        let kept = path().as_deref().and_then(read)?;
+        (kept.key == key(threads)).then_some(kept)
     }
 
     /// Keeps it for the next run.
