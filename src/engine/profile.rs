@@ -12,7 +12,7 @@ use etcetera::BaseStrategy;
 use serde::{Deserialize, Serialize};
 
 use super::choice::open_checked;
-use super::cpu::CpuEngine;
+use super::cpu::{CpuEngine, instruction_set};
 use super::gpu::device::{adapters, describe, is_software};
 use super::{
     Accuracy, Engine, Finished, Job, Precision, Question, Recipe, Starts, Wait, selfcheck,
@@ -232,7 +232,13 @@ fn key(threads: Option<usize>) -> String {
     let adapters: Vec<String> = adapters().iter().map(describe).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let version = env!("CARGO_PKG_VERSION");
-    format!("flipmap {version}; {} threads; {}", threads.unwrap_or(cores), adapters.join("; "))
+    let build = if cfg!(debug_assertions) { "debug" } else { "release" };
+    format!(
+        "flipmap {version}, {build}; {} threads, {}; {}",
+        threads.unwrap_or(cores),
+        instruction_set(),
+        adapters.join("; ")
+    )
 }
 
 /// Where the profile is kept.

@@ -202,13 +202,7 @@ impl Engine for CpuEngine {
     }
 
     fn adapter(&self) -> String {
-        let set = match Arch::new() {
-            #[cfg(target_arch = "x86_64")]
-            Arch::V4(_) => "AVX-512",
-            #[cfg(target_arch = "x86_64")]
-            Arch::V3(_) => "AVX2",
-            _ => "no SIMD beyond the baseline",
-        };
+        let set = instruction_set();
         format!("{} threads, {set}", self.pool.current_num_threads())
     }
 }
@@ -216,6 +210,17 @@ impl Engine for CpuEngine {
 impl Drop for CpuEngine {
     fn drop(&mut self) {
         self.cancel();
+    }
+}
+
+/// The widest registers of this processor.
+pub fn instruction_set() -> &'static str {
+    match Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(_) => "AVX-512",
+        #[cfg(target_arch = "x86_64")]
+        Arch::V3(_) => "AVX2",
+        _ => "no SIMD beyond the baseline",
     }
 }
 
