@@ -13,10 +13,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Precision;
 use super::shared::to_parts;
-use crate::physics::Real;
 use crate::physics::trig::{
     PI_PARTS_F32, PI_PARTS_F64, Rounding, SERIES_F32, SERIES_F64, sin_cos_with,
 };
+use crate::physics::{Angle, Real};
 
 /// What a symbol stands for.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -206,19 +206,21 @@ impl Real for Symbol {
         self * factor + term
     }
 
-    fn sin_cos(self) -> (Self, Self) {
-        match with_tape(|tape| tape.dialect.precision) {
-            Precision::F32 => sin_cos_with(self, PI_PARTS_F32, &SERIES_F32),
-            Precision::F64 => sin_cos_with(self, PI_PARTS_F64, &SERIES_F64),
-            Precision::Df32 | Precision::Dd => unimplemented!("pairs run without angles"),
-        }
-    }
-
     /// Every rounding behind `guard`, which no optimiser can see through.
     fn fast_two_sum(self, other: Self) -> (Self, Self) {
         let guard = |x: Symbol| push(Node::Guard(x.0));
         let sum = guard(self + other);
         (sum, other - guard(sum - self))
+    }
+}
+
+impl Angle for Symbol {
+    fn sin_cos(self) -> (Self, Self) {
+        match with_tape(|tape| tape.dialect.precision) {
+            Precision::F32 => sin_cos_with(self, PI_PARTS_F32, &SERIES_F32),
+            Precision::F64 => sin_cos_with(self, PI_PARTS_F64, &SERIES_F64),
+            Precision::Df32 | Precision::Dd => unreachable!("pairs run without angles"),
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use std::str::FromStr;
 use dashu_float::DBig;
 use dashu_float::round::mode::HalfEven;
 
-use super::real::{Real, Scalar};
+use super::real::{Angle, Real, Scalar};
 
 /// The sum `hi + lo`, with |lo| at most half a unit in the last place of `hi`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -159,7 +159,9 @@ impl Real for Dd {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self * factor + term
     }
+}
 
+impl Angle for Dd {
     /// Taylor series after taking out quarter turns; good to a few units of 1e-32 for |x| < 1e3.
     fn sin_cos(self) -> (Self, Self) {
         let half_pi = Dd { hi: Dd::PI.hi / 2.0, lo: Dd::PI.lo / 2.0 };

@@ -4,13 +4,13 @@
 //! [`State::plus_with_rest`] an f32 angle loses nothing over thousands of steps.
 
 use super::pendulum::{Pendulum, State};
-use super::real::Real;
+use super::real::{Angle, Real};
 use super::trig::Turning;
 
 /// The change of state over `step` seconds by the classical Runge–Kutta method of order 4
 /// (Kutta 1901), written for θ″ = α(θ, ω) so that the angles need no stages of their own.
 #[inline(always)]
-pub fn rk4<T: Real>(
+pub fn rk4<T: Angle>(
     pendulum: &Pendulum<T>,
     state: &State<T>,
     step: T,
@@ -42,13 +42,13 @@ pub fn rk4<T: Real>(
 // Pairs are written out: closures are not inlined into code for SIMD lanes.
 
 #[inline(always)]
-fn sines<T: Real>(angle: &[T; 2]) -> [(T, T); 2] {
+fn sines<T: Angle>(angle: &[T; 2]) -> [(T, T); 2] {
     [angle[0].sin_cos(), angle[1].sin_cos()]
 }
 
 /// The directions after turning at `rate` for `time`.
 #[inline(always)]
-fn turned<T: Real>(
+fn turned<T: Angle>(
     turning: Turning,
     first: &[(T, T); 2],
     state: &State<T>,
@@ -73,14 +73,18 @@ fn sums<T: Real>(a: &[T; 2], b: &[T; 2]) -> [T; 2] {
 }
 
 /// The change over `step` seconds by Euler's explicit method (order 1; gains energy).
-pub fn euler<T: Real>(pendulum: &Pendulum<T>, state: &State<T>, step: T) -> State<T> {
+pub fn euler<T: Angle>(pendulum: &Pendulum<T>, state: &State<T>, step: T) -> State<T> {
     let alpha = pendulum.acceleration(state);
     State { angle: state.speed.map(|w| w * step), speed: alpha.map(|a| a * step) }
 }
 
 /// The change over `step` seconds by the semi-implicit Euler method (order 1): speeds first,
 /// then angles with the new speeds.
-pub fn semi_implicit_euler<T: Real>(pendulum: &Pendulum<T>, state: &State<T>, step: T) -> State<T> {
+pub fn semi_implicit_euler<T: Angle>(
+    pendulum: &Pendulum<T>,
+    state: &State<T>,
+    step: T,
+) -> State<T> {
     let speed = pendulum.acceleration(state).map(|a| a * step);
     State { angle: [0, 1].map(|i| (state.speed[i] + speed[i]) * step), speed }
 }

@@ -29,4 +29,4 @@ pub mod trig;
 pub use dd::Dd;
 pub use flip::{Outcome, Rule, Status};
 pub use pendulum::{Pendulum, State};
-pub use real::{Real, Scalar};
+pub use real::{Angle, Real, Scalar};

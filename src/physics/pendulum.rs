@@ -12,7 +12,7 @@
 //! a sixth number, because computing it from the other five cancels for light first bobs.
 
 use super::flip::Rule;
-use super::real::{Real, Scalar};
+use super::real::{Angle, Real, Scalar};
 
 /// The five numbers (kg m² and J) and what follows from them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,7 +147,7 @@ impl<T: Copy> Pendulum<T> {
     }
 }
 
-impl<T: Real> Pendulum<T> {
+impl<T: Angle> Pendulum<T> {
     /// The angular accelerations α1, α2 in rad/s².
     #[inline(always)]
     pub fn acceleration(&self, state: &State<T>) -> [T; 2] {

@@ -23,9 +23,6 @@ pub trait Real:
     /// `self · factor + term`, fused where the type can do so at no cost.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
-    /// Sine and cosine of an angle in rad.
-    fn sin_cos(self) -> (Self, Self);
-
     /// `(sum, error)` with `sum + error == self + other` exactly, if |self| ≥ |other| (Dekker
     /// 1971); otherwise the error is still right to a rounding of `other`. Types whose compiler
     /// may not be trusted with it say so in their own module.
@@ -36,8 +33,14 @@ pub trait Real:
     }
 }
 
+/// A number whose sine can be taken. Not all can: pairs of lanes and of f32 run without angles.
+pub trait Angle: Real {
+    /// Sine and cosine of an angle in rad.
+    fn sin_cos(self) -> (Self, Self);
+}
+
 /// A single ordered number.
-pub trait Scalar: Real + PartialOrd + Display + Send + Sync + 'static {
+pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     /// Distance from 1 to the next number.
     const EPSILON: f64;
 
@@ -82,6 +85,9 @@ macro_rules! native_float {
             fn mul_add(self, factor: Self, term: Self) -> Self {
                 self * factor + term
             }
+        }
+
+        impl Angle for $float {
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
                 $float::sin_cos(self)

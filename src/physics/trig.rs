@@ -3,7 +3,7 @@
 //! SIMD lanes and graphics cards get theirs from here: the shading language promises its own
 //! only to 2⁻¹¹, and for f64 drivers return garbage (wgpu issue 6087).
 
-use super::real::Real;
+use super::real::{Angle, Real};
 
 /// A number that can be rounded to an integer.
 pub trait Rounding: Real {
@@ -133,7 +133,7 @@ impl Turning {
 
     /// `(sine, cosine)` of `angle + change`, where `direction` is that of `angle`.
     #[inline(always)]
-    pub fn turned<T: Real>(self, direction: (T, T), angle: T, change: T) -> (T, T) {
+    pub fn turned<T: Angle>(self, direction: (T, T), angle: T, change: T) -> (T, T) {
         let Turning::Small(terms) = self else {
             return (angle + change).sin_cos();
         };
@@ -208,6 +208,8 @@ mod tests {
         fn mul_add(self, factor: Self, term: Self) -> Self {
             Plain(self.0 * factor.0 + term.0)
         }
+    }
+    impl Angle for Plain {
         fn sin_cos(self) -> (Self, Self) {
             sin_cos_with(self, PI_PARTS_F64, &SERIES_F64)
         }

@@ -14,7 +14,7 @@ use crate::physics::phase::Phase;
 use crate::physics::series::{ORDER_F64, Series};
 use crate::physics::taylor::{Orbit, Step};
 use crate::physics::trig::Turning;
-use crate::physics::{Dd, Pendulum, Real, Scalar, State, integrator};
+use crate::physics::{Angle, Dd, Pendulum, Scalar, State, integrator};
 use crate::scene::Scene;
 
 /// Seconds after the release at which errors are looked at.

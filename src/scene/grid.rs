@@ -2,7 +2,7 @@
 
 use super::Scene;
 use crate::physics::flip::settle_at_top;
-use crate::physics::{Dd, Pendulum, Real, Rule, Scalar, State, gold};
+use crate::physics::{Angle, Dd, Pendulum, Rule, Scalar, State, gold};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]

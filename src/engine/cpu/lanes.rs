@@ -4,13 +4,13 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-use crate::physics::Real;
 use crate::physics::trig::{
     PI_PARTS_F32, PI_PARTS_F64, Rounding, SERIES_F32, SERIES_F64, sin_cos_with,
 };
+use crate::physics::{Angle, Real};
 
 /// A register of numbers, one pendulum in each.
-pub trait Lanes: Rounding {
+pub trait Lanes: Rounding + Angle {
     /// The instruction set.
     type Set: Simd;
     /// How many.
@@ -82,6 +82,9 @@ macro_rules! lanes {
             fn mul_add(self, factor: Self, term: Self) -> Self {
                 Self { lanes: self.set.$fma(self.lanes, factor.lanes, term.lanes), ..self }
             }
+        }
+
+        impl<S: Simd> Angle for $name<S> {
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
                 sin_cos_with(self, $parts, &$series)

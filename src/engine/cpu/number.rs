@@ -118,11 +118,6 @@ impl<L: Lanes> Real for Kept<L> {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         Self::new(self.value.mul_add(factor.value, term.value))
     }
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.value.sin_cos();
-        (Self::new(sin), Self::new(cos))
-    }
 }
 
 impl<S: Simd> Number for Kept<F32Lanes<S>> {
@@ -232,10 +227,6 @@ impl<L: Lanes> Real for Two<L> {
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self.mul(factor).add(term)
-    }
-    /// Never needed: the adaptive methods run without angles.
-    fn sin_cos(self) -> (Self, Self) {
-        unimplemented!("pairs of lanes have no sine")
     }
 }
 

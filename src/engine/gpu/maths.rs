@@ -7,7 +7,7 @@ use crate::physics::embedded::{Trial, dop853, dopri5};
 use crate::physics::phase::Phase;
 use crate::physics::polynomial::quintic_hermite;
 use crate::physics::trig::Turning;
-use crate::physics::{Pendulum, Real, State, integrator};
+use crate::physics::{Angle, Pendulum, Real, State, integrator};
 
 /// An embedded pair on symbols.
 type Pair = fn(&Pendulum<Symbol>, [Symbol; 2], &Phase<Symbol>, Symbol) -> Trial<Symbol>;

@@ -4,7 +4,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
-use crate::physics::{Pendulum, Real, State};
+use crate::physics::{Angle, Pendulum, Real, State};
 
 /// A number and its derivatives along four directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +68,9 @@ impl Real for Dual {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self * factor + term
     }
+}
+
+impl Angle for Dual {
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.value.sin_cos();
         (Dual::of(sin, cos, &self, 0.0, &self), Dual::of(cos, -sin, &self, 0.0, &self))
