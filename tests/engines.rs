@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::{Engine, Method, Precision, Question, Recipe, Starts};
+use flipmap::engine::{Accuracy, Engine, Method, Precision, Question, Recipe, Starts};
 use flipmap::physics::{Dd, Outcome, Rule, Status};
 use flipmap::scene::{Build, Kind, Question as Asked, Scene, View};
 
@@ -50,6 +50,8 @@ macro_rules! on_every_engine {
 on_every_engine! {
     the_lesson_is_right_where_rk4_at_120_is
     other_pendulums_and_rules_are_as_right_as_scalar_rk4
+    the_levels_keep_their_promises
+    balanced_is_right_for_other_pendulums_and_rules
     mirrored_starts_have_mirrored_fates
     a_whole_turn_away_is_the_same_pendulum
     splitting_a_job_changes_nothing
@@ -106,6 +108,32 @@ fn other_pendulums_and_rules_are_as_right_as_scalar_rk4(make: Make) {
             let right = share_within(1e-3, &answers, &truth);
             assert!((right - plain).abs() <= allowed, "{scene:?} {precision}: {right} {plain}");
         }
+    }
+}
+
+fn the_levels_keep_their_promises(make: Make) {
+    let mut engine = make();
+    let home = Scene::default();
+    let starts = open_starts(&home, 512, 6);
+    let truth = truth(&question(&home), &starts);
+    for (level, least) in [(Accuracy::Fast, 0.925), (Accuracy::Balanced, 0.998)] {
+        let recipe = level.recipes()[0];
+        let answers = answers(engine.as_mut(), &question(&home), recipe, &starts);
+        let right = share_within(1e-3, &answers, &truth);
+        assert!(right >= least, "{level}: {right} of {}", starts.len());
+    }
+}
+
+fn balanced_is_right_for_other_pendulums_and_rules(make: Make) {
+    let mut engine = make();
+    for scene in scenes() {
+        let starts = open_starts(&scene, 48, 1);
+        let truth = truth(&question(&scene), &starts);
+        let recipe = Accuracy::Balanced.recipes()[0];
+        let answers = answers(engine.as_mut(), &question(&scene), recipe, &starts);
+        let right = share_within(1e-3, &answers, &truth);
+        let least = if scene.question.rule == Rule::First { 0.98 } else { 0.99 };
+        assert!(right >= least, "{scene:?}: {right} of {}", starts.len());
     }
 }
 

@@ -8,8 +8,17 @@ use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device::Gpu;
 use flipmap::engine::selfcheck::{self, Verdict};
-use flipmap::engine::{Engine, EngineError, Job, Precision, Starts, Wait};
+use flipmap::engine::{
+    Accuracy, Engine, EngineError, Job, Precision, Question, Recipe, Starts, Wait,
+};
+use flipmap::physics::Rule;
 use flipmap::scene::Scene;
+
+/// The lesson in both precisions, and the recipes of `fast` and `balanced`.
+fn recipes() -> Vec<Recipe> {
+    let levels = [Accuracy::Fast, Accuracy::Balanced].map(|level| level.recipes()[0]);
+    [lesson(Precision::F32), lesson(Precision::F64)].into_iter().chain(levels).collect()
+}
 
 macro_rules! gpu_tests {
     ($($name:ident)*) => {
@@ -27,6 +36,7 @@ gpu_tests! {
     the_two_engines_agree_on_early_flips
     the_length_of_slices_changes_nothing
     a_general_kernel_is_as_right_as_one_made_for_the_scene
+    two_f32_are_nearly_as_right_as_f64
     a_lost_device_is_replaced_and_its_jobs_done_again
     the_selfcheck_passes_here_and_its_answers_are_judged
     an_untrusted_precision_is_refused_by_name
@@ -41,39 +51,56 @@ mod checks {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 512, 4);
         let (mut gpu, mut cpu) = (gpu_engine(), CpuEngine::new(None).unwrap());
-        for precision in [Precision::F32, Precision::F64] {
-            let gpu = answers(&mut gpu, &question, lesson(precision), &starts);
-            let cpu = answers(&mut cpu, &question, lesson(precision), &starts);
+        for recipe in recipes() {
+            let gpu = answers(&mut gpu, &question, recipe, &starts);
+            let cpu = answers(&mut cpu, &question, recipe, &starts);
             let (gpu, cpu) = flips_before(2.0, &gpu, &cpu);
             let agree = share_within(1e-5, &gpu, &cpu);
-            assert!(agree >= 0.99, "{precision}: {agree} of {}", cpu.len());
+            assert!(agree >= 0.99, "{recipe:?}: {agree} of {}", cpu.len());
         }
     }
 
     pub fn the_length_of_slices_changes_nothing() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 40, 1);
-        for precision in [Precision::F32, Precision::F64] {
+        for recipe in recipes() {
             let outcomes = [1, 20_000].map(|pace| {
                 let mut engine = gpu_engine();
                 engine.set_pace(Duration::from_micros(pace));
-                answers(&mut engine, &question, lesson(precision), &starts)
+                answers(&mut engine, &question, recipe, &starts)
             });
-            assert_eq!(outcomes[0], outcomes[1], "{precision}");
+            assert_eq!(outcomes[0], outcomes[1], "{recipe:?}");
         }
     }
 
     pub fn a_general_kernel_is_as_right_as_one_made_for_the_scene() {
-        let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 64, 1);
-        let truth = truth(&question, &starts);
-        let right = [true, false].map(|specialised| {
-            let mut engine = gpu_engine();
-            engine.set_specialised(specialised);
-            let answers = answers(&mut engine, &question, lesson(Precision::F64), &starts);
-            share_within(1e-3, &answers, &truth)
-        });
-        assert!((right[0] - right[1]).abs() < 0.01, "{right:?}");
+        for rule in [Rule::Second, Rule::Either] {
+            let question = Question { rule, ..question(&Scene::default()) };
+            let truth = truth(&question, &starts);
+            for recipe in &recipes()[1..] {
+                let right = [true, false].map(|specialised| {
+                    let mut engine = gpu_engine();
+                    engine.set_specialised(specialised);
+                    let answers = answers(&mut engine, &question, *recipe, &starts);
+                    share_within(1e-3, &answers, &truth)
+                });
+                assert!((right[0] - right[1]).abs() < 0.01, "{rule} {recipe:?}: {right:?}");
+            }
+        }
+    }
+
+    pub fn two_f32_are_nearly_as_right_as_f64() {
+        let question = question(&Scene::default());
+        let starts = open_starts(&Scene::default(), 512, 16);
+        let df32 = Accuracy::Balanced.recipes()[1];
+        assert_eq!(df32.precision, Precision::Df32);
+        let mut engine = gpu_engine();
+        let orbits = selfcheck::orbits(&mut engine, &[Precision::Df32]).unwrap();
+        assert!(orbits[0].passed, "{orbits:?}");
+        let answers = answers(&mut engine, &question, df32, &starts);
+        let right = share_within(1e-3, &answers, &truth(&question, &starts));
+        assert!(right >= 0.99, "{right} of {}", starts.len());
     }
 
     pub fn a_lost_device_is_replaced_and_its_jobs_done_again() {
@@ -101,13 +128,14 @@ mod checks {
         let verdict = selfcheck::run(gpu.gpu()).unwrap();
         assert!(verdict.f32, "{:?}", verdict.checks);
         assert_eq!(verdict.f64, gpu.gpu().has_f64(), "{:?}", verdict.checks);
+        assert!(verdict.df32, "{:?}", verdict.checks);
         // The same kernel with its guards taken out: this device's compiler, or the next one's,
         // folds the error terms; where it does, the check must see it.
         let bare = selfcheck::run_with(gpu.gpu(), &|text| {
             text.replace("bitcast<f32>(bitcast<u32>(x) ^ zero)", "x * 1.0000001")
         });
         let bare = bare.unwrap();
-        assert!(!bare.compensated && !bare.f32, "{:?}", bare.checks);
+        assert!(!bare.compensated && !bare.f32 && !bare.df32, "{:?}", bare.checks);
     }
 
     pub fn an_untrusted_precision_is_refused_by_name() {
