@@ -126,14 +126,18 @@ fn the_levels_keep_their_promises(make: Make) {
 
 fn balanced_is_right_for_other_pendulums_and_rules(make: Make) {
     let mut engine = make();
-    for scene in scenes() {
+    for mut scene in scenes() {
+        if scene.question.rule == Rule::First {
+            // Only starts of high energy can meet it; after 15 s their growth has eaten what f64
+            // holds, the gold standard's in f64 too.
+            scene.question.budget = 12.0;
+        }
         let starts = open_starts(&scene, 48, 1);
         let truth = truth(&question(&scene), &starts);
         let recipe = Accuracy::Balanced.recipes()[0];
         let answers = answers(engine.as_mut(), &question(&scene), recipe, &starts);
         let right = share_within(1e-3, &answers, &truth);
-        let least = if scene.question.rule == Rule::First { 0.98 } else { 0.99 };
-        assert!(right >= least, "{scene:?}: {right} of {}", starts.len());
+        assert!(right >= 0.99, "{scene:?}: {right} of {}", starts.len());
     }
 }
 
