@@ -1,5 +1,6 @@
 //! What is measured: every method in every precision, at settings from coarse to fine.
 
+pub use crate::engine::level::{BALANCED, BALANCED_DF32, FAST, LESSON};
 use crate::engine::{Method, Precision, Recipe};
 
 /// How much time a report takes.
@@ -40,18 +41,6 @@ impl Thoroughness {
     };
 }
 
-/// The recipe of the accuracy `fast`.
-pub const FAST: Recipe =
-    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
-/// The recipe of the accuracy `balanced`.
-pub const BALANCED: Recipe =
-    Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
-/// The same where there is no f64.
-pub const BALANCED_DF32: Recipe =
-    Recipe { method: Method::Dop853 { tolerance: 1e-10 }, precision: Precision::Df32 };
-/// The recipe of the accuracy `lesson`.
-pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
-
 /// Every recipe that an engine is asked for, those with a kernel in common side by side.
 pub fn recipes(quick: bool) -> Vec<Recipe> {
     let rk4 = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
@@ -79,7 +68,7 @@ pub fn recipes(quick: bool) -> Vec<Recipe> {
             of(F32, &dop853, &[1e-6, 1e-7]),
             of(F64, &dop853, &[1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 3e-13, 1e-13]),
             of(F64, &taylor, &[1e-14, 1e-15]),
-            of(Df32, &dop853, &[1e-9, 1e-10, 1e-11]),
+            of(Df32, &dop853, &[1e-9, 1e-10, 1e-11, 1e-12]),
             of(Df32, &dopri5, &[1e-9, 1e-10, 1e-11]),
             of(Dd, &taylor, &[1e-25]),
         ]

@@ -15,6 +15,7 @@ mod views;
 
 use rayon::prelude::*;
 
+pub use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{
     Engine, EngineError, Finished, Job, Method, Precision, Question, Recipe, Starts, Wait,
 };
@@ -78,26 +79,19 @@ pub fn cases() -> Vec<Case> {
     [top::CASES, balance::CASES, builds::CASES, views::CASES, methods::CASES, chaos::CASES].concat()
 }
 
-/// What `balanced` means: DOP853 in f64.
-pub const BALANCED: Recipe =
-    Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
 /// The check by another method.
 pub const TAYLOR: Recipe =
     Recipe { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
 /// The lesson's method, without its f32.
 pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F64 };
-/// The fast level.
-pub const FAST: Recipe =
-    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
-
 /// The engine under examination.
-pub struct Bench {
-    engine: Box<dyn Engine>,
+pub struct Bench<'a> {
+    engine: Box<dyn Engine + 'a>,
 }
 
-impl Bench {
+impl<'a> Bench<'a> {
     /// Examines `engine`.
-    pub fn new(engine: Box<dyn Engine>) -> Self {
+    pub fn new(engine: Box<dyn Engine + 'a>) -> Self {
         Bench { engine }
     }
 
