@@ -3,7 +3,7 @@
 use super::contender::Contender;
 use super::ground::{Ground, spread};
 use super::plan::Thoroughness;
-use super::statistics::{Errors, bands, median};
+use super::statistics::{Errors, Pair, bands, median};
 use super::stopwatch::{self, Ran};
 use super::{ReportError, Row, Specialising, StopTest, baseline};
 use crate::engine::{Engine, EngineError, Method, Precision, Recipe};
@@ -25,6 +25,8 @@ pub struct Bench<'a> {
     pub ground: &'a Ground,
     /// How carefully.
     pub care: &'a Thoroughness,
+    /// Threads of the processor where it checks or judges; one for every core if nothing is said.
+    pub threads: Option<usize>,
     /// Whether to give up.
     pub stop: StopTest<'a>,
 }
@@ -35,33 +37,62 @@ struct Times {
     scalar_us: Vec<f64>,
 }
 
+/// Answers beside the truth.
+pub struct Compared {
+    /// The starts asked about.
+    pub starts: Vec<[Dd; 2]>,
+    /// The gold standard's answers.
+    pub truth: Vec<Outcome>,
+    /// The engine's.
+    pub ran: Ran,
+}
+
+impl Compared {
+    /// Each answer with its truth.
+    pub fn pairs(&self) -> Vec<Pair> {
+        self.ran.outcomes.iter().copied().zip(self.truth.iter().copied()).collect()
+    }
+}
+
 impl Bench<'_> {
     /// Measures a row.
     pub fn row(&self, contender: &mut Contender, recipe: Recipe) -> Result<Row, ReportError> {
+        let mut row = Row::new(contender, recipe);
         let is_gpu = contender.threads().is_none();
-        let engine = contender.engine();
+        self.fill(&mut row, contender.engine(), is_gpu)?;
+        Ok(row)
+    }
+
+    /// Measures what a new row says of `engine`; returns the answers it was compared by.
+    pub fn fill(
+        &self,
+        row: &mut Row,
+        engine: &mut dyn Engine,
+        is_gpu: bool,
+    ) -> Result<Compared, ReportError> {
+        let recipe = row.recipe;
         let rough = self.rough_us(engine, recipe)?;
-        let (pairs, compared) = self.compare(engine, recipe, rough)?;
-        let starts = self.timed_starts(engine, recipe, compared.us_per_pixel, is_gpu)?;
+        let compared = self.compare(engine, recipe, rough)?;
+        let starts = self.timed_starts(engine, recipe, compared.ran.us_per_pixel, is_gpu)?;
         let mut times = Times { us: Vec::new(), scalar_us: Vec::new() };
-        let mut effort = compared.effort;
+        let mut effort = compared.ran.effort;
         for _ in 0..self.care.rounds {
             times.scalar_us.push(self.scalar_us(&starts));
             let ran = self.run(engine, recipe, &starts)?;
             times.us.push(ran.us_per_pixel);
             effort = ran.effort;
         }
-        let mut row = Row::new(contender, recipe);
         row.starts = starts.len();
         row.rounds = times.us.len();
-        times.put(&mut row);
+        times.put(row);
         let per_pixel = |count: u64| count as f64 / starts.len() as f64;
         row.rhs_per_pixel = per_pixel(effort.rhs_evaluations);
         row.steps_per_pixel = per_pixel(effort.steps);
         row.lane_use = effort.steps as f64 / effort.lane_steps.max(1) as f64;
+        let pairs = compared.pairs();
         row.errors = Errors::of(&pairs);
         row.bands = bands(&pairs);
-        Ok(row)
+        Ok(compared)
     }
 
     /// What a kernel made for its scene gains over one that reads the scene as data; nothing
@@ -103,7 +134,8 @@ impl Bench<'_> {
         }))
     }
 
-    fn run(
+    /// The home map's starts through an engine.
+    pub fn run(
         &self,
         engine: &mut dyn Engine,
         recipe: Recipe,
@@ -125,13 +157,12 @@ impl Bench<'_> {
         engine: &mut dyn Engine,
         recipe: Recipe,
         rough_us: f64,
-    ) -> Result<(Vec<(Outcome, Outcome)>, Ran), ReportError> {
+    ) -> Result<Compared, ReportError> {
         let affordable = (self.care.compare_secs * 1e6 / rough_us) as usize;
         let sample = spread(&self.ground.sample, affordable.max(LEAST_STARTS));
-        let starts: Vec<[Dd; 2]> = sample.iter().map(|(start, _)| *start).collect();
+        let (starts, truth): (Vec<_>, Vec<_>) = sample.into_iter().unzip();
         let ran = self.run(engine, recipe, &starts)?;
-        let truth = sample.iter().map(|(_, truth)| *truth);
-        Ok((ran.outcomes.iter().copied().zip(truth).collect(), ran))
+        Ok(Compared { starts, truth, ran })
     }
 
     /// As many starts as fill a round, warmed up.

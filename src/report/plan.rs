@@ -18,6 +18,12 @@ pub struct Thoroughness {
     pub compare_secs: f64,
     /// Starts of the scalar loop in each repetition.
     pub scalar_starts: usize,
+    /// Starts of each window in which `balanced` is measured.
+    pub window_starts: usize,
+    /// Starts of each late window in which `exact` is.
+    pub late_starts: usize,
+    /// Those of them about which the gold standard is asked in double-double.
+    pub gold_starts: usize,
 }
 
 impl Thoroughness {
@@ -29,6 +35,9 @@ impl Thoroughness {
         round_secs: 1.0,
         compare_secs: 5.0,
         scalar_starts: 1000,
+        window_starts: 1000,
+        late_starts: 2000,
+        gold_starts: 10,
     };
     /// Two minutes at most.
     pub const QUICK: Self = Thoroughness {
@@ -38,6 +47,9 @@ impl Thoroughness {
         round_secs: 0.3,
         compare_secs: 1.5,
         scalar_starts: 500,
+        window_starts: 100,
+        late_starts: 60,
+        gold_starts: 2,
     };
 }
 
