@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::contender::Contender;
-use super::measure::{Bench, Compared};
+use super::measure::{Bench, Compared, least_starts_of_exact};
 use super::statistics::{Errors, Pair, bands, is_right};
 use super::truth::gold_dd;
 use super::{ReportError, Row};
@@ -140,10 +140,9 @@ impl Bench<'_> {
     pub fn exact(&self, contender: &mut Contender) -> Result<Row, ReportError> {
         let recipe = recipe_for(contender.engine(), Accuracy::Exact)?;
         let mut row = Row::new(contender, recipe);
-        let is_gpu = contender.threads().is_none();
         let mut compared = {
             let mut engine = TrustEngine::new(Box::new(contender.engine()), self.threads)?;
-            self.fill(&mut row, &mut engine, is_gpu)?
+            self.fill(&mut row, &mut engine, least_starts_of_exact(&recipe))?
         };
         let unchecked = self.run(contender.engine(), recipe, &compared.starts)?.outcomes;
         self.judge_again(&mut compared, &unchecked);

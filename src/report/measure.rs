@@ -18,6 +18,8 @@ const LEAST_STARTS: usize = 256;
 const LEAST_STARTS_OF_FAST: usize = 1 << 14;
 /// See [`LEAST_STARTS_OF_FAST`].
 const LEAST_STARTS_OF_GPU: usize = 1 << 16;
+/// See [`least_starts_of_exact`].
+const LEAST_STARTS_OF_EXACT: usize = 1 << 17;
 
 /// What measuring needs besides an engine and a recipe.
 pub struct Bench<'a> {
@@ -58,22 +60,23 @@ impl Bench<'_> {
     /// Measures a row.
     pub fn row(&self, contender: &mut Contender, recipe: Recipe) -> Result<Row, ReportError> {
         let mut row = Row::new(contender, recipe);
-        let is_gpu = contender.threads().is_none();
-        self.fill(&mut row, contender.engine(), is_gpu)?;
+        let least = least_starts(&recipe, contender.threads().is_none());
+        self.fill(&mut row, contender.engine(), least)?;
         Ok(row)
     }
 
-    /// Measures what a new row says of `engine`; returns the answers it was compared by.
+    /// Measures what a new row says of `engine`, by the clock on at least so many starts; returns
+    /// the answers it was compared by.
     pub fn fill(
         &self,
         row: &mut Row,
         engine: &mut dyn Engine,
-        is_gpu: bool,
+        least: usize,
     ) -> Result<Compared, ReportError> {
         let recipe = row.recipe;
         let rough = self.rough_us(engine, recipe)?;
         let compared = self.compare(engine, recipe, rough)?;
-        let starts = self.timed_starts(engine, recipe, compared.ran.us_per_pixel, is_gpu)?;
+        let starts = self.timed_starts(engine, recipe, compared.ran.us_per_pixel, least)?;
         let mut times = Times { us: Vec::new(), scalar_us: Vec::new() };
         let mut effort = compared.ran.effort;
         for _ in 0..self.care.rounds {
@@ -105,7 +108,8 @@ impl Bench<'_> {
         let adapter = contender.adapter();
         let Contender::Gpu(engine) = contender else { return Ok(None) };
         let rough = self.rough_us(engine.as_mut(), recipe)?;
-        let starts = self.timed_starts(engine.as_mut(), recipe, rough, true)?;
+        let least = least_starts(&recipe, true);
+        let starts = self.timed_starts(engine.as_mut(), recipe, rough, least)?;
         let mut times = [Vec::new(), Vec::new()];
         let mut measure = || -> Result<(), ReportError> {
             // The first round compiles the general kernel.
@@ -171,15 +175,8 @@ impl Bench<'_> {
         engine: &mut dyn Engine,
         recipe: Recipe,
         rough_us: f64,
-        is_gpu: bool,
+        least: usize,
     ) -> Result<Vec<[Dd; 2]>, ReportError> {
-        let Recipe { method, precision } = recipe;
-        let slow = precision == Precision::Df32 || matches!(method, Method::Taylor { .. });
-        let least = match (slow, is_gpu) {
-            (true, _) => LEAST_STARTS,
-            (false, true) => LEAST_STARTS_OF_GPU,
-            (false, false) => LEAST_STARTS_OF_FAST,
-        };
         let fill = |us: f64| {
             let count = (self.care.round_secs * 1e6 / us) as usize;
             spread(&self.ground.starts, count.max(least))
@@ -199,6 +196,25 @@ impl Bench<'_> {
         let some = spread(starts, self.care.scalar_starts);
         baseline::us_per_pixel(&self.ground.question, &some)
     }
+}
+
+/// A run of fewer starts is no measurement of a recipe.
+pub fn least_starts(recipe: &Recipe, is_gpu: bool) -> usize {
+    match (is_slow(recipe), is_gpu) {
+        (true, _) => LEAST_STARTS,
+        (false, true) => LEAST_STARTS_OF_GPU,
+        (false, false) => LEAST_STARTS_OF_FAST,
+    }
+}
+
+/// The same where each start is checked: several jobs must be on their way, because each waits
+/// for its most doubtful pixel.
+pub fn least_starts_of_exact(recipe: &Recipe) -> usize {
+    if is_slow(recipe) { LEAST_STARTS } else { LEAST_STARTS_OF_EXACT }
+}
+
+fn is_slow(recipe: &Recipe) -> bool {
+    recipe.precision == Precision::Df32 || matches!(recipe.method, Method::Taylor { .. })
 }
 
 impl Times {

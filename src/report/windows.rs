@@ -52,6 +52,10 @@ const fn deep(name: &'static str, center: [&'static str; 2], width: &'static str
     Window { name, center, width, judge: Judge::Finest, ..WHOLE }
 }
 
+/// Flips come late, after more chaos than f64 has digits for at some starts.
+const FIRST: Window =
+    Window { name: "rule first", rule: Rule::First, judge: Judge::Finest, ..WHOLE };
+
 /// Windows in which `balanced` is measured.
 pub const WINDOWS: [Window; 12] = [
     deep("filigree", ["-1.66", "0.1"], "0.4"),
@@ -67,7 +71,7 @@ pub const WINDOWS: [Window; 12] = [
     },
     Window { name: "rods", build: Build { kind: Kind::Rods, ..HOME }, ..WHOLE },
     Window { name: "on the moon", build: Build { gravity: 1.62, ..HOME }, ..WHOLE },
-    Window { name: "rule first", rule: Rule::First, ..WHOLE },
+    FIRST,
     Window { name: "rule either", rule: Rule::Either, ..WHOLE },
     Window {
         name: "rods, rule first, filigree",
@@ -79,11 +83,11 @@ pub const WINDOWS: [Window; 12] = [
 
 /// Windows of late flips, in which `exact` is measured.
 pub const LATE: [Window; 5] = [
+    deep("filigree", ["-1.66", "0.1"], "0.4"),
     deep("filigree, deeper", ["-1.66", "0.1"], "0.08"),
-    deep("filigree elsewhere", ["-2.2", "-1.6"], "0.4"),
     deep("a thousandth wide", ["1.5", "0.6"], "1e-3"),
-    deep("beside the energy curve, left", ["-1.5", "0.5"], "0.1"),
     deep("beside the energy curve, top", ["0.21", "2.88"], "0.1"),
+    FIRST,
 ];
 
 impl Window {
