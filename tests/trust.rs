@@ -115,3 +115,15 @@ fn a_paused_pendulum_cannot_be_checked() {
     };
     assert!(engine.submit(job).unwrap_err().to_string().contains("release"));
 }
+
+#[test]
+fn double_double_answers_every_start_of_a_long_job() {
+    let mut scene = Scene::default();
+    scene.question.budget = 2.0;
+    let starts = open_starts(&scene, 12, 1);
+    assert!(starts.len() > 80);
+    let recipe = Recipe { method: Method::Taylor { tolerance: 1e-25 }, precision: Precision::Dd };
+    let mut engine = CpuEngine::new(None).unwrap();
+    let answers = answers(&mut engine, &question(&scene), recipe, &starts);
+    assert_eq!(share_within(1e-12, &answers, &truth_in_dd(&scene, &starts)), 1.0);
+}

@@ -5,11 +5,15 @@ use std::fmt::Write as _;
 use clap::Args;
 use flipmap::engine::choice::{INSTALL_HINT, Wish, choose, open_checked};
 use flipmap::engine::gpu::device::{adapters, describe};
+use flipmap::engine::profile::Profile;
 use flipmap::engine::selfcheck::Verdict;
 use serde_json::{Value, json};
 
 #[derive(Args, Debug)]
 pub struct Options {
+    /// Measure what each engine makes of each accuracy level, and keep it
+    #[arg(long)]
+    profile: bool,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -31,7 +35,15 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             adapter,
         })
         .collect();
-    let chosen = choose(&Wish::default(), &|text| super::tell(&format!("flipmap: {text}")))?;
+    if options.profile {
+        let profile = Profile::measure(None);
+        if let Err(error) = profile.keep() {
+            super::tell(&format!("flipmap: the profile could not be kept: {error}"));
+        }
+    }
+    let tell = |text: &str| super::tell(&format!("flipmap: {text}"));
+    let profile = Profile::get(None, &tell);
+    let chosen = choose(&Wish::default(), &tell)?;
     let used = format!("{} ({})", chosen.engine.name(), chosen.engine.adapter());
     if options.json {
         let object = json!({
@@ -39,6 +51,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             "engine": chosen.engine.name(),
             "adapter": chosen.engine.adapter(),
             "why": chosen.why,
+            "profile": profile,
         });
         return super::say(&serde_json::to_string_pretty(&object)?);
     }
@@ -49,6 +62,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     for finding in &findings {
         describe_finding(&mut text, finding)?;
     }
+    describe_profile(&mut text, &profile)?;
     write!(text, "\nWould use: {used}\n  because {}", chosen.why)?;
     super::say(&text)
 }
@@ -84,11 +98,36 @@ fn describe_finding(text: &mut String, finding: &Finding) -> anyhow::Result<()> 
             let kept = if verdict.compensated { "with" } else { "without" };
             writeln!(
                 text,
-                "  precisions: f32 {} ({kept} compensated angles), f64 {}",
+                "  precisions: f32 {} ({kept} compensated states), df32 {}, f64 {}",
                 word(verdict.f32),
+                word(verdict.df32),
                 word(verdict.f64)
             )?;
         }
+    }
+    Ok(())
+}
+
+/// What each engine makes of each level.
+fn describe_profile(text: &mut String, profile: &Profile) -> anyhow::Result<()> {
+    writeln!(text, "\nProfile (flipmap doctor --profile measures it anew):")?;
+    writeln!(text, "  level     method  setting           precision  µs/pixel  right  engine")?;
+    for row in &profile.rows {
+        writeln!(
+            text,
+            "  {:9} {:7} {:17} {:9} {:9.2} {:6.3}  {} {}",
+            row.accuracy.to_string(),
+            row.method,
+            row.setting,
+            row.precision,
+            row.us_per_pixel,
+            row.right,
+            row.engine,
+            row.adapter
+        )?;
+    }
+    for refused in &profile.refused {
+        writeln!(text, "  not offered: {refused}")?;
     }
     Ok(())
 }
@@ -115,7 +154,7 @@ fn as_json(finding: &Finding) -> Value {
         "max_buffer_size": limits.max_buffer_size,
         "max_storage_buffer_binding_size": limits.max_storage_buffer_binding_size,
         "checks": finding.verdict.as_ref().map(checks).unwrap_or_default(),
-        "offered": finding.verdict.as_ref().map(|v| json!({"f32": v.f32, "f64": v.f64})).ok(),
+        "offered": finding.verdict.as_ref().map(|v| json!({"f32": v.f32, "df32": v.df32, "f64": v.f64})).ok(),
         "error": finding.verdict.as_ref().err(),
     })
 }

@@ -120,7 +120,11 @@ fn automatic(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     if row.engine == "cpu" {
         return cpu(wish, why);
     }
-    let wish = Wish { adapter: Some(row.adapter.clone()), ..wish.clone() };
+    let demand = match wish.demand {
+        Demand::Level(_) => row.recipe().map_or(wish.demand, Demand::Recipe),
+        recipe => recipe,
+    };
+    let wish = Wish { adapter: Some(row.adapter.clone()), demand, ..wish.clone() };
     match first_sound(&wish)? {
         Ok(chosen) => Ok(Chosen { why, ..chosen }),
         Err(why) => cpu(&wish, why),
@@ -173,9 +177,10 @@ fn first_sound(wish: &Wish) -> Result<Result<Chosen, String>, ChoiceError> {
         let found = others.iter().map(describe).collect::<Vec<_>>().join(", ");
         return Err(ChoiceError::UnknownAdapter { wanted: wanted.to_string(), found });
     }
+    let profile = Profile::kept(wish.threads);
     let mut failures = Vec::new();
     for adapter in fitting {
-        match sound(&adapter, wish.demand) {
+        match sound(&adapter, recipes_on(&adapter, wish.demand, profile.as_ref())) {
             Ok((engine, recipe)) => {
                 let why = format!("{} passed the self-check", engine.adapter());
                 return Ok(Ok(Chosen { engine: Box::new(engine), recipe, why }));
@@ -186,11 +191,25 @@ fn first_sound(wish: &Wish) -> Result<Result<Chosen, String>, ChoiceError> {
     Ok(Err(failures.join("; ")))
 }
 
+/// The recipes that meet a demand, the one that is fastest on the adapter first if that is known.
+fn recipes_on(adapter: &wgpu::Adapter, demand: Demand, profile: Option<&Profile>) -> Vec<Recipe> {
+    let mut recipes = demand.recipes();
+    if let (Demand::Level(accuracy), Some(profile)) = (demand, profile) {
+        let name = describe(adapter);
+        let fastest = profile.fastest(accuracy, |row| row.adapter == name);
+        if let Some(recipe) = fastest.and_then(Row::recipe) {
+            recipes.retain(|other| *other != recipe);
+            recipes.insert(0, recipe);
+        }
+    }
+    recipes
+}
+
 /// An engine on the adapter and the first recipe it is trusted with.
-fn sound(adapter: &wgpu::Adapter, demand: Demand) -> Result<(GpuEngine, Recipe), String> {
+fn sound(adapter: &wgpu::Adapter, recipes: Vec<Recipe>) -> Result<(GpuEngine, Recipe), String> {
     let mut engine = open_checked(adapter.clone()).map_err(|error| error.to_string())?;
     let mut refusals = Vec::new();
-    for recipe in demand.recipes() {
+    for recipe in recipes {
         if recipe.precision == Precision::Df32 {
             // Its orbits are run only here: the kernel takes long to compile.
             let checks = selfcheck::orbits(&mut engine, &[Precision::Df32]);

@@ -12,7 +12,7 @@ use etcetera::BaseStrategy;
 use serde::{Deserialize, Serialize};
 
 use super::choice::open_checked;
-use super::cpu::CpuEngine;
+use super::cpu::{CpuEngine, instruction_set};
 use super::gpu::device::{adapters, describe, is_software};
 use super::{
     Accuracy, Engine, Finished, Job, Precision, Question, Recipe, Starts, Wait, selfcheck,
@@ -63,20 +63,27 @@ const SLOW_US: f64 = 50.0;
 impl Profile {
     /// The kept profile of this machine, or one measured now; `tell` hears that it takes a while.
     pub fn get(threads: Option<usize>, tell: &dyn Fn(&str)) -> Profile {
-        let key = key(threads);
-        let path = path();
-        if let Some(kept) = path.as_deref().and_then(read)
-            && kept.key == key
-        {
+        if let Some(kept) = Profile::kept(threads) {
             return kept;
         }
         tell("measuring the engines of this machine once; this takes some seconds");
         let profile = Profile::measure(threads);
         // A cache that cannot be written costs the next run the same seconds and nothing else.
-        if let Some(Err(error)) = path.map(|path| write(&path, &profile)) {
+        if let Err(error) = profile.keep() {
             tell(&format!("the measured profile could not be kept: {error}"));
         }
         profile
+    }
+
+    /// The profile that an earlier run kept, if it is of this machine as it is now.
+    pub fn kept(threads: Option<usize>) -> Option<Profile> {
+        let kept = path().as_deref().and_then(read)?;
+        (kept.key == key(threads)).then_some(kept)
+    }
+
+    /// Keeps it for the next run.
+    pub fn keep(&self) -> std::io::Result<()> {
+        path().map_or(Ok(()), |path| write(&path, self))
     }
 
     /// Measures every engine here.
@@ -225,11 +232,17 @@ fn key(threads: Option<usize>) -> String {
     let adapters: Vec<String> = adapters().iter().map(describe).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let version = env!("CARGO_PKG_VERSION");
-    format!("flipmap {version}; {} threads; {}", threads.unwrap_or(cores), adapters.join("; "))
+    let build = if cfg!(debug_assertions) { "debug" } else { "release" };
+    format!(
+        "flipmap {version}, {build}; {} threads, {}; {}",
+        threads.unwrap_or(cores),
+        instruction_set(),
+        adapters.join("; ")
+    )
 }
 
 /// Where the profile is kept.
-pub fn path() -> Option<PathBuf> {
+fn path() -> Option<PathBuf> {
     let folders = etcetera::choose_base_strategy().ok()?;
     Some(folders.cache_dir().join("flipmap").join("profile.json"))
 }

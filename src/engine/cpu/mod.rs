@@ -34,6 +34,8 @@ use crate::physics::{Dd, Outcome, Status};
 
 /// Starts in a chunk: long enough to keep lanes full, short enough to share out evenly.
 const CHUNK: usize = 512;
+/// The same in double-double, where a few pendulums take as long.
+const DD_CHUNK: usize = 32;
 const JOB_SIZE: usize = 1 << 15;
 
 /// The processor computing jobs.
@@ -114,8 +116,10 @@ impl Engine for CpuEngine {
         let pace = Pace::new(&job.question, &job.recipe)?;
         let starts = states_at_start(&job);
         let count = starts.len();
+        let dd = job.recipe.precision == Precision::Dd;
+        let size = if dd { DD_CHUNK } else { CHUNK };
         let flying = Flying {
-            chunks_left: count.div_ceil(CHUNK).max(1),
+            chunks_left: count.div_ceil(size).max(1),
             keep_unfinished: job.keep_unfinished,
             finished: Finished {
                 id: job.id,
@@ -131,7 +135,7 @@ impl Engine for CpuEngine {
             let _ = self.sender.send(Landed { job: job.id, first: 0, answer });
         }
         let (recipe, question) = (job.recipe, job.question);
-        for (index, chunk) in starts.chunks(CHUNK).enumerate() {
+        for (index, chunk) in starts.chunks(size).enumerate() {
             let (starts, sender) = (chunk.to_vec(), self.sender.clone());
             let cancelled = self.cancelled.clone();
             self.pool.spawn_fifo(move || {
@@ -145,7 +149,7 @@ impl Engine for CpuEngine {
                 let flown = Arch::new().dispatch(Flight { chunk: &chunk });
                 if let Some(answer) = flown {
                     // Nobody listens any more once the engine is dropped.
-                    let _ = sender.send(Landed { job: job.id, first: index * CHUNK, answer });
+                    let _ = sender.send(Landed { job: job.id, first: index * size, answer });
                 }
             });
         }
@@ -202,13 +206,7 @@ impl Engine for CpuEngine {
     }
 
     fn adapter(&self) -> String {
-        let set = match Arch::new() {
-            #[cfg(target_arch = "x86_64")]
-            Arch::V4(_) => "AVX-512",
-            #[cfg(target_arch = "x86_64")]
-            Arch::V3(_) => "AVX2",
-            _ => "no SIMD beyond the baseline",
-        };
+        let set = instruction_set();
         format!("{} threads, {set}", self.pool.current_num_threads())
     }
 }
@@ -216,6 +214,17 @@ impl Engine for CpuEngine {
 impl Drop for CpuEngine {
     fn drop(&mut self) {
         self.cancel();
+    }
+}
+
+/// The widest registers of this processor.
+pub fn instruction_set() -> &'static str {
+    match Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(_) => "AVX-512",
+        #[cfg(target_arch = "x86_64")]
+        Arch::V3(_) => "AVX2",
+        _ => "no SIMD beyond the baseline",
     }
 }
 

@@ -19,10 +19,10 @@ const CHECK: Recipe =
     Recipe { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
 /// The last word.
 const LAST: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-25 }, precision: Precision::Dd };
+    Recipe { method: Method::Taylor { tolerance: 1e-27 }, precision: Precision::Dd };
 /// What the last word is checked by where growth was large.
 const LAST_CHECK: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-20 }, precision: Precision::Dd };
+    Recipe { method: Method::Taylor { tolerance: 1e-24 }, precision: Precision::Dd };
 
 /// How close two answers must be. The later one of each pair has errors at least a hundred times
 /// smaller than the earlier one, so what is kept is right to far less than these.
@@ -151,6 +151,7 @@ impl Case {
             // A coarse probe and the last check are coarser than what they check.
             let better = match stage {
                 PROBED => !fine && !close,
+                CHECKED => self.job.recipe.precision != Precision::Dd,
                 LAST_CHECKED => false,
                 _ => true,
             };
