@@ -108,6 +108,10 @@ impl Session {
     }
 
     fn perform(&mut self, task: Task, stop: StopTest) -> Result<(), ReportError> {
+        // Some tasks, short ones, do not look themselves.
+        if stop() {
+            return Err(ReportError::Stopped);
+        }
         let Session { ground, care, threads, contenders, report, .. } = self;
         let bench = Bench { ground, care, threads: *threads, stop };
         match task {

@@ -91,8 +91,11 @@ impl Finding {
 impl Case {
     /// Measures. An engine that gives up has not kept the claim.
     pub fn measure(&self, bench: &mut Bench) -> Finding {
-        (self.run)(bench)
-            .unwrap_or_else(|error| Finding { measured: error.to_string(), held: false })
+        (self.run)(bench).unwrap_or_else(|error| {
+            // What is still in flight must not answer the next case.
+            bench.engine.cancel();
+            Finding { measured: error.to_string(), held: false }
+        })
     }
 
     /// Whether `engine` (its name) can be asked.
