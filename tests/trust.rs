@@ -10,7 +10,7 @@ use flipmap::physics::{Dd, Outcome, Pendulum, Status, gold};
 use flipmap::scene::{Question as Asked, Scene, View};
 use rayon::prelude::*;
 
-fn exact() -> TrustEngine {
+fn exact() -> TrustEngine<'static> {
     TrustEngine::new(Box::new(CpuEngine::new(None).unwrap()), None).unwrap()
 }
 

@@ -18,7 +18,7 @@ pub struct Options {
     /// The folder for report.json, report.md and report.html
     #[arg(short, long, value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
-    /// Fewer settings and fewer starts: two minutes instead of a quarter of an hour
+    /// Fewer settings and fewer starts: two minutes instead of some twenty
     #[arg(long)]
     quick: bool,
     /// auto: every adapter and the processor

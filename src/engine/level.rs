@@ -22,14 +22,16 @@ pub enum Accuracy {
     Exact,
 }
 
+/// `lesson`.
+pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
 /// `fast`.
-const FAST: Recipe =
+pub const FAST: Recipe =
     Recipe { method: Method::Dopri5 { tolerance: 7e-8 }, precision: Precision::F32 };
 /// `balanced`, where f64 is trusted.
-const BALANCED: Recipe =
+pub const BALANCED: Recipe =
     Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
 /// `balanced`, where it is not, or slower.
-const BALANCED_DF32: Recipe =
+pub const BALANCED_DF32: Recipe =
     Recipe { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
 
 impl Accuracy {
@@ -45,9 +47,7 @@ impl Accuracy {
     /// measured; which of them is the fastest depends on the adapter.
     pub fn recipes(self) -> Vec<Recipe> {
         match self {
-            Accuracy::Lesson => {
-                vec![Recipe { method: Method::LESSON, precision: Precision::F32 }]
-            }
+            Accuracy::Lesson => vec![LESSON],
             Accuracy::Fast => vec![FAST],
             Accuracy::Balanced | Accuracy::Exact => vec![BALANCED, BALANCED_DF32],
         }

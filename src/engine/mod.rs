@@ -211,3 +211,38 @@ pub trait Engine {
     /// Whether it has the recipe and can be trusted with it.
     fn offers(&self, recipe: &Recipe) -> bool;
 }
+
+/// An engine lent out.
+impl<E: Engine + ?Sized> Engine for &mut E {
+    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+        (**self).submit(job)
+    }
+
+    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+        (**self).poll(wait)
+    }
+
+    fn cancel(&mut self) {
+        (**self).cancel();
+    }
+
+    fn slots(&self) -> usize {
+        (**self).slots()
+    }
+
+    fn job_size(&self) -> usize {
+        (**self).job_size()
+    }
+
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+
+    fn adapter(&self) -> String {
+        (**self).adapter()
+    }
+
+    fn offers(&self, recipe: &Recipe) -> bool {
+        (**self).offers(recipe)
+    }
+}

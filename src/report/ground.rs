@@ -25,14 +25,7 @@ impl Ground {
     pub fn home(sample: usize, stop: StopTest) -> Result<Self, ReportError> {
         let scene = Scene::default();
         let question = Question::from(&scene);
-        let grid = Grid::new(&scene, [SIDE, SIDE]);
-        let pixels = (0..SIDE * SIDE).map(|k| grid.fate(k % SIDE, k / SIDE));
-        let starts: Vec<[Dd; 2]> = pixels
-            .filter_map(|fate| match fate {
-                Fate::Open(angle) => Some(angle),
-                _ => None,
-            })
-            .collect();
+        let starts = open_starts(&scene, SIDE);
         let sample = spread(&starts, sample)
             .into_par_iter()
             .map(|angle| match stop() {
@@ -42,6 +35,14 @@ impl Ground {
             .collect::<Result<_, _>>()?;
         Ok(Ground { question, starts, sample })
     }
+}
+
+/// The starts of a square picture that have to be simulated, in the order of its pixels.
+pub fn open_starts(scene: &Scene, side: u32) -> Vec<[Dd; 2]> {
+    let grid = Grid::new(scene, [side; 2]);
+    let fates = (0..side * side).map(|k| grid.fate(k % side, k / side));
+    let open = |fate| if let Fate::Open(angle) = fate { Some(angle) } else { None };
+    fates.filter_map(open).collect()
 }
 
 fn truth(question: &Question, angle: [Dd; 2]) -> Outcome {

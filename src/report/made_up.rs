@@ -21,21 +21,65 @@ pub fn report() -> Report {
         what: "dop853 in df32".to_string(),
         reason: "the processor has no such <thing>".to_string(),
     };
-    Report {
+    let mut exact = row(plan::BALANCED, 11.0);
+    exact.checks = Some(Checks { pixels: 3, agreed: 2, settled: 1, ..Checks::default() });
+    let mut report = Report {
         machine: Machine::here(vec!["cpu (2 threads, no SIMD)".to_string()]),
         quick: true,
         sample: 3,
         complete: false,
         missing: vec!["cpu: something|else".to_string()],
-        targets: targets::judge(&rows),
+        targets: Vec::new(),
         rows,
         not_offered: vec![refusal],
         specialising: Vec::new(),
         motion: Vec::new(),
-        sections: vec![Section {
-            title: "Hard cases".to_string(),
-            blocks: vec![Block::Text("None yet.".to_string())],
-        }],
+        exact: vec![exact],
+        windows: vec![window(&pairs)],
+        late: vec![late()],
+        hard: vec![hard()],
+    };
+    report.targets = targets::judge(&report);
+    report
+}
+
+const FLIPS: Flips = Flips { unflipped: Some(0.25), median_secs: Some(21.5) };
+
+fn window(pairs: &[(Outcome, Outcome)]) -> WindowRow {
+    let window = &windows::WINDOWS[0];
+    WindowRow {
+        window: window.name.to_string(),
+        place: window.place(),
+        rule: window.rule,
+        engine: "cpu".to_string(),
+        recipe: plan::BALANCED,
+        judge: window.judge.words(),
+        errors: Errors::of(pairs),
+        flips: FLIPS,
+        least_right: window.least_right(),
+    }
+}
+
+fn late() -> LateRow {
+    LateRow {
+        window: "late".to_string(),
+        place: "somewhere".to_string(),
+        engine: "cpu".to_string(),
+        flips: FLIPS,
+        checks: Checks { pixels: 10, confirmed: 9, settled: 1, ..Checks::default() },
+        gold_asked: 2,
+        gold_disagrees: 0,
+    }
+}
+
+fn hard() -> HardRow {
+    HardRow {
+        case: "made up",
+        engine: "cpu".to_string(),
+        expected: "nothing",
+        why: "nobody measured it",
+        measured: "nothing".to_string(),
+        held: true,
     }
 }
 

@@ -3,7 +3,7 @@
 use super::contender::Contender;
 use super::ground::{Ground, spread};
 use super::plan::Thoroughness;
-use super::statistics::{Errors, bands, median};
+use super::statistics::{Errors, Pair, bands, median};
 use super::stopwatch::{self, Ran};
 use super::{ReportError, Row, Specialising, StopTest, baseline};
 use crate::engine::{Engine, EngineError, Method, Precision, Recipe};
@@ -18,6 +18,8 @@ const LEAST_STARTS: usize = 256;
 const LEAST_STARTS_OF_FAST: usize = 1 << 14;
 /// See [`LEAST_STARTS_OF_FAST`].
 const LEAST_STARTS_OF_GPU: usize = 1 << 16;
+/// See [`least_starts_of_exact`].
+const LEAST_STARTS_OF_EXACT: usize = 1 << 17;
 
 /// What measuring needs besides an engine and a recipe.
 pub struct Bench<'a> {
@@ -25,6 +27,8 @@ pub struct Bench<'a> {
     pub ground: &'a Ground,
     /// How carefully.
     pub care: &'a Thoroughness,
+    /// Threads of the processor where it checks or judges; one for every core if nothing is said.
+    pub threads: Option<usize>,
     /// Whether to give up.
     pub stop: StopTest<'a>,
 }
@@ -35,33 +39,63 @@ struct Times {
     scalar_us: Vec<f64>,
 }
 
+/// Answers beside the truth.
+pub struct Compared {
+    /// The starts asked about.
+    pub starts: Vec<[Dd; 2]>,
+    /// The gold standard's answers.
+    pub truth: Vec<Outcome>,
+    /// The engine's.
+    pub ran: Ran,
+}
+
+impl Compared {
+    /// Each answer with its truth.
+    pub fn pairs(&self) -> Vec<Pair> {
+        self.ran.outcomes.iter().copied().zip(self.truth.iter().copied()).collect()
+    }
+}
+
 impl Bench<'_> {
     /// Measures a row.
     pub fn row(&self, contender: &mut Contender, recipe: Recipe) -> Result<Row, ReportError> {
-        let is_gpu = contender.threads().is_none();
-        let engine = contender.engine();
+        let mut row = Row::new(contender, recipe);
+        let least = least_starts(&recipe, contender.threads().is_none());
+        self.fill(&mut row, contender.engine(), least)?;
+        Ok(row)
+    }
+
+    /// Measures what a new row says of `engine`, by the clock on at least so many starts; returns
+    /// the answers it was compared by.
+    pub fn fill(
+        &self,
+        row: &mut Row,
+        engine: &mut dyn Engine,
+        least: usize,
+    ) -> Result<Compared, ReportError> {
+        let recipe = row.recipe;
         let rough = self.rough_us(engine, recipe)?;
-        let (pairs, compared) = self.compare(engine, recipe, rough)?;
-        let starts = self.timed_starts(engine, recipe, compared.us_per_pixel, is_gpu)?;
+        let compared = self.compare(engine, recipe, rough)?;
+        let starts = self.timed_starts(engine, recipe, compared.ran.us_per_pixel, least)?;
         let mut times = Times { us: Vec::new(), scalar_us: Vec::new() };
-        let mut effort = compared.effort;
+        let mut effort = compared.ran.effort;
         for _ in 0..self.care.rounds {
             times.scalar_us.push(self.scalar_us(&starts));
             let ran = self.run(engine, recipe, &starts)?;
             times.us.push(ran.us_per_pixel);
             effort = ran.effort;
         }
-        let mut row = Row::new(contender, recipe);
         row.starts = starts.len();
         row.rounds = times.us.len();
-        times.put(&mut row);
+        times.put(row);
         let per_pixel = |count: u64| count as f64 / starts.len() as f64;
         row.rhs_per_pixel = per_pixel(effort.rhs_evaluations);
         row.steps_per_pixel = per_pixel(effort.steps);
         row.lane_use = effort.steps as f64 / effort.lane_steps.max(1) as f64;
+        let pairs = compared.pairs();
         row.errors = Errors::of(&pairs);
         row.bands = bands(&pairs);
-        Ok(row)
+        Ok(compared)
     }
 
     /// What a kernel made for its scene gains over one that reads the scene as data; nothing
@@ -74,7 +108,8 @@ impl Bench<'_> {
         let adapter = contender.adapter();
         let Contender::Gpu(engine) = contender else { return Ok(None) };
         let rough = self.rough_us(engine.as_mut(), recipe)?;
-        let starts = self.timed_starts(engine.as_mut(), recipe, rough, true)?;
+        let least = least_starts(&recipe, true);
+        let starts = self.timed_starts(engine.as_mut(), recipe, rough, least)?;
         let mut times = [Vec::new(), Vec::new()];
         let mut measure = || -> Result<(), ReportError> {
             // The first round compiles the general kernel.
@@ -103,7 +138,8 @@ impl Bench<'_> {
         }))
     }
 
-    fn run(
+    /// The home map's starts through an engine.
+    pub fn run(
         &self,
         engine: &mut dyn Engine,
         recipe: Recipe,
@@ -125,13 +161,12 @@ impl Bench<'_> {
         engine: &mut dyn Engine,
         recipe: Recipe,
         rough_us: f64,
-    ) -> Result<(Vec<(Outcome, Outcome)>, Ran), ReportError> {
+    ) -> Result<Compared, ReportError> {
         let affordable = (self.care.compare_secs * 1e6 / rough_us) as usize;
         let sample = spread(&self.ground.sample, affordable.max(LEAST_STARTS));
-        let starts: Vec<[Dd; 2]> = sample.iter().map(|(start, _)| *start).collect();
+        let (starts, truth): (Vec<_>, Vec<_>) = sample.into_iter().unzip();
         let ran = self.run(engine, recipe, &starts)?;
-        let truth = sample.iter().map(|(_, truth)| *truth);
-        Ok((ran.outcomes.iter().copied().zip(truth).collect(), ran))
+        Ok(Compared { starts, truth, ran })
     }
 
     /// As many starts as fill a round, warmed up.
@@ -140,15 +175,8 @@ impl Bench<'_> {
         engine: &mut dyn Engine,
         recipe: Recipe,
         rough_us: f64,
-        is_gpu: bool,
+        least: usize,
     ) -> Result<Vec<[Dd; 2]>, ReportError> {
-        let Recipe { method, precision } = recipe;
-        let slow = precision == Precision::Df32 || matches!(method, Method::Taylor { .. });
-        let least = match (slow, is_gpu) {
-            (true, _) => LEAST_STARTS,
-            (false, true) => LEAST_STARTS_OF_GPU,
-            (false, false) => LEAST_STARTS_OF_FAST,
-        };
         let fill = |us: f64| {
             let count = (self.care.round_secs * 1e6 / us) as usize;
             spread(&self.ground.starts, count.max(least))
@@ -168,6 +196,25 @@ impl Bench<'_> {
         let some = spread(starts, self.care.scalar_starts);
         baseline::us_per_pixel(&self.ground.question, &some)
     }
+}
+
+/// A run of fewer starts is no measurement of a recipe.
+pub fn least_starts(recipe: &Recipe, is_gpu: bool) -> usize {
+    match (is_slow(recipe), is_gpu) {
+        (true, _) => LEAST_STARTS,
+        (false, true) => LEAST_STARTS_OF_GPU,
+        (false, false) => LEAST_STARTS_OF_FAST,
+    }
+}
+
+/// The same where each start is checked: several jobs must be on their way, because each waits
+/// for its most doubtful pixel.
+pub fn least_starts_of_exact(recipe: &Recipe) -> usize {
+    if is_slow(recipe) { LEAST_STARTS } else { LEAST_STARTS_OF_EXACT }
+}
+
+fn is_slow(recipe: &Recipe) -> bool {
+    recipe.precision == Precision::Df32 || matches!(recipe.method, Method::Taylor { .. })
 }
 
 impl Times {

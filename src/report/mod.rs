@@ -6,11 +6,15 @@
 //! people, [`Folder`] writes it.
 
 pub mod baseline;
+mod beyond;
+mod chapters;
 pub mod contender;
+mod exact;
 mod folder;
 mod ground;
 pub mod hard;
 mod html;
+mod levels;
 mod machine;
 #[cfg(test)]
 mod made_up;
@@ -24,15 +28,20 @@ mod session;
 pub mod statistics;
 pub mod stopwatch;
 mod targets;
+pub mod truth;
+mod windows;
 
 use serde::Serialize;
 
 use crate::engine::choice::ChoiceError;
 use crate::engine::{EngineError, Recipe};
 
+pub use beyond::{Flips, LateRow, WindowRow};
 pub use contender::{Contender, Field};
+pub use exact::Checks;
 pub use folder::Folder;
 pub use ground::Ground;
+pub use hard::HardRow;
 pub use machine::Machine;
 pub use motion::MotionError;
 pub use pages::{Block, Section, Table};
@@ -92,9 +101,14 @@ pub struct Report {
     pub motion: Vec<MotionError>,
     /// What was hoped for, and what came of it.
     pub targets: Vec<Target>,
-    /// Whatever else was measured, each task adding a chapter of its own: accuracy levels, hard
-    /// cases.
-    pub sections: Vec<Section>,
+    /// The accuracy `exact`, engine by engine.
+    pub exact: Vec<Row>,
+    /// Windows beyond the home map.
+    pub windows: Vec<WindowRow>,
+    /// `exact` beside double-double, where flips come late.
+    pub late: Vec<LateRow>,
+    /// The hard cases.
+    pub hard: Vec<HardRow>,
 }
 
 /// An engine with a recipe.
@@ -136,6 +150,9 @@ pub struct Row {
     pub lane_use: f64,
     /// The errors by true flip time.
     pub bands: Vec<Band>,
+    /// What came of checking every pixel, if that was done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checks: Option<Checks>,
 }
 
 impl Row {
@@ -163,6 +180,7 @@ impl Row {
             steps_per_pixel: f64::NAN,
             lane_use: f64::NAN,
             bands: Vec::new(),
+            checks: None,
         }
     }
 

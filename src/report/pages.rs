@@ -6,7 +6,7 @@ use super::contender::short_name;
 use super::motion::TIMES_SECS;
 use super::plot::{Plot, Series};
 use super::statistics::Errors;
-use super::{Report, ReportError, Row};
+use super::{Report, ReportError, Row, Target, chapters};
 
 /// A chapter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -68,17 +68,19 @@ pub fn title(report: &Report) -> String {
 /// The chapters of a report.
 pub fn sections(report: &Report) -> Result<Vec<Section>, ReportError> {
     let mut sections = vec![state(report), targets(report), machine(report)];
+    sections.extend(chapters::levels(report));
     for engine in engines(&report.rows) {
         sections.push(speeds(report, &engine)?);
     }
     let optional = [specialising(report), motion(report), not_offered(report)];
     sections.extend(optional.into_iter().flatten());
-    sections.extend(report.sections.iter().cloned());
+    sections.extend(chapters::beyond(report));
     sections.push(how(report));
     Ok(sections)
 }
 
-fn section(title: &str, blocks: Vec<Block>) -> Section {
+/// A chapter.
+pub fn section(title: &str, blocks: Vec<Block>) -> Section {
     Section { title: title.to_string(), blocks }
 }
 
@@ -104,11 +106,32 @@ fn targets(report: &Report) -> Section {
             Some(false) => "MISSED",
             None => "not measured",
         };
-        let measured = target.measured.map_or("–".to_string(), |value| format!("{value:.4}"));
-        vec![target.name.clone(), target.target.clone(), measured, verdict.to_string()]
+        vec![target.name.clone(), target.target.clone(), found(target), verdict.to_string()]
     });
     let table = Table::new("", &["what", "target", "measured", "verdict"], rows.collect());
-    section("Targets", vec![Block::Table(table)])
+    section("Targets", vec![Block::Text(missed(report)), Block::Table(table)])
+}
+
+/// The targets that were missed, in words.
+fn missed(report: &Report) -> String {
+    let measured = report.targets.iter().filter(|target| target.met.is_some()).count();
+    let missed: Vec<String> = report
+        .targets
+        .iter()
+        .filter(|target| target.met == Some(false))
+        .map(|target| format!("{}: {} ({})", target.name, found(target), target.target))
+        .collect();
+    if missed.is_empty() {
+        return format!("All {measured} targets measured so far are met.");
+    }
+    format!("{} of {measured} targets are MISSED: {}.", missed.len(), missed.join("; "))
+}
+
+/// Counts as such, everything else with four digits.
+fn found(target: &Target) -> String {
+    target.measured.map_or("–".to_string(), |value| {
+        if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.4}") }
+    })
 }
 
 fn machine(report: &Report) -> Section {
@@ -314,15 +337,17 @@ fn words(row: &Row) -> String {
 }
 
 /// Three digits that count.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 6) as usize;
     format!("{value:.digits$}")
 }
 
-fn share(value: Option<f64>) -> String {
+/// A share with four digits, or a dash.
+pub fn share(value: Option<f64>) -> String {
     value.map_or("–".to_string(), |value| format!("{value:.4}"))
 }
 
-fn brief(value: Option<f64>) -> String {
+/// Two digits and a power of ten, or a dash.
+pub fn brief(value: Option<f64>) -> String {
     value.map_or("–".to_string(), |value| format!("{value:.1e}"))
 }

@@ -1,22 +1,33 @@
 //! The work of a report, one task after the other.
 
 use super::contender::{self, Field};
+use super::hard::Case;
 use super::measure::{Bench, refusal};
+use super::windows::{self, Window};
 use super::{
-    Contender, Ground, Machine, Refusal, Report, ReportError, StopTest, Thoroughness, motion, plan,
-    targets,
+    Contender, Ground, HardRow, Machine, Refusal, Report, ReportError, StopTest, Thoroughness,
+    hard, motion, plan, targets,
 };
 use crate::engine::Recipe;
 
-/// Something to be measured, in a list of such.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Something to be measured, in a list of such; numbers are places in the lists of contenders,
+/// windows and cases.
+#[derive(Clone, Copy)]
 enum Task {
-    /// A row of the contender with this number.
+    /// A row of a contender.
     Row(usize, Recipe),
+    /// The accuracy `exact` on it.
+    Exact(usize),
     /// What specialising buys on it.
     Specialising(usize, Recipe),
     /// Errors in angle and energy.
     Motion,
+    /// A window on a contender.
+    Window(usize, Window),
+    /// A late one.
+    Late(usize, Window),
+    /// A hard case on a contender.
+    Hard(usize, Case),
 }
 
 /// Engines, starts and tasks.
@@ -24,6 +35,7 @@ pub struct Session {
     contenders: Vec<Contender>,
     ground: Ground,
     care: Thoroughness,
+    threads: Option<usize>,
     tasks: Vec<Task>,
     done: usize,
     report: Report,
@@ -35,7 +47,7 @@ impl Session {
         let (contenders, not_offered) = contender::muster(field, stop)?;
         let tasks = tasks(&contenders, care.quick);
         let ground = Ground::home(care.sample, stop)?;
-        let report = Report {
+        let mut report = Report {
             machine: Machine::here(contenders.iter().map(Contender::full_name).collect()),
             quick: care.quick,
             sample: ground.sample.len(),
@@ -45,10 +57,15 @@ impl Session {
             not_offered,
             specialising: Vec::new(),
             motion: Vec::new(),
-            targets: targets::judge(&[]),
-            sections: Vec::new(),
+            targets: Vec::new(),
+            exact: Vec::new(),
+            windows: Vec::new(),
+            late: Vec::new(),
+            hard: Vec::new(),
         };
-        Ok(Session { contenders, ground, care, tasks, done: 0, report })
+        report.targets = targets::judge(&report);
+        let threads = field.threads;
+        Ok(Session { contenders, ground, care, threads, tasks, done: 0, report })
     }
 
     /// What is known so far.
@@ -86,29 +103,54 @@ impl Session {
         self.done += 1;
         self.report.missing.remove(0);
         self.report.complete = self.report.missing.is_empty();
-        self.report.targets = targets::judge(&self.report.rows);
+        self.report.targets = targets::judge(&self.report);
         Ok(())
     }
 
     fn perform(&mut self, task: Task, stop: StopTest) -> Result<(), ReportError> {
-        let bench = Bench { ground: &self.ground, care: &self.care, stop };
+        // Some tasks, short ones, do not look themselves.
+        if stop() {
+            return Err(ReportError::Stopped);
+        }
+        let Session { ground, care, threads, contenders, report, .. } = self;
+        let bench = Bench { ground, care, threads: *threads, stop };
         match task {
             Task::Row(index, recipe) => {
-                self.report.rows.push(bench.row(&mut self.contenders[index], recipe)?);
+                report.rows.push(bench.row(&mut contenders[index], recipe)?);
             }
+            Task::Exact(index) => report.exact.push(bench.exact(&mut contenders[index])?),
             Task::Specialising(index, recipe) => {
-                let gain = bench.specialising(&mut self.contenders[index], recipe)?;
-                self.report.specialising.extend(gain);
+                report.specialising.extend(bench.specialising(&mut contenders[index], recipe)?);
             }
-            Task::Motion => self.report.motion = motion::errors(&plan::motions(), stop)?,
+            Task::Motion => report.motion = motion::errors(&plan::motions(), stop)?,
+            Task::Window(index, window) => {
+                report.windows.push(bench.window(&window, &mut contenders[index])?);
+            }
+            Task::Late(index, window) => {
+                report.late.push(bench.late(&window, &mut contenders[index])?);
+            }
+            Task::Hard(index, case) => {
+                let contender = &mut contenders[index];
+                let name = contender.short_name();
+                report.hard.push(HardRow::of(&case, name, contender.engine()));
+            }
         }
         Ok(())
     }
 
     /// Engines refuse a method in a precision whatever its setting: one line for all of them.
+    /// What specialising buys goes without saying then.
     fn refuse(&mut self, task: Task, reason: String) {
-        let Task::Row(index, recipe) = task else { return };
-        let what = format!("{} in {}", recipe.method.name(), recipe.precision);
+        let (index, what) = match task {
+            Task::Specialising(..) | Task::Motion => return,
+            Task::Row(index, recipe) => {
+                (index, format!("{} in {}", recipe.method.name(), recipe.precision))
+            }
+            Task::Exact(index)
+            | Task::Window(index, _)
+            | Task::Late(index, _)
+            | Task::Hard(index, _) => (index, what(&task)),
+        };
         let refusal = Refusal { engine: self.contenders[index].short_name(), what, reason };
         if !self.report.not_offered.contains(&refusal) {
             self.report.not_offered.push(refusal);
@@ -120,25 +162,48 @@ fn tasks(contenders: &[Contender], quick: bool) -> Vec<Task> {
     let mut tasks = Vec::new();
     for (index, contender) in contenders.iter().enumerate() {
         tasks.extend(plan::recipes(quick).into_iter().map(|recipe| Task::Row(index, recipe)));
+        tasks.push(Task::Exact(index));
         if let Contender::Gpu(_) = contender {
             let recipes = plan::specialised(quick).iter();
             tasks.extend(recipes.map(|recipe| Task::Specialising(index, *recipe)));
         }
     }
     tasks.push(Task::Motion);
+    // The processor, if it takes part.
+    let last = contenders.len() - 1;
+    tasks.extend(windows::WINDOWS.map(|window| Task::Window(last, window)));
+    tasks.extend(windows::LATE.map(|window| Task::Late(last, window)));
+    for (index, contender) in contenders.iter().enumerate() {
+        let fits = |case: &Case| case.is_for(contender.name());
+        if index == last || !quick {
+            let cases = hard::cases().into_iter().filter(fits);
+            tasks.extend(cases.map(|case| Task::Hard(index, case)));
+        }
+    }
     tasks
 }
 
 fn name(task: &Task, contenders: &[Contender]) -> String {
     match task {
-        Task::Row(index, recipe) => {
-            format!("{}: {}", contenders[*index].short_name(), plan::words(recipe))
-        }
-        Task::Specialising(index, recipe) => format!(
-            "{}: what specialising buys {}",
-            contenders[*index].short_name(),
-            plan::words(recipe)
-        ),
+        Task::Row(index, _)
+        | Task::Exact(index)
+        | Task::Specialising(index, _)
+        | Task::Window(index, _)
+        | Task::Late(index, _)
+        | Task::Hard(index, _) => format!("{}: {}", contenders[*index].short_name(), what(task)),
+        Task::Motion => what(task),
+    }
+}
+
+/// What a task measures, whoever is asked.
+fn what(task: &Task) -> String {
+    match task {
+        Task::Row(_, recipe) => plan::words(recipe),
+        Task::Exact(_) => "the accuracy exact".to_string(),
+        Task::Specialising(_, recipe) => format!("what specialising buys {}", plan::words(recipe)),
         Task::Motion => "errors in angle and energy".to_string(),
+        Task::Window(_, window) => format!("the window {}", window.name),
+        Task::Late(_, window) => format!("exact beside double-double, {}", window.name),
+        Task::Hard(_, case) => format!("the hard case {}", case.name),
     }
 }

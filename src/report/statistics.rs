@@ -39,7 +39,8 @@ pub struct Band {
     pub errors: Errors,
 }
 
-type Pair = (Outcome, Outcome);
+/// An answer and the truth.
+pub type Pair = (Outcome, Outcome);
 
 impl Errors {
     /// Of pairs of an answer and the truth.
@@ -71,7 +72,8 @@ fn distance((answer, truth): &Pair) -> f64 {
     (answer.time - truth.time).abs()
 }
 
-fn is_right(pair: &Pair) -> bool {
+/// Whether an answer is that of the truth beside it.
+pub fn is_right(pair: &Pair) -> bool {
     let same = pair.0.status == pair.1.status;
     // Written so that a NaN is wrong.
     same && (pair.1.status != Status::Flipped || distance(pair) <= RIGHT_SECS)

@@ -3,13 +3,17 @@
 use std::time::{Duration, Instant};
 
 use super::{ReportError, StopTest};
-use crate::engine::{Effort, Engine, EngineError, Job, Question, Recipe, Starts, Wait};
+use crate::engine::{
+    Effort, Engine, EngineError, Finished, Job, Question, Recipe, Starts, Trust, Wait,
+};
 use crate::physics::{Dd, Outcome};
 
 /// What came of a run.
 pub struct Ran {
     /// One for each start, in their order.
     pub outcomes: Vec<Outcome>,
+    /// How sure each is; empty where nobody looked.
+    pub trusts: Vec<Trust>,
     /// What it took.
     pub effort: Effort,
     /// Microseconds for each start, from the first submission to the last answer.
@@ -34,46 +38,53 @@ pub fn run(
         // What is still in flight must not answer the next run.
         engine.cancel();
     }
-    let (outcomes, effort) = answered?;
-    if outcomes.len() != starts.len() {
-        let message = format!("{} answers to {} starts", outcomes.len(), starts.len());
+    let answered = answered?;
+    let effort = answered.iter().fold(Effort::default(), |mut sum, finished| {
+        sum += finished.effort;
+        sum
+    });
+    let (outcomes, trusts): (Vec<_>, Vec<_>) =
+        answered.into_iter().map(|finished| (finished.outcomes, finished.trusts)).unzip();
+    let (outcomes, trusts) = (outcomes.concat(), trusts.concat());
+    let unsure = !trusts.is_empty() && trusts.len() != starts.len();
+    if outcomes.len() != starts.len() || unsure {
+        let message = format!(
+            "{} answers, {} of them checked, to {} starts",
+            outcomes.len(),
+            trusts.len(),
+            starts.len()
+        );
         return Err(EngineError::Driver(message).into());
     }
-    Ok(Ran { outcomes, effort, us_per_pixel })
+    Ok(Ran { outcomes, trusts, effort, us_per_pixel })
 }
 
+/// The engine's answers, job by job in the order of the starts.
 fn answers(
     engine: &mut dyn Engine,
     question: &Question,
     recipe: Recipe,
     starts: &[[Dd; 2]],
     stop: StopTest,
-) -> Result<(Vec<Outcome>, Effort), ReportError> {
-    let size = engine.job_size();
-    let mut answers: Vec<Vec<Outcome>> = vec![Vec::new(); starts.len().div_ceil(size)];
-    let mut jobs = (0..).zip(starts.chunks(size));
-    let (mut flying, mut effort) = (0, Effort::default());
+) -> Result<Vec<Finished>, ReportError> {
+    let mut jobs = (0..).zip(starts.chunks(engine.job_size()));
+    let mut answers: Vec<Finished> = Vec::new();
+    let mut flying = 0;
     loop {
         while flying < engine.slots() {
             let Some((id, starts)) = jobs.next() else { break };
             let starts = Starts::Rest(starts.to_vec());
-            engine.submit(Job {
-                id,
-                question: *question,
-                recipe,
-                starts,
-                keep_unfinished: false,
-            })?;
+            let question = *question;
+            engine.submit(Job { id, question, recipe, starts, keep_unfinished: false })?;
             flying += 1;
         }
         if flying == 0 {
-            return Ok((answers.concat(), effort));
+            answers.sort_unstable_by_key(|finished| finished.id);
+            return Ok(answers);
         }
-        for finished in engine.poll(Wait::Until(Instant::now() + PATIENCE))? {
-            flying -= 1;
-            effort += finished.effort;
-            answers[finished.id as usize] = finished.outcomes;
-        }
+        let landed = engine.poll(Wait::Until(Instant::now() + PATIENCE))?;
+        flying -= landed.len();
+        answers.extend(landed);
         if stop() {
             return Err(ReportError::Stopped);
         }

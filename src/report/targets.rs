@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
-use super::Row;
-use super::plan::{BALANCED, BALANCED_DF32, FAST, LESSON};
-use crate::engine::Recipe;
+use super::levels::{rows_at, rows_with};
+use super::plan::BALANCED_DF32;
+use super::windows::{WINDOWS, Window};
+use super::{Checks, Report, Row};
+use crate::engine::{Accuracy, Recipe};
 
 /// One hope.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -19,14 +21,20 @@ pub struct Target {
     pub met: Option<bool>,
 }
 
-/// A hope for every engine that has the recipe.
+/// A hope for every engine that has rows of a kind.
 struct Hope {
     about: &'static str,
-    recipe: Recipe,
+    of: Of,
     target: &'static str,
     measure: fn(&Row) -> Option<f64>,
     /// Least and greatest that will do.
     bounds: [f64; 2],
+}
+
+/// Which rows.
+enum Of {
+    Level(Accuracy),
+    Recipe(Recipe),
 }
 
 const ENDLESS: f64 = f64::INFINITY;
@@ -44,80 +52,148 @@ fn times_scalar_per_core(row: &Row) -> Option<f64> {
     Some(row.times_scalar / row.threads? as f64)
 }
 
+fn unmarked_wrong(row: &Row) -> Option<f64> {
+    Some(row.checks?.unmarked_wrong as f64)
+}
+
+fn marked_share(row: &Row) -> Option<f64> {
+    row.checks?.marked_share()
+}
+
 /// The hopes.
-const HOPES: [Hope; 8] = [
+const HOPES: [Hope; 11] = [
     Hope {
         about: "lesson: share right within 1 ms",
-        recipe: LESSON,
+        of: Of::Level(Accuracy::Lesson),
         target: "0.89 to 0.92, as the lesson is",
         measure: right,
         bounds: [0.89, 0.92],
     },
     Hope {
         about: "lesson: speed",
-        recipe: LESSON,
+        of: Of::Level(Accuracy::Lesson),
         target: "at least 20 times the scalar loop",
         measure: times_scalar,
         bounds: [20.0, ENDLESS],
     },
     Hope {
         about: "fast: share right within 1 ms",
-        recipe: FAST,
+        of: Of::Level(Accuracy::Fast),
         target: "at least 0.925",
         measure: right,
         bounds: [0.925, ENDLESS],
     },
     Hope {
         about: "fast: speed",
-        recipe: FAST,
+        of: Of::Level(Accuracy::Fast),
         target: "at least 30 times the scalar loop",
         measure: times_scalar,
         bounds: [30.0, ENDLESS],
     },
     Hope {
         about: "balanced: share right within 1 ms",
-        recipe: BALANCED,
+        of: Of::Level(Accuracy::Balanced),
         target: "at least 0.999",
         measure: right,
         bounds: [0.999, ENDLESS],
     },
     Hope {
         about: "balanced: speed",
-        recipe: BALANCED,
+        of: Of::Level(Accuracy::Balanced),
         target: "at least 10 times the scalar loop",
         measure: times_scalar,
         bounds: [10.0, ENDLESS],
     },
     Hope {
         about: "balanced: speed of each core",
-        recipe: BALANCED,
+        of: Of::Level(Accuracy::Balanced),
         target: "at least 5 times the scalar loop on one core",
         measure: times_scalar_per_core,
         bounds: [5.0, ENDLESS],
     },
     Hope {
-        about: "balanced without f64: share right within 1 ms",
-        recipe: BALANCED_DF32,
+        about: "balanced forced to df32: share right within 1 ms",
+        of: Of::Recipe(BALANCED_DF32),
         target: "at least 0.99",
         measure: right,
         bounds: [0.99, ENDLESS],
     },
+    Hope {
+        about: "exact: wrong pixels that are not marked",
+        of: Of::Level(Accuracy::Exact),
+        target: "none",
+        measure: unmarked_wrong,
+        bounds: [0.0, 0.0],
+    },
+    Hope {
+        about: "exact: share marked as uncertain",
+        of: Of::Level(Accuracy::Exact),
+        target: "at most 0.001",
+        measure: marked_share,
+        bounds: [0.0, 0.001],
+    },
+    Hope {
+        about: "exact: speed",
+        of: Of::Level(Accuracy::Exact),
+        target: "at least 4 times the scalar loop",
+        measure: times_scalar,
+        bounds: [4.0, ENDLESS],
+    },
 ];
 
-/// Every hope beside every row that it is about; one without a row is there unmeasured.
-pub fn judge(rows: &[Row]) -> Vec<Target> {
-    HOPES.iter().flat_map(|hope| hope.judge(rows)).collect()
+/// Every hope beside everything that it is about; one without is there unmeasured.
+pub fn judge(report: &Report) -> Vec<Target> {
+    let mut targets: Vec<Target> = HOPES.iter().flat_map(|hope| hope.judge(report)).collect();
+    targets.extend(WINDOWS.iter().map(|window| of_window(report, window)));
+    targets.push(of_late(report));
+    targets.extend(of_hard(report));
+    targets
+}
+
+fn of_window(report: &Report, window: &Window) -> Target {
+    let row = report.windows.iter().find(|row| row.window == window.name);
+    let measured = row.and_then(|row| row.errors.right_1ms);
+    let name = format!("window {}: share right within 1 ms", window.name);
+    let least = window.least_right();
+    Target::new(name, &format!("at least {least}"), measured, [least, ENDLESS])
+}
+
+/// All late windows together.
+fn of_late(report: &Report) -> Target {
+    let checks: Checks = report.late.iter().map(|row| row.checks).sum();
+    let measured = (checks.pixels > 0).then_some(checks.unmarked_wrong as f64);
+    let name = "exact beside double-double, late flips: wrong pixels that are not marked";
+    Target::new(name.to_string(), "none", measured, [0.0, 0.0])
+}
+
+/// The hard cases, engine by engine.
+fn of_hard(report: &Report) -> Vec<Target> {
+    let mut engines: Vec<&str> = report.hard.iter().map(|row| row.engine.as_str()).collect();
+    engines.dedup();
+    let all = "hard cases: share as expected";
+    let target = |name: String, measured| Target::new(name, "all", measured, [1.0, 1.0]);
+    if engines.is_empty() {
+        return vec![target(all.to_string(), None)];
+    }
+    let of_engine = |engine: &str| {
+        let rows = report.hard.iter().filter(|row| row.engine == engine);
+        let held = rows.clone().filter(|row| row.held).count() as f64;
+        target(format!("{all}, on {engine}"), Some(held / rows.count() as f64))
+    };
+    engines.into_iter().map(of_engine).collect()
 }
 
 impl Hope {
-    fn judge(&self, rows: &[Row]) -> Vec<Target> {
-        let about = rows.iter().filter(|row| row.recipe == self.recipe);
-        let measured: Vec<Target> = about
+    fn judge(&self, report: &Report) -> Vec<Target> {
+        let rows = match self.of {
+            Of::Level(level) => rows_at(report, level),
+            Of::Recipe(recipe) => rows_with(report, recipe),
+        };
+        let measured: Vec<Target> = rows
+            .into_iter()
             .filter_map(|row| {
-                let measured = (self.measure)(row)?;
-                let met = measured >= self.bounds[0] && measured <= self.bounds[1];
                 let name = format!("{}, on {}", self.about, row.short_name());
-                Some(self.target(name, Some((measured, met))))
+                Some(self.target(name, Some((self.measure)(row)?)))
             })
             .collect();
         if measured.is_empty() {
@@ -126,19 +202,24 @@ impl Hope {
         measured
     }
 
-    fn target(&self, name: String, found: Option<(f64, bool)>) -> Target {
-        Target {
-            name,
-            target: self.target.to_string(),
-            measured: found.map(|(measured, _)| measured),
-            met: found.map(|(_, met)| met),
-        }
+    fn target(&self, name: String, measured: Option<f64>) -> Target {
+        Target::new(name, self.target, measured, self.bounds)
+    }
+}
+
+impl Target {
+    /// Met if `measured` is no less than the first of `bounds` and no more than the second.
+    fn new(name: String, target: &str, measured: Option<f64>, bounds: [f64; 2]) -> Self {
+        let met = measured.map(|measured| measured >= bounds[0] && measured <= bounds[1]);
+        Target { name, target: target.to_string(), measured, met }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::made_up;
     use super::*;
+    use crate::report::plan::{BALANCED, FAST, LESSON};
 
     fn row(recipe: Recipe, right: f64, times: f64) -> Row {
         let mut row = Row::named("cpu", "2 threads", Some(2), recipe);
@@ -146,8 +227,12 @@ mod tests {
         row
     }
 
-    fn met(rows: &[Row], about: &str) -> Option<bool> {
-        judge(rows).iter().find(|target| target.name.starts_with(about)).unwrap().met
+    fn met(report: &Report, about: &str) -> Option<bool> {
+        judge(report).iter().find(|target| target.name.starts_with(about)).unwrap().met
+    }
+
+    fn of_rows(rows: &[Row], about: &str) -> Option<bool> {
+        met(&Report { rows: rows.to_vec(), ..made_up::report() }, about)
     }
 
     #[test]
@@ -157,14 +242,68 @@ mod tests {
             ("lesson: share", LESSON, (0.9, 1.0), (0.88, 1.0)),
             ("lesson: speed", LESSON, (0.0, 20.1), (0.0, 19.9)),
             ("fast: share", FAST, (0.926, 1.0), (0.924, 1.0)),
+            ("fast: speed", FAST, (0.0, 30.1), (0.0, 29.9)),
             ("balanced: share", BALANCED, (0.9995, 1.0), (0.9985, 1.0)),
+            ("balanced: share", BALANCED_DF32, (0.9995, 1.0), (0.9985, 1.0)),
             ("balanced: speed of each core", BALANCED, (0.0, 10.1), (0.0, 9.9)),
-            ("balanced without f64", BALANCED_DF32, (0.991, 0.0), (0.989, 0.0)),
+            ("balanced forced to df32", BALANCED_DF32, (0.991, 0.0), (0.989, 0.0)),
         ] {
-            assert_eq!(met(&[row(recipe, good.0, good.1)], about), Some(true), "{about}");
-            assert_eq!(met(&[row(recipe, bad.0, bad.1)], about), Some(false), "{about}");
-            assert_eq!(met(&[], about), None, "{about}");
+            assert_eq!(of_rows(&[row(recipe, good.0, good.1)], about), Some(true), "{about}");
+            assert_eq!(of_rows(&[row(recipe, bad.0, bad.1)], about), Some(false), "{about}");
+            assert_eq!(of_rows(&[], about), None, "{about}");
         }
-        assert_eq!(met(&[row(LESSON, f64::NAN, 1.0)], "lesson: share"), Some(false));
+        assert_eq!(of_rows(&[row(LESSON, f64::NAN, 1.0)], "lesson: share"), Some(false));
+    }
+
+    fn exact(pixels: usize, marked: usize, unmarked_wrong: usize, times: f64) -> Report {
+        let mut row = row(BALANCED, 1.0, times);
+        row.checks = Some(Checks { pixels, marked, unmarked_wrong, ..Checks::default() });
+        Report { exact: vec![row], ..made_up::report() }
+    }
+
+    #[test]
+    fn exact_may_not_lie_nor_mark_much_nor_dawdle() {
+        for (about, good, bad) in [
+            ("exact: wrong", exact(1000, 1, 0, 4.0), exact(1000, 1, 1, 4.0)),
+            ("exact: share marked", exact(1000, 1, 0, 4.0), exact(1000, 2, 0, 4.0)),
+            ("exact: speed", exact(1000, 1, 0, 4.0), exact(1000, 1, 0, 3.9)),
+        ] {
+            assert_eq!(met(&good, about), Some(true), "{about}");
+            assert_eq!(met(&bad, about), Some(false), "{about}");
+            let none = Report { exact: Vec::new(), ..made_up::report() };
+            assert_eq!(met(&none, about), None, "{about}");
+        }
+    }
+
+    #[test]
+    fn windows_late_flips_and_hard_cases_can_be_missed() {
+        let judged = |change: &dyn Fn(&mut Report), about: &str| {
+            let mut report = made_up::report();
+            change(&mut report);
+            met(&report, about)
+        };
+        let name = made_up::report().windows[0].window.clone();
+        let window = |right: f64| {
+            let change = move |report: &mut Report| {
+                report.windows[0].errors.right_1ms = Some(right);
+            };
+            judged(&change, &format!("window {name}:"))
+        };
+        assert_eq!([0.9901, 0.9899].map(window), [Some(true), Some(false)]);
+        let late = |wrong: usize| {
+            let change = move |report: &mut Report| report.late[0].checks.unmarked_wrong = wrong;
+            judged(&change, "exact beside double-double")
+        };
+        assert_eq!([0, 1].map(late), [Some(true), Some(false)]);
+        let hard = |held: bool| {
+            judged(&move |report: &mut Report| report.hard[0].held = held, "hard cases")
+        };
+        assert_eq!([true, false].map(hard), [Some(true), Some(false)]);
+        let clear = |report: &mut Report| {
+            (report.windows, report.late, report.hard) = Default::default();
+        };
+        for about in [&format!("window {name}:"), "exact beside double-double", "hard cases"] {
+            assert_eq!(judged(&clear, about), None, "{about}");
+        }
     }
 }

@@ -48,8 +48,8 @@ impl Trust {
 }
 
 /// The engine of recipes and probes, and the processor for what comes after.
-pub struct TrustEngine {
-    inner: Box<dyn Engine>,
+pub struct TrustEngine<'a> {
+    inner: Box<dyn Engine + 'a>,
     /// None where `inner` is the processor itself.
     checker: Option<CpuEngine>,
     waiting: [VecDeque<Job>; 2],
@@ -60,9 +60,9 @@ pub struct TrustEngine {
 /// How long one engine is waited for before the other is looked at.
 const TURN: Duration = Duration::from_millis(2);
 
-impl TrustEngine {
+impl<'a> TrustEngine<'a> {
     /// Checks what `inner` answers; the processor's part on `threads` threads.
-    pub fn new(inner: Box<dyn Engine>, threads: Option<usize>) -> Result<Self, EngineError> {
+    pub fn new(inner: Box<dyn Engine + 'a>, threads: Option<usize>) -> Result<Self, EngineError> {
         let checker = if inner.name() == "cpu" { None } else { Some(CpuEngine::new(threads)?) };
         Ok(TrustEngine {
             inner,
@@ -78,7 +78,7 @@ impl TrustEngine {
         usize::from(self.checker.is_some() && !self.inner.offers(recipe))
     }
 
-    fn engine(&mut self, place: usize) -> &mut dyn Engine {
+    fn engine(&mut self, place: usize) -> &mut (dyn Engine + 'a) {
         match (&mut self.checker, place) {
             (Some(checker), 1) => checker,
             _ => self.inner.as_mut(),
@@ -132,7 +132,7 @@ impl TrustEngine {
     }
 }
 
-impl Engine for TrustEngine {
+impl Engine for TrustEngine<'_> {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
         if let Starts::Paused(_) = job.starts {
             let why = "checking begins at the release: a paused pendulum cannot be checked";

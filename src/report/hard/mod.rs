@@ -13,12 +13,14 @@ pub mod tangent;
 mod top;
 mod views;
 
-use rayon::prelude::*;
+use serde::Serialize;
 
+use super::truth::{gold_dd, gold_f64};
+pub use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{
     Engine, EngineError, Finished, Job, Method, Precision, Question, Recipe, Starts, Wait,
 };
-use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status, gold};
+use crate::physics::{Dd, Outcome, Pendulum, Rule, Status};
 
 /// One claim and the way to refute it.
 #[derive(Clone, Copy)]
@@ -54,6 +56,32 @@ pub struct Finding {
     pub held: bool,
 }
 
+/// A case as a report has it.
+#[derive(Clone, Debug, Serialize)]
+pub struct HardRow {
+    /// A few words.
+    pub case: &'static str,
+    /// What was examined.
+    pub engine: String,
+    /// What should be measured.
+    pub expected: &'static str,
+    /// Why.
+    pub why: &'static str,
+    /// What was.
+    pub measured: String,
+    /// Whether that is the same.
+    pub held: bool,
+}
+
+impl HardRow {
+    /// Measures `case` on the engine called `name`.
+    pub fn of(case: &Case, name: String, engine: &mut dyn Engine) -> Self {
+        let Finding { measured, held } = case.measure(&mut Bench::new(Box::new(engine)));
+        let Case { name: case, expected, why, .. } = *case;
+        HardRow { case, engine: name, expected, why, measured, held }
+    }
+}
+
 impl Finding {
     fn new(held: bool, measured: String) -> Result<Self, EngineError> {
         Ok(Finding { measured, held })
@@ -63,8 +91,11 @@ impl Finding {
 impl Case {
     /// Measures. An engine that gives up has not kept the claim.
     pub fn measure(&self, bench: &mut Bench) -> Finding {
-        (self.run)(bench)
-            .unwrap_or_else(|error| Finding { measured: error.to_string(), held: false })
+        (self.run)(bench).unwrap_or_else(|error| {
+            // What is still in flight must not answer the next case.
+            bench.engine.cancel();
+            Finding { measured: error.to_string(), held: false }
+        })
     }
 
     /// Whether `engine` (its name) can be asked.
@@ -78,26 +109,19 @@ pub fn cases() -> Vec<Case> {
     [top::CASES, balance::CASES, builds::CASES, views::CASES, methods::CASES, chaos::CASES].concat()
 }
 
-/// What `balanced` means: DOP853 in f64.
-pub const BALANCED: Recipe =
-    Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
 /// The check by another method.
 pub const TAYLOR: Recipe =
     Recipe { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
 /// The lesson's method, without its f32.
 pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F64 };
-/// The fast level.
-pub const FAST: Recipe =
-    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
-
 /// The engine under examination.
-pub struct Bench {
-    engine: Box<dyn Engine>,
+pub struct Bench<'a> {
+    engine: Box<dyn Engine + 'a>,
 }
 
-impl Bench {
+impl<'a> Bench<'a> {
     /// Examines `engine`.
-    pub fn new(engine: Box<dyn Engine>) -> Self {
+    pub fn new(engine: Box<dyn Engine + 'a>) -> Self {
         Bench { engine }
     }
 
@@ -149,33 +173,8 @@ fn home(rule: Rule, budget_secs: f64) -> Question {
     Question { pendulum: Pendulum::points([1.0; 2], [1.0; 2], 9.81), rule, budget_secs }
 }
 
-/// The gold standard's outcomes in the number type `T`, times as f64.
-fn gold<T: Scalar>(
-    question: &Question,
-    starts: &[[Dd; 2]],
-    as_scalar: fn(Dd) -> T,
-) -> Vec<Outcome> {
-    let pendulum = question.pendulum.convert();
-    let one = |start: &[Dd; 2]| {
-        let budget = T::from_f64(question.budget_secs);
-        let outcome = gold::outcome(&pendulum, start.map(as_scalar), question.rule, budget);
-        Outcome { status: outcome.status, time: outcome.time.to_f64() }
-    };
-    starts.par_iter().map(one).collect()
-}
-
-/// The same in double-double.
-fn gold_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
-    gold(question, starts, |theta| theta)
-}
-
-/// The same in f64.
-fn gold_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
-    gold(question, starts, |theta| theta.hi)
-}
-
 /// How far apart two outcomes are in seconds; infinitely where their statuses differ.
-fn apart(a: &Outcome, b: &Outcome) -> f64 {
+pub fn apart(a: &Outcome, b: &Outcome) -> f64 {
     match (a.status, b.status) {
         (Status::Flipped, Status::Flipped) => (a.time - b.time).abs(),
         (a, b) if a == b => 0.0,
@@ -184,7 +183,7 @@ fn apart(a: &Outcome, b: &Outcome) -> f64 {
 }
 
 /// The largest of all.
-fn farthest(a: &[Outcome], b: &[Outcome]) -> f64 {
+pub fn farthest(a: &[Outcome], b: &[Outcome]) -> f64 {
     a.iter().zip(b).map(|(a, b)| apart(a, b)).fold(0.0, f64::max)
 }
 

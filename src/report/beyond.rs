@@ -1,0 +1,201 @@
+//! Measurements in windows: `balanced` beside the truth, and `exact` where flips come late.
+
+use serde::Serialize;
+
+use super::contender::Contender;
+use super::exact::{Checked, Checks, recipe_for};
+use super::ground::spread;
+use super::hard::apart;
+use super::measure::Bench;
+use super::statistics::{Errors, RIGHT_SECS, median};
+use super::truth::{finest, gold_dd};
+use super::windows::Window;
+use super::{ReportError, as_words, stopwatch};
+use crate::engine::trust::TrustEngine;
+use crate::engine::{Accuracy, Recipe};
+use crate::physics::{Dd, Outcome, Rule, Status};
+
+/// A window, and how right `balanced` is in it.
+#[derive(Clone, Debug, Serialize)]
+pub struct WindowRow {
+    /// Its name.
+    pub window: String,
+    /// Where it is.
+    pub place: String,
+    /// Which bob is watched.
+    pub rule: Rule,
+    /// What answered.
+    pub engine: String,
+    /// How.
+    #[serde(flatten, serialize_with = "as_words")]
+    pub recipe: Recipe,
+    /// What it was compared with.
+    pub judge: &'static str,
+    /// How far it is off.
+    #[serde(flatten)]
+    pub errors: Errors,
+    /// When its starts flip.
+    #[serde(flatten)]
+    pub flips: Flips,
+    /// The least share of right pixels that was hoped for.
+    pub least_right: f64,
+}
+
+/// A late window, and what checking is worth in it.
+#[derive(Clone, Debug, Serialize)]
+pub struct LateRow {
+    /// Its name.
+    pub window: String,
+    /// Where it is.
+    pub place: String,
+    /// What answered.
+    pub engine: String,
+    /// When its starts flip.
+    #[serde(flatten)]
+    pub flips: Flips,
+    /// What came of the checks.
+    pub checks: Checks,
+    /// Starts about which the gold standard was asked too.
+    pub gold_asked: usize,
+    /// And those on which it does not agree with the truth used here.
+    pub gold_disagrees: usize,
+}
+
+/// When starts flip in truth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Flips {
+    /// The share that does not flip within the budget.
+    pub unflipped: Option<f64>,
+    /// The median of the times of those that do, s.
+    pub median_secs: Option<f64>,
+}
+
+impl Flips {
+    fn of(truth: &[Outcome]) -> Self {
+        let times: Vec<f64> = truth
+            .iter()
+            .filter(|outcome| outcome.status == Status::Flipped)
+            .map(|outcome| outcome.time)
+            .collect();
+        let unflipped = (truth.len() - times.len()) as f64 / truth.len() as f64;
+        Flips { unflipped: (!truth.is_empty()).then_some(unflipped), median_secs: median(&times) }
+    }
+}
+
+impl Bench<'_> {
+    /// `balanced` in a window.
+    pub fn window(
+        &self,
+        window: &Window,
+        contender: &mut Contender,
+    ) -> Result<WindowRow, ReportError> {
+        let recipe = recipe_for(contender.engine(), Accuracy::Balanced)?;
+        self.window_with(window, contender, recipe)
+    }
+
+    fn window_with(
+        &self,
+        window: &Window,
+        contender: &mut Contender,
+        recipe: Recipe,
+    ) -> Result<WindowRow, ReportError> {
+        let starts = window.starts(self.care.window_starts);
+        let truth = window.truth(&starts, self.threads, self.stop)?;
+        let ran =
+            stopwatch::run(contender.engine(), &window.question(), recipe, &starts, self.stop)?;
+        let flips = Flips::of(&truth);
+        let pairs: Vec<_> = ran.outcomes.into_iter().zip(truth).collect();
+        Ok(WindowRow {
+            window: window.name.to_string(),
+            place: window.place(),
+            rule: window.rule,
+            engine: contender.short_name(),
+            recipe,
+            judge: window.judge.words(),
+            errors: Errors::of(&pairs),
+            flips,
+            least_right: window.least_right(),
+        })
+    }
+
+    /// `exact` in a window of late flips, beside double-double.
+    pub fn late(&self, window: &Window, contender: &mut Contender) -> Result<LateRow, ReportError> {
+        let recipe = recipe_for(contender.engine(), Accuracy::Exact)?;
+        let (question, starts) = (window.question(), window.starts(self.care.late_starts));
+        let truth = finest(&question, &starts, self.threads, self.stop)?;
+        let checked = {
+            let mut engine = TrustEngine::new(Box::new(contender.engine()), self.threads)?;
+            stopwatch::run(&mut engine, &question, recipe, &starts, self.stop)?
+        };
+        let unchecked =
+            stopwatch::run(contender.engine(), &question, recipe, &starts, self.stop)?.outcomes;
+        let pixels = Checked::all(&checked.outcomes, &checked.trusts, &unchecked, &truth);
+        let pairs: Vec<([Dd; 2], Outcome)> =
+            starts.into_iter().zip(truth.iter().copied()).collect();
+        let (asked, truth_of_them): (Vec<_>, Vec<_>) =
+            spread(&pairs, self.care.gold_starts).into_iter().unzip();
+        let gold = gold_dd(&question, &asked);
+        Ok(LateRow {
+            window: window.name.to_string(),
+            place: window.place(),
+            engine: contender.short_name(),
+            flips: Flips::of(&truth),
+            checks: Checks::of(&pixels),
+            gold_asked: asked.len(),
+            gold_disagrees: disagreements(&gold, &truth_of_them),
+        })
+    }
+}
+
+/// How many outcomes are further apart than right means.
+fn disagreements(a: &[Outcome], b: &[Outcome]) -> usize {
+    a.iter().zip(b).filter(|(a, b)| apart(a, b) > RIGHT_SECS).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::cpu::CpuEngine;
+    use crate::report::windows::{LATE, WINDOWS};
+    use crate::report::{Ground, Thoroughness, plan};
+
+    const FEW: Thoroughness =
+        Thoroughness { window_starts: 100, late_starts: 60, gold_starts: 2, ..Thoroughness::QUICK };
+
+    fn with_bench<T>(measure: impl Fn(&Bench, &mut Contender) -> T) -> T {
+        let ground = Ground::home(0, &|| false).unwrap();
+        let bench = Bench { ground: &ground, care: &FEW, threads: Some(2), stop: &|| false };
+        let engine = CpuEngine::new(Some(2)).unwrap();
+        measure(&bench, &mut Contender::Cpu(Box::new(engine), 2))
+    }
+
+    #[test]
+    fn a_window_tells_balanced_from_the_lesson() {
+        let window = WINDOWS.iter().find(|window| window.name == "filigree").unwrap();
+        with_bench(|bench, contender| {
+            let right = |row: WindowRow| row.errors.right_1ms.unwrap();
+            let row = bench.window(window, contender).unwrap();
+            assert_eq!((row.errors.compared, row.recipe), (100, plan::BALANCED));
+            assert!(right(row) >= window.least_right());
+            let lesson = bench.window_with(window, contender, plan::LESSON).unwrap();
+            assert!(right(lesson) < window.least_right());
+        });
+    }
+
+    #[test]
+    fn late_flips_are_right_or_marked() {
+        let row = with_bench(|bench, contender| bench.late(&LATE[0], contender).unwrap());
+        assert_eq!((row.checks.pixels, row.checks.unmarked_wrong), (60, 0));
+        assert_eq!((row.gold_asked, row.gold_disagrees), (2, 0));
+        assert!(row.flips.median_secs.unwrap() > 3.0);
+    }
+
+    #[test]
+    fn the_gold_standard_may_disagree() {
+        let flip = Outcome::flipped;
+        let still = Outcome::without_time(Status::Unflipped);
+        let found = [flip(1.0), flip(2.0), still, still];
+        assert_eq!(disagreements(&found, &[flip(1.0005), flip(2.002), still, flip(3.0)]), 2);
+        assert_eq!(Flips::of(&found), Flips { unflipped: Some(0.5), median_secs: Some(1.0) });
+    }
+}

@@ -1,0 +1,236 @@
+//! What checking is worth: answers that say how sure they are, beside the truth and beside those
+//! that nobody checked.
+
+use serde::Serialize;
+
+use super::contender::Contender;
+use super::measure::{Bench, Compared, least_starts_of_exact};
+use super::statistics::{Errors, Pair, bands, is_right};
+use super::truth::gold_dd;
+use super::{ReportError, Row};
+use crate::engine::trust::TrustEngine;
+use crate::engine::{Accuracy, Engine, EngineError, Recipe, Trust};
+use crate::physics::{Dd, Outcome};
+
+/// A pixel answered with and without checks.
+#[derive(Clone, Copy, Debug)]
+pub struct Checked {
+    /// What came of checking.
+    pub answer: Outcome,
+    /// How sure it is.
+    pub trust: Trust,
+    /// What there is without.
+    pub unchecked: Outcome,
+    /// What is true.
+    pub truth: Outcome,
+}
+
+/// The answers of `exact`, counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Checks {
+    /// How many pixels.
+    pub pixels: usize,
+    /// Those with which a cheap check agreed,
+    pub agreed: usize,
+    /// with which an expensive one did,
+    pub confirmed: usize,
+    /// that were decided in double-double,
+    pub settled: usize,
+    /// and that were marked as uncertain.
+    pub marked: usize,
+    /// Those wrong and not marked: there must be none.
+    pub unmarked_wrong: usize,
+    /// Those that the same recipe without checks has wrong,
+    pub unchecked_wrong: usize,
+    /// and of these those that are right now,
+    pub corrected: usize,
+    /// and those that are not, but marked.
+    pub wrong_but_marked: usize,
+}
+
+impl Checks {
+    /// Counts.
+    pub fn of(pixels: &[Checked]) -> Self {
+        let count =
+            |fits: &dyn Fn(&Checked) -> bool| pixels.iter().filter(|pixel| fits(pixel)).count();
+        let trusted = |trust| count(&|pixel: &Checked| pixel.trust == trust);
+        Checks {
+            pixels: pixels.len(),
+            agreed: trusted(Trust::Agreed),
+            confirmed: trusted(Trust::Confirmed),
+            settled: trusted(Trust::Settled),
+            marked: trusted(Trust::Uncertain),
+            unmarked_wrong: count(&|pixel| !pixel.is_right() && !pixel.is_marked()),
+            unchecked_wrong: count(&|pixel| pixel.was_wrong()),
+            corrected: count(&|pixel| pixel.was_wrong() && pixel.is_right()),
+            wrong_but_marked: count(&|pixel| {
+                pixel.was_wrong() && !pixel.is_right() && pixel.is_marked()
+            }),
+        }
+    }
+
+    /// Those wrong without checks that checking corrected or marked.
+    pub fn caught(&self) -> usize {
+        self.corrected + self.wrong_but_marked
+    }
+
+    /// The share marked as uncertain.
+    pub fn marked_share(&self) -> Option<f64> {
+        (self.pixels > 0).then(|| self.marked as f64 / self.pixels as f64)
+    }
+}
+
+impl std::iter::Sum for Checks {
+    fn sum<I: Iterator<Item = Checks>>(all: I) -> Checks {
+        all.fold(Checks::default(), |a, b| Checks {
+            pixels: a.pixels + b.pixels,
+            agreed: a.agreed + b.agreed,
+            confirmed: a.confirmed + b.confirmed,
+            settled: a.settled + b.settled,
+            marked: a.marked + b.marked,
+            unmarked_wrong: a.unmarked_wrong + b.unmarked_wrong,
+            unchecked_wrong: a.unchecked_wrong + b.unchecked_wrong,
+            corrected: a.corrected + b.corrected,
+            wrong_but_marked: a.wrong_but_marked + b.wrong_but_marked,
+        })
+    }
+}
+
+impl Checked {
+    /// Puts answers side by side.
+    pub fn all(
+        answers: &[Outcome],
+        trusts: &[Trust],
+        unchecked: &[Outcome],
+        truth: &[Outcome],
+    ) -> Vec<Self> {
+        let checked = answers.iter().zip(trusts).zip(unchecked.iter().zip(truth));
+        checked
+            .map(|((&answer, &trust), (&unchecked, &truth))| Checked {
+                answer,
+                trust,
+                unchecked,
+                truth,
+            })
+            .collect()
+    }
+
+    fn is_right(&self) -> bool {
+        is_right(&(self.answer, self.truth))
+    }
+
+    fn was_wrong(&self) -> bool {
+        !is_right(&(self.unchecked, self.truth))
+    }
+
+    fn is_marked(&self) -> bool {
+        self.trust == Trust::Uncertain
+    }
+}
+
+/// The first recipe of `level` that the engine has.
+pub fn recipe_for(engine: &dyn Engine, level: Accuracy) -> Result<Recipe, ReportError> {
+    let offered = level.recipes().into_iter().find(|recipe| engine.offers(recipe));
+    let none = || EngineError::Unsupported(format!("it has no recipe for the accuracy {level}"));
+    Ok(offered.ok_or_else(none)?)
+}
+
+impl Bench<'_> {
+    /// The row of the level `exact`, with what its checks found.
+    pub fn exact(&self, contender: &mut Contender) -> Result<Row, ReportError> {
+        let recipe = recipe_for(contender.engine(), Accuracy::Exact)?;
+        let mut row = Row::new(contender, recipe);
+        let mut compared = {
+            let mut engine = TrustEngine::new(Box::new(contender.engine()), self.threads)?;
+            self.fill(&mut row, &mut engine, least_starts_of_exact(&recipe))?
+        };
+        let unchecked = self.run(contender.engine(), recipe, &compared.starts)?.outcomes;
+        self.judge_again(&mut compared, &unchecked);
+        let pairs = compared.pairs();
+        (row.errors, row.bands) = (Errors::of(&pairs), bands(&pairs));
+        let Compared { ran, truth, .. } = &compared;
+        row.checks = Some(Checks::of(&Checked::all(&ran.outcomes, &ran.trusts, &unchecked, truth)));
+        Ok(row)
+    }
+
+    /// Asks the gold standard again, in double-double, wherever it is contradicted: among so
+    /// many starts, it is not always the answer that is wrong.
+    fn judge_again(&self, compared: &mut Compared, unchecked: &[Outcome]) {
+        let contradicted = contradicted(&compared.pairs(), unchecked, &compared.truth);
+        let starts: Vec<[Dd; 2]> = contradicted.iter().map(|&i| compared.starts[i]).collect();
+        for (&i, outcome) in contradicted.iter().zip(gold_dd(&self.ground.question, &starts)) {
+            compared.truth[i] = outcome;
+        }
+    }
+}
+
+/// The numbers of the pixels in which either answer is not the truth.
+fn contradicted(pairs: &[Pair], unchecked: &[Outcome], truth: &[Outcome]) -> Vec<usize> {
+    let is_fine = |i: usize| is_right(&pairs[i]) && is_right(&(unchecked[i], truth[i]));
+    (0..pairs.len()).filter(|&i| !is_fine(i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::cpu::CpuEngine;
+    use crate::physics::Status;
+    use crate::report::plan;
+
+    fn pixel(answer: f64, trust: Trust, unchecked: f64) -> Checked {
+        let flip = Outcome::flipped;
+        Checked { answer: flip(answer), trust, unchecked: flip(unchecked), truth: flip(7.0) }
+    }
+
+    #[test]
+    fn a_wrong_pixel_is_corrected_marked_or_an_unmarked_lie() {
+        let all = [
+            pixel(7.0, Trust::Agreed, 7.0),
+            pixel(7.0, Trust::Confirmed, 7.1),
+            pixel(7.0, Trust::Settled, 7.1),
+            pixel(8.0, Trust::Uncertain, 7.1),
+            pixel(7.0, Trust::Uncertain, 7.0),
+            pixel(7.002, Trust::Confirmed, 7.002),
+            pixel(7.002, Trust::Settled, 7.0),
+        ];
+        let checks = Checks::of(&all);
+        let expected = Checks {
+            pixels: 7,
+            agreed: 1,
+            confirmed: 2,
+            settled: 2,
+            marked: 2,
+            unmarked_wrong: 2,
+            unchecked_wrong: 4,
+            corrected: 2,
+            wrong_but_marked: 1,
+        };
+        assert_eq!(checks, expected);
+        assert_eq!((checks.caught(), checks.marked_share()), (3, Some(2.0 / 7.0)));
+        assert_eq!(Checks::of(&all[..1]).unmarked_wrong, 0);
+        assert_eq!([&all[..3], &all[3..]].map(Checks::of).into_iter().sum::<Checks>(), checks);
+        assert_eq!(Checks::default().marked_share(), None);
+    }
+
+    #[test]
+    fn a_class_for_another_is_wrong_too() {
+        let still = Outcome::without_time(Status::Unflipped);
+        let lie = Checked { answer: still, ..pixel(7.0, Trust::Agreed, 7.0) };
+        assert_eq!(Checks::of(&[lie]).unmarked_wrong, 1);
+    }
+
+    #[test]
+    fn whoever_contradicts_the_truth_is_judged_again() {
+        let flip = Outcome::flipped;
+        let truth = [1.0, 2.0, 3.0].map(flip);
+        let pairs: Vec<Pair> = [1.0, 2.5, 3.0].map(flip).into_iter().zip(truth).collect();
+        assert_eq!(contradicted(&pairs, &[1.0, 2.0, 3.5].map(flip), &truth), [1, 2]);
+        assert_eq!(contradicted(&pairs[..1], &truth[..1], &truth[..1]), [0usize; 0]);
+    }
+
+    #[test]
+    fn the_processor_has_the_first_recipe() {
+        let processor = CpuEngine::new(Some(1)).unwrap();
+        assert_eq!(recipe_for(&processor, Accuracy::Exact).unwrap(), plan::BALANCED);
+    }
+}

@@ -1,0 +1,48 @@
+//! What answers are compared with: the gold standard, and where it would take too long or f64 is
+//! not above suspicion, expansions in double-double.
+
+use rayon::prelude::*;
+
+use super::{ReportError, StopTest, stopwatch};
+use crate::engine::cpu::CpuEngine;
+use crate::engine::{Method, Precision, Question, Recipe};
+use crate::physics::{Dd, Outcome, Scalar, gold};
+
+/// As fine as steps in double-double can be: what decides late and narrow windows.
+pub const FINEST: Recipe =
+    Recipe { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
+
+/// The gold standard's outcomes in double-double, times as f64.
+pub fn gold_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    gold(question, starts, |theta| theta)
+}
+
+/// The same in f64.
+pub fn gold_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    gold(question, starts, |theta| theta.hi)
+}
+
+fn gold<T: Scalar>(
+    question: &Question,
+    starts: &[[Dd; 2]],
+    as_scalar: fn(Dd) -> T,
+) -> Vec<Outcome> {
+    let pendulum = question.pendulum.convert();
+    let one = |start: &[Dd; 2]| {
+        let budget = T::from_f64(question.budget_secs);
+        let outcome = gold::outcome(&pendulum, start.map(as_scalar), question.rule, budget);
+        Outcome { status: outcome.status, time: outcome.time.to_f64() }
+    };
+    starts.par_iter().map(one).collect()
+}
+
+/// The processor's answers by [`FINEST`], in the order of the starts.
+pub fn finest(
+    question: &Question,
+    starts: &[[Dd; 2]],
+    threads: Option<usize>,
+    stop: StopTest,
+) -> Result<Vec<Outcome>, ReportError> {
+    let mut engine = CpuEngine::new(threads)?;
+    Ok(stopwatch::run(&mut engine, question, FINEST, starts, stop)?.outcomes)
+}

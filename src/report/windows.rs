@@ -1,0 +1,163 @@
+//! Windows beyond the home map: deep ones, late ones, other pendulums, other rules.
+
+use super::truth::{finest, gold_f64};
+use super::{ReportError, StopTest};
+use crate::engine::Question;
+use crate::physics::{Dd, Outcome, Rule};
+use crate::report::ground::{open_starts, spread};
+use crate::scene::{Build, Kind, Question as Asked, Scene, View};
+
+/// Pixels along each side of a window whose open starts are measured on.
+const SIDE: u32 = 96;
+
+/// A window, and what its answers are compared with.
+#[derive(Clone, Copy, Debug)]
+pub struct Window {
+    /// A few words.
+    pub name: &'static str,
+    /// θ1, θ2 of its middle, rad.
+    pub center: [&'static str; 2],
+    /// How wide it is, rad.
+    pub width: &'static str,
+    /// The pendulum.
+    pub build: Build,
+    /// Which bob is watched.
+    pub rule: Rule,
+    /// Which truth.
+    pub judge: Judge,
+}
+
+/// What answers are compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Judge {
+    /// The gold standard in f64.
+    Gold,
+    /// Taylor expansions in double-double, where flips are late, or starts close together.
+    Finest,
+}
+
+const HOME: Build =
+    Build { kind: Kind::Points, masses: [1.0, 1.0], lengths: [1.0, 1.0], gravity: 9.81 };
+
+const WHOLE: Window = Window {
+    name: "",
+    center: ["0", "0"],
+    width: "6.283185307179586",
+    build: HOME,
+    rule: Rule::Second,
+    judge: Judge::Gold,
+};
+
+const fn deep(name: &'static str, center: [&'static str; 2], width: &'static str) -> Window {
+    Window { name, center, width, judge: Judge::Finest, ..WHOLE }
+}
+
+/// Flips come late, after more chaos than f64 has digits for at some starts.
+const FIRST: Window =
+    Window { name: "rule first", rule: Rule::First, judge: Judge::Finest, ..WHOLE };
+
+/// Windows in which `balanced` is measured.
+pub const WINDOWS: [Window; 12] = [
+    deep("filigree", ["-1.66", "0.1"], "0.4"),
+    deep("filigree, deeper", ["-1.66", "0.1"], "0.08"),
+    deep("filigree, deep", ["-1.66", "0.1"], "1e-3"),
+    deep("filigree elsewhere", ["-2.2", "-1.6"], "0.4"),
+    deep("beside the energy curve, left", ["-1.5", "0.5"], "0.1"),
+    deep("beside the energy curve, top", ["0.21", "2.88"], "0.1"),
+    Window {
+        name: "heavier and shorter below",
+        build: Build { masses: [1.0, 2.0], lengths: [1.0, 0.6], ..HOME },
+        ..WHOLE
+    },
+    Window { name: "rods", build: Build { kind: Kind::Rods, ..HOME }, ..WHOLE },
+    Window { name: "on the moon", build: Build { gravity: 1.62, ..HOME }, ..WHOLE },
+    FIRST,
+    Window { name: "rule either", rule: Rule::Either, ..WHOLE },
+    Window {
+        name: "rods, rule first, filigree",
+        build: Build { kind: Kind::Rods, ..HOME },
+        rule: Rule::First,
+        ..deep("", ["-2.2", "-1.6"], "0.4")
+    },
+];
+
+/// Windows of late flips, in which `exact` is measured.
+pub const LATE: [Window; 5] = [
+    deep("filigree", ["-1.66", "0.1"], "0.4"),
+    deep("filigree, deeper", ["-1.66", "0.1"], "0.08"),
+    deep("a thousandth wide", ["1.5", "0.6"], "1e-3"),
+    deep("beside the energy curve, top", ["0.21", "2.88"], "0.1"),
+    FIRST,
+];
+
+impl Window {
+    /// As a scene.
+    pub fn scene(&self) -> Scene {
+        let (center, width) = (self.center.map(str::to_string), self.width.to_string());
+        let question = Asked { rule: self.rule, ..Asked::default() };
+        let view = View { center, width, ..View::default() };
+        Scene { build: self.build, question, view }
+    }
+
+    /// What is asked about its starts.
+    pub fn question(&self) -> Question {
+        Question::from(&self.scene())
+    }
+
+    /// `count` of its open starts, evenly spread.
+    pub fn starts(&self, count: usize) -> Vec<[Dd; 2]> {
+        spread(&open_starts(&self.scene(), SIDE), count)
+    }
+
+    /// The least share of right pixels that is hoped for.
+    pub fn least_right(&self) -> f64 {
+        if self.rule == Rule::First { 0.98 } else { 0.99 }
+    }
+
+    /// Where it is, in words.
+    pub fn place(&self) -> String {
+        format!("{}, {}; {} wide", self.center[0], self.center[1], self.width)
+    }
+
+    /// The truth about `starts`.
+    pub fn truth(
+        &self,
+        starts: &[[Dd; 2]],
+        threads: Option<usize>,
+        stop: StopTest,
+    ) -> Result<Vec<Outcome>, ReportError> {
+        match self.judge {
+            Judge::Gold => Ok(gold_f64(&self.question(), starts)),
+            Judge::Finest => finest(&self.question(), starts, threads, stop),
+        }
+    }
+}
+
+impl Judge {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Judge::Gold => "gold, f64",
+            Judge::Finest => "taylor 1e-28, dd",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_window_is_a_scene_with_enough_open_starts() {
+        for window in WINDOWS.iter().chain(&LATE) {
+            assert!(window.scene().checked().is_ok(), "{}", window.name);
+            assert!(window.starts(2000).len() == 2000, "{}", window.name);
+        }
+    }
+
+    #[test]
+    fn rule_first_is_forgiven_more() {
+        let least = |name| WINDOWS.iter().find(|w| w.name == name).unwrap().least_right();
+        assert_eq!((least("rule first"), least("rule either")), (0.98, 0.99));
+    }
+}
