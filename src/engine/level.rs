@@ -26,7 +26,7 @@ pub enum Accuracy {
 pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
 /// `fast`.
 pub const FAST: Recipe =
-    Recipe { method: Method::Dopri5 { tolerance: 7e-8 }, precision: Precision::F32 };
+    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
 /// `balanced`, where f64 is trusted.
 pub const BALANCED: Recipe =
     Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };

@@ -24,6 +24,18 @@ pub const TIME_LOW: usize = 13;
 /// See [`TIME`].
 pub const STEP: usize = 14;
 
+/// Where the numbers of a device's state are in [`Paused::numbers`], and
+/// their rests.
+pub fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
+    let all: &[&str] = if state.contains(&"h") { &PHASE } else { &ANGLES };
+    let place = |name: &str| all.iter().position(|&other| other == name);
+    let low = |name: &str| match precision {
+        Precision::Df32 => place(&format!("{name}_low")),
+        _ => None,
+    };
+    state.iter().map(|name| [place(name), low(name)]).collect()
+}
+
 /// The state of a pendulum let go at rest at `angle` (rad, within (−π, π]).
 pub fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
     let mut numbers = [0.0; NUMBERS];

@@ -67,7 +67,7 @@ pub fn recipes(quick: bool) -> Vec<Recipe> {
         vec![
             of(F32, &rk4, &[120.0, 480.0]),
             of(F64, &rk4, &[120.0]),
-            of(F32, &dopri5, &[1e-6, 7e-8]),
+            of(F32, &dopri5, &[1e-6, 5e-8]),
             of(F64, &dop853, &[1e-9, 3e-13]),
             vec![BALANCED_DF32],
         ]
@@ -75,7 +75,7 @@ pub fn recipes(quick: bool) -> Vec<Recipe> {
         vec![
             of(F32, &rk4, &[60.0, 120.0, 240.0, 480.0]),
             of(F64, &rk4, &[60.0, 120.0, 240.0, 480.0]),
-            of(F32, &dopri5, &[1e-5, 1e-6, 1e-7, 7e-8, 5e-8]),
+            of(F32, &dopri5, &[1e-5, 1e-6, 1e-7, 5e-8]),
             of(F64, &dopri5, &[1e-7, 1e-8, 1e-9]),
             of(F32, &dop853, &[1e-6, 1e-7]),
             of(F64, &dop853, &[1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 3e-13, 1e-13]),

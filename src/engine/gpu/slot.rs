@@ -11,7 +11,7 @@ use super::device::Gpu;
 use super::pipeline::Kernel;
 use crate::engine::method::Pace;
 use crate::engine::shared::{JobHead, JobScene, Queue, RawOutcome, from_parts, to_parts};
-use crate::engine::start::{self, ANGLES, PHASE};
+use crate::engine::start::{self, places};
 use crate::engine::{Effort, EngineError, Finished, Job, NUMBERS, Paused, Precision, Starts};
 use crate::physics::{Outcome, Status};
 
@@ -326,17 +326,6 @@ impl Slot {
         let unflipped = (0..raw.len()).filter(|&i| outcomes[i].status == Status::Unflipped);
         Some(unflipped.map(|i| (i, paused(i))).collect())
     }
-}
-
-/// Where the numbers of a device's state are in [`Paused::numbers`].
-fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
-    let all: &[&str] = if state.contains(&"h") { &PHASE } else { &ANGLES };
-    let place = |name: &str| all.iter().position(|&other| other == name);
-    let low = |name: &str| match precision {
-        Precision::Df32 => place(&format!("{name}_low")),
-        _ => None,
-    };
-    state.iter().map(|name| [place(name), low(name)]).collect()
 }
 
 fn head(job: &Job, pace: &Pace) -> JobHead {

@@ -16,21 +16,21 @@ const FINE_PROBE: Recipe =
 const FINE: f64 = 1e-11;
 /// The check of what the probe leaves open.
 const CHECK: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
+    Recipe { method: Method::Taylor { tolerance: 1e-14 }, precision: Precision::F64 };
 /// The last word.
 const LAST: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-27 }, precision: Precision::Dd };
+    Recipe { method: Method::Taylor { tolerance: 1e-26 }, precision: Precision::Dd };
 /// What the last word is checked by where growth was large.
 const LAST_CHECK: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-24 }, precision: Precision::Dd };
+    Recipe { method: Method::Taylor { tolerance: 1e-23 }, precision: Precision::Dd };
 
-/// How close two answers must be. The later one of each pair has errors at least a hundred times
+/// How close two answers must be. The later one of each pair has errors at least thirty times
 /// smaller than the earlier one, so what is kept is right to far less than these.
-const PROBE_SECS: f64 = 1e-2;
+const PROBE_SECS: f64 = 2e-2;
 /// A coarse answer is only right if it is as close as right means.
 const FINE_PROBE_SECS: f64 = 5e-4;
 /// See [`PROBE_SECS`].
-const CHECK_SECS: f64 = 2e-3;
+const CHECK_SECS: f64 = 5e-3;
 /// The two in double-double.
 const LAST_SECS: f64 = 1e-4;
 /// How close the states of two unflipped pendulums must be, in unit vectors and momenta.
