@@ -56,14 +56,16 @@ pub fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
     Paused { steps: 0, numbers }
 }
 
+/// The unit vectors and momenta of an adaptive state, as the nearest f64.
+pub fn phase_of(numbers: &[f64; NUMBERS]) -> Phase<f64> {
+    std::array::from_fn(|i| numbers[i] + numbers[6 + i])
+}
+
 /// The state a paused pendulum has reached, as unit vectors and momenta, and its reduced time.
 pub fn reached(question: &Question, recipe: &Recipe, paused: &Paused) -> Option<(Phase<f64>, f64)> {
     let numbers = &paused.numbers;
     match Pace::new(question, recipe).ok()? {
-        Pace::Adaptive(_) => {
-            let phase = std::array::from_fn(|i| numbers[i] + numbers[6 + i]);
-            Some((phase, numbers[TIME] + numbers[TIME_LOW]))
-        }
+        Pace::Adaptive(_) => Some((phase_of(numbers), numbers[TIME] + numbers[TIME_LOW])),
         Pace::Fixed(steps) => {
             let (reduced, _) = question.pendulum.reduced();
             let angle = [numbers[0] + numbers[4], numbers[1] + numbers[5]];

@@ -109,8 +109,6 @@ fn from_first<T: Real>(first: T, x: &[T], y: &[T]) -> T {
 pub const ORDER_F64: usize = 16;
 /// Order of the double-double steps, for 1e-25.
 pub const ORDER_DD: usize = 30;
-/// A second, shorter expansion in double-double: where both agree, the digits are enough.
-pub const ORDER_DD_CHECK: usize = 26;
 
 #[cfg(test)]
 mod tests {

@@ -3,9 +3,9 @@
 
 use super::flock::{Answer, Chunk, Flock, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
-use super::number::Number;
+use super::number::{Number, load_phase, store_phase};
 use crate::engine::method::Adaptive;
-use crate::engine::start::{STEP, TIME, TIME_LOW};
+use crate::engine::start::{self, STEP, TIME, TIME_LOW};
 use crate::engine::{NUMBERS, Question};
 use crate::physics::control::{GROW, LONGEST, SHRINK};
 use crate::physics::embedded::{Trial, dop853, dopri5, plus};
@@ -24,34 +24,27 @@ pub trait Pair {
     ) -> Trial<T>;
 }
 
-/// [`dopri5`].
-pub struct Fifth;
-/// [`dop853`].
-pub struct Eighth;
+macro_rules! pair {
+    ($name:ident $function:ident) => {
+        #[doc = concat!("[`", stringify!($function), "`].")]
+        pub struct $name;
 
-impl Pair for Fifth {
-    #[inline(always)]
-    fn trial<T: Real>(
-        pendulum: &Pendulum<T>,
-        inverse_scale: [T; 2],
-        phase: &Phase<T>,
-        step: T,
-    ) -> Trial<T> {
-        dopri5(pendulum, inverse_scale, phase, step)
-    }
+        impl Pair for $name {
+            #[inline(always)]
+            fn trial<T: Real>(
+                pendulum: &Pendulum<T>,
+                inverse_scale: [T; 2],
+                phase: &Phase<T>,
+                step: T,
+            ) -> Trial<T> {
+                $function(pendulum, inverse_scale, phase, step)
+            }
+        }
+    };
 }
 
-impl Pair for Eighth {
-    #[inline(always)]
-    fn trial<T: Real>(
-        pendulum: &Pendulum<T>,
-        inverse_scale: [T; 2],
-        phase: &Phase<T>,
-        step: T,
-    ) -> Trial<T> {
-        dop853(pendulum, inverse_scale, phase, step)
-    }
-}
+pair!(Fifth dopri5);
+pair!(Eighth dop853);
 
 /// Runs a chunk in lanes of `N`.
 #[inline(always)]
@@ -121,14 +114,7 @@ impl<N: Number> Herd<N> {
         let rows = &flock.rows;
         let lanes = |row: usize| <N::Leading as Lanes>::load(set, &rows[row]);
         Herd {
-            phase: [
-                N::load(set, &rows[0], &rows[6]),
-                N::load(set, &rows[1], &rows[7]),
-                N::load(set, &rows[2], &rows[8]),
-                N::load(set, &rows[3], &rows[9]),
-                N::load(set, &rows[4], &rows[10]),
-                N::load(set, &rows[5], &rows[11]),
-            ],
+            phase: load_phase(set, rows),
             time: lanes(TIME),
             time_low: lanes(TIME_LOW),
             step: lanes(STEP),
@@ -143,10 +129,7 @@ impl<N: Number> Herd<N> {
 
     #[inline(always)]
     fn store_rows(&self, rows: &mut [[f64; MOST_LANES]; NUMBERS]) {
-        let (high, low) = rows.split_at_mut(6);
-        for i in 0..6 {
-            self.phase[i].store(&mut high[i], &mut low[i]);
-        }
+        store_phase(&self.phase, rows);
         self.time.store(&mut rows[TIME]);
         self.time_low.store(&mut rows[TIME_LOW]);
         self.step.store(&mut rows[STEP]);
@@ -236,7 +219,8 @@ impl Field<'_> {
 
     /// Where in the step that a lane took from `numbers` the rule is first met.
     fn fraction_of_step<P: Pair>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) -> Option<f64> {
-        let (before, after) = (exact_phase(numbers), exact_phase(&self.flock.numbers(lane)));
+        let (before, after) =
+            (start::phase_of(numbers), start::phase_of(&self.flock.numbers(lane)));
         let moment = |phase| Moment { phase, speed: self.reduced.speeds(&phase) };
         let (before, after) = (moment(before), moment(after));
         let step = numbers[STEP];
@@ -274,9 +258,4 @@ pub fn finish_those_over(flock: &mut Flock, adaptive: &Adaptive) {
             return;
         }
     }
-}
-
-/// The state as the nearest f64.
-fn exact_phase(numbers: &[f64; NUMBERS]) -> Phase<f64> {
-    std::array::from_fn(|i| numbers[i] + numbers[6 + i])
 }

@@ -4,7 +4,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-use super::lanes::{F32Lanes, F64Lanes, Lanes};
+use super::lanes::{F32Lanes, F64Lanes, Lanes, MOST_LANES};
 use crate::physics::Real;
 use crate::physics::phase::Phase;
 
@@ -25,6 +25,32 @@ pub trait Number: Real {
     fn select(self, test: Self::Leading, other: Self) -> Self;
     /// `phase` after `change`.
     fn changed(phase: &Phase<Self>, change: &Phase<Self>) -> Phase<Self>;
+}
+
+/// The lanes' unit vectors and momenta from the rows of their numbers, which are in the order of
+/// [`crate::engine::start::PHASE`].
+#[inline(always)]
+pub fn load_phase<N: Number>(
+    set: <N::Leading as Lanes>::Set,
+    rows: &[[f64; MOST_LANES]],
+) -> Phase<N> {
+    [
+        N::load(set, &rows[0], &rows[6]),
+        N::load(set, &rows[1], &rows[7]),
+        N::load(set, &rows[2], &rows[8]),
+        N::load(set, &rows[3], &rows[9]),
+        N::load(set, &rows[4], &rows[10]),
+        N::load(set, &rows[5], &rows[11]),
+    ]
+}
+
+/// The same to such rows.
+#[inline(always)]
+pub fn store_phase<N: Number>(phase: &Phase<N>, rows: &mut [[f64; MOST_LANES]]) {
+    let (high, low) = rows.split_at_mut(6);
+    for i in 0..6 {
+        phase[i].store(&mut high[i], &mut low[i]);
+    }
 }
 
 impl<S: Simd> Number for F64Lanes<S> {

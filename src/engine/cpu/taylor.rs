@@ -4,7 +4,7 @@
 use super::adaptive::{finish_those_over, idle};
 use super::flock::{Answer, Chunk, Flock, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
-use super::number::Number;
+use super::number::{Number, load_phase, store_phase};
 use crate::engine::method::Adaptive;
 use crate::engine::start::{TIME, TIME_LOW};
 use crate::physics::control::LONGEST;
@@ -170,14 +170,7 @@ impl<N: Number> Herd<N> {
     fn load(set: <N::Leading as Lanes>::Set, flock: &Flock) -> Self {
         let rows = &flock.rows;
         Herd {
-            phase: [
-                N::load(set, &rows[0], &rows[6]),
-                N::load(set, &rows[1], &rows[7]),
-                N::load(set, &rows[2], &rows[8]),
-                N::load(set, &rows[3], &rows[9]),
-                N::load(set, &rows[4], &rows[10]),
-                N::load(set, &rows[5], &rows[11]),
-            ],
+            phase: load_phase(set, rows),
             time: Lanes::load(set, &rows[TIME]),
             time_low: Lanes::load(set, &rows[TIME_LOW]),
         }
@@ -185,10 +178,7 @@ impl<N: Number> Herd<N> {
 
     #[inline(always)]
     fn store(&self, rows: &mut [[f64; MOST_LANES]]) {
-        let (high, low) = rows.split_at_mut(6);
-        for i in 0..6 {
-            self.phase[i].store(&mut high[i], &mut low[i]);
-        }
+        store_phase(&self.phase, rows);
         self.time.store(&mut rows[TIME]);
         self.time_low.store(&mut rows[TIME_LOW]);
     }

@@ -1,17 +1,12 @@
 //! One job on its way through the checks.
 
 use super::Trust;
+use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{Effort, Finished, Job, Method, Precision, Question, Recipe, Starts, start};
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
 use crate::physics::{Dd, Outcome, Status};
 
-/// The probe of a fine recipe.
-const COARSE_PROBE: Recipe =
-    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
-/// The probe of a coarse recipe.
-const FINE_PROBE: Recipe =
-    Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
 /// Up to this tolerance a recipe is fine.
 const FINE: f64 = 1e-11;
 /// The check of what the probe leaves open.
@@ -197,9 +192,9 @@ fn is_fine(recipe: &Recipe) -> bool {
     recipe.precision != Precision::F32 && recipe.method.tolerance().is_some_and(|t| t <= FINE)
 }
 
-/// What a recipe is probed by.
+/// What a recipe is probed by: a fine one by `fast`, a coarse one by `balanced`.
 pub fn probe_of(recipe: &Recipe) -> Recipe {
-    if is_fine(recipe) { COARSE_PROBE } else { FINE_PROBE }
+    if is_fine(recipe) { FAST } else { BALANCED }
 }
 
 /// Whether two answers are the same: flips within `secs`, or unflipped in nearly one state.
