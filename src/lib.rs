@@ -2,7 +2,7 @@
 //!
 //! Each pixel of a flip-time map is a pendulum released from rest at (θ1, θ2), coloured by how
 //! long its second bob takes to flip over the top. Data flows one way through the modules:
-//! `physics → scene → engine → tiles → output → report`; a test reads the `use` lines to keep it so.
+//! `physics → scene → engine → tiles → output → report → app`; a test reads the `use` lines to keep it so.
 //!
 //! One pendulum, by the gold standard:
 //!
@@ -16,6 +16,7 @@
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
+pub mod app;
 pub mod engine;
 pub mod output;
 pub mod physics;

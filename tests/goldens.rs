@@ -15,7 +15,7 @@ use flipmap::engine::{Engine, Precision};
 use flipmap::output::{Painter, RowOrder};
 use flipmap::physics::Rule;
 use flipmap::scene::{Build, Kind, PictureTable, Question, Scene, View};
-use flipmap::tiles::{Order, Work};
+use flipmap::tiles::Work;
 use image::{GenericImage, Rgb, RgbImage};
 
 const SIZE: [u32; 2] = [120, 96];
@@ -75,7 +75,7 @@ fn goldens() -> Vec<Golden> {
 fn paint(golden: &Golden, engine: &mut dyn Engine, precision: Precision) -> RgbImage {
     let along = golden.picture.samples;
     let fine = SIZE.map(|side| side * along);
-    let mut work = Work::new(&golden.scene, fine, lesson(precision), Order::Straight, 4096);
+    let mut work = Work::new(&golden.scene, fine, lesson(precision), 4096);
     let mut painter = Painter::new(&golden.scene, SIZE, &golden.picture).unwrap();
     let (mut rows, mut bytes) = (RowOrder::default(), Vec::new());
     while !work.is_done() {

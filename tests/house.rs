@@ -13,7 +13,7 @@ use flipmap::scene::Build;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// Left to right: a module may use those before it.
-const ORDER: [&str; 6] = ["physics", "scene", "engine", "tiles", "output", "report"];
+const ORDER: [&str; 7] = ["physics", "scene", "engine", "tiles", "output", "report", "app"];
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();

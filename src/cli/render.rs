@@ -12,7 +12,7 @@ use flipmap::engine::{Engine, Precision, Question, Recipe, Trust};
 use flipmap::output::RowOrder;
 use flipmap::scene::palette::Palette;
 use flipmap::scene::{Document, Grid, Scene};
-use flipmap::tiles::{Counts, Order, Samples, Work};
+use flipmap::tiles::{Counts, Samples, Work};
 
 use super::continued::Continued;
 use super::exit::Exit;
@@ -112,7 +112,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let size = plan.size.map(|side| side * pass.along);
-        let mut work = Work::new(&scene, size, recipe, Order::Straight, engine.job_size());
+        let mut work = Work::new(&scene, size, recipe, engine.job_size());
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }

@@ -27,11 +27,11 @@ impl RowOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tiles::{Order, plan};
+    use crate::tiles::plan;
 
     #[test]
     fn bands_come_out_from_the_top() {
-        let mut bands = plan([4, 9], 9, Order::Straight, 12);
+        let mut bands = plan([4, 9], 9, 12);
         bands.reverse();
         let mut order = RowOrder::default();
         let heights: Vec<usize> = bands

@@ -7,12 +7,13 @@
 //!
 //! Nothing here knows a graphics card: the tests run it on the mock engine.
 
+mod flights;
 mod kept;
 mod plan;
 mod samples;
 mod work;
 
 pub use kept::{Kept, Known};
-pub use plan::{Order, Tile, plan};
+pub use plan::{Tile, plan};
 pub use samples::{Counts, Samples};
 pub use work::{FinishedTile, Work};

@@ -1,16 +1,17 @@
 //! The loop from a scene to finished tiles.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 use std::time::Instant;
 
+use super::flights::{Flights, Landed, Open};
 use super::kept::{Kept, Known};
-use super::plan::{Order, Tile, plan};
+use super::plan::{Tile, plan};
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, Finished, Job, Question, Recipe, Starts, Wait};
-use crate::physics::{Outcome, Status};
-use crate::scene::{Fate, Grid, Scene};
+use crate::engine::{Engine, EngineError, Question, Recipe, Trust, Wait};
+use crate::physics::Status;
+use crate::scene::{Grid, Scene};
 
-/// A tile and the samples of the pixels it computes, in the order of [`Tile::pixels`].
+/// A tile and the samples of its pixels, in the order of [`Tile::pixels`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishedTile {
     /// Where it is.
@@ -26,19 +27,10 @@ pub struct Work {
     recipe: Recipe,
     mirrored: bool,
     waiting: VecDeque<Tile>,
-    flying: HashMap<u64, Flying>,
-    next_id: u64,
+    flights: Flights<Tile>,
     counts: Counts,
     /// What is known from an earlier run, and what a later one will want to know.
     kept: Option<Kept>,
-}
-
-/// A tile whose open pixels are with the engine.
-struct Flying {
-    tile: Tile,
-    samples: Samples,
-    /// For each start of the job, its place among the samples.
-    places: Vec<u32>,
 }
 
 /// Samples that the mirror image of a picture may hold back before rows come in order.
@@ -47,26 +39,17 @@ const MIRROR_BYTES: usize = 320 << 20;
 impl Work {
     /// The work of a checked scene as a picture of `size` pixels, in tiles of about
     /// `tile_pixels` pixels.
-    pub fn new(
-        scene: &Scene,
-        size: [u32; 2],
-        recipe: Recipe,
-        order: Order,
-        tile_pixels: usize,
-    ) -> Self {
+    pub fn new(scene: &Scene, size: [u32; 2], recipe: Recipe, tile_pixels: usize) -> Self {
         let half = size[0] as usize * size[1] as usize / 2;
-        let mirrored = order == Order::Straight
-            && scene.view.is_symmetric()
-            && half * Samples::BYTES <= MIRROR_BYTES;
+        let mirrored = scene.view.is_symmetric() && half * Samples::BYTES <= MIRROR_BYTES;
         let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
         Work {
             grid: Grid::new(scene, size),
             question: Question::from(scene),
             recipe,
             mirrored,
-            waiting: plan(size, rows, order, tile_pixels).into(),
-            flying: HashMap::new(),
-            next_id: 0,
+            waiting: plan(size, rows, tile_pixels).into(),
+            flights: Flights::default(),
             counts: Counts::default(),
             kept: None,
         }
@@ -93,12 +76,12 @@ impl Work {
         let mut finished = Vec::new();
         while finished.is_empty() && !self.is_done() {
             self.submit(engine, &mut finished)?;
-            if self.flying.is_empty() {
+            if self.flights.is_empty() {
                 continue;
             }
             let wait = deadline.map_or(Wait::UntilFinished, Wait::Until);
-            for answer in engine.poll(wait)? {
-                self.take(answer, &mut finished);
+            for landed in self.flights.poll(engine, wait)? {
+                self.take(landed, &mut finished);
             }
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 break;
@@ -109,14 +92,13 @@ impl Work {
 
     /// Whether every tile has been handed back.
     pub fn is_done(&self) -> bool {
-        self.waiting.is_empty() && self.flying.is_empty()
+        self.waiting.is_empty() && self.flights.is_empty()
     }
 
     /// Forgets everything that is not finished.
     pub fn cancel(&mut self, engine: &mut dyn Engine) {
-        engine.cancel();
+        self.flights.cancel(engine);
         self.waiting.clear();
-        self.flying.clear();
     }
 
     /// What has been done so far.
@@ -130,55 +112,28 @@ impl Work {
         engine: &mut dyn Engine,
         finished: &mut Vec<FinishedTile>,
     ) -> Result<(), EngineError> {
-        while self.flying.len() < engine.slots() {
+        while self.flights.len() < engine.slots() {
             let Some(tile) = self.waiting.pop_front() else {
                 return Ok(());
             };
-            let (flying, starts) = self.prepare(tile);
-            if flying.places.is_empty() {
-                self.finish(flying.tile, flying.samples, finished);
-                return Ok(());
+            match self.open(&tile).settled() {
+                Ok(samples) => {
+                    self.finish(tile, samples, finished);
+                    return Ok(());
+                }
+                Err(open) => {
+                    let asked = (self.question, self.recipe);
+                    self.flights.submit(engine, tile, open, asked, self.kept.is_some())?;
+                }
             }
-            let id = self.next_id;
-            self.next_id += 1;
-            engine.submit(Job {
-                id,
-                question: self.question,
-                recipe: self.recipe,
-                starts,
-                keep_unfinished: self.kept.is_some(),
-            })?;
-            self.flying.insert(id, flying);
         }
         Ok(())
     }
 
-    /// Answers what is known beforehand, and collects the rest.
-    fn prepare(&self, tile: Tile) -> (Flying, Starts) {
-        let fates: Vec<Fate> = tile.pixels().map(|[x, y]| self.grid.fate(x, y)).collect();
-        let mut samples = Samples::unflipped(fates.len());
-        let (mut places, mut angles, mut paused) = (Vec::new(), Vec::new(), Vec::new());
-        for (place, (fate, pixel)) in (0..).zip(fates.into_iter().zip(tile.pixels())) {
-            match fate {
-                Fate::Forbidden => {
-                    samples.set(place as usize, Outcome::without_time(Status::Forbidden));
-                }
-                Fate::Balanced => {}
-                Fate::Open(angle) => match self.known(pixel) {
-                    Some(Known::Over(outcome)) => samples.set(place as usize, outcome),
-                    Some(Known::Paused(state)) => {
-                        places.push(place);
-                        paused.push(state);
-                    }
-                    None => {
-                        places.push(place);
-                        angles.push(angle);
-                    }
-                },
-            }
-        }
-        let starts = if paused.is_empty() { Starts::Rest(angles) } else { Starts::Paused(paused) };
-        (Flying { tile, samples, places }, starts)
+    /// What is known beforehand, and what is not.
+    fn open(&self, tile: &Tile) -> Open {
+        let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
+        Open::new(tile.pixels().map(|[x, y]| (self.grid.fate(x, y), known([x, y]))))
     }
 
     fn known(&self, pixel: [u32; 2]) -> Option<Known> {
@@ -190,33 +145,24 @@ impl Work {
         u64::from(y) * u64::from(self.grid.size()[0]) + u64::from(x)
     }
 
-    fn take(&mut self, answer: Finished, finished: &mut Vec<FinishedTile>) {
-        let Some(Flying { tile, mut samples, places }) = self.flying.remove(&answer.id) else {
-            return;
-        };
-        self.counts.simulated += places.len() as u64;
-        self.counts.rhs_evaluations += answer.effort.rhs_evaluations;
-        for (k, &place) in places.iter().enumerate() {
-            samples.set(place as usize, answer.outcomes[k]);
-            if let Some(&trust) = answer.trusts.get(k) {
-                samples.set_trust(place as usize, trust);
-            }
-        }
-        self.keep(&tile, &places, &answer);
-        self.finish(tile, samples, finished);
+    fn take(&mut self, landed: Landed<Tile>, finished: &mut Vec<FinishedTile>) {
+        self.counts.simulated += landed.computed.len() as u64;
+        self.counts.rhs_evaluations += landed.effort.rhs_evaluations;
+        self.keep(&landed);
+        self.finish(landed.tile, landed.samples, finished);
     }
 
-    fn keep(&mut self, tile: &Tile, places: &[u32], answer: &Finished) {
+    fn keep(&mut self, landed: &Landed<Tile>) {
         let Some(mut kept) = self.kept.take() else { return };
-        let pixels: Vec<[u32; 2]> = tile.pixels().collect();
-        let index = |k: usize| self.index(pixels[places[k] as usize]);
-        for (k, &outcome) in answer.outcomes.iter().enumerate() {
+        let pixels: Vec<[u32; 2]> = landed.tile.pixels().collect();
+        for &place in &landed.computed {
+            let outcome = landed.samples.get(place as usize);
             if outcome.status != Status::Unflipped {
-                kept.finish(index(k), outcome);
+                kept.finish(self.index(pixels[place as usize]), outcome);
             }
         }
-        for &(k, state) in &answer.unfinished {
-            kept.pause(index(k), state);
+        for &(place, state) in &landed.paused {
+            kept.pause(self.index(pixels[place as usize]), state);
         }
         self.kept = Some(kept);
     }
@@ -251,7 +197,8 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
-    use crate::scene::View;
+    use crate::physics::Outcome;
+    use crate::scene::{Fate, View};
 
     const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
 
@@ -261,13 +208,8 @@ mod tests {
     }
 
     /// Every pixel's outcome, by running the work to its end.
-    fn picture(
-        scene: &Scene,
-        size: [u32; 2],
-        order: Order,
-        engine: &mut MockEngine,
-    ) -> (Samples, Counts) {
-        let mut work = Work::new(scene, size, RECIPE, order, 64);
+    fn picture(scene: &Scene, size: [u32; 2], engine: &mut MockEngine) -> (Samples, Counts) {
+        let mut work = Work::new(scene, size, RECIPE, 64);
         let mut samples = Samples::unflipped((size[0] * size[1]) as usize);
         let mut seen = vec![false; samples.len()];
         loop {
@@ -304,18 +246,16 @@ mod tests {
     }
 
     #[test]
-    fn order_and_tiling_do_not_change_the_answer() {
+    fn the_order_of_answers_does_not_change_the_picture() {
         let scene = scene(["1", "0.5"]);
         let truth = expected(&scene, [37, 23]);
-        for order in [Order::Straight, Order::CoarseFirst] {
-            for backwards in [false, true] {
-                let mut engine = MockEngine { backwards, ..MockEngine::default() };
-                let (samples, counts) = picture(&scene, [37, 23], order, &mut engine);
-                assert_eq!(samples, truth);
-                assert_eq!(counts.pixels, 37 * 23);
-                assert_eq!(counts.simulated as usize, engine.answered);
-                assert!(engine.most_in_flight <= engine.slots());
-            }
+        for backwards in [false, true] {
+            let mut engine = MockEngine { backwards, ..MockEngine::default() };
+            let (samples, counts) = picture(&scene, [37, 23], &mut engine);
+            assert_eq!(samples, truth);
+            assert_eq!(counts.pixels, 37 * 23);
+            assert_eq!(counts.simulated as usize, engine.answered);
+            assert!(engine.most_in_flight <= engine.slots());
         }
     }
 
@@ -323,7 +263,7 @@ mod tests {
     fn forbidden_pixels_cost_nothing_and_a_mirror_halves_the_rest() {
         for size in [[40, 30], [31, 31], [5, 1]] {
             let mut engine = MockEngine::default();
-            let (samples, counts) = picture(&scene(["0", "0"]), size, Order::Straight, &mut engine);
+            let (samples, counts) = picture(&scene(["0", "0"]), size, &mut engine);
             let open = counts.pixels - counts.forbidden;
             let middle_row = if size[1] % 2 == 1 { u64::from(size[0]) } else { 0 };
             assert!(engine.answered as u64 <= open / 2 + middle_row, "{size:?}");
@@ -339,7 +279,7 @@ mod tests {
     fn a_deadline_ends_a_call_and_loses_nothing() {
         let (scene, size) = (scene(["1", "0.5"]), [40, 40]);
         let mut engine = MockEngine::default();
-        let mut work = Work::new(&scene, size, RECIPE, Order::CoarseFirst, 64);
+        let mut work = Work::new(&scene, size, RECIPE, 64);
         let mut pixels = 0;
         while !work.is_done() {
             for part in work.work(&mut engine, Some(Instant::now())).unwrap() {
@@ -352,7 +292,7 @@ mod tests {
     #[test]
     fn cancelled_work_is_done() {
         let mut engine = MockEngine::default();
-        let mut work = Work::new(&scene(["1", "0"]), [64, 64], RECIPE, Order::Straight, 64);
+        let mut work = Work::new(&scene(["1", "0"]), [64, 64], RECIPE, 64);
         work.work(&mut engine, None).unwrap();
         work.cancel(&mut engine);
         assert!(work.is_done() && work.work(&mut engine, None).unwrap().is_empty());
@@ -361,7 +301,7 @@ mod tests {
     #[test]
     fn an_engine_that_fails_is_reported() {
         let mut engine = MockEngine { fail_at: Some(3), ..MockEngine::default() };
-        let mut work = Work::new(&scene(["1", "0"]), [64, 64], RECIPE, Order::Straight, 64);
+        let mut work = Work::new(&scene(["1", "0"]), [64, 64], RECIPE, 64);
         let error = (0..10).find_map(|_| work.work(&mut engine, None).err());
         assert!(error.unwrap().to_string().contains("MiB"));
     }

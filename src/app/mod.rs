@@ -1,0 +1,6 @@
+//! The window: a person wanders through the map without ever waiting for it.
+//!
+//! Everything a person does becomes an `Action`; actions change the plain state; drawing only
+//! reads it. Panels are functions `(&mut Ui, &State) → Actions`, so that they can be shown and
+//! pictured without a window. What takes time runs on threads of its own and wakes the window
+//! when it has something to show.

@@ -1,0 +1,151 @@
+//! Jobs in the air: what pictures and the lattice of a window have in common.
+//!
+//! A tile's pixels are first asked what is known without computing; what stays open becomes a
+//! job. The answers come back as samples in the order of the pixels.
+
+use std::collections::HashMap;
+
+use super::kept::Known;
+use super::samples::Samples;
+use crate::engine::{Effort, Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts};
+use crate::engine::{Trust, Wait};
+use crate::physics::{Outcome, Status};
+use crate::scene::Fate;
+
+/// A tile before its job: what is known of it, and the starts of the rest.
+#[derive(Debug)]
+pub struct Open {
+    samples: Samples,
+    /// For each start, its place among the samples.
+    places: Vec<u32>,
+    starts: Starts,
+}
+
+impl Open {
+    /// Sorts pixels, in order, by what becomes of them and what is known already.
+    pub fn new(pixels: impl Iterator<Item = (Fate, Option<(Known, Trust)>)>) -> Self {
+        let pixels: Vec<_> = pixels.collect();
+        let mut samples = Samples::unflipped(pixels.len());
+        let (mut places, mut angles, mut paused) = (Vec::new(), Vec::new(), Vec::new());
+        for (place, (fate, known)) in (0..).zip(pixels) {
+            let at = place as usize;
+            match (fate, known) {
+                (Fate::Forbidden, _) => {
+                    samples.set(at, Outcome::without_time(Status::Forbidden));
+                }
+                (Fate::Balanced, _) => {}
+                (Fate::Open(_), Some((Known::Over(outcome), trust))) => {
+                    samples.set(at, outcome);
+                    samples.set_trust(at, trust);
+                }
+                (Fate::Open(_), Some((Known::Paused(state), _))) => {
+                    places.push(place);
+                    paused.push(state);
+                }
+                (Fate::Open(angle), None) => {
+                    places.push(place);
+                    angles.push(angle);
+                }
+            }
+        }
+        let starts = if paused.is_empty() { Starts::Rest(angles) } else { Starts::Paused(paused) };
+        Open { samples, places, starts }
+    }
+
+    /// The samples, if there is nothing to compute.
+    pub fn settled(self) -> Result<Samples, Self> {
+        if self.places.is_empty() { Ok(self.samples) } else { Err(self) }
+    }
+}
+
+/// A tile whose answers have come.
+#[derive(Debug)]
+pub struct Landed<T> {
+    /// Which.
+    pub tile: T,
+    /// All its samples.
+    pub samples: Samples,
+    /// Places of the samples that were computed now.
+    pub computed: Vec<u32>,
+    /// Places and states of those among them that have not flipped, if they were to be kept.
+    pub paused: Vec<(u32, Paused)>,
+    /// What it took.
+    pub effort: Effort,
+}
+
+/// The tiles that an engine is computing.
+#[derive(Debug)]
+pub struct Flights<T> {
+    flying: HashMap<u64, (T, Samples, Vec<u32>)>,
+    next_id: u64,
+}
+
+impl<T> Default for Flights<T> {
+    fn default() -> Self {
+        Flights { flying: HashMap::new(), next_id: 0 }
+    }
+}
+
+impl<T> Flights<T> {
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.flying.len()
+    }
+
+    /// Whether the engine has nothing to do.
+    pub fn is_empty(&self) -> bool {
+        self.flying.is_empty()
+    }
+
+    /// The tiles, in no order.
+    pub fn tiles(&self) -> impl Iterator<Item = &T> {
+        self.flying.values().map(|(tile, ..)| tile)
+    }
+
+    /// Sends a tile's open pixels to the engine.
+    pub fn submit(
+        &mut self,
+        engine: &mut dyn Engine,
+        tile: T,
+        open: Open,
+        (question, recipe): (Question, Recipe),
+        keep_unfinished: bool,
+    ) -> Result<(), EngineError> {
+        let Open { samples, places, starts } = open;
+        let id = self.next_id;
+        self.next_id += 1;
+        engine.submit(Job { id, question, recipe, starts, keep_unfinished })?;
+        self.flying.insert(id, (tile, samples, places));
+        Ok(())
+    }
+
+    /// Moves the engine on and returns the tiles that have come back.
+    pub fn poll(
+        &mut self,
+        engine: &mut dyn Engine,
+        wait: Wait,
+    ) -> Result<Vec<Landed<T>>, EngineError> {
+        if self.is_empty() {
+            return Ok(Vec::new());
+        }
+        Ok(engine.poll(wait)?.into_iter().filter_map(|answer| self.land(answer)).collect())
+    }
+
+    /// Forgets all of them; their answers will not come.
+    pub fn cancel(&mut self, engine: &mut dyn Engine) {
+        engine.cancel();
+        self.flying.clear();
+    }
+
+    fn land(&mut self, answer: Finished) -> Option<Landed<T>> {
+        let (tile, mut samples, places) = self.flying.remove(&answer.id)?;
+        for (k, &place) in places.iter().enumerate() {
+            samples.set(place as usize, answer.outcomes[k]);
+            if let Some(&trust) = answer.trusts.get(k) {
+                samples.set_trust(place as usize, trust);
+            }
+        }
+        let paused = answer.unfinished.into_iter().map(|(k, state)| (places[k], state)).collect();
+        Some(Landed { tile, samples, computed: places, paused, effort: answer.effort })
+    }
+}
