@@ -6,4 +6,5 @@
 //! when it has something to show.
 
 pub mod camera;
+pub mod canvas;
 pub mod history;
