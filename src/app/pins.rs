@@ -145,9 +145,9 @@ impl Pins {
         self.list.iter().find(|pin| pin.id == id)
     }
 
-    /// Whether any pendulum goes on by itself, so that the window has to be drawn again.
+    /// Whether the shown pendulum goes on by itself, so that the window has to be drawn again.
     pub fn is_playing(&self) -> bool {
-        self.list.iter().any(|pin| pin.playback.is_playing())
+        self.selected().is_some_and(|pin| pin.playback.is_playing())
     }
 
     /// Pins a pixel, lets its pendulum go and selects it. `wake` is called from the flight's
@@ -176,10 +176,12 @@ impl Pins {
         }
     }
 
-    /// Takes what the flights have handed over and moves all clocks on by a frame.
+    /// Takes what the flights have handed over and moves the shown one's clock on by a frame;
+    /// the others wait where they were left.
     pub fn advance(&mut self, elapsed_secs: f64) {
         for pin in &mut self.list {
-            pin.advance(elapsed_secs);
+            let shown = self.selected == Some(pin.id);
+            pin.advance(if shown { elapsed_secs } else { 0.0 });
         }
     }
 
@@ -300,20 +302,24 @@ mod tests {
     fn actions_reach_their_pin_and_no_other() {
         let (mut pins, ids) = with_pins(2);
         wait(&mut pins);
+        let times = |pins: &Pins| [0, 1].map(|i| pins.get(ids[i]).unwrap().shown_secs());
+        pins.apply(PinAction::Select(ids[0]));
         pins.apply(PinAction::Speed(ids[0], 2.0));
-        pins.apply(PinAction::Pause(ids[1]));
         pins.advance(1.5);
-        let ids: [PinId; 2] = ids.try_into().unwrap();
-        let times = |pins: &Pins| ids.map(|id| pins.get(id).unwrap().shown_secs());
-        assert_eq!(times(&pins), [3.0, 0.0]);
-        pins.apply(PinAction::Scrub(ids[1], 29.0));
-        pins.apply(PinAction::Play(ids[1]));
-        pins.apply(PinAction::Restart(ids[0]));
-        pins.advance(2.0);
-        assert_eq!(times(&pins), [4.0, 30.0]);
-        assert!(pins.is_playing());
+        assert_eq!(times(&pins), [3.0, 0.0], "the one that is not shown waits");
         pins.apply(PinAction::Pause(ids[0]));
-        assert!(!pins.is_playing(), "the other has come to its end");
+        assert!(!pins.is_playing());
+        pins.advance(1.5);
+        pins.apply(PinAction::Select(ids[1]));
+        pins.apply(PinAction::Scrub(ids[1], 29.0));
+        pins.advance(2.0);
+        assert_eq!((times(&pins), pins.is_playing()), ([3.0, 30.0], false));
+        pins.apply(PinAction::Play(ids[1]));
+        pins.advance(0.5);
+        assert_eq!(times(&pins), [3.0, 0.5], "from the release after the end");
+        pins.apply(PinAction::Select(ids[0]));
+        pins.apply(PinAction::Restart(ids[0]));
+        assert_eq!((times(&pins), pins.is_playing()), ([0.0, 0.5], true));
     }
 
     #[test]

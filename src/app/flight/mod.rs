@@ -6,6 +6,7 @@
 //! the window; what has arrived is kept as polynomials ([`motion`]), so that every moment of it
 //! can be shown at once. [`playback`] is the clock that it is watched by.
 
+pub mod agreement;
 pub mod motion;
 pub mod pilot;
 pub mod playback;
@@ -14,6 +15,7 @@ pub mod separation;
 
 use std::sync::mpsc::{self, Receiver, TryRecvError};
 
+pub use self::agreement::Agreement;
 pub use self::playback::Playback;
 pub use self::record::{Ending, Flip, Record, Track};
 use crate::engine::Question;
@@ -116,8 +118,12 @@ mod tests {
         Question { rule, budget_secs, ..Question::from(&Scene::default()) }
     }
 
-    fn complete(question: Question, start: [Dd; 2]) -> Flight {
-        let neighbour = [start[0] + Dd::new(1e-3), start[1]];
+    /// A start and the one beside it, 1e-3 rad away.
+    fn pair(start: [Dd; 2]) -> [[Dd; 2]; 2] {
+        [start, [start[0] + Dd::new(1e-3), start[1]]]
+    }
+
+    fn complete(question: Question, [start, neighbour]: [[Dd; 2]; 2]) -> Flight {
         let mut flight = Flight::launch(question, start, neighbour, || ());
         let begun = Instant::now();
         while flight.record().ending.is_none() {
@@ -150,7 +156,7 @@ mod tests {
             for start in starts {
                 let question = question(rule, 6.0);
                 let (flown, gold) =
-                    (complete(question, start).outcome(), gold_of(&question, start));
+                    (complete(question, pair(start)).outcome(), gold_of(&question, start));
                 assert_eq!(flown, Some(gold), "{rule} {start:?}");
                 seen.push(gold.status);
             }
@@ -162,7 +168,7 @@ mod tests {
 
     #[test]
     fn every_moment_is_that_of_the_orbit_and_energy_is_kept() {
-        let flight = complete(question(Rule::Second, 5.0), [2.2, 1.4].map(Dd::new));
+        let flight = complete(question(Rule::Second, 5.0), pair([2.2, 1.4].map(Dd::new)));
         let record = flight.record();
         assert_eq!((record.ending, record.end_secs()), (Some(Ending::Complete), LEAST_SECS));
         let pendulum: Pendulum<Dd> = flight.question().pendulum.convert();
@@ -184,10 +190,7 @@ mod tests {
         let growth = |start: [f64; 2]| {
             let start = start.map(Dd::new);
             let beside = [start[0] + Dd::new(1e-9), start[1]];
-            let mut flight = Flight::launch(question(Rule::Second, 1.0), start, beside, || ());
-            while flight.record().ending.is_none() {
-                flight.receive();
-            }
+            let flight = complete(question(Rule::Second, 1.0), [start, beside]);
             let readings = &flight.record().readings;
             assert!((readings[0].separation_rad / 1e-9 - 1.0).abs() < 1e-6);
             separation::Growth::fit(readings).expect("a line").rate_per_sec
@@ -204,7 +207,7 @@ mod tests {
             (floating, [2.2, 1.4].map(Dd::new), Status::Forbidden),
             (question(Rule::Second, 40.0), [Dd::PI, Dd::PI], Status::Unflipped),
         ] {
-            let flight = complete(question, start);
+            let flight = complete(question, pair(start));
             let record = flight.record();
             assert_eq!(record.own.motion.end_secs(), 40.0);
             let state = record.own.motion.state_at(39.9).expect("kept to the end");
@@ -216,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_forbidden_start_flies_all_the_same() {
-        let flight = complete(question(Rule::Second, 10.0), [0.5, 0.5].map(Dd::new));
+        let flight = complete(question(Rule::Second, 10.0), pair([0.5, 0.5].map(Dd::new)));
         let moved = flight.record().own.motion.state_at(1.0).expect("complete").angle[0];
         assert!((moved - 0.5).abs() > 0.1 && flight.record().own.flip.is_none());
     }
@@ -226,7 +229,7 @@ mod tests {
         let fast = Build { gravity: 1e6, ..Build::default() }.pendulum();
         let long = Question { pendulum: fast, ..question(Rule::Second, 1e6) };
         let start = [0.3, 0.2].map(Dd::new);
-        let flight = complete(long, start);
+        let flight = complete(long, pair(start));
         assert_eq!(flight.record().ending, Some(Ending::Full));
         assert!(flight.record().own.motion.len() <= pilot::MOST_STEPS);
         assert_eq!(flight.outcome().map(|outcome| outcome.status), Some(Status::Forbidden));
