@@ -7,4 +7,7 @@
 
 pub mod camera;
 pub mod canvas;
+pub mod flight;
 pub mod history;
+pub mod panels;
+pub mod pins;
