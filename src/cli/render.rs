@@ -2,6 +2,7 @@
 
 use std::io::{IsTerminal, stdout};
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -10,13 +11,12 @@ use flipmap::engine::method::Pace;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Engine, Precision, Question, Recipe, Trust};
 use flipmap::output::RowOrder;
-use flipmap::scene::palette::Palette;
-use flipmap::scene::{Document, Grid, Scene};
+use flipmap::scene::{Document, Grid, Scale, Scene};
 use flipmap::tiles::{Counts, Samples, Work};
 
 use super::continued::Continued;
 use super::exit::Exit;
-use super::options::SceneOptions;
+use super::options::{SceneOptions, number, set};
 use super::progress::{Mode, Progress};
 use super::run_options::{Plan, RunOptions};
 use super::sinks::{Paths, Sinks};
@@ -59,6 +59,18 @@ struct PictureOptions {
     /// N × N samples a pixel, whose colours are averaged
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     samples: Option<u32>,
+    /// Give early flips the palette's last colour and late ones its first
+    #[arg(long)]
+    reverse: bool,
+    /// Run through the palette so often, 1 to 100 times
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    cycles: Option<String>,
+    /// log: equal ratios of times are equal steps of colour; linear: equal differences are
+    #[arg(long, value_name = "log|linear")]
+    scale: Option<String>,
+    /// Seconds at which equal steps of the palette lie: a first and a last one, or more
+    #[arg(long, value_name = "t1,t2,...", allow_hyphen_values = true)]
+    times: Option<String>,
     /// Leave out the energy curve
     #[arg(long)]
     no_curve: bool,
@@ -85,7 +97,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     options.run.check()?;
     let mut document = options.scene.document()?;
     let plan = options.run.settle(&mut document)?;
-    apply(&options.picture, &mut document);
+    apply(&options.picture, &mut document)?;
     check_outputs(options, &document, &plan)?;
     let scene = document.scene();
     let paths = options.paths();
@@ -154,13 +166,22 @@ fn announce(engine: &dyn Engine, recipe: Recipe, verify: bool, why: &str) {
     ));
 }
 
-fn apply(options: &PictureOptions, document: &mut Document) {
+fn apply(options: &PictureOptions, document: &mut Document) -> Result<(), Exit> {
     let picture = &mut document.picture;
     if let Some(palette) = &options.palette {
         picture.palette.clone_from(palette);
     }
     picture.samples = options.samples.unwrap_or(picture.samples);
     picture.curve &= !options.no_curve;
+    picture.reverse |= options.reverse;
+    set(&mut picture.scale, "--scale", &options.scale, Scale::from_str)?;
+    set(&mut picture.cycles, "--cycles", &options.cycles, |text| {
+        number(text).ok_or("it must be a number between 1 and 100")
+    })?;
+    set(&mut picture.times, "--times", &options.times, |text| {
+        let times: Option<Vec<f64>> = text.split(',').map(number).collect();
+        times.ok_or("it must be numbers of seconds with commas between them")
+    })
 }
 
 /// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
@@ -231,12 +252,8 @@ fn check_state(options: &Options, document: &Document, plan: &Plan) -> Result<()
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
     let usage = |message: String| Err(Exit::Usage(message));
-    Palette::named(&document.picture.palette)
-        .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
+    document.picture.check().map_err(|why| Exit::Usage(why.to_string()))?;
     let samples = document.picture.samples;
-    if !(1..=8).contains(&samples) {
-        return usage(format!("--samples is {samples}; it must lie between 1 and 8"));
-    }
     if size[0] * samples > LONGEST_ROW {
         return usage(format!(
             "--size {} wide with --samples {samples} is {} samples a row; at most {LONGEST_ROW} fit",

@@ -10,7 +10,7 @@ use flipmap::output::{
 use flipmap::scene::Document;
 use flipmap::tiles::Samples;
 
-use super::exit::{Exit, is_broken_pipe};
+use super::exit::is_broken_pipe;
 
 /// Where what is asked to go, by option.
 #[derive(Clone, Debug, Default)]
@@ -95,8 +95,7 @@ impl Sinks {
             let (file, name) = create(option, path)?;
             let sink = match option {
                 "-o" => {
-                    let painter = Painter::new(&document.scene(), size, &document.picture)
-                        .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
+                    let painter = Painter::new(&document.scene(), size, &document.picture)?;
                     Sink::Picture(Box::new((painter, PngWriter::new(file, size, document)?)))
                 }
                 "--raw" => Sink::Raw(NpyWriter::new(file, size)?),

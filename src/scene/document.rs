@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Build, Question, Scene, SceneError, View};
+use super::{Build, PictureTable, Question, Scene, SceneError, View};
 
 /// The newest format this program reads, and the one it writes.
 pub const FORMAT: u32 = 1;
@@ -23,24 +23,6 @@ pub struct Document {
     pub picture: PictureTable,
     /// How it was computed.
     pub run: RunTable,
-}
-
-/// How a picture is painted from its samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PictureTable {
-    /// Name of the colour table.
-    pub palette: String,
-    /// Whether the energy curve is drawn.
-    pub curve: bool,
-    /// Samples a pixel along each axis.
-    pub samples: u32,
-}
-
-impl Default for PictureTable {
-    fn default() -> Self {
-        PictureTable { palette: "batlow".to_string(), curve: true, samples: 1 }
-    }
 }
 
 /// How a picture was computed: kept for the record, and the default when it is opened again.
@@ -122,6 +104,7 @@ impl Document {
         }
         let document: Document = toml::from_str(text).map_err(syntax)?;
         document.scene().checked()?;
+        document.picture.check()?;
         Ok(document)
     }
 

@@ -7,10 +7,12 @@
 mod document;
 mod grid;
 pub mod palette;
+mod picture;
 mod view;
 
-pub use document::{Document, DocumentError, PictureTable, RunTable};
+pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
+pub use picture::{PictureTable, Scale};
 pub use view::View;
 
 use serde::{Deserialize, Serialize};
@@ -60,6 +62,12 @@ impl Build {
             Kind::Points => Pendulum::points(self.masses, self.lengths, self.gravity),
             Kind::Rods => Pendulum::rods(self.masses, self.lengths, self.gravity),
         }
+    }
+
+    /// The pendulum's natural unit of time; without gravity, when nothing moves, 1 s.
+    pub fn unit_secs(&self) -> f64 {
+        let pendulum = self.pendulum();
+        if pendulum.q > 0.0 { pendulum.reduced().1 } else { 1.0 }
     }
 }
 
