@@ -3,23 +3,22 @@
 use std::io::{IsTerminal, stdout};
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::Args;
 use flipmap::engine::choice::{Chosen, choose};
 use flipmap::engine::method::Pace;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Engine, Precision, Question, Recipe, Trust};
-use flipmap::output::RowOrder;
+use flipmap::output::{Clock, Paths, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scale, Scene};
-use flipmap::tiles::{Counts, Samples, Work};
+use flipmap::tiles::{Counts, Work};
 
 use super::continued::Continued;
 use super::exit::Exit;
 use super::options::{SceneOptions, number, set};
 use super::progress::{Mode, Progress};
 use super::run_options::{Plan, RunOptions};
-use super::sinks::{Paths, Sinks};
 use super::stop;
 
 #[derive(Args, Debug)]
@@ -79,16 +78,6 @@ struct PictureOptions {
     trust: Option<PathBuf>,
 }
 
-/// Seconds spent, by what for.
-#[derive(Default)]
-struct Clock {
-    setup: Duration,
-    compute: Duration,
-    output: Duration,
-}
-
-/// How often a stop is looked for.
-const PATIENCE: Duration = Duration::from_millis(50);
 /// Samples in a row of a picture.
 const LONGEST_ROW: u32 = 1 << 20;
 
@@ -120,7 +109,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     announce(engine.as_ref(), recipe, plan.verify, &why);
 
-    let mut clock = Clock { setup: begun.elapsed(), ..Clock::default() };
+    let (setup, mut clock) = (begun.elapsed(), Clock::default());
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let size = plan.size.map(|side| side * pass.along);
@@ -128,8 +117,13 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
-        let mut write = |samples: &Samples| sinks.write(&pass, samples);
-        compute(&mut work, size, engine.as_mut(), options.progress, &mut write, &mut clock)?;
+        let mut progress = Progress::new(options.progress, u64::from(size[0]) * u64::from(size[1]));
+        let mut go_on = |counts: &Counts| {
+            progress.set(counts.pixels);
+            !stop::asked()
+        };
+        render_pass(&mut work, engine.as_mut(), &mut sinks, &pass, &mut clock, &mut go_on)
+            .or_else(interrupted)?;
         counts += work.counts();
         if let (Some(continued), Some(kept)) = (&mut continued, work.into_kept()) {
             continued.put(kept);
@@ -141,7 +135,16 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         continued.write()?;
     }
     clock.output += finishing.elapsed();
-    report(options, engine.as_ref(), recipe, plan.verify, &counts, &clock)
+    let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
+    report(options, engine.as_ref(), recipe, plan.verify, &counts, seconds)
+}
+
+/// A stop has an exit code of its own.
+fn interrupted(error: RenderError) -> anyhow::Result<()> {
+    match error {
+        RenderError::Stopped => Err(Exit::Interrupted.into()),
+        error => Err(error.into()),
+    }
 }
 
 impl Options {
@@ -264,45 +267,15 @@ fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
     Ok(())
 }
 
-/// Runs one pass and hands its samples on, rows from the top.
-fn compute(
-    work: &mut Work,
-    size: [u32; 2],
-    engine: &mut dyn Engine,
-    mode: Mode,
-    write: &mut dyn FnMut(&Samples) -> anyhow::Result<()>,
-    clock: &mut Clock,
-) -> anyhow::Result<()> {
-    let mut progress = Progress::new(mode, u64::from(size[0]) * u64::from(size[1]));
-    let mut rows = RowOrder::default();
-    while !work.is_done() {
-        let computing = Instant::now();
-        let finished = work.work(engine, Some(computing + PATIENCE))?;
-        clock.compute += computing.elapsed();
-        let writing = Instant::now();
-        for tile in finished {
-            for samples in rows.push(tile) {
-                write(&samples)?;
-                stop::check()?;
-            }
-        }
-        clock.output += writing.elapsed();
-        progress.set(work.counts().pixels);
-        stop::check()?;
-    }
-    Ok(())
-}
-
 fn report(
     options: &Options,
     engine: &dyn Engine,
     recipe: Recipe,
     verified: bool,
     counts: &Counts,
-    clock: &Clock,
+    seconds: [f64; 3],
 ) -> anyhow::Result<()> {
     let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
-    let seconds = [clock.setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
     let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
         .iter()
         .map(|(word, trust)| (word.to_string(), counts.trusts[*trust as usize].into()))
