@@ -77,7 +77,7 @@ pub enum DocumentError {
     #[error("{0}")]
     Syntax(String),
     /// Written by a newer program.
-    #[error("the scene has format {found}; this program reads format 1 to {FORMAT}")]
+    #[error("the file has format {found}; this program reads format 1 to {FORMAT}")]
     Future {
         /// Its format.
         found: String,
@@ -96,16 +96,17 @@ struct Version {
 impl Document {
     /// Reads and checks a scene.
     pub fn parse(text: &str) -> Result<Self, DocumentError> {
+        check_format(text)?;
         let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
-        if let Ok(Version { format: Some(found) }) = toml::from_str(text)
-            && !found.as_integer().is_some_and(|found| (1..=i64::from(FORMAT)).contains(&found))
-        {
-            return Err(DocumentError::Future { found: found.to_string() });
-        }
         let document: Document = toml::from_str(text).map_err(syntax)?;
-        document.scene().checked()?;
-        document.picture.check()?;
+        document.check()?;
         Ok(document)
+    }
+
+    /// Checks every number of the scene and of its picture.
+    pub fn check(&self) -> Result<(), DocumentError> {
+        self.scene().checked()?;
+        Ok(self.picture.check()?)
     }
 
     /// The text of this document.
@@ -117,10 +118,25 @@ impl Document {
     pub fn scene(&self) -> Scene {
         Scene { build: self.pendulum, question: self.question, view: self.view.clone() }
     }
+
+    /// The same picture and run of another scene.
+    pub fn with_scene(self, scene: Scene) -> Self {
+        let Scene { build, question, view } = scene;
+        Document { pendulum: build, question, view, ..self }
+    }
+}
+
+/// Refuses the file of a newer program before its newer keys are called unknown.
+pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
+    let Ok(Version { format: Some(found) }) = toml::from_str(text) else { return Ok(()) };
+    if found.as_integer().is_some_and(|found| (1..=i64::from(FORMAT)).contains(&found)) {
+        return Ok(());
+    }
+    Err(DocumentError::Future { found: found.to_string() })
 }
 
 /// A TOML error as one sentence with line and column.
-fn one_line(error: &toml::de::Error, text: &str) -> String {
+pub(super) fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().replace('\n', ", ");
     let Some(span) = error.span() else {
         return message;

@@ -4,16 +4,22 @@
 //! their pendulums and questions are equal; the view only says which starts are asked for.
 //! [`Document`] is a scene as people keep it: a TOML file, or the text inside a PNG.
 
+mod built_in;
 mod document;
 mod grid;
+pub mod keys;
+pub mod location;
 pub mod palette;
 mod picture;
 mod view;
+mod words;
 
+pub use built_in::{BUILT_IN, BuiltIn};
 pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
 pub use picture::{PictureTable, Scale};
 pub use view::View;
+pub use words::Word;
 
 use serde::{Deserialize, Serialize};
 
