@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use flipmap::engine::EngineError;
 use flipmap::engine::choice::ChoiceError;
+use flipmap::output;
 use flipmap::scene::{DocumentError, SceneError};
 
 /// What the program did not do, by exit code.
@@ -23,7 +24,7 @@ pub enum Exit {
 
 /// Prints an error and gives its code.
 pub fn report(error: &anyhow::Error) -> ExitCode {
-    if is_broken_pipe(error) {
+    if output::is_broken_pipe(error.as_ref()) {
         return ExitCode::SUCCESS;
     }
     // With standard error closed too there is nobody left to tell.
@@ -31,14 +32,12 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(code_of(error))
 }
 
-/// The causes from the outermost in, each said once: some libraries repeat their source.
+/// What went wrong and why; of a stop only that.
 fn sentence(error: &anyhow::Error) -> String {
-    if let Some(stopped @ Exit::Interrupted) = error.downcast_ref() {
-        return stopped.to_string();
+    match error.downcast_ref() {
+        Some(stopped @ Exit::Interrupted) => stopped.to_string(),
+        _ => output::sentence(error.as_ref()),
     }
-    let mut causes: Vec<String> = error.chain().map(ToString::to_string).collect();
-    causes.dedup();
-    causes.join(": ")
 }
 
 fn code_of(error: &anyhow::Error) -> u8 {
@@ -62,10 +61,4 @@ fn code_of(error: &anyhow::Error) -> u8 {
         }
     }
     1
-}
-
-/// Whether the reader at the other end went away.
-pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let broken = |cause: &io::Error| cause.kind() == io::ErrorKind::BrokenPipe;
-    error.chain().any(|cause| cause.downcast_ref().is_some_and(broken))
 }

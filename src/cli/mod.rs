@@ -8,7 +8,6 @@ mod progress;
 mod render;
 mod report;
 mod run_options;
-mod sinks;
 mod stop;
 mod trace;
 

@@ -45,6 +45,9 @@ impl Progress {
 
     /// `done` pixels are done.
     pub fn set(&mut self, done: u64) {
+        if done == self.bar.position() {
+            return;
+        }
         self.bar.set_position(done);
         let complete = done == self.total;
         if self.json && (complete || self.last_line.elapsed() >= Duration::from_secs(1)) {

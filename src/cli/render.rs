@@ -2,24 +2,23 @@
 
 use std::io::{IsTerminal, stdout};
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::str::FromStr;
+use std::time::Instant;
 
 use clap::Args;
 use flipmap::engine::choice::{Chosen, choose};
 use flipmap::engine::method::Pace;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Engine, Precision, Question, Recipe, Trust};
-use flipmap::output::RowOrder;
-use flipmap::scene::palette::Palette;
-use flipmap::scene::{Document, Grid, Scene};
-use flipmap::tiles::{Counts, Samples, Work};
+use flipmap::output::{Clock, Paths, RenderError, Sinks, render_pass};
+use flipmap::scene::{Document, Grid, Scale, Scene};
+use flipmap::tiles::{Counts, Work};
 
 use super::continued::Continued;
 use super::exit::Exit;
-use super::options::SceneOptions;
+use super::options::{SceneOptions, number, set};
 use super::progress::{Mode, Progress};
 use super::run_options::{Plan, RunOptions};
-use super::sinks::{Paths, Sinks};
 use super::stop;
 
 #[derive(Args, Debug)]
@@ -59,6 +58,18 @@ struct PictureOptions {
     /// N × N samples a pixel, whose colours are averaged
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     samples: Option<u32>,
+    /// Give early flips the palette's last colour and late ones its first
+    #[arg(long)]
+    reverse: bool,
+    /// Run through the palette so often, 1 to 100 times
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    cycles: Option<String>,
+    /// log: equal ratios of times are equal steps of colour; linear: equal differences are
+    #[arg(long, value_name = "log|linear")]
+    scale: Option<String>,
+    /// Seconds at which equal steps of the palette lie: a first and a last one, or more
+    #[arg(long, value_name = "t1,t2,...", allow_hyphen_values = true)]
+    times: Option<String>,
     /// Leave out the energy curve
     #[arg(long)]
     no_curve: bool,
@@ -67,16 +78,6 @@ struct PictureOptions {
     trust: Option<PathBuf>,
 }
 
-/// Seconds spent, by what for.
-#[derive(Default)]
-struct Clock {
-    setup: Duration,
-    compute: Duration,
-    output: Duration,
-}
-
-/// How often a stop is looked for.
-const PATIENCE: Duration = Duration::from_millis(50);
 /// Samples in a row of a picture.
 const LONGEST_ROW: u32 = 1 << 20;
 
@@ -85,7 +86,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     options.run.check()?;
     let mut document = options.scene.document()?;
     let plan = options.run.settle(&mut document)?;
-    apply(&options.picture, &mut document);
+    apply(&options.picture, &mut document)?;
     check_outputs(options, &document, &plan)?;
     let scene = document.scene();
     let paths = options.paths();
@@ -108,7 +109,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     announce(engine.as_ref(), recipe, plan.verify, &why);
 
-    let mut clock = Clock { setup: begun.elapsed(), ..Clock::default() };
+    let (setup, mut clock) = (begun.elapsed(), Clock::default());
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let size = plan.size.map(|side| side * pass.along);
@@ -116,8 +117,13 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
-        let mut write = |samples: &Samples| sinks.write(&pass, samples);
-        compute(&mut work, size, engine.as_mut(), options.progress, &mut write, &mut clock)?;
+        let mut progress = Progress::new(options.progress, u64::from(size[0]) * u64::from(size[1]));
+        let mut go_on = |counts: &Counts| {
+            progress.set(counts.pixels);
+            !stop::asked()
+        };
+        render_pass(&mut work, engine.as_mut(), &mut sinks, &pass, &mut clock, &mut go_on)
+            .or_else(interrupted)?;
         counts += work.counts();
         if let (Some(continued), Some(kept)) = (&mut continued, work.into_kept()) {
             continued.put(kept);
@@ -129,7 +135,16 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         continued.write()?;
     }
     clock.output += finishing.elapsed();
-    report(options, engine.as_ref(), recipe, plan.verify, &counts, &clock)
+    let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
+    report(options, engine.as_ref(), recipe, plan.verify, &counts, seconds)
+}
+
+/// A stop has an exit code of its own.
+fn interrupted(error: RenderError) -> anyhow::Result<()> {
+    match error {
+        RenderError::Stopped => Err(Exit::Interrupted.into()),
+        error => Err(error.into()),
+    }
 }
 
 impl Options {
@@ -154,13 +169,22 @@ fn announce(engine: &dyn Engine, recipe: Recipe, verify: bool, why: &str) {
     ));
 }
 
-fn apply(options: &PictureOptions, document: &mut Document) {
+fn apply(options: &PictureOptions, document: &mut Document) -> Result<(), Exit> {
     let picture = &mut document.picture;
     if let Some(palette) = &options.palette {
         picture.palette.clone_from(palette);
     }
     picture.samples = options.samples.unwrap_or(picture.samples);
     picture.curve &= !options.no_curve;
+    picture.reverse |= options.reverse;
+    set(&mut picture.scale, "--scale", &options.scale, Scale::from_str)?;
+    set(&mut picture.cycles, "--cycles", &options.cycles, |text| {
+        number(text).ok_or("it must be a number between 1 and 100")
+    })?;
+    set(&mut picture.times, "--times", &options.times, |text| {
+        let times: Option<Vec<f64>> = text.split(',').map(number).collect();
+        times.ok_or("it must be numbers of seconds with commas between them")
+    })
 }
 
 /// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
@@ -231,12 +255,8 @@ fn check_state(options: &Options, document: &Document, plan: &Plan) -> Result<()
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
     let usage = |message: String| Err(Exit::Usage(message));
-    Palette::named(&document.picture.palette)
-        .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
+    document.picture.check().map_err(|why| Exit::Usage(why.to_string()))?;
     let samples = document.picture.samples;
-    if !(1..=8).contains(&samples) {
-        return usage(format!("--samples is {samples}; it must lie between 1 and 8"));
-    }
     if size[0] * samples > LONGEST_ROW {
         return usage(format!(
             "--size {} wide with --samples {samples} is {} samples a row; at most {LONGEST_ROW} fit",
@@ -247,45 +267,15 @@ fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
     Ok(())
 }
 
-/// Runs one pass and hands its samples on, rows from the top.
-fn compute(
-    work: &mut Work,
-    size: [u32; 2],
-    engine: &mut dyn Engine,
-    mode: Mode,
-    write: &mut dyn FnMut(&Samples) -> anyhow::Result<()>,
-    clock: &mut Clock,
-) -> anyhow::Result<()> {
-    let mut progress = Progress::new(mode, u64::from(size[0]) * u64::from(size[1]));
-    let mut rows = RowOrder::default();
-    while !work.is_done() {
-        let computing = Instant::now();
-        let finished = work.work(engine, Some(computing + PATIENCE))?;
-        clock.compute += computing.elapsed();
-        let writing = Instant::now();
-        for tile in finished {
-            for samples in rows.push(tile) {
-                write(&samples)?;
-                stop::check()?;
-            }
-        }
-        clock.output += writing.elapsed();
-        progress.set(work.counts().pixels);
-        stop::check()?;
-    }
-    Ok(())
-}
-
 fn report(
     options: &Options,
     engine: &dyn Engine,
     recipe: Recipe,
     verified: bool,
     counts: &Counts,
-    clock: &Clock,
+    seconds: [f64; 3],
 ) -> anyhow::Result<()> {
     let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
-    let seconds = [clock.setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
     let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
         .iter()
         .map(|(word, trust)| (word.to_string(), counts.trusts[*trust as usize].into()))

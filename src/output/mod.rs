@@ -4,19 +4,25 @@
 //! failure or an interruption leaves what was there.
 
 mod exr;
+mod failure;
 mod npy;
 mod paint;
 mod png;
+mod render;
 mod rows;
 mod safe;
+mod sinks;
 mod state;
 mod trust;
 
 pub use exr::ExrWriter;
+pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};
 pub use npy::NpyWriter;
 pub use paint::Painter;
 pub use png::{PngError, PngWriter, document_in_png};
+pub use render::{Clock, render_pass};
 pub use rows::RowOrder;
 pub use safe::{Destination, SafeFile};
+pub use sinks::{Pass, Paths, Sinks};
 pub use state::{Ran, RenderState, StateError};
 pub use trust::trust_colours;

@@ -1,13 +1,12 @@
 //! Samples to colours: the palette, the mean of several samples a pixel, and the energy curve.
 
-use crate::scene::palette::{Palette, Range, Rgb, colour_of};
-use crate::scene::{Grid, PictureTable, Scene};
+use crate::scene::palette::{Rgb, Tones};
+use crate::scene::{Grid, PictureTable, Scene, SceneError};
 use crate::tiles::Samples;
 
 /// Paints bands of a picture from the top.
 pub struct Painter {
-    palette: Palette,
-    range: Range,
+    tones: Tones,
     curve: bool,
     samples_along: u32,
     grid: Grid,
@@ -20,17 +19,14 @@ pub struct Painter {
 const CURVE_HALF_WIDTH: f64 = 0.75;
 
 impl Painter {
-    /// For a `size` picture of a checked scene; says so if the palette is unknown.
-    pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, String> {
-        let pendulum = scene.build.pendulum();
-        let unit_secs = if pendulum.q > 0.0 { pendulum.reduced().1 } else { 1.0 };
-        let grid = Grid::new(scene, size);
+    /// For a `size` picture of a checked scene; refuses a table that cannot be painted with.
+    pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
+        let Scene { build, question, .. } = scene;
         Ok(Painter {
-            palette: Palette::named(&picture.palette)?,
-            range: Range::of(unit_secs, scene.question.budget),
-            curve: picture.curve && pendulum.q > 0.0,
+            tones: Tones::new(picture, build.unit_secs(), question.budget)?,
+            curve: picture.curve && build.pendulum().q > 0.0,
             samples_along: picture.samples,
-            grid,
+            grid: Grid::new(scene, size),
             next_row: 0,
             pending: Vec::new(),
         })
@@ -39,8 +35,7 @@ impl Painter {
     /// The next rows of samples as rows of RGB bytes. With several samples a pixel, rows come
     /// out as they are complete.
     pub fn paint(&mut self, samples: &Samples) -> Vec<u8> {
-        let colours = samples.iter().map(|outcome| colour_of(&outcome, &self.palette, &self.range));
-        self.pending.extend(colours);
+        self.pending.extend(samples.iter().map(|outcome| self.tones.colour(&outcome)));
         let along = self.samples_along as usize;
         let width = self.grid.size()[0] as usize;
         let row_samples = width * along * along;

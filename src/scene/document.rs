@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Build, Question, Scene, SceneError, View};
+use super::{Build, PictureTable, Question, Scene, SceneError, View};
 
 /// The newest format this program reads, and the one it writes.
 pub const FORMAT: u32 = 1;
@@ -23,24 +23,6 @@ pub struct Document {
     pub picture: PictureTable,
     /// How it was computed.
     pub run: RunTable,
-}
-
-/// How a picture is painted from its samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PictureTable {
-    /// Name of the colour table.
-    pub palette: String,
-    /// Whether the energy curve is drawn.
-    pub curve: bool,
-    /// Samples a pixel along each axis.
-    pub samples: u32,
-}
-
-impl Default for PictureTable {
-    fn default() -> Self {
-        PictureTable { palette: "batlow".to_string(), curve: true, samples: 1 }
-    }
 }
 
 /// How a picture was computed: kept for the record, and the default when it is opened again.
@@ -95,7 +77,7 @@ pub enum DocumentError {
     #[error("{0}")]
     Syntax(String),
     /// Written by a newer program.
-    #[error("the scene has format {found}; this program reads format 1 to {FORMAT}")]
+    #[error("the file has format {found}; this program reads format 1 to {FORMAT}")]
     Future {
         /// Its format.
         found: String,
@@ -114,15 +96,17 @@ struct Version {
 impl Document {
     /// Reads and checks a scene.
     pub fn parse(text: &str) -> Result<Self, DocumentError> {
+        check_format(text)?;
         let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
-        if let Ok(Version { format: Some(found) }) = toml::from_str(text)
-            && !found.as_integer().is_some_and(|found| (1..=i64::from(FORMAT)).contains(&found))
-        {
-            return Err(DocumentError::Future { found: found.to_string() });
-        }
         let document: Document = toml::from_str(text).map_err(syntax)?;
-        document.scene().checked()?;
+        document.check()?;
         Ok(document)
+    }
+
+    /// Checks every number of the scene and of its picture.
+    pub fn check(&self) -> Result<(), DocumentError> {
+        self.scene().checked()?;
+        Ok(self.picture.check()?)
     }
 
     /// The text of this document.
@@ -134,10 +118,25 @@ impl Document {
     pub fn scene(&self) -> Scene {
         Scene { build: self.pendulum, question: self.question, view: self.view.clone() }
     }
+
+    /// The same picture and run of another scene.
+    pub fn with_scene(self, scene: Scene) -> Self {
+        let Scene { build, question, view } = scene;
+        Document { pendulum: build, question, view, ..self }
+    }
+}
+
+/// Refuses the file of a newer program before its newer keys are called unknown.
+pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
+    let Ok(Version { format: Some(found) }) = toml::from_str(text) else { return Ok(()) };
+    if found.as_integer().is_some_and(|found| (1..=i64::from(FORMAT)).contains(&found)) {
+        return Ok(());
+    }
+    Err(DocumentError::Future { found: found.to_string() })
 }
 
 /// A TOML error as one sentence with line and column.
-fn one_line(error: &toml::de::Error, text: &str) -> String {
+pub(super) fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().replace('\n', ", ");
     let Some(span) = error.span() else {
         return message;

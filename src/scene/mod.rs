@@ -4,14 +4,22 @@
 //! their pendulums and questions are equal; the view only says which starts are asked for.
 //! [`Document`] is a scene as people keep it: a TOML file, or the text inside a PNG.
 
+mod built_in;
 mod document;
 mod grid;
+pub mod keys;
+pub mod location;
 pub mod palette;
+mod picture;
 mod view;
+mod words;
 
-pub use document::{Document, DocumentError, PictureTable, RunTable};
+pub use built_in::{BUILT_IN, BuiltIn};
+pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
+pub use picture::{PictureTable, Scale};
 pub use view::View;
+pub use words::Word;
 
 use serde::{Deserialize, Serialize};
 
@@ -60,6 +68,12 @@ impl Build {
             Kind::Points => Pendulum::points(self.masses, self.lengths, self.gravity),
             Kind::Rods => Pendulum::rods(self.masses, self.lengths, self.gravity),
         }
+    }
+
+    /// The pendulum's natural unit of time; without gravity, when nothing moves, 1 s.
+    pub fn unit_secs(&self) -> f64 {
+        let pendulum = self.pendulum();
+        if pendulum.q > 0.0 { pendulum.reduced().1 } else { 1.0 }
     }
 }
 

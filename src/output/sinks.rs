@@ -3,14 +3,12 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
-use flipmap::output::{
-    Destination, ExrWriter, NpyWriter, Painter, PngWriter, SafeFile, trust_colours,
+use super::failure::{OutputError, is_broken_pipe};
+use super::{
+    Destination, ExrWriter, NpyWriter, Painter, PngError, PngWriter, SafeFile, trust_colours,
 };
-use flipmap::scene::Document;
-use flipmap::tiles::Samples;
-
-use super::exit::{Exit, is_broken_pipe};
+use crate::scene::Document;
+use crate::tiles::Samples;
 
 /// Where what is asked to go, by option.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +54,25 @@ enum Sink {
 }
 
 impl Sink {
-    fn write(&mut self, samples: &Samples) -> anyhow::Result<()> {
+    /// Begins a file; a picture has its painter.
+    fn begin(
+        option: &str,
+        file: SafeFile,
+        painter: Option<Painter>,
+        document: &Document,
+        size: [u32; 2],
+    ) -> Result<Self, PngError> {
+        Ok(match (option, painter) {
+            (_, Some(painter)) => {
+                Sink::Picture(Box::new((painter, PngWriter::new(file, size, document)?)))
+            }
+            ("--raw", _) => Sink::Raw(NpyWriter::new(file, size)?),
+            ("--exr", _) => Sink::Exr(ExrWriter::new(file, size, document)),
+            _ => Sink::Trust(PngWriter::new(file, size, document)?),
+        })
+    }
+
+    fn write(&mut self, samples: &Samples) -> Result<(), PngError> {
         match self {
             Sink::Picture(picture) => {
                 let (painter, png) = picture.as_mut();
@@ -70,7 +86,7 @@ impl Sink {
     }
 
     /// The file with everything in it, not yet in its place.
-    fn complete(self) -> anyhow::Result<SafeFile> {
+    fn complete(self) -> Result<SafeFile, PngError> {
         let mut file = match self {
             Sink::Picture(picture) => picture.1.finish()?,
             Sink::Trust(png) => png.finish()?,
@@ -89,21 +105,20 @@ pub struct Sinks {
 
 impl Sinks {
     /// Opens every file before anything is computed.
-    pub fn open(paths: &Paths, document: &Document, size: [u32; 2]) -> anyhow::Result<Self> {
+    pub fn open(paths: &Paths, document: &Document, size: [u32; 2]) -> Result<Self, OutputError> {
         let mut open = Vec::new();
         for (option, path) in paths.named() {
-            let (file, name) = create(option, path)?;
-            let sink = match option {
-                "-o" => {
-                    let painter = Painter::new(&document.scene(), size, &document.picture)
-                        .map_err(|why| Exit::Usage(format!("--palette: {why}")))?;
-                    Sink::Picture(Box::new((painter, PngWriter::new(file, size, document)?)))
-                }
-                "--raw" => Sink::Raw(NpyWriter::new(file, size)?),
-                "--exr" => Sink::Exr(ExrWriter::new(file, size, document)),
-                _ => Sink::Trust(PngWriter::new(file, size, document)?),
+            let name = Destination::from(path);
+            let file = SafeFile::create(&name).map_err(|source| {
+                let name = name.clone();
+                OutputError::Create { option, name, source }
+            })?;
+            let painter = match option {
+                "-o" => Some(Painter::new(&document.scene(), size, &document.picture)?),
+                _ => None,
             };
-            open.push((sink, name));
+            let begun = Sink::begin(option, file, painter, document, size);
+            open.push((begun.map_err(|source| write_error(&name, source))?, name));
         }
         Ok(Sinks { open })
     }
@@ -126,7 +141,7 @@ impl Sinks {
 
     /// Hands samples, rows from the top, to the outputs of a pass. An output whose reader has
     /// left is given up if there is another one.
-    pub fn write(&mut self, pass: &Pass, samples: &Samples) -> anyhow::Result<()> {
+    pub fn write(&mut self, pass: &Pass, samples: &Samples) -> Result<(), OutputError> {
         let mut others = self.open.len() - 1;
         let mut kept = Vec::new();
         for (mut sink, name) in std::mem::take(&mut self.open) {
@@ -135,7 +150,7 @@ impl Sinks {
                 _ => pass.others,
             };
             let written = if wanted { sink.write(samples) } else { Ok(()) };
-            match written.with_context(|| format!("cannot write {name}")) {
+            match written.map_err(|source| write_error(&name, source)) {
                 Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
                 Err(error) => return Err(error),
                 Ok(()) => kept.push((sink, name)),
@@ -146,25 +161,22 @@ impl Sinks {
     }
 
     /// Completes every file before any takes its place.
-    pub fn finish(self) -> anyhow::Result<()> {
+    pub fn finish(self) -> Result<(), OutputError> {
         let mut others = self.open.len() - 1;
         let mut complete = Vec::new();
         for (sink, name) in self.open {
-            match sink.complete().with_context(|| format!("cannot write {name}")) {
+            match sink.complete().map_err(|source| write_error(&name, source)) {
                 Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
                 file => complete.push((file?, name)),
             }
         }
         for (file, name) in complete {
-            file.finish().with_context(|| format!("cannot write {name}"))?;
+            file.finish().map_err(|error| write_error(&name, error.into()))?;
         }
         Ok(())
     }
 }
 
-fn create(option: &str, path: &Path) -> anyhow::Result<(SafeFile, Destination)> {
-    let destination = Destination::from(path);
-    let file = SafeFile::create(&destination)
-        .with_context(|| format!("{option}: cannot write {destination}"))?;
-    Ok((file, destination))
+fn write_error(name: &Destination, source: PngError) -> OutputError {
+    OutputError::Write { name: name.clone(), source }
 }

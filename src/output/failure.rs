@@ -1,0 +1,89 @@
+//! What goes wrong between samples and files, and errors as one sentence.
+
+use std::error::Error;
+use std::io;
+
+use super::{Destination, PngError};
+use crate::engine::EngineError;
+use crate::scene::SceneError;
+
+/// Why a file could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// It could not be begun.
+    #[error("{option}: cannot write {name}")]
+    Create {
+        /// The option that named it.
+        option: &'static str,
+        /// Where it was to go.
+        name: Destination,
+        /// Why not.
+        source: io::Error,
+    },
+    /// It could not be written or put in its place.
+    #[error("cannot write {name}")]
+    Write {
+        /// Where it was to go.
+        name: Destination,
+        /// Why not.
+        source: PngError,
+    },
+    /// The picture cannot be painted so.
+    #[error("{0}")]
+    Picture(#[from] SceneError),
+}
+
+/// Why a picture was not completed.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The engine failed.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    /// A file did.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// It was asked to stop.
+    #[error("stopped; no unfinished file was left")]
+    Stopped,
+}
+
+/// An error and its causes.
+fn causes<'a>(error: &'a (dyn Error + 'static)) -> impl Iterator<Item = &'a (dyn Error + 'static)> {
+    std::iter::successors(Some(error), |cause| (*cause).source())
+}
+
+/// The causes from the outermost in, each said once: some libraries repeat their source.
+pub fn sentence(error: &(dyn Error + 'static)) -> String {
+    let mut causes: Vec<String> = causes(error).map(ToString::to_string).collect();
+    causes.dedup();
+    causes.join(": ")
+}
+
+/// Whether the reader at the other end went away.
+pub fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
+    let broken = |cause: &io::Error| cause.kind() == io::ErrorKind::BrokenPipe;
+    causes(error).any(|cause| cause.downcast_ref().is_some_and(broken))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn failed(kind: io::ErrorKind) -> RenderError {
+        let name = Destination::from(Path::new("map.png"));
+        OutputError::Write { name, source: io::Error::from(kind).into() }.into()
+    }
+
+    #[test]
+    fn every_cause_is_said_once() {
+        let full = sentence(&failed(io::ErrorKind::StorageFull));
+        assert_eq!(full, "cannot write map.png: no storage space");
+    }
+
+    #[test]
+    fn a_broken_pipe_is_found_under_what_it_broke() {
+        assert!(is_broken_pipe(&failed(io::ErrorKind::BrokenPipe)));
+        assert!(!is_broken_pipe(&failed(io::ErrorKind::StorageFull)));
+    }
+}

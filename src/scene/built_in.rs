@@ -1,0 +1,85 @@
+//! The places worth seeing that come with the program, each with a sentence: the first line of
+//! its file.
+
+use super::Document;
+
+/// A scene of `assets/scenes`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// Its name on the command line.
+    pub name: &'static str,
+    text: &'static str,
+}
+
+macro_rules! scenes {
+    ($($name:literal)*) => {
+        [$(BuiltIn {
+            name: $name,
+            text: include_str!(concat!("../../assets/scenes/", $name, ".toml")),
+        }),*]
+    };
+}
+
+/// All of them, in the order in which they are shown: from the whole map inwards, then others.
+pub const BUILT_IN: [BuiltIn; 12] = scenes! {
+    "home" "filigree" "threads" "deep" "shore" "tip" "upright" "island" "either" "first" "rods"
+    "heavy"
+};
+
+impl BuiltIn {
+    /// The one called `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        BUILT_IN.into_iter().find(|scene| scene.name == name)
+    }
+
+    /// All names, with commas between them.
+    pub fn names() -> String {
+        BUILT_IN.map(|scene| scene.name).join(", ")
+    }
+
+    /// What there is to see.
+    pub fn sentence(&self) -> &'static str {
+        self.text.lines().next().unwrap_or_default().trim_start_matches("# ")
+    }
+
+    /// The scene.
+    pub fn document(&self) -> Document {
+        Document::parse(self.text).expect("a test reads every built-in scene")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Dd;
+    use crate::scene::{Fate, Grid};
+
+    #[test]
+    fn every_scene_is_valid_and_has_a_sentence_of_its_own() {
+        let files = std::fs::read_dir("assets/scenes").unwrap().count();
+        assert_eq!(BUILT_IN.len(), files);
+        for scene in BUILT_IN {
+            let sentence = scene.sentence();
+            assert_eq!(BuiltIn::named(scene.name), Some(scene));
+            assert!(sentence.ends_with('.') && sentence.len() < 100, "{sentence}");
+            assert!(BUILT_IN.iter().filter(|other| other.sentence() == sentence).count() == 1);
+            assert!(!Grid::new(&scene.document().scene(), [8, 8]).pixel_rad().is_nan());
+        }
+        assert_eq!(BuiltIn::named("home").unwrap().document(), Document::default());
+        assert_eq!(BuiltIn::named("elsewhere"), None);
+    }
+
+    #[test]
+    fn sentences_about_energy_are_true() {
+        let forbidden = |name: &str| {
+            let scene = BuiltIn::named(name).unwrap().document().scene();
+            let grid = Grid::new(&scene, [60, 60]);
+            let pixels = (0..3600).map(|k| grid.fate(k % 60, k / 60));
+            pixels.filter(|fate| *fate == Fate::Forbidden).count()
+        };
+        assert!(forbidden("heavy") < forbidden("home") && forbidden("home") < forbidden("first"));
+        assert_eq!(forbidden("island"), 0, "all have the energy");
+        let tip = BuiltIn::named("tip").unwrap().document().view.center_rad();
+        assert!(tip[0] == Dd::new(0.0) && (tip[1] - Dd::PI).hi.abs() < 1e-15);
+    }
+}

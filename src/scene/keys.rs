@@ -1,0 +1,138 @@
+//! The keys of a film: scenes, and when the camera is at each of them.
+
+use serde::{Deserialize, Serialize};
+
+use super::document::{DocumentError, check_format, one_line};
+use super::{Document, document::FORMAT};
+
+/// A file of keys.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Keys {
+    /// Version of the file format.
+    pub format: u32,
+    /// The keys, by time.
+    #[serde(rename = "key")]
+    pub keys: Vec<Key>,
+}
+
+/// The camera is somewhere at some time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Key {
+    /// Time in the film, s.
+    pub secs: f64,
+    /// How the camera comes there from the key before.
+    #[serde(default)]
+    pub easing: Easing,
+    /// Where it is, and what it sees.
+    #[serde(default)]
+    pub scene: Document,
+}
+
+/// How the camera moves between two keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Easing {
+    /// It starts and stops gently.
+    #[default]
+    Smooth,
+    /// At one speed.
+    Linear,
+}
+
+/// Seconds between a key that is appended and the one before.
+pub const STEP_SECS: f64 = 5.0;
+
+impl Default for Keys {
+    fn default() -> Self {
+        Keys { format: FORMAT, keys: Vec::new() }
+    }
+}
+
+/// Why a text is no film.
+#[derive(Debug, thiserror::Error)]
+pub enum KeysError {
+    /// A key's scene, or the file as a whole.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// Times that a film cannot have.
+    #[error("key {number} is at {secs} s; each must be later than the one before, from 0 to 1e6 s")]
+    Time {
+        /// Which key, from 1.
+        number: usize,
+        /// Its time.
+        secs: f64,
+    },
+}
+
+impl Keys {
+    /// Reads and checks keys.
+    pub fn parse(text: &str) -> Result<Self, KeysError> {
+        check_format(text)?;
+        let keys: Keys =
+            toml::from_str(text).map_err(|error| DocumentError::Syntax(one_line(&error, text)))?;
+        let mut before = -1.0;
+        for (key, number) in keys.keys.iter().zip(1..) {
+            if !(0.0..=1e6).contains(&key.secs) || key.secs <= before {
+                return Err(KeysError::Time { number, secs: key.secs });
+            }
+            key.scene.check()?;
+            before = key.secs;
+        }
+        Ok(keys)
+    }
+
+    /// The text of these keys.
+    pub fn text(&self) -> String {
+        toml::to_string(self).expect("plain tables are TOML")
+    }
+
+    /// Adds a scene [`STEP_SECS`] after the last one, the first at 0.
+    pub fn append(&mut self, scene: Document) {
+        let secs = self.keys.last().map_or(0.0, |last| last.secs + STEP_SECS);
+        self.keys.push(Key { secs, easing: Easing::default(), scene });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn appended_scenes_come_back_in_order() {
+        let mut keys = Keys::parse("").unwrap();
+        assert_eq!(keys, Keys::default());
+        for width in ["1", "0.5", "0.1"] {
+            let mut scene = Document::default();
+            scene.view.width = width.to_string();
+            keys.append(scene);
+        }
+        let again = Keys::parse(&keys.text()).unwrap();
+        assert_eq!(again, keys);
+        assert_eq!(again.keys.iter().map(|key| key.secs).collect::<Vec<_>>(), [0.0, 5.0, 10.0]);
+        assert_eq!(again.keys[2].scene.view.width, "0.1");
+    }
+
+    #[test]
+    fn keys_are_short_where_the_scene_is_the_home_map() {
+        let text = "[[key]]\nsecs = 2\n[[key]]\nsecs = 3.5\neasing = \"linear\"\n\
+                    [key.scene.view]\nwidth = \"0.1\"\n";
+        let keys = Keys::parse(text).unwrap();
+        assert_eq!(keys.keys[0].scene, Document::default());
+        assert_eq!((keys.keys[1].easing, keys.keys[1].secs), (Easing::Linear, 3.5));
+    }
+
+    #[test]
+    fn bad_keys_are_refused_where_they_are_bad() {
+        let refused = |text: &str| Keys::parse(text).unwrap_err().to_string();
+        let twice = "[[key]]\nsecs = 2\n[[key]]\nsecs = 2\n";
+        assert!(refused(twice).starts_with("key 2 is at 2 s; each must be later"));
+        assert!(refused("[[key]]\nsecs = -1\n").starts_with("key 1 is at -1 s"));
+        assert!(refused("[[key]]\nsecs = nan\n").starts_with("key 1 is at NaN s"));
+        assert!(refused("[[key]]\ntime = 1\n").starts_with("line 2, column 1"));
+        assert!(refused("format = 2").contains("format 2; this program reads"));
+        let scene = "[[key]]\nsecs = 1\n[key.scene.view]\nwidth = \"0\"\n";
+        assert!(refused(scene).contains("--width is '0'"));
+    }
+}

@@ -1,0 +1,194 @@
+//! A scene as one line, to be copied and pasted:
+//! `flipmap:center=-1.66,0.1;width=0.4;budget=60;rule=either`.
+//!
+//! The words are those of the command line. Centre and width are always there, other words where
+//! they differ from the home scene.
+
+use super::words::Word;
+use super::{Scene, SceneError};
+
+/// How every location begins.
+const PREFIX: &str = "flipmap:";
+
+/// Why a text is no location.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LocationError {
+    /// Something else was copied.
+    #[error(
+        "this is not a location: it must begin with '{PREFIX}', as in \
+         {PREFIX}center=-1.66,0.1;width=0.4, or be three numbers θ1,θ2,width"
+    )]
+    Foreign,
+    /// A part without a word.
+    #[error("the location has '{0}' where a word, '=' and a value should be")]
+    NoWord(String),
+    /// A word that no scene has.
+    #[error("the location has the unknown word '{word}'; the words are {known}")]
+    Unknown {
+        /// The word.
+        word: String,
+        /// Those there are.
+        known: String,
+    },
+    /// A word that is there twice.
+    #[error("the location says {0} twice; leave one of them out")]
+    Twice(&'static str),
+    /// A value that cannot be used.
+    #[error("the location's {} is {}; {}", name(.0.option), .0.value, .0.range)]
+    Scene(#[from] SceneError),
+}
+
+fn name(option: &'static str) -> &'static str {
+    option.trim_start_matches("--")
+}
+
+/// The line that [`parse`] makes the same scene of.
+pub fn text(scene: &Scene) -> String {
+    let home = Scene::default();
+    let mut parts = Vec::new();
+    for (option, word) in Word::ALL {
+        let text = word.text(scene);
+        if matches!(word, Word::Center | Word::Width) || text != word.text(&home) {
+            parts.push(format!("{}={text}", name(option)));
+        }
+    }
+    format!("{PREFIX}{}", parts.join(";"))
+}
+
+/// The scene of a line, white space around it or its parts allowed.
+pub fn parse(text: &str) -> Result<Scene, LocationError> {
+    let text = text.trim();
+    let Some(parts) = text.strip_prefix(PREFIX) else { return three_numbers(text) };
+    let mut scene = Scene::default();
+    let mut said = Vec::new();
+    for part in parts.split(';').map(str::trim).filter(|part| !part.is_empty()) {
+        let (key, value) =
+            part.split_once('=').ok_or_else(|| LocationError::NoWord(part.to_string()))?;
+        let word = known(key.trim())?;
+        if said.contains(&word) {
+            return Err(LocationError::Twice(name(word.option())));
+        }
+        word.set(&mut scene, value.trim())?;
+        said.push(word);
+    }
+    Ok(scene.checked()?)
+}
+
+fn known(key: &str) -> Result<Word, LocationError> {
+    let found = Word::ALL.iter().find(|(option, _)| name(option) == key);
+    found.map(|(_, word)| *word).ok_or_else(|| LocationError::Unknown {
+        word: key.to_string(),
+        known: Word::ALL.map(|(option, _)| name(option)).join(", "),
+    })
+}
+
+/// `θ1,θ2,width`, as people write it in a message.
+fn three_numbers(text: &str) -> Result<Scene, LocationError> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [theta1, theta2, width] = parts[..] else { return Err(LocationError::Foreign) };
+    if parts.iter().any(|part| part.parse::<f64>().is_err()) {
+        return Err(LocationError::Foreign);
+    }
+    let mut scene = Scene::default();
+    scene.view.center = [theta1, theta2].map(str::to_string);
+    scene.view.width = width.to_string();
+    Ok(scene.checked()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Rule;
+    use crate::scene::{BUILT_IN, Build, Kind, Question, View};
+    use proptest::prelude::*;
+
+    fn refused(text: &str) -> String {
+        parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_location_reads_well() {
+        let mut scene = Scene::default();
+        assert_eq!(super::text(&scene), "flipmap:center=0,0;width=6.283185307179586");
+        scene.view.center = ["-1.66".into(), "0.1".into()];
+        scene.view.width = "0.4".into();
+        scene.question = Question { rule: Rule::Either, budget: 60.0 };
+        let line = "flipmap:center=-1.66,0.1;width=0.4;budget=60;rule=either";
+        assert_eq!(super::text(&scene), line);
+        assert_eq!(parse(&format!("\n  {line} ;\t\n")), Ok(scene.clone()));
+        let spaced = "flipmap: width = 0.4; rule = either; center = -1.66, 0.1; budget = 60";
+        assert_eq!(parse(spaced), Ok(scene));
+        assert_eq!(parse("flipmap:"), Ok(Scene::default()));
+    }
+
+    #[test]
+    fn three_numbers_are_a_view() {
+        let scene = parse(" -1.66, 1e-1 ,0.4\n").unwrap();
+        assert_eq!(super::text(&scene), "flipmap:center=-1.66,1e-1;width=0.4");
+    }
+
+    #[test]
+    fn built_in_scenes_come_back() {
+        for built_in in BUILT_IN {
+            let scene = built_in.document().scene();
+            assert_eq!(parse(&super::text(&scene)), Ok(scene));
+        }
+    }
+
+    #[test]
+    fn what_is_no_location_is_refused_in_a_sentence() {
+        for text in ["", "hello", "https://example.org", "1,2", "1,2,x", "1,2,3,4"] {
+            assert_eq!(parse(text), Err(LocationError::Foreign), "{text}");
+        }
+        assert!(refused("flipmap:1,2,3").contains("has '1,2,3' where a word"));
+        assert!(refused("flipmap:centre=1,2").contains("'centre'; the words are center, width"));
+        assert!(refused("flipmap:width=1;width=2").contains("width twice"));
+        assert!(refused("flipmap:width=0").contains("the location's width is '0'; it must be"));
+        assert!(refused("flipmap:rule=third").contains("the rules are second, first, either"));
+        assert!(refused("flipmap:budget=inf").contains("the location's budget is inf; it must"));
+        assert!(refused("1,2,nan").contains("width is 'nan'"));
+    }
+
+    fn scenes() -> impl Strategy<Value = Scene> {
+        let wide = || prop::array::uniform2(1e-9..1e9f64);
+        let rule = prop::sample::select(Rule::ALL.map(|(_, rule)| rule).to_vec());
+        let kind = prop::sample::select(vec![Kind::Points, Kind::Rods]);
+        let view = ("-?[0-9]{1,5}\\.[0-9]{1,40}", "-?[0-9]{1,5}", "[1-9]\\.[0-9]{1,30}e-[0-9]")
+            .prop_map(|(theta1, theta2, width)| ([theta1, theta2], width));
+        (
+            wide(),
+            wide(),
+            0.0..1e9f64,
+            1e-9..1e6f64,
+            rule,
+            kind,
+            view,
+            -360.0..360.0f64,
+            1e-6..1e6f64,
+        )
+            .prop_map(
+                |(masses, lengths, gravity, budget, rule, kind, view, rotate, stretch)| {
+                    let (center, width) = view;
+                    Scene {
+                        build: Build { kind, masses, lengths, gravity },
+                        question: Question { rule, budget },
+                        view: View { center, width, rotate, stretch },
+                    }
+                },
+            )
+    }
+
+    proptest! {
+        #[test]
+        fn every_scene_comes_back_the_same(scene in scenes()) {
+            prop_assume!(scene.clone().checked().is_ok());
+            prop_assert_eq!(parse(&super::text(&scene)), Ok(scene));
+        }
+
+        #[test]
+        fn nothing_pasted_is_too_odd(text in "\\PC*") {
+            let _ = parse(&text);
+            let _ = parse(&format!("flipmap:{text}"));
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Colours of samples. The tables are data in `assets/palettes`; nothing here computes flips.
+
+mod tones;
+
+pub use tones::{Lookup, Tones, equalised, rise};
+
+use super::SceneError;
+
+/// An opaque sRGB colour.
+pub type Rgb = [u8; 3];
+
+/// 256 colours from early to late, by name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Palette {
+    /// Its name.
+    pub name: &'static str,
+    table: Vec<Rgb>,
+}
+
+const FILES: [(&str, &str); 5] = [
+    ("batlow", include_str!("../../../assets/palettes/batlow.txt")),
+    ("viridis", include_str!("../../../assets/palettes/viridis.txt")),
+    ("magma", include_str!("../../../assets/palettes/magma.txt")),
+    ("cividis", include_str!("../../../assets/palettes/cividis.txt")),
+    ("romao", include_str!("../../../assets/palettes/romao.txt")),
+];
+
+/// Starts that can never flip: a grey that no palette has.
+pub const FORBIDDEN: Rgb = [0xb8, 0xbc, 0xc0];
+/// Starts that did not flip within the budget.
+pub const UNFLIPPED: Rgb = [0xff, 0xff, 0xff];
+/// Starts whose integration failed.
+pub const FAILED: Rgb = [0xff, 0x00, 0xff];
+
+impl Palette {
+    /// The palette called `name`.
+    pub fn named(name: &str) -> Result<Self, SceneError> {
+        let found = FILES.iter().find(|(known, _)| *known == name);
+        let (name, text) = found.ok_or_else(|| SceneError {
+            option: "--palette",
+            value: format!("'{name}'"),
+            range: "the palettes are batlow, viridis, magma, cividis, romao",
+        })?;
+        let table = text.lines().filter_map(parse_colour).collect();
+        Ok(Palette { name, table })
+    }
+
+    /// The names of all palettes.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        FILES.iter().map(|(name, _)| *name)
+    }
+
+    /// The colour at `position` in [0, 1], early to late.
+    pub fn colour(&self, position: f64) -> Rgb {
+        let last = self.table.len() - 1;
+        self.table[((position.clamp(0.0, 1.0) * last as f64).round() as usize).min(last)]
+    }
+}
+
+/// `#rrggbb`; other lines are comments.
+fn parse_colour(line: &str) -> Option<Rgb> {
+    let digits = line.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    let channel = |i: usize| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok();
+    Some([channel(0)?, channel(1)?, channel(2)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_table_has_256_colours() {
+        for name in Palette::names() {
+            assert_eq!(Palette::named(name).unwrap().table.len(), 256, "{name}");
+        }
+        let refused = Palette::named("rainbow").unwrap_err().to_string();
+        assert!(refused.contains(&Palette::names().collect::<Vec<_>>().join(", ")), "{refused}");
+    }
+
+    #[test]
+    fn the_statuses_have_colours_of_their_own() {
+        for name in Palette::names() {
+            let table = Palette::named(name).unwrap().table;
+            for own in [FORBIDDEN, UNFLIPPED, FAILED] {
+                assert!(!table.contains(&own), "{name} {own:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! Times to colours: between fixed times, so that a colour means the same in every tile of a
+//! picture, whatever else is in it.
+
+use super::{FAILED, FORBIDDEN, Palette, Rgb, UNFLIPPED};
+use crate::physics::{Outcome, Status};
+use crate::scene::{PictureTable, Scale, SceneError};
+
+/// Where in a palette each time lies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tones {
+    palette: Palette,
+    reverse: bool,
+    cycles: f64,
+    scale: Scale,
+    /// Seconds at which equal steps of the palette lie; at least two, rising.
+    times: Vec<f64>,
+}
+
+/// Colours at equal steps of the logarithm of time, for where there is a table and no arithmetic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lookup {
+    /// Seconds of the first colour.
+    pub first_secs: f64,
+    /// Seconds of the last one.
+    pub last_secs: f64,
+    /// Entry `k` of `n` is the colour at `first_secs · (last_secs / first_secs)^(k / (n − 1))`.
+    pub colours: Vec<Rgb>,
+}
+
+impl Tones {
+    /// The tones of a picture of a pendulum with this natural unit of time, and of this budget:
+    /// without times of its own it runs from the one, before which few flips come, to the other.
+    pub fn new(
+        picture: &PictureTable,
+        unit_secs: f64,
+        budget_secs: f64,
+    ) -> Result<Self, SceneError> {
+        picture.check()?;
+        let first_secs = if unit_secs < 0.5 * budget_secs { unit_secs } else { 0.1 * budget_secs };
+        let mut times = picture.times.clone();
+        if times.is_empty() {
+            times = vec![first_secs, budget_secs];
+        }
+        Ok(Tones {
+            palette: Palette::named(&picture.palette)?,
+            reverse: picture.reverse,
+            cycles: picture.cycles,
+            scale: picture.scale,
+            times,
+        })
+    }
+
+    /// The first and the last time that has a colour of its own, in s.
+    pub fn range_secs(&self) -> [f64; 2] {
+        [self.times[0], self.times[self.times.len() - 1]]
+    }
+
+    /// Where in the palette a time lies, in [0, 1].
+    pub fn position(&self, secs: f64) -> f64 {
+        let along = self.share(secs).clamp(0.0, 1.0) * self.cycles;
+        // The last time is the end of the last run, not the beginning of another.
+        let run = along.floor().min(self.cycles.ceil() - 1.0);
+        if self.reverse { 1.0 - (along - run) } else { along - run }
+    }
+
+    /// The share of the whole range that lies before a time.
+    fn share(&self, secs: f64) -> f64 {
+        let steps = self.times.len() - 1;
+        let step = self.times.partition_point(|&time| time <= secs).clamp(1, steps) - 1;
+        let [from, to] = [self.times[step], self.times[step + 1]];
+        let within = match self.scale {
+            Scale::Log => (secs / from).ln() / (to / from).ln(),
+            Scale::Linear => (secs - from) / (to - from),
+        };
+        (step as f64 + within) / steps as f64
+    }
+
+    /// The time that lies at a share of the range, in s: what a legend writes beside its colours.
+    pub fn secs_at(&self, share: f64) -> f64 {
+        let steps = self.times.len() - 1;
+        let along = share.clamp(0.0, 1.0) * steps as f64;
+        let step = (along as usize).min(steps - 1);
+        let ([from, to], within) = ([self.times[step], self.times[step + 1]], along - step as f64);
+        match self.scale {
+            Scale::Log => from * (to / from).powf(within),
+            Scale::Linear => from + (to - from) * within,
+        }
+    }
+
+    /// The colour of an outcome.
+    pub fn colour(&self, outcome: &Outcome) -> Rgb {
+        match outcome.status {
+            Status::Flipped => self.palette.colour(self.position(outcome.time)),
+            Status::Unflipped => UNFLIPPED,
+            Status::Forbidden => FORBIDDEN,
+            Status::Failed => FAILED,
+        }
+    }
+
+    /// A table of at least two colours.
+    pub fn lookup(&self, entries: usize) -> Lookup {
+        let [first_secs, last_secs] = self.range_secs();
+        let last = entries.max(2) - 1;
+        let secs = |k: usize| first_secs * (last_secs / first_secs).powf(k as f64 / last as f64);
+        let colour = |k| self.palette.colour(self.position(secs(k)));
+        Lookup { first_secs, last_secs, colours: (0..=last).map(colour).collect() }
+    }
+}
+
+/// Times closer than this share of themselves are the same time.
+const SAME: f64 = 1e-12;
+
+/// Whether each time is later than the one before, by more than rounding.
+pub fn rise(times: &[f64]) -> bool {
+    times.windows(2).all(|pair| pair[1] > pair[0] * (1.0 + SAME))
+}
+
+/// The times between which equally many of `times` lie, in at most `steps` steps: with them in
+/// [`PictureTable::times`] every colour is seen about equally often. Where there are fewer than
+/// two different times there is nothing to spread, and the answer is empty.
+pub fn equalised(times: impl Iterator<Item = f64>, steps: usize) -> Vec<f64> {
+    let steps = steps.clamp(1, PictureTable::MOST_TIMES - 1);
+    let mut sorted: Vec<f64> = times.filter(|secs| PictureTable::SECS.contains(secs)).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let mut quantiles: Vec<f64> = Vec::new();
+    let Some(last) = sorted.len().checked_sub(1) else { return quantiles };
+    for step in 0..=steps {
+        let secs = sorted[(step as f64 * last as f64 / steps as f64).round() as usize];
+        if quantiles.last().is_none_or(|&before| rise(&[before, secs])) {
+            quantiles.push(secs);
+        }
+    }
+    if quantiles.len() < 2 { Vec::new() } else { quantiles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn tones(change: impl FnOnce(&mut PictureTable)) -> Tones {
+        let mut picture = PictureTable::default();
+        change(&mut picture);
+        Tones::new(&picture, 0.3, 30.0).unwrap()
+    }
+
+    fn near(a: f64, b: f64) -> bool {
+        (a - b).abs() < 1e-12
+    }
+
+    #[test]
+    fn times_run_from_the_first_colour_to_the_last() {
+        let tones = tones(|_| {});
+        let palette = Palette::named("batlow").unwrap();
+        let colour = |time| tones.colour(&Outcome::flipped(time));
+        assert_eq!(tones.range_secs(), [0.3, 30.0]);
+        assert_eq!(colour(0.1), palette.colour(0.0));
+        assert_eq!(colour(30.0), palette.colour(1.0));
+        assert_eq!(colour(3.0), palette.colour(0.5));
+        assert_eq!(tones.colour(&Outcome::without_time(Status::Unflipped)), UNFLIPPED);
+    }
+
+    #[test]
+    fn a_budget_of_less_than_two_units_still_has_a_range() {
+        let tones = Tones::new(&PictureTable::default(), 0.3, 0.5).unwrap();
+        assert_eq!(tones.range_secs(), [0.05, 0.5]);
+    }
+
+    #[test]
+    fn equal_steps_lie_at_the_times_given() {
+        let tones = tones(|picture| picture.times = vec![1.0, 2.0, 16.0, 20.0]);
+        for (secs, share) in [(0.5, 0.0), (1.0, 0.0), (2.0, 1.0 / 3.0), (16.0, 2.0 / 3.0)] {
+            assert!(near(tones.position(secs), share), "{secs}");
+        }
+        assert!(near(tones.position(4.0), 1.0 / 3.0 + 1.0 / 9.0), "a third of the way in ratios");
+        assert!(near(tones.position(99.0), 1.0));
+    }
+
+    #[test]
+    fn a_linear_scale_has_equal_differences() {
+        let tones = tones(|picture| {
+            picture.scale = Scale::Linear;
+            picture.times = vec![10.0, 20.0];
+        });
+        assert!(near(tones.position(12.5), 0.25) && near(tones.secs_at(0.25), 12.5));
+    }
+
+    #[test]
+    fn a_palette_repeats_and_ends_at_its_end() {
+        let cycled = |cycles| {
+            tones(|picture| {
+                picture.cycles = cycles;
+                picture.scale = Scale::Linear;
+                picture.times = vec![10.0, 20.0];
+            })
+        };
+        let two = cycled(2.0);
+        assert!(near(two.position(12.5), 0.5) && near(two.position(17.5), 0.5));
+        assert!(near(two.position(15.0), 0.0) && near(two.position(20.0), 1.0));
+        assert!(near(cycled(2.5).position(20.0), 0.5));
+    }
+
+    #[test]
+    fn reversed_tones_run_backwards_in_every_cycle() {
+        let picture = PictureTable { cycles: 3.0, ..PictureTable::default() };
+        let forth = Tones::new(&picture, 0.3, 30.0).unwrap();
+        let back = Tones { reverse: true, ..forth.clone() };
+        for secs in [0.1, 0.4, 1.0, 7.7, 30.0] {
+            assert!(near(forth.position(secs) + back.position(secs), 1.0));
+        }
+    }
+
+    #[test]
+    fn the_lookup_has_the_colours_of_its_times() {
+        let tones = tones(|picture| {
+            picture.times = vec![0.5, 3.0, 4.0, 40.0];
+            picture.reverse = true;
+        });
+        let lookup = tones.lookup(1000);
+        assert_eq!((lookup.first_secs, lookup.last_secs, lookup.colours.len()), (0.5, 40.0, 1000));
+        for k in [0, 1, 400, 998, 999] {
+            let secs = 0.5 * 80f64.powf(k as f64 / 999.0);
+            assert_eq!(lookup.colours[k], tones.colour(&Outcome::flipped(secs)), "{k}");
+        }
+    }
+
+    #[test]
+    fn an_equalised_view_shows_every_colour_equally_often() {
+        let times: Vec<f64> =
+            (0..4000).map(|k| 1.0 + (f64::from(k) / 4000.0).powi(6) * 20.0).collect();
+        let tones = tones(|picture| picture.times = equalised(times.iter().copied(), 16));
+        for tenth in 0..10 {
+            let from = f64::from(tenth) / 10.0;
+            let inside =
+                times.iter().filter(|t| (from..from + 0.1).contains(&tones.position(**t))).count();
+            assert!((300..500).contains(&inside), "{tenth}: {inside}");
+        }
+    }
+
+    #[test]
+    fn few_and_equal_times_are_spread_as_far_as_they_go() {
+        assert!(equalised([].into_iter(), 16).is_empty());
+        assert!(equalised([2.0; 9].into_iter(), 16).is_empty());
+        assert!(equalised([f64::NAN, f64::INFINITY, -1.0, 2.0].into_iter(), 16).is_empty());
+        assert_eq!(equalised([5.0, 2.0].into_iter(), 16), [2.0, 5.0]);
+        assert_eq!(equalised([1.0, 1.0, 1.0, 1.0, 2.0, 3.0].into_iter(), 5), [1.0, 2.0, 3.0]);
+    }
+
+    proptest! {
+        #[test]
+        fn equalised_times_can_always_be_used(
+            times in proptest::collection::vec(1e-9..1e6f64, 0..200),
+            steps in 0usize..2000,
+        ) {
+            let times = equalised(times.into_iter(), steps);
+            let picture = PictureTable { times, ..PictureTable::default() };
+            prop_assert!(picture.check().is_ok());
+        }
+
+        #[test]
+        fn a_share_and_its_time_belong_together(share in 0.0..1.0f64, linear: bool) {
+            let scale = if linear { Scale::Linear } else { Scale::Log };
+            let tones = tones(|picture| {
+                picture.scale = scale;
+                picture.times = vec![0.5, 3.0, 4.0, 40.0];
+            });
+            prop_assert!((tones.position(tones.secs_at(share)) - share).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! How a picture is painted from its samples: nothing here changes what is computed.
+
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::SceneError;
+use super::palette::{Palette, rise};
+
+/// The table `[picture]` of a scene's file. The keys that came after the first release are
+/// written only where they differ from their defaults, so that older pictures stay the same files.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PictureTable {
+    /// Name of the colour table.
+    pub palette: String,
+    /// Whether the energy curve is drawn.
+    pub curve: bool,
+    /// Samples a pixel along each axis.
+    pub samples: u32,
+    /// Whether late flips have the palette's first colour.
+    #[serde(skip_serializing_if = "is_default")]
+    pub reverse: bool,
+    /// How often the palette is run through.
+    #[serde(skip_serializing_if = "is_once")]
+    pub cycles: f64,
+    /// How times between two of `times` are spread.
+    #[serde(skip_serializing_if = "is_default")]
+    pub scale: Scale,
+    /// Seconds at which equal steps of the palette lie: none for the pendulum's natural unit of
+    /// time and the budget, two for a range, more for one that is stretched.
+    #[serde(skip_serializing_if = "is_default")]
+    pub times: Vec<f64>,
+}
+
+impl Default for PictureTable {
+    fn default() -> Self {
+        PictureTable {
+            palette: "batlow".to_string(),
+            curve: true,
+            samples: 1,
+            reverse: false,
+            cycles: 1.0,
+            scale: Scale::Log,
+            times: Vec::new(),
+        }
+    }
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
+fn is_once(cycles: &f64) -> bool {
+    *cycles == 1.0
+}
+
+/// How colours follow times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scale {
+    /// Equal ratios of times are equal steps of colour.
+    #[default]
+    Log,
+    /// Equal differences are.
+    Linear,
+}
+
+impl Scale {
+    /// Every scale with its word.
+    pub const ALL: [(&'static str, Scale); 2] = [("log", Scale::Log), ("linear", Scale::Linear)];
+}
+
+impl FromStr for Scale {
+    type Err = &'static str;
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let known = Self::ALL.iter().find(|(word, _)| *word == text);
+        known.map(|(_, scale)| *scale).ok_or("it must be log or linear")
+    }
+}
+
+impl PictureTable {
+    /// Samples a pixel along each axis.
+    pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
+    /// How often the palette can be run through.
+    pub const CYCLES: std::ops::RangeInclusive<f64> = 1.0..=100.0;
+    /// Seconds that colours can stand for.
+    pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
+    /// Steps that a stretched range may have.
+    pub const MOST_TIMES: usize = 257;
+
+    /// Checks that everything can be used.
+    pub fn check(&self) -> Result<(), SceneError> {
+        Palette::named(&self.palette)?;
+        let refuse = |option, value, range| Err(SceneError { option, value, range });
+        if !Self::SAMPLES.contains(&self.samples) {
+            return refuse("--samples", self.samples.to_string(), "it must lie between 1 and 8");
+        }
+        if !Self::CYCLES.contains(&self.cycles) {
+            return refuse("--cycles", self.cycles.to_string(), "it must lie between 1 and 100");
+        }
+        let few = matches!(self.times.len(), 0 | 2..=Self::MOST_TIMES);
+        if !few || !self.times.iter().all(|secs| Self::SECS.contains(secs)) || !rise(&self.times) {
+            let range = "it must be 2 to 257 times between 1e-9 and 1e6 s, each later than the \
+                         one before";
+            return refuse("--times", format!("{:?}", self.times), range);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_painted_is_refused_by_name() {
+        type Change = fn(&mut PictureTable);
+        let changes: [(&str, Change); 9] = [
+            ("--palette is 'rainbow'; the palettes are batlow", |p| p.palette = "rainbow".into()),
+            ("--samples is 9; it must lie between 1 and 8", |p| p.samples = 9),
+            ("--cycles is 0; it must", |p| p.cycles = 0.0),
+            ("--cycles is NaN; it must", |p| p.cycles = f64::NAN),
+            ("--times is [1.0]; it must be 2 to", |p| p.times = vec![1.0]),
+            ("each later", |p| p.times = vec![2.0, 1.0]),
+            ("each later", |p| p.times = vec![1.0, 1.0 + f64::EPSILON]),
+            ("between 1e-9", |p| p.times = vec![0.0, 1.0]),
+            ("between 1e-9", |p| p.times = vec![1.0, f64::NAN]),
+        ];
+        PictureTable::default().check().unwrap();
+        for (words, change) in changes {
+            let mut picture = PictureTable::default();
+            change(&mut picture);
+            let error = picture.check().unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_plain_picture_writes_no_newer_keys() {
+        let text = toml::to_string(&PictureTable::default()).unwrap();
+        assert_eq!(text, "palette = \"batlow\"\ncurve = true\nsamples = 1\n");
+        let rich = PictureTable {
+            reverse: true,
+            cycles: 2.5,
+            scale: Scale::Linear,
+            times: vec![0.5, 2.0, 9.0],
+            ..PictureTable::default()
+        };
+        assert_eq!(toml::from_str::<PictureTable>(&toml::to_string(&rich).unwrap()).unwrap(), rich);
+    }
+}

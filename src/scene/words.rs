@@ -1,0 +1,149 @@
+//! A scene's numbers as words: `--rule either` on the command line, `rule=either` in a location.
+
+use super::{Kind, Scene, SceneError};
+use crate::physics::Rule;
+
+/// One number of a scene, or a pair of them, that has an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Word {
+    /// θ1, θ2 of the middle.
+    Center,
+    /// The view's width.
+    Width,
+    /// How it is turned.
+    Rotate,
+    /// How it is stretched.
+    Stretch,
+    /// How long a pixel is followed.
+    Budget,
+    /// Which bob is watched.
+    Rule,
+    /// Bobs or bars.
+    Kind,
+    /// m1, m2.
+    Masses,
+    /// l1, l2.
+    Lengths,
+    /// g.
+    Gravity,
+}
+
+const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comma between them";
+
+impl Word {
+    /// Every word with its option, where first and then what.
+    pub const ALL: [(&'static str, Word); 10] = [
+        ("--center", Word::Center),
+        ("--width", Word::Width),
+        ("--rotate", Word::Rotate),
+        ("--stretch", Word::Stretch),
+        ("--budget", Word::Budget),
+        ("--rule", Word::Rule),
+        ("--kind", Word::Kind),
+        ("--masses", Word::Masses),
+        ("--lengths", Word::Lengths),
+        ("--gravity", Word::Gravity),
+    ];
+
+    /// Its option.
+    pub fn option(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+
+    /// Changes the scene to what `text` says of this word; [`Scene::checked`] looks at ranges.
+    pub fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
+        self.apply(scene, text.trim()).map_err(|range| SceneError {
+            option: self.option(),
+            value: format!("'{text}'"),
+            range,
+        })
+    }
+
+    fn apply(self, scene: &mut Scene, text: &str) -> Result<(), &'static str> {
+        let Scene { build, question, view } = scene;
+        let number = |range| text.parse().map_err(|_| range);
+        match self {
+            Word::Center => {
+                let pair = text.split_once(',');
+                let (theta1, theta2) =
+                    pair.ok_or("it must be two numbers with a comma between them")?;
+                view.center = [theta1, theta2].map(|theta| theta.trim().to_string());
+            }
+            Word::Width => view.width = text.to_string(),
+            Word::Rotate => {
+                view.rotate = number("it must be a number of degrees between -360 and 360")?;
+            }
+            Word::Stretch => view.stretch = number("it must be a number between 1e-6 and 1e6")?,
+            Word::Budget => {
+                question.budget = number("it must be a number of seconds between 1e-9 and 1e6")?;
+            }
+            Word::Rule => {
+                question.rule =
+                    known(&Rule::ALL, text).ok_or("the rules are second, first, either")?;
+            }
+            Word::Kind => {
+                build.kind = known(&Kind::ALL, text).ok_or("it must be points or rods")?;
+            }
+            Word::Masses => build.masses = pair(text).ok_or(WIDE_PAIR)?,
+            Word::Lengths => build.lengths = pair(text).ok_or(WIDE_PAIR)?,
+            Word::Gravity => {
+                build.gravity = number("it must be 0 or a number between 1e-9 and 1e9 m/s²")?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The text that [`Word::set`] makes the same of.
+    pub fn text(self, scene: &Scene) -> String {
+        let Scene { build, question, view } = scene;
+        let pair = |[first, second]: [f64; 2]| format!("{first},{second}");
+        match self {
+            Word::Center => view.center.join(","),
+            Word::Width => view.width.clone(),
+            Word::Rotate => view.rotate.to_string(),
+            Word::Stretch => view.stretch.to_string(),
+            Word::Budget => question.budget.to_string(),
+            Word::Rule => question.rule.to_string(),
+            Word::Kind => Kind::ALL[build.kind as usize].0.to_string(),
+            Word::Masses => pair(build.masses),
+            Word::Lengths => pair(build.lengths),
+            Word::Gravity => build.gravity.to_string(),
+        }
+    }
+}
+
+fn known<T: Copy>(all: &[(&str, T)], text: &str) -> Option<T> {
+    all.iter().find(|(word, _)| *word == text).map(|(_, value)| *value)
+}
+
+fn pair(text: &str) -> Option<[f64; 2]> {
+    let (first, second) = text.split_once(',')?;
+    Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_and_kinds_stand_in_their_places() {
+        for (place, (option, word)) in Word::ALL.into_iter().enumerate() {
+            assert_eq!((word as usize, word.option()), (place, option));
+        }
+        for (place, (_, kind)) in Kind::ALL.into_iter().enumerate() {
+            assert_eq!(kind as usize, place);
+        }
+    }
+
+    #[test]
+    fn what_a_word_says_it_also_sets() {
+        let said =
+            ["1.5,-0.25", "1e-12", "30", "2", "60", "either", "rods", "1,2.5", "0.4,1", "1.62"];
+        let mut scene = Scene::default();
+        for ((_, word), text) in Word::ALL.into_iter().zip(said) {
+            assert_ne!(word.text(&scene), text);
+            word.set(&mut scene, text).unwrap();
+            assert_eq!(word.text(&scene), text);
+        }
+    }
+}
