@@ -5,9 +5,15 @@
 //! pictured without a window. What takes time runs on threads of its own and wakes the window
 //! when it has something to show.
 
+pub mod action;
 pub mod camera;
 pub mod canvas;
+pub mod commands;
 pub mod flight;
+pub mod gesture;
 pub mod history;
+pub mod hover;
+pub mod notices;
 pub mod panels;
 pub mod pins;
+pub mod state;

@@ -1,0 +1,199 @@
+//! The commands that have a name and mostly a key: one list for the keyboard, the list of keys
+//! and the command palette.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+use glam::DVec2;
+
+use super::action::{Action, Look};
+use super::state::{Dialog, Layers, State};
+use crate::engine::Accuracy;
+
+/// Something to do by name.
+pub struct Command {
+    /// What it does, in a few words.
+    pub name: &'static str,
+    /// The keys that do it.
+    pub keys: Vec<KeyboardShortcut>,
+    /// What happens.
+    pub action: Action,
+}
+
+/// A share of the canvas that an arrow key moves.
+const STEP: f64 = 0.15;
+/// How much closer a key zooms.
+const KEY_ZOOM: f64 = std::f64::consts::SQRT_2;
+
+const PLAIN: Modifiers = Modifiers::NONE;
+
+fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(modifiers, key)
+}
+
+/// Every command, as it would act on a state.
+pub fn commands(state: &State) -> Vec<Command> {
+    let mut commands = moving();
+    commands.extend(showing(&state.layers));
+    commands.extend(doing(state));
+    commands
+}
+
+fn command(
+    name: &'static str,
+    keys: impl IntoIterator<Item = KeyboardShortcut>,
+    action: Action,
+) -> Command {
+    Command { name, keys: keys.into_iter().collect(), action }
+}
+
+fn moving() -> Vec<Command> {
+    let step = |x, y| Action::Look(Look::Step(DVec2::new(x, y) * STEP));
+    let zoom = |factor| Action::Look(Look::Zoom { factor, about: DVec2::ZERO });
+    vec![
+        command("Move left", [key(PLAIN, Key::ArrowLeft)], step(-1.0, 0.0)),
+        command("Move right", [key(PLAIN, Key::ArrowRight)], step(1.0, 0.0)),
+        command("Move up", [key(PLAIN, Key::ArrowUp)], step(0.0, -1.0)),
+        command("Move down", [key(PLAIN, Key::ArrowDown)], step(0.0, 1.0)),
+        command("Zoom in", [key(PLAIN, Key::Plus), key(PLAIN, Key::Equals)], zoom(KEY_ZOOM)),
+        command("Zoom out", [key(PLAIN, Key::Minus)], zoom(1.0 / KEY_ZOOM)),
+        command("The whole map", [key(PLAIN, Key::Num0)], Action::Look(Look::Home)),
+        command(
+            "Back to the view before",
+            [key(PLAIN, Key::Backspace), key(Modifiers::ALT, Key::ArrowLeft)],
+            Action::Look(Look::Back),
+        ),
+        command(
+            "Forward again",
+            [key(Modifiers::ALT, Key::ArrowRight)],
+            Action::Look(Look::Forward),
+        ),
+    ]
+}
+
+fn showing(layers: &Layers) -> Vec<Command> {
+    let layer = |change: fn(&mut Layers)| {
+        let mut layers = *layers;
+        change(&mut layers);
+        Action::Layers(layers)
+    };
+    let keyed = |letter| [key(PLAIN, letter)];
+    vec![
+        command("Energy curve", keyed(Key::C), layer(|layers| layers.curve ^= true)),
+        command("Doubts, hatched", keyed(Key::T), layer(|layers| layers.trust ^= true)),
+        command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
+        command("Borders of tiles", keyed(Key::B), layer(|layers| layers.tiles ^= true)),
+        command("Panels at the side", keyed(Key::Tab), Action::Toggle(Dialog::Side)),
+        command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
+        command(
+            "Commands",
+            [key(Modifiers::COMMAND, Key::K), key(Modifiers::COMMAND, Key::P)],
+            Action::Toggle(Dialog::Commands),
+        ),
+        command("What the window measures", keyed(Key::F12), Action::Toggle(Dialog::Debug)),
+        command("Full screen", keyed(Key::F11), Action::FullScreen),
+    ]
+}
+
+fn doing(state: &State) -> Vec<Command> {
+    let accuracy = |accuracy| Action::Accuracy(accuracy);
+    let scale = |factor: f32| Action::UiScale(state.ui_scale * factor);
+    let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
+    vec![
+        command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
+        command("Play or pause the pendulum", [key(PLAIN, Key::Space)], Action::PlayPause),
+        command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
+        command("Copy the location", ctrl(Key::L), Action::CopyLocation),
+        command("Accuracy: lesson", [], accuracy(Accuracy::Lesson)),
+        command("Accuracy: fast", [], accuracy(Accuracy::Fast)),
+        command("Accuracy: balanced", [], accuracy(Accuracy::Balanced)),
+        command("Accuracy: exact", [], accuracy(Accuracy::Exact)),
+        command("Interface larger", ctrl(Key::Plus), scale(1.1)),
+        command("Interface smaller", ctrl(Key::Minus), scale(1.0 / 1.1)),
+        command("Dark", [], Action::Theme(egui::ThemePreference::Dark)),
+        command("Light", [], Action::Theme(egui::ThemePreference::Light)),
+        command("Smooth moves on or off", [], Action::Animate(!state.animate)),
+        command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
+        command("Quit", ctrl(Key::Q), Action::Quit),
+    ]
+}
+
+/// Takes the keys of commands out of the input and returns what they ask for. With `typing`,
+/// only those that no text field wants.
+pub fn pressed(input: &mut egui::InputState, state: &State, typing: bool) -> Vec<Action> {
+    let mut actions = Vec::new();
+    let mut known: Vec<(KeyboardShortcut, Action)> = commands(state)
+        .into_iter()
+        .flat_map(|c| c.keys.into_iter().map(move |key| (key, c.action.clone())))
+        .collect();
+    // egui lets a shortcut without modifiers match with Alt held, so the specific come first.
+    known.sort_by_key(|(key, _)| std::cmp::Reverse(usize::from(key.modifiers != PLAIN)));
+    for (shortcut, action) in known {
+        let for_text = shortcut.modifiers == PLAIN && !is_function_key(shortcut.logical_key);
+        if typing && for_text && shortcut.logical_key != Key::Escape {
+            continue;
+        }
+        let count = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
+        actions.extend(std::iter::repeat_n(action, count));
+    }
+    actions
+}
+
+fn is_function_key(key: Key) -> bool {
+    [Key::F1, Key::F11, Key::F12].contains(&key)
+}
+
+/// How a shortcut is written.
+pub fn shortcut_text(shortcut: &KeyboardShortcut) -> String {
+    let mut text = String::new();
+    for (held, name) in [
+        (shortcut.modifiers.command, "Ctrl+"),
+        (shortcut.modifiers.alt, "Alt+"),
+        (shortcut.modifiers.shift, "Shift+"),
+    ] {
+        if held {
+            text.push_str(name);
+        }
+    }
+    text + shortcut.logical_key.symbol_or_name()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::state::tests::state;
+
+    #[test]
+    fn every_name_and_every_key_is_used_once() {
+        let state = state();
+        let commands = commands(&state);
+        let mut names: Vec<_> = commands.iter().map(|command| command.name).collect();
+        let mut keys: Vec<String> =
+            commands.iter().flat_map(|c| &c.keys).map(shortcut_text).collect();
+        let (all_names, all_keys) = (names.len(), keys.len());
+        names.sort_unstable();
+        names.dedup();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!((names.len(), keys.len()), (all_names, all_keys));
+    }
+
+    #[test]
+    fn keys_become_actions_unless_a_text_field_wants_them() {
+        let press = |modifiers, key, typing| {
+            let mut input = egui::InputState::default();
+            input.events.push(egui::Event::Key {
+                key,
+                physical_key: None,
+                pressed: true,
+                repeat: false,
+                modifiers,
+            });
+            pressed(&mut input, &state(), typing)
+        };
+        assert_eq!(press(PLAIN, Key::Num0, false), [Action::Look(Look::Home)]);
+        assert_eq!(press(PLAIN, Key::Num0, true), []);
+        assert_eq!(press(PLAIN, Key::F1, true), [Action::Toggle(Dialog::Help)]);
+        assert_eq!(press(Modifiers::ALT, Key::ArrowLeft, false), [Action::Look(Look::Back)]);
+        let left = Action::Look(Look::Step(DVec2::new(-STEP, -0.0)));
+        assert_eq!(press(PLAIN, Key::ArrowLeft, false), [left]);
+    }
+}

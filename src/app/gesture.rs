@@ -1,0 +1,123 @@
+//! What the pointer does on the canvas, as actions. Points are from the canvas' middle, y down.
+
+use glam::DVec2;
+
+use super::action::{Action, Look};
+
+/// What happened on the canvas since the last frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gesture {
+    /// Where the pointer is, if it is over the canvas.
+    pub pointer: Option<DVec2>,
+    /// How far the primary button dragged.
+    pub dragged: DVec2,
+    /// Where the drag began, as long as it lasts.
+    pub drag_began: Option<DVec2>,
+    /// A drag ended.
+    pub released: bool,
+    /// One click.
+    pub clicked: bool,
+    /// The second of two.
+    pub double_clicked: bool,
+    /// Shift is held.
+    pub shift: bool,
+    /// Notches of the wheel, away from the person.
+    pub notches: f64,
+    /// How much a pinch, or Ctrl and the wheel, enlarges.
+    pub pinch: f64,
+}
+
+/// Notches of the wheel for twice as close.
+const NOTCHES_FOR_TWICE: f64 = 3.0;
+
+impl Gesture {
+    /// What it asks for; `drawing` is the rectangle being drawn so far.
+    pub fn actions(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
+        let mut actions = vec![Action::Hover(self.pointer)];
+        let about = self.pointer.unwrap_or(DVec2::ZERO);
+        let zoom = |factor| Action::Look(Look::Zoom { factor, about });
+        let factor = self.pinch.max(f64::MIN_POSITIVE) * (self.notches / NOTCHES_FOR_TWICE).exp2();
+        if factor != 1.0 {
+            actions.push(zoom(factor));
+        }
+        actions.extend(self.drag(drawing));
+        if self.double_clicked {
+            actions.extend([Action::Unpin, zoom(if self.shift { 0.5 } else { 2.0 })]);
+        } else if self.clicked {
+            actions.push(Action::Pin(about));
+        }
+        actions
+    }
+
+    /// Dragging moves the map; with Shift held at the beginning it draws a rectangle.
+    fn drag(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
+        match (self.drag_began, drawing) {
+            (_, Some(corners)) if self.released => {
+                vec![Action::Drawing(None), Action::Look(Look::Box(corners))]
+            }
+            (_, None) if self.released => vec![Action::Look(Look::Release)],
+            (Some(began), Some(_)) => {
+                let to = self.pointer.unwrap_or(began);
+                vec![Action::Drawing(Some([began, to]))]
+            }
+            (Some(began), None) if self.shift => vec![Action::Drawing(Some([began, began]))],
+            (Some(_), None) if self.dragged != DVec2::ZERO => {
+                vec![Action::Look(Look::Drag(self.dragged))]
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HERE: DVec2 = DVec2::new(10.0, 20.0);
+
+    fn looks(gesture: Gesture, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
+        gesture.actions(drawing).split_off(1)
+    }
+
+    fn still() -> Gesture {
+        Gesture { pointer: Some(HERE), pinch: 1.0, ..Gesture::default() }
+    }
+
+    #[test]
+    fn nothing_is_nothing() {
+        assert_eq!(still().actions(None), [Action::Hover(Some(HERE))]);
+    }
+
+    #[test]
+    fn wheel_and_pinch_zoom_about_the_pointer() {
+        let wheel = looks(Gesture { notches: 3.0, ..still() }, None);
+        assert_eq!(wheel, [Action::Look(Look::Zoom { factor: 2.0, about: HERE })]);
+        let pinch = looks(Gesture { pinch: 0.5, ..still() }, None);
+        assert_eq!(pinch, [Action::Look(Look::Zoom { factor: 0.5, about: HERE })]);
+    }
+
+    #[test]
+    fn a_click_pins_and_a_second_zooms_instead() {
+        assert_eq!(looks(Gesture { clicked: true, ..still() }, None), [Action::Pin(HERE)]);
+        let twice = Gesture { clicked: true, double_clicked: true, ..still() };
+        let zoom = |factor| Action::Look(Look::Zoom { factor, about: HERE });
+        assert_eq!(looks(twice, None), [Action::Unpin, zoom(2.0)]);
+        let out = Gesture { shift: true, ..twice };
+        assert_eq!(looks(out, None), [Action::Unpin, zoom(0.5)]);
+    }
+
+    #[test]
+    fn dragging_moves_and_with_shift_draws_a_box() {
+        let by = DVec2::new(3.0, -1.0);
+        let drag = Gesture { dragged: by, drag_began: Some(DVec2::ZERO), ..still() };
+        assert_eq!(looks(drag, None), [Action::Look(Look::Drag(by))]);
+        let began = Gesture { shift: true, ..drag };
+        assert_eq!(looks(began, None), [Action::Drawing(Some([DVec2::ZERO; 2]))]);
+        let corners = [DVec2::ZERO, HERE];
+        assert_eq!(looks(drag, Some([DVec2::ZERO; 2])), [Action::Drawing(Some(corners))]);
+        let released = Gesture { released: true, drag_began: None, ..drag };
+        let ended = [Action::Drawing(None), Action::Look(Look::Box(corners))];
+        assert_eq!(looks(released, Some(corners)), ended);
+        assert_eq!(looks(released, None), [Action::Look(Look::Release)]);
+    }
+}

@@ -1,0 +1,53 @@
+//! What is under the pointer.
+
+use crate::engine::Trust;
+use crate::physics::{Dd, Outcome};
+use crate::tiles::explorer::Explorer;
+use crate::tiles::lattice::{Cell, SIDE, side_rad};
+
+/// The start of the sample of a level that is drawn at an angle, and of the next one to the right.
+pub fn sample_at(angle: [Dd; 2], level: u32) -> [[Dd; 2]; 2] {
+    let cell = Cell::around(angle, level);
+    let [column, row] = cell.sample_at(angle);
+    let pixel = side_rad(level) / Dd::new(f64::from(SIDE));
+    let half = f64::from(SIDE) / 2.0;
+    let [theta1, theta2] = cell.center();
+    let along = |column: f64| theta1 + Dd::new(column + 0.5 - half) * pixel;
+    let up = theta2 + Dd::new(half - f64::from(row) - 0.5) * pixel;
+    let column = f64::from(column);
+    [column, column + 1.0].map(|column| [along(column).wrapped(), up])
+}
+
+/// What the map knows of the sample at an angle; nothing while only coarser ones are there.
+pub fn outcome_at(
+    explorer: &mut Explorer,
+    angle: [Dd; 2],
+    level: u32,
+) -> Option<(Outcome, Trust)> {
+    let cell = Cell::around(angle, level);
+    let [column, row] = cell.sample_at(angle);
+    let (known, mirrored) = explorer.known(cell)?;
+    let place = (row * SIDE + column) as usize;
+    let place = if mirrored { known.samples.len() - 1 - place } else { place };
+    Some((known.samples.get(place), known.samples.trust(place)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    #[test]
+    fn a_sample_starts_where_its_tile_says() {
+        let angle = [Dd::new(-1.66), Dd::new(0.1)];
+        for level in [0, 3, 20, 60] {
+            let [start, next] = sample_at(angle, level);
+            let cell = Cell::around(angle, level);
+            let [column, row] = cell.sample_at(angle);
+            let grid = cell.grid(&Scene::default());
+            assert_eq!(start, grid.angle_from_pixel(column, row));
+            let apart = (next[0] - start[0]).hi / (side_rad(level).hi / f64::from(SIDE));
+            assert!((apart - 1.0).abs() < 1e-9 && next[1] == start[1]);
+        }
+    }
+}
