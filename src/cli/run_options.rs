@@ -84,6 +84,7 @@ impl RunOptions {
             adapter: self.adapter.clone(),
             threads: self.threads(),
             demand,
+            ..Wish::default()
         }
     }
 

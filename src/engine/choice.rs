@@ -1,8 +1,10 @@
 //! Which engine runs, and which recipe: what was asked for, what there is, and why the one was
 //! chosen.
 
+use std::time::Duration;
+
 use super::cpu::CpuEngine;
-use super::gpu::GpuEngine;
+use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::gpu::device::{Gpu, adapters, describe};
 use super::profile::{Profile, Row};
 use super::{Accuracy, Engine, EngineError, Precision, Recipe, selfcheck};
@@ -18,12 +20,14 @@ pub struct Wish {
     pub threads: Option<usize>,
     /// What is to be computed with it.
     pub demand: Demand,
+    /// How long a slice may run on an adapter.
+    pub pace: Duration,
 }
 
 impl Default for Wish {
     fn default() -> Self {
         let demand = Demand::Level(Accuracy::default());
-        Wish { kind: Kind::Auto, adapter: None, threads: None, demand }
+        Wish { kind: Kind::Auto, adapter: None, threads: None, demand, pace: HEADLESS_PACE }
     }
 }
 
@@ -181,7 +185,8 @@ fn first_sound(wish: &Wish) -> Result<Result<Chosen, String>, ChoiceError> {
     let mut failures = Vec::new();
     for adapter in fitting {
         match sound(&adapter, recipes_on(&adapter, wish.demand, profile.as_ref())) {
-            Ok((engine, recipe)) => {
+            Ok((mut engine, recipe)) => {
+                engine.set_pace(wish.pace);
                 let why = format!("{} passed the self-check", engine.adapter());
                 return Ok(Ok(Chosen { engine: Box::new(engine), recipe, why }));
             }

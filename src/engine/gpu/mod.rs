@@ -24,7 +24,7 @@ use super::{Engine, EngineError, Finished, Job, Recipe, Wait};
 /// Jobs on the device at a time.
 const SLOTS: usize = 2;
 /// How long a slice may run when nobody watches: drivers reset at 2 s.
-const HEADLESS_PACE: Duration = Duration::from_millis(50);
+pub const HEADLESS_PACE: Duration = Duration::from_millis(50);
 /// The first slice's steps, before anything was measured.
 const FIRST_SLICE_STEPS: u32 = 8;
 /// Slices that a full budget is cut into at least, so that lanes are packed anew often enough.

@@ -1,0 +1,165 @@
+//! The engine behind the window, its scheduler, and what happens when one of them fails.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::engine::background::{self, Background, Opening};
+use crate::engine::choice::{self, Chosen, Demand, Kind, Wish};
+use crate::engine::trust::TrustEngine;
+use crate::engine::{Engine, Recipe};
+use crate::tiles::explorer::{Aim, Explorer};
+
+/// Wakes the window from any thread.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// How long a slice may run on a graphics card while a window is open.
+const PACE: Duration = Duration::from_millis(15);
+/// An engine that fails so often in a row is not opened again until the person says so.
+const MOST_FAILURES: u32 = 3;
+
+/// Where the engine is in its life.
+enum Stage {
+    Opening(Opening),
+    Ready(Box<Background>),
+    Failed,
+}
+
+/// The engine and the cells it computes.
+pub struct EngineRoom {
+    /// What is known and wanted.
+    pub explorer: Explorer,
+    wish: Wish,
+    verify: bool,
+    stage: Stage,
+    failures: u32,
+    wake: Wake,
+}
+
+/// What came of a turn.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Turn {
+    /// Something new can be drawn.
+    pub news: bool,
+    /// What went wrong, in a sentence with what to do.
+    pub failure: Option<String>,
+}
+
+impl EngineRoom {
+    /// Begins to open an engine.
+    pub fn new(wish: Wish, verify: bool, cache_bytes: usize, wake: Wake) -> Self {
+        let stage = Stage::Failed;
+        let explorer = Explorer::new(cache_bytes);
+        let mut room = EngineRoom { explorer, wish, verify, stage, failures: 0, wake };
+        room.open();
+        room
+    }
+
+    /// Opens another engine, or the same anew. What was computed stays.
+    pub fn reopen(&mut self, kind: Kind, demand: Demand, verify: bool) {
+        self.wish = Wish { kind, demand, ..self.wish.clone() };
+        self.verify = verify;
+        self.failures = 0;
+        self.open();
+    }
+
+    fn open(&mut self) {
+        self.explorer.ground();
+        let (wish, verify) = (self.wish.clone(), self.verify);
+        let wake = Arc::clone(&self.wake);
+        let opening = background::open(move || open(&wish, verify), move || wake());
+        self.stage = opening.map_or_else(
+            |error| {
+                log::error!("no thread for the engine: {error}");
+                Stage::Failed
+            },
+            Stage::Opening,
+        );
+    }
+
+    /// The recipe of the engine, once it is open.
+    pub fn recipe(&self) -> Option<Recipe> {
+        match &self.stage {
+            Stage::Ready(engine) => Some(engine.recipe),
+            _ => None,
+        }
+    }
+
+    /// The engine, for people: its name, adapter, and why it was chosen.
+    pub fn engine(&self) -> Option<(&'static str, String, &str)> {
+        match &self.stage {
+            Stage::Ready(engine) => Some((engine.name(), engine.adapter(), &engine.why)),
+            _ => None,
+        }
+    }
+
+    /// Whether an engine is being opened.
+    pub fn is_opening(&self) -> bool {
+        matches!(self.stage, Stage::Opening(_))
+    }
+
+    /// Whether there is none, and none is coming.
+    pub fn has_failed(&self) -> bool {
+        matches!(self.stage, Stage::Failed)
+    }
+
+    /// Aims at what is looked at and moves the work on, without waiting.
+    pub fn turn(&mut self, aim: impl FnOnce(Recipe) -> Aim, deadline: Instant) -> Turn {
+        self.take_opened().unwrap_or_else(|| {
+            let Stage::Ready(engine) = &mut self.stage else { return Turn::default() };
+            self.explorer.aim(aim(engine.recipe));
+            match self.explorer.work(engine.as_mut(), Some(deadline)) {
+                Ok(news) => {
+                    if news {
+                        self.failures = 0;
+                    }
+                    Turn { news, failure: None }
+                }
+                Err(error) => self.fail(&error.to_string()),
+            }
+        })
+    }
+
+    /// Takes an engine that has been opened, or the news that it could not be.
+    fn take_opened(&mut self) -> Option<Turn> {
+        let Stage::Opening(opening) = &self.stage else { return None };
+        match opening.poll()? {
+            Ok(engine) => {
+                self.stage = Stage::Ready(Box::new(engine));
+                None
+            }
+            Err(error) => Some(self.fail(&error.to_string())),
+        }
+    }
+
+    /// Opens the engine anew a few times, then the processor, then gives up.
+    fn fail(&mut self, why: &str) -> Turn {
+        self.failures += 1;
+        self.stage = Stage::Failed;
+        self.explorer.ground();
+        let then = if self.failures < MOST_FAILURES {
+            self.open();
+            "The engine is being opened again."
+        } else if self.wish.kind != Kind::Cpu {
+            self.wish = Wish { kind: Kind::Cpu, adapter: None, ..self.wish.clone() };
+            self.failures = 0;
+            self.open();
+            "The processor goes on; choose another engine under Accuracy."
+        } else {
+            "Choose another engine or accuracy, or press Try again."
+        };
+        Turn { news: true, failure: Some(format!("The engine failed: {why}. {then}")) }
+    }
+}
+
+/// Opens an engine as it is used behind a window: with short slices, and less urgent than the
+/// window's own threads.
+fn open(wish: &Wish, verify: bool) -> Result<Chosen, choice::ChoiceError> {
+    let wish = Wish { pace: PACE, ..wish.clone() };
+    let Chosen { engine, recipe, why } = choice::choose(&wish, &|text| log::info!("{text}"))?;
+    let engine: Box<dyn Engine> = if verify {
+        Box::new(TrustEngine::new(engine, wish.threads)?)
+    } else {
+        engine
+    };
+    Ok(Chosen { engine, recipe, why })
+}

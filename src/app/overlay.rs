@@ -1,0 +1,269 @@
+//! What is drawn over the colours: the energy curve, the grid of angles, borders of tiles.
+
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
+use glam::DVec2;
+
+use super::camera::Screen;
+use crate::physics::{Angle, Dd, Rule, Scalar};
+use crate::scene::Build;
+use crate::tiles::explorer::MOST_CELLS;
+use crate::tiles::lattice::side_rad;
+
+/// Points between the nodes at which the energy is looked at.
+const CURVE_NODE: f64 = 8.0;
+
+/// Where on the canvas' rectangle a point from its middle is.
+pub fn position(rect: Rect, point: DVec2) -> Pos2 {
+    rect.center() + egui::vec2(point.x as f32, point.y as f32)
+}
+
+/// The energy of starts near a centre, over the bound above which they can never flip.
+/// Differences are kept apart from the centre's own depth, so that no digit is lost however
+/// small the view.
+struct Depth {
+    /// At the centre, J.
+    center: f64,
+    /// P and Q, J, and sine and cosine of the centre's angles.
+    weights: [f64; 2],
+    sines: [[f64; 2]; 2],
+}
+
+impl Depth {
+    fn new(build: &Build, rule: Rule, center: [Dd; 2]) -> Self {
+        let pendulum = build.pendulum().convert::<Dd>();
+        let (p, q) = (pendulum.p, pendulum.q);
+        let bound = match rule {
+            Rule::Second => p - q,
+            Rule::First => q - p,
+            Rule::Either => (p - q).abs(),
+        };
+        let sines = center.map(|theta| theta.sin_cos());
+        let depth = p * sines[0].1 + q * sines[1].1 - bound;
+        let sines = sines.map(|(sin, cos)| [sin.hi, cos.hi]);
+        Depth { center: depth.hi, weights: [p.hi, q.hi], sines }
+    }
+
+    /// At an offset from the centre, J.
+    fn at(&self, offset: DVec2) -> f64 {
+        let rise = |i: usize, by: f64| {
+            let half = (by / 2.0).sin();
+            let [sin, cos] = self.sines[i];
+            self.weights[i] * (-2.0 * cos * half * half - sin * by.sin())
+        };
+        self.center + rise(0, offset.x) + rise(1, offset.y)
+    }
+}
+
+/// The energy curve as short lines, in points from the canvas' middle.
+pub fn energy_curve(screen: &Screen, build: &Build, rule: Rule) -> Vec<[DVec2; 2]> {
+    let depth = Depth::new(build, rule, screen.camera.center);
+    let columns = (screen.size.x / CURVE_NODE).ceil() as usize;
+    let rows = (screen.size.y / CURVE_NODE).ceil() as usize;
+    let node = |column: usize, row: usize| {
+        DVec2::new(column as f64, row as f64) * CURVE_NODE - screen.size / 2.0
+    };
+    let row_of = |row: usize| -> Vec<f64> {
+        (0..=columns).map(|column| depth.at(screen.offset_at(node(column, row)))).collect()
+    };
+    let mut lines = Vec::new();
+    let mut above = row_of(0);
+    for row in 0..rows {
+        let below = row_of(row + 1);
+        for column in 0..columns {
+            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| {
+                let depths = if y == 0 { &above } else { &below };
+                (node(column + x, row + y), depths[column + x])
+            });
+            lines.extend(crossing(corners));
+        }
+        above = below;
+    }
+    lines
+}
+
+/// Where the curve crosses a square, by linear interpolation along its sides (marching squares).
+fn crossing(corners: [(DVec2, f64); 4]) -> impl Iterator<Item = [DVec2; 2]> {
+    let mut points = Vec::new();
+    for side in 0..4 {
+        let ((a, depth_a), (b, depth_b)) = (corners[side], corners[(side + 1) % 4]);
+        if (depth_a > 0.0) != (depth_b > 0.0) {
+            points.push(a + (b - a) * (depth_a / (depth_a - depth_b)));
+        }
+    }
+    let pairs = points.len() / 2;
+    (0..pairs).map(move |pair| [points[2 * pair], points[2 * pair + 1]])
+}
+
+/// Draws the energy curve: dark, with a light rim, so that it is seen on every colour.
+pub fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]]) {
+    for stroke in [Stroke::new(3.0, Color32::from_white_alpha(90)), Stroke::new(1.5, Color32::BLACK)]
+    {
+        let segment = |line: &[DVec2; 2]| {
+            Shape::line_segment(line.map(|point| position(rect, point)), stroke)
+        };
+        painter.extend(lines.iter().map(segment));
+    }
+}
+
+/// A line of the grid: which angle, its value as people write it, and its distance from the
+/// centre in rad.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridLine {
+    /// 0 for θ1, 1 for θ2.
+    pub axis: usize,
+    /// For example `π/2`.
+    pub name: String,
+    /// From the centre, rad.
+    pub offset_rad: f64,
+}
+
+/// Lines at round parts of π, so many that they are easy to tell apart.
+pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
+    let region = screen.region();
+    let least_apart = 2.0 * region.half_rad[0] / (screen.size.x / 110.0);
+    // The finest binary part of π that leaves room for its names.
+    let parts = (std::f64::consts::PI / least_apart).log2().floor().clamp(-1.0, 90.0) as i32;
+    let step = Dd::PI * Dd::new(0.5f64.powi(parts));
+    let mut lines = Vec::new();
+    for axis in 0..2 {
+        let half = region.half_rad[axis];
+        let center = region.center[axis];
+        let first = ((center - Dd::new(half)) / step).hi.ceil();
+        let last = ((center + Dd::new(half)) / step).hi.floor();
+        for k in 0..=(last - first).clamp(-1.0, 60.0) as i64 {
+            let index = first + k as f64;
+            let offset_rad = (step * Dd::new(index) - center).hi;
+            lines.push(GridLine { axis, name: part_of_pi(index, parts), offset_rad });
+        }
+    }
+    lines
+}
+
+/// `index`/2^`parts` of π, as people write it: small parts as decimals.
+fn part_of_pi(index: f64, parts: i32) -> String {
+    let share = index * 0.5f64.powi(parts);
+    if index == 0.0 {
+        return "0".to_string();
+    }
+    if parts > 5 {
+        let digits = (f64::from(parts) * 0.302).ceil() as usize;
+        return format!("{share:.digits$}π");
+    }
+    let (mut above, mut below) = (index as i64, 1i64 << parts.max(0));
+    if parts < 0 {
+        above *= 1 << -parts;
+    }
+    while below > 1 && above % 2 == 0 {
+        (above, below) = (above / 2, below / 2);
+    }
+    let sign = if above < 0 { "−" } else { "" };
+    let above = match above.abs() {
+        1 => String::new(),
+        other => other.to_string(),
+    };
+    if below == 1 { format!("{sign}{above}π") } else { format!("{sign}{above}π/{below}") }
+}
+
+/// Draws the grid with its names along the left and lower edges.
+pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen) {
+    let region = screen.region();
+    let stroke = Stroke::new(1.0, Color32::from_black_alpha(110));
+    let rim = Stroke::new(3.0, Color32::from_white_alpha(50));
+    for line in grid_lines(screen) {
+        let other = 1 - line.axis;
+        let end = |sign: f64| {
+            let mut offset = [0.0; 2];
+            offset[line.axis] = line.offset_rad;
+            offset[other] = sign * region.half_rad[other];
+            position(rect, screen.point_of(DVec2::from_array(offset)))
+        };
+        let ends = [end(-1.0), end(1.0)];
+        painter.line_segment(ends, rim);
+        painter.line_segment(ends, stroke);
+        let symbol = if line.axis == 0 { "θ1" } else { "θ2" };
+        let (at, align) = if line.axis == 0 {
+            (pos2(ends[0].x + 3.0, rect.bottom() - 3.0), Align2::LEFT_BOTTOM)
+        } else {
+            (pos2(rect.left() + 3.0, ends[0].y - 2.0), Align2::LEFT_BOTTOM)
+        };
+        label(painter, at, align, &format!("{symbol} = {}", line.name));
+    }
+}
+
+/// Words on the map, readable on every colour.
+pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
+    let galley = painter.layout_no_wrap(text.to_string(), FontId::proportional(12.0), Color32::WHITE);
+    let rect = align.anchor_size(at, galley.size()).expand(2.0);
+    painter.rect_filled(rect, 3.0, Color32::from_black_alpha(150));
+    painter.galley(rect.min + egui::vec2(2.0, 2.0), galley, Color32::WHITE);
+}
+
+/// Draws the borders of the tiles in view.
+pub fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
+    let level = screen.level();
+    let half = side_rad(level).hi / 2.0;
+    for placed in screen.region().cells(level, MOST_CELLS) {
+        let middle = DVec2::from_array(placed.offset);
+        let corner = |x: f64, y: f64| {
+            position(rect, screen.point_of(middle + DVec2::new(x, y) * half))
+        };
+        let ring = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        painter.add(Shape::closed_line(ring, Stroke::new(1.0, Color32::from_black_alpha(120))));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::camera::Camera;
+
+    fn screen(center: [&str; 2], width_rad: f64) -> Screen {
+        let center = center.map(|text| Dd::parse(text).unwrap());
+        let camera = Camera { center, width_rad, rotate_deg: 0.0, stretch: 1.0 };
+        Screen { camera, size: DVec2::new(640.0, 480.0), pixels_per_point: 1.0 }
+    }
+
+    #[test]
+    fn the_curve_is_where_the_energy_is_that_of_its_bound() {
+        let screen = screen(["0", "0"], std::f64::consts::TAU);
+        let lines = energy_curve(&screen, &Build::default(), Rule::Second);
+        assert!(lines.len() > 50);
+        for point in lines.iter().flatten() {
+            let [theta1, theta2] = screen.angle_at(*point).map(|theta| theta.hi);
+            let depth = 2.0 * theta1.cos() + theta2.cos() - 1.0;
+            assert!(depth.abs() < 2e-3, "{depth} at {theta1}, {theta2}");
+        }
+    }
+
+    #[test]
+    fn the_curve_stays_a_line_at_any_depth() {
+        // cos θ2 = 1 − 2 cos θ1 at θ1 = 1.3.
+        let theta2 = (Dd::new(1.0) - Dd::new(2.0) * Dd::parse("1.3").unwrap().sin_cos().1).hi.acos();
+        // Newton's step in double-double from the f64 arc cosine.
+        let (sin, cos) = Dd::new(theta2).sin_cos();
+        let wanted = Dd::new(1.0) - Dd::new(2.0) * Dd::parse("1.3").unwrap().sin_cos().1;
+        let exact = Dd::new(theta2) + (cos - wanted) / sin;
+        let center = ["1.3".to_string(), exact.to_string()];
+        let screen = screen([&center[0], &center[1]], 1e-20);
+        let lines = energy_curve(&screen, &Build::default(), Rule::Second);
+        let nearest = lines.iter().flatten().map(|p| p.length()).fold(f64::MAX, f64::min);
+        assert!(lines.len() > 30 && nearest < 8.0, "{} lines, {nearest}", lines.len());
+    }
+
+    #[test]
+    fn grid_lines_have_the_names_people_use() {
+        let names = |axis: usize| -> Vec<String> {
+            let lines = grid_lines(&screen(["0", "0"], std::f64::consts::TAU));
+            lines.into_iter().filter(|line| line.axis == axis).map(|line| line.name).collect()
+        };
+        assert_eq!(names(0), ["−π", "−π/2", "0", "π/2", "π"]);
+        assert!(names(1).contains(&"π/2".to_string()));
+        for (index, parts, name) in
+            [(3.0, 2, "3π/4"), (-1.0, 0, "−π"), (2.0, 0, "2π"), (1.0, -1, "2π"), (6.0, 3, "3π/4")]
+        {
+            assert_eq!(part_of_pi(index, parts), name);
+        }
+        let deep = grid_lines(&screen(["-1.66", "0.1"], 1e-6));
+        assert!((4..=20).contains(&deep.len()) && deep.iter().all(|line| line.name.ends_with('π')));
+    }
+}
