@@ -161,6 +161,16 @@ fn the_map_is_held_against_the_flight() {
     }
 }
 
+#[test]
+fn a_pin_without_news_from_its_flight_is_shown_too() {
+    let mut pins = Pins::new(&Scene::default());
+    pins.add([[2.2, 1.4].map(Dd::new), [2.3, 1.4].map(Dd::new)], None, || ()).unwrap();
+    let shown = harness(pins, Theme::Light);
+    shown.get_by_label("Pendulum A is being let go");
+    shown.get_by_label("flying, 0 s so far");
+    shown.get_by_label("not computed yet");
+}
+
 macro_rules! pictures {
     ($($name:ident)*) => {
         $(
