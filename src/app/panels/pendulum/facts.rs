@@ -26,16 +26,18 @@ pub fn facts(ui: &mut Ui, pin: &Pin) {
             ui.label(value);
             ui.end_row();
         };
-        row("Flip, gold standard", FLOWN, flown_words(&pin.flight).into());
+        let flight = &pin.flight;
+        row("Flip, gold standard", FLOWN, flown_words(flight, flight.outcome()).into());
         row("Flip, on the map", TOLD, told_words(pin).into());
-        if let (Some((told, _)), Some(flown)) = (pin.told, pin.flight.outcome()) {
+        if let (Some((told, _)), Some(flown)) = (pin.told, flight.outcome()) {
             let agreement = Agreement::of(&told, &flown);
             let words = RichText::new(agreement_words(agreement));
             let same = agreement == Agreement::Same;
             row("Together", TOGETHER, if same { words } else { words.strong() });
         }
+        row("Flip, one pixel away", BESIDE, flown_words(flight, flight.ghost_outcome()).into());
         row("Energy error", ENERGY, energy_words(pin).into());
-        if let Some(words) = ending_words(&pin.flight) {
+        if let Some(words) = ending_words(flight) {
             row("Record", RECORD, words.into());
         }
     });
@@ -44,14 +46,15 @@ pub fn facts(ui: &mut Ui, pin: &Pin) {
 const FLOWN: &str = "When the pendulum drawn above flips, in numbers of 32 digits";
 const TOLD: &str = "What the picture says about this pixel, and how well that was checked";
 const TOGETHER: &str = "Whether the map and the gold standard agree";
+const BESIDE: &str = "When the dashed pendulum flips";
 const ENERGY: &str = "How far the energy has drifted by now, as a share of P + Q, the weights of \
                       the two angles; without friction it should not drift at all";
 const RECORD: &str = "A long motion is kept only up to a number of steps";
 
-/// What the gold standard says, or how far it has come.
-fn flown_words(flight: &Flight) -> String {
+/// What the gold standard says about one of the two, or how far it has come.
+fn flown_words(flight: &Flight, outcome: Option<Outcome<Dd>>) -> String {
     let known_secs = round_secs(flight.record().end_secs());
-    match (flight.outcome(), flight.record().ending) {
+    match (outcome, flight.record().ending) {
         (Some(outcome), _) => {
             let time = outcome.time.hi;
             outcome_words(&Outcome { status: outcome.status, time }, flight)

@@ -48,11 +48,11 @@ pub fn separation(ui: &mut Ui, pin: &Pin) {
 fn words(readings: &[Reading], growth: Option<Growth>, secs: f64) -> String {
     let now = reading_at(readings, secs).map_or(0.0, |reading| reading.separation_rad);
     let grows = match growth {
-        Some(growth) => format!(
-            "grows at {:.2} 1/s up to {} s",
-            growth.rate_per_sec,
-            round_secs(growth.until_secs)
-        ),
+        Some(Growth { rate_per_sec, until_secs, .. }) => {
+            // Rounded first, then 0 added: no "-0.00".
+            let rate = (rate_per_sec * 100.0).round() / 100.0 + 0.0;
+            format!("grows at {rate:.2} 1/s up to {} s", round_secs(until_secs))
+        }
         None => "no growth rate can be told".into(),
     };
     format!("Separation {} rad; {grows}", short(now))
