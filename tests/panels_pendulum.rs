@@ -44,7 +44,7 @@ fn harness(pins: Pins, theme: Theme) -> Harness<'static, Shown> {
         shown.asked.extend(actions);
     };
     let mut harness = Harness::builder()
-        .with_size([340.0, 680.0])
+        .with_size([340.0, 704.0])
         .with_theme(theme)
         .build_ui_state(show, Shown { pins, asked: Vec::new() });
     harness.run_steps(3);
@@ -159,6 +159,16 @@ fn the_map_is_held_against_the_flight() {
         shown.get_by_label(words);
         pins = shown.into_state().pins;
     }
+}
+
+#[test]
+fn a_pin_without_news_from_its_flight_is_shown_too() {
+    let mut pins = Pins::new(&Scene::default());
+    pins.add([[2.2, 1.4].map(Dd::new), [2.3, 1.4].map(Dd::new)], None, || ()).unwrap();
+    let shown = harness(pins, Theme::Light);
+    shown.get_by_label("Pendulum A is being let go");
+    assert_eq!(shown.query_all_by_label("flying, 0 s so far").count(), 2, "pendulum and ghost");
+    shown.get_by_label("not computed yet");
 }
 
 macro_rules! pictures {

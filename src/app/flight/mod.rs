@@ -28,7 +28,8 @@ pub const LEAST_SECS: f64 = 30.0;
 #[derive(Debug)]
 pub struct Flight {
     question: Question,
-    forbidden: bool,
+    /// Whether the pendulum, and whether its ghost, can never flip.
+    forbidden: [bool; 2],
     record: Record,
     incoming: Receiver<Record>,
 }
@@ -57,7 +58,7 @@ impl Flight {
             log::error!("no thread for a flight: {error}");
         }
         let exact: Pendulum<Dd> = question.pendulum.convert();
-        let forbidden = exact.forbids(question.rule, start);
+        let forbidden = [start, neighbour].map(|angle| exact.forbids(question.rule, angle));
         Flight { question, forbidden, record: Record::default(), incoming }
     }
 
@@ -87,13 +88,22 @@ impl Flight {
 
     /// What the gold standard says about the pixel, bit for bit; none while that is not known.
     pub fn outcome(&self) -> Option<Outcome<Dd>> {
-        if self.forbidden {
+        self.outcome_of(&self.record.own, self.forbidden[0])
+    }
+
+    /// The same about the pixel beside it.
+    pub fn ghost_outcome(&self) -> Option<Outcome<Dd>> {
+        self.outcome_of(&self.record.ghost, self.forbidden[1])
+    }
+
+    fn outcome_of(&self, track: &Track, forbidden: bool) -> Option<Outcome<Dd>> {
+        if forbidden {
             return Some(Outcome::without_time(Status::Forbidden));
         }
         let budget = Dd::new(self.question.budget_secs);
-        match self.record.own.flip {
+        match track.flip {
             Some(flip) if flip.secs <= budget => Some(Outcome::flipped(flip.secs)),
-            _ if self.record.own.motion.end_secs() >= budget.hi => {
+            _ if track.motion.end_secs() >= budget.hi => {
                 Some(Outcome::without_time(Status::Unflipped))
             }
             _ if self.record.ending == Some(Ending::NotFinite) => {
@@ -120,7 +130,7 @@ mod tests {
 
     /// A start and the one beside it, 1e-3 rad away.
     fn pair(start: [Dd; 2]) -> [[Dd; 2]; 2] {
-        [start, [start[0] + Dd::new(1e-3), start[1]]]
+        [start, [start[0] - Dd::new(1e-3), start[1]]]
     }
 
     fn complete(question: Question, [start, neighbour]: [[Dd; 2]; 2]) -> Flight {
@@ -155,9 +165,11 @@ mod tests {
         for rule in [Rule::Second, Rule::First, Rule::Either] {
             for start in starts {
                 let question = question(rule, 6.0);
-                let (flown, gold) =
-                    (complete(question, pair(start)).outcome(), gold_of(&question, start));
-                assert_eq!(flown, Some(gold), "{rule} {start:?}");
+                let pair = pair(start);
+                let (flight, [gold, beside]) =
+                    (complete(question, pair), pair.map(|angle| gold_of(&question, angle)));
+                assert_eq!(flight.outcome(), Some(gold), "{rule} {start:?}");
+                assert_eq!(flight.ghost_outcome(), Some(beside), "{rule} beside {start:?}");
                 seen.push(gold.status);
             }
         }

@@ -10,10 +10,10 @@ use crate::physics::flip::settle_at_top;
 use crate::physics::taylor::{Orbit, Step};
 use crate::physics::{Dd, Pendulum, Rule, Scalar, State, gold};
 
-/// How long pieces are gathered before they are handed over.
-const GATHERED: Duration = Duration::from_millis(10);
-/// Steps that are kept of one motion: some minutes of it, about 3 MiB.
-pub const MOST_STEPS: usize = 10_000;
+/// How long pieces are gathered before they are handed over: about a frame.
+const GATHERED: Duration = Duration::from_millis(16);
+/// Steps that are kept of one motion: of the home pendulum seven minutes, in 6 MiB.
+pub const MOST_STEPS: usize = 20_000;
 
 /// Integrates the pendulum from `start` and its ghost from `neighbour` up to `until_secs`;
 /// stops as soon as `hand_over` answers false.

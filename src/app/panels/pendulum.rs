@@ -4,10 +4,17 @@ mod drawing;
 mod facts;
 mod plot;
 
-use egui::{Atom, Button, Response, Role, Slider, Stroke, Ui, WidgetInfo};
+use egui::{Atom, Button, Color32, Response, Role, Slider, Stroke, Ui, WidgetInfo};
 
 use crate::app::flight::playback::SPEEDS;
 use crate::app::pins::{Pin, PinAction, Pins};
+
+/// Drawings are dark in the light theme too: on white nobody sees the yellow pin.
+const CANVAS: Color32 = Color32::from_gray(24);
+/// Lines and words on them.
+const INK: Color32 = Color32::from_gray(225);
+/// What stays behind.
+const FAINT: Color32 = Color32::from_gray(130);
 
 /// Shows the pins and the selected one's pendulum; answers with what the person does to them.
 /// Asks for another frame only while that pendulum plays.
@@ -69,9 +76,10 @@ fn clock(ui: &mut Ui, pin: &Pin, actions: &mut Vec<PinAction>) {
         button("Restart", PinAction::Restart(id));
         button("Remove", PinAction::Remove(id));
     });
+    // The rails take what the names and the numbers leave.
+    let rail_width = (ui.available_width() - 170.0).max(60.0);
     egui::Grid::new("clock").num_columns(3).show(ui, |ui| {
-        // The rails take what the names and the numbers leave.
-        ui.spacing_mut().slider_width = (ui.available_width() - 150.0).max(60.0);
+        ui.spacing_mut().slider_width = rail_width;
         moment(ui, pin, actions);
         ui.end_row();
         let mut speed = playback.speed();

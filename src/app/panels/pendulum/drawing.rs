@@ -5,6 +5,7 @@ use egui::{
     Align2, Color32, FontId, Painter, Pos2, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2,
 };
 
+use super::{CANVAS, FAINT, INK};
 use crate::app::flight::separation::natural_secs;
 use crate::app::pins::Pin;
 use crate::physics::State;
@@ -12,8 +13,10 @@ use crate::scene::{Build, Kind};
 
 /// How far back the trail goes, in natural units of time: 3.8 s for the home pendulum.
 const TRAIL_UNITS: f64 = 12.0;
-/// Pieces of the trail, each with an age of its own.
-const TRAIL_PIECES: u32 = 300;
+/// Points of the trail.
+const TRAIL_POINTS: usize = 384;
+/// Points after which it gets lighter; few, because lines that meet show a bead.
+const BAND_POINTS: usize = 16;
 /// Of half the canvas: what the outstretched pendulum takes.
 const FILLED: f32 = 0.88;
 /// The heavier bob's radius, or half the heavier bar's width, of half the canvas.
@@ -28,22 +31,18 @@ pub fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
     let record = pin.flight.record();
     let state = record.own.motion.state_at(secs);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told(pin, state.as_ref())));
+    painter.rect_filled(response.rect, 4.0, CANVAS);
+    let Some(state) = state else { return };
     let stage = Stage::new(response.rect.center(), side / 2.0, build);
-    let visuals = ui.visuals();
-    painter.rect_filled(response.rect, 4.0, visuals.extreme_bg_color);
-    let Some(state) = state else {
-        let middle = response.rect.center();
-        let font = FontId::proportional(13.0);
-        painter.text(middle, Align2::CENTER_CENTER, "Letting go …", font, visuals.text_color());
-        return;
-    };
-    let inks = Inks { rods: visuals.text_color(), bobs: pin.badge.colour() };
     stage.trail(&painter, pin, secs);
     if let Some(ghost) = record.ghost.motion.state_at(secs) {
-        stage.ghost(&painter, &ghost, visuals.weak_text_color());
+        stage.ghost(&painter, &ghost);
     }
-    stage.pendulum(&painter, &state, &inks);
-    stage.flip(&painter, pin, secs, visuals.strong_text_color());
+    stage.pendulum(&painter, &state, pin.badge.colour());
+    stage.flip(&painter, pin, secs);
+    let corner = response.rect.left_bottom() + vec2(6.0, -4.0);
+    let legend = "dashed: the pendulum one pixel away";
+    painter.text(corner, Align2::LEFT_BOTTOM, legend, FontId::proportional(10.0), FAINT);
 }
 
 /// Larger than this it shows no more, points.
@@ -59,11 +58,6 @@ fn told(pin: &Pin, state: Option<&State<f64>>) -> String {
         ),
         None => format!("Pendulum {letter} is being let go"),
     }
-}
-
-struct Inks {
-    rods: Color32,
-    bobs: Color32,
 }
 
 /// From a pendulum's metres and kilograms to points on the canvas.
@@ -97,34 +91,32 @@ impl<'a> Stage<'a> {
         [m1, m2].map(|mass| (self.half_side * HEAVIEST * (mass / heaviest).sqrt() as f32).max(3.0))
     }
 
-    fn pendulum(&self, painter: &Painter, state: &State<f64>, inks: &Inks) {
+    fn pendulum(&self, painter: &Painter, state: &State<f64>, colour: Color32) {
         let [first, second] = self.ends(state.angle);
         let rods = [[self.pivot, first], [first, second]];
         match self.build.kind {
             Kind::Points => {
                 for rod in rods {
-                    painter.line_segment(rod, Stroke::new(2.0, inks.rods));
+                    painter.line_segment(rod, Stroke::new(2.0, INK));
                 }
                 let [r1, r2] = self.radii();
-                painter.circle_filled(first, r1, inks.rods);
-                painter.circle(second, r2, inks.bobs, Stroke::new(1.0, inks.rods));
+                painter.circle_filled(first, r1, INK);
+                painter.circle(second, r2, colour, Stroke::new(1.0, INK));
             }
             Kind::Rods => {
-                for ((rod, radius), ink) in
-                    rods.into_iter().zip(self.radii()).zip([inks.rods, inks.bobs])
-                {
+                for ((rod, radius), ink) in rods.into_iter().zip(self.radii()).zip([INK, colour]) {
                     painter.line_segment(rod, Stroke::new(radius, ink));
                 }
-                painter.circle_filled(first, 3.0, inks.rods);
+                painter.circle_filled(first, 3.0, INK);
             }
         }
-        painter.circle_filled(self.pivot, 4.0, inks.rods);
+        painter.circle_filled(self.pivot, 4.0, INK);
     }
 
     /// Dashed rods and hollow bobs.
-    fn ghost(&self, painter: &Painter, state: &State<f64>, ink: Color32) {
+    fn ghost(&self, painter: &Painter, state: &State<f64>) {
         let [first, second] = self.ends(state.angle);
-        let stroke = Stroke::new(1.0, ink);
+        let stroke = Stroke::new(1.0, FAINT);
         painter.extend(Shape::dashed_line(&[self.pivot, first, second], stroke, 5.0, 4.0));
         if self.build.kind == Kind::Points {
             let [r1, r2] = self.radii();
@@ -137,34 +129,35 @@ impl<'a> Stage<'a> {
     fn trail(&self, painter: &Painter, pin: &Pin, secs: f64) {
         let length_secs = TRAIL_UNITS * natural_secs(&pin.flight.question().pendulum);
         let motion = &pin.flight.record().own.motion;
-        let place = |piece: u32| {
-            let age = f64::from(TRAIL_PIECES - piece) / f64::from(TRAIL_PIECES);
+        let place = |point: usize| {
+            let age = (TRAIL_POINTS - point) as f64 / TRAIL_POINTS as f64;
             Some(self.ends(motion.state_at(secs - age * length_secs)?.angle)[1])
         };
-        for piece in 0..TRAIL_PIECES {
-            let (Some(from), Some(to)) = (place(piece), place(piece + 1)) else { continue };
-            let youth = (piece + 1) as f32 / TRAIL_PIECES as f32;
-            let ink = pin.badge.colour().gamma_multiply(youth);
-            painter.line_segment([from, to], Stroke::new(1.5, ink));
+        for first in (0..TRAIL_POINTS).step_by(BAND_POINTS) {
+            let last = first + BAND_POINTS;
+            let band: Vec<Pos2> = (first..=last).filter_map(place).collect();
+            let youth = last as f32 / TRAIL_POINTS as f32;
+            let stroke = Stroke::new(1.5, pin.badge.colour().gamma_multiply(youth));
+            painter.add(Shape::line(band, stroke));
         }
     }
 
     /// Once it has happened: a ring where the bob was, and the word.
-    fn flip(&self, painter: &Painter, pin: &Pin, secs: f64, ink: Color32) {
+    fn flip(&self, painter: &Painter, pin: &Pin, secs: f64) {
         let track = &pin.flight.record().own;
         let Some(flip) = track.flip.filter(|flip| flip.secs.hi <= secs) else { return };
         let Some(state) = track.motion.state_at(flip.secs.hi) else { return };
         let place = self.ends(state.angle)[flip.bob];
         let radius = self.radii()[flip.bob] + 5.0;
-        painter.circle_stroke(place, radius, Stroke::new(2.0, ink));
+        painter.circle_stroke(place, radius, Stroke::new(2.0, INK));
         let late = flip.secs.hi > pin.flight.question().budget_secs;
         let note = if late { ", after the budget" } else { "" };
         let text = format!("flip at {:.3} s{note}", flip.secs.hi);
-        let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), ink);
+        let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), INK);
         // Above the ring, but inside the canvas.
         let area = painter.clip_rect().shrink2(galley.size() / 2.0 + vec2(4.0, 4.0));
         let above = place - vec2(0.0, radius + galley.size().y / 2.0 + 2.0);
         let corner = area.clamp(above) - galley.size() / 2.0;
-        painter.add(TextShape::new(corner, galley, ink));
+        painter.add(TextShape::new(corner, galley, INK));
     }
 }

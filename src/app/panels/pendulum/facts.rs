@@ -21,31 +21,40 @@ pub fn facts(ui: &mut Ui, pin: &Pin) {
         }
     });
     Grid::new("facts").num_columns(2).show(ui, |ui| {
-        let mut row = |name: &str, value: RichText| {
-            ui.label(name);
+        let mut row = |name: &str, why: &str, value: RichText| {
+            ui.label(name).on_hover_text(why);
             ui.label(value);
             ui.end_row();
         };
-        let flown = pin.flight.outcome();
-        row("Flip, gold standard", flown_words(&pin.flight).into());
-        row("Flip, on the map", told_words(pin).into());
-        if let (Some((told, _)), Some(flown)) = (pin.told, flown) {
+        let flight = &pin.flight;
+        row("Flip, gold standard", FLOWN, flown_words(flight, flight.outcome()).into());
+        row("Flip, on the map", TOLD, told_words(pin).into());
+        if let (Some((told, _)), Some(flown)) = (pin.told, flight.outcome()) {
             let agreement = Agreement::of(&told, &flown);
             let words = RichText::new(agreement_words(agreement));
             let same = agreement == Agreement::Same;
-            row("Together", if same { words } else { words.strong() });
+            row("Together", TOGETHER, if same { words } else { words.strong() });
         }
-        row("Energy error", energy_words(pin).into());
-        if let Some(words) = ending_words(&pin.flight) {
-            row("Record", words.into());
+        row("Flip, one pixel away", BESIDE, flown_words(flight, flight.ghost_outcome()).into());
+        row("Energy error", ENERGY, energy_words(pin).into());
+        if let Some(words) = ending_words(flight) {
+            row("Record", RECORD, words.into());
         }
     });
 }
 
-/// What the gold standard says, or how far it has come.
-fn flown_words(flight: &Flight) -> String {
+const FLOWN: &str = "When the pendulum drawn above flips, in numbers of 32 digits";
+const TOLD: &str = "What the picture says about this pixel, and how well that was checked";
+const TOGETHER: &str = "Whether the map and the gold standard agree";
+const BESIDE: &str = "When the dashed pendulum flips";
+const ENERGY: &str = "How far the energy has drifted by now, as a share of P + Q, the weights of \
+                      the two angles; without friction it should not drift at all";
+const RECORD: &str = "A long motion is kept only up to a number of steps";
+
+/// What the gold standard says about one of the two, or how far it has come.
+fn flown_words(flight: &Flight, outcome: Option<Outcome<Dd>>) -> String {
     let known_secs = round_secs(flight.record().end_secs());
-    match (flight.outcome(), flight.record().ending) {
+    match (outcome, flight.record().ending) {
         (Some(outcome), _) => {
             let time = outcome.time.hi;
             outcome_words(&Outcome { status: outcome.status, time }, flight)

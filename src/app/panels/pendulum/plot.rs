@@ -2,10 +2,12 @@
 
 use egui::emath::RectTransform;
 use egui::{
-    Align2, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
 };
 
 use super::facts::round_secs;
+use super::{CANVAS, FAINT, INK};
 use crate::app::flight::separation::{Growth, Reading, reading_at};
 use crate::app::pins::Pin;
 
@@ -31,29 +33,34 @@ pub fn separation(ui: &mut Ui, pin: &Pin) {
          natural unit of time. The dashed line is the fitted growth.",
     );
     let Some(axes) = Axes::new(response.rect, &record.readings, record.end_secs()) else { return };
-    axes.frame(&painter, ui);
+    axes.frame(&painter, ui.visuals().text_color());
     let curve = axes.curve(&record.readings);
     painter.add(Shape::line(curve, Stroke::new(1.5, pin.badge.colour())));
     if let Some(growth) = growth {
         let ends = [0.0, growth.until_secs].map(|t| axes.place(t, growth.separation_rad(t)));
-        let stroke = Stroke::new(1.0, ui.visuals().strong_text_color());
+        let stroke = Stroke::new(1.0, INK);
         painter.extend(Shape::dashed_line(&ends, stroke, 4.0, 3.0));
     }
-    axes.now(&painter, ui, &record.readings, pin.shown_secs());
+    axes.now(&painter, &record.readings, pin.shown_secs());
 }
 
 /// The separation at `secs`, and how fast it grows.
 fn words(readings: &[Reading], growth: Option<Growth>, secs: f64) -> String {
     let now = reading_at(readings, secs).map_or(0.0, |reading| reading.separation_rad);
     let grows = match growth {
-        Some(growth) => format!(
-            "grows at {:.2} 1/s up to {} s",
-            growth.rate_per_sec,
-            round_secs(growth.until_secs)
-        ),
+        Some(Growth { rate_per_sec, until_secs, .. }) => {
+            // Rounded first, then 0 added: no "-0.00".
+            let rate = (rate_per_sec * 100.0).round() / 100.0 + 0.0;
+            format!("grows at {rate:.2} 1/s up to {} s", round_secs(until_secs))
+        }
         None => "no growth rate can be told".into(),
     };
-    format!("Separation {now:.1e} rad; {grows}")
+    format!("Separation {} rad; {grows}", short(now))
+}
+
+/// Two digits, plain where that is readable.
+fn short(value: f64) -> String {
+    if (0.01..1000.0).contains(&value) { format!("{value:.2}") } else { format!("{value:.1e}") }
 }
 
 /// Seconds to the right, decades up.
@@ -96,19 +103,18 @@ impl Axes {
     }
 
     /// The area, its gridlines and their numbers.
-    fn frame(&self, painter: &Painter, ui: &Ui) {
-        let visuals = ui.visuals();
-        let (grid, ink) = (visuals.widgets.noninteractive.bg_stroke, visuals.text_color());
+    fn frame(&self, painter: &Painter, text: Color32) {
+        let grid = Stroke::new(1.0, FAINT.gamma_multiply(0.4));
         let font = FontId::proportional(10.0);
-        painter.rect_filled(self.area, 0.0, visuals.extreme_bg_color);
+        painter.rect_filled(self.area, 0.0, CANVAS);
         let [low, high] = self.decades;
         let step = ((high - low) as usize).div_ceil(4).max(1);
         for decade in (low..=high).step_by(step) {
             let y = self.place(0.0, 10f64.powi(decade)).y;
             painter.hline(self.area.x_range(), y, grid);
-            let text = format!("1e{decade}");
+            let words = format!("1e{decade}");
             let at = pos2(self.area.left() - 4.0, y);
-            painter.text(at, Align2::RIGHT_CENTER, text, font.clone(), ink);
+            painter.text(at, Align2::RIGHT_CENTER, words, font.clone(), text);
         }
         let step_secs = round_step(self.end_secs / 5.0);
         for tick in 0..=(self.end_secs / step_secs + 1e-9) as u32 {
@@ -116,18 +122,17 @@ impl Axes {
             let at = pos2(self.place(secs, 1.0).x, self.area.bottom() + 2.0);
             painter.vline(at.x, self.area.y_range(), grid);
             let unit = if tick == 0 { " s" } else { "" };
-            let text = format!("{}{unit}", round_secs(secs));
-            painter.text(at, Align2::CENTER_TOP, text, font.clone(), ink);
+            let words = format!("{}{unit}", round_secs(secs));
+            painter.text(at, Align2::CENTER_TOP, words, font.clone(), text);
         }
     }
 
     /// The present moment: a line across, and a dot on the curve.
-    fn now(&self, painter: &Painter, ui: &Ui, readings: &[Reading], secs: f64) {
+    fn now(&self, painter: &Painter, readings: &[Reading], secs: f64) {
         let Some(reading) = reading_at(readings, secs) else { return };
-        let ink = ui.visuals().strong_text_color();
         let at = self.place(secs, reading.separation_rad);
-        painter.vline(at.x, self.area.y_range(), Stroke::new(1.0, ink));
-        painter.circle_filled(at, 3.0, ink);
+        painter.vline(at.x, self.area.y_range(), Stroke::new(1.0, INK));
+        painter.circle_filled(at, 3.0, INK);
     }
 }
 
