@@ -81,7 +81,7 @@ fn showing(layers: &Layers) -> Vec<Command> {
         command("Doubts, hatched", keyed(Key::T), layer(|layers| layers.trust ^= true)),
         command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
         command("Borders of tiles", keyed(Key::B), layer(|layers| layers.tiles ^= true)),
-        command("Panels at the side", keyed(Key::Tab), Action::Toggle(Dialog::Side)),
+        command("Panels at the side", keyed(Key::F9), Action::Toggle(Dialog::Side)),
         command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
         command(
             "Commands",
@@ -138,7 +138,7 @@ pub fn pressed(input: &mut egui::InputState, state: &State, typing: bool) -> Vec
 }
 
 fn is_function_key(key: Key) -> bool {
-    [Key::F1, Key::F11, Key::F12].contains(&key)
+    [Key::F1, Key::F9, Key::F11, Key::F12].contains(&key)
 }
 
 /// How a shortcut is written.

@@ -14,6 +14,7 @@ pub mod flight;
 pub mod gesture;
 pub mod history;
 pub mod hover;
+pub mod map;
 pub mod notices;
 pub mod overlay;
 pub mod panels;
