@@ -4,3 +4,8 @@
 //! reads it. Panels are functions `(&mut Ui, &State) → Actions`, so that they can be shown and
 //! pictured without a window. What takes time runs on threads of its own and wakes the window
 //! when it has something to show.
+
+pub mod folders;
+pub mod panels;
+pub mod places;
+pub mod settings;
