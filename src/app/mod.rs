@@ -5,6 +5,7 @@
 //! pictured without a window. What takes time runs on threads of its own and wakes the window
 //! when it has something to show.
 
+pub mod export;
 pub mod folders;
 pub mod panels;
 pub mod places;
