@@ -4,6 +4,7 @@
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::folders::Folders;
 use crate::output::{Destination, Picture, PngError, PngWriter, SafeFile, picture_in_png};
@@ -14,7 +15,7 @@ pub struct Bookmark {
     /// Its name, and that of its file.
     pub name: String,
     /// The scene and its picture.
-    pub picture: Picture,
+    pub picture: Arc<Picture>,
 }
 
 /// All bookmarks, by name.
@@ -64,7 +65,9 @@ impl Places {
         for path in entries.into_iter().flatten().flatten().map(|entry| entry.path()) {
             let Some(name) = name_of(&path) else { continue };
             match read(&path) {
-                Ok(picture) => places.bookmarks.push(Bookmark { name, picture }),
+                Ok(picture) => {
+                    places.bookmarks.push(Bookmark { name, picture: Arc::new(picture) });
+                }
                 Err(error) => log::warn!("{} {error}; it is no bookmark", path.display()),
             }
         }
@@ -89,7 +92,7 @@ impl Places {
         if let Some(path) = self.path(&name) {
             write(&path, &picture).map_err(failed(&name, "kept"))?;
         }
-        self.bookmarks.push(Bookmark { name, picture });
+        self.bookmarks.push(Bookmark { name, picture: Arc::new(picture) });
         self.sort();
         Ok(())
     }
@@ -197,7 +200,7 @@ mod tests {
         let names: Vec<&str> = again.bookmarks().iter().map(|b| b.name.as_str()).collect();
         assert_eq!(names, ["a zoo", "über all"]);
         assert_eq!(again.bookmarks(), places.bookmarks());
-        assert_eq!(again.bookmarks()[0].picture, picture("1"));
+        assert_eq!(*again.bookmarks()[0].picture, picture("1"));
         assert_eq!(again.free_name(), "place 1");
     }
 
@@ -213,7 +216,7 @@ mod tests {
         for bad in ["", " ", "../up", ".hidden", "a/b", "a\\b", "a:b", "a\nb", &"x".repeat(81)] {
             assert!(matches!(places.add(bad, picture("4")), Err(PlaceError::Name(_))), "{bad}");
         }
-        assert_eq!(places.bookmarks()[0].picture, picture("1"));
+        assert_eq!(*places.bookmarks()[0].picture, picture("1"));
     }
 
     #[test]

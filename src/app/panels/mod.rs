@@ -1,1 +1,7 @@
-//! What stands around the map: functions of plain state that return what the person asked for.
+//! The panels beside the map: what they show is plain state, what they answer are actions.
+
+pub mod colours;
+pub mod export;
+mod field;
+pub mod places;
+pub mod scene;
