@@ -5,8 +5,13 @@
 //! pictured without a window. What takes time runs on threads of its own and wakes the window
 //! when it has something to show.
 
+pub mod camera;
+pub mod canvas;
 pub mod export;
+pub mod flight;
 pub mod folders;
+pub mod history;
 pub mod panels;
+pub mod pins;
 pub mod places;
 pub mod settings;

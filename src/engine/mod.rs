@@ -7,11 +7,13 @@
 //!
 //! * [`gpu`] runs kernels on any adapter that wgpu finds;
 //! * [`cpu`] runs the same physics over threads and SIMD lanes;
+//! * [`background`] is any of them on a thread of its own;
 //! * [`mock`] answers at once, for tests of everything above;
 //! * [`trust`] checks the answers of another engine until two methods agree;
 //! * [`selfcheck`] decides which arithmetic of an adapter is believed, [`profile`] what its
 //!   recipes cost, [`choice`] which engine runs which of them.
 
+pub mod background;
 pub mod choice;
 pub mod cpu;
 pub mod gpu;

@@ -219,8 +219,17 @@ impl Scalar for Dd {
     }
 }
 
+impl Dd {
+    /// This number with so many digits after the point, without trailing zeros.
+    pub fn decimal(self, digits: usize) -> String {
+        let text = format!("{self:.digits$}");
+        let trimmed = text.trim_end_matches('0').trim_end_matches('.');
+        if matches!(trimmed, "" | "-" | "-0") { "0".to_string() } else { trimmed.to_string() }
+    }
+}
+
 impl fmt::Display for Dd {
-    /// 32 significant digits.
+    /// 32 significant digits, or as many after the point as are asked for.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.hi.is_finite() {
             return write!(f, "{}", self.hi);
@@ -232,7 +241,11 @@ impl fmt::Display for Dd {
                 .value()
         };
         let sum = exact(self.hi) + exact(self.lo);
-        write!(f, "{}", sum.with_precision(32).value())
+        let sum = sum.with_precision(32).value();
+        match f.precision() {
+            Some(digits) => write!(f, "{sum:.digits$}"),
+            None => write!(f, "{sum}"),
+        }
     }
 }
 

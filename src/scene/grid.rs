@@ -32,19 +32,39 @@ impl Grid {
     /// The grid of a checked scene for a picture of `size` pixels.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Self {
         let pixel = scene.view.width_rad() / Dd::new(f64::from(size[0]));
+        let (right, up) = Self::axes(scene, pixel);
+        Grid::spanned(scene, scene.view.center_rad(), right, up, size)
+    }
+
+    /// `size` square pixels of `pixel` rad around a centre, upright whatever the scene's view.
+    pub fn square(scene: &Scene, center: [Dd; 2], pixel: Dd, size: [u32; 2]) -> Self {
+        let zero = Dd::new(0.0);
+        Grid::spanned(scene, center, [pixel, zero], [zero, pixel], size)
+    }
+
+    /// What one pixel to the right and one up add, as the scene's view is turned and stretched.
+    fn axes(scene: &Scene, pixel: Dd) -> ([Dd; 2], [Dd; 2]) {
         let tall = pixel / Dd::new(scene.view.stretch);
         let zero = Dd::new(0.0);
-        let (right, up) = if scene.view.rotate == 0.0 {
-            ([pixel, zero], [zero, tall])
-        } else {
-            let angle = Dd::new(scene.view.rotate) * Dd::PI / Dd::new(180.0);
-            let (sin, cos) = angle.sin_cos();
-            ([pixel * cos, pixel * sin], [-(tall * sin), tall * cos])
-        };
+        if scene.view.rotate == 0.0 {
+            return ([pixel, zero], [zero, tall]);
+        }
+        let angle = Dd::new(scene.view.rotate) * Dd::PI / Dd::new(180.0);
+        let (sin, cos) = angle.sin_cos();
+        ([pixel * cos, pixel * sin], [-(tall * sin), tall * cos])
+    }
+
+    fn spanned(
+        scene: &Scene,
+        center: [Dd; 2],
+        right: [Dd; 2],
+        up: [Dd; 2],
+        size: [u32; 2],
+    ) -> Self {
         let pendulum = scene.build.pendulum();
         Grid {
             size,
-            center: scene.view.center_rad(),
+            center,
             right,
             up,
             pendulum,

@@ -1,14 +1,18 @@
 //! Which pixels are computed in which order, and the one loop that does it.
 //!
 //! A picture is cut into [`Tile`]s. [`Work`] turns them into jobs, keeps the engine's slots
-//! full, and hands tiles back as they finish. Headless callers let it run to the end; a window
-//! gives it a deadline and draws between. Pixels that energy forbids, or that a mirror image
-//! already answers, never reach the engine.
+//! full, and hands tiles back as they finish. A window
+//! draws from an [`explorer::Explorer`], whose tiles are cells of a [`lattice`] that does not move
+//! with the view. Both are built on the same flights to the engine. Pixels that energy forbids, or
+//! that a mirror image already answers, never reach it.
 //!
 //! Nothing here knows a graphics card: the tests run it on the mock engine.
 
+pub mod cache;
+pub mod explorer;
 mod flights;
 mod kept;
+pub mod lattice;
 mod plan;
 mod samples;
 mod work;

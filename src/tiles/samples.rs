@@ -60,6 +60,15 @@ impl Samples {
         self
     }
 
+    /// Some of the samples.
+    pub fn part(&self, places: std::ops::Range<usize>) -> Self {
+        Samples {
+            statuses: self.statuses[places.clone()].to_vec(),
+            times: self.times[places.clone()].to_vec(),
+            trusts: self.trusts[places].to_vec(),
+        }
+    }
+
     /// The samples in opposite order: of a tile, its mirror image.
     pub fn reversed(mut self) -> Self {
         self.statuses.reverse();

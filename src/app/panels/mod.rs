@@ -3,5 +3,6 @@
 pub mod colours;
 pub mod export;
 mod field;
+pub mod pendulum;
 pub mod places;
 pub mod scene;

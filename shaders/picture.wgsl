@@ -1,0 +1,115 @@
+// Samples of tiles through a colour table to the screen.
+//
+// A tile lies in a slot of an atlas, one packed word a sample: the time's leading bits, how sure
+// it is, and the status (twin: src/app/canvas/sample.rs). Quads say which part of which slot goes
+// where. Between samples the light of the four nearest is mixed, never their times: a mean of two
+// flip times is nobody's.
+
+struct Canvas {
+    // log2 of the seconds at the table's beginning, and table entries a doubling of the time.
+    first_log2: f32,
+    entries_per_octave: f32,
+    // Simulated seconds: later flips are not shown.
+    budget_secs: f32,
+    // 1 when doubts are hatched.
+    trust: u32,
+    // Linear light of what has no time.
+    unflipped: vec4<f32>,
+    forbidden: vec4<f32>,
+    failed: vec4<f32>,
+}
+
+struct Quad {
+    @location(0) corner: vec2<f32>,
+    @location(1) right: vec2<f32>,
+    @location(2) down: vec2<f32>,
+    @location(3) texel: vec2<f32>,
+    @location(4) span: vec2<f32>,
+    @location(5) slot: u32,
+}
+
+struct Fragment {
+    @builtin(position) position: vec4<f32>,
+    @location(0) texel: vec2<f32>,
+    @location(1) @interpolate(flat) slot: u32,
+}
+
+@group(0) @binding(0) var<uniform> canvas: Canvas;
+@group(0) @binding(1) var atlas: texture_2d_array<u32>;
+@group(0) @binding(2) var table: texture_2d<f32>;
+
+// Whether the target wants its colours encoded here.
+override ENCODE: bool = true;
+
+const SIDE: i32 = 128;
+// Slots along a side of a layer of the atlas.
+const SLOTS_ALONG: u32 = 8u;
+const FLIPPED: u32 = 1u;
+const FORBIDDEN: u32 = 2u;
+const FAILED: u32 = 3u;
+const UNCERTAIN: u32 = 4u;
+
+@vertex
+fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
+    let uv = vec2<f32>(f32(index & 1u), f32(index >> 1u));
+    var out: Fragment;
+    out.position = vec4<f32>(quad.corner + uv.x * quad.right + uv.y * quad.down, 0.0, 1.0);
+    out.texel = quad.texel + uv * quad.span;
+    out.slot = quad.slot;
+    return out;
+}
+
+fn word_at(slot: u32, at: vec2<i32>) -> u32 {
+    let inside = clamp(at, vec2<i32>(0), vec2<i32>(SIDE - 1));
+    let in_layer = slot % (SLOTS_ALONG * SLOTS_ALONG);
+    let origin = vec2<i32>(vec2<u32>(in_layer % SLOTS_ALONG, in_layer / SLOTS_ALONG)) * SIDE;
+    return textureLoad(atlas, origin + inside, slot / (SLOTS_ALONG * SLOTS_ALONG), 0).r;
+}
+
+fn light_of(word: u32) -> vec3<f32> {
+    let status = word & 3u;
+    let secs = bitcast<f32>((word >> 5u) << 4u);
+    if status == FORBIDDEN {
+        return canvas.forbidden.rgb;
+    }
+    if status == FAILED {
+        return canvas.failed.rgb;
+    }
+    if status != FLIPPED || secs > canvas.budget_secs {
+        return canvas.unflipped.rgb;
+    }
+    let last = i32(textureDimensions(table).x) - 1;
+    let entry = (log2(secs) - canvas.first_log2) * canvas.entries_per_octave;
+    return textureLoad(table, vec2<i32>(clamp(i32(round(entry)), 0, last), 0), 0).rgb;
+}
+
+fn encoded(light: vec3<f32>) -> vec3<f32> {
+    let low = light * 12.92;
+    let high = 1.055 * pow(light, vec3<f32>(1.0 / 2.4)) - 0.055;
+    return select(high, low, light <= vec3<f32>(0.0031308));
+}
+
+@fragment
+fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
+    let place = in.texel - 0.5;
+    let first = vec2<i32>(floor(place));
+    let part = fract(place);
+    let nearest = word_at(in.slot, vec2<i32>(floor(in.texel)));
+    let upper = mix(
+        light_of(word_at(in.slot, first)),
+        light_of(word_at(in.slot, first + vec2<i32>(1, 0))),
+        part.x,
+    );
+    let lower = mix(
+        light_of(word_at(in.slot, first + vec2<i32>(0, 1))),
+        light_of(word_at(in.slot, first + vec2<i32>(1, 1))),
+        part.x,
+    );
+    var light = mix(upper, lower, part.y);
+    if canvas.trust == 1u && ((nearest >> 2u) & 7u) == UNCERTAIN {
+        // Hatched, so that it is not told by colour alone.
+        let stripe = (i32(in.position.x) + i32(in.position.y)) % 6 < 3;
+        light = select(vec3<f32>(1.0, 0.0, 0.6), vec3<f32>(0.0), stripe);
+    }
+    return vec4<f32>(select(light, encoded(light), ENCODE), 1.0);
+}

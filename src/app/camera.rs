@@ -1,0 +1,247 @@
+//! Where the window looks, how points of the screen and of the plane belong together, and moves
+//! from one place to another.
+
+use glam::{DMat2, DVec2};
+
+use crate::physics::Dd;
+use crate::scene::View;
+use crate::tiles::lattice::{DEEPEST, Region, pitch_rad};
+
+/// A view as numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// θ1, θ2 in rad, within (−π, π].
+    pub center: [Dd; 2],
+    /// Length of the horizontal axis, rad.
+    pub width_rad: f64,
+    /// The picture's horizontal axis is turned anticlockwise by this, degrees.
+    pub rotate_deg: f64,
+    /// The vertical axis shows this many times fewer radians than square pixels would.
+    pub stretch: f64,
+}
+
+/// Widths that the window zooms to. Below the least, double-double cannot tell pixels apart.
+const LEAST_WIDTH_RAD: f64 = 1e-25;
+const LARGEST_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
+/// A sample may be this many physical pixels wide before the next level is drawn.
+const LARGEST_SAMPLE_PX: f64 = 1.25;
+
+impl Camera {
+    /// The numbers of a checked view.
+    pub fn from_view(view: &View) -> Self {
+        Camera {
+            center: view.center_rad().map(Dd::wrapped),
+            width_rad: view.width_rad().hi,
+            rotate_deg: view.rotate,
+            stretch: view.stretch,
+        }
+        .within_reach()
+    }
+
+    /// The view as people write it, with as many digits as its width can show.
+    pub fn view(&self) -> View {
+        // Six digits below the width are far below a pixel of any screen.
+        let decimals = (6.0 - self.width_rad.log10()).ceil().max(6.0) as usize;
+        View {
+            center: self.center.map(|theta| theta.decimal(decimals)),
+            width: format!("{:?}", self.width_rad),
+            rotate: self.rotate_deg,
+            stretch: self.stretch,
+        }
+    }
+
+    /// The camera with the centre moved by an offset in rad.
+    pub fn moved(&self, by_rad: DVec2) -> Self {
+        let by = by_rad.to_array();
+        Camera { center: [0, 1].map(|i| (self.center[i] + Dd::new(by[i])).wrapped()), ..*self }
+    }
+
+    /// The camera zoomed by a factor about a point at an offset from the centre, rad.
+    pub fn zoomed(&self, factor: f64, about_rad: DVec2) -> Self {
+        let zoomed = Camera { width_rad: self.width_rad / factor, ..*self }.within_reach();
+        zoomed.moved(about_rad * (1.0 - zoomed.width_rad / self.width_rad))
+    }
+
+    fn within_reach(self) -> Self {
+        let width_rad = self.width_rad.clamp(LEAST_WIDTH_RAD, LARGEST_WIDTH_RAD);
+        Camera { width_rad, ..self }
+    }
+
+    /// How far another centre is from this one, the short way round the torus, rad.
+    pub fn offset_of(&self, angle: [Dd; 2]) -> DVec2 {
+        DVec2::from_array([0, 1].map(|i| (angle[i] - self.center[i]).wrapped().hi))
+    }
+}
+
+/// A camera looking through a canvas of some size in points, x to the right and y down from the
+/// canvas' middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Screen {
+    /// Where it looks.
+    pub camera: Camera,
+    /// Width and height in points.
+    pub size: DVec2,
+    /// Physical pixels a point.
+    pub pixels_per_point: f64,
+}
+
+impl Screen {
+    /// Radians from the centre for a point of the screen.
+    pub fn offset_at(&self, point: DVec2) -> DVec2 {
+        self.plane_from_screen() * point
+    }
+
+    /// The start under a point.
+    pub fn angle_at(&self, point: DVec2) -> [Dd; 2] {
+        self.camera.moved(self.offset_at(point)).center
+    }
+
+    /// The point of an offset in rad.
+    pub fn point_of(&self, offset_rad: DVec2) -> DVec2 {
+        self.plane_from_screen().inverse() * offset_rad
+    }
+
+    /// Points to radians.
+    fn plane_from_screen(&self) -> DMat2 {
+        let point_rad = self.camera.width_rad / self.size.x;
+        let turn = DMat2::from_angle(self.camera.rotate_deg.to_radians());
+        turn * DMat2::from_diagonal(DVec2::new(point_rad, -point_rad / self.camera.stretch))
+    }
+
+    /// The upright rectangle of the plane that holds everything in view.
+    pub fn region(&self) -> Region {
+        let map = self.plane_from_screen();
+        let half = map.x_axis.abs() * self.size.x / 2.0 + map.y_axis.abs() * self.size.y / 2.0;
+        Region { center: self.camera.center, half_rad: half.to_array() }
+    }
+
+    /// The level whose samples are about as large as pixels.
+    pub fn level(&self) -> u32 {
+        let map = self.plane_from_screen();
+        let pixel_rad = map.x_axis.length().min(map.y_axis.length()) / self.pixels_per_point;
+        let fine = |level: &u32| pitch_rad(*level) <= LARGEST_SAMPLE_PX * pixel_rad * (1.0 + 1e-9);
+        (0..DEEPEST).find(fine).unwrap_or(DEEPEST)
+    }
+}
+
+/// A smooth move between two cameras.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// Where it began.
+    pub from: Camera,
+    /// Where it will end.
+    pub to: Camera,
+    /// Seconds of the window's clock when it began.
+    pub began_secs: f64,
+}
+
+/// How long a move takes, s.
+const MOVE_SECS: f64 = 0.25;
+
+impl Move {
+    /// Where the camera is, and whether the move is over. Widths change by equal factors in
+    /// equal times, and whatever point stays in place at the end stays in place all along.
+    pub fn at(&self, now_secs: f64) -> (Camera, bool) {
+        let t = ((now_secs - self.began_secs) / MOVE_SECS).clamp(0.0, 1.0);
+        if t >= 1.0 {
+            return (self.to, true);
+        }
+        let eased = 1.0 - (1.0 - t).powi(3);
+        let (w0, w1) = (self.from.width_rad, self.to.width_rad);
+        let width_rad = w0 * (w1 / w0).powf(eased);
+        let same_width = (w1 / w0).ln().abs() < 1e-6;
+        let share = if same_width { eased } else { (width_rad - w0) / (w1 - w0) };
+        let blend = |a: f64, b: f64| a + (b - a) * eased;
+        let camera = Camera {
+            center: self.from.moved(self.from.offset_of(self.to.center) * share).center,
+            width_rad,
+            rotate_deg: blend(self.from.rotate_deg, self.to.rotate_deg),
+            stretch: blend(self.from.stretch, self.to.stretch),
+        };
+        (camera, false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn screen(camera: Camera) -> Screen {
+        Screen { camera, size: DVec2::new(1280.0, 800.0), pixels_per_point: 1.0 }
+    }
+
+    fn home() -> Camera {
+        let center = [Dd::new(0.0); 2];
+        Camera { center, width_rad: std::f64::consts::TAU, rotate_deg: 0.0, stretch: 1.0 }
+    }
+
+    proptest! {
+        #[test]
+        fn zooming_keeps_the_point_under_the_pointer(
+            x in -600.0..600.0f64, y in -390.0..390.0f64, notches in 1usize..40,
+        ) {
+            let point = DVec2::new(x, y);
+            let mut view = screen(home());
+            let angle = view.angle_at(point);
+            for _ in 0..notches {
+                view.camera = view.camera.zoomed(1.3, view.offset_at(point));
+            }
+            let back = view.point_of(view.camera.offset_of(angle));
+            prop_assert!((back - point).length() < 1e-3, "{back} from {point}");
+        }
+
+        #[test]
+        fn screen_and_plane_are_inverse(rotate in -180.0..180.0f64, stretch in 0.1..10.0f64) {
+            let view = screen(Camera { rotate_deg: rotate, stretch, ..home() });
+            let point = DVec2::new(123.0, -45.0);
+            prop_assert!((view.point_of(view.offset_at(point)) - point).length() < 1e-9);
+        }
+
+        #[test]
+        fn a_move_keeps_its_fixed_point(x in -600.0..600.0f64, t in 0.0..0.25f64) {
+            let view = screen(home());
+            let point = DVec2::new(x, 100.0);
+            let to = home().zoomed(8.0, view.offset_at(point));
+            let (camera, _) = Move { from: home(), to, began_secs: 0.0 }.at(t);
+            let angle = view.angle_at(point);
+            let during = screen(camera);
+            prop_assert!((during.point_of(camera.offset_of(angle)) - point).length() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_view_written_and_read_is_the_same_picture() {
+        let mut camera = home();
+        for _ in 0..60 {
+            camera = camera.zoomed(2.0, DVec2::new(0.3, 0.2) * camera.width_rad);
+        }
+        let back = Camera::from_view(&camera.view());
+        assert!(back.offset_of(camera.center).length() < 1e-5 * camera.width_rad);
+        assert_eq!(back.width_rad, camera.width_rad);
+        assert_eq!(Camera::from_view(&View::default()), home());
+        assert_eq!(home().view(), View::default());
+    }
+
+    #[test]
+    fn samples_are_about_as_large_as_pixels() {
+        let mut camera = home();
+        for _ in 0..70 {
+            let view = screen(camera);
+            let pixel = camera.width_rad / 1280.0;
+            let sample = pitch_rad(view.level());
+            assert!((0.62..1.2501).contains(&(sample / pixel)), "{}", sample / pixel);
+            camera = camera.zoomed(1.7, DVec2::ZERO);
+        }
+        assert_eq!(screen(home()).level(), 3);
+    }
+
+    #[test]
+    fn the_short_way_round() {
+        let east = Camera { center: [Dd::new(3.1), Dd::new(0.0)], ..home() };
+        let west = Camera { center: [Dd::new(-3.1), Dd::new(0.0)], ..home() };
+        assert!((east.offset_of(west.center).x - 0.083).abs() < 1e-3);
+        let (half, _) = Move { from: east, to: west, began_secs: 0.0 }.at(0.05);
+        assert!(half.center[0].hi.abs() > 3.1);
+    }
+}

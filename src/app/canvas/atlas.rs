@@ -1,0 +1,83 @@
+//! Which tile lies in which slot of the graphics card's atlas. Knows no card.
+
+use std::collections::HashMap;
+
+/// Slots along a side of a layer (twin in shaders/picture.wgsl).
+pub const SLOTS_ALONG: u32 = 8;
+/// Slots in a layer.
+pub const SLOTS_IN_LAYER: u32 = SLOTS_ALONG * SLOTS_ALONG;
+
+/// Slots by the serial numbers of the samples in them; the longest unused is given away first.
+#[derive(Debug)]
+pub struct Atlas {
+    slots: HashMap<u64, Slot>,
+    free: Vec<u32>,
+    frame: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    index: u32,
+    used: u64,
+}
+
+/// Where samples lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// They are there.
+    There(u32),
+    /// They have to be put there.
+    New(u32),
+}
+
+impl Atlas {
+    /// With so many layers.
+    pub fn new(layers: u32) -> Self {
+        let free = (0..layers * SLOTS_IN_LAYER).rev().collect();
+        Atlas { slots: HashMap::new(), free, frame: 0 }
+    }
+
+    /// A new frame begins: what is used from now on stays until the next one.
+    pub fn begin_frame(&mut self) {
+        self.frame += 1;
+    }
+
+    /// A slot for the samples with this serial number; none if all are in use in this frame.
+    pub fn place(&mut self, serial: u64) -> Option<Place> {
+        if let Some(slot) = self.slots.get_mut(&serial) {
+            slot.used = self.frame;
+            return Some(Place::There(slot.index));
+        }
+        let index = self.free.pop().or_else(|| self.evict())?;
+        self.slots.insert(serial, Slot { index, used: self.frame });
+        Some(Place::New(index))
+    }
+
+    fn evict(&mut self) -> Option<u32> {
+        let idle = self.slots.iter().filter(|(_, slot)| slot.used < self.frame);
+        let (&serial, slot) = idle.min_by_key(|(serial, slot)| (slot.used, **serial))?;
+        let index = slot.index;
+        self.slots.remove(&serial);
+        Some(index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_keep_their_slot_until_it_is_needed() {
+        let mut atlas = Atlas::new(1);
+        atlas.begin_frame();
+        let first = atlas.place(100);
+        assert_eq!(first, Some(Place::New(0)));
+        (1..64).for_each(|serial| assert!(atlas.place(serial).is_some()));
+        assert_eq!(atlas.place(64), None, "all are in use");
+        atlas.begin_frame();
+        assert_eq!(atlas.place(100), Some(Place::There(0)));
+        let Some(Place::New(slot)) = atlas.place(64) else { panic!("none given away") };
+        assert_ne!(slot, 0, "in use in this frame");
+        assert_eq!(atlas.place(1), Some(Place::New(2)), "1 was the longest unused");
+    }
+}

@@ -1,0 +1,78 @@
+//! The map on the screen: samples of tiles as quads through a colour table.
+//!
+//! [`cover`] finds what to draw for every cell in view, [`atlas`] where its samples lie on the
+//! card, [`pipeline`] puts them there and draws. The samples are what is kept on the card: other
+//! colours are another table, and computing nothing.
+
+pub mod atlas;
+pub mod cover;
+pub mod pipeline;
+mod sample;
+
+use std::sync::Arc;
+
+use self::atlas::{Atlas, Place};
+use self::cover::{Patch, cover};
+use self::pipeline::{Frame, Quad, Uniforms};
+use crate::app::camera::Screen;
+use crate::tiles::explorer::Explorer;
+
+/// Layers of the atlas: room for the tiles of a large screen and what stood in for them.
+pub const LAYERS: u32 = 12;
+
+/// The state between frames.
+#[derive(Debug)]
+pub struct Easel {
+    atlas: Atlas,
+    table: Vec<u8>,
+}
+
+impl Default for Easel {
+    fn default() -> Self {
+        Easel { atlas: Atlas::new(LAYERS), table: Vec::new() }
+    }
+}
+
+impl Easel {
+    /// The frame that shows a screen, in colours given as uniforms and a table.
+    pub fn frame(
+        &mut self,
+        screen: &Screen,
+        explorer: &mut Explorer,
+        uniforms: Uniforms,
+        table: Vec<u8>,
+    ) -> Frame {
+        self.atlas.begin_frame();
+        let (mut quads, mut uploads) = (Vec::new(), Vec::new());
+        for patch in cover(screen, explorer) {
+            let Some((known, _)) = explorer.known(patch.source) else { continue };
+            let slot = match self.atlas.place(known.serial) {
+                Some(Place::There(slot)) => slot,
+                Some(Place::New(slot)) => {
+                    uploads.push((slot, Arc::clone(&known.samples)));
+                    slot
+                }
+                None => break,
+            };
+            quads.push(quad(screen, &patch, slot));
+        }
+        let table = (self.table != table).then(|| {
+            self.table.clone_from(&table);
+            table
+        });
+        Frame { quads, uploads, uniforms, table }
+    }
+}
+
+fn quad(screen: &Screen, patch: &Patch, slot: u32) -> Quad {
+    let clip = 2.0 / screen.size;
+    let clip = |point: glam::DVec2| [(point.x * clip.x) as f32, (-point.y * clip.y) as f32];
+    Quad {
+        corner: clip(patch.corner),
+        right: clip(patch.right),
+        down: clip(patch.down),
+        texel: patch.texel.as_vec2().to_array(),
+        span: patch.span.as_vec2().to_array(),
+        slot,
+    }
+}

@@ -1,0 +1,271 @@
+//! The graphics card's part of the map: an atlas of samples, a colour table, quads.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
+use wgpu::util::DeviceExt;
+
+use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
+use super::sample::word_of;
+use crate::tiles::Samples;
+use crate::tiles::lattice::SIDE;
+
+/// The shader, compiled when a window opens.
+pub const SHADER: &str = include_str!("../../../shaders/picture.wgsl");
+
+/// One rectangle of the map (twin in the shader).
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Quad {
+    /// Its first corner in clip space, and the way along its sides.
+    pub corner: [f32; 2],
+    /// To the right.
+    pub right: [f32; 2],
+    /// Down.
+    pub down: [f32; 2],
+    /// Of the first corner among the slot's samples.
+    pub texel: [f32; 2],
+    /// Samples across.
+    pub span: [f32; 2],
+    /// Where the samples lie.
+    pub slot: u32,
+}
+
+/// What all quads share (twin in the shader).
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Uniforms {
+    /// log2 of the seconds at the colour table's beginning.
+    pub first_log2: f32,
+    /// Its entries a doubling of the time.
+    pub entries_per_octave: f32,
+    /// Later flips are not shown, s.
+    pub budget_secs: f32,
+    /// 1 when doubts are hatched.
+    pub trust: u32,
+    /// Linear light of what did not flip, cannot, and failed.
+    pub unflipped: [f32; 4],
+    /// Likewise.
+    pub forbidden: [f32; 4],
+    /// Likewise.
+    pub failed: [f32; 4],
+}
+
+/// Entries of the colour table.
+pub const TABLE_ENTRIES: usize = 1024;
+
+/// One frame of the map.
+pub struct Frame {
+    /// What is drawn, in order.
+    pub quads: Vec<Quad>,
+    /// Samples that are not in their slots yet.
+    pub uploads: Vec<(u32, Arc<Samples>)>,
+    /// Colours and marks.
+    pub uniforms: Uniforms,
+    /// [`TABLE_ENTRIES`] sRGB colours, four bytes each, if they have changed.
+    pub table: Option<Vec<u8>>,
+}
+
+/// What lives on the card as long as the window's device.
+pub struct Canvas {
+    pipeline: wgpu::RenderPipeline,
+    bindings: wgpu::BindGroup,
+    uniforms: wgpu::Buffer,
+    atlas: wgpu::Texture,
+    table: wgpu::Texture,
+    quads: wgpu::Buffer,
+    count: u32,
+}
+
+impl Canvas {
+    /// With an atlas of so many layers, for a target format.
+    pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat, layers: u32) -> Self {
+        let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("picture"),
+            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+        });
+        let pipeline = pipeline(device, &shader, target);
+        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("canvas"),
+            size: size_of::<Uniforms>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let layer_side = SLOTS_ALONG * SIDE;
+        let texture = |label, [width, height, depth_or_array_layers]: [u32; 3], format| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            })
+        };
+        let size = [layer_side, layer_side, layers];
+        let atlas = texture("atlas", size, wgpu::TextureFormat::R32Uint);
+        let size = [TABLE_ENTRIES as u32, 1, 1];
+        let table = texture("colour table", size, wgpu::TextureFormat::Rgba8UnormSrgb);
+        let view = |texture: &wgpu::Texture, dimension| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(dimension),
+                ..Default::default()
+            })
+        };
+        let atlas_view = view(&atlas, wgpu::TextureViewDimension::D2Array);
+        let table_view = view(&table, wgpu::TextureViewDimension::D2);
+        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("canvas"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::TextureView(&atlas_view),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 2,
+                    resource: wgpu::BindingResource::TextureView(&table_view),
+                },
+            ],
+        });
+        let quads = quad_buffer(device, &[]);
+        Canvas { pipeline, bindings, uniforms, atlas, table, quads, count: 0 }
+    }
+
+    /// Puts a frame's data on the card.
+    pub fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &Frame) {
+        for (slot, samples) in &frame.uploads {
+            self.upload(queue, *slot, samples);
+        }
+        if let Some(table) = &frame.table {
+            let size =
+                wgpu::Extent3d { width: TABLE_ENTRIES as u32, height: 1, depth_or_array_layers: 1 };
+            let layout = wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * TABLE_ENTRIES as u32),
+                rows_per_image: None,
+            };
+            queue.write_texture(self.table.as_image_copy(), table, layout, size);
+        }
+        queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&frame.uniforms));
+        let bytes = bytemuck::cast_slice(&frame.quads);
+        if bytes.len() as u64 > self.quads.size() {
+            self.quads = quad_buffer(device, &frame.quads);
+        } else {
+            queue.write_buffer(&self.quads, 0, bytes);
+        }
+        self.count = frame.quads.len() as u32;
+    }
+
+    fn upload(&self, queue: &wgpu::Queue, slot: u32, samples: &Samples) {
+        let words: Vec<u32> = (0..samples.len())
+            .map(|place| word_of(&samples.get(place), samples.trust(place)))
+            .collect();
+        let in_layer = slot % SLOTS_IN_LAYER;
+        let origin = wgpu::Origin3d {
+            x: in_layer % SLOTS_ALONG * SIDE,
+            y: in_layer / SLOTS_ALONG * SIDE,
+            z: slot / SLOTS_IN_LAYER,
+        };
+        let target = wgpu::TexelCopyTextureInfo { origin, ..self.atlas.as_image_copy() };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * SIDE),
+            rows_per_image: None,
+        };
+        let size = wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
+        queue.write_texture(target, bytemuck::cast_slice(&words), layout, size);
+    }
+
+    /// Draws what was loaded.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'static>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bindings, &[]);
+        pass.set_vertex_buffer(0, self.quads.slice(..));
+        pass.draw(0..4, 0..self.count);
+    }
+}
+
+/// A buffer with room for these quads and some more.
+fn quad_buffer(device: &wgpu::Device, quads: &[Quad]) -> wgpu::Buffer {
+    let mut room = quads.to_vec();
+    room.resize((2 * quads.len()).max(256), Quad::zeroed());
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("quads"),
+        contents: bytemuck::cast_slice(&room),
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+    })
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    shader: &wgpu::ShaderModule,
+    target: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let attributes = wgpu::vertex_attr_array![
+        0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2, 5 => Uint32
+    ];
+    let encode = if target.is_srgb() { 0.0 } else { 1.0 };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("picture"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some("corner_of"),
+            compilation_options: Default::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: size_of::<Quad>() as u64,
+                step_mode: wgpu::VertexStepMode::Instance,
+                attributes: &attributes,
+            })],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            ..Default::default()
+        },
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some("colour_of"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &[("ENCODE", encode)],
+                ..Default::default()
+            },
+            targets: &[Some(target.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+impl CallbackTrait for Frame {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _: &ScreenDescriptor,
+        _: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        if let Some(canvas) = resources.get_mut::<Canvas>() {
+            canvas.load(device, queue, self);
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        if let Some(canvas) = resources.get::<Canvas>() {
+            canvas.draw(pass);
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! A flight: the pendulum of a pixel let go from rest, and beside it, as a ghost, the pendulum
+//! one pixel away.
+//!
+//! Both are integrated by the gold standard in double-double on a thread of the flight's own, so
+//! that what flies is what the pixel says. The thread hands over what it has as it goes and wakes
+//! the window; what has arrived is kept as polynomials ([`motion`]), so that every moment of it
+//! can be shown at once. [`playback`] is the clock that it is watched by.
+
+pub mod agreement;
+pub mod motion;
+pub mod pilot;
+pub mod playback;
+pub mod record;
+pub mod separation;
+
+use std::sync::mpsc::{self, Receiver, TryRecvError};
+
+pub use self::agreement::Agreement;
+pub use self::playback::Playback;
+pub use self::record::{Ending, Flip, Record, Track};
+use crate::engine::Question;
+use crate::physics::{Dd, Outcome, Pendulum, Status};
+
+/// A flight is followed for at least this long, whatever the budget, s.
+pub const LEAST_SECS: f64 = 30.0;
+
+/// One flight, as far as it has come.
+#[derive(Debug)]
+pub struct Flight {
+    question: Question,
+    forbidden: bool,
+    record: Record,
+    incoming: Receiver<Record>,
+}
+
+impl Flight {
+    /// Lets go at `start` and at `neighbour` (rad, each within (−π, π]). `wake` is called from
+    /// the flight's thread whenever [`Flight::receive`] has something to take. The thread ends
+    /// with the flight, or soon after the flight is dropped.
+    pub fn launch(
+        question: Question,
+        start: [Dd; 2],
+        neighbour: [Dd; 2],
+        wake: impl Fn() + Send + 'static,
+    ) -> Flight {
+        let (sender, incoming) = mpsc::channel();
+        let until_secs = question.budget_secs.max(LEAST_SECS);
+        let fly = move || {
+            pilot::fly(&question, [start, neighbour], until_secs, |part| {
+                let wanted = sender.send(part).is_ok();
+                wake();
+                wanted
+            });
+        };
+        // Without a thread the sender is dropped, which `receive` takes for what it is.
+        if let Err(error) = std::thread::Builder::new().name("flight".into()).spawn(fly) {
+            log::error!("no thread for a flight: {error}");
+        }
+        let exact: Pendulum<Dd> = question.pendulum.convert();
+        let forbidden = exact.forbids(question.rule, start);
+        Flight { question, forbidden, record: Record::default(), incoming }
+    }
+
+    /// Takes what the thread has handed over since; whether there was anything.
+    pub fn receive(&mut self) -> bool {
+        let mut any = false;
+        while self.record.ending.is_none() {
+            match self.incoming.try_recv() {
+                Ok(part) => self.record.append(part),
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => self.record.ending = Some(Ending::BrokenOff),
+            }
+            any = true;
+        }
+        any
+    }
+
+    /// What is known of it.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// What it is asked.
+    pub fn question(&self) -> &Question {
+        &self.question
+    }
+
+    /// What the gold standard says about the pixel, bit for bit; none while that is not known.
+    pub fn outcome(&self) -> Option<Outcome<Dd>> {
+        if self.forbidden {
+            return Some(Outcome::without_time(Status::Forbidden));
+        }
+        let budget = Dd::new(self.question.budget_secs);
+        match self.record.own.flip {
+            Some(flip) if flip.secs <= budget => Some(Outcome::flipped(flip.secs)),
+            _ if self.record.own.motion.end_secs() >= budget.hi => {
+                Some(Outcome::without_time(Status::Unflipped))
+            }
+            _ if self.record.ending == Some(Ending::NotFinite) => {
+                Some(Outcome::without_time(Status::Failed))
+            }
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::physics::{Rule, State, gold, taylor::Orbit};
+    use crate::scene::{Build, Scene};
+
+    fn question(rule: Rule, budget_secs: f64) -> Question {
+        Question { rule, budget_secs, ..Question::from(&Scene::default()) }
+    }
+
+    /// A start and the one beside it, 1e-3 rad away.
+    fn pair(start: [Dd; 2]) -> [[Dd; 2]; 2] {
+        [start, [start[0] + Dd::new(1e-3), start[1]]]
+    }
+
+    fn complete(question: Question, [start, neighbour]: [[Dd; 2]; 2]) -> Flight {
+        let mut flight = Flight::launch(question, start, neighbour, || ());
+        let begun = Instant::now();
+        while flight.record().ending.is_none() {
+            assert!(begun.elapsed() < Duration::from_secs(60), "the flight never ends");
+            flight.receive();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        flight
+    }
+
+    fn gold_of(question: &Question, start: [Dd; 2]) -> Outcome<Dd> {
+        let pendulum: Pendulum<Dd> = question.pendulum.convert();
+        gold::outcome(&pendulum, start, question.rule, Dd::new(question.budget_secs))
+    }
+
+    #[test]
+    fn it_says_what_the_gold_standard_says_bit_for_bit() {
+        let dd = |angle: [f64; 2]| angle.map(Dd::new);
+        let starts = [
+            dd([2.2, 1.4]),
+            dd([3.0, 3.0]),
+            dd([-2.0, 3.0]),
+            dd([0.5, 0.5]),
+            [Dd::new(2.0), Dd::PI],
+            [Dd::PI, Dd::PI],
+            [Dd::PI, Dd::new(1.0)],
+        ];
+        let mut seen = Vec::new();
+        for rule in [Rule::Second, Rule::First, Rule::Either] {
+            for start in starts {
+                let question = question(rule, 6.0);
+                let (flown, gold) =
+                    (complete(question, pair(start)).outcome(), gold_of(&question, start));
+                assert_eq!(flown, Some(gold), "{rule} {start:?}");
+                seen.push(gold.status);
+            }
+        }
+        for status in [Status::Flipped, Status::Unflipped, Status::Forbidden] {
+            assert!(seen.contains(&status), "{status:?} is not among them");
+        }
+    }
+
+    #[test]
+    fn every_moment_is_that_of_the_orbit_and_energy_is_kept() {
+        let flight = complete(question(Rule::Second, 5.0), pair([2.2, 1.4].map(Dd::new)));
+        let record = flight.record();
+        assert_eq!((record.ending, record.end_secs()), (Some(Ending::Complete), LEAST_SECS));
+        let pendulum: Pendulum<Dd> = flight.question().pendulum.convert();
+        let mut orbit = Orbit::new(pendulum, State::rest([2.2, 1.4].map(Dd::new)));
+        for i in 0..=300 {
+            let secs = f64::from(i) / 10.0;
+            let (truth, kept) = (
+                orbit.state_at(Dd::new(secs)),
+                record.own.motion.state_at(secs).expect("complete"),
+            );
+            assert!((truth.angle[1].hi - kept.angle[1]).abs() < 1e-12, "at {secs}");
+        }
+        let worst = record.readings.iter().map(|r| r.energy_error.abs()).fold(0.0, f64::max);
+        assert!(worst > 0.0 && worst < 1e-27, "{worst:e}");
+    }
+
+    #[test]
+    fn neighbours_part_faster_where_there_is_chaos() {
+        let growth = |start: [f64; 2]| {
+            let start = start.map(Dd::new);
+            let beside = [start[0] + Dd::new(1e-9), start[1]];
+            let flight = complete(question(Rule::Second, 1.0), [start, beside]);
+            let readings = &flight.record().readings;
+            assert!((readings[0].separation_rad / 1e-9 - 1.0).abs() < 1e-6);
+            separation::Growth::fit(readings).expect("a line").rate_per_sec
+        };
+        let (chaotic, regular) = (growth([2.2, 1.4]), growth([0.1, 0.1]));
+        assert!(chaotic > 1.0 && regular.abs() < 0.1, "{chaotic} {regular}");
+    }
+
+    #[test]
+    fn without_gravity_and_in_balance_nothing_moves() {
+        let weightless = Build { gravity: 0.0, ..Build::default() }.pendulum();
+        let floating = Question { pendulum: weightless, ..question(Rule::Second, 40.0) };
+        for (question, start, status) in [
+            (floating, [2.2, 1.4].map(Dd::new), Status::Forbidden),
+            (question(Rule::Second, 40.0), [Dd::PI, Dd::PI], Status::Unflipped),
+        ] {
+            let flight = complete(question, pair(start));
+            let record = flight.record();
+            assert_eq!(record.own.motion.end_secs(), 40.0);
+            let state = record.own.motion.state_at(39.9).expect("kept to the end");
+            assert_eq!(state, State::rest(start.map(|theta| theta.hi)));
+            assert_eq!(flight.outcome().expect("known").status, status);
+            assert!(record.readings.iter().all(|reading| reading.energy_error == 0.0));
+        }
+    }
+
+    #[test]
+    fn a_forbidden_start_flies_all_the_same() {
+        let flight = complete(question(Rule::Second, 10.0), pair([0.5, 0.5].map(Dd::new)));
+        let moved = flight.record().own.motion.state_at(1.0).expect("complete").angle[0];
+        assert!((moved - 0.5).abs() > 0.1 && flight.record().own.flip.is_none());
+    }
+
+    #[test]
+    fn a_huge_budget_ends_where_memory_does_and_a_dropped_flight_stops() {
+        let fast = Build { gravity: 1e6, ..Build::default() }.pendulum();
+        let long = Question { pendulum: fast, ..question(Rule::Second, 1e6) };
+        let start = [0.3, 0.2].map(Dd::new);
+        let flight = complete(long, pair(start));
+        assert_eq!(flight.record().ending, Some(Ending::Full));
+        assert!(flight.record().own.motion.len() <= pilot::MOST_STEPS);
+        assert_eq!(flight.outcome().map(|outcome| outcome.status), Some(Status::Forbidden));
+
+        let wakes = Arc::new(AtomicUsize::new(0));
+        let counted = wakes.clone();
+        let flight = Flight::launch(long, start, start, move || {
+            counted.fetch_add(1, Ordering::Relaxed);
+        });
+        drop(flight);
+        let begun = Instant::now();
+        while Arc::strong_count(&wakes) > 1 {
+            assert!(begun.elapsed() < Duration::from_secs(1), "the thread goes on");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}

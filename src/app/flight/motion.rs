@@ -1,0 +1,133 @@
+//! One pendulum's motion kept whole: polynomials from step to step, so that every moment of it
+//! can be shown at once.
+
+use crate::physics::polynomial::evaluate;
+use crate::physics::taylor::Step;
+use crate::physics::{Dd, State};
+
+/// One step of the integrator, in f64 and without the terms that nobody could see.
+#[derive(Clone, Debug)]
+struct Piece {
+    start_secs: f64,
+    end_secs: f64,
+    /// Coefficients of θ1 and θ2, rad/sᵏ; the speeds are their slopes.
+    angle: [Box<[f64]>; 2],
+}
+
+/// Terms that add less than this to an angle by the end of a step are left out, rad.
+const UNSEEN_RAD: f64 = 1e-16;
+
+impl Piece {
+    fn new(step: &Step<Dd>, end_secs: f64) -> Self {
+        let length_secs = end_secs - step.start.hi;
+        let seen = |terms: &[Dd]| {
+            let adds = |k: usize| terms[k].hi.abs() * length_secs.powi(k as i32) > UNSEEN_RAD;
+            let count = (1..terms.len()).rev().find(|&k| adds(k)).map_or(1, |k| k + 1);
+            terms[..count].iter().map(|term| term.hi).collect()
+        };
+        Piece { start_secs: step.start.hi, end_secs, angle: [0, 1].map(|i| seen(&step.angle[i])) }
+    }
+
+    fn state_at(&self, secs: f64) -> State<f64> {
+        let tau = secs - self.start_secs;
+        State {
+            angle: [0, 1].map(|i| evaluate(&self.angle[i], tau)),
+            speed: [0, 1].map(|i| slope(&self.angle[i], tau)),
+        }
+    }
+}
+
+/// The derivative of Σ cₖ xᵏ, by Horner's rule.
+fn slope(coefficients: &[f64], x: f64) -> f64 {
+    let terms = coefficients.iter().enumerate().skip(1).rev();
+    terms.fold(0.0, |sum, (k, c)| sum.mul_add(x, k as f64 * c))
+}
+
+/// A motion from the release to as far as it is known.
+#[derive(Clone, Debug, Default)]
+pub struct Motion {
+    pieces: Vec<Piece>,
+}
+
+impl Motion {
+    /// Continues by a step, of which nothing after `until_secs` is kept.
+    pub fn push(&mut self, step: &Step<Dd>, until_secs: f64) {
+        self.pieces.push(Piece::new(step, step.end().hi.min(until_secs)));
+    }
+
+    /// Continues by what was recorded after it.
+    pub fn append(&mut self, mut later: Motion) {
+        self.pieces.append(&mut later.pieces);
+    }
+
+    /// Steps kept.
+    pub fn len(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Whether nothing is known yet.
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// Seconds from the release to where the knowledge ends.
+    pub fn end_secs(&self) -> f64 {
+        self.pieces.last().map_or(0.0, |piece| piece.end_secs)
+    }
+
+    /// The state `secs` after the release; none outside what is known.
+    pub fn state_at(&self, secs: f64) -> Option<State<f64>> {
+        let after = self.pieces.partition_point(|piece| piece.start_secs <= secs);
+        let piece = self.pieces.get(after.checked_sub(1)?)?;
+        (secs <= piece.end_secs).then(|| piece.state_at(secs))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Pendulum;
+    use crate::physics::taylor::Orbit;
+
+    fn recorded(angle: [f64; 2], until_secs: f64) -> (Orbit<Dd>, Motion) {
+        let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 9.81).convert();
+        let start = State::rest(angle.map(Dd::new));
+        let (mut orbit, mut motion) = (Orbit::new(pendulum, start), Motion::default());
+        while orbit.time().hi < until_secs {
+            let step = orbit.step();
+            motion.push(&step, until_secs);
+        }
+        (Orbit::new(pendulum, start), motion)
+    }
+
+    #[test]
+    fn the_record_is_the_orbit_at_every_moment() {
+        let (mut orbit, motion) = recorded([2.2, 1.4], 5.0);
+        for i in 0..=500 {
+            let secs = f64::from(i) / 100.0;
+            let (truth, kept) = (orbit.state_at(Dd::new(secs)), motion.state_at(secs).unwrap());
+            for bob in 0..2 {
+                assert!((truth.angle[bob].hi - kept.angle[bob]).abs() < 1e-13, "θ at {secs}");
+                assert!((truth.speed[bob].hi - kept.speed[bob]).abs() < 1e-11, "ω at {secs}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_known_outside_it() {
+        let (_, motion) = recorded([2.2, 1.4], 1.0);
+        assert_eq!(motion.end_secs(), 1.0);
+        assert!(motion.state_at(-1e-9).is_none() && motion.state_at(1.0 + 1e-9).is_none());
+        assert!(Motion::default().state_at(0.0).is_none());
+    }
+
+    #[test]
+    fn a_piece_keeps_no_more_terms_than_f64_can_show() {
+        let (_, motion) = recorded([2.2, 1.4], 5.0);
+        let terms: usize = motion.pieces.iter().flat_map(|p| &p.angle).map(|c| c.len()).sum();
+        let mean = terms as f64 / (2 * motion.len()) as f64;
+        assert!((8.0..24.0).contains(&mean), "{mean} terms");
+        let (_, still) = recorded([0.0, 0.0], 5.0);
+        assert_eq!(still.pieces[0].angle[0].len(), 1);
+    }
+}

@@ -1,0 +1,144 @@
+//! The thread's work: a pendulum and its ghost integrated side by side, handed over piece by
+//! piece.
+
+use std::time::{Duration, Instant};
+
+use super::record::{Ending, Flip, Record, Track};
+use super::separation::{Reading, Ruler};
+use crate::engine::Question;
+use crate::physics::flip::settle_at_top;
+use crate::physics::taylor::{Orbit, Step};
+use crate::physics::{Dd, Pendulum, Rule, Scalar, State, gold};
+
+/// How long pieces are gathered before they are handed over.
+const GATHERED: Duration = Duration::from_millis(10);
+/// Steps that are kept of one motion: some minutes of it, about 3 MiB.
+pub const MOST_STEPS: usize = 10_000;
+
+/// Integrates the pendulum from `start` and its ghost from `neighbour` up to `until_secs`;
+/// stops as soon as `hand_over` answers false.
+pub fn fly(
+    question: &Question,
+    [start, neighbour]: [[Dd; 2]; 2],
+    until_secs: f64,
+    mut hand_over: impl FnMut(Record) -> bool,
+) {
+    let mut pair = Pair::new(question, [start, neighbour], until_secs);
+    let mut fresh = Record { readings: vec![pair.reading_at_release()], ..Record::default() };
+    let mut handed_over = Instant::now();
+    loop {
+        fresh.ending = pair.advance(&mut fresh);
+        let ended = fresh.ending.is_some();
+        if ended || handed_over.elapsed() >= GATHERED {
+            if !hand_over(std::mem::take(&mut fresh)) || ended {
+                return;
+            }
+            handed_over = Instant::now();
+        }
+    }
+}
+
+/// One pendulum on its way, recorded as it goes.
+struct Flyer {
+    orbit: Orbit<Dd>,
+    /// The rule while it may still be met.
+    rule: Option<Rule>,
+    steps: usize,
+}
+
+impl Flyer {
+    /// At rest at `angle`, exactly as the gold standard releases it.
+    fn new(pendulum: Pendulum<Dd>, angle: [Dd; 2], rule: Rule) -> Self {
+        let alpha = pendulum.acceleration(&State::rest(angle));
+        let settled = [0, 1].map(|i| settle_at_top(angle[i], alpha[i]));
+        let rule = (!pendulum.forbids(rule, angle)).then_some(rule);
+        Flyer { orbit: Orbit::new(pendulum, State::rest(settled)), rule, steps: 0 }
+    }
+
+    /// One step further, kept in `track` up to `until`; none where the numbers stop being finite.
+    fn step(&mut self, track: &mut Track, until: Dd) -> Option<Step<Dd>> {
+        let step = self.orbit.step();
+        self.steps += 1;
+        if !self.orbit.state().speed[1].is_finite() {
+            return None;
+        }
+        if let Some(flip) = self.rule.and_then(|rule| flip_within(&step, rule)) {
+            self.rule = None;
+            track.flip = Some(flip);
+        }
+        track.motion.push(&step, until.hi);
+        Some(step)
+    }
+}
+
+/// The first flip inside a step, by the gold standard's own test.
+fn flip_within(step: &Step<Dd>, rule: Rule) -> Option<Flip> {
+    let of_bob = |&bob: &usize| {
+        let tau = gold::flip_within(step, [Rule::First, Rule::Second][bob])?;
+        Some(Flip { bob, secs: step.start + tau })
+    };
+    let earlier = |a: Flip, b: Flip| if b.secs < a.secs { b } else { a };
+    rule.watched().iter().filter_map(of_bob).reduce(earlier)
+}
+
+/// The pendulum, its ghost, and what is measured of them.
+struct Pair {
+    own: Flyer,
+    ghost: Flyer,
+    ghost_step: Option<Step<Dd>>,
+    until: Dd,
+    pendulum: Pendulum<Dd>,
+    energy: Dd,
+    ruler: Ruler,
+}
+
+impl Pair {
+    fn new(question: &Question, starts: [[Dd; 2]; 2], until_secs: f64) -> Self {
+        let pendulum: Pendulum<Dd> = question.pendulum.convert();
+        let [own, ghost] = starts.map(|angle| Flyer::new(pendulum, angle, question.rule));
+        Pair {
+            energy: pendulum.energy(own.orbit.state()),
+            own,
+            ghost,
+            ghost_step: None,
+            until: Dd::new(until_secs),
+            pendulum,
+            ruler: Ruler::new(&question.pendulum),
+        }
+    }
+
+    /// One step of the pendulum, as many of the ghost as it takes to keep up, and a reading.
+    fn advance(&mut self, fresh: &mut Record) -> Option<Ending> {
+        let Some(step) = self.own.step(&mut fresh.own, self.until) else {
+            return Some(Ending::NotFinite);
+        };
+        let moment = if step.end() < self.until { step.end() } else { self.until };
+        while self.ghost_step.as_ref().is_none_or(|latest| latest.end() < moment) {
+            self.ghost_step = self.ghost.step(&mut fresh.ghost, self.until);
+            if self.ghost_step.is_none() {
+                return Some(Ending::NotFinite);
+            }
+        }
+        let beside = self.ghost_step.as_ref().expect("the loop ends with a step");
+        let states = [step.state(moment - step.start), beside.state(moment - beside.start)];
+        fresh.readings.push(self.reading(moment, &states));
+        if moment >= self.until {
+            return Some(Ending::Complete);
+        }
+        (self.own.steps.max(self.ghost.steps) >= MOST_STEPS).then_some(Ending::Full)
+    }
+
+    fn reading_at_release(&self) -> Reading {
+        self.reading(Dd::new(0.0), &[*self.own.orbit.state(), *self.ghost.orbit.state()])
+    }
+
+    fn reading(&self, time: Dd, [own, ghost]: &[State<Dd>; 2]) -> Reading {
+        let scale = self.pendulum.p + self.pendulum.q;
+        let rise = self.pendulum.energy(own) - self.energy;
+        Reading {
+            secs: time.hi,
+            energy_error: if scale.hi > 0.0 { (rise / scale).hi } else { 0.0 },
+            separation_rad: self.ruler.distance(own, ghost),
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! What is known of a flight: two motions, their flips, and readings along the way.
+
+use super::motion::Motion;
+use super::separation::Reading;
+use crate::physics::Dd;
+
+/// The moment at which the rule is first met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flip {
+    /// The index of the bob that flips.
+    pub bob: usize,
+    /// Seconds from the release.
+    pub secs: Dd,
+}
+
+/// One pendulum of a flight.
+#[derive(Clone, Debug, Default)]
+pub struct Track {
+    /// How it moves.
+    pub motion: Motion,
+    /// Its flip, once that is known; also when it comes after the budget.
+    pub flip: Option<Flip>,
+}
+
+impl Track {
+    fn append(&mut self, later: Track) {
+        self.motion.append(later.motion);
+        self.flip = self.flip.or(later.flip);
+    }
+}
+
+/// Why a record does not grow any further.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// It reaches as far as was asked for.
+    Complete,
+    /// More steps are not kept.
+    Full,
+    /// The numbers stopped being finite.
+    NotFinite,
+    /// The thread could not be started, or broke off.
+    BrokenOff,
+}
+
+/// All of a flight, or a part of it that continues an earlier part.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// The pendulum of the pixel.
+    pub own: Track,
+    /// The pendulum one pixel away.
+    pub ghost: Track,
+    /// One at the release, and one at the end of each step of the pendulum.
+    pub readings: Vec<Reading>,
+    /// Set with the last part.
+    pub ending: Option<Ending>,
+}
+
+impl Record {
+    /// Continues by a later part.
+    pub fn append(&mut self, mut later: Record) {
+        self.own.append(later.own);
+        self.ghost.append(later.ghost);
+        self.readings.append(&mut later.readings);
+        self.ending = self.ending.or(later.ending);
+    }
+
+    /// Seconds up to which both motions are known.
+    pub fn end_secs(&self) -> f64 {
+        self.own.motion.end_secs().min(self.ghost.motion.end_secs())
+    }
+}

@@ -1,0 +1,109 @@
+//! The views that were visited, as a browser keeps pages.
+
+use super::camera::Camera;
+
+/// Visited views and which of them is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct History {
+    views: Vec<Camera>,
+    current: usize,
+}
+
+/// Views remembered.
+const MOST: usize = 200;
+
+impl History {
+    /// Begins at a view.
+    pub fn new(first: Camera) -> Self {
+        History { views: vec![first], current: 0 }
+    }
+
+    /// The camera came to rest somewhere: what lay ahead is forgotten.
+    pub fn visit(&mut self, camera: Camera) {
+        if self.views[self.current] == camera {
+            return;
+        }
+        self.views.truncate(self.current + 1);
+        self.views.push(camera);
+        if self.views.len() > MOST {
+            self.views.remove(0);
+        }
+        self.current = self.views.len() - 1;
+    }
+
+    /// The view before, if there is one.
+    pub fn back(&mut self) -> Option<Camera> {
+        self.current = self.current.checked_sub(1)?;
+        Some(self.views[self.current])
+    }
+
+    /// The view that was left by going back.
+    pub fn forward(&mut self) -> Option<Camera> {
+        let view = self.views.get(self.current + 1)?;
+        self.current += 1;
+        Some(*view)
+    }
+
+    /// Whether there is a view before.
+    pub fn has_back(&self) -> bool {
+        self.current > 0
+    }
+
+    /// Whether one was left by going back.
+    pub fn has_forward(&self) -> bool {
+        self.current + 1 < self.views.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Dd;
+    use proptest::prelude::*;
+
+    fn view(width_rad: f64) -> Camera {
+        Camera { center: [Dd::new(0.0); 2], width_rad, rotate_deg: 0.0, stretch: 1.0 }
+    }
+
+    proptest! {
+        /// Against the plainest model: two stacks.
+        #[test]
+        fn it_is_two_stacks(steps in prop::collection::vec(0u8..4, 0..120)) {
+            let mut history = History::new(view(0.0));
+            let (mut behind, mut here, mut ahead) = (vec![], 0.0, vec![]);
+            for (k, step) in steps.into_iter().enumerate() {
+                match step {
+                    0 => match behind.pop() {
+                        Some(width) => {
+                            ahead.push(std::mem::replace(&mut here, width));
+                            prop_assert_eq!(history.back(), Some(view(here)));
+                        }
+                        None => prop_assert_eq!(history.back(), None),
+                    },
+                    1 => match ahead.pop() {
+                        Some(width) => {
+                            behind.push(std::mem::replace(&mut here, width));
+                            prop_assert_eq!(history.forward(), Some(view(here)));
+                        }
+                        None => prop_assert_eq!(history.forward(), None),
+                    },
+                    2 => history.visit(view(here)),
+                    _ => {
+                        behind.push(std::mem::replace(&mut here, k as f64 + 1.0));
+                        ahead.clear();
+                        history.visit(view(here));
+                    }
+                }
+                prop_assert_eq!(history.has_back(), !behind.is_empty());
+                prop_assert_eq!(history.has_forward(), !ahead.is_empty());
+            }
+        }
+    }
+
+    #[test]
+    fn the_oldest_are_forgotten() {
+        let mut history = History::new(view(1.0));
+        (2..1000).for_each(|k| history.visit(view(k as f64)));
+        assert_eq!(std::iter::from_fn(|| history.back()).count(), MOST - 1);
+    }
+}

@@ -1,0 +1,170 @@
+//! The drawing: pivot, rods, bobs, the second bob's trail, the ghost, and the flip.
+
+use egui::epaint::TextShape;
+use egui::{
+    Align2, Color32, FontId, Painter, Pos2, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2,
+};
+
+use crate::app::flight::separation::natural_secs;
+use crate::app::pins::Pin;
+use crate::physics::State;
+use crate::scene::{Build, Kind};
+
+/// How far back the trail goes, in natural units of time: 3.8 s for the home pendulum.
+const TRAIL_UNITS: f64 = 12.0;
+/// Pieces of the trail, each with an age of its own.
+const TRAIL_PIECES: u32 = 300;
+/// Of half the canvas: what the outstretched pendulum takes.
+const FILLED: f32 = 0.88;
+/// The heavier bob's radius, or half the heavier bar's width, of half the canvas.
+const HEAVIEST: f32 = 0.075;
+
+/// Draws a pin's pendulum at the moment that is shown.
+pub fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
+    let side = ui.available_width().min(MOST_SIDE);
+    let size = vec2(ui.available_width(), side);
+    let (response, painter) = ui.allocate_painter(size, Sense::hover());
+    let secs = pin.shown_secs();
+    let record = pin.flight.record();
+    let state = record.own.motion.state_at(secs);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told(pin, state.as_ref())));
+    let stage = Stage::new(response.rect.center(), side / 2.0, build);
+    let visuals = ui.visuals();
+    painter.rect_filled(response.rect, 4.0, visuals.extreme_bg_color);
+    let Some(state) = state else {
+        let middle = response.rect.center();
+        let font = FontId::proportional(13.0);
+        painter.text(middle, Align2::CENTER_CENTER, "Letting go …", font, visuals.text_color());
+        return;
+    };
+    let inks = Inks { rods: visuals.text_color(), bobs: pin.badge.colour() };
+    stage.trail(&painter, pin, secs);
+    if let Some(ghost) = record.ghost.motion.state_at(secs) {
+        stage.ghost(&painter, &ghost, visuals.weak_text_color());
+    }
+    stage.pendulum(&painter, &state, &inks);
+    stage.flip(&painter, pin, secs, visuals.strong_text_color());
+}
+
+/// Larger than this it shows no more, points.
+const MOST_SIDE: f32 = 300.0;
+
+/// What a screen reader says about the drawing.
+fn told(pin: &Pin, state: Option<&State<f64>>) -> String {
+    let letter = pin.badge.letter();
+    match state {
+        Some(State { angle: [theta1, theta2], .. }) => format!(
+            "Pendulum {letter} at {:.2} s: θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad",
+            pin.shown_secs()
+        ),
+        None => format!("Pendulum {letter} is being let go"),
+    }
+}
+
+struct Inks {
+    rods: Color32,
+    bobs: Color32,
+}
+
+/// From a pendulum's metres and kilograms to points on the canvas.
+struct Stage<'a> {
+    pivot: Pos2,
+    half_side: f32,
+    build: &'a Build,
+}
+
+impl<'a> Stage<'a> {
+    fn new(pivot: Pos2, half_side: f32, build: &'a Build) -> Self {
+        Stage { pivot, half_side, build }
+    }
+
+    /// The ends of both rods, for angles from the downward vertical, anticlockwise.
+    fn ends(&self, angle: [f64; 2]) -> [Pos2; 2] {
+        let reach = self.build.lengths[0] + self.build.lengths[1];
+        let rod = |i: usize| {
+            let length = (self.build.lengths[i] / reach) as f32 * self.half_side * FILLED;
+            let (sin, cos) = angle[i].sin_cos();
+            vec2(sin as f32, cos as f32) * length
+        };
+        let first = self.pivot + rod(0);
+        [first, first + rod(1)]
+    }
+
+    /// Radii of bobs, their areas in the ratio of their masses as far as both can be seen.
+    fn radii(&self) -> [f32; 2] {
+        let [m1, m2] = self.build.masses;
+        let heaviest = m1.max(m2);
+        [m1, m2].map(|mass| (self.half_side * HEAVIEST * (mass / heaviest).sqrt() as f32).max(3.0))
+    }
+
+    fn pendulum(&self, painter: &Painter, state: &State<f64>, inks: &Inks) {
+        let [first, second] = self.ends(state.angle);
+        let rods = [[self.pivot, first], [first, second]];
+        match self.build.kind {
+            Kind::Points => {
+                for rod in rods {
+                    painter.line_segment(rod, Stroke::new(2.0, inks.rods));
+                }
+                let [r1, r2] = self.radii();
+                painter.circle_filled(first, r1, inks.rods);
+                painter.circle(second, r2, inks.bobs, Stroke::new(1.0, inks.rods));
+            }
+            Kind::Rods => {
+                for ((rod, radius), ink) in
+                    rods.into_iter().zip(self.radii()).zip([inks.rods, inks.bobs])
+                {
+                    painter.line_segment(rod, Stroke::new(radius, ink));
+                }
+                painter.circle_filled(first, 3.0, inks.rods);
+            }
+        }
+        painter.circle_filled(self.pivot, 4.0, inks.rods);
+    }
+
+    /// Dashed rods and hollow bobs.
+    fn ghost(&self, painter: &Painter, state: &State<f64>, ink: Color32) {
+        let [first, second] = self.ends(state.angle);
+        let stroke = Stroke::new(1.0, ink);
+        painter.extend(Shape::dashed_line(&[self.pivot, first, second], stroke, 5.0, 4.0));
+        if self.build.kind == Kind::Points {
+            let [r1, r2] = self.radii();
+            painter.circle_stroke(first, r1, stroke);
+            painter.circle_stroke(second, r2, stroke);
+        }
+    }
+
+    /// Where the second bob has been, fading with age.
+    fn trail(&self, painter: &Painter, pin: &Pin, secs: f64) {
+        let length_secs = TRAIL_UNITS * natural_secs(&pin.flight.question().pendulum);
+        let motion = &pin.flight.record().own.motion;
+        let place = |piece: u32| {
+            let age = f64::from(TRAIL_PIECES - piece) / f64::from(TRAIL_PIECES);
+            Some(self.ends(motion.state_at(secs - age * length_secs)?.angle)[1])
+        };
+        for piece in 0..TRAIL_PIECES {
+            let (Some(from), Some(to)) = (place(piece), place(piece + 1)) else { continue };
+            let youth = (piece + 1) as f32 / TRAIL_PIECES as f32;
+            let ink = pin.badge.colour().gamma_multiply(youth);
+            painter.line_segment([from, to], Stroke::new(1.5, ink));
+        }
+    }
+
+    /// Once it has happened: a ring where the bob was, and the word.
+    fn flip(&self, painter: &Painter, pin: &Pin, secs: f64, ink: Color32) {
+        let track = &pin.flight.record().own;
+        let Some(flip) = track.flip.filter(|flip| flip.secs.hi <= secs) else { return };
+        let Some(state) = track.motion.state_at(flip.secs.hi) else { return };
+        let place = self.ends(state.angle)[flip.bob];
+        let radius = self.radii()[flip.bob] + 5.0;
+        painter.circle_stroke(place, radius, Stroke::new(2.0, ink));
+        let late = flip.secs.hi > pin.flight.question().budget_secs;
+        let note = if late { ", after the budget" } else { "" };
+        let text = format!("flip at {:.3} s{note}", flip.secs.hi);
+        let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), ink);
+        // Above the ring, but inside the canvas.
+        let area = painter.clip_rect().shrink2(galley.size() / 2.0 + vec2(4.0, 4.0));
+        let above = place - vec2(0.0, radius + galley.size().y / 2.0 + 2.0);
+        let corner = area.clamp(above) - galley.size() / 2.0;
+        painter.add(TextShape::new(corner, galley, ink));
+    }
+}

@@ -1,0 +1,134 @@
+//! The numbers of a pin: where it starts, when it flips, what the map said, how right it is.
+
+use egui::{Grid, RichText, Ui};
+
+use crate::app::flight::separation::reading_at;
+use crate::app::flight::{Agreement, Ending, Flight};
+use crate::app::pins::Pin;
+use crate::engine::Trust;
+use crate::physics::{Dd, Outcome, Status};
+
+/// Shows them as a table of names and values.
+pub fn facts(ui: &mut Ui, pin: &Pin) {
+    Grid::new("start").num_columns(4).show(ui, |ui| {
+        for (name, theta) in ["θ1", "θ2"].into_iter().zip(pin.start) {
+            let Dd { hi: rad, .. } = theta;
+            ui.label(name).on_hover_text(format!("{name} = {theta} rad"));
+            ui.label(format!("{rad:.6} rad"));
+            ui.label(format!("{:.6} π", rad / std::f64::consts::PI));
+            ui.label(format!("{:.4}°", rad.to_degrees()));
+            ui.end_row();
+        }
+    });
+    Grid::new("facts").num_columns(2).show(ui, |ui| {
+        let mut row = |name: &str, value: RichText| {
+            ui.label(name);
+            ui.label(value);
+            ui.end_row();
+        };
+        let flown = pin.flight.outcome();
+        row("Flip, gold standard", flown_words(&pin.flight).into());
+        row("Flip, on the map", told_words(pin).into());
+        if let (Some((told, _)), Some(flown)) = (pin.told, flown) {
+            let agreement = Agreement::of(&told, &flown);
+            let words = RichText::new(agreement_words(agreement));
+            let same = agreement == Agreement::Same;
+            row("Together", if same { words } else { words.strong() });
+        }
+        row("Energy error", energy_words(pin).into());
+        if let Some(words) = ending_words(&pin.flight) {
+            row("Record", words.into());
+        }
+    });
+}
+
+/// What the gold standard says, or how far it has come.
+fn flown_words(flight: &Flight) -> String {
+    let known_secs = round_secs(flight.record().end_secs());
+    match (flight.outcome(), flight.record().ending) {
+        (Some(outcome), _) => {
+            let time = outcome.time.hi;
+            outcome_words(&Outcome { status: outcome.status, time }, flight)
+        }
+        (None, None) => format!("flying, {known_secs} s so far"),
+        (None, Some(_)) => format!("none in the first {known_secs} s"),
+    }
+}
+
+fn told_words(pin: &Pin) -> String {
+    let Some((outcome, trust)) = pin.told else { return "not computed yet".into() };
+    let words = outcome_words(&outcome, &pin.flight);
+    let known = Trust::ALL.into_iter().find(|(_, t)| *t == trust && trust != Trust::Unchecked);
+    known.map_or(words.clone(), |(trust, _)| format!("{words}, {trust}"))
+}
+
+fn outcome_words(outcome: &Outcome, flight: &Flight) -> String {
+    match outcome.status {
+        Status::Flipped => format!("{:.6} s", outcome.time),
+        Status::Unflipped => {
+            format!("none within {} s", round_secs(flight.question().budget_secs))
+        }
+        Status::Forbidden => "forbidden by its energy".into(),
+        Status::Failed => "failed".into(),
+    }
+}
+
+fn agreement_words(agreement: Agreement) -> String {
+    match agreement {
+        Agreement::Same => "same within 1 ms".into(),
+        Agreement::Apart(secs) if secs < 1.0 => format!("different by {:.1} ms!", secs * 1e3),
+        Agreement::Apart(secs) => format!("different by {secs:.3} s!"),
+        Agreement::OtherStatus => "different!".into(),
+    }
+}
+
+/// Relative to P + Q: at the moment, and the worst up to it.
+fn energy_words(pin: &Pin) -> String {
+    let readings = &pin.flight.record().readings;
+    let secs = pin.shown_secs();
+    let Some(now) = reading_at(readings, secs) else { return "not known yet".into() };
+    let worst = readings
+        .iter()
+        .take_while(|reading| reading.secs <= secs)
+        .fold(0.0, |worst: f64, reading| worst.max(reading.energy_error.abs()));
+    format!("{:.0e}, at worst {worst:.0e}", now.energy_error.abs())
+}
+
+/// Where and why the record ends, if that is not where it should.
+fn ending_words(flight: &Flight) -> Option<String> {
+    let end_secs = round_secs(flight.record().end_secs());
+    match flight.record().ending? {
+        Ending::Complete => None,
+        Ending::Full => Some(format!("ends at {end_secs} s; no more is kept")),
+        Ending::NotFinite => Some(format!("ends at {end_secs} s; no number after it")),
+        Ending::BrokenOff => Some(format!("broke off at {end_secs} s; pin it again")),
+    }
+}
+
+/// Seconds to four digits, without zeros that say nothing.
+pub fn round_secs(secs: f64) -> String {
+    let digits = (3.0 - secs.abs().max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{secs:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_are_short() {
+        let words = [30.0, 0.0, 412.3456, 1e6, 0.001_234_56, 2.5].map(round_secs);
+        assert_eq!(words, ["30", "0", "412.3", "1000000", "0.001235", "2.5"]);
+    }
+
+    #[test]
+    fn differences_are_told_in_the_unit_that_fits() {
+        assert_eq!(agreement_words(Agreement::Apart(0.0123)), "different by 12.3 ms!");
+        assert_eq!(agreement_words(Agreement::Apart(3.2)), "different by 3.200 s!");
+    }
+}

@@ -1,0 +1,345 @@
+//! The pixels that a person has pinned, each with its flight.
+
+use egui::Color32;
+
+use super::flight::{Flight, Playback};
+use crate::engine::{Question, Trust};
+use crate::physics::{Dd, Outcome};
+use crate::scene::{Build, Scene};
+
+/// How many pins there can be at once.
+pub const MOST_PINS: usize = 8;
+
+/// Okabe and Ito's colours, which colour-blind people can tell apart, with grey for their black.
+const COLOURS: [Color32; MOST_PINS] = [
+    Color32::from_rgb(0xe6, 0x9f, 0x00),
+    Color32::from_rgb(0x56, 0xb4, 0xe9),
+    Color32::from_rgb(0x00, 0x9e, 0x73),
+    Color32::from_rgb(0xf0, 0xe4, 0x42),
+    Color32::from_rgb(0x00, 0x72, 0xb2),
+    Color32::from_rgb(0xd5, 0x5e, 0x00),
+    Color32::from_rgb(0xcc, 0x79, 0xa7),
+    Color32::from_rgb(0x99, 0x99, 0x99),
+];
+
+/// A pin's name for as long as the window is open; never given again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PinId(u64);
+
+/// What marks a pin on the map and in the panel: a letter and a colour, never a colour alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Badge(usize);
+
+impl Badge {
+    /// A to H.
+    pub fn letter(self) -> char {
+        char::from(b'A' + self.0 as u8)
+    }
+
+    /// The colour that goes with the letter.
+    pub fn colour(self) -> Color32 {
+        COLOURS[self.0]
+    }
+}
+
+/// One pinned pixel.
+#[derive(Debug)]
+pub struct Pin {
+    /// Its name.
+    pub id: PinId,
+    /// θ1 and θ2 of the pixel, rad.
+    pub start: [Dd; 2],
+    /// θ1 and θ2 of the pixel beside it, rad.
+    pub neighbour: [Dd; 2],
+    /// Its mark.
+    pub badge: Badge,
+    /// What the map said, once it has.
+    pub told: Option<(Outcome, Trust)>,
+    /// Its pendulum.
+    pub flight: Flight,
+    /// Where that is being watched.
+    pub playback: Playback,
+}
+
+impl Pin {
+    /// The moment that is shown: where it is being watched, as far as that is known yet.
+    pub fn shown_secs(&self) -> f64 {
+        self.playback.time_secs().min(self.flight.record().end_secs())
+    }
+
+    fn advance(&mut self, elapsed_secs: f64) {
+        self.flight.receive();
+        let record = self.flight.record();
+        self.playback.advance(elapsed_secs, record.end_secs(), record.ending.is_some());
+    }
+}
+
+/// All pins are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("all {MOST_PINS} pins are in use; remove one to pin another pixel")]
+pub struct NoPinLeft;
+
+/// What a person does to a pin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PinAction {
+    /// Shows it.
+    Select(PinId),
+    /// Takes it off the map.
+    Remove(PinId),
+    /// Lets it go on.
+    Play(PinId),
+    /// Stops it where it is.
+    Pause(PinId),
+    /// Lets it go again from rest.
+    Restart(PinId),
+    /// Goes to so many seconds after the release.
+    Scrub(PinId, f64),
+    /// So many simulated seconds in a second.
+    Speed(PinId, f64),
+}
+
+/// All pins, and the physics that they fly by.
+#[derive(Debug)]
+pub struct Pins {
+    build: Build,
+    question: Question,
+    list: Vec<Pin>,
+    selected: Option<PinId>,
+    next_id: u64,
+}
+
+impl Pins {
+    /// None yet, for the pendulum and question of a checked scene.
+    pub fn new(scene: &Scene) -> Self {
+        Pins {
+            build: scene.build,
+            question: Question::from(scene),
+            list: Vec::new(),
+            selected: None,
+            next_id: 0,
+        }
+    }
+
+    /// The pendulum as it is built.
+    pub fn build(&self) -> &Build {
+        &self.build
+    }
+
+    /// The pins in the order in which they were set.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &Pin> {
+        self.list.iter()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// The pin that is shown.
+    pub fn selected(&self) -> Option<&Pin> {
+        self.list.iter().find(|pin| Some(pin.id) == self.selected)
+    }
+
+    /// A pin by its name.
+    pub fn get(&self, id: PinId) -> Option<&Pin> {
+        self.list.iter().find(|pin| pin.id == id)
+    }
+
+    /// Whether the shown pendulum goes on by itself, so that the window has to be drawn again.
+    pub fn is_playing(&self) -> bool {
+        self.selected().is_some_and(|pin| pin.playback.is_playing())
+    }
+
+    /// Pins a pixel, lets its pendulum go and selects it. `wake` is called from the flight's
+    /// thread whenever there is more to show.
+    pub fn add(
+        &mut self,
+        [start, neighbour]: [[Dd; 2]; 2],
+        told: Option<(Outcome, Trust)>,
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<PinId, NoPinLeft> {
+        let free = |&slot: &usize| self.list.iter().all(|pin| pin.badge != Badge(slot));
+        let badge = Badge((0..MOST_PINS).find(free).ok_or(NoPinLeft)?);
+        let id = PinId(self.next_id);
+        self.next_id += 1;
+        let flight = Flight::launch(self.question, start, neighbour, wake);
+        let playback = Playback::default();
+        self.list.push(Pin { id, start, neighbour, badge, told, flight, playback });
+        self.selected = Some(id);
+        Ok(id)
+    }
+
+    /// What the map says about a pin's pixel, now that it knows.
+    pub fn tell(&mut self, id: PinId, told: (Outcome, Trust)) {
+        if let Some(pin) = self.get_mut(id) {
+            pin.told = Some(told);
+        }
+    }
+
+    /// Takes what the flights have handed over and moves the shown one's clock on by a frame;
+    /// the others wait where they were left.
+    pub fn advance(&mut self, elapsed_secs: f64) {
+        for pin in &mut self.list {
+            let shown = self.selected == Some(pin.id);
+            pin.advance(if shown { elapsed_secs } else { 0.0 });
+        }
+    }
+
+    /// Does what a person asked for; a pin that is gone by now is left alone.
+    pub fn apply(&mut self, action: PinAction) {
+        match action {
+            PinAction::Select(id) => self.select(id),
+            PinAction::Remove(id) => self.remove(id),
+            PinAction::Play(id) => self.change(id, |pin| {
+                let record = pin.flight.record();
+                let ended = record.ending.is_some();
+                pin.playback.play(if ended { record.end_secs() } else { f64::INFINITY });
+            }),
+            PinAction::Pause(id) => self.change(id, |pin| pin.playback.pause()),
+            PinAction::Restart(id) => self.change(id, |pin| pin.playback.restart()),
+            PinAction::Scrub(id, secs) => self.change(id, |pin| pin.playback.scrub(secs)),
+            PinAction::Speed(id, speed) => self.change(id, |pin| pin.playback.set_speed(speed)),
+        }
+    }
+
+    /// Follows a change of the scene: where the pendulum or the question is another, all pins
+    /// are let go anew, and the map has yet to say what it makes of them.
+    pub fn relaunch(&mut self, scene: &Scene, wake: impl Fn() + Clone + Send + 'static) {
+        let question = Question::from(scene);
+        self.build = scene.build;
+        if question == self.question {
+            return;
+        }
+        self.question = question;
+        for pin in &mut self.list {
+            pin.flight = Flight::launch(question, pin.start, pin.neighbour, wake.clone());
+            pin.told = None;
+        }
+    }
+
+    fn get_mut(&mut self, id: PinId) -> Option<&mut Pin> {
+        self.list.iter_mut().find(|pin| pin.id == id)
+    }
+
+    fn change(&mut self, id: PinId, change: impl FnOnce(&mut Pin)) {
+        if let Some(pin) = self.get_mut(id) {
+            change(pin);
+        }
+    }
+
+    fn select(&mut self, id: PinId) {
+        if self.get(id).is_some() {
+            self.selected = Some(id);
+        }
+    }
+
+    /// The pin that takes its place is selected, or else the last.
+    fn remove(&mut self, id: PinId) {
+        let Some(place) = self.list.iter().position(|pin| pin.id == id) else { return };
+        self.list.remove(place);
+        if self.selected == Some(id) {
+            let next = self.list.get(place).or(self.list.last());
+            self.selected = next.map(|pin| pin.id);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene;
+
+    fn place(theta1: f64) -> [[Dd; 2]; 2] {
+        [[Dd::new(theta1), Dd::new(1.4)], [Dd::new(theta1 + 0.01), Dd::new(1.4)]]
+    }
+
+    fn with_pins(count: usize) -> (Pins, Vec<PinId>) {
+        let mut pins = Pins::new(&Scene::default());
+        let ids = (0..count).map(|i| pins.add(place(2.0 + i as f64 / 10.0), None, || ()).unwrap());
+        let ids = ids.collect();
+        (pins, ids)
+    }
+
+    fn wait(pins: &mut Pins) {
+        while pins.iter().any(|pin| pin.flight.record().ending.is_none()) {
+            pins.advance(0.0);
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn there_are_eight_each_with_its_own_letter_and_colour() {
+        let (mut pins, ids) = with_pins(MOST_PINS);
+        let letters: String = pins.iter().map(|pin| pin.badge.letter()).collect();
+        assert_eq!(letters, "ABCDEFGH");
+        let colours: std::collections::HashSet<_> = pins.iter().map(|p| p.badge.colour()).collect();
+        assert_eq!(colours.len(), MOST_PINS);
+        assert_eq!(pins.add(place(1.0), None, || ()), Err(NoPinLeft));
+        assert_eq!(pins.iter().len(), MOST_PINS);
+        pins.apply(PinAction::Remove(ids[2]));
+        let again = pins.add(place(1.0), None, || ()).unwrap();
+        assert_eq!(pins.get(again).unwrap().badge.letter(), 'C', "a letter becomes free again");
+        assert!(!ids.contains(&again));
+    }
+
+    #[test]
+    fn the_newest_is_selected_and_a_removed_one_gives_way_to_its_neighbour() {
+        let (mut pins, ids) = with_pins(3);
+        let selected = |pins: &Pins| pins.selected().map(|pin| pin.id);
+        assert_eq!(selected(&pins), Some(ids[2]));
+        pins.apply(PinAction::Select(ids[1]));
+        pins.apply(PinAction::Remove(ids[0]));
+        assert_eq!(selected(&pins), Some(ids[1]));
+        pins.apply(PinAction::Remove(ids[1]));
+        assert_eq!(selected(&pins), Some(ids[2]));
+        pins.apply(PinAction::Select(ids[0]));
+        assert_eq!(selected(&pins), Some(ids[2]), "one that is gone cannot be selected");
+        pins.apply(PinAction::Remove(ids[2]));
+        assert!(selected(&pins).is_none() && pins.is_empty());
+    }
+
+    #[test]
+    fn actions_reach_their_pin_and_no_other() {
+        let (mut pins, ids) = with_pins(2);
+        wait(&mut pins);
+        let times = |pins: &Pins| [0, 1].map(|i| pins.get(ids[i]).unwrap().shown_secs());
+        pins.apply(PinAction::Select(ids[0]));
+        pins.apply(PinAction::Speed(ids[0], 2.0));
+        pins.advance(1.5);
+        assert_eq!(times(&pins), [3.0, 0.0], "the one that is not shown waits");
+        pins.apply(PinAction::Pause(ids[0]));
+        assert!(!pins.is_playing());
+        pins.advance(1.5);
+        pins.apply(PinAction::Select(ids[1]));
+        pins.apply(PinAction::Scrub(ids[1], 29.0));
+        pins.advance(2.0);
+        assert_eq!((times(&pins), pins.is_playing()), ([3.0, 30.0], false));
+        pins.apply(PinAction::Play(ids[1]));
+        pins.advance(0.5);
+        assert_eq!(times(&pins), [3.0, 0.5], "from the release after the end");
+        pins.apply(PinAction::Select(ids[0]));
+        pins.apply(PinAction::Restart(ids[0]));
+        assert_eq!((times(&pins), pins.is_playing()), ([0.0, 0.5], true));
+    }
+
+    #[test]
+    fn other_physics_fly_anew_and_another_view_does_not() {
+        let (mut pins, ids) = with_pins(1);
+        wait(&mut pins);
+        let flip = |pins: &Pins| pins.selected().unwrap().flight.outcome().unwrap();
+        let earth = flip(&pins);
+        pins.tell(ids[0], (Outcome::flipped(earth.time.hi), Trust::Agreed));
+        pins.apply(PinAction::Scrub(ids[0], 2.0));
+        let view = scene::View { width: "1".into(), ..scene::View::default() };
+        pins.relaunch(&Scene { view, ..Scene::default() }, || ());
+        assert!(pins.selected().unwrap().told.is_some());
+
+        let build = Build { gravity: 9.81 * 4.0, ..Build::default() };
+        pins.relaunch(&Scene { build, ..Scene::default() }, || ());
+        assert!(pins.selected().unwrap().told.is_none());
+        wait(&mut pins);
+        // Four times the gravity is the same motion at twice the speed.
+        assert!((flip(&pins).time.hi * 2.0 - earth.time.hi).abs() < 1e-9);
+        assert_eq!(pins.selected().unwrap().playback.time_secs(), 2.0);
+    }
+}

@@ -1,0 +1,304 @@
+//! An engine on a thread of its own, for callers that must never wait.
+//!
+//! Opening an engine compiles kernels and may measure the machine; polling one may compute. Here
+//! both happen on a thread that takes jobs from a channel, sends answers back, and wakes the
+//! caller when there are any. To the caller it is an [`Engine`] like any other.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::time::{Duration, Instant};
+
+use super::choice::{ChoiceError, Chosen};
+use super::{Engine, EngineError, Finished, Job, Recipe, Wait};
+
+/// How long the thread computes before it looks for new jobs again.
+const TURN: Duration = Duration::from_millis(4);
+/// Jobs that wait behind those the engine works on, so that it is not idle between two frames.
+const AHEAD: usize = 1;
+
+/// What the caller says.
+enum Order {
+    Submit(Box<Job>),
+    /// Forget everything; answers from before carry an older number.
+    Cancel(u64),
+}
+
+/// What the thread says, with the number of the last cancellation it knew.
+type Answer = (u64, Result<Finished, EngineError>);
+
+/// An engine that is being opened.
+pub struct Opening {
+    receiver: Receiver<Result<Background, ChoiceError>>,
+}
+
+/// An engine on its thread.
+pub struct Background {
+    /// Why it was chosen, for people.
+    pub why: String,
+    /// What it was opened for.
+    pub recipe: Recipe,
+    orders: Sender<Order>,
+    answers: Receiver<Answer>,
+    cancellations: u64,
+    in_flight: usize,
+    slots: usize,
+    job_size: usize,
+    name: &'static str,
+    adapter: String,
+}
+
+/// Opens an engine on a new thread; `wake` is called whenever there is news.
+pub fn open(
+    choose: impl FnOnce() -> Result<Chosen, ChoiceError> + Send + 'static,
+    wake: impl Fn() + Send + 'static,
+) -> std::io::Result<Opening> {
+    let (sender, receiver) = channel();
+    std::thread::Builder::new().name("engine".to_string()).spawn(move || {
+        match choose() {
+            Err(error) => {
+                // Without a listener the window has gone, and so has the interest.
+                let _ = sender.send(Err(error));
+                wake();
+            }
+            Ok(chosen) => {
+                let (background, orders, answers) = beside(&chosen);
+                if sender.send(Ok(background)).is_ok() {
+                    wake();
+                    serve(chosen.engine, &orders, &answers, &wake);
+                }
+            }
+        }
+    })?;
+    Ok(Opening { receiver })
+}
+
+impl Opening {
+    /// The engine or why there is none, once that is known.
+    pub fn poll(&self) -> Option<Result<Background, ChoiceError>> {
+        self.receiver.try_recv().ok()
+    }
+
+    /// Waits for it; nothing if its thread died.
+    pub fn wait(self) -> Option<Result<Background, ChoiceError>> {
+        self.receiver.recv().ok()
+    }
+}
+
+fn beside(chosen: &Chosen) -> (Background, Receiver<Order>, Sender<Answer>) {
+    let (orders, taken) = channel();
+    let (given, answers) = channel();
+    let engine = &chosen.engine;
+    let background = Background {
+        why: chosen.why.clone(),
+        recipe: chosen.recipe,
+        orders,
+        answers,
+        cancellations: 0,
+        in_flight: 0,
+        slots: engine.slots() + AHEAD,
+        job_size: engine.job_size(),
+        name: engine.name(),
+        adapter: engine.adapter(),
+    };
+    (background, taken, given)
+}
+
+/// The thread's life: until the caller has gone.
+fn serve(
+    mut engine: Box<dyn Engine>,
+    orders: &Receiver<Order>,
+    answers: &Sender<Answer>,
+    wake: &dyn Fn(),
+) {
+    let (mut number, mut in_flight) = (0, 0usize);
+    loop {
+        let order = if in_flight == 0 {
+            orders.recv().map_err(|_| TryRecvError::Disconnected)
+        } else {
+            orders.try_recv()
+        };
+        let answered = match order {
+            Ok(Order::Submit(job)) => {
+                let submitted = engine.submit(*job);
+                in_flight += usize::from(submitted.is_ok());
+                submitted.map(|()| Vec::new())
+            }
+            Ok(Order::Cancel(latest)) => {
+                engine.cancel();
+                (number, in_flight) = (latest, 0);
+                Ok(Vec::new())
+            }
+            Err(TryRecvError::Empty) => engine.poll(Wait::Until(Instant::now() + TURN)),
+            Err(TryRecvError::Disconnected) => return,
+        };
+        let news: Vec<Result<Finished, EngineError>> = match answered {
+            Ok(finished) => {
+                in_flight -= finished.len();
+                finished.into_iter().map(Ok).collect()
+            }
+            Err(error) => {
+                // What flew is lost with the error; the caller decides what to do anew.
+                engine.cancel();
+                in_flight = 0;
+                vec![Err(error)]
+            }
+        };
+        let any = !news.is_empty();
+        for answer in news {
+            if answers.send((number, answer)).is_err() {
+                return;
+            }
+        }
+        if any {
+            wake();
+        }
+    }
+}
+
+impl Background {
+    /// Takes an answer, unless it is of something that was cancelled.
+    fn take(&mut self, (number, answer): Answer) -> Option<Result<Finished, EngineError>> {
+        if number != self.cancellations {
+            return None;
+        }
+        self.in_flight = if answer.is_ok() { self.in_flight.saturating_sub(1) } else { 0 };
+        Some(answer)
+    }
+
+    fn gone() -> EngineError {
+        EngineError::DeviceLost("its thread ended".to_string())
+    }
+}
+
+impl Engine for Background {
+    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+        self.in_flight += 1;
+        self.orders.send(Order::Submit(Box::new(job))).map_err(|_| Self::gone())
+    }
+
+    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+        let mut finished = Vec::new();
+        while self.in_flight > 0 {
+            match self.answers.try_recv() {
+                Ok(answer) => {
+                    finished.extend(self.take(answer).transpose()?);
+                    continue;
+                }
+                Err(TryRecvError::Disconnected) => return Err(Self::gone()),
+                Err(TryRecvError::Empty) if !finished.is_empty() => break,
+                Err(TryRecvError::Empty) => {}
+            }
+            let waited = match wait {
+                Wait::UntilFinished => {
+                    self.answers.recv().map_err(|_| RecvTimeoutError::Disconnected)
+                }
+                Wait::Until(moment) => {
+                    self.answers.recv_timeout(moment.saturating_duration_since(Instant::now()))
+                }
+            };
+            match waited {
+                Ok(answer) => finished.extend(self.take(answer).transpose()?),
+                Err(RecvTimeoutError::Timeout) => break,
+                Err(RecvTimeoutError::Disconnected) => return Err(Self::gone()),
+            }
+        }
+        Ok(finished)
+    }
+
+    fn cancel(&mut self) {
+        self.cancellations += 1;
+        self.in_flight = 0;
+        // An engine that has gone has nothing to forget; the next job will say so.
+        let _ = self.orders.send(Order::Cancel(self.cancellations));
+    }
+
+    fn slots(&self) -> usize {
+        self.slots
+    }
+
+    fn job_size(&self) -> usize {
+        self.job_size
+    }
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn adapter(&self) -> String {
+        self.adapter.clone()
+    }
+
+    fn offers(&self, recipe: &Recipe) -> bool {
+        *recipe == self.recipe
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::mock::MockEngine;
+    use crate::engine::{Method, Precision, Question, Starts};
+    use crate::physics::{Dd, Pendulum, Rule};
+
+    fn chosen(engine: MockEngine) -> Result<Chosen, ChoiceError> {
+        let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+        Ok(Chosen { engine: Box::new(engine), recipe, why: "a test".to_string() })
+    }
+
+    fn background(engine: fn() -> MockEngine) -> Background {
+        let opening = open(move || chosen(engine()), || ()).unwrap();
+        opening.wait().unwrap().unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn job(id: u64) -> Job {
+        let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 9.81);
+        Job {
+            id,
+            question: Question { pendulum, rule: Rule::Second, budget_secs: 30.0 },
+            recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
+            starts: Starts::Rest(vec![[Dd::new(id as f64); 2]]),
+            keep_unfinished: false,
+        }
+    }
+
+    #[test]
+    fn answers_are_those_of_the_engine_behind() {
+        let mut engine = background(MockEngine::default);
+        (0..3).for_each(|id| engine.submit(job(id)).unwrap());
+        let mut ids = Vec::new();
+        while ids.len() < 3 {
+            for finished in engine.poll(Wait::UntilFinished).unwrap() {
+                let angle = [finished.id as f64; 2];
+                assert_eq!(finished.outcomes, [MockEngine::answer(angle)]);
+                ids.push(finished.id);
+            }
+        }
+        assert_eq!(ids, [0, 1, 2]);
+        assert!(engine.poll(Wait::UntilFinished).unwrap().is_empty(), "nothing flies, no waiting");
+    }
+
+    #[test]
+    fn cancelled_jobs_never_answer() {
+        let mut engine = background(MockEngine::default);
+        (0..3).for_each(|id| engine.submit(job(id)).unwrap());
+        engine.cancel();
+        engine.submit(job(7)).unwrap();
+        let mut ids = Vec::new();
+        while ids.is_empty() {
+            ids.extend(engine.poll(Wait::UntilFinished).unwrap().iter().map(|f| f.id));
+        }
+        assert_eq!(ids, [7]);
+    }
+
+    #[test]
+    fn an_error_arrives_and_the_engine_goes_on() {
+        let mut engine = background(|| MockEngine { fail_at: Some(0), ..MockEngine::default() });
+        engine.submit(job(0)).unwrap();
+        assert!(engine.poll(Wait::UntilFinished).is_err());
+    }
+
+    #[test]
+    fn it_says_when_it_could_not_be_opened() {
+        let fail = || Err(ChoiceError::NoAdapter("none".to_string()));
+        assert!(open(fail, || ()).unwrap().wait().unwrap().is_err());
+    }
+}

@@ -1,0 +1,377 @@
+//! The window's scheduler: which cells of the lattice are computed next.
+//!
+//! An [`Aim`] says what is looked at. The cells it wants are queued coarse levels first, in each
+//! level those near the pointer or the middle first, then a ring around the view; what is known
+//! or on its way is left out. The newest aim replaces the queue, and where most of what flies
+//! serves it no longer, that is dropped. The window calls [`Explorer::work`] with a deadline and
+//! draws between; a test without a window calls it with none.
+
+use std::collections::{HashSet, VecDeque};
+use std::time::Instant;
+
+use super::cache::{Cache, Known};
+use super::flights::{Flights, Landed, Open};
+use super::kept;
+use super::lattice::{Cell, DEEPEST, Region, SAMPLES, SIDE, side_rad};
+use super::samples::{Counts, Samples};
+use crate::engine::{Engine, EngineError, Paused, Question, Recipe, Trust, Wait};
+use crate::physics::{Outcome, Rule, Status};
+use crate::scene::{self, Build, Scene};
+
+/// What decides a pixel's answer, but for the budget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Physics {
+    /// The pendulum.
+    pub build: Build,
+    /// Which bob is watched.
+    pub rule: Rule,
+    /// How it is integrated.
+    pub recipe: Recipe,
+    /// Whether every pixel is checked.
+    pub verified: bool,
+}
+
+/// What is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim {
+    /// Of what.
+    pub physics: Physics,
+    /// Simulated seconds a pixel may use.
+    pub budget_secs: f64,
+    /// Where.
+    pub region: Region,
+    /// How finely: the level of the cells to draw.
+    pub level: u32,
+    /// Where the pointer is, from the region's centre, rad.
+    pub pointer: Option<[f64; 2]>,
+}
+
+/// How far the newest aim is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// The level aimed at.
+    pub level: u32,
+    /// Cells of that level in view.
+    pub wanted: usize,
+    /// Those among them that are computed to the budget.
+    pub done: usize,
+    /// Whether something can be drawn for every cell in view.
+    pub covered: bool,
+    /// Whether nothing is left to do, not even around the view.
+    pub idle: bool,
+}
+
+/// Levels between one pass and the next finer one: a quarter of the distance each time.
+const LEVEL_STEP: u32 = 2;
+/// Passes before the finest.
+const COARSE_PASSES: u32 = 2;
+/// More cells of a level are never drawn at once.
+pub const MOST_CELLS: usize = 1500;
+/// Tiles in a job at most.
+const MOST_IN_JOB: usize = 16;
+
+/// Cells on their way: of which physics, to which budget.
+#[derive(Debug)]
+struct Batch {
+    physics: usize,
+    budget_secs: f64,
+    cells: Vec<Cell>,
+}
+
+/// The cells of a window.
+#[derive(Debug)]
+pub struct Explorer {
+    cache: Cache,
+    /// Every physics looked at so far; its place is its key.
+    physics: Vec<Physics>,
+    aim: Option<Aim>,
+    /// Cells of the aim to compute, canonical, first first.
+    waiting: VecDeque<Cell>,
+    flights: Flights<Batch>,
+    /// Most of what flies is of no use to the aim.
+    stale: bool,
+    counts: Counts,
+}
+
+impl Explorer {
+    /// One that keeps about as many bytes.
+    pub fn new(cache_bytes: usize) -> Self {
+        Explorer {
+            cache: Cache::new(cache_bytes),
+            physics: Vec::new(),
+            aim: None,
+            waiting: VecDeque::new(),
+            flights: Flights::default(),
+            stale: false,
+            counts: Counts::default(),
+        }
+    }
+
+    /// Replaces what is looked at.
+    pub fn aim(&mut self, aim: Aim) {
+        if self.aim != Some(aim) {
+            self.aim = Some(aim);
+            self.plan();
+        }
+    }
+
+    /// The place of a physics in the list.
+    fn key_of(&mut self, physics: &Physics) -> usize {
+        let known = self.physics.iter().position(|other| other == physics);
+        known.unwrap_or_else(|| {
+            self.physics.push(*physics);
+            self.physics.len() - 1
+        })
+    }
+
+    /// Queues what the aim wants and nobody computes yet.
+    fn plan(&mut self) {
+        let Some(aim) = self.aim else { return };
+        let key = self.key_of(&aim.physics);
+        self.cache.begin_use();
+        let flying: HashSet<Cell> = self.flying(key, aim.budget_secs).collect();
+        let mut wanted = HashSet::new();
+        self.waiting.clear();
+        for (cells, finest) in passes(&aim) {
+            for cell in cells {
+                if wanted.len() >= self.cache.room() || !wanted.insert(cell) {
+                    continue;
+                }
+                if !flying.contains(&cell) && self.needs(key, cell, aim.budget_secs, finest) {
+                    self.waiting.push_back(cell);
+                }
+            }
+        }
+        let useful = |batch: &&Batch| {
+            batch.physics == key && batch.cells.iter().any(|cell| wanted.contains(cell))
+        };
+        let useful = self.flights.tiles().filter(useful).count();
+        self.stale = !self.flights.is_empty() && 2 * useful <= self.flights.len();
+    }
+
+    fn flying(&self, key: usize, budget_secs: f64) -> impl Iterator<Item = Cell> + '_ {
+        let serves = move |batch: &&Batch| batch.physics == key && batch.budget_secs >= budget_secs;
+        self.flights.tiles().filter(serves).flat_map(|batch| batch.cells.iter().copied())
+    }
+
+    /// Whether a cell has to be computed; a coarse one not if something nearly as fine stands in.
+    fn needs(&mut self, key: usize, cell: Cell, budget_secs: f64, finest: bool) -> bool {
+        if let Some(known) = self.cache.get(key, cell) {
+            return finest && known.budget_secs < budget_secs;
+        }
+        if finest {
+            return true;
+        }
+        let known = |cell: Cell| self.cache.peek(key, cell.canonical().0).is_some();
+        !(cell.parent().is_some_and(known) || cell.children().into_iter().all(known))
+    }
+
+    /// Hands open cells to the engine and takes back what has come. With a deadline it never
+    /// waits, and stops preparing when the deadline has passed; without one it returns when all
+    /// is done. Says whether anything new can be drawn.
+    pub fn work(
+        &mut self,
+        engine: &mut dyn Engine,
+        deadline: Option<Instant>,
+    ) -> Result<bool, EngineError> {
+        if std::mem::take(&mut self.stale) {
+            self.flights.cancel(engine);
+            self.plan();
+        }
+        let mut news = false;
+        loop {
+            news |= self.submit(engine, deadline)?;
+            let wait = deadline.map_or(Wait::UntilFinished, |_| Wait::Until(Instant::now()));
+            for landed in self.flights.poll(engine, wait)? {
+                self.take(landed);
+                news = true;
+            }
+            if deadline.is_some() {
+                news |= self.submit(engine, deadline)?;
+                return Ok(news);
+            }
+            if self.is_done() {
+                return Ok(news);
+            }
+        }
+    }
+
+    /// Whether there is nothing to compute.
+    pub fn is_done(&self) -> bool {
+        self.waiting.is_empty() && self.flights.is_empty()
+    }
+
+    /// Forgets what flies, for an engine that is gone; nothing that was computed is lost.
+    pub fn ground(&mut self) {
+        self.flights = Flights::default();
+        self.plan();
+    }
+
+    fn submit(
+        &mut self,
+        engine: &mut dyn Engine,
+        deadline: Option<Instant>,
+    ) -> Result<bool, EngineError> {
+        let Some(aim) = self.aim else { return Ok(false) };
+        let key = self.key_of(&aim.physics);
+        let in_job = (engine.job_size() / (4 * SAMPLES)).clamp(1, MOST_IN_JOB);
+        let mut news = false;
+        while self.flights.len() < engine.slots() && !self.waiting.is_empty() {
+            let cells = self.next_cells(key, in_job);
+            let batch = Batch { physics: key, budget_secs: aim.budget_secs, cells };
+            match self.open(&aim, &batch).settled() {
+                Ok(samples) => {
+                    self.keep(&batch, &samples, Vec::new());
+                    news = true;
+                }
+                Err(open) => {
+                    let asked = (question(&aim), aim.physics.recipe);
+                    // Checks begin at the release, so checked pixels cannot be continued.
+                    let keep = !aim.physics.verified;
+                    self.flights.submit(engine, batch, open, asked, keep)?;
+                }
+            }
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                break;
+            }
+        }
+        Ok(news)
+    }
+
+    /// The next cells that can share a job: all new, or all to be continued.
+    fn next_cells(&mut self, key: usize, most: usize) -> Vec<Cell> {
+        let continues =
+            |cell: &Cell| self.cache.peek(key, *cell).is_some_and(|known| !known.paused.is_empty());
+        let Some(first) = self.waiting.front().map(continues) else { return Vec::new() };
+        let level = self.waiting.front().map(|cell| cell.level);
+        let alike = |cell: &&Cell| continues(cell) == first && Some(cell.level) == level;
+        let count = self.waiting.iter().take(most).take_while(alike).count();
+        self.waiting.drain(..count).collect()
+    }
+
+    /// What is known of the cells beforehand.
+    fn open(&self, aim: &Aim, batch: &Batch) -> Open {
+        let scene = scene_of(aim);
+        Open::new(batch.cells.iter().flat_map(|cell| {
+            let grid = cell.grid(&scene);
+            let known = self.cache.peek(batch.physics, *cell);
+            let mut states = known.map_or(&[][..], |known| &known.paused).iter().peekable();
+            (0..SAMPLES as u32).map(move |place| {
+                let fate = grid.fate(place % SIDE, place / SIDE);
+                let state = states.next_if(|(at, _)| *at == place).map(|(_, state)| *state);
+                (fate, known.and_then(|known| known_of(known, place, state)))
+            })
+        }))
+    }
+
+    fn take(&mut self, landed: Landed<Batch>) {
+        self.counts.simulated += landed.computed.len() as u64;
+        self.counts.rhs_evaluations += landed.effort.rhs_evaluations;
+        self.keep(&landed.tile, &landed.samples, landed.paused);
+    }
+
+    /// Puts a batch's samples where they belong.
+    fn keep(&mut self, batch: &Batch, samples: &Samples, paused: Vec<(u32, Paused)>) {
+        self.counts.add(samples);
+        for (k, cell) in batch.cells.iter().enumerate() {
+            let places = k * SAMPLES..(k + 1) * SAMPLES;
+            let first = places.start as u32;
+            let paused = paused
+                .iter()
+                .filter(|(place, _)| places.contains(&(*place as usize)))
+                .map(|(place, state)| (place - first, *state))
+                .collect();
+            let samples = samples.part(places.clone());
+            self.cache.insert(batch.physics, *cell, samples, batch.budget_secs, paused);
+        }
+    }
+
+    /// What is known of a cell of the aim, given canonically or not, and whether the samples
+    /// are its image's, in opposite order.
+    pub fn known(&mut self, cell: Cell) -> Option<(&Known, bool)> {
+        let physics = self.aim?.physics;
+        let key = self.key_of(&physics);
+        let (canonical, mirrored) = cell.canonical();
+        self.cache.get(key, canonical).map(|known| (known, mirrored))
+    }
+
+    /// How far the newest aim is.
+    pub fn progress(&self) -> Progress {
+        let Some(aim) = self.aim else { return Progress::default() };
+        let key = self.physics.iter().position(|other| *other == aim.physics);
+        let known = |cell: Cell| self.cache.peek(key?, cell.canonical().0);
+        let placed = aim.region.cells(aim.level, MOST_CELLS);
+        let fine =
+            |cell: Cell| known(cell).is_some_and(|known| known.budget_secs >= aim.budget_secs);
+        let drawn = |cell: Cell| {
+            std::iter::successors(Some(cell), Cell::parent).any(|cell| known(cell).is_some())
+        };
+        Progress {
+            level: aim.level,
+            wanted: placed.len(),
+            done: placed.iter().filter(|placed| fine(placed.cell)).count(),
+            covered: placed.iter().all(|placed| drawn(placed.cell)),
+            idle: self.is_done(),
+        }
+    }
+
+    /// What has been computed so far.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Bytes of tiles held.
+    pub fn bytes(&self) -> usize {
+        self.cache.bytes()
+    }
+
+    /// Changes how many bytes are kept.
+    pub fn set_cache_bytes(&mut self, bytes: usize) {
+        self.cache.set_budget(bytes);
+    }
+}
+
+/// What is known of one pixel of a tile that had a smaller budget.
+fn known_of(known: &Known, place: u32, state: Option<Paused>) -> Option<(kept::Known, Trust)> {
+    let outcome: Outcome = known.samples.get(place as usize);
+    let trust = known.samples.trust(place as usize);
+    if outcome.status != Status::Unflipped {
+        return Some((kept::Known::Over(outcome), trust));
+    }
+    state.map(|state| (kept::Known::Paused(state), trust))
+}
+
+fn question(aim: &Aim) -> Question {
+    Question::from(&scene_of(aim))
+}
+
+/// The aim's pendulum and question; the view is the lattice's affair.
+fn scene_of(aim: &Aim) -> Scene {
+    let question = scene::Question { rule: aim.physics.rule, budget: aim.budget_secs };
+    Scene { build: aim.physics.build, question, ..Scene::default() }
+}
+
+/// The cells that an aim wants, canonical, in the order in which it wants them, and whether
+/// they are of the finest level.
+fn passes(aim: &Aim) -> Vec<(Vec<Cell>, bool)> {
+    let coarse = (1..=COARSE_PASSES).rev().filter_map(|n| aim.level.checked_sub(n * LEVEL_STEP));
+    let mut passes: Vec<_> =
+        coarse.map(|level| (nearest_first(aim, &aim.region, level), false)).collect();
+    passes.push((nearest_first(aim, &aim.region, aim.level), true));
+    let ring = side_rad(aim.level.min(DEEPEST)).hi;
+    let around =
+        Region { half_rad: aim.region.half_rad.map(|half| half + 0.5 * ring), ..aim.region };
+    passes.push((nearest_first(aim, &around, aim.level), true));
+    passes
+}
+
+fn nearest_first(aim: &Aim, region: &Region, level: u32) -> Vec<Cell> {
+    let mut placed = region.cells(level, MOST_CELLS);
+    let far = |offset: [f64; 2], from: [f64; 2]| (offset[0] - from[0]).hypot(offset[1] - from[1]);
+    let distance = |offset: [f64; 2]| {
+        let middle = far(offset, [0.0, 0.0]);
+        aim.pointer.map_or(middle, |pointer| middle.min(far(offset, pointer)))
+    };
+    placed.sort_by(|a, b| distance(a.offset).total_cmp(&distance(b.offset)));
+    placed.into_iter().map(|placed| placed.cell.canonical().0).collect()
+}

@@ -1,0 +1,209 @@
+//! The pendulum panel: what it looks like, and what a person can do in it by name and keyboard.
+
+use std::time::{Duration, Instant};
+
+use egui::{Key, Role, Theme};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use flipmap::app::panels::pendulum::pendulum_panel;
+use flipmap::app::pins::{PinAction, PinId, Pins};
+use flipmap::engine::Trust;
+use flipmap::physics::{Dd, Outcome, Status};
+use flipmap::scene::{Build, Kind, Scene};
+
+/// The panel's state, and all that was asked of it so far.
+struct Shown {
+    pins: Pins,
+    asked: Vec<PinAction>,
+}
+
+/// Pins at the given starts, flown to their ends and stopped at their releases.
+fn flown(scene: &Scene, starts: &[[f64; 2]]) -> (Pins, Vec<PinId>) {
+    let mut pins = Pins::new(scene);
+    let pixel = Dd::new(1e-3);
+    let ids: Vec<PinId> = starts
+        .iter()
+        .map(|start| start.map(Dd::new))
+        .map(|start| pins.add([start, [start[0] + pixel, start[1]]], None, || ()).unwrap())
+        .collect();
+    let begun = Instant::now();
+    while pins.iter().any(|pin| pin.flight.record().ending.is_none()) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the flights never end");
+        pins.advance(0.0);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    ids.iter().for_each(|&id| pins.apply(PinAction::Pause(id)));
+    (pins, ids)
+}
+
+/// The panel in a column of fixed size and without a clock.
+fn harness(pins: Pins, theme: Theme) -> Harness<'static, Shown> {
+    let show = |ui: &mut egui::Ui, shown: &mut Shown| {
+        let actions = pendulum_panel(ui, &shown.pins);
+        actions.iter().for_each(|&action| shown.pins.apply(action));
+        shown.asked.extend(actions);
+    };
+    let mut harness = Harness::builder()
+        .with_size([340.0, 680.0])
+        .with_theme(theme)
+        .build_ui_state(show, Shown { pins, asked: Vec::new() });
+    harness.run_steps(3);
+    harness
+}
+
+/// Two pins, of which the first is shown; what was asked meanwhile is forgotten.
+fn two() -> (Harness<'static, Shown>, [PinId; 2]) {
+    let (mut pins, ids) = flown(&Scene::default(), &[[2.2, 1.4], [3.0, 3.0]]);
+    pins.apply(PinAction::Select(ids[0]));
+    (harness(pins, Theme::Dark), [ids[0], ids[1]])
+}
+
+/// What was asked since the last time.
+fn asked(harness: &mut Harness<'static, Shown>) -> Vec<PinAction> {
+    std::mem::take(&mut harness.state_mut().asked)
+}
+
+#[test]
+fn buttons_do_what_their_names_say() {
+    let (mut harness, [a, b]) = two();
+    for (name, action) in [
+        ("Play", PinAction::Play(a)),
+        ("Pause", PinAction::Pause(a)),
+        ("Restart", PinAction::Restart(a)),
+        ("Pin B", PinAction::Select(b)),
+        ("Pin A", PinAction::Select(a)),
+        ("Remove", PinAction::Remove(a)),
+    ] {
+        harness.get_by_role_and_label(Role::Button, name).click();
+        harness.run_steps(2);
+        assert_eq!(asked(&mut harness), [action], "{name}");
+    }
+    assert!(harness.query_by_label("Pin A").is_none(), "it is gone");
+    assert!(harness.get_by_label("Pin B").accesskit_node().toggled().is_some(), "now shown");
+    harness.get_by_label("Remove").click();
+    harness.run_steps(2);
+    assert_eq!(asked(&mut harness), [PinAction::Remove(b)]);
+    harness.get_by_label_contains("Click a pixel");
+}
+
+#[test]
+fn the_scrubber_goes_where_it_is_dragged() {
+    let (mut harness, [a, _]) = two();
+    let rail = harness.get_by_role_and_label(Role::Slider, "Time").rect();
+    harness.drag_at(rail.left_center());
+    harness.run_steps(1);
+    harness.hover_at(rail.center());
+    harness.run_steps(1);
+    harness.drop_at(rail.center());
+    harness.run_steps(2);
+    let Some(&PinAction::Scrub(pin, secs)) = asked(&mut harness).last() else {
+        panic!("nothing was scrubbed")
+    };
+    assert!(pin == a && (secs - 15.0).abs() < 0.5, "the middle of 30 s, not {secs}");
+    assert_eq!(harness.state().pins.get(a).unwrap().shown_secs(), secs);
+}
+
+#[test]
+fn the_keyboard_reaches_every_control() {
+    let (mut harness, [a, _]) = two();
+    let mut reached = Vec::new();
+    for _ in 0..8 {
+        harness.key_press(Key::Tab);
+        harness.run_steps(2);
+        let nodes = harness.root().children_recursive();
+        let focused = nodes.into_iter().find(|node| node.is_focused()).expect("something");
+        reached.push(focused.accesskit_node().label().expect("a name"));
+    }
+    for name in ["Pin A", "Pin B", "Play", "Restart", "Remove", "Time", "Speed"] {
+        assert!(reached.iter().any(|label| label == name), "{name} is not among {reached:?}");
+    }
+    asked(&mut harness);
+    harness.get_by_role_and_label(Role::Slider, "Time").focus();
+    harness.run_steps(2);
+    harness.key_press(Key::ArrowRight);
+    harness.run_steps(2);
+    let actions = asked(&mut harness);
+    assert!(matches!(actions[..], [PinAction::Scrub(pin, secs)] if pin == a && secs > 0.0));
+    harness.get_by_role_and_label(Role::Slider, "Speed").set_value_accesskit(2.5);
+    harness.run_steps(2);
+    assert_eq!(asked(&mut harness), [PinAction::Speed(a, 2.5)]);
+}
+
+#[test]
+fn frames_are_asked_for_only_while_it_plays() {
+    let (mut harness, _) = two();
+    let delay = |harness: &Harness<'static, Shown>| {
+        harness.output().viewport_output.values().map(|output| output.repaint_delay).min().unwrap()
+    };
+    assert!(delay(&harness) > Duration::from_secs(1), "idle");
+    harness.get_by_label("Play").click();
+    harness.run_steps(4);
+    assert_eq!(delay(&harness), Duration::ZERO, "playing");
+    harness.get_by_label("Pause").click();
+    harness.run_steps(4);
+    assert!(delay(&harness) > Duration::from_secs(1), "idle again");
+}
+
+#[test]
+fn the_map_is_held_against_the_flight() {
+    let (mut pins, ids) = flown(&Scene::default(), &[[2.2, 1.4]]);
+    let truth = pins.get(ids[0]).unwrap().flight.outcome().unwrap();
+    assert_eq!(truth.status, Status::Flipped);
+    for (told, words) in [
+        (Outcome::flipped(truth.time.hi + 1e-4), "same within 1 ms"),
+        (Outcome::flipped(truth.time.hi + 0.0123), "different by 12.3 ms!"),
+        (Outcome::without_time(Status::Unflipped), "different!"),
+    ] {
+        pins.tell(ids[0], (told, Trust::Agreed));
+        let shown = harness(pins, Theme::Dark);
+        shown.get_by_label(words);
+        pins = shown.into_state().pins;
+    }
+}
+
+macro_rules! pictures {
+    ($($name:ident)*) => {
+        $(
+            #[test]
+            #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+            fn $name() {
+                pictures::$name();
+            }
+        )*
+    };
+}
+
+pictures! {
+    a_flipped_pendulum_looks_as_it_should
+    bars_before_their_flip_look_as_they_should
+    no_pin_looks_as_it_should
+}
+
+mod pictures {
+    use super::*;
+
+    pub fn a_flipped_pendulum_looks_as_it_should() {
+        let (mut pins, ids) = flown(&Scene::default(), &[[2.2, 1.4], [3.0, 3.0], [0.5, 0.5]]);
+        pins.apply(PinAction::Select(ids[0]));
+        let truth = pins.get(ids[0]).unwrap().flight.outcome().unwrap();
+        pins.tell(ids[0], (Outcome::flipped(truth.time.hi), Trust::Confirmed));
+        pins.apply(PinAction::Scrub(ids[0], truth.time.hi + 0.25));
+        harness(pins, Theme::Dark).snapshot("pendulum_flipped");
+    }
+
+    pub fn bars_before_their_flip_look_as_they_should() {
+        let build =
+            Build { kind: Kind::Rods, masses: [2.0, 0.5], lengths: [1.0, 0.7], ..Build::default() };
+        let (mut pins, ids) = flown(&Scene { build, ..Scene::default() }, &[[2.6, -2.0]]);
+        pins.tell(ids[0], (Outcome::flipped(20.0), Trust::Uncertain));
+        pins.apply(PinAction::Scrub(ids[0], 0.8));
+        harness(pins, Theme::Light).snapshot("pendulum_bars");
+    }
+
+    pub fn no_pin_looks_as_it_should() {
+        let mut harness = harness(Pins::new(&Scene::default()), Theme::Dark);
+        harness.set_size([340.0, 60.0].into());
+        harness.run_steps(2);
+        harness.snapshot("pendulum_none");
+    }
+}
