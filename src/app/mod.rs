@@ -7,6 +7,7 @@
 
 pub mod camera;
 pub mod canvas;
+pub mod dialog;
 pub mod export;
 pub mod flight;
 pub mod folders;
