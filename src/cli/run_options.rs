@@ -5,7 +5,7 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use flipmap::engine::choice::{self, Demand, Wish};
 use flipmap::engine::{Accuracy, Method, Precision, Recipe};
-use flipmap::scene::{Document, RunTable};
+use flipmap::scene::{Document, PictureTable, RunTable};
 
 use super::exit::Exit;
 use super::options::{number, set};
@@ -58,8 +58,6 @@ pub enum EngineKind {
 
 /// Without `--size`.
 const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
-/// Longest side of a picture.
-const LONGEST_SIDE: u32 = 1_000_000;
 
 /// What is to be run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +109,7 @@ impl RunOptions {
     pub fn settle(&self, document: &mut Document) -> Result<Plan, Exit> {
         let mut size = document.run.size.unwrap_or(DEFAULT_SIZE);
         set(&mut size, "--size", &self.size, parse_size)?;
-        if size.iter().any(|side| !(1..=LONGEST_SIDE).contains(side)) {
+        if size.iter().any(|side| !(1..=PictureTable::LONGEST_SIDE).contains(side)) {
             let text = format!("{}x{}", size[0], size[1]);
             return Err(Exit::Usage(format!("--size is '{text}'; {SIZE}")));
         }

@@ -19,7 +19,7 @@ pub use exr::ExrWriter;
 pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};
 pub use npy::NpyWriter;
 pub use paint::Painter;
-pub use png::{PngError, PngWriter, document_in_png};
+pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
 pub use render::{Clock, render_pass};
 pub use rows::RowOrder;
 pub use safe::{Destination, SafeFile};

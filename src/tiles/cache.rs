@@ -121,7 +121,8 @@ impl Cache {
         if self.bytes <= self.budget_bytes {
             return;
         }
-        let mut by_age: Vec<(u64, Key)> = self.known.iter().map(|(key, k)| (k.used, *key)).collect();
+        let mut by_age: Vec<(u64, Key)> =
+            self.known.iter().map(|(key, k)| (k.used, *key)).collect();
         by_age.sort_unstable_by_key(|(used, _)| *used);
         // A little more than needed, so that this is not done for every tile.
         let enough = self.budget_bytes - self.budget_bytes / 16;

@@ -150,8 +150,7 @@ impl Explorer {
     }
 
     fn flying(&self, key: usize, budget_secs: f64) -> impl Iterator<Item = Cell> + '_ {
-        let serves =
-            move |batch: &&Batch| batch.physics == key && batch.budget_secs >= budget_secs;
+        let serves = move |batch: &&Batch| batch.physics == key && batch.budget_secs >= budget_secs;
         self.flights.tiles().filter(serves).flat_map(|batch| batch.cells.iter().copied())
     }
 
@@ -241,9 +240,8 @@ impl Explorer {
 
     /// The next cells that can share a job: all new, or all to be continued.
     fn next_cells(&mut self, key: usize, most: usize) -> Vec<Cell> {
-        let continues = |cell: &Cell| {
-            self.cache.peek(key, *cell).is_some_and(|known| !known.paused.is_empty())
-        };
+        let continues =
+            |cell: &Cell| self.cache.peek(key, *cell).is_some_and(|known| !known.paused.is_empty());
         let Some(first) = self.waiting.front().map(continues) else { return Vec::new() };
         let level = self.waiting.front().map(|cell| cell.level);
         let alike = |cell: &&Cell| continues(cell) == first && Some(cell.level) == level;

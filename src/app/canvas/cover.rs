@@ -83,5 +83,12 @@ fn patch(screen: &Screen, placed: &Placed, source: Cell) -> Patch {
     } else {
         (texel, DVec2::splat(samples))
     };
-    Patch { source, corner, right: at(1.0, 1.0) - corner, down: at(-1.0, -1.0) - corner, texel, span }
+    Patch {
+        source,
+        corner,
+        right: at(1.0, 1.0) - corner,
+        down: at(-1.0, -1.0) - corner,
+        texel,
+        span,
+    }
 }

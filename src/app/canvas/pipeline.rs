@@ -142,11 +142,8 @@ impl Canvas {
             self.upload(queue, *slot, samples);
         }
         if let Some(table) = &frame.table {
-            let size = wgpu::Extent3d {
-                width: TABLE_ENTRIES as u32,
-                height: 1,
-                depth_or_array_layers: 1,
-            };
+            let size =
+                wgpu::Extent3d { width: TABLE_ENTRIES as u32, height: 1, depth_or_array_layers: 1 };
             let layout = wgpu::TexelCopyBufferLayout {
                 offset: 0,
                 bytes_per_row: Some(4 * TABLE_ENTRIES as u32),
