@@ -5,7 +5,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec2;
 
 use super::action::{Action, Look};
-use super::state::{Dialog, Layers, State};
+use super::settings::{Layers, Theme};
+use super::state::{Dialog, State};
 use crate::engine::Accuracy;
 
 /// Something to do by name.
@@ -80,7 +81,7 @@ fn showing(layers: &Layers) -> Vec<Command> {
         command("Energy curve", keyed(Key::C), layer(|layers| layers.curve ^= true)),
         command("Doubts, hatched", keyed(Key::T), layer(|layers| layers.trust ^= true)),
         command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
-        command("Borders of tiles", keyed(Key::B), layer(|layers| layers.tiles ^= true)),
+        command("Borders of tiles", keyed(Key::B), layer(|layers| layers.borders ^= true)),
         command("Panels at the side", keyed(Key::F9), Action::Toggle(Dialog::Side)),
         command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
         command(
@@ -108,8 +109,8 @@ fn doing(state: &State) -> Vec<Command> {
         command("Accuracy: exact", [], accuracy(Accuracy::Exact)),
         command("Interface larger", ctrl(Key::Plus), scale(1.1)),
         command("Interface smaller", ctrl(Key::Minus), scale(1.0 / 1.1)),
-        command("Dark", [], Action::Theme(egui::ThemePreference::Dark)),
-        command("Light", [], Action::Theme(egui::ThemePreference::Light)),
+        command("Dark", [], Action::Theme(Theme::Dark)),
+        command("Light", [], Action::Theme(Theme::Light)),
         command("Smooth moves on or off", [], Action::Animate(!state.animate)),
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),

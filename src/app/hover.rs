@@ -24,7 +24,11 @@ pub fn outcome_at(
     angle: [Dd; 2],
     level: u32,
 ) -> Option<(Outcome, Trust)> {
-    let cell = Cell::around(angle, level);
+    known_at(explorer, Cell::around(angle, level), angle)
+}
+
+/// What is known of the sample at an angle inside a cell.
+pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Dd; 2]) -> Option<(Outcome, Trust)> {
     let [column, row] = cell.sample_at(angle);
     let (known, mirrored) = explorer.known(cell)?;
     let place = (row * SIDE + column) as usize;

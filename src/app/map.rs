@@ -103,7 +103,7 @@ fn pinch(input: &egui::InputState) -> f64 {
 
 fn draw_layers(painter: &egui::Painter, rect: Rect, state: &State) {
     let screen = state.screen();
-    if state.layers.tiles {
+    if state.layers.borders {
         overlay::draw_tiles(painter, rect, &screen);
     }
     if state.layers.grid {

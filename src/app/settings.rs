@@ -52,7 +52,7 @@ pub enum Theme {
 pub struct Layers {
     /// The energy curve.
     pub curve: bool,
-    /// How sure each pixel is.
+    /// Hatching where checks disagree.
     pub trust: bool,
     /// Lines of equal angles, in multiples of π.
     pub grid: bool,
@@ -62,7 +62,7 @@ pub struct Layers {
 
 impl Default for Layers {
     fn default() -> Self {
-        Layers { curve: true, trust: false, grid: false, borders: false }
+        Layers { curve: true, trust: true, grid: false, borders: false }
     }
 }
 

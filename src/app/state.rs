@@ -9,31 +9,12 @@ use super::camera::{Camera, Move, Screen};
 use super::history::History;
 use super::notices::Notices;
 use super::pins::{PinAction, PinId, Pins};
+use super::settings::{Layers, Settings, Theme};
 use crate::engine::choice::{Demand, Kind};
 use crate::engine::{Accuracy, Recipe};
 use crate::physics::Dd;
 use crate::scene::{Build, Document, PictureTable, Question, RunTable, Scene, View};
 use crate::tiles::explorer::{Aim, Physics};
-
-/// What is drawn over the colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct Layers {
-    /// The energy curve.
-    pub curve: bool,
-    /// Hatching where checks disagree.
-    pub trust: bool,
-    /// Lines of equal angles, named in π.
-    pub grid: bool,
-    /// Borders of tiles.
-    pub tiles: bool,
-}
-
-impl Default for Layers {
-    fn default() -> Self {
-        Layers { curve: true, trust: true, grid: false, tiles: false }
-    }
-}
 
 /// What opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,7 +111,7 @@ pub struct State {
     /// Whether moves are smooth.
     pub animate: bool,
     /// Dark, light, or as the system is.
-    pub theme: egui::ThemePreference,
+    pub theme: Theme,
     /// The interface's scale.
     pub ui_scale: f32,
     /// The window's clock, s.
@@ -164,7 +145,7 @@ impl State {
             pins: Pins::new(&scene),
             clicked: None,
             animate: true,
-            theme: egui::ThemePreference::Dark,
+            theme: Theme::default(),
             ui_scale: 1.0,
             now_secs: 0.0,
         }
@@ -271,7 +252,7 @@ impl State {
             }
             Action::Find(angle) => self.go(Camera { center: angle, ..self.target() }),
             Action::Dismiss(id) => self.notices.dismiss(id),
-            Action::UiScale(scale) => self.ui_scale = scale.clamp(0.5, 3.0),
+            Action::UiScale(scale) => self.ui_scale = scale.clamp(*Settings::UI_SCALES.start(), *Settings::UI_SCALES.end()),
             Action::Theme(theme) => self.theme = theme,
             Action::Animate(animate) => self.animate = animate,
             Action::FullScreen => return Some(Effect::FullScreen),

@@ -3,7 +3,7 @@
 use egui::Ui;
 
 use crate::app::action::Action;
-use crate::app::state::Layers;
+use crate::app::settings::Layers;
 
 /// One checkbox a layer.
 pub fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
@@ -12,7 +12,7 @@ pub fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
         (&mut changed.curve, "Energy curve", "Starts inside it have too little energy ever to flip"),
         (&mut changed.trust, "Doubts", "Hatched where independent answers disagree; needs accuracy exact"),
         (&mut changed.grid, "Grid of angles", "Lines at round parts of π"),
-        (&mut changed.tiles, "Borders of tiles", "What is computed as one piece"),
+        (&mut changed.borders, "Borders of tiles", "What is computed as one piece"),
     ] {
         ui.checkbox(layer, name).on_hover_text(sentence);
     }

@@ -10,3 +10,4 @@ pub mod pendulum;
 pub mod places;
 pub mod scene;
 pub mod status;
+pub mod window;
