@@ -1,6 +1,6 @@
 //! Samples to colours: the palette, the mean of several samples a pixel, and the energy curve.
 
-use crate::scene::palette::{Rgb, Tones};
+use crate::scene::palette::{Rgb, Tones, light};
 use crate::scene::{Grid, PictureTable, Scene, SceneError};
 use crate::tiles::Samples;
 
@@ -77,22 +77,17 @@ fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
     for j in 0..along {
         for colour in &row[j * stride + first..j * stride + first + along] {
             for (sum, &channel) in sum.iter_mut().zip(colour) {
-                *sum += linear(channel);
+                *sum += light(channel);
             }
         }
     }
     sum.map(|sum| encoded(sum / (along * along) as f64))
 }
 
-/// sRGB to linear light (IEC 61966-2-1).
-fn linear(channel: u8) -> f64 {
-    let c = f64::from(channel) / 255.0;
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-}
-
-/// Linear light to sRGB.
-fn encoded(light: f64) -> u8 {
-    let c = if light <= 0.0031308 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+/// Linear light to sRGB: [`light`] undone.
+fn encoded(linear: f64) -> u8 {
+    let c =
+        if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     (c * 255.0).round() as u8
 }
 
@@ -122,14 +117,14 @@ mod tests {
         samples.set(0, Outcome::without_time(Status::Forbidden));
         assert!(painter.paint(&samples).is_empty());
         let mixed = painter.paint(&samples);
-        let light = (linear(255) + linear(FORBIDDEN[0])) / 2.0;
-        assert_eq!(mixed[0], encoded(light));
+        let mean = (light(255) + light(FORBIDDEN[0])) / 2.0;
+        assert_eq!(mixed[0], encoded(mean));
     }
 
     #[test]
     fn light_survives_encoding() {
         for channel in 0..=255 {
-            assert_eq!(encoded(linear(channel)), channel);
+            assert_eq!(encoded(light(channel)), channel);
         }
     }
 

@@ -5,6 +5,7 @@
 //! colours are another table, and computing nothing.
 
 pub mod atlas;
+pub mod colours;
 pub mod cover;
 pub mod pipeline;
 mod sample;

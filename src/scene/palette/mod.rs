@@ -57,6 +57,12 @@ impl Palette {
     }
 }
 
+/// A channel of sRGB as linear light in [0, 1] (IEC 61966-2-1).
+pub fn light(channel: u8) -> f64 {
+    let c = f64::from(channel) / 255.0;
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
 /// `#rrggbb`; other lines are comments.
 fn parse_colour(line: &str) -> Option<Rgb> {
     let digits = line.strip_prefix('#').filter(|digits| digits.len() == 6)?;
