@@ -1,6 +1,6 @@
 //! The map in the middle of the window: what is drawn there, and what the pointer does to it.
 
-use egui::{Align2, Color32, CornerRadius, Rect, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType};
+use egui::{Align2, Color32, CornerRadius, Rect, Sense, Stroke, StrokeKind, Ui, WidgetInfo, Role};
 use glam::DVec2;
 
 use super::action::Action;
@@ -26,7 +26,7 @@ pub fn map(ui: &mut Ui, state: &State, frame: Frame, hovered: Option<Hovered>) -
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     let name = spoken(state, hovered);
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     let gesture = gesture(ui, rect, &response);
     let painter = ui.painter_at(rect);
     painter.add(egui_wgpu::Callback::new_paint_callback(rect, frame));

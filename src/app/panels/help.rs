@@ -65,8 +65,8 @@ pub fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
 /// The command palette. The query lives in egui's memory as long as the palette is open.
 pub fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> {
     let mut actions = Vec::new();
-    let id = egui::Id::new("command palette query");
-    let modal = Modal::new(egui::Id::new("command palette")).show(ctx, |ui| {
+    let id = egui::Id::unique("command palette query");
+    let modal = Modal::new(egui::Id::unique("command palette")).show(ctx, |ui| {
         ui.set_width(360.0);
         let mut query: String = ui.data(|data| data.get_temp(id)).unwrap_or_default();
         let heading = ui.label("What would you like to do?");

@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod colours;
 pub mod export;
+mod field;
 pub mod help;
 pub mod layers;
 pub mod notices;

@@ -11,7 +11,7 @@ pub fn notices(ctx: &egui::Context, notices: &Notices) -> Vec<Action> {
     if notices.iter().len() == 0 {
         return actions;
     }
-    Area::new(egui::Id::new("notices")).anchor(Align2::LEFT_TOP, egui::vec2(12.0, 12.0)).show(
+    Area::new(egui::Id::unique("notices")).anchor(Align2::LEFT_TOP, egui::vec2(12.0, 12.0)).show(
         ctx,
         |ui| {
             for notice in notices.iter() {
