@@ -218,7 +218,9 @@ fn run_pass(
 
 impl ExportRequest {
     fn paths(&self) -> Paths {
-        let path = Some(self.path.clone());
+        // A file of that name, where the command line means standard output.
+        let path = if self.path.as_os_str() == "-" { Path::new("./-") } else { &self.path };
+        let path = Some(path.to_path_buf());
         match self.kind {
             ExportKind::Png => Paths { picture: path, ..Paths::default() },
             ExportKind::Raw => Paths { raw: path, ..Paths::default() },
@@ -349,6 +351,12 @@ mod tests {
         assert_eq!(export.wait(), Stage::Cancelled);
         drop(Export::start(request, fast(), || ()));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_window_writes_files_and_never_to_standard_output() {
+        assert_eq!(request("-".into()).paths().picture, Some(PathBuf::from("./-")));
+        assert_eq!(request("a.png".into()).paths().picture, Some(PathBuf::from("a.png")));
     }
 
     #[test]

@@ -88,7 +88,7 @@ impl Places {
 
     /// Keeps a place.
     pub fn add(&mut self, name: &str, picture: Picture) -> Result<(), PlaceError> {
-        let name = self.usable(name)?;
+        let name = self.usable(name, None)?;
         if let Some(path) = self.path(&name) {
             write(&path, &picture).map_err(failed(&name, "kept"))?;
         }
@@ -100,7 +100,7 @@ impl Places {
     /// Gives a place another name.
     pub fn rename(&mut self, old: &str, new: &str) -> Result<(), PlaceError> {
         let place = self.find(old).ok_or_else(|| PlaceError::Missing(old.to_string()))?;
-        let new = self.usable(new)?;
+        let new = self.usable(new, Some(old))?;
         if let (Some(from), Some(to)) = (self.path(old), self.path(&new)) {
             std::fs::rename(from, to).map_err(failed(old, "renamed"))?;
         }
@@ -130,8 +130,9 @@ impl Places {
         self.folder.as_ref().map(|folder| folder.join(format!("{name}.png")))
     }
 
-    /// The name without white space around it, if a new bookmark can have it.
-    fn usable(&self, name: &str) -> Result<String, PlaceError> {
+    /// The name without white space around it, if a new bookmark can have it, or the one that
+    /// is called `old` so far.
+    fn usable(&self, name: &str, old: Option<&str>) -> Result<String, PlaceError> {
         let name = name.trim();
         let fits = |c: char| c.is_alphanumeric() || " -_,.+()".contains(c);
         let short = (1..=80).contains(&name.chars().count()) && name.len() <= 240;
@@ -139,8 +140,11 @@ impl Places {
             return Err(PlaceError::Name(name.to_string()));
         }
         // Some file systems do not tell capitals from small letters.
-        let same = |other: &Bookmark| other.name.to_lowercase() == name.to_lowercase();
-        if self.bookmarks.iter().any(same) || self.path(name).is_some_and(|path| path.exists()) {
+        let same = |other: &str| other.to_lowercase() == name.to_lowercase();
+        let mut others = self.bookmarks.iter().map(|other| other.name.as_str());
+        let taken = others.any(|other| same(other) && old != Some(other));
+        let is_there = self.path(name).is_some_and(|path| path.exists());
+        if taken || (is_there && !old.is_some_and(same)) {
             return Err(PlaceError::Taken(name.to_string()));
         }
         Ok(name.to_string())
@@ -194,7 +198,9 @@ mod tests {
         places.add("Zoo", picture("1")).unwrap();
         places.add(" über all ", picture("2")).unwrap();
         places.add("gone", picture("3")).unwrap();
-        places.rename("Zoo", "a zoo").unwrap();
+        places.rename("Zoo", "zoo").unwrap();
+        places.rename("zoo", "zoo").unwrap();
+        places.rename("zoo", "a zoo").unwrap();
         places.delete("gone").unwrap();
         let again = Places::load(&folders);
         let names: Vec<&str> = again.bookmarks().iter().map(|b| b.name.as_str()).collect();

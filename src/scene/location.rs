@@ -184,9 +184,6 @@ mod tests {
     }
 
     proptest! {
-        // Reading decimals to all digits takes its time.
-        #![proptest_config(ProptestConfig::with_cases(24))]
-
         #[test]
         fn every_scene_comes_back_the_same(scene in scenes()) {
             prop_assume!(scene.clone().checked().is_ok());

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use egui::{
-    Button, ColorImage, Context, Image, Role, TextEdit, TextureHandle, Ui, WidgetInfo, vec2,
+    Button, ColorImage, Context, Image, Key, Response, Role, TextEdit, TextureHandle, Ui,
+    WidgetInfo, vec2,
 };
 
 use crate::app::places::{Bookmark, Places};
@@ -99,9 +100,12 @@ pub fn places_panel(
 fn keep(ui: &mut Ui, form: &mut PlaceForm, actions: &mut Vec<PlaceAction>) {
     ui.horizontal(|ui| {
         let label = ui.label("Name");
-        ui.add(TextEdit::singleline(&mut form.name).desired_width(140.0)).labelled_by(label.id);
+        let field = TextEdit::singleline(&mut form.name).desired_width(140.0);
+        let field = ui.add(field).labelled_by(label.id);
+        let entered = entered(ui, &field);
         let ready = !form.name.trim().is_empty();
-        if ui.add_enabled(ready, Button::new("Keep this view")).clicked() {
+        let pressed = ui.add_enabled(ready, Button::new("Keep this view")).clicked();
+        if ready && (pressed || entered) {
             actions.push(PlaceAction::Add(form.name.trim().to_string()));
             form.name.clear();
         }
@@ -147,8 +151,8 @@ fn change(ui: &mut Ui, name: &str, form: &mut PlaceForm, actions: &mut Vec<Place
             info.label = Some(format!("New name of {name}"));
             info
         });
-        let new = new.trim().to_string();
-        if named(ui, "Rename", &format!("Rename {name} so")) {
+        let (new, entered) = (new.trim().to_string(), entered(ui, &field));
+        if named(ui, "Rename", &format!("Rename {name} so")) || entered {
             actions.push(PlaceAction::Rename(name.to_string(), new));
             form.renaming = None;
         }
@@ -160,6 +164,11 @@ fn change(ui: &mut Ui, name: &str, form: &mut PlaceForm, actions: &mut Vec<Place
     if named(ui, "Delete…", &format!("Delete {name}…")) {
         form.deleting = Some(name.to_string());
     }
+}
+
+/// Whether what was typed was ended with the return key.
+fn entered(ui: &Ui, field: &Response) -> bool {
+    field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
 }
 
 /// A button whose name says more than its text; whether it was pressed.
