@@ -267,8 +267,10 @@ mod tests {
         let mut ids = Vec::new();
         while ids.len() < 3 {
             for finished in engine.poll(Wait::UntilFinished).unwrap() {
-                let angle = [finished.id as f64; 2];
-                assert_eq!(finished.outcomes, [MockEngine::answer(angle)]);
+                let Job { question, starts: Starts::Rest(angles), .. } = job(finished.id) else {
+                    panic!("not from rest")
+                };
+                assert_eq!(finished.outcomes, [MockEngine::answer(&question, angles[0])]);
                 ids.push(finished.id);
             }
         }

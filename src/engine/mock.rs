@@ -3,16 +3,18 @@
 
 use std::collections::VecDeque;
 
-use super::{Effort, Engine, EngineError, Finished, Job, Recipe, Starts, Wait};
-use crate::physics::{Outcome, Status};
+use super::{Effort, Engine, EngineError, Finished, Job, NUMBERS, Paused, Question, Recipe};
+use super::{Starts, Wait};
+use crate::physics::{Dd, Outcome, Status};
 
 /// Answers jobs in the order of submission, or backwards, one a poll.
-#[derive(Default)]
 pub struct MockEngine {
     /// Answer the newest job first.
     pub backwards: bool,
     /// Refuse the job with this number of submissions before it.
     pub fail_at: Option<usize>,
+    /// How many starts make a good job.
+    pub job_size: usize,
     /// Jobs taken so far.
     pub submitted: usize,
     /// Starts answered so far.
@@ -23,13 +25,61 @@ pub struct MockEngine {
     pub queue: VecDeque<Job>,
 }
 
-impl MockEngine {
-    /// The answer to a start: unflipped where θ2 > 1, else flipped at a time that tells it.
-    pub fn answer(angle: [f64; 2]) -> Outcome {
-        if angle[1] > 1.0 {
-            return Outcome::without_time(Status::Unflipped);
+impl Default for MockEngine {
+    fn default() -> Self {
+        MockEngine {
+            backwards: false,
+            fail_at: None,
+            job_size: 64,
+            submitted: 0,
+            answered: 0,
+            most_in_flight: 0,
+            queue: VecDeque::new(),
         }
-        Outcome::flipped(10.0 + angle[0] + 0.01 * angle[1])
+    }
+}
+
+impl MockEngine {
+    /// The answer to a start: early where |θ2| ≤ 1, else after more than 40 s, at a time that
+    /// tells which start it is and of which pendulum. Like a pendulum's it is that of the mirror
+    /// image.
+    pub fn answer(question: &Question, angle: [Dd; 2]) -> Outcome {
+        let [theta1, theta2] = angle.map(|theta| theta.hi);
+        let along = (theta1 + 0.01 * theta2).abs();
+        let home_secs = if theta2.abs() > 1.0 {
+            30.0 + 10.0 * theta2.abs() + 0.1 * along
+        } else {
+            10.0 + along
+        };
+        // Of the home scene, Q is 9.81 J.
+        let secs = home_secs * 9.81 / question.pendulum.q;
+        if secs <= question.budget_secs {
+            Outcome::flipped(secs)
+        } else {
+            Outcome::without_time(Status::Unflipped)
+        }
+    }
+
+    /// The state of a start that did not flip within the question's budget.
+    fn pause(question: &Question, angle: [Dd; 2]) -> Paused {
+        let mut numbers = [0.0; NUMBERS];
+        let [theta1, theta2] = angle;
+        let known = [question.budget_secs, question.pendulum.q];
+        let angles = [theta1.hi, theta1.lo, theta2.hi, theta2.lo];
+        for (number, value) in numbers.iter_mut().zip(known.into_iter().chain(angles)) {
+            *number = value;
+        }
+        Paused { steps: 1, numbers }
+    }
+
+    /// The start of a paused pendulum; refused where an engine could not go on.
+    fn resumed(question: &Question, state: &Paused) -> Result<[Dd; 2], EngineError> {
+        let [budget_secs, q, hi1, lo1, hi2, lo2, ..] = state.numbers;
+        if q != question.pendulum.q || budget_secs >= question.budget_secs {
+            let text = format!("{q} J after {budget_secs} s is not continued by {question:?}");
+            return Err(EngineError::Unsupported(text));
+        }
+        Ok([Dd { hi: hi1, lo: lo1 }, Dd { hi: hi2, lo: lo2 }])
     }
 }
 
@@ -46,22 +96,24 @@ impl Engine for MockEngine {
 
     fn poll(&mut self, _: Wait) -> Result<Vec<Finished>, EngineError> {
         let job = if self.backwards { self.queue.pop_back() } else { self.queue.pop_front() };
-        let Some(job) = job else {
+        let Some(Job { id, question, starts, keep_unfinished, .. }) = job else {
             return Ok(Vec::new());
         };
-        let Starts::Rest(angles) = &job.starts else {
-            return Err(EngineError::Unsupported("the mock only starts from rest".to_string()));
+        let angles = match starts {
+            Starts::Rest(angles) => angles,
+            Starts::Paused(states) => states
+                .iter()
+                .map(|state| Self::resumed(&question, state))
+                .collect::<Result<_, _>>()?,
         };
         self.answered += angles.len();
-        let outcomes = angles.iter().map(|a| Self::answer(a.map(|theta| theta.hi))).collect();
+        let outcomes: Vec<_> = angles.iter().map(|a| Self::answer(&question, *a)).collect();
+        let unfinished = (0..angles.len())
+            .filter(|k| keep_unfinished && outcomes[*k].status == Status::Unflipped)
+            .map(|k| (k, Self::pause(&question, angles[k])))
+            .collect();
         let effort = Effort { rhs_evaluations: angles.len() as u64, ..Effort::default() };
-        Ok(vec![Finished {
-            id: job.id,
-            outcomes,
-            unfinished: Vec::new(),
-            trusts: Vec::new(),
-            effort,
-        }])
+        Ok(vec![Finished { id, outcomes, unfinished, trusts: Vec::new(), effort }])
     }
 
     fn cancel(&mut self) {
@@ -73,7 +125,7 @@ impl Engine for MockEngine {
     }
 
     fn job_size(&self) -> usize {
-        64
+        self.job_size
     }
 
     fn offers(&self, _: &Recipe) -> bool {

@@ -1,6 +1,6 @@
 //! Tiles that were computed, kept as long as their bytes fit.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::lattice::{Cell, SAMPLES};
@@ -30,10 +30,10 @@ pub struct Cache {
     budget_bytes: usize,
     bytes: usize,
     known: HashMap<Key, Known>,
+    /// Cells that stay.
+    wanted: HashSet<Key>,
     /// Counts looks, so that what was not looked at for longest goes first.
     clock: u64,
-    /// Cells looked at since then are in use.
-    in_use_since: u64,
     serial: u64,
 }
 
@@ -53,8 +53,8 @@ impl Cache {
             budget_bytes,
             bytes: 0,
             known: HashMap::new(),
+            wanted: HashSet::new(),
             clock: 0,
-            in_use_since: 0,
             serial: 0,
         }
     }
@@ -69,7 +69,7 @@ impl Cache {
         self.budget_bytes / TILE_BYTES
     }
 
-    /// Lets go of what does not fit a new budget.
+    /// Changes the budget. Where it is smaller, less has to be wanted before all fits.
     pub fn set_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = budget_bytes;
         self.shrink();
@@ -88,9 +88,17 @@ impl Cache {
         self.known.get(&(physics, cell))
     }
 
-    /// From now on cells that are looked at are in use, and the others may go.
-    pub fn begin_use(&mut self) {
-        self.in_use_since = self.clock;
+    /// From now on these cells stay, and count as used; no more than there is [`Cache::room`]
+    /// for. Others may go.
+    pub fn want(&mut self, physics: usize, cells: impl Iterator<Item = Cell>) {
+        self.wanted = cells.map(|cell| (physics, cell)).collect();
+        self.clock += 1;
+        for key in &self.wanted {
+            if let Some(known) = self.known.get_mut(key) {
+                known.used = self.clock;
+            }
+        }
+        self.shrink();
     }
 
     /// Keeps a cell's samples.
@@ -115,8 +123,9 @@ impl Cache {
         self.shrink();
     }
 
-    /// Lets the longest unused go; of those in use only the states of their pendulums, which a
-    /// larger budget would then begin anew.
+    /// Lets go until it fits: first of states where others' pendulums are paused, which a larger
+    /// budget would begin anew; then of the others; last of states of what is wanted. The longest
+    /// unused always goes first.
     fn shrink(&mut self) {
         if self.bytes <= self.budget_bytes {
             return;
@@ -124,27 +133,35 @@ impl Cache {
         let mut by_age: Vec<(u64, Key)> =
             self.known.iter().map(|(key, k)| (k.used, *key)).collect();
         by_age.sort_unstable_by_key(|(used, _)| *used);
+        let (wanted, others): (Vec<Key>, Vec<Key>) =
+            by_age.into_iter().map(|(_, key)| key).partition(|key| self.wanted.contains(key));
         // A little more than needed, so that this is not done for every tile.
         let enough = self.budget_bytes - self.budget_bytes / 16;
-        for (used, key) in &by_age {
+        self.drop_while_above(enough, &others, Self::drop_states);
+        self.drop_while_above(enough, &others, Self::remove);
+        self.drop_while_above(enough, &wanted, Self::drop_states);
+    }
+
+    fn drop_while_above(&mut self, enough: usize, keys: &[Key], drop: fn(&mut Self, &Key)) {
+        for key in keys {
             if self.bytes <= enough {
                 return;
             }
-            if *used <= self.in_use_since
-                && let Some(gone) = self.known.remove(key)
-            {
-                self.bytes -= gone.bytes();
-            }
+            drop(self, key);
         }
-        for (_, key) in by_age {
-            if self.bytes <= enough {
-                return;
-            }
-            if let Some(known) = self.known.get_mut(&key) {
-                self.bytes -= known.bytes();
-                known.paused = Vec::new();
-                self.bytes += known.bytes();
-            }
+    }
+
+    fn drop_states(&mut self, key: &Key) {
+        if let Some(known) = self.known.get_mut(key) {
+            self.bytes -= known.bytes();
+            known.paused = Vec::new();
+            self.bytes += known.bytes();
+        }
+    }
+
+    fn remove(&mut self, key: &Key) {
+        if let Some(gone) = self.known.remove(key) {
+            self.bytes -= gone.bytes();
         }
     }
 }
@@ -164,27 +181,46 @@ mod tests {
         cache.insert(0, cell(x), Samples::unflipped(SAMPLES), 30.0, paused);
     }
 
+    fn want(cache: &mut Cache, cells: std::ops::Range<u128>) {
+        cache.want(0, cells.map(cell));
+    }
+
+    fn paused(cache: &Cache, x: u128) -> usize {
+        cache.peek(0, cell(x)).unwrap().paused.len()
+    }
+
     #[test]
     fn the_longest_unused_go_first() {
         let mut cache = Cache::new(8 * TILE_BYTES);
         (0..8).for_each(|x| fill(&mut cache, x, 0));
         cache.get(0, cell(0));
-        cache.begin_use();
         fill(&mut cache, 8, 0);
         assert!(cache.peek(0, cell(1)).is_none() && cache.peek(0, cell(0)).is_some());
         assert!(cache.bytes() <= 8 * TILE_BYTES);
     }
 
     #[test]
-    fn what_is_in_use_stays_without_its_states() {
+    fn what_is_wanted_stays_without_its_states() {
         let mut cache = Cache::new(4 * TILE_BYTES);
-        cache.begin_use();
-        (0..3).for_each(|x| fill(&mut cache, x, 1000));
-        assert!((0..3).all(|x| cache.peek(0, cell(x)).is_some()));
-        (3..4).for_each(|x| fill(&mut cache, x, 1000));
+        want(&mut cache, 0..4);
+        (0..4).for_each(|x| fill(&mut cache, x, 1000));
         assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
         assert!(cache.bytes() <= 4 * TILE_BYTES);
-        assert_eq!(cache.peek(0, cell(0)).unwrap().paused.len(), 0);
+        assert_eq!(paused(&cache, 0), 0);
+        fill(&mut cache, 9, 0);
+        assert!(cache.peek(0, cell(9)).is_none(), "there is no room for what nobody wants");
+        assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
+    }
+
+    #[test]
+    fn states_nobody_wants_go_before_any_tile() {
+        let mut cache = Cache::new(46 * TILE_BYTES / 10);
+        (0..2).for_each(|x| fill(&mut cache, x, 300));
+        want(&mut cache, 1..2);
+        fill(&mut cache, 2, 300);
+        fill(&mut cache, 3, 0);
+        assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
+        assert_eq!((paused(&cache, 0), paused(&cache, 1), paused(&cache, 2)), (0, 300, 0));
     }
 
     #[test]
@@ -196,9 +232,6 @@ mod tests {
         assert_eq!(cache.bytes(), TILE_BYTES);
         assert!(cache.peek(0, cell(1)).unwrap().serial > first);
         cache.set_budget(TILE_BYTES / 2);
-        assert_eq!((cache.bytes(), cache.room()), (TILE_BYTES, 0), "in use: nothing began since");
-        cache.begin_use();
-        cache.set_budget(TILE_BYTES / 2);
-        assert_eq!(cache.bytes(), 0);
+        assert_eq!((cache.bytes(), cache.room()), (0, 0));
     }
 }

@@ -1,10 +1,9 @@
 //! The window's scheduler: which cells of the lattice are computed next.
 //!
-//! An [`Aim`] says what is looked at. The cells it wants are queued coarse levels first, in each
-//! level those near the pointer or the middle first, then a ring around the view; what is known
-//! or on its way is left out. The newest aim replaces the queue, and where most of what flies
-//! serves it no longer, that is dropped. The window calls [`Explorer::work`] with a deadline and
-//! draws between; a test without a window calls it with none.
+//! An [`Aim`] says what is looked at. The cells it wants are queued, what is known or on its way
+//! left out. The newest aim replaces the queue, and where most of what flies serves it no longer,
+//! that is dropped. The window calls [`Explorer::work`] with a deadline and draws between; a test
+//! without a window calls it with none.
 
 use std::collections::{HashSet, VecDeque};
 use std::time::Instant;
@@ -12,7 +11,8 @@ use std::time::Instant;
 use super::cache::{Cache, Known};
 use super::flights::{Flights, Landed, Open};
 use super::kept;
-use super::lattice::{Cell, DEEPEST, Region, SAMPLES, SIDE, side_rad};
+use super::lattice::{Cell, Region, SAMPLES, SIDE};
+use super::order;
 use super::samples::{Counts, Samples};
 use crate::engine::{Engine, EngineError, Paused, Question, Recipe, Trust, Wait};
 use crate::physics::{Outcome, Rule, Status};
@@ -55,16 +55,12 @@ pub struct Progress {
     pub wanted: usize,
     /// Those among them that are computed to the budget.
     pub done: usize,
-    /// Whether something can be drawn for every cell in view.
+    /// Whether something is known for every cell in view.
     pub covered: bool,
     /// Whether nothing is left to do, not even around the view.
     pub idle: bool,
 }
 
-/// Levels between one pass and the next finer one: a quarter of the distance each time.
-const LEVEL_STEP: u32 = 2;
-/// Passes before the finest.
-const COARSE_PASSES: u32 = 2;
 /// More cells of a level are never drawn at once.
 pub const MOST_CELLS: usize = 1500;
 /// Tiles in a job at most.
@@ -85,6 +81,10 @@ pub struct Explorer {
     /// Every physics looked at so far; its place is its key.
     physics: Vec<Physics>,
     aim: Option<Aim>,
+    /// The key of the aim's physics.
+    key: usize,
+    /// The key of the one that was last known all over the view before it.
+    before: Option<usize>,
     /// Cells of the aim to compute, canonical, first first.
     waiting: VecDeque<Cell>,
     flights: Flights<Batch>,
@@ -100,6 +100,8 @@ impl Explorer {
             cache: Cache::new(cache_bytes),
             physics: Vec::new(),
             aim: None,
+            key: 0,
+            before: None,
             waiting: VecDeque::new(),
             flights: Flights::default(),
             stale: false,
@@ -109,10 +111,17 @@ impl Explorer {
 
     /// Replaces what is looked at.
     pub fn aim(&mut self, aim: Aim) {
-        if self.aim != Some(aim) {
-            self.aim = Some(aim);
-            self.plan();
+        if self.aim == Some(aim) {
+            return;
         }
+        let key = self.key_of(&aim.physics);
+        // One that was passed over so fast that little of it is known cannot stand in.
+        if key != self.key && self.progress().covered {
+            self.before = Some(self.key);
+        }
+        self.key = key;
+        self.aim = Some(aim);
+        self.plan();
     }
 
     /// The place of a physics in the list.
@@ -127,43 +136,32 @@ impl Explorer {
     /// Queues what the aim wants and nobody computes yet.
     fn plan(&mut self) {
         let Some(aim) = self.aim else { return };
-        let key = self.key_of(&aim.physics);
-        self.cache.begin_use();
-        let flying: HashSet<Cell> = self.flying(key, aim.budget_secs).collect();
-        let mut wanted = HashSet::new();
-        self.waiting.clear();
-        for (cells, finest) in passes(&aim) {
-            for cell in cells {
-                if wanted.len() >= self.cache.room() || !wanted.insert(cell) {
-                    continue;
-                }
-                if !flying.contains(&cell) && self.needs(key, cell, aim.budget_secs, finest) {
-                    self.waiting.push_back(cell);
-                }
-            }
-        }
+        let cells = order::wanted(&aim, self.cache.room());
+        self.cache.want(self.key, cells.iter().map(|(cell, _)| *cell));
+        // What flies to a smaller budget is continued when it has landed.
+        let flying = self.flights.tiles().filter(|batch| batch.physics == self.key);
+        let flying: HashSet<Cell> = flying.flat_map(|batch| batch.cells.iter().copied()).collect();
+        let wanted: HashSet<Cell> = cells.iter().map(|(cell, _)| *cell).collect();
+        self.waiting = cells
+            .into_iter()
+            .filter(|(cell, finest)| !flying.contains(cell) && self.needs(*cell, *finest))
+            .map(|(cell, _)| cell)
+            .collect();
         let useful = |batch: &&Batch| {
-            batch.physics == key && batch.cells.iter().any(|cell| wanted.contains(cell))
+            batch.physics == self.key && batch.cells.iter().any(|cell| wanted.contains(cell))
         };
         let useful = self.flights.tiles().filter(useful).count();
         self.stale = !self.flights.is_empty() && 2 * useful <= self.flights.len();
     }
 
-    fn flying(&self, key: usize, budget_secs: f64) -> impl Iterator<Item = Cell> + '_ {
-        let serves = move |batch: &&Batch| batch.physics == key && batch.budget_secs >= budget_secs;
-        self.flights.tiles().filter(serves).flat_map(|batch| batch.cells.iter().copied())
-    }
-
     /// Whether a cell has to be computed; a coarse one not if something nearly as fine stands in.
-    fn needs(&mut self, key: usize, cell: Cell, budget_secs: f64, finest: bool) -> bool {
-        if let Some(known) = self.cache.get(key, cell) {
-            return finest && known.budget_secs < budget_secs;
+    fn needs(&self, cell: Cell, finest: bool) -> bool {
+        let known = |cell: Cell| self.cache.peek(self.key, cell.canonical().0);
+        if let Some(known) = known(cell) {
+            return finest && self.aim.is_some_and(|aim| known.budget_secs < aim.budget_secs);
         }
-        if finest {
-            return true;
-        }
-        let known = |cell: Cell| self.cache.peek(key, cell.canonical().0).is_some();
-        !(cell.parent().is_some_and(known) || cell.children().into_iter().all(known))
+        let instead = |cell: Cell| known(cell).is_some();
+        finest || !(cell.parent().is_some_and(instead) || cell.children().into_iter().all(instead))
     }
 
     /// Hands open cells to the engine and takes back what has come. With a deadline it never
@@ -186,8 +184,10 @@ impl Explorer {
                 self.take(landed);
                 news = true;
             }
-            if deadline.is_some() {
-                news |= self.submit(engine, deadline)?;
+            if let Some(deadline) = deadline {
+                if Instant::now() < deadline {
+                    news |= self.submit(engine, Some(deadline))?;
+                }
                 return Ok(news);
             }
             if self.is_done() {
@@ -203,7 +203,7 @@ impl Explorer {
 
     /// Forgets what flies, for an engine that is gone; nothing that was computed is lost.
     pub fn ground(&mut self) {
-        self.flights = Flights::default();
+        self.flights.forget();
         self.plan();
     }
 
@@ -213,24 +213,12 @@ impl Explorer {
         deadline: Option<Instant>,
     ) -> Result<bool, EngineError> {
         let Some(aim) = self.aim else { return Ok(false) };
-        let key = self.key_of(&aim.physics);
         let in_job = (engine.job_size() / (4 * SAMPLES)).clamp(1, MOST_IN_JOB);
         let mut news = false;
         while self.flights.len() < engine.slots() && !self.waiting.is_empty() {
-            let cells = self.next_cells(key, in_job);
-            let batch = Batch { physics: key, budget_secs: aim.budget_secs, cells };
-            match self.open(&aim, &batch).settled() {
-                Ok(samples) => {
-                    self.keep(&batch, &samples, Vec::new());
-                    news = true;
-                }
-                Err(open) => {
-                    let asked = (question(&aim), aim.physics.recipe);
-                    // Checks begin at the release, so checked pixels cannot be continued.
-                    let keep = !aim.physics.verified;
-                    self.flights.submit(engine, batch, open, asked, keep)?;
-                }
-            }
+            let cells = self.next_cells(in_job);
+            let batch = Batch { physics: self.key, budget_secs: aim.budget_secs, cells };
+            news |= self.send(engine, &aim, batch)?;
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 break;
             }
@@ -238,10 +226,34 @@ impl Explorer {
         Ok(news)
     }
 
+    /// Sends a batch to the engine; without an open pixel it is known at once, and this says so.
+    fn send(
+        &mut self,
+        engine: &mut dyn Engine,
+        aim: &Aim,
+        batch: Batch,
+    ) -> Result<bool, EngineError> {
+        let open = self.open(aim, &batch);
+        if open.is_settled() {
+            self.keep(&batch, &open.into_samples(), Vec::new());
+            return Ok(true);
+        }
+        let asked = (question(aim), aim.physics.recipe);
+        // Checks begin at the release, so checked pixels cannot be continued.
+        let keep = !aim.physics.verified;
+        let sent = self.flights.submit(engine, batch, open, asked, keep);
+        if sent.is_err() {
+            // The batch is gone from the queue, and nobody computes it.
+            self.plan();
+        }
+        sent.map(|()| false)
+    }
+
     /// The next cells that can share a job: all new, or all to be continued.
-    fn next_cells(&mut self, key: usize, most: usize) -> Vec<Cell> {
-        let continues =
-            |cell: &Cell| self.cache.peek(key, *cell).is_some_and(|known| !known.paused.is_empty());
+    fn next_cells(&mut self, most: usize) -> Vec<Cell> {
+        let continues = |cell: &Cell| {
+            self.cache.peek(self.key, *cell).is_some_and(|known| !known.paused.is_empty())
+        };
         let Some(first) = self.waiting.front().map(continues) else { return Vec::new() };
         let level = self.waiting.front().map(|cell| cell.level);
         let alike = |cell: &&Cell| continues(cell) == first && Some(cell.level) == level;
@@ -267,7 +279,12 @@ impl Explorer {
     fn take(&mut self, landed: Landed<Batch>) {
         self.counts.simulated += landed.computed.len() as u64;
         self.counts.rhs_evaluations += landed.effort.rhs_evaluations;
-        self.keep(&landed.tile, &landed.samples, landed.paused);
+        let Landed { tile: batch, samples, paused, .. } = landed;
+        self.keep(&batch, &samples, paused);
+        // The budget has been raised since.
+        if self.aim.is_some_and(|aim| batch.budget_secs < aim.budget_secs) {
+            self.plan();
+        }
     }
 
     /// Puts a batch's samples where they belong.
@@ -289,8 +306,17 @@ impl Explorer {
     /// What is known of a cell of the aim, given canonically or not, and whether the samples
     /// are its image's, in opposite order.
     pub fn known(&mut self, cell: Cell) -> Option<(&Known, bool)> {
-        let physics = self.aim?.physics;
-        let key = self.key_of(&physics);
+        self.aim?;
+        self.look(self.key, cell)
+    }
+
+    /// Likewise of the physics that was aimed at before: while nothing of the aim's is known,
+    /// this is still drawn.
+    pub fn known_before(&mut self, cell: Cell) -> Option<(&Known, bool)> {
+        self.look(self.before?, cell)
+    }
+
+    fn look(&mut self, key: usize, cell: Cell) -> Option<(&Known, bool)> {
         let (canonical, mirrored) = cell.canonical();
         self.cache.get(key, canonical).map(|known| (known, mirrored))
     }
@@ -298,8 +324,7 @@ impl Explorer {
     /// How far the newest aim is.
     pub fn progress(&self) -> Progress {
         let Some(aim) = self.aim else { return Progress::default() };
-        let key = self.physics.iter().position(|other| *other == aim.physics);
-        let known = |cell: Cell| self.cache.peek(key?, cell.canonical().0);
+        let known = |cell: Cell| self.cache.peek(self.key, cell.canonical().0);
         let placed = aim.region.cells(aim.level, MOST_CELLS);
         let fine =
             |cell: Cell| known(cell).is_some_and(|known| known.budget_secs >= aim.budget_secs);
@@ -310,7 +335,7 @@ impl Explorer {
             level: aim.level,
             wanted: placed.len(),
             done: placed.iter().filter(|placed| fine(placed.cell)).count(),
-            covered: placed.iter().all(|placed| drawn(placed.cell)),
+            covered: !placed.is_empty() && placed.iter().all(|placed| drawn(placed.cell)),
             idle: self.is_done(),
         }
     }
@@ -328,6 +353,7 @@ impl Explorer {
     /// Changes how many bytes are kept.
     pub fn set_cache_bytes(&mut self, bytes: usize) {
         self.cache.set_budget(bytes);
+        self.plan();
     }
 }
 
@@ -349,29 +375,4 @@ fn question(aim: &Aim) -> Question {
 fn scene_of(aim: &Aim) -> Scene {
     let question = scene::Question { rule: aim.physics.rule, budget: aim.budget_secs };
     Scene { build: aim.physics.build, question, ..Scene::default() }
-}
-
-/// The cells that an aim wants, canonical, in the order in which it wants them, and whether
-/// they are of the finest level.
-fn passes(aim: &Aim) -> Vec<(Vec<Cell>, bool)> {
-    let coarse = (1..=COARSE_PASSES).rev().filter_map(|n| aim.level.checked_sub(n * LEVEL_STEP));
-    let mut passes: Vec<_> =
-        coarse.map(|level| (nearest_first(aim, &aim.region, level), false)).collect();
-    passes.push((nearest_first(aim, &aim.region, aim.level), true));
-    let ring = side_rad(aim.level.min(DEEPEST)).hi;
-    let around =
-        Region { half_rad: aim.region.half_rad.map(|half| half + 0.5 * ring), ..aim.region };
-    passes.push((nearest_first(aim, &around, aim.level), true));
-    passes
-}
-
-fn nearest_first(aim: &Aim, region: &Region, level: u32) -> Vec<Cell> {
-    let mut placed = region.cells(level, MOST_CELLS);
-    let far = |offset: [f64; 2], from: [f64; 2]| (offset[0] - from[0]).hypot(offset[1] - from[1]);
-    let distance = |offset: [f64; 2]| {
-        let middle = far(offset, [0.0, 0.0]);
-        aim.pointer.map_or(middle, |pointer| middle.min(far(offset, pointer)))
-    };
-    placed.sort_by(|a, b| distance(a.offset).total_cmp(&distance(b.offset)));
-    placed.into_iter().map(|placed| placed.cell.canonical().0).collect()
 }

@@ -52,9 +52,14 @@ impl Open {
         Open { samples, places, starts }
     }
 
-    /// The samples, if there is nothing to compute.
-    pub fn settled(self) -> Result<Samples, Self> {
-        if self.places.is_empty() { Ok(self.samples) } else { Err(self) }
+    /// Whether there is nothing to compute.
+    pub fn is_settled(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// What is known without computing; the rest is unflipped.
+    pub fn into_samples(self) -> Samples {
+        self.samples
     }
 }
 
@@ -134,6 +139,11 @@ impl<T> Flights<T> {
     /// Forgets all of them; their answers will not come.
     pub fn cancel(&mut self, engine: &mut dyn Engine) {
         engine.cancel();
+        self.forget();
+    }
+
+    /// Forgets all of them; answers that still come are nobody's, for no name is used twice.
+    pub fn forget(&mut self) {
         self.flying.clear();
     }
 

@@ -13,6 +13,7 @@ pub mod explorer;
 mod flights;
 mod kept;
 pub mod lattice;
+mod order;
 mod plan;
 mod samples;
 mod work;

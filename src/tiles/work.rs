@@ -116,16 +116,13 @@ impl Work {
             let Some(tile) = self.waiting.pop_front() else {
                 return Ok(());
             };
-            match self.open(&tile).settled() {
-                Ok(samples) => {
-                    self.finish(tile, samples, finished);
-                    return Ok(());
-                }
-                Err(open) => {
-                    let asked = (self.question, self.recipe);
-                    self.flights.submit(engine, tile, open, asked, self.kept.is_some())?;
-                }
+            let open = self.open(&tile);
+            if open.is_settled() {
+                self.finish(tile, open.into_samples(), finished);
+                return Ok(());
             }
+            let asked = (self.question, self.recipe);
+            self.flights.submit(engine, tile, open, asked, self.kept.is_some())?;
         }
         Ok(())
     }
@@ -187,7 +184,7 @@ impl Work {
         }
         let image = samples.clone().truncated((rows * width) as usize);
         let origin = [0, height - tile.origin[1] - rows];
-        let tile = Tile { origin, size: [width, rows], ..*tile };
+        let tile = Tile { origin, size: [width, rows] };
         Some(FinishedTile { tile, samples: image.reversed() })
     }
 }
@@ -235,7 +232,7 @@ mod tests {
         for y in 0..size[1] {
             for x in 0..size[0] {
                 let outcome = match grid.fate(x, y) {
-                    Fate::Open(angle) => MockEngine::answer(angle.map(|theta| theta.hi)),
+                    Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
                     Fate::Forbidden => Outcome::without_time(Status::Forbidden),
                     Fate::Balanced => Outcome::without_time(Status::Unflipped),
                 };

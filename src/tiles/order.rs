@@ -1,0 +1,48 @@
+//! In which order a window's cells are computed.
+//!
+//! Coarse levels come first, so that something is soon drawn everywhere; in each level the cells
+//! near the pointer or the middle; a ring around the view last.
+
+use std::collections::HashSet;
+
+use super::explorer::{Aim, MOST_CELLS};
+use super::lattice::{Cell, DEEPEST, Region, side_rad};
+
+/// Levels between one pass and the next finer one: a quarter of the distance each time.
+const LEVEL_STEP: u32 = 2;
+/// Passes before the finest.
+const COARSE_PASSES: u32 = 2;
+
+/// The cells that an aim wants, canonical, each once, and whether they are of the aim's own
+/// level: the first `most` of them.
+pub fn wanted(aim: &Aim, most: usize) -> Vec<(Cell, bool)> {
+    let mut seen = HashSet::new();
+    let cells = passes(aim)
+        .into_iter()
+        .flat_map(|(cells, finest)| cells.into_iter().map(move |cell| (cell, finest)));
+    cells.filter(|(cell, _)| seen.insert(*cell)).take(most).collect()
+}
+
+/// The cells of an aim pass by pass, canonical, and whether they are of its own level.
+fn passes(aim: &Aim) -> Vec<(Vec<Cell>, bool)> {
+    let coarse = (1..=COARSE_PASSES).rev().filter_map(|n| aim.level.checked_sub(n * LEVEL_STEP));
+    let mut passes: Vec<_> =
+        coarse.map(|level| (nearest_first(aim, &aim.region, level), false)).collect();
+    passes.push((nearest_first(aim, &aim.region, aim.level), true));
+    let ring = side_rad(aim.level.min(DEEPEST)).hi;
+    let around =
+        Region { half_rad: aim.region.half_rad.map(|half| half + 0.5 * ring), ..aim.region };
+    passes.push((nearest_first(aim, &around, aim.level), true));
+    passes
+}
+
+fn nearest_first(aim: &Aim, region: &Region, level: u32) -> Vec<Cell> {
+    let mut placed = region.cells(level, MOST_CELLS);
+    let far = |offset: [f64; 2], from: [f64; 2]| (offset[0] - from[0]).hypot(offset[1] - from[1]);
+    let distance = |offset: [f64; 2]| {
+        let middle = far(offset, [0.0, 0.0]);
+        aim.pointer.map_or(middle, |pointer| middle.min(far(offset, pointer)))
+    };
+    placed.sort_by(|a, b| distance(a.offset).total_cmp(&distance(b.offset)));
+    placed.into_iter().map(|placed| placed.cell.canonical().0).collect()
+}
