@@ -57,13 +57,16 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
     let over = response.hovered() || response.dragged();
     let dragged = response.dragged_by(egui::PointerButton::Primary);
     let drag = response.drag_delta();
+    // Responses look into the input themselves, which must not happen while it is held below.
+    let (clicked, double_clicked) = (response.clicked(), response.double_clicked());
+    let released = response.drag_stopped();
     ui.input(|input| Gesture {
         pointer: input.pointer.latest_pos().filter(|_| over).map(from_middle),
         dragged: if dragged { DVec2::new(f64::from(drag.x), f64::from(drag.y)) } else { DVec2::ZERO },
         drag_began: input.pointer.press_origin().filter(|_| dragged).map(from_middle),
-        released: response.drag_stopped(),
-        clicked: response.clicked(),
-        double_clicked: response.double_clicked(),
+        released,
+        clicked,
+        double_clicked,
         shift: input.modifiers.shift,
         notches: if over { notches(input) } else { 0.0 },
         pinch: if over { pinch(input) } else { 1.0 },

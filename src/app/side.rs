@@ -21,9 +21,6 @@ impl Desk {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             let open = !self.state.pins.is_empty();
             CollapsingHeader::new("Pendulum of a pixel").default_open(true).show(ui, |ui| {
-                if !open {
-                    ui.label("Click a pixel of the map to fly its pendulum.");
-                }
                 actions.extend(pendulum_panel(ui, &self.state.pins).into_iter().map(Action::Pins));
             });
             CollapsingHeader::new("Places").default_open(!open).show(ui, |ui| {

@@ -29,7 +29,7 @@ pub fn status_line(ui: &mut Ui, status: &Status) {
         ui.add(bar).on_hover_text("Share of the view that is computed to its finest level");
         ui.label(format!("level {level}"));
         ui.separator();
-        ui.label(format!("{:.3e} rad wide", status.width_rad));
+        ui.label(width_text(status.width_rad));
         ui.separator();
         ui.label(format!("{} pendulums", grouped(status.simulated)));
         if status.rate > 0.0 {
@@ -38,6 +38,11 @@ pub fn status_line(ui: &mut Ui, status: &Status) {
         ui.separator();
         ui.add(egui::Label::new(&status.engine).truncate());
     });
+}
+
+/// A width as people write it.
+fn width_text(rad: f64) -> String {
+    if rad >= 1e-3 { format!("{rad:.4} rad wide") } else { format!("{rad:.3e} rad wide") }
 }
 
 /// A count with thin spaces between its thousands.
