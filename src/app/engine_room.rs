@@ -14,6 +14,9 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// How long a slice may run on a graphics card while a window is open.
 const PACE: Duration = Duration::from_millis(15);
+/// How much less urgent than drawing computing is; 19 is the most.
+#[cfg(target_os = "linux")]
+const NICENESS: i32 = 10;
 /// An engine that fails so often in a row is not opened again until the person says so.
 const MOST_FAILURES: u32 = 3;
 
@@ -154,6 +157,7 @@ impl EngineRoom {
 /// Opens an engine as it is used behind a window: with short slices, and less urgent than the
 /// window's own threads.
 fn open(wish: &Wish, verify: bool) -> Result<Chosen, choice::ChoiceError> {
+    step_back();
     let wish = Wish { pace: PACE, ..wish.clone() };
     let Chosen { engine, recipe, why } = choice::choose(&wish, &|text| log::info!("{text}"))?;
     let engine: Box<dyn Engine> = if verify {
@@ -162,4 +166,13 @@ fn open(wish: &Wish, verify: bool) -> Result<Chosen, choice::ChoiceError> {
         engine
     };
     Ok(Chosen { engine, recipe, why })
+}
+
+/// Makes this thread, and those it will start, yield to the ones that draw. On Linux each thread
+/// has a niceness of its own, and hands it on.
+fn step_back() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::process::setpriority_process(None, NICENESS) {
+        log::info!("the engine runs as urgently as the window: {error}");
+    }
 }
