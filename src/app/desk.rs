@@ -126,7 +126,25 @@ impl Desk {
             self.state.notices.fail(failure);
             return true;
         }
+        if turn.news {
+            self.tell_pins();
+        }
         turn.news
+    }
+
+    /// Tells pins what the map has come to know of their pixels.
+    fn tell_pins(&mut self) {
+        let level = self.state.screen().level();
+        let silent = self.state.pins.iter().filter(|pin| pin.told.is_none());
+        let silent: Vec<_> = silent.map(|pin| (pin.id, pin.start)).collect();
+        for (id, start) in silent {
+            // Another level has other samples, and other answers.
+            if hover::sample_at(start, level)[0] == start
+                && let Some(told) = hover::outcome_at(&mut self.room.explorer, start, level)
+            {
+                self.state.pins.tell(id, told);
+            }
+        }
     }
 
     /// How far the view is.

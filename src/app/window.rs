@@ -194,12 +194,9 @@ impl Runner {
     /// A thread has news: jobs are handed on at once, pictures a little later.
     fn news(&mut self) {
         let Some(open) = &mut self.open else { return };
-        if open.desk.work() {
-            self.draw_at(self.last_frame + NEWS);
-        } else {
-            // A flight, an export or a dialog: the panels tell.
-            self.draw_at(self.last_frame + NEWS);
-        }
+        open.desk.work();
+        // If it was no tile, then a flight, an export or a dialog: the panels tell.
+        self.draw_at(self.last_frame + NEWS);
     }
 
     fn close(&mut self) {
