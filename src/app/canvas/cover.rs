@@ -1,5 +1,5 @@
 //! What is drawn for every cell in view: its own samples, or the best that is known until they
-//! come.
+//! come; and while nothing is known of a changed pendulum, what was known of the one before.
 
 use glam::DVec2;
 
@@ -12,6 +12,8 @@ use crate::tiles::lattice::{Cell, Placed, SIDE, side_rad};
 pub struct Patch {
     /// The cell whose samples are drawn, as computed.
     pub source: Cell,
+    /// Whether they are of the physics that was aimed at before.
+    pub before: bool,
     /// The first corner and the way along its sides, in points from the canvas' middle, y down.
     pub corner: DVec2,
     /// To the right.
@@ -29,19 +31,38 @@ const FINER_LEVELS: u32 = 2;
 
 /// The patches of a screen at its level, in the order in which they are drawn.
 pub fn cover(screen: &Screen, explorer: &mut Explorer) -> Vec<Patch> {
-    let level = screen.level();
     let mut patches = Vec::new();
-    for placed in screen.region().cells(level, MOST_CELLS) {
-        let best = std::iter::successors(Some(placed.cell), Cell::parent)
-            .find(|cell| explorer.known(*cell).is_some());
-        if let Some(source) = best {
-            patches.push(patch(screen, &placed, source));
+    for placed in screen.region().cells(screen.level(), MOST_CELLS) {
+        let now = best(screen, explorer, &placed, false);
+        if !now.whole {
+            patches.extend(best(screen, explorer, &placed, true).patches);
         }
-        if best != Some(placed.cell) {
-            finer(screen, explorer, &placed, FINER_LEVELS, &mut patches);
-        }
+        patches.extend(now.patches);
     }
     patches
+}
+
+/// The best that is known of a cell.
+struct Best {
+    /// In the order in which they are drawn.
+    patches: Vec<Patch>,
+    /// Whether they leave nothing of the cell free.
+    whole: bool,
+}
+
+fn best(screen: &Screen, explorer: &mut Explorer, placed: &Placed, before: bool) -> Best {
+    let source = std::iter::successors(Some(placed.cell), Cell::parent)
+        .find(|cell| is_known(explorer, *cell, before));
+    let mut patches: Vec<Patch> =
+        source.map(|source| patch(screen, placed, source, before)).into_iter().collect();
+    if source != Some(placed.cell) {
+        finer(screen, explorer, placed, before, FINER_LEVELS, &mut patches);
+    }
+    Best { patches, whole: source.is_some() }
+}
+
+fn is_known(explorer: &mut Explorer, cell: Cell, before: bool) -> bool {
+    if before { explorer.known_before(cell).is_some() } else { explorer.known(cell).is_some() }
 }
 
 /// What is known of the quarters of a cell, and of theirs.
@@ -49,6 +70,7 @@ fn finer(
     screen: &Screen,
     explorer: &mut Explorer,
     placed: &Placed,
+    before: bool,
     levels: u32,
     patches: &mut Vec<Patch>,
 ) {
@@ -57,16 +79,16 @@ fn finer(
         let away = |bit: u128| if bit == 0 { -quarter } else { quarter };
         let offset = [placed.offset[0] + away(cell.x & 1), placed.offset[1] + away(cell.y & 1)];
         let child = Placed { cell, offset };
-        if explorer.known(cell).is_some() {
-            patches.push(patch(screen, &child, cell));
+        if is_known(explorer, cell, before) {
+            patches.push(patch(screen, &child, cell, before));
         } else if levels > 1 {
-            finer(screen, explorer, &child, levels - 1, patches);
+            finer(screen, explorer, &child, before, levels - 1, patches);
         }
     }
 }
 
 /// The part of `source`'s samples that covers a cell inside it.
-fn patch(screen: &Screen, placed: &Placed, source: Cell) -> Patch {
+fn patch(screen: &Screen, placed: &Placed, source: Cell, before: bool) -> Patch {
     let side = side_rad(placed.cell.level).hi;
     let middle = DVec2::from_array(placed.offset);
     let at = |x: f64, y: f64| screen.point_of(middle + DVec2::new(x, y) * (side / 2.0));
@@ -83,12 +105,6 @@ fn patch(screen: &Screen, placed: &Placed, source: Cell) -> Patch {
     } else {
         (texel, DVec2::splat(samples))
     };
-    Patch {
-        source,
-        corner,
-        right: at(1.0, 1.0) - corner,
-        down: at(-1.0, -1.0) - corner,
-        texel,
-        span,
-    }
+    let (right, down) = (at(1.0, 1.0) - corner, at(-1.0, -1.0) - corner);
+    Patch { source, before, corner, right, down, texel, span }
 }

@@ -46,7 +46,12 @@ impl Easel {
         self.atlas.begin_frame();
         let (mut quads, mut uploads) = (Vec::new(), Vec::new());
         for patch in cover(screen, explorer) {
-            let Some((known, _)) = explorer.known(patch.source) else { continue };
+            let known = if patch.before {
+                explorer.known_before(patch.source)
+            } else {
+                explorer.known(patch.source)
+            };
+            let Some((known, _)) = known else { continue };
             let slot = match self.atlas.place(known.serial) {
                 Some(Place::There(slot)) => slot,
                 Some(Place::New(slot)) => {
