@@ -154,7 +154,13 @@ pub fn shortcut_text(shortcut: &KeyboardShortcut) -> String {
             text.push_str(name);
         }
     }
-    text + shortcut.logical_key.symbol_or_name()
+    // The names of arrows, since not every font has their symbols.
+    text + match shortcut.logical_key {
+        Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => {
+            shortcut.logical_key.name()
+        }
+        key => key.symbol_or_name(),
+    }
 }
 
 #[cfg(test)]

@@ -165,6 +165,8 @@ impl Desk {
         let commands = commands(&self.state);
         if self.state.shown.commands {
             actions.extend(help::palette(&ctx, &commands));
+        } else {
+            help::close_palette(&ctx);
         }
         if self.state.shown.help {
             actions.extend(help::help(&ctx, &commands));
@@ -198,7 +200,8 @@ impl Desk {
 
     fn canvas(&mut self, ui: &mut Ui) -> Vec<Action> {
         let size = ui.available_size_before_wrap();
-        self.state.canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
+        self.state.canvas =
+            glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
         self.state.pixels_per_point = f64::from(ui.ctx().pixels_per_point());
         let screen = self.state.screen();
         let State { picture, build, question, layers, .. } = &self.state;
@@ -225,8 +228,11 @@ impl Desk {
             (Some((name, adapter, _)), Some(recipe)) => {
                 format!("{} · {name}: {adapter}", accuracy::words(&recipe))
             }
-            _ if self.room.is_opening() => "opening the engine…".to_string(),
-            _ => "no engine: see Accuracy".to_string(),
+            _ => match self.room.opening() {
+                Some(said) if said.is_empty() => "opening the engine…".to_string(),
+                Some(said) => said,
+                None => "no engine: see Accuracy".to_string(),
+            },
         };
         let rate = if progress.idle { 0.0 } else { self.meter.rate() };
         let simulated = self.room.explorer.counts().simulated;

@@ -1,6 +1,6 @@
 //! The engine behind the window, its scheduler, and what happens when one of them fails.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::engine::background::{self, Background, Opening};
@@ -35,6 +35,8 @@ pub struct EngineRoom {
     verify: bool,
     stage: Stage,
     failures: u32,
+    /// What takes so long while an engine is being opened.
+    said: Arc<Mutex<String>>,
     wake: Wake,
 }
 
@@ -52,7 +54,8 @@ impl EngineRoom {
     pub fn new(wish: Wish, verify: bool, cache_bytes: usize, wake: Wake) -> Self {
         let stage = Stage::Failed;
         let explorer = Explorer::new(cache_bytes);
-        let mut room = EngineRoom { explorer, wish, verify, stage, failures: 0, wake };
+        let mut room =
+            EngineRoom { explorer, wish, verify, stage, failures: 0, said: Arc::default(), wake };
         room.open();
         room
     }
@@ -68,8 +71,15 @@ impl EngineRoom {
     fn open(&mut self) {
         self.explorer.ground();
         let (wish, verify) = (self.wish.clone(), self.verify);
+        let (said, waker) = (Arc::new(Mutex::new(String::new())), Arc::clone(&self.wake));
+        self.said = Arc::clone(&said);
+        let tell = move |text: &str| {
+            // Whoever panicked left a whole sentence.
+            text.clone_into(&mut said.lock().unwrap_or_else(PoisonError::into_inner));
+            waker();
+        };
         let wake = Arc::clone(&self.wake);
-        let opening = background::open(move || open(&wish, verify), move || wake());
+        let opening = background::open(move || open(&wish, verify, &tell), move || wake());
         self.stage = opening.map_or_else(
             |error| {
                 log::error!("no thread for the engine: {error}");
@@ -95,9 +105,10 @@ impl EngineRoom {
         }
     }
 
-    /// Whether an engine is being opened.
-    pub fn is_opening(&self) -> bool {
-        matches!(self.stage, Stage::Opening(_))
+    /// While an engine is being opened, what it is doing that takes so long, if it says so.
+    pub fn opening(&self) -> Option<String> {
+        let said = || self.said.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        matches!(self.stage, Stage::Opening(_)).then(said)
     }
 
     /// Whether there is none, and none is coming.
@@ -156,15 +167,12 @@ impl EngineRoom {
 
 /// Opens an engine as it is used behind a window: with short slices, and less urgent than the
 /// window's own threads.
-fn open(wish: &Wish, verify: bool) -> Result<Chosen, choice::ChoiceError> {
+fn open(wish: &Wish, verify: bool, tell: &dyn Fn(&str)) -> Result<Chosen, choice::ChoiceError> {
     step_back();
     let wish = Wish { pace: PACE, ..wish.clone() };
-    let Chosen { engine, recipe, why } = choice::choose(&wish, &|text| log::info!("{text}"))?;
-    let engine: Box<dyn Engine> = if verify {
-        Box::new(TrustEngine::new(engine, wish.threads)?)
-    } else {
-        engine
-    };
+    let Chosen { engine, recipe, why } = choice::choose(&wish, tell)?;
+    let engine: Box<dyn Engine> =
+        if verify { Box::new(TrustEngine::new(engine, wish.threads)?) } else { engine };
     Ok(Chosen { engine, recipe, why })
 }
 

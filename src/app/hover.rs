@@ -19,11 +19,7 @@ pub fn sample_at(angle: [Dd; 2], level: u32) -> [[Dd; 2]; 2] {
 }
 
 /// What the map knows of the sample at an angle; nothing while only coarser ones are there.
-pub fn outcome_at(
-    explorer: &mut Explorer,
-    angle: [Dd; 2],
-    level: u32,
-) -> Option<(Outcome, Trust)> {
+pub fn outcome_at(explorer: &mut Explorer, angle: [Dd; 2], level: u32) -> Option<(Outcome, Trust)> {
     known_at(explorer, Cell::around(angle, level), angle)
 }
 

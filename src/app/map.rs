@@ -1,6 +1,6 @@
 //! The map in the middle of the window: what is drawn there, and what the pointer does to it.
 
-use egui::{Align2, Color32, CornerRadius, Rect, Sense, Stroke, StrokeKind, Ui, WidgetInfo, Role};
+use egui::{Align2, Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo};
 use glam::DVec2;
 
 use super::action::Action;
@@ -35,7 +35,12 @@ pub fn map(ui: &mut Ui, state: &State, frame: Frame, hovered: Option<Hovered>) -
     if let Some([a, b]) = state.drawing {
         let rect = Rect::from_two_pos(position(rect, a), position(rect, b));
         for (width, colour) in [(3.0, Color32::BLACK), (1.0, Color32::WHITE)] {
-            painter.rect_stroke(rect, CornerRadius::ZERO, Stroke::new(width, colour), StrokeKind::Middle);
+            painter.rect_stroke(
+                rect,
+                CornerRadius::ZERO,
+                Stroke::new(width, colour),
+                StrokeKind::Middle,
+            );
         }
     }
     if let (Some(pointer), Some(hovered), false) = (state.pointer, hovered, state.dragging) {
@@ -62,7 +67,11 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
     let released = response.drag_stopped();
     ui.input(|input| Gesture {
         pointer: input.pointer.latest_pos().filter(|_| over).map(from_middle),
-        dragged: if dragged { DVec2::new(f64::from(drag.x), f64::from(drag.y)) } else { DVec2::ZERO },
+        dragged: if dragged {
+            DVec2::new(f64::from(drag.x), f64::from(drag.y))
+        } else {
+            DVec2::ZERO
+        },
         drag_began: input.pointer.press_origin().filter(|_| dragged).map(from_middle),
         released,
         clicked,
@@ -137,10 +146,16 @@ fn draw_pins(painter: &egui::Painter, rect: Rect, state: &State) {
 /// The words beside the pointer, on whatever side there is room.
 fn draw_hovered(painter: &egui::Painter, rect: Rect, pointer: DVec2, words: &str) {
     let at = position(rect, pointer);
-    let (dx, horizontally) =
-        if at.x > rect.right() - 300.0 { (-14.0, egui::Align::Max) } else { (14.0, egui::Align::Min) };
-    let (dy, vertically) =
-        if at.y > rect.bottom() - 60.0 { (-14.0, egui::Align::Max) } else { (14.0, egui::Align::Min) };
+    let (dx, horizontally) = if at.x > rect.right() - 300.0 {
+        (-14.0, egui::Align::Max)
+    } else {
+        (14.0, egui::Align::Min)
+    };
+    let (dy, vertically) = if at.y > rect.bottom() - 60.0 {
+        (-14.0, egui::Align::Max)
+    } else {
+        (14.0, egui::Align::Min)
+    };
     overlay::label(painter, at + egui::vec2(dx, dy), Align2([horizontally, vertically]), words);
 }
 

@@ -38,8 +38,7 @@ impl Desk {
             CollapsingHeader::new("Colours").show(ui, |ui| {
                 let state = &self.state;
                 let any = self.room.explorer.progress().done > 0;
-                let done =
-                    colours_panel(ui, &state.picture, &state.build, &state.question, any);
+                let done = colours_panel(ui, &state.picture, &state.build, &state.question, any);
                 actions.extend(done.and_then(|action| self.colour(action)));
             });
             CollapsingHeader::new("Layers").show(ui, |ui| {

@@ -252,7 +252,10 @@ impl State {
             }
             Action::Find(angle) => self.go(Camera { center: angle, ..self.target() }),
             Action::Dismiss(id) => self.notices.dismiss(id),
-            Action::UiScale(scale) => self.ui_scale = scale.clamp(*Settings::UI_SCALES.start(), *Settings::UI_SCALES.end()),
+            Action::UiScale(scale) => {
+                self.ui_scale =
+                    scale.clamp(*Settings::UI_SCALES.start(), *Settings::UI_SCALES.end())
+            }
             Action::Theme(theme) => self.theme = theme,
             Action::Animate(animate) => self.animate = animate,
             Action::FullScreen => return Some(Effect::FullScreen),

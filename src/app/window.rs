@@ -20,9 +20,7 @@ use super::wake::Woken;
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
     /// No display.
-    #[error(
-        "no window can be opened here ({0}); use flipmap render for pictures without a window"
-    )]
+    #[error("no window can be opened here ({0}); use flipmap render for pictures without a window")]
     Display(#[from] winit::error::EventLoopError),
     /// The system refused the window.
     #[error("the system refused the window: {0}")]
@@ -171,9 +169,10 @@ impl Runner {
         match Host::new(event_loop, &open.window, &self.proxy, Some(memory)) {
             Ok(host) if self.losses <= MOST_LOSSES => {
                 open.desk.forget_card();
-                open.desk.state.notices.tell(
-                    "The graphics device was lost and opened again; the map is as it was.",
-                );
+                open.desk
+                    .state
+                    .notices
+                    .tell("The graphics device was lost and opened again; the map is as it was.");
                 let Open { window, desk, .. } = open;
                 self.open = Some(Open { window, host, desk });
                 self.draw_at(Instant::now());

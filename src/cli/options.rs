@@ -50,8 +50,17 @@ impl SceneOptions {
     /// Whether a scene was named or an option given.
     pub fn says_something(&self) -> bool {
         let options = [
-            &self.scene, &self.center, &self.width, &self.budget, &self.rule, &self.masses,
-            &self.lengths, &self.gravity, &self.kind, &self.rotate, &self.stretch,
+            &self.scene,
+            &self.center,
+            &self.width,
+            &self.budget,
+            &self.rule,
+            &self.masses,
+            &self.lengths,
+            &self.gravity,
+            &self.kind,
+            &self.rotate,
+            &self.stretch,
         ];
         options.into_iter().any(Option::is_some)
     }

@@ -43,7 +43,9 @@ pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
         }
         let cost = computing.cost_us.iter().find(|(level, _)| *level == accuracy);
         if let (true, Some((_, us))) = (chosen, cost) {
-            ui.label(RichText::new(format!("{us:.1} µs a pixel now; {}", promise(accuracy))).weak());
+            ui.label(
+                RichText::new(format!("{us:.1} µs a pixel now; {}", promise(accuracy))).weak(),
+            );
         } else if chosen {
             ui.label(RichText::new(promise(accuracy)).weak());
         }
@@ -54,7 +56,9 @@ pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
     ui.separator();
     ui.horizontal(|ui| {
         ui.label("Engine");
-        for (kind, word) in [(Kind::Auto, "fastest"), (Kind::Gpu, "graphics"), (Kind::Cpu, "processor")] {
+        for (kind, word) in
+            [(Kind::Auto, "fastest"), (Kind::Gpu, "graphics"), (Kind::Cpu, "processor")]
+        {
             let chosen = computing.kind == kind;
             if ui.selectable_label(chosen, word).clicked() && !chosen {
                 actions.push(Action::Engine(kind));

@@ -32,16 +32,19 @@ pub fn help(ctx: &egui::Context, commands: &[Command]) -> Option<Action> {
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, egui::Vec2::ZERO)
         .show(ctx, |ui| {
-            ScrollArea::vertical().max_height(0.75 * ui.ctx().content_rect().height()).show(ui, |ui| {
-                egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-                    for (what, does) in POINTER {
-                        row(ui, what, does);
-                    }
-                    for command in commands.iter().filter(|command| !command.keys.is_empty()) {
-                        row(ui, &keys(command), command.name);
-                    }
-                });
-            });
+            ScrollArea::vertical().max_height(0.75 * ui.ctx().content_rect().height()).show(
+                ui,
+                |ui| {
+                    egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+                        for (what, does) in POINTER {
+                            row(ui, what, does);
+                        }
+                        for command in commands.iter().filter(|command| !command.keys.is_empty()) {
+                            row(ui, &keys(command), command.name);
+                        }
+                    });
+                },
+            );
         });
     (!open).then_some(Action::Toggle(Dialog::Help))
 }
@@ -62,23 +65,51 @@ pub fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
     commands.iter().filter(fits).collect()
 }
 
-/// The command palette. The query lives in egui's memory as long as the palette is open.
+/// What is typed into the palette, and which of the commands found is chosen. It lives in egui's
+/// memory as long as the palette is open.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Search {
+    query: String,
+    chosen: usize,
+}
+
+fn memory() -> egui::Id {
+    egui::Id::unique("command palette")
+}
+
+/// Forgets what was typed: the palette is closed.
+pub fn close_palette(ctx: &egui::Context) {
+    ctx.data_mut(|data| data.remove::<Search>(memory()));
+}
+
+/// The command palette.
 pub fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> {
     let mut actions = Vec::new();
-    let id = egui::Id::unique("command palette query");
-    let modal = Modal::new(egui::Id::unique("command palette")).show(ctx, |ui| {
+    let modal = Modal::new(memory()).show(ctx, |ui| {
         ui.set_width(360.0);
-        let mut query: String = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        let mut search: Search = ui.data(|data| data.get_temp(memory())).unwrap_or_default();
+        let step = ui.input_mut(|input| {
+            let mut count = |key| input.count_and_consume_key(egui::Modifiers::NONE, key) as isize;
+            count(Key::ArrowDown) - count(Key::ArrowUp)
+        });
         let heading = ui.label("What would you like to do?");
-        let field = ui.add(TextEdit::singleline(&mut query).desired_width(f32::INFINITY));
+        let field = ui.add(TextEdit::singleline(&mut search.query).desired_width(f32::INFINITY));
         field.labelled_by(heading.id).request_focus();
         let entered = ui.input(|input| input.key_pressed(Key::Enter));
-        let found = found(commands, &query);
+        let found = found(commands, &search.query);
+        search.chosen =
+            search.chosen.saturating_add_signed(step).min(found.len().saturating_sub(1));
         ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
             for (place, command) in found.iter().enumerate() {
+                let chosen = place == search.chosen;
                 let button = egui::Button::new(command.name).shortcut_text(keys(command));
-                let button = button.min_size(egui::vec2(ui.available_width(), 0.0)).selected(place == 0);
-                if ui.add(button).clicked() || (entered && place == 0) {
+                let button =
+                    button.min_size(egui::vec2(ui.available_width(), 0.0)).selected(chosen);
+                let response = ui.add(button);
+                if chosen && step != 0 {
+                    response.scroll_to_me(None);
+                }
+                if response.clicked() || (entered && chosen) {
                     actions.push(command.action.clone());
                 }
             }
@@ -86,10 +117,9 @@ pub fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> {
                 ui.label("No command has these words.");
             }
         });
-        ui.data_mut(|data| data.insert_temp(id, query));
+        ui.data_mut(|data| data.insert_temp(memory(), search));
     });
     if modal.should_close() || !actions.is_empty() {
-        ctx.data_mut(|data| data.remove::<String>(id));
         actions.insert(0, Action::Toggle(Dialog::Commands));
     }
     actions

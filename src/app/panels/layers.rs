@@ -9,8 +9,16 @@ use crate::app::settings::Layers;
 pub fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
     let mut changed = *layers;
     for (layer, name, sentence) in [
-        (&mut changed.curve, "Energy curve", "Starts inside it have too little energy ever to flip"),
-        (&mut changed.trust, "Doubts", "Hatched where independent answers disagree; needs accuracy exact"),
+        (
+            &mut changed.curve,
+            "Energy curve",
+            "Starts inside it have too little energy ever to flip",
+        ),
+        (
+            &mut changed.trust,
+            "Doubts",
+            "Hatched where independent answers disagree; needs accuracy exact",
+        ),
         (&mut changed.grid, "Grid of angles", "Lines at round parts of π"),
         (&mut changed.borders, "Borders of tiles", "What is computed as one piece"),
     ] {

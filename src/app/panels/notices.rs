@@ -19,7 +19,11 @@ pub fn notices(ctx: &egui::Context, notices: &Notices) -> Vec<Action> {
                     ui.set_max_width(420.0);
                     ui.horizontal_wrapped(|ui| {
                         if notice.failure {
-                            ui.label(RichText::new("Problem:").strong().color(Color32::from_rgb(230, 120, 60)));
+                            ui.label(
+                                RichText::new("Problem:")
+                                    .strong()
+                                    .color(Color32::from_rgb(230, 120, 60)),
+                            );
                         }
                         ui.label(&notice.text);
                         if ui.small_button("Close").clicked() {

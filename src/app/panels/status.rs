@@ -75,6 +75,9 @@ mod tests {
     fn counts_are_easy_to_read() {
         assert_eq!(grouped(999), "999");
         assert_eq!(grouped(1_234_567), "1\u{2009}234\u{2009}567");
-        assert_eq!((short(12.3), short(45_678.0), short(2.35e6)), ("12".into(), "46 k".into(), "2.4 M".into()));
+        assert_eq!(
+            (short(12.3), short(45_678.0), short(2.35e6)),
+            ("12".into(), "46 k".into(), "2.4 M".into())
+        );
     }
 }
