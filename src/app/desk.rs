@@ -69,10 +69,15 @@ pub struct Desk {
     pub(super) asking: Option<Asking>,
     pub(super) wish: Wish,
     pub(super) wake: Wake,
+    /// What the file holds, and since when.
+    saved: Option<Settings>,
+    saved_at: Instant,
     /// Lines for the debug panel, from whoever owns the window.
     pub measured: Vec<String>,
 }
 
+/// How often the settings are kept while the window is used.
+const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// How long a frame may prepare jobs.
 const WORK: Duration = Duration::from_millis(4);
 
@@ -112,6 +117,8 @@ impl Desk {
             asking: None,
             wish,
             wake,
+            saved: None,
+            saved_at: Instant::now(),
             measured: Vec::new(),
         }
     }
@@ -244,8 +251,20 @@ impl Desk {
         let State { animate, theme, ui_scale, layers, .. } = self.state;
         self.settings = Settings { animate, theme, ui_scale, layers, ..self.settings.clone() };
         self.settings.last_scene = Some(self.state.document());
+        self.saved_at = Instant::now();
+        if self.saved.as_ref() == Some(&self.settings) {
+            return;
+        }
         if let Err(error) = self.store.save(&self.settings) {
             log::error!("the settings could not be kept: {error}");
+        }
+        self.saved = Some(self.settings.clone());
+    }
+
+    /// Keeps it now and then too, so that a crash costs little.
+    pub fn save_sometimes(&mut self) {
+        if self.saved_at.elapsed() > SAVE_EVERY {
+            self.save();
         }
     }
 

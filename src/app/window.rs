@@ -136,6 +136,7 @@ impl Runner {
         if again < Duration::from_secs(3600) {
             self.draw_at(Instant::now() + again);
         }
+        desk.save_sometimes();
         self.input_since = began;
         for effect in effects {
             self.affect(event_loop, effect);
