@@ -132,11 +132,11 @@ impl Runner {
         if let Some(complaint) = host.complaint() {
             desk.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
         }
+        desk.save_sometimes();
         let again = if moving || desk.state.moving.is_some() { Duration::ZERO } else { again };
         if again < Duration::from_secs(3600) {
             self.draw_at(Instant::now() + again);
         }
-        desk.save_sometimes();
         self.input_since = began;
         for effect in effects {
             self.affect(event_loop, effect);
