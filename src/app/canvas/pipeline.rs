@@ -40,8 +40,8 @@ pub struct Uniforms {
     pub first_log2: f32,
     /// Its entries a doubling of the time.
     pub entries_per_octave: f32,
-    /// Later flips are not shown, s.
-    pub budget_secs: f32,
+    /// log2 of the simulated seconds: later flips are not shown.
+    pub budget_log2: f32,
     /// 1 when doubts are hatched.
     pub trust: u32,
     /// Linear light of what did not flip, cannot, and failed.
