@@ -11,7 +11,7 @@ use super::notices::Notices;
 use super::pins::{PinAction, PinId, Pins};
 use super::settings::{Layers, Settings, Theme};
 use crate::engine::choice::{Demand, Kind};
-use crate::engine::{Accuracy, Recipe};
+use crate::engine::{Accuracy, Recipe, words};
 use crate::physics::Dd;
 use crate::scene::{Build, Document, PictureTable, Question, RunTable, Scene, View};
 use crate::tiles::explorer::{Aim, Physics};
@@ -351,7 +351,7 @@ impl State {
         self.shown = Shown { help: false, commands: false, ..self.shown };
     }
 
-    /// Shows a document: its pendulum, its view, its colours. How it is computed stays.
+    /// Shows a document: its pendulum, its view, its colours, and as right as it was, if it says.
     fn show(&mut self, document: &Document) -> Option<Effect> {
         let scene = document.scene();
         let same = (scene.build, scene.question) == (self.build, self.question);
@@ -359,7 +359,32 @@ impl State {
         self.picture = document.picture.clone();
         self.layers.curve = document.picture.curve;
         self.go(Camera::from_view(&scene.view));
+        if self.compute_as(&document.run) {
+            return Some(Effect::Reopen);
+        }
         (!same).then_some(Effect::Relaunch)
+    }
+
+    /// Computes from now on as a run table says; one that says nothing changes nothing. Says
+    /// whether that is another way than before.
+    fn compute_as(&mut self, run: &RunTable) -> bool {
+        let words = RunTable { size: None, ..run.clone() };
+        if words == RunTable::default() {
+            return false;
+        }
+        match words::settle(words) {
+            Ok((demand, run)) => {
+                let verify = words::verifies(demand, &run);
+                let other = (demand, verify) != (self.demand, self.verify);
+                (self.demand, self.verify, self.run) = (demand, verify, run);
+                other
+            }
+            Err(error) => {
+                self.notices
+                    .fail(format!("The scene is shown, but not computed as it asks: {error}."));
+                false
+            }
+        }
     }
 
     fn paste(&mut self, text: &str) -> Option<Effect> {
@@ -461,6 +486,22 @@ pub(super) mod tests {
         let paste = Action::Paste("flipmap:center=-1.66,0.1;width=0.4;budget=60".to_string());
         assert_eq!(state.apply(paste), Some(Effect::Relaunch));
         assert_eq!((state.question.budget, state.target().width_rad), (60.0, 0.4));
+    }
+
+    #[test]
+    fn a_picture_is_computed_as_it_was_made() {
+        let mut state = state();
+        let mut document = Document::default();
+        assert_eq!(state.apply(Action::Show(Box::new(document.clone()))), None);
+        document.run.method = Some("rk4".to_string());
+        let shown = state.apply(Action::Show(Box::new(document.clone())));
+        assert_eq!(shown, Some(Effect::Reopen));
+        let Demand::Recipe(recipe) = state.demand else { panic!("{:?}", state.demand) };
+        assert_eq!(recipe.method, Method::LESSON);
+        assert_eq!(state.document().run.step.as_deref(), Some("1/120"));
+        document.run.tolerance = Some("much".to_string());
+        assert_eq!(state.apply(Action::Show(Box::new(document))), None);
+        assert!(state.notices.iter().next().unwrap().text.contains("--tolerance"));
     }
 
     #[test]
