@@ -11,7 +11,7 @@ use super::notices::Notices;
 use super::pins::{PinAction, PinId, Pins};
 use super::settings::{Layers, Settings, Theme};
 use crate::engine::choice::{Demand, Kind};
-use crate::engine::{Accuracy, Recipe, words};
+use crate::engine::{Accuracy, Recipe};
 use crate::physics::Dd;
 use crate::scene::{Build, Document, PictureTable, Question, RunTable, Scene, View};
 use crate::tiles::explorer::{Aim, Physics};
@@ -298,7 +298,7 @@ impl State {
     }
 
     /// Moves smoothly, or jumps if that is preferred.
-    fn go(&mut self, to: Camera) {
+    pub(super) fn go(&mut self, to: Camera) {
         if self.animate {
             self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs });
         } else {
@@ -349,61 +349,6 @@ impl State {
     fn escape(&mut self) {
         self.drawing = None;
         self.shown = Shown { help: false, commands: false, ..self.shown };
-    }
-
-    /// Shows a document: its pendulum, its view, its colours, and as right as it was, if it says.
-    fn show(&mut self, document: &Document) -> Option<Effect> {
-        let scene = document.scene();
-        let same = (scene.build, scene.question) == (self.build, self.question);
-        (self.build, self.question) = (scene.build, scene.question);
-        self.picture = document.picture.clone();
-        self.layers.curve = document.picture.curve;
-        self.go(Camera::from_view(&scene.view));
-        if self.compute_as(&document.run) {
-            return Some(Effect::Reopen);
-        }
-        (!same).then_some(Effect::Relaunch)
-    }
-
-    /// Computes from now on as a run table says; one that says nothing changes nothing. Says
-    /// whether that is another way than before.
-    fn compute_as(&mut self, run: &RunTable) -> bool {
-        let words = RunTable { size: None, ..run.clone() };
-        if words == RunTable::default() {
-            return false;
-        }
-        match words::settle(words) {
-            Ok((demand, run)) => {
-                let verify = words::verifies(demand, &run);
-                let other = (demand, verify) != (self.demand, self.verify);
-                (self.demand, self.verify, self.run) = (demand, verify, run);
-                other
-            }
-            Err(error) => {
-                self.notices
-                    .fail(format!("The scene is shown, but not computed as it asks: {error}."));
-                false
-            }
-        }
-    }
-
-    fn paste(&mut self, text: &str) -> Option<Effect> {
-        match crate::scene::location::parse(text) {
-            Ok(scene) => {
-                let document = Document {
-                    pendulum: scene.build,
-                    question: scene.question,
-                    view: scene.view,
-                    picture: self.document().picture,
-                    ..Document::default()
-                };
-                self.show(&document)
-            }
-            Err(error) => {
-                self.notices.fail(format!("What was pasted is not a location: {error}."));
-                None
-            }
-        }
     }
 }
 
