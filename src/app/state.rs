@@ -119,7 +119,7 @@ pub struct State {
 }
 
 impl State {
-    /// Shows a document, computed as demanded.
+    /// Shows a document, computed as its run table says, which is settled.
     pub fn new(document: &Document, demand: Demand, verify: bool) -> Self {
         let scene = document.scene();
         let camera = Camera::from_view(&scene.view);

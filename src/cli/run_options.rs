@@ -84,6 +84,12 @@ impl RunOptions {
         }
     }
 
+    /// Whether something was said of how to integrate.
+    pub fn says_how(&self) -> bool {
+        let words = [&self.accuracy, &self.method, &self.step, &self.tolerance, &self.precision];
+        self.verify || words.into_iter().any(Option::is_some)
+    }
+
     /// Threads of the processor to use.
     pub fn threads(&self) -> Option<usize> {
         self.threads.map(|threads| threads as usize)
