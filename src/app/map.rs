@@ -143,20 +143,14 @@ fn draw_pins(painter: &egui::Painter, rect: Rect, state: &State) {
     }
 }
 
-/// The words beside the pointer, on whatever side there is room.
+/// The words beside the pointer, above it where there is no room below.
 fn draw_hovered(painter: &egui::Painter, rect: Rect, pointer: DVec2, words: &str) {
     let at = position(rect, pointer);
-    let (dx, horizontally) = if at.x > rect.right() - 300.0 {
-        (-14.0, egui::Align::Max)
+    if at.y > rect.bottom() - 60.0 {
+        overlay::label(painter, at + egui::vec2(14.0, -14.0), Align2::LEFT_BOTTOM, words);
     } else {
-        (14.0, egui::Align::Min)
-    };
-    let (dy, vertically) = if at.y > rect.bottom() - 60.0 {
-        (-14.0, egui::Align::Max)
-    } else {
-        (14.0, egui::Align::Min)
-    };
-    overlay::label(painter, at + egui::vec2(dx, dy), Align2([horizontally, vertically]), words);
+        overlay::label(painter, at + egui::vec2(14.0, 14.0), Align2::LEFT_TOP, words);
+    }
 }
 
 /// Angles, and what becomes of the pendulum.

@@ -236,10 +236,14 @@ pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen) {
     }
 }
 
-/// Words on the map, readable on every colour.
+/// Words on the map, readable on every colour, and moved as far as it takes to show them whole.
 pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
     let galley = painter.layout_no_wrap(text.to_string(), FontId::monospace(11.0), Color32::WHITE);
     let rect = align.anchor_size(at, galley.size()).expand(2.0);
+    let within = painter.clip_rect();
+    let beyond = (rect.max - within.max).max(egui::Vec2::ZERO);
+    let before = (within.min - (rect.min - beyond)).max(egui::Vec2::ZERO);
+    let rect = rect.translate(before - beyond);
     painter.rect_filled(rect, 3.0, Color32::from_black_alpha(150));
     painter.galley(rect.min + egui::vec2(2.0, 2.0), galley, Color32::WHITE);
 }

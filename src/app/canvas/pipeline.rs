@@ -40,8 +40,8 @@ pub struct Uniforms {
     pub first_log2: f32,
     /// Its entries a doubling of the time.
     pub entries_per_octave: f32,
-    /// Later flips are not shown, s.
-    pub budget_secs: f32,
+    /// log2 of the simulated seconds: later flips are not shown.
+    pub budget_log2: f32,
     /// 1 when doubts are hatched.
     pub trust: u32,
     /// Linear light of what did not flip, cannot, and failed.
@@ -117,6 +117,7 @@ impl Canvas {
         };
         let atlas_view = view(&atlas, wgpu::TextureViewDimension::D2Array);
         let table_view = view(&table, wgpu::TextureViewDimension::D2);
+        let nearest = device.create_sampler(&wgpu::SamplerDescriptor::default());
         let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("canvas"),
             layout: &pipeline.get_bind_group_layout(0),
@@ -129,6 +130,10 @@ impl Canvas {
                 wgpu::BindGroupEntry {
                     binding: 2,
                     resource: wgpu::BindingResource::TextureView(&table_view),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 3,
+                    resource: wgpu::BindingResource::Sampler(&nearest),
                 },
             ],
         });
