@@ -14,7 +14,7 @@ use display::{LEFT, WHEEL_UP, wait_for};
 use flipmap::scene::{BuiltIn, Scene, location};
 use image::RgbImage;
 use image::imageops::{crop_imm, flip_horizontal};
-use likeness::{expected, is_right, picture, share_alike};
+use likeness::{expected, is_right, likeness, picture};
 use rustix::process::Signal;
 use session::{Session, Told};
 
@@ -66,7 +66,7 @@ mod checks {
         // The comparison can fail: the mirrored map has the same colours elsewhere.
         let [width, height] = told.map_px().map(|side| side as u32);
         let mirrored = flip_horizontal(&crop_imm(&shot, 0, 0, width, height).to_image());
-        assert!(share_alike(&told, &mirrored, &expected(&told), [0.0; 2]) < 0.5);
+        assert!(likeness(&told, &mirrored, &expected(&told), [0.0; 2]).calm < 0.5);
         assert!(!is_right(&told, &mirrored));
         session.quit();
     }

@@ -5,6 +5,8 @@ use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use flipmap::physics::Dd;
 use flipmap::scene::{Scene, location};
@@ -33,6 +35,7 @@ pub struct Session {
 }
 
 /// What the window has last told of itself.
+#[derive(Debug)]
 pub struct Told(Value);
 
 impl Told {
@@ -131,11 +134,19 @@ impl Session {
 
     /// Waits until the window rests, its map whole, and something holds.
     pub fn rest(&self, what: &str, holds: impl Fn(&Told) -> bool) -> Told {
-        wait_for(what, 60, || {
-            let told = self.told()?;
-            let whole = told.number("tiles") > 0.0 && told.number("tiles_done") == told.number("tiles");
-            (whole && holds(&told)).then_some(told)
-        })
+        let holds = |told: &Told| {
+            told.number("tiles") > 0.0
+                && told.number("tiles_done") == told.number("tiles")
+                && holds(told)
+        };
+        let begun = Instant::now();
+        while begun.elapsed() < Duration::from_secs(30) {
+            if let Some(told) = self.told().filter(holds) {
+                return told;
+            }
+            sleep(Duration::from_millis(20));
+        }
+        panic!("waited 30 s for {what}; the window last told {:?}", self.told())
     }
 
     /// Does something and waits until the window rests after it and something holds.
