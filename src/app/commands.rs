@@ -98,7 +98,7 @@ fn doing(state: &State) -> Vec<Command> {
     let accuracy = |accuracy| Action::Accuracy(accuracy);
     let scale = |factor: f32| Action::UiScale(state.ui_scale * factor);
     let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
-    vec![
+    let mut commands = vec![
         command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
         command("Play or pause the pendulum", [key(PLAIN, Key::Space)], Action::PlayPause),
         command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
@@ -114,7 +114,11 @@ fn doing(state: &State) -> Vec<Command> {
         command("Smooth moves on or off", [], Action::Animate(!state.animate)),
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),
-    ]
+    ];
+    if state.shown.debug {
+        commands.push(command("Lose the graphics device", [], Action::LoseDevice));
+    }
+    commands
 }
 
 /// Takes the keys of commands out of the input and returns what they ask for. With `typing`,

@@ -61,17 +61,13 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
     };
     let over = response.hovered() || response.dragged();
     let dragged = response.dragged_by(egui::PointerButton::Primary);
-    let drag = response.drag_delta();
+    let drag = dragged_points(ui, response, dragged);
     // Responses look into the input themselves, which must not happen while it is held below.
     let (clicked, double_clicked) = (response.clicked(), response.double_clicked());
     let released = response.drag_stopped();
     ui.input(|input| Gesture {
         pointer: input.pointer.latest_pos().filter(|_| over).map(from_middle),
-        dragged: if dragged {
-            DVec2::new(f64::from(drag.x), f64::from(drag.y))
-        } else {
-            DVec2::ZERO
-        },
+        dragged: DVec2::new(f64::from(drag.x), f64::from(drag.y)),
         drag_began: input.pointer.press_origin().filter(|_| dragged).map(from_middle),
         released,
         clicked,
@@ -79,6 +75,26 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
         shift: input.modifiers.shift,
         notches: if over { notches(input) } else { 0.0 },
         pinch: if over { pinch(input) } else { 1.0 },
+    })
+}
+
+/// How far the pointer dragged since the last frame. The first frame of a drag has all of it since
+/// the press and the last one what came before the release, or the map would lag behind.
+fn dragged_points(ui: &Ui, response: &egui::Response, dragged: bool) -> egui::Vec2 {
+    if response.drag_started() {
+        return response.total_drag_delta().filter(|_| dragged).unwrap_or_default();
+    }
+    ui.input(|input| {
+        let before = input.pointer.latest_pos().map(|latest| latest - input.pointer.delta());
+        let released = input.events.iter().rev().find_map(|event| match event {
+            egui::Event::PointerButton { pos, pressed: false, .. } => Some(*pos),
+            _ => None,
+        });
+        match (released, before) {
+            _ if dragged => input.pointer.delta(),
+            (Some(at), Some(before)) if response.drag_stopped() => at - before,
+            _ => egui::Vec2::ZERO,
+        }
     })
 }
 

@@ -1,10 +1,13 @@
 //! What a window measures of itself: how soon the map is there, how often it is drawn, how fast
-//! it answers. Written by `flipmap explore --stats FILE`, shown in the debug panel.
+//! it answers, and what it shows. Written by `flipmap explore --stats FILE` whenever the window
+//! has come to rest and when it closes, shown in the debug panel.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use super::desk::Desk;
 use crate::output::{Destination, SafeFile};
+use crate::scene::location;
 use crate::tiles::explorer::Progress;
 
 /// Measurements since the window was opened.
@@ -60,9 +63,35 @@ pub struct Quantiles {
     pub max: f32,
 }
 
+/// What a window shows and holds.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Holdings {
+    /// The view, as a line that can be pasted.
+    pub location: String,
+    /// Width and height of the map, physical pixels; it begins at the window's upper left corner.
+    pub map_px: [f64; 2],
+    /// Tiles of the finest level in view.
+    pub tiles: usize,
+    /// Those among them that are there.
+    pub tiles_done: usize,
+    /// Starts of the pinned pixels, rad.
+    pub pins: Vec<[f64; 2]>,
+    /// Sentences that are shown.
+    pub notices: Vec<String>,
+    /// Starts integrated.
+    pub simulated: u64,
+    /// Right-hand sides evaluated for them.
+    pub rhs_evaluations: u64,
+    /// Bytes of tiles held.
+    pub cache_bytes: usize,
+}
+
 /// Everything measured, as it is written.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Report {
+    /// What the window shows and holds now.
+    #[serde(flatten)]
+    pub holdings: Holdings,
     /// From the start of the program to the first frame, s.
     pub window_secs: Option<f64>,
     /// To the first frame with something drawn for every cell in view, s.
@@ -80,12 +109,27 @@ pub struct Report {
     pub panning_secs: f64,
     /// Frames a second meanwhile.
     pub panning_fps: Option<f64>,
-    /// Starts integrated.
-    pub simulated: u64,
-    /// Bytes of tiles held at the end.
-    pub cache_bytes: usize,
     /// The most memory the process ever held, bytes, where the system tells.
     pub peak_bytes: Option<u64>,
+}
+
+impl Holdings {
+    /// Those of a desk.
+    pub fn of(desk: &Desk) -> Self {
+        let (state, explorer) = (&desk.state, &desk.room.explorer);
+        let (progress, counts) = (explorer.progress(), explorer.counts());
+        Holdings {
+            location: location::text(&state.document().scene()),
+            map_px: (state.canvas * state.pixels_per_point).to_array(),
+            tiles: progress.wanted,
+            tiles_done: progress.done,
+            pins: state.pins.iter().map(|pin| pin.start.map(|theta| theta.hi)).collect(),
+            notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
+            simulated: counts.simulated,
+            rhs_evaluations: counts.rhs_evaluations,
+            cache_bytes: explorer.bytes(),
+        }
+    }
 }
 
 impl Stats {
@@ -118,9 +162,10 @@ impl Stats {
     }
 
     /// What was measured so far.
-    pub fn report(&self, simulated: u64, cache_bytes: usize) -> Report {
+    pub fn report(&self, holdings: Holdings) -> Report {
         let Panning { frames, secs, .. } = self.panning;
         Report {
+            holdings,
             window_secs: self.window_secs,
             first_coarse_secs: self.first_coarse_secs,
             full_secs: self.full_secs,
@@ -129,8 +174,6 @@ impl Stats {
             panning_frames: frames,
             panning_secs: secs,
             panning_fps: (secs > 0.0).then(|| f64::from(frames) / secs),
-            simulated,
-            cache_bytes,
             peak_bytes: peak_bytes(),
         }
     }
@@ -161,7 +204,7 @@ impl Report {
             ms("frame", self.frame_ms),
             ms("input", self.input_ms),
             self.panning_fps.map(|fps| format!("dragging {fps:.0} frames/s")),
-            Some(format!("tiles {} MiB", mib(self.cache_bytes as u64))),
+            Some(format!("tiles {} MiB", mib(self.holdings.cache_bytes as u64))),
             self.peak_bytes.map(|bytes| format!("memory, at most {} MiB", mib(bytes))),
         ]
         .into_iter()
@@ -216,14 +259,15 @@ mod tests {
         let mut stats = Stats::default();
         let now = Instant::now();
         stats.frame(now, &progress(0, false), false);
-        let report = stats.report(0, 0);
+        let report = stats.report(Holdings::default());
         assert!(report.window_secs.is_some() && report.first_coarse_secs.is_none());
         stats.frame(now, &progress(2, true), false);
-        assert!(stats.report(0, 0).full_secs.is_none());
+        assert!(stats.report(Holdings::default()).full_secs.is_none());
         stats.frame(now, &progress(10, true), false);
-        let report = stats.report(7, 9);
+        let report = stats.report(Holdings { simulated: 7, ..Holdings::default() });
         assert!(report.full_secs >= report.first_coarse_secs);
-        assert_eq!((report.simulated, report.cache_bytes), (7, 9));
+        let written = serde_json::to_value(&report).unwrap();
+        assert_eq!(written["simulated"], 7, "what is held lies beside what was measured");
         assert_eq!(report.frame_ms.unwrap().count, 3);
     }
 
@@ -235,7 +279,7 @@ mod tests {
         stats.input(earlier);
         stats.frame(Instant::now(), &progress(0, false), true);
         stats.frame(Instant::now(), &progress(0, false), true);
-        let report = stats.report(0, 0);
+        let report = stats.report(Holdings::default());
         let latency = report.input_ms.unwrap();
         assert!(latency.count == 2 && latency.p50 >= 40.0);
         assert_eq!(report.panning_frames, 1, "from one frame of a drag to the next");

@@ -9,6 +9,8 @@ pub enum Woken {
     Draw(Instant),
     /// A thread of ours has news.
     News,
+    /// The window is to close.
+    Quit,
     /// A screen reader wants something.
     Accessibility(accesskit_event::Event),
 }

@@ -13,7 +13,7 @@ use super::desk::{Desk, Options};
 use super::host::{Host, HostError};
 use super::settings::Theme;
 use super::state::Effect;
-use super::stats::Stats;
+use super::stats::{Holdings, Stats};
 use super::wake::Woken;
 
 /// Why the window could not be opened or had to close.
@@ -64,12 +64,27 @@ struct Runner {
     /// Since when events may have been waiting for this turn of the loop.
     input_since: Instant,
     losses: u32,
+    /// Whether the measurements were written since the last frame.
+    told: bool,
     failure: Option<WindowError>,
 }
 
-/// Opens a window and runs it until it is closed. `begun` is when the program started.
-pub fn run(options: Options, begun: Instant) -> Result<(), WindowError> {
+/// Closes a window from any thread, as a person would.
+pub type Closer = Box<dyn Fn() + Send>;
+
+/// Opens a window and runs it until it is closed. `begun` is when the program started; `hand_out`
+/// gets what closes the window from outside.
+pub fn run(
+    options: Options,
+    begun: Instant,
+    hand_out: impl FnOnce(Closer),
+) -> Result<(), WindowError> {
     let event_loop = EventLoop::<Woken>::with_user_event().build()?;
+    let closing = event_loop.create_proxy();
+    hand_out(Box::new(move || {
+        // Once the loop has ended the window is closed.
+        let _ = closing.send_event(Woken::Quit);
+    }));
     let now = Instant::now();
     let mut runner = Runner {
         options,
@@ -81,6 +96,7 @@ pub fn run(options: Options, begun: Instant) -> Result<(), WindowError> {
         last_frame: now,
         input_since: now,
         losses: 0,
+        told: true,
         failure: None,
     };
     event_loop.run_app(&mut runner)?;
@@ -118,6 +134,7 @@ impl Runner {
         let began = Instant::now();
         self.last_frame = began;
         self.redraw_at = None;
+        self.told = false;
         let moving = open.desk.state.tick((began - self.begun).as_secs_f64());
         open.desk.work();
         apply_looks(open);
@@ -126,8 +143,7 @@ impl Runner {
         let again = host.frame(event_loop, |ui| effects.extend(desk.show(ui)));
         self.stats.frame(began, &desk.progress(), desk.state.dragging);
         if desk.state.shown.debug {
-            let counts = desk.room.explorer.counts();
-            desk.measured = self.stats.report(counts.simulated, desk.room.explorer.bytes()).lines();
+            desk.measured = self.stats.report(Holdings::of(desk)).lines();
         }
         if let Some(complaint) = host.complaint() {
             desk.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
@@ -199,13 +215,22 @@ impl Runner {
         self.draw_at(self.last_frame + NEWS);
     }
 
+    /// Nothing is left to draw or to compute: a good moment to tell what was measured, without
+    /// disturbing it.
+    fn rest(&mut self) {
+        let (Some(open), Some(path)) = (&self.open, &self.options.stats) else { return };
+        let still = !open.desk.state.dragging && open.desk.progress().idle;
+        if still && !std::mem::replace(&mut self.told, true) {
+            // A file that cannot be written is complained about when the window closes.
+            let _ = self.stats.report(Holdings::of(&open.desk)).write(path);
+        }
+    }
+
     fn close(&mut self) {
         let Some(mut open) = self.open.take() else { return };
         open.desk.save();
         if let Some(path) = &self.options.stats {
-            let explorer = &open.desk.room.explorer;
-            let report = self.stats.report(explorer.counts().simulated, explorer.bytes());
-            if let Err(source) = report.write(path) {
+            if let Err(source) = self.stats.report(Holdings::of(&open.desk)).write(path) {
                 let path = path.display().to_string();
                 self.failure = Some(WindowError::Stats { path, source });
             }
@@ -279,6 +304,7 @@ impl ApplicationHandler<Woken> for Runner {
         match woken {
             Woken::Draw(moment) => self.draw_at(moment),
             Woken::News => self.news(),
+            Woken::Quit => event_loop.exit(),
             Woken::Accessibility(event) => {
                 if let Some(open) = &mut self.open {
                     open.host.on_accessibility(event);
@@ -296,7 +322,10 @@ impl ApplicationHandler<Woken> for Runner {
                 event_loop.set_control_flow(ControlFlow::Wait);
             }
             (Some(moment), _) => event_loop.set_control_flow(ControlFlow::WaitUntil(moment)),
-            _ => event_loop.set_control_flow(ControlFlow::Wait),
+            (None, _) => {
+                self.rest();
+                event_loop.set_control_flow(ControlFlow::Wait);
+            }
         }
         // Whatever comes from now on ends the wait as it comes.
         self.input_since = now;

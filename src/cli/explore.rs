@@ -10,6 +10,7 @@ use flipmap::app::window;
 
 use super::options::SceneOptions;
 use super::run_options::RunOptions;
+use super::stop;
 
 #[derive(Args, Debug, Default)]
 pub struct Options {
@@ -20,7 +21,7 @@ pub struct Options {
     /// Neither read nor write settings and bookmarks
     #[arg(long)]
     no_config: bool,
-    /// Write what the window measured of itself as JSON when it closes
+    /// Write what the window measured of itself as JSON, whenever it rests and when it closes
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
 }
@@ -38,5 +39,10 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         folders,
         stats: options.stats.clone(),
     };
-    Ok(window::run(options, begun)?)
+    window::run(options, begun, |close| {
+        if let Err(error) = stop::listen_and(close) {
+            log::warn!("signals end the window without saving: {error}");
+        }
+    })?;
+    Ok(stop::check()?)
 }
