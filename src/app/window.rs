@@ -229,11 +229,11 @@ impl Runner {
     fn close(&mut self) {
         let Some(mut open) = self.open.take() else { return };
         open.desk.save();
-        if let Some(path) = &self.options.stats {
-            if let Err(source) = self.stats.report(Holdings::of(&open.desk)).write(path) {
-                let path = path.display().to_string();
-                self.failure = Some(WindowError::Stats { path, source });
-            }
+        if let Some(path) = &self.options.stats
+            && let Err(source) = self.stats.report(Holdings::of(&open.desk)).write(path)
+        {
+            let path = path.display().to_string();
+            self.failure = Some(WindowError::Stats { path, source });
         }
     }
 }
