@@ -47,7 +47,10 @@ pub fn wait_for<T>(what: &str, most_secs: u64, mut ask: impl FnMut() -> Option<T
         if let Some(answer) = ask() {
             return answer;
         }
-        assert!(begun.elapsed() < Duration::from_secs(most_secs), "waited {most_secs} s for {what}");
+        assert!(
+            begun.elapsed() < Duration::from_secs(most_secs),
+            "waited {most_secs} s for {what}"
+        );
         sleep(Duration::from_millis(20));
     }
 }
@@ -82,7 +85,9 @@ impl Display {
         windows.into_iter().find(|window| {
             let (from, kind) = (AtomEnum::WM_NAME, AtomEnum::ANY);
             let name = self.connection.get_property(false, *window, from, kind, 0, 64);
-            name.ok().and_then(|name| name.reply().ok()).is_some_and(|n| n.value == title.as_bytes())
+            name.ok()
+                .and_then(|name| name.reply().ok())
+                .is_some_and(|n| n.value == title.as_bytes())
         })
     }
 
@@ -227,7 +232,9 @@ fn keys(connection: &RustConnection) -> HashMap<u32, (u8, bool)> {
     let mapping = connection.get_keyboard_mapping(first, last - first + 1);
     let mapping = mapping.expect("the server is there").reply().expect("it has a keyboard");
     let mut keys = HashMap::new();
-    for (code, row) in (first..=last).zip(mapping.keysyms.chunks(mapping.keysyms_per_keycode.into())) {
+    for (code, row) in
+        (first..=last).zip(mapping.keysyms.chunks(mapping.keysyms_per_keycode.into()))
+    {
         for (keysym, shift) in row.iter().take(2).zip([false, true]) {
             keys.entry(*keysym).or_insert((code, shift));
         }
