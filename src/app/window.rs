@@ -287,7 +287,7 @@ impl ApplicationHandler<Woken> for Runner {
                 self.draw(event_loop);
                 self.recover(event_loop);
             }
-            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             event => {
                 let repaint = open.host.on_event(&event);
                 if is_input(&event) {
