@@ -1,7 +1,7 @@
 // Samples of tiles through a colour table to the screen.
 //
-// A tile lies in a slot of an atlas, one packed word a sample: the time's leading bits, how sure
-// it is, and the status (twin: src/app/canvas/sample.rs). Quads say which part of which slot goes
+// A tile lies in a slot of an atlas, one packed word a sample: the time's logarithm, how sure it
+// is, and the status (twin: src/app/canvas/sample.rs). Quads say which part of which slot goes
 // where. Between samples the light of the four nearest is mixed, never their times: a mean of two
 // flip times is nobody's.
 
@@ -9,8 +9,8 @@ struct Canvas {
     // log2 of the seconds at the table's beginning, and table entries a doubling of the time.
     first_log2: f32,
     entries_per_octave: f32,
-    // Simulated seconds: later flips are not shown.
-    budget_secs: f32,
+    // log2 of the simulated seconds: later flips are not shown.
+    budget_log2: f32,
     // 1 when doubts are hatched.
     trust: u32,
     // Linear light of what has no time.
@@ -31,12 +31,16 @@ struct Quad {
 struct Fragment {
     @builtin(position) position: vec4<f32>,
     @location(0) texel: vec2<f32>,
-    @location(1) @interpolate(flat) slot: u32,
+    // The slot's first sample in its layer, and the layer.
+    @location(1) @interpolate(flat) origin: vec2<f32>,
+    @location(2) @interpolate(flat) layer: i32,
 }
 
 @group(0) @binding(0) var<uniform> canvas: Canvas;
 @group(0) @binding(1) var atlas: texture_2d_array<u32>;
 @group(0) @binding(2) var table: texture_2d<f32>;
+// Of the nearest texel, never beyond the edge.
+@group(0) @binding(3) var nearest: sampler;
 
 // Whether the target wants its colours encoded here.
 override ENCODE: bool = true;
@@ -44,10 +48,14 @@ override ENCODE: bool = true;
 const SIDE: i32 = 128;
 // Slots along a side of a layer of the atlas.
 const SLOTS_ALONG: u32 = 8u;
+const TABLE_ENTRIES: f32 = 1024.0;
 const FLIPPED: u32 = 1u;
 const FORBIDDEN: u32 = 2u;
 const FAILED: u32 = 3u;
 const UNCERTAIN: u32 = 4u;
+// Logarithms are counted from 2^-32 s, in steps of 2^-21.
+const LOG_BIAS: f32 = 32.0;
+const LOG_STEP: f32 = 4.76837158203125e-7;
 
 @vertex
 fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
@@ -55,58 +63,53 @@ fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
     var out: Fragment;
     out.position = vec4<f32>(quad.corner + uv.x * quad.right + uv.y * quad.down, 0.0, 1.0);
     out.texel = quad.texel + uv * quad.span;
-    out.slot = quad.slot;
+    let in_layer = quad.slot % (SLOTS_ALONG * SLOTS_ALONG);
+    let place = vec2<u32>(in_layer % SLOTS_ALONG, in_layer / SLOTS_ALONG);
+    out.origin = vec2<f32>(place) * f32(SIDE);
+    out.layer = i32(quad.slot / (SLOTS_ALONG * SLOTS_ALONG));
     return out;
-}
-
-fn word_at(slot: u32, at: vec2<i32>) -> u32 {
-    let inside = clamp(at, vec2<i32>(0), vec2<i32>(SIDE - 1));
-    let in_layer = slot % (SLOTS_ALONG * SLOTS_ALONG);
-    let origin = vec2<i32>(vec2<u32>(in_layer % SLOTS_ALONG, in_layer / SLOTS_ALONG)) * SIDE;
-    return textureLoad(atlas, origin + inside, slot / (SLOTS_ALONG * SLOTS_ALONG), 0).r;
 }
 
 fn light_of(word: u32) -> vec3<f32> {
     let status = word & 3u;
-    let secs = bitcast<f32>((word >> 5u) << 4u);
+    let log2_secs = f32(word >> 5u) * LOG_STEP - LOG_BIAS;
     if status == FORBIDDEN {
         return canvas.forbidden.rgb;
     }
     if status == FAILED {
         return canvas.failed.rgb;
     }
-    if status != FLIPPED || secs > canvas.budget_secs {
+    if status != FLIPPED || log2_secs > canvas.budget_log2 {
         return canvas.unflipped.rgb;
     }
-    let last = i32(textureDimensions(table).x) - 1;
-    let entry = (log2(secs) - canvas.first_log2) * canvas.entries_per_octave;
-    return textureLoad(table, vec2<i32>(clamp(i32(round(entry)), 0, last), 0), 0).rgb;
+    let entry = (log2_secs - canvas.first_log2) * canvas.entries_per_octave + 0.5;
+    return textureSampleLevel(table, nearest, vec2<f32>(entry / TABLE_ENTRIES, 0.5), 0.0).rgb;
 }
 
+// sRGB's curve (IEC 61966-2-1) from roots, which processors have: at most 0.02 of 255 steps off.
 fn encoded(light: vec3<f32>) -> vec3<f32> {
-    let low = light * 12.92;
-    let high = 1.055 * pow(light, vec3<f32>(1.0 / 2.4)) - 0.055;
-    return select(high, low, light <= vec3<f32>(0.0031308));
+    let root2 = sqrt(light);
+    let root4 = sqrt(root2);
+    let root8 = sqrt(root4);
+    let high = 0.644560 * root2 + 0.709946 * root4 - 0.336052 * root8 - 0.018486 * light;
+    return select(high, light * 12.92, light <= vec3<f32>(0.0031308));
 }
 
 @fragment
 fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
-    let place = in.texel - 0.5;
-    let first = vec2<i32>(floor(place));
-    let part = fract(place);
-    let nearest = word_at(in.slot, vec2<i32>(floor(in.texel)));
-    let upper = mix(
-        light_of(word_at(in.slot, first)),
-        light_of(word_at(in.slot, first + vec2<i32>(1, 0))),
-        part.x,
-    );
-    let lower = mix(
-        light_of(word_at(in.slot, first + vec2<i32>(0, 1))),
-        light_of(word_at(in.slot, first + vec2<i32>(1, 1))),
-        part.x,
-    );
+    // Beyond the middle of its outermost samples a tile has no neighbours to mix.
+    let place = clamp(in.texel, vec2<f32>(0.5), vec2<f32>(f32(SIDE) - 0.5)) - 0.5;
+    let first = floor(place);
+    let part = place - first;
+    // The four samples around the corner that they share, anticlockwise from the lower left.
+    let corner = (in.origin + first + 1.0) / f32(SIDE * i32(SLOTS_ALONG));
+    let words = textureGather(0, atlas, nearest, corner, in.layer);
+    let upper = mix(light_of(words.w), light_of(words.z), part.x);
+    let lower = mix(light_of(words.x), light_of(words.y), part.x);
     var light = mix(upper, lower, part.y);
-    if canvas.trust == 1u && ((nearest >> 2u) & 7u) == UNCERTAIN {
+    let above = select(words.wx, words.zy, part.x >= 0.5);
+    let word = select(above.x, above.y, part.y >= 0.5);
+    if canvas.trust == 1u && ((word >> 2u) & 7u) == UNCERTAIN {
         // Hatched, so that it is not told by colour alone.
         let stripe = (i32(in.position.x) + i32(in.position.y)) % 6 < 3;
         light = select(vec3<f32>(1.0, 0.0, 0.6), vec3<f32>(0.0), stripe);

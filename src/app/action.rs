@@ -6,7 +6,8 @@ use glam::DVec2;
 
 use super::camera::Camera;
 use super::pins::PinAction;
-use super::state::{Dialog, Layers};
+use super::settings::{Layers, Theme};
+use super::state::Dialog;
 use crate::engine::Accuracy;
 use crate::engine::choice::Kind;
 use crate::physics::Dd;
@@ -90,7 +91,7 @@ pub enum Action {
     /// Interface larger by a factor.
     UiScale(f32),
     /// Dark, light, or as the system is.
-    Theme(egui::ThemePreference),
+    Theme(Theme),
     /// Smooth moves or jumps.
     Animate(bool),
     /// The whole screen or a window.

@@ -5,7 +5,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec2;
 
 use super::action::{Action, Look};
-use super::state::{Dialog, Layers, State};
+use super::settings::{Layers, Theme};
+use super::state::{Dialog, State};
 use crate::engine::Accuracy;
 
 /// Something to do by name.
@@ -80,8 +81,8 @@ fn showing(layers: &Layers) -> Vec<Command> {
         command("Energy curve", keyed(Key::C), layer(|layers| layers.curve ^= true)),
         command("Doubts, hatched", keyed(Key::T), layer(|layers| layers.trust ^= true)),
         command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
-        command("Borders of tiles", keyed(Key::B), layer(|layers| layers.tiles ^= true)),
-        command("Panels at the side", keyed(Key::Tab), Action::Toggle(Dialog::Side)),
+        command("Borders of tiles", keyed(Key::B), layer(|layers| layers.borders ^= true)),
+        command("Panels at the side", keyed(Key::F9), Action::Toggle(Dialog::Side)),
         command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
         command(
             "Commands",
@@ -97,7 +98,7 @@ fn doing(state: &State) -> Vec<Command> {
     let accuracy = |accuracy| Action::Accuracy(accuracy);
     let scale = |factor: f32| Action::UiScale(state.ui_scale * factor);
     let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
-    vec![
+    let mut commands = vec![
         command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
         command("Play or pause the pendulum", [key(PLAIN, Key::Space)], Action::PlayPause),
         command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
@@ -108,12 +109,16 @@ fn doing(state: &State) -> Vec<Command> {
         command("Accuracy: exact", [], accuracy(Accuracy::Exact)),
         command("Interface larger", ctrl(Key::Plus), scale(1.1)),
         command("Interface smaller", ctrl(Key::Minus), scale(1.0 / 1.1)),
-        command("Dark", [], Action::Theme(egui::ThemePreference::Dark)),
-        command("Light", [], Action::Theme(egui::ThemePreference::Light)),
+        command("Dark", [], Action::Theme(Theme::Dark)),
+        command("Light", [], Action::Theme(Theme::Light)),
         command("Smooth moves on or off", [], Action::Animate(!state.animate)),
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),
-    ]
+    ];
+    if state.shown.debug {
+        commands.push(command("Lose the graphics device", [], Action::LoseDevice));
+    }
+    commands
 }
 
 /// Takes the keys of commands out of the input and returns what they ask for. With `typing`,
@@ -138,7 +143,7 @@ pub fn pressed(input: &mut egui::InputState, state: &State, typing: bool) -> Vec
 }
 
 fn is_function_key(key: Key) -> bool {
-    [Key::F1, Key::F11, Key::F12].contains(&key)
+    [Key::F1, Key::F9, Key::F11, Key::F12].contains(&key)
 }
 
 /// How a shortcut is written.
@@ -153,7 +158,13 @@ pub fn shortcut_text(shortcut: &KeyboardShortcut) -> String {
             text.push_str(name);
         }
     }
-    text + shortcut.logical_key.symbol_or_name()
+    // The names of arrows, since not every font has their symbols.
+    text + match shortcut.logical_key {
+        Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => {
+            shortcut.logical_key.name()
+        }
+        key => key.symbol_or_name(),
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The engine behind the window, its scheduler, and what happens when one of them fails.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::engine::background::{self, Background, Opening};
@@ -14,8 +14,13 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// How long a slice may run on a graphics card while a window is open.
 const PACE: Duration = Duration::from_millis(15);
-/// An engine that fails so often in a row is not opened again until the person says so.
+/// How much less urgent than drawing computing is; 19 is the most.
+#[cfg(target_os = "linux")]
+const NICENESS: i32 = 10;
+/// An engine that fails so often, each time within [`SOON`] of the last, is not opened again
+/// until the person says so.
 const MOST_FAILURES: u32 = 3;
+const SOON: Duration = Duration::from_secs(60);
 
 /// Where the engine is in its life.
 enum Stage {
@@ -32,6 +37,9 @@ pub struct EngineRoom {
     verify: bool,
     stage: Stage,
     failures: u32,
+    failed_at: Option<Instant>,
+    /// What takes so long while an engine is being opened.
+    said: Arc<Mutex<String>>,
     wake: Wake,
 }
 
@@ -49,7 +57,16 @@ impl EngineRoom {
     pub fn new(wish: Wish, verify: bool, cache_bytes: usize, wake: Wake) -> Self {
         let stage = Stage::Failed;
         let explorer = Explorer::new(cache_bytes);
-        let mut room = EngineRoom { explorer, wish, verify, stage, failures: 0, wake };
+        let mut room = EngineRoom {
+            explorer,
+            wish,
+            verify,
+            stage,
+            failures: 0,
+            failed_at: None,
+            said: Arc::default(),
+            wake,
+        };
         room.open();
         room
     }
@@ -65,8 +82,15 @@ impl EngineRoom {
     fn open(&mut self) {
         self.explorer.ground();
         let (wish, verify) = (self.wish.clone(), self.verify);
+        let (said, waker) = (Arc::new(Mutex::new(String::new())), Arc::clone(&self.wake));
+        self.said = Arc::clone(&said);
+        let tell = move |text: &str| {
+            // Whoever panicked left a whole sentence.
+            text.clone_into(&mut said.lock().unwrap_or_else(PoisonError::into_inner));
+            waker();
+        };
         let wake = Arc::clone(&self.wake);
-        let opening = background::open(move || open(&wish, verify), move || wake());
+        let opening = background::open(move || open(&wish, verify, &tell), move || wake());
         self.stage = opening.map_or_else(
             |error| {
                 log::error!("no thread for the engine: {error}");
@@ -92,9 +116,10 @@ impl EngineRoom {
         }
     }
 
-    /// Whether an engine is being opened.
-    pub fn is_opening(&self) -> bool {
-        matches!(self.stage, Stage::Opening(_))
+    /// While an engine is being opened, what it is doing that takes so long, if it says so.
+    pub fn opening(&self) -> Option<String> {
+        let said = || self.said.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        matches!(self.stage, Stage::Opening(_)).then(said)
     }
 
     /// Whether there is none, and none is coming.
@@ -108,12 +133,7 @@ impl EngineRoom {
             let Stage::Ready(engine) = &mut self.stage else { return Turn::default() };
             self.explorer.aim(aim(engine.recipe));
             match self.explorer.work(engine.as_mut(), Some(deadline)) {
-                Ok(news) => {
-                    if news {
-                        self.failures = 0;
-                    }
-                    Turn { news, failure: None }
-                }
+                Ok(news) => Turn { news, failure: None },
                 Err(error) => self.fail(&error.to_string()),
             }
         })
@@ -133,7 +153,9 @@ impl EngineRoom {
 
     /// Opens the engine anew a few times, then the processor, then gives up.
     fn fail(&mut self, why: &str) -> Turn {
-        self.failures += 1;
+        let again = self.failed_at.is_some_and(|at| at.elapsed() < SOON);
+        self.failures = if again { self.failures + 1 } else { 1 };
+        self.failed_at = Some(Instant::now());
         self.stage = Stage::Failed;
         self.explorer.ground();
         let then = if self.failures < MOST_FAILURES {
@@ -153,13 +175,20 @@ impl EngineRoom {
 
 /// Opens an engine as it is used behind a window: with short slices, and less urgent than the
 /// window's own threads.
-fn open(wish: &Wish, verify: bool) -> Result<Chosen, choice::ChoiceError> {
+fn open(wish: &Wish, verify: bool, tell: &dyn Fn(&str)) -> Result<Chosen, choice::ChoiceError> {
+    step_back();
     let wish = Wish { pace: PACE, ..wish.clone() };
-    let Chosen { engine, recipe, why } = choice::choose(&wish, &|text| log::info!("{text}"))?;
-    let engine: Box<dyn Engine> = if verify {
-        Box::new(TrustEngine::new(engine, wish.threads)?)
-    } else {
-        engine
-    };
+    let Chosen { engine, recipe, why } = choice::choose(&wish, tell)?;
+    let engine: Box<dyn Engine> =
+        if verify { Box::new(TrustEngine::new(engine, wish.threads)?) } else { engine };
     Ok(Chosen { engine, recipe, why })
+}
+
+/// Makes this thread, and those it will start, yield to the ones that draw. On Linux each thread
+/// has a niceness of its own, and hands it on.
+fn step_back() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::process::setpriority_process(None, NICENESS) {
+        log::info!("the engine runs as urgently as the window: {error}");
+    }
 }

@@ -52,10 +52,13 @@ impl Gesture {
     /// Dragging moves the map; with Shift held at the beginning it draws a rectangle.
     fn drag(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
         match (self.drag_began, drawing) {
-            (_, Some(corners)) if self.released => {
+            (_, Some([began, to])) if self.released => {
+                let corners = [began, self.pointer.unwrap_or(to)];
                 vec![Action::Drawing(None), Action::Look(Look::Box(corners))]
             }
-            (_, None) if self.released => vec![Action::Look(Look::Release)],
+            (_, None) if self.released => {
+                vec![Action::Look(Look::Drag(self.dragged)), Action::Look(Look::Release)]
+            }
             (Some(began), Some(_)) => {
                 let to = self.pointer.unwrap_or(began);
                 vec![Action::Drawing(Some([began, to]))]
@@ -117,7 +120,10 @@ mod tests {
         assert_eq!(looks(drag, Some([DVec2::ZERO; 2])), [Action::Drawing(Some(corners))]);
         let released = Gesture { released: true, drag_began: None, ..drag };
         let ended = [Action::Drawing(None), Action::Look(Look::Box(corners))];
-        assert_eq!(looks(released, Some(corners)), ended);
-        assert_eq!(looks(released, None), [Action::Look(Look::Release)]);
+        assert_eq!(looks(released, Some([DVec2::ZERO; 2])), ended, "to where it is let go");
+        let away = Gesture { pointer: None, ..released };
+        assert_eq!(looks(away, Some(corners)), ended);
+        let ended = [Action::Look(Look::Drag(by)), Action::Look(Look::Release)];
+        assert_eq!(looks(released, None), ended, "the last of it counts too");
     }
 }

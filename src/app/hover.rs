@@ -19,12 +19,12 @@ pub fn sample_at(angle: [Dd; 2], level: u32) -> [[Dd; 2]; 2] {
 }
 
 /// What the map knows of the sample at an angle; nothing while only coarser ones are there.
-pub fn outcome_at(
-    explorer: &mut Explorer,
-    angle: [Dd; 2],
-    level: u32,
-) -> Option<(Outcome, Trust)> {
-    let cell = Cell::around(angle, level);
+pub fn outcome_at(explorer: &mut Explorer, angle: [Dd; 2], level: u32) -> Option<(Outcome, Trust)> {
+    known_at(explorer, Cell::around(angle, level), angle)
+}
+
+/// What is known of the sample at an angle inside a cell.
+pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Dd; 2]) -> Option<(Outcome, Trust)> {
     let [column, row] = cell.sample_at(angle);
     let (known, mirrored) = explorer.known(cell)?;
     let place = (row * SIDE + column) as usize;

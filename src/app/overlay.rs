@@ -96,7 +96,8 @@ fn crossing(corners: [(DVec2, f64); 4]) -> impl Iterator<Item = [DVec2; 2]> {
 
 /// Draws the energy curve: dark, with a light rim, so that it is seen on every colour.
 pub fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]]) {
-    for stroke in [Stroke::new(3.0, Color32::from_white_alpha(90)), Stroke::new(1.5, Color32::BLACK)]
+    for stroke in
+        [Stroke::new(3.0, Color32::from_white_alpha(90)), Stroke::new(1.5, Color32::BLACK)]
     {
         let segment = |line: &[DVec2; 2]| {
             Shape::line_segment(line.map(|point| position(rect, point)), stroke)
@@ -117,41 +118,86 @@ pub struct GridLine {
     pub offset_rad: f64,
 }
 
+/// Distances of grid lines: binary parts of π while they have short names, then 1, 2 and 5 times
+/// a power of ten of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Spacing {
+    /// π over 2 to this power.
+    Binary(i32),
+    /// So many times π over 10 to this power.
+    Decimal(i32, i32),
+}
+
+impl Spacing {
+    /// The finest one that keeps lines at least so far apart.
+    fn at_least(least_rad: f64) -> Self {
+        let share = least_rad / std::f64::consts::PI;
+        if let Some(power) = (-1..=3).rev().find(|power| 0.5f64.powi(*power) >= share) {
+            if power < 3 || 0.1 < share {
+                return Spacing::Binary(power);
+            }
+        } else {
+            return Spacing::Binary(-1);
+        }
+        let digits = (-share.log10()).floor() as i32;
+        let times = [1, 2, 5]
+            .into_iter()
+            .find(|times| f64::from(*times) * 10f64.powi(-digits - 1) >= share);
+        times.map_or(Spacing::Decimal(1, digits), |times| Spacing::Decimal(times, digits + 1))
+    }
+
+    fn step(self) -> Dd {
+        match self {
+            Spacing::Binary(power) => Dd::PI * Dd::new(0.5f64.powi(power)),
+            Spacing::Decimal(times, digits) => {
+                // Powers of ten up to 22 are exact.
+                let tens = (0..digits).fold(Dd::new(1.0), |tens, _| tens * Dd::new(10.0));
+                Dd::PI * Dd::new(f64::from(times)) / tens
+            }
+        }
+    }
+
+    /// The name of the line at so many steps from 0.
+    fn name(self, index: Dd) -> String {
+        match self {
+            _ if index.hi == 0.0 => "0".to_string(),
+            Spacing::Binary(power) => binary_part_of_pi(index.hi as i64, power),
+            Spacing::Decimal(times, digits) => {
+                let tens = (0..digits).fold(Dd::new(1.0), |tens, _| tens * Dd::new(10.0));
+                let share = index * Dd::new(f64::from(times)) / tens;
+                format!("{}π", share.decimal(digits as usize).replace('-', "−"))
+            }
+        }
+    }
+}
+
 /// Lines at round parts of π, so many that they are easy to tell apart.
 pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     let region = screen.region();
-    let least_apart = 2.0 * region.half_rad[0] / (screen.size.x / 110.0);
-    // The finest binary part of π that leaves room for its names.
-    let parts = (std::f64::consts::PI / least_apart).log2().floor().clamp(-1.0, 90.0) as i32;
-    let step = Dd::PI * Dd::new(0.5f64.powi(parts));
+    let spacing = Spacing::at_least(2.0 * region.half_rad[0] / (screen.size.x / 130.0));
+    let step = spacing.step();
     let mut lines = Vec::new();
     for axis in 0..2 {
         let half = region.half_rad[axis];
         let center = region.center[axis];
-        let first = ((center - Dd::new(half)) / step).hi.ceil();
-        let last = ((center + Dd::new(half)) / step).hi.floor();
-        for k in 0..=(last - first).clamp(-1.0, 60.0) as i64 {
-            let index = first + k as f64;
-            let offset_rad = (step * Dd::new(index) - center).hi;
-            lines.push(GridLine { axis, name: part_of_pi(index, parts), offset_rad });
+        // Deep down, counts of lines from 0 have more digits than an f64.
+        let mut index = ((center - Dd::new(half)) / step).round();
+        while (step * index - center).hi <= half {
+            let offset_rad = (step * index - center).hi;
+            if offset_rad >= -half {
+                lines.push(GridLine { axis, name: spacing.name(index), offset_rad });
+            }
+            index = index + Dd::new(1.0);
         }
     }
     lines
 }
 
-/// `index`/2^`parts` of π, as people write it: small parts as decimals.
-fn part_of_pi(index: f64, parts: i32) -> String {
-    let share = index * 0.5f64.powi(parts);
-    if index == 0.0 {
-        return "0".to_string();
-    }
-    if parts > 5 {
-        let digits = (f64::from(parts) * 0.302).ceil() as usize;
-        return format!("{share:.digits$}π");
-    }
-    let (mut above, mut below) = (index as i64, 1i64 << parts.max(0));
-    if parts < 0 {
-        above *= 1 << -parts;
+/// `index`/2^`power` of π, as people write it.
+fn binary_part_of_pi(index: i64, power: i32) -> String {
+    let (mut above, mut below) = (index, 1i64 << power.max(0));
+    if power < 0 {
+        above *= 1 << -power;
     }
     while below > 1 && above % 2 == 0 {
         (above, below) = (above / 2, below / 2);
@@ -190,10 +236,14 @@ pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen) {
     }
 }
 
-/// Words on the map, readable on every colour.
+/// Words on the map, readable on every colour, and moved as far as it takes to show them whole.
 pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
-    let galley = painter.layout_no_wrap(text.to_string(), FontId::proportional(12.0), Color32::WHITE);
+    let galley = painter.layout_no_wrap(text.to_string(), FontId::monospace(11.0), Color32::WHITE);
     let rect = align.anchor_size(at, galley.size()).expand(2.0);
+    let within = painter.clip_rect();
+    let beyond = (rect.max - within.max).max(egui::Vec2::ZERO);
+    let before = (within.min - (rect.min - beyond)).max(egui::Vec2::ZERO);
+    let rect = rect.translate(before - beyond);
     painter.rect_filled(rect, 3.0, Color32::from_black_alpha(150));
     painter.galley(rect.min + egui::vec2(2.0, 2.0), galley, Color32::WHITE);
 }
@@ -204,9 +254,8 @@ pub fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
     let half = side_rad(level).hi / 2.0;
     for placed in screen.region().cells(level, MOST_CELLS) {
         let middle = DVec2::from_array(placed.offset);
-        let corner = |x: f64, y: f64| {
-            position(rect, screen.point_of(middle + DVec2::new(x, y) * half))
-        };
+        let corner =
+            |x: f64, y: f64| position(rect, screen.point_of(middle + DVec2::new(x, y) * half));
         let ring = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         painter.add(Shape::closed_line(ring, Stroke::new(1.0, Color32::from_black_alpha(120))));
     }
@@ -238,7 +287,8 @@ mod tests {
     #[test]
     fn the_curve_stays_a_line_at_any_depth() {
         // cos θ2 = 1 − 2 cos θ1 at θ1 = 1.3.
-        let theta2 = (Dd::new(1.0) - Dd::new(2.0) * Dd::parse("1.3").unwrap().sin_cos().1).hi.acos();
+        let theta2 =
+            (Dd::new(1.0) - Dd::new(2.0) * Dd::parse("1.3").unwrap().sin_cos().1).hi.acos();
         // Newton's step in double-double from the f64 arc cosine.
         let (sin, cos) = Dd::new(theta2).sin_cos();
         let wanted = Dd::new(1.0) - Dd::new(2.0) * Dd::parse("1.3").unwrap().sin_cos().1;
@@ -258,12 +308,32 @@ mod tests {
         };
         assert_eq!(names(0), ["−π", "−π/2", "0", "π/2", "π"]);
         assert!(names(1).contains(&"π/2".to_string()));
-        for (index, parts, name) in
-            [(3.0, 2, "3π/4"), (-1.0, 0, "−π"), (2.0, 0, "2π"), (1.0, -1, "2π"), (6.0, 3, "3π/4")]
+        for (index, power, name) in
+            [(3, 2, "3π/4"), (-1, 0, "−π"), (2, 0, "2π"), (1, -1, "2π"), (6, 3, "3π/4")]
         {
-            assert_eq!(part_of_pi(index, parts), name);
+            assert_eq!(binary_part_of_pi(index, power), name);
         }
-        let deep = grid_lines(&screen(["-1.66", "0.1"], 1e-6));
-        assert!((4..=20).contains(&deep.len()) && deep.iter().all(|line| line.name.ends_with('π')));
+        let decimal = grid_lines(&screen(["-1.66", "0.1"], 0.4));
+        assert_eq!(decimal[0].name, "−0.55π");
+        assert_eq!(decimal[1].name, "−0.5π");
+    }
+
+    #[test]
+    fn grid_lines_are_neither_rare_nor_crowded_and_lie_where_they_say() {
+        let mut width_rad = 12.0;
+        while width_rad > 1e-24 {
+            let screen = screen(["-1.66", "0.1"], width_rad);
+            let lines = grid_lines(&screen);
+            assert!((2..=20).contains(&lines.len()), "{} at {width_rad:e}", lines.len());
+            for line in lines {
+                let Some(share) = line.name.replace('−', "-").strip_suffix('π').and_then(Dd::parse)
+                else {
+                    continue;
+                };
+                let at = share * Dd::PI - screen.camera.center[line.axis];
+                assert!((at.hi - line.offset_rad).abs() < 1e-6 * width_rad, "{line:?}");
+            }
+            width_rad *= 0.37;
+        }
     }
 }

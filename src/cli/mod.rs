@@ -3,6 +3,7 @@
 mod continued;
 mod doctor;
 pub mod exit;
+mod explore;
 mod options;
 mod progress;
 mod render;
@@ -19,11 +20,13 @@ use clap::{Parser, Subcommand};
 #[command(version, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
-    verb: Verb,
+    verb: Option<Verb>,
 }
 
 #[derive(Subcommand)]
 enum Verb {
+    /// Wander through the map in a window (the default).
+    Explore(Box<explore::Options>),
     /// Draw a map to a picture, an array of flip times, or both.
     Render(Box<render::Options>),
     /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
@@ -36,7 +39,8 @@ enum Verb {
 
 /// Runs the program.
 pub fn run() -> anyhow::Result<()> {
-    match Cli::parse().verb {
+    match Cli::parse().verb.unwrap_or(Verb::Explore(Box::default())) {
+        Verb::Explore(options) => explore::run(&options),
         Verb::Render(options) => render::run(&options),
         Verb::Trace(options) => trace::run(&options),
         Verb::Report(options) => report::run(&options),

@@ -1,12 +1,9 @@
 //! The options that name a scene, and how they become a checked document.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
-use anyhow::Context;
 use clap::Args;
-use flipmap::output::document_in_png;
+use flipmap::output::{ReadError, read_document};
 use flipmap::scene::{BuiltIn, Document, Word};
 
 use super::exit::Exit;
@@ -50,6 +47,24 @@ pub struct SceneOptions {
 }
 
 impl SceneOptions {
+    /// Whether a scene was named or an option given.
+    pub fn says_something(&self) -> bool {
+        let options = [
+            &self.scene,
+            &self.center,
+            &self.width,
+            &self.budget,
+            &self.rule,
+            &self.masses,
+            &self.lengths,
+            &self.gravity,
+            &self.kind,
+            &self.rotate,
+            &self.stretch,
+        ];
+        options.into_iter().any(Option::is_some)
+    }
+
     /// The scene named, changed by the options, and checked.
     pub fn document(&self) -> anyhow::Result<Document> {
         let document = match &self.scene {
@@ -108,25 +123,13 @@ fn load(scene: &str) -> anyhow::Result<Document> {
     if let Some(built_in) = BuiltIn::named(scene) {
         return Ok(built_in.document());
     }
-    let path = Path::new(scene);
-    let is =
-        |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
-    if is("png") {
-        let file = File::open(path).map_err(|error| unreadable(scene, &error))?;
-        return document_in_png(BufReader::new(file))
-            .map_err(|error| Exit::Usage(format!("{scene} {error}")).into());
-    }
-    if !is("toml") {
-        let message = format!(
+    match read_document(Path::new(scene)) {
+        Ok(document) => Ok(document),
+        Err(ReadError::Kind { .. }) => Err(Exit::Usage(format!(
             "no scene '{scene}': name a .toml file, a .png that flipmap wrote, or one of {}",
             BuiltIn::names()
-        );
-        return Err(Exit::Usage(message).into());
+        ))
+        .into()),
+        Err(error) => Err(Exit::Usage(error.to_string()).into()),
     }
-    let text = std::fs::read_to_string(path).map_err(|error| unreadable(scene, &error))?;
-    Document::parse(&text).with_context(|| scene.to_string())
-}
-
-fn unreadable(scene: &str, error: &std::io::Error) -> Exit {
-    Exit::Usage(format!("cannot read the scene {scene}: {error}"))
 }

@@ -78,9 +78,6 @@ struct PictureOptions {
     trust: Option<PathBuf>,
 }
 
-/// Samples in a row of a picture.
-const LONGEST_ROW: u32 = 1 << 20;
-
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
     options.run.check()?;
@@ -254,17 +251,11 @@ fn check_state(options: &Options, document: &Document, plan: &Plan) -> Result<()
 }
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
-    let usage = |message: String| Err(Exit::Usage(message));
-    document.picture.check().map_err(|why| Exit::Usage(why.to_string()))?;
-    let samples = document.picture.samples;
-    if size[0] * samples > LONGEST_ROW {
-        return usage(format!(
-            "--size {} wide with --samples {samples} is {} samples a row; at most {LONGEST_ROW} fit",
-            size[0],
-            size[0] * samples
-        ));
-    }
-    Ok(())
+    let picture = &document.picture;
+    picture
+        .check()
+        .and_then(|()| picture.check_size(size))
+        .map_err(|why| Exit::Usage(why.to_string()))
 }
 
 fn report(

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: work stops at the next slice, and unfinished files are removed.
+//! Ctrl-C and SIGTERM: work stops at the next slice, unfinished files are removed, windows close.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,8 +8,14 @@ static STOP: AtomicBool = AtomicBool::new(false);
 
 /// From now on signals are remembered instead of ending the program.
 pub fn listen() -> anyhow::Result<()> {
-    ctrlc::set_handler(|| {
+    listen_and(|| ())
+}
+
+/// Likewise, and whoever sleeps is woken.
+pub fn listen_and(wake: impl Fn() + Send + 'static) -> anyhow::Result<()> {
+    ctrlc::set_handler(move || {
         STOP.store(true, Ordering::Relaxed);
+        wake();
     })?;
     Ok(())
 }

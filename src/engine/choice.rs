@@ -4,8 +4,8 @@
 use std::time::Duration;
 
 use super::cpu::CpuEngine;
-use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::gpu::device::{Gpu, adapters, describe};
+use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::profile::{Profile, Row};
 use super::{Accuracy, Engine, EngineError, Precision, Recipe, selfcheck};
 
@@ -38,6 +38,12 @@ pub enum Demand {
     Level(Accuracy),
     /// Exactly this.
     Recipe(Recipe),
+}
+
+impl Default for Demand {
+    fn default() -> Self {
+        Demand::Level(Accuracy::default())
+    }
 }
 
 impl Demand {

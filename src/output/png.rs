@@ -12,15 +12,23 @@ const KEYWORD: &str = "flipmap";
 /// Why a PNG could not be written, or gives no scene.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
-    /// Writing failed.
+    /// Reading or writing failed.
     #[error("{0}")]
-    Write(#[from] io::Error),
+    File(#[from] io::Error),
     /// Not a PNG, or cut short.
     #[error("is not a complete PNG ({0})")]
     Broken(#[from] png::DecodingError),
     /// A PNG of some other program.
     #[error("is a PNG, but flipmap did not write it: it has no '{KEYWORD}' text")]
     Foreign,
+    /// More pixels than are wanted here.
+    #[error("is {side} pixels long; at most {longest_side} are read here")]
+    Large {
+        /// Its longer side.
+        side: u32,
+        /// The longest that is read.
+        longest_side: u32,
+    },
     /// Our text, but no scene.
     #[error("has a damaged '{KEYWORD}' text: {0}")]
     Text(#[from] crate::scene::DocumentError),
@@ -104,13 +112,46 @@ impl<W: Write> Write for Shared<W> {
     }
 }
 
+/// A picture that flipmap wrote, in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// The scene it carries.
+    pub document: Document,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Three bytes a pixel, rows from the top.
+    pub rgb: Vec<u8>,
+}
+
 /// The document inside a PNG that flipmap wrote. The whole file is read, so that one that was
 /// cut short is not taken for a picture.
 pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> {
     let mut reader = png::Decoder::new(file).read_info()?;
     while reader.next_row()?.is_some() {}
     reader.finish()?;
-    let mut texts = reader.info().utf8_text.iter();
+    document_of(reader.info())
+}
+
+/// A whole picture that flipmap wrote, if no side is longer than `longest_side`.
+pub fn picture_in_png(file: impl BufRead + Seek, longest_side: u32) -> Result<Picture, PngError> {
+    let mut reader = png::Decoder::new(file).read_info()?;
+    let size = [reader.info().width, reader.info().height];
+    if reader.output_color_type() != (png::ColorType::Rgb, png::BitDepth::Eight) {
+        return Err(PngError::Foreign);
+    }
+    if let Some(side) = size.into_iter().find(|side| *side > longest_side) {
+        return Err(PngError::Large { side, longest_side });
+    }
+    let mut rgb = Vec::new();
+    while let Some(row) = reader.next_row()? {
+        rgb.extend_from_slice(row.data());
+    }
+    reader.finish()?;
+    Ok(Picture { document: document_of(reader.info())?, size, rgb })
+}
+
+fn document_of(info: &png::Info<'_>) -> Result<Document, PngError> {
+    let mut texts = info.utf8_text.iter();
     let chunk = texts.find(|chunk| chunk.keyword == KEYWORD).ok_or(PngError::Foreign)?;
     Ok(Document::parse(&chunk.get_text()?)?)
 }
@@ -132,6 +173,16 @@ mod tests {
         let mut document = Document::default();
         document.view.center[0] = "-1.66".to_string();
         assert_eq!(document_in_png(Cursor::new(picture(&document))).unwrap(), document);
+    }
+
+    #[test]
+    fn the_whole_picture_comes_back_out_unless_it_is_too_large() {
+        let bytes = picture(&Document::default());
+        let rgb = [[7; 9], [200; 9]].concat();
+        let whole = picture_in_png(Cursor::new(&bytes), 3).unwrap();
+        assert_eq!(whole, Picture { document: Document::default(), size: [3, 2], rgb });
+        let error = picture_in_png(Cursor::new(&bytes), 2).unwrap_err().to_string();
+        assert_eq!(error, "is 3 pixels long; at most 2 are read here");
     }
 
     #[test]

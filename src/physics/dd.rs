@@ -9,8 +9,8 @@ use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::str::FromStr;
 
-use dashu_float::DBig;
 use dashu_float::round::mode::HalfEven;
+use dashu_float::{DBig, FBig};
 
 use super::real::{Angle, Real, Scalar};
 
@@ -73,14 +73,27 @@ impl Dd {
         if !hi.is_finite() || hi == 0.0 {
             return Dd::new(hi);
         }
-        // 800 digits hold any f64 exactly in decimal.
-        let exact_hi = dashu_float::FBig::<HalfEven, 2>::try_from(hi)
-            .map(|x| x.with_base_and_precision::<10>(800).value())
-            .expect("a finite f64 has an exact binary value");
-        let rest = value.clone().with_precision(800).value()
-            - exact_hi.with_rounding::<dashu_float::round::mode::HalfAway>();
+        let rest = value.clone().with_precision(DIGITS).value() - exact_decimal(hi);
         Dd::fast_sum(hi, nearest(&rest))
     }
+}
+
+/// As many digits as any f64 has in decimal.
+const DIGITS: usize = 800;
+
+/// A finite f64 in decimal, exactly. As it is m/2ᵏ it is also m·5ᵏ/10ᵏ: whole numbers, where a
+/// change of base would go by logarithms and take a thousand times as long.
+fn exact_decimal(x: f64) -> DBig {
+    let binary = FBig::<HalfEven, 2>::try_from(x).expect("a finite f64 has a binary value");
+    let (significand, exponent) = binary.into_repr().into_parts();
+    let power = exponent.unsigned_abs();
+    let exact = if exponent >= 0 {
+        DBig::from_parts(significand << power, 0)
+    } else {
+        let five = DBig::from(5u8).into_repr().into_parts().0;
+        DBig::from_parts(significand * five.pow(power), exponent)
+    };
+    exact.with_precision(DIGITS).value()
 }
 
 /// The sum and its error, whatever the magnitudes (Knuth).
@@ -234,13 +247,7 @@ impl fmt::Display for Dd {
         if !self.hi.is_finite() {
             return write!(f, "{}", self.hi);
         }
-        let exact = |x: f64| {
-            dashu_float::FBig::<HalfEven, 2>::try_from(x)
-                .expect("finite")
-                .with_base_and_precision::<10>(800)
-                .value()
-        };
-        let sum = exact(self.hi) + exact(self.lo);
+        let sum = exact_decimal(self.hi) + exact_decimal(self.lo);
         let sum = sum.with_precision(32).value();
         match f.precision() {
             Some(digits) => write!(f, "{sum:.digits$}"),
@@ -252,6 +259,36 @@ impl fmt::Display for Dd {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn floats_are_exact_in_decimal() {
+        let cases = [
+            (0.1, "0.1000000000000000055511151231257827021181583404541015625"),
+            (-1152921504606846976.0, "-1152921504606846976"),
+            (3e22, "30000000000000000000000"),
+            (0.0, "0"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(exact_decimal(x), DBig::from_str(text).unwrap(), "{x}");
+        }
+        for x in [f64::MAX, f64::MIN_POSITIVE, 5e-324, -0.3, 1.0 / 3.0] {
+            let slowly = FBig::<HalfEven, 2>::try_from(x).unwrap();
+            let slowly = slowly.with_base_and_precision::<10>(DIGITS).value();
+            let slowly: DBig = slowly.with_rounding();
+            assert_eq!(exact_decimal(x), slowly, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_view_is_read_and_written_quickly() {
+        let begun = std::time::Instant::now();
+        for k in 0..200 {
+            let number = Dd::parse(&format!("-1.66{k:030}")).unwrap();
+            let again = Dd::parse(&number.to_string()).unwrap();
+            assert!((again - number).abs().hi < 1e-30);
+        }
+        assert!(begun.elapsed().as_secs_f64() < 1.0, "{:?}", begun.elapsed());
+    }
 
     #[test]
     fn decimals_are_parsed_to_both_halves() {

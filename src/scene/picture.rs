@@ -90,6 +90,25 @@ impl PictureTable {
     /// Steps that a stretched range may have.
     pub const MOST_TIMES: usize = 257;
 
+    /// Longest side of a picture.
+    pub const LONGEST_SIDE: u32 = 1_000_000;
+    /// Samples in a row of a picture.
+    const LONGEST_ROW: u32 = 1 << 20;
+
+    /// Checks that a picture of this size can be painted so.
+    pub fn check_size(&self, size: [u32; 2]) -> Result<(), SceneError> {
+        let value = format!("{}x{}", size[0], size[1]);
+        let refuse = |value, range| Err(SceneError { option: "--size", value, range });
+        if !size.iter().all(|side| (1..=Self::LONGEST_SIDE).contains(side)) {
+            return refuse(value, "both sides must lie between 1 and 1000000 pixels");
+        }
+        if size[0] * self.samples > Self::LONGEST_ROW {
+            let value = format!("{value} with --samples {}", self.samples);
+            return refuse(value, "at most 1048576 samples fit in a row");
+        }
+        Ok(())
+    }
+
     /// Checks that everything can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         Palette::named(&self.palette)?;
@@ -134,6 +153,16 @@ mod tests {
             change(&mut picture);
             let error = picture.check().unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn sizes_end_where_rows_get_too_long() {
+        let picture = PictureTable { samples: 2, ..PictureTable::default() };
+        picture.check_size([524_288, 1_000_000]).unwrap();
+        for size in [[0, 1], [1, 1_000_001], [524_289, 1]] {
+            let error = picture.check_size(size).unwrap_err().to_string();
+            assert!(error.contains(&format!("--size is {}x{}", size[0], size[1])), "{error}");
         }
     }
 

@@ -213,7 +213,7 @@ impl Explorer {
         deadline: Option<Instant>,
     ) -> Result<bool, EngineError> {
         let Some(aim) = self.aim else { return Ok(false) };
-        let in_job = (engine.job_size() / (4 * SAMPLES)).clamp(1, MOST_IN_JOB);
+        let in_job = (engine.job_size() / (2 * SAMPLES)).clamp(1, MOST_IN_JOB);
         let mut news = false;
         while self.flights.len() < engine.slots() && !self.waiting.is_empty() {
             let cells = self.next_cells(in_job);

@@ -19,7 +19,7 @@ pub fn colours(
     let uniforms = Uniforms {
         first_log2: lookup.first_secs.log2() as f32,
         entries_per_octave: ((TABLE_ENTRIES - 1) as f64 / octaves) as f32,
-        budget_secs: question.budget as f32,
+        budget_log2: question.budget.log2() as f32,
         trust: u32::from(trust),
         unflipped: linear(UNFLIPPED),
         forbidden: linear(FORBIDDEN),

@@ -1,6 +1,6 @@
 //! The map on the screen: samples of tiles as quads through a colour table.
 //!
-//! [`cover`] finds what to draw for every cell in view, [`atlas`] where its samples lie on the
+//! [`mod@cover`] finds what to draw for every cell in view, [`atlas`] where its samples lie on the
 //! card, [`pipeline`] puts them there and draws. The samples are what is kept on the card: other
 //! colours are another table, and computing nothing.
 
@@ -8,7 +8,7 @@ pub mod atlas;
 pub mod colours;
 pub mod cover;
 pub mod pipeline;
-mod sample;
+pub mod sample;
 
 use std::sync::Arc;
 

@@ -3,11 +3,17 @@
 use crate::engine::Trust;
 use crate::physics::Outcome;
 
-/// The status' number in the lowest two bits, trust in the next three, and the time without its sign (it has none) and its
-/// last four bits, which no colour shows.
+/// Logarithms are counted from 2^-32 s (twin in the shader).
+pub const LOG_BIAS: f64 = 32.0;
+/// In so many steps an octave.
+pub const LOG_STEPS: f64 = (1 << 21) as f64;
+
+/// The status' number in the lowest two bits, trust in the next three, and the logarithm of the
+/// time in the rest: finer than any colour, and nothing for the card to work out.
 pub fn word_of(outcome: &Outcome, trust: Trust) -> u32 {
-    let time = (outcome.time as f32).max(0.0).to_bits() >> 4;
-    (time << 5) | ((trust as u32) << 2) | outcome.status as u32
+    let steps = (outcome.time.log2() + LOG_BIAS) * LOG_STEPS;
+    // What has no time has a logarithm of −∞, which becomes 0.
+    ((steps.round() as u32) << 5) | ((trust as u32) << 2) | outcome.status as u32
 }
 
 #[cfg(test)]
@@ -20,8 +26,8 @@ mod tests {
         for secs in [1e-6, 0.3, 29.999, 1e6] {
             let word = word_of(&Outcome::flipped(secs), Trust::Uncertain);
             assert_eq!((word & 3, (word >> 2) & 7), (1, 4));
-            let back = f64::from(f32::from_bits((word >> 5) << 4));
-            assert!((back / secs - 1.0).abs() < 3e-6, "{secs} {back}");
+            let back = (f64::from(word >> 5) / LOG_STEPS - LOG_BIAS).exp2();
+            assert!((back / secs - 1.0).abs() < 3e-7, "{secs} {back}");
         }
         let forbidden = word_of(&Outcome::without_time(Status::Forbidden), Trust::Unchecked);
         assert_eq!(forbidden & 31, 2);

@@ -1,3 +1,14 @@
 //! The panels beside the map: what they show is plain state, what they answer are actions.
 
+pub mod accuracy;
+pub mod colours;
+pub mod export;
+mod field;
+pub mod help;
+pub mod layers;
+pub mod notices;
 pub mod pendulum;
+pub mod places;
+pub mod scene;
+pub mod status;
+pub mod window;

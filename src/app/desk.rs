@@ -1,0 +1,290 @@
+//! Everything a window holds but the window itself: the plain state, the engine room, the easel,
+//! and what is kept on disk. It shows itself in any egui, so tests need no window.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::Ui;
+
+use super::action::Action;
+use super::canvas::Easel;
+use super::canvas::colours::colours;
+use super::commands::{commands, pressed};
+use super::dialog::FileDialog;
+use super::engine_room::{EngineRoom, Wake};
+use super::export::Export;
+use super::folders::Folders;
+use super::hover;
+use super::map::{Hovered, map};
+use super::meter::Meter;
+use super::panels::export::ExportForm;
+use super::panels::places::{PlaceForm, Thumbnails};
+use super::panels::status::{Status, status_line};
+use super::panels::{accuracy, help, notices};
+use super::places::Places;
+use super::settings::{Loaded, Settings, Store};
+use super::state::{Effect, State};
+use crate::engine::choice::Wish;
+use crate::engine::words;
+use crate::scene::{Document, RunTable};
+use crate::tiles::explorer::Progress;
+
+/// How a window is opened.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// What it shows; where the window was left, if nothing is said.
+    pub document: Option<Document>,
+    /// How it is computed, as words; as where the window was left, if nothing is said.
+    pub run: Option<RunTable>,
+    /// Which engine; what it is to compute follows from the words.
+    pub wish: Wish,
+    /// Where settings and bookmarks are.
+    pub folders: Folders,
+    /// Where the window writes what it measured of itself when it closes.
+    pub stats: Option<PathBuf>,
+}
+
+/// What the file dialog was opened for.
+pub(super) enum Asking {
+    Open(FileDialog),
+    Export(FileDialog),
+}
+
+/// The things of a window.
+pub struct Desk {
+    /// What is shown.
+    pub state: State,
+    /// What computes it.
+    pub room: EngineRoom,
+    pub(super) easel: Easel,
+    pub(super) meter: Meter,
+    pub(super) store: Store,
+    /// What is kept between runs.
+    pub settings: Settings,
+    pub(super) places: Places,
+    pub(super) place_form: PlaceForm,
+    pub(super) thumbnails: Thumbnails,
+    pub(super) exports: Vec<Export>,
+    pub(super) export_form: ExportForm,
+    pub(super) asking: Option<Asking>,
+    pub(super) wish: Wish,
+    pub(super) wake: Wake,
+    /// What the file holds, and since when.
+    saved: Option<Settings>,
+    saved_at: Instant,
+    /// Lines for the debug panel, from whoever owns the window.
+    pub measured: Vec<String>,
+}
+
+/// How often the settings are kept while the window is used.
+const SAVE_EVERY: Duration = Duration::from_secs(20);
+/// How long a frame may prepare jobs.
+const WORK: Duration = Duration::from_millis(4);
+
+impl Desk {
+    /// Reads what was kept and begins to open an engine.
+    pub fn new(options: &Options, wake: Wake) -> Self {
+        let mut store = Store::new(&options.folders);
+        let Loaded { settings, notice } = store.load();
+        let last = settings.last_scene.clone().filter(|_| settings.restore);
+        let mut document = options.document.clone().or(last).unwrap_or_default();
+        let words = options.run.as_ref().unwrap_or(&document.run).clone();
+        let settled = words::settle(words);
+        let problem = settled.as_ref().err().map(ToString::to_string);
+        let (demand, run) = settled.unwrap_or_default();
+        let verify = words::verifies(demand, &run);
+        document.run = run;
+        let mut state = State::new(&document, demand, verify);
+        state.kind = options.wish.kind;
+        (state.animate, state.theme, state.ui_scale) =
+            (settings.animate, settings.theme, settings.ui_scale);
+        if options.document.is_none() {
+            state.layers = settings.layers;
+        }
+        for problem in notice.into_iter().chain(problem) {
+            state.notices.fail(problem);
+        }
+        let cache_bytes = (settings.cache_mib as usize) << 20;
+        let wish = Wish { demand, ..options.wish.clone() };
+        let room = EngineRoom::new(wish.clone(), verify, cache_bytes, Arc::clone(&wake));
+        let places = Places::load(&options.folders);
+        Desk {
+            state,
+            room,
+            easel: Easel::default(),
+            meter: Meter::default(),
+            store,
+            settings,
+            place_form: PlaceForm { name: places.free_name(), ..PlaceForm::default() },
+            places,
+            thumbnails: Thumbnails::default(),
+            exports: Vec::new(),
+            export_form: ExportForm::default(),
+            asking: None,
+            wish,
+            wake,
+            saved: None,
+            saved_at: Instant::now(),
+            measured: Vec::new(),
+        }
+    }
+
+    /// Aims the engine at what is looked at and takes what it has finished. Says whether there
+    /// is anything new to draw.
+    pub fn work(&mut self) -> bool {
+        let state = &self.state;
+        let turn = self.room.turn(|recipe| state.aim(recipe), Instant::now() + WORK);
+        self.meter.read(Instant::now(), self.room.explorer.counts().simulated);
+        if let Some(failure) = turn.failure {
+            self.state.notices.fail(failure);
+            return true;
+        }
+        if turn.news {
+            self.tell_pins();
+        }
+        turn.news
+    }
+
+    /// Tells pins what the map has come to know of their pixels.
+    fn tell_pins(&mut self) {
+        let level = self.state.screen().level();
+        let silent = self.state.pins.iter().filter(|pin| pin.told.is_none());
+        let silent: Vec<_> = silent.map(|pin| (pin.id, pin.start)).collect();
+        for (id, start) in silent {
+            // Another level has other samples, and other answers.
+            if hover::sample_at(start, level)[0] == start
+                && let Some(told) = hover::outcome_at(&mut self.room.explorer, start, level)
+            {
+                self.state.pins.tell(id, told);
+            }
+        }
+    }
+
+    /// How far the view is.
+    pub fn progress(&self) -> Progress {
+        self.room.explorer.progress()
+    }
+
+    /// The card's things are gone: everything is put there again.
+    pub fn forget_card(&mut self) {
+        self.easel = Easel::default();
+        self.thumbnails = Thumbnails::default();
+    }
+
+    /// One pass of the whole interface. Returns what only the window can do.
+    pub fn show(&mut self, ui: &mut Ui) -> Vec<Effect> {
+        let ctx = ui.ctx().clone();
+        let mut actions = self.keys(&ctx);
+        let commands = commands(&self.state);
+        if self.state.shown.commands {
+            actions.extend(help::palette(&ctx, &commands));
+        } else {
+            help::close_palette(&ctx);
+        }
+        if self.state.shown.help {
+            actions.extend(help::help(&ctx, &commands));
+        }
+        actions.extend(notices::notices(&ctx, &self.state.notices));
+        let status = self.status();
+        egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
+        if self.state.shown.side {
+            let side = egui::Panel::right("side").default_size(310.0).size_range(240.0..=480.0);
+            side.show(ui, |ui| actions.extend(self.side(ui)));
+        }
+        egui::CentralPanel::no_frame().show(ui, |ui| actions.extend(self.canvas(ui)));
+        self.act(actions)
+    }
+
+    /// What the keyboard, the clipboard and dropped files ask for.
+    fn keys(&self, ctx: &egui::Context) -> Vec<Action> {
+        let typing = ctx.egui_wants_keyboard_input();
+        ctx.input_mut(|input| {
+            let mut actions = pressed(input, &self.state, typing);
+            for event in &input.events {
+                if let (egui::Event::Paste(text), false) = (event, typing) {
+                    actions.push(Action::Paste(text.clone()));
+                }
+            }
+            let dropped = input.raw.dropped_files.iter();
+            actions.extend(dropped.map(|file| Action::Open(file.path().to_path_buf())));
+            actions
+        })
+    }
+
+    fn canvas(&mut self, ui: &mut Ui) -> Vec<Action> {
+        let size = ui.available_size_before_wrap();
+        self.state.canvas =
+            glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
+        self.state.pixels_per_point = f64::from(ui.ctx().pixels_per_point());
+        let screen = self.state.screen();
+        let State { picture, build, question, layers, .. } = &self.state;
+        let (uniforms, table) = match colours(picture, build, question, layers.trust) {
+            Ok(colours) => colours,
+            // A picture table is checked before it gets here.
+            Err(error) => {
+                ui.label(error.to_string());
+                return Vec::new();
+            }
+        };
+        let frame = self.easel.frame(&screen, &mut self.room.explorer, uniforms, table);
+        let hovered = self.state.pointer.map(|point| {
+            let [start, _] = hover::sample_at(screen.angle_at(point), screen.level());
+            let outcome = hover::outcome_at(&mut self.room.explorer, start, screen.level());
+            Hovered { start, outcome }
+        });
+        map(ui, &self.state, frame, hovered)
+    }
+
+    fn status(&self) -> Status {
+        let progress = self.progress();
+        let engine = match (self.room.engine(), self.room.recipe()) {
+            (Some((name, adapter, _)), Some(recipe)) => {
+                format!("{} · {name}: {adapter}", accuracy::words(&recipe))
+            }
+            _ => match self.room.opening() {
+                Some(said) if said.is_empty() => "opening the engine…".to_string(),
+                Some(said) => said,
+                None => "no engine: see Accuracy".to_string(),
+            },
+        };
+        let rate = if progress.idle { 0.0 } else { self.meter.rate() };
+        let simulated = self.room.explorer.counts().simulated;
+        Status { progress, width_rad: self.state.camera.width_rad, rate, simulated, engine }
+    }
+
+    /// Keeps how the window was left.
+    pub fn save(&mut self) {
+        let State { animate, theme, ui_scale, layers, .. } = self.state;
+        self.settings = Settings { animate, theme, ui_scale, layers, ..self.settings.clone() };
+        self.settings.last_scene = Some(self.state.document());
+        self.saved_at = Instant::now();
+        if self.saved.as_ref() == Some(&self.settings) {
+            return;
+        }
+        if let Err(error) = self.store.save(&self.settings) {
+            log::error!("the settings could not be kept: {error}");
+        }
+        self.saved = Some(self.settings.clone());
+    }
+
+    /// Keeps it now and then too, so that a crash costs little.
+    pub fn save_sometimes(&mut self) {
+        if self.saved_at.elapsed() > SAVE_EVERY {
+            self.save();
+        }
+    }
+
+    /// Shows a file: a picture of ours or a scene.
+    pub(super) fn open(&mut self, path: &Path) {
+        match crate::output::read_document(path) {
+            Ok(document) => {
+                self.settings.remember(path);
+                if let Some(effect) = self.state.apply(Action::Show(Box::new(document))) {
+                    self.affect(effect);
+                }
+            }
+            Err(error) => self.state.notices.fail(format!("{error}.")),
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! What actions do beyond the plain state: files, flights, engines.
+
+use std::sync::Arc;
+
+use super::action::Action;
+use super::desk::{Asking, Desk};
+use super::dialog::FileDialog;
+use super::export::{Export, ExportKind, ExportRequest, append_key};
+use super::hover;
+use super::panels::colours::ColourAction;
+use super::panels::export::{ExportAction, What};
+use super::panels::places::PlaceAction;
+use super::seen;
+use super::state::Effect;
+use crate::output::Picture;
+use crate::physics::Dd;
+use crate::scene::palette::{Tones, equalised};
+use crate::scene::{PictureTable, Scale};
+
+/// Steps of an equalised palette.
+const EQUAL_STEPS: usize = 32;
+
+impl Desk {
+    /// Does actions in their order; returns what only the window can do.
+    pub(super) fn act(&mut self, actions: Vec<Action>) -> Vec<Effect> {
+        let effects: Vec<Effect> =
+            actions.into_iter().filter_map(|action| self.state.apply(action)).collect();
+        effects.into_iter().filter_map(|effect| self.affect(effect)).collect()
+    }
+
+    /// Does what can be done without the window.
+    pub(super) fn affect(&mut self, effect: Effect) -> Option<Effect> {
+        match effect {
+            Effect::Pin(starts) => self.pin(starts),
+            Effect::Relaunch => self.relaunch(),
+            Effect::Reopen => {
+                self.relaunch();
+                self.wish.kind = self.state.kind;
+                self.wish.demand = self.state.demand;
+                self.room.reopen(self.state.kind, self.state.demand, self.state.verify);
+            }
+            Effect::Open(path) => self.open(&path),
+            Effect::AskForFile => {
+                let wake = Arc::clone(&self.wake);
+                self.asking = Some(Asking::Open(FileDialog::open(move || wake())));
+            }
+            other => return Some(other),
+        }
+        None
+    }
+
+    /// Pins that fly by the physics shown go on.
+    fn relaunch(&mut self) {
+        let wake = Arc::clone(&self.wake);
+        self.state.pins.relaunch(&self.state.scene(), move || wake());
+    }
+
+    fn pin(&mut self, starts: [[Dd; 2]; 2]) {
+        let level = self.state.screen().level();
+        let told = hover::outcome_at(&mut self.room.explorer, starts[0], level);
+        let wake = Arc::clone(&self.wake);
+        match self.state.pins.add(starts, told, move || wake()) {
+            Ok(id) => {
+                self.state.clicked = Some(id);
+                self.state.shown.side = true;
+            }
+            Err(error) => self.state.notices.fail(format!("{error}.")),
+        }
+    }
+
+    /// Takes the answer of a file dialog.
+    pub(super) fn take_answer(&mut self) {
+        let answer = match &self.asking {
+            Some(Asking::Open(dialog) | Asking::Export(dialog)) => dialog.poll(),
+            None => None,
+        };
+        let Some(answer) = answer else { return };
+        match (self.asking.take(), answer) {
+            (Some(Asking::Open(_)), Some(path)) => self.open(&path),
+            (Some(Asking::Export(_)), Some(path)) => {
+                self.export_form.path = path.display().to_string();
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn colour(&mut self, action: ColourAction) -> Option<Action> {
+        match action {
+            ColourAction::Paint(picture) => Some(Action::Picture(picture)),
+            ColourAction::Equalise => {
+                let screen = self.state.screen();
+                let times = seen::times(&screen, &mut self.room.explorer);
+                let times = equalised(times.into_iter(), EQUAL_STEPS);
+                if times.len() < 2 {
+                    self.state.notices.tell("Too few flips are in view to spread colours over.");
+                    return None;
+                }
+                let picture = self.state.picture.clone();
+                Some(Action::Picture(PictureTable { times, scale: Scale::Log, ..picture }))
+            }
+        }
+    }
+
+    pub(super) fn place(&mut self, action: PlaceAction) -> Option<Action> {
+        let changed = match action {
+            PlaceAction::Change(form) => {
+                self.place_form = form;
+                return None;
+            }
+            PlaceAction::Open(document) => return Some(Action::Show(document)),
+            PlaceAction::Add(name) => self.keep_place(&name),
+            PlaceAction::Rename(old, new) => self.places.rename(&old, &new),
+            PlaceAction::Delete(name) => self.places.delete(&name),
+        };
+        match changed {
+            Ok(()) => self.place_form.name = self.places.free_name(),
+            Err(error) => self.state.notices.fail(format!("{error}.")),
+        }
+        None
+    }
+
+    fn keep_place(&mut self, name: &str) -> Result<(), super::places::PlaceError> {
+        let document = self.state.document();
+        let (screen, scene) = (self.state.screen(), document.scene());
+        let tones =
+            Tones::new(&document.picture, scene.build.unit_secs(), scene.question.budget).ok();
+        let rgb = tones.map(|tones| seen::thumbnail(&screen, &mut self.room.explorer, &tones));
+        let size = seen::THUMBNAIL;
+        let rgb = rgb.unwrap_or_else(|| vec![0x80; (3 * size[0] * size[1]) as usize]);
+        self.places.add(name, Picture { document, size, rgb })
+    }
+
+    pub(super) fn export(&mut self, action: ExportAction) {
+        match action {
+            ExportAction::Change(form) => self.export_form = form,
+            ExportAction::Browse => {
+                let (ending, path) = (self.export_form.what.ending(), &self.export_form.path);
+                let wake = Arc::clone(&self.wake);
+                let dialog = FileDialog::save(ending, path.as_ref(), move || wake());
+                self.asking = Some(Asking::Export(dialog));
+            }
+            ExportAction::Start => self.start_export(),
+            ExportAction::Cancel(index) => {
+                if let Some(export) = self.exports.get(index) {
+                    export.cancel();
+                }
+            }
+            ExportAction::Dismiss(index) => {
+                if index < self.exports.len() {
+                    self.exports.remove(index);
+                }
+            }
+        }
+    }
+
+    fn start_export(&mut self) {
+        let form = self.export_form.clone();
+        let (document, path) = (self.state.document(), std::path::PathBuf::from(&form.path));
+        let kind = match form.what {
+            What::Png => ExportKind::Png,
+            What::Raw => ExportKind::Raw,
+            What::Key => {
+                match append_key(&path, &document) {
+                    Ok(keys) => {
+                        let name = path.display();
+                        self.state.notices.tell(format!("{name} has {keys} film keys now."));
+                    }
+                    Err(error) => self.state.notices.fail(error),
+                }
+                return;
+            }
+        };
+        let request = ExportRequest { document, size: form.size, path, kind };
+        let wake = Arc::clone(&self.wake);
+        self.exports.push(Export::start(request, self.wish.clone(), move || wake()));
+    }
+}

@@ -1,0 +1,359 @@
+//! Exports: a view as a picture or as numbers at any size, computed in the background by an
+//! engine of its own, with the loop and the files of `flipmap render`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crate::engine::choice::{Chosen, Wish, choose};
+use crate::engine::method::Pace;
+use crate::engine::trust::TrustEngine;
+use crate::engine::{Engine, Question, words};
+use crate::output::{
+    Clock, Destination, Pass, Paths, RenderError, SafeFile, Sinks, render_pass, sentence,
+};
+use crate::scene::keys::Keys;
+use crate::scene::{Document, RunTable};
+use crate::tiles::{Counts, Work};
+
+/// What a view is exported as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ExportKind {
+    /// A picture.
+    #[default]
+    Png,
+    /// Flip times, as a NumPy array.
+    Raw,
+}
+
+/// What to export where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExportRequest {
+    /// The scene, and how it is painted.
+    pub document: Document,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The file.
+    pub path: PathBuf,
+    /// What is in it.
+    pub kind: ExportKind,
+}
+
+/// How far an export is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stage {
+    /// An engine is being started; what it says.
+    Starting(String),
+    /// It runs.
+    Running {
+        /// Share of the pixels that are done.
+        share: f64,
+        /// Pixels a second.
+        pixels_per_sec: f64,
+    },
+    /// The file is there.
+    Done {
+        /// It took so long.
+        secs: f64,
+    },
+    /// It was stopped; there is no file.
+    Cancelled,
+    /// A sentence; there is no file.
+    Failed(String),
+}
+
+/// An export, going on or over.
+#[derive(Debug)]
+pub struct Export {
+    path: PathBuf,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    stage: Mutex<Stage>,
+    cancelled: AtomicBool,
+}
+
+impl Shared {
+    fn stage(&self) -> MutexGuard<'_, Stage> {
+        // A stage is replaced whole: whoever panicked left a good one.
+        self.stage.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+}
+
+impl Export {
+    /// Begins; `wake` is called whenever the stage has changed.
+    pub fn start(request: ExportRequest, wish: Wish, wake: impl Fn() + Send + 'static) -> Self {
+        let stage = Mutex::new(Stage::Starting("starting an engine".to_string()));
+        let shared = Arc::new(Shared { stage, cancelled: AtomicBool::new(false) });
+        let (path, reporter) = (request.path.clone(), Arc::clone(&shared));
+        let thread = std::thread::spawn(move || {
+            let set = |stage| {
+                *reporter.stage() = stage;
+                wake();
+            };
+            let begun = Instant::now();
+            let stopped = || reporter.cancelled.load(Ordering::Relaxed);
+            set(match run(&request, &wish, &set, &stopped) {
+                Ok(()) => Stage::Done { secs: begun.elapsed().as_secs_f64() },
+                Err(Failure::Render(RenderError::Stopped)) => Stage::Cancelled,
+                Err(failure) => Stage::Failed(sentence(&failure)),
+            });
+        });
+        Export { path, shared, thread: Some(thread) }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How far it is.
+    pub fn stage(&self) -> Stage {
+        self.shared.stage().clone()
+    }
+
+    /// Asks it to stop, which takes a moment.
+    pub fn cancel(&self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Waits until it is over, and says how.
+    pub fn wait(mut self) -> Stage {
+        self.join();
+        self.stage()
+    }
+
+    fn join(&mut self) {
+        if self.thread.take().is_some_and(|thread| thread.join().is_err()) {
+            let lost = "the export ended unexpectedly; see the log, and try again";
+            *self.shared.stage() = Stage::Failed(lost.to_string());
+        }
+    }
+}
+
+/// An export that nobody waits for any longer leaves nothing behind.
+impl Drop for Export {
+    fn drop(&mut self) {
+        self.cancel();
+        self.join();
+    }
+}
+
+/// Why there is no file.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    #[error(transparent)]
+    Scene(#[from] crate::scene::DocumentError),
+    #[error(transparent)]
+    Words(#[from] words::WordsError),
+    #[error(transparent)]
+    Choice(#[from] crate::engine::choice::ChoiceError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+impl From<crate::engine::EngineError> for Failure {
+    fn from(error: crate::engine::EngineError) -> Self {
+        Failure::Render(error.into())
+    }
+}
+
+/// How often the person hears of progress.
+const TICK: Duration = Duration::from_millis(100);
+
+fn run(
+    request: &ExportRequest,
+    wish: &Wish,
+    set: &dyn Fn(Stage),
+    stopped: &dyn Fn() -> bool,
+) -> Result<(), Failure> {
+    let words = RunTable { size: Some(request.size), ..request.document.run.clone() };
+    let (demand, run) = words::settle(words)?;
+    let verify = words::verifies(demand, &run);
+    let wish = &Wish { demand, ..wish.clone() };
+    let document = Document { run, ..request.document.clone() };
+    document.check()?;
+    document.picture.check_size(request.size).map_err(crate::scene::DocumentError::from)?;
+    let scene = document.scene();
+    let mut sinks =
+        Sinks::open(&request.paths(), &document, request.size).map_err(RenderError::from)?;
+    let Chosen { mut engine, recipe, .. } =
+        choose(wish, &|text| set(Stage::Starting(text.to_string())))?;
+    let question = Question::from(&scene);
+    if question.pendulum.q > 0.0 {
+        Pace::new(&question, &recipe)?;
+    }
+    if verify {
+        engine = Box::new(TrustEngine::new(engine, wish.threads)?);
+    }
+    for pass in sinks.passes(document.picture.samples) {
+        let size = request.size.map(|side| side * pass.along);
+        let mut work = Work::new(&scene, size, recipe, engine.job_size());
+        run_pass(&mut work, size, engine.as_mut(), &mut sinks, &pass, (set, stopped))?;
+    }
+    Ok(sinks.finish().map_err(RenderError::from)?)
+}
+
+fn run_pass(
+    work: &mut Work,
+    size: [u32; 2],
+    engine: &mut dyn Engine,
+    sinks: &mut Sinks,
+    pass: &Pass,
+    (set, stopped): (&dyn Fn(Stage), &dyn Fn() -> bool),
+) -> Result<(), RenderError> {
+    let total = f64::from(size[0]) * f64::from(size[1]);
+    let begun = Instant::now();
+    let mut told: Option<Instant> = None;
+    let mut go_on = |counts: &Counts| {
+        if told.is_none_or(|told| told.elapsed() >= TICK) {
+            told = Some(Instant::now());
+            let pixels_per_sec = counts.pixels as f64 / begun.elapsed().as_secs_f64().max(1e-3);
+            set(Stage::Running { share: counts.pixels as f64 / total, pixels_per_sec });
+        }
+        !stopped()
+    };
+    render_pass(work, engine, sinks, pass, &mut Clock::default(), &mut go_on)
+}
+
+impl ExportRequest {
+    fn paths(&self) -> Paths {
+        // A file of that name, where the command line means standard output.
+        let path = if self.path.as_os_str() == "-" { Path::new("./-") } else { &self.path };
+        let path = Some(path.to_path_buf());
+        match self.kind {
+            ExportKind::Png => Paths { picture: path, ..Paths::default() },
+            ExportKind::Raw => Paths { raw: path, ..Paths::default() },
+        }
+    }
+}
+
+/// Adds a scene to a file of film keys, which is made if it is not there; says how many keys it
+/// has now, or in a sentence why it is as it was.
+pub fn append_key(path: &Path, document: &Document) -> Result<usize, String> {
+    let refuse = |why: &dyn std::fmt::Display| {
+        format!("The film key was not added: {} {why}.", path.display())
+    };
+    let mut keys = if path.is_file() {
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| refuse(&format!("cannot be read: {error}")))?;
+        Keys::parse(&text).map_err(|error| refuse(&format!("has no film keys: {error}")))?
+    } else {
+        Keys::default()
+    };
+    keys.append(document.clone());
+    let write = || {
+        let mut file = SafeFile::create(&Destination::File(path.to_path_buf()))?;
+        file.write_all(keys.text().as_bytes())?;
+        file.finish()
+    };
+    write().map_err(|error| refuse(&format!("cannot be written: {error}")))?;
+    Ok(keys.keys.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::choice::Kind;
+    use crate::scene::BuiltIn;
+
+    fn request(path: PathBuf) -> ExportRequest {
+        let mut document = BuiltIn::named("filigree").unwrap().document();
+        document.run.accuracy = Some("fast".to_string());
+        ExportRequest { document, size: [48, 32], path, kind: ExportKind::Png }
+    }
+
+    fn fast() -> Wish {
+        Wish { kind: Kind::Cpu, ..Wish::default() }
+    }
+
+    #[test]
+    fn stages_lead_from_the_start_to_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.png");
+        let (sender, woken) = std::sync::mpsc::channel();
+        let export = Export::start(request(path.clone()), fast(), move || {
+            let _ = sender.send(());
+        });
+        woken.recv().unwrap();
+        assert!(matches!(export.wait(), Stage::Done { .. }));
+        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+        let picture = crate::output::picture_in_png(file, 99).unwrap();
+        assert_eq!(picture.size, [48, 32]);
+        assert_eq!(picture.document.run.accuracy.as_deref(), Some("fast"));
+        assert!(picture.rgb.chunks(3).any(|rgb| rgb != &picture.rgb[..3]));
+    }
+
+    #[test]
+    fn raw_exports_hold_every_number() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.npy");
+        let request = ExportRequest { kind: ExportKind::Raw, ..request(path.clone()) };
+        assert!(matches!(Export::start(request, fast(), || ()).wait(), Stage::Done { .. }));
+        assert_eq!(std::fs::read(path).unwrap().len(), 128 + 8 * 48 * 32);
+    }
+
+    #[test]
+    fn what_fails_says_why_and_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let nowhere = folder.path().join("none/map.png");
+        let path = folder.path().join("map.png");
+        std::fs::write(&path, "mine").unwrap();
+        let mut bad = request(path.clone());
+        bad.document.picture.cycles = 0.0;
+        let mut large = request(path.clone());
+        large.size = [2_000_000, 10];
+        for (request, words) in [
+            (request(nowhere), "none does not exist"),
+            (request("/dev/full".into()), "cannot write /dev/full"),
+            (bad, "--cycles is 0"),
+            (large, "2000000"),
+        ] {
+            let stage = Export::start(request, fast(), || ()).wait();
+            assert!(matches!(&stage, Stage::Failed(why) if why.contains(words)), "{stage:?}");
+        }
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_cancelled_export_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut request = request(folder.path().join("map.png"));
+        request.size = [8000, 8000];
+        let export = Export::start(request.clone(), fast(), || ());
+        export.cancel();
+        assert_eq!(export.wait(), Stage::Cancelled);
+        drop(Export::start(request, fast(), || ()));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_window_writes_files_and_never_to_standard_output() {
+        assert_eq!(request("-".into()).paths().picture, Some(PathBuf::from("./-")));
+        assert_eq!(request("a.png".into()).paths().picture, Some(PathBuf::from("a.png")));
+    }
+
+    #[test]
+    fn film_keys_are_added_to_a_file_and_a_wrong_one_is_left_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("keys.toml");
+        let document = BuiltIn::named("shore").unwrap().document();
+        assert_eq!(append_key(&path, &Document::default()), Ok(1));
+        assert_eq!(append_key(&path, &document), Ok(2));
+        let keys = Keys::parse(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        assert_eq!((keys.keys[1].secs, &keys.keys[1].scene), (5.0, &document));
+        let other = folder.path().join("diary.toml");
+        std::fs::write(&other, "dear = \"diary\"").unwrap();
+        let why = append_key(&other, &document).unwrap_err();
+        assert!(why.contains("diary.toml has no film keys: line 1"), "{why}");
+        assert_eq!(std::fs::read_to_string(&other).unwrap(), "dear = \"diary\"");
+        assert!(append_key(Path::new("/dev/full"), &document).unwrap_err().contains("written"));
+    }
+}

@@ -1,0 +1,223 @@
+//! The map in the middle of the window: what is drawn there, and what the pointer does to it.
+
+use egui::{Align2, Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo};
+use glam::DVec2;
+
+use super::action::Action;
+use super::canvas::pipeline::Frame;
+use super::gesture::Gesture;
+use super::overlay::{self, position};
+use super::state::State;
+use crate::engine::Trust;
+use crate::physics::{Dd, Outcome, Status};
+use crate::tiles::lattice::pitch_rad;
+
+/// What the map under the pointer is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hovered {
+    /// The start of the sample.
+    pub start: [Dd; 2],
+    /// What is known of it; nothing while only coarser samples are there.
+    pub outcome: Option<(Outcome, Trust)>,
+}
+
+/// Shows the map and returns what was done to it.
+pub fn map(ui: &mut Ui, state: &State, frame: Frame, hovered: Option<Hovered>) -> Vec<Action> {
+    let rect = ui.available_rect_before_wrap();
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    let name = spoken(state, hovered);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    let gesture = gesture(ui, rect, &response);
+    let painter = ui.painter_at(rect);
+    painter.add(egui_wgpu::Callback::new_paint_callback(rect, frame));
+    draw_layers(&painter, rect, state);
+    draw_pins(&painter, rect, state);
+    if let Some([a, b]) = state.drawing {
+        let rect = Rect::from_two_pos(position(rect, a), position(rect, b));
+        for (width, colour) in [(3.0, Color32::BLACK), (1.0, Color32::WHITE)] {
+            painter.rect_stroke(
+                rect,
+                CornerRadius::ZERO,
+                Stroke::new(width, colour),
+                StrokeKind::Middle,
+            );
+        }
+    }
+    if let (Some(pointer), Some(hovered), false) = (state.pointer, hovered, state.dragging) {
+        draw_hovered(&painter, rect, pointer, &words_of(&hovered, state.screen().level()));
+    }
+    if response.has_focus() {
+        let stroke = ui.visuals().selection.stroke;
+        painter.rect_stroke(rect, CornerRadius::ZERO, stroke, StrokeKind::Inside);
+    }
+    gesture.actions(state.drawing)
+}
+
+/// What the pointer did, in points from the canvas' middle.
+fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
+    let from_middle = |at: egui::Pos2| {
+        let by = at - rect.center();
+        DVec2::new(f64::from(by.x), f64::from(by.y))
+    };
+    let over = response.hovered() || response.dragged();
+    let dragged = response.dragged_by(egui::PointerButton::Primary);
+    let drag = dragged_points(ui, response, dragged);
+    // Responses look into the input themselves, which must not happen while it is held below.
+    let (clicked, double_clicked) = (response.clicked(), response.double_clicked());
+    let released = response.drag_stopped();
+    ui.input(|input| Gesture {
+        pointer: input.pointer.latest_pos().filter(|_| over).map(from_middle),
+        dragged: DVec2::new(f64::from(drag.x), f64::from(drag.y)),
+        drag_began: input.pointer.press_origin().filter(|_| dragged).map(from_middle),
+        released,
+        clicked,
+        double_clicked,
+        shift: input.modifiers.shift,
+        notches: if over { notches(input) } else { 0.0 },
+        pinch: if over { pinch(input) } else { 1.0 },
+    })
+}
+
+/// How far the pointer dragged since the last frame. The first frame of a drag has all of it since
+/// the press and the last one what came before the release, or the map would lag behind.
+fn dragged_points(ui: &Ui, response: &egui::Response, dragged: bool) -> egui::Vec2 {
+    if response.drag_started() {
+        return response.total_drag_delta().filter(|_| dragged).unwrap_or_default();
+    }
+    ui.input(|input| {
+        let before = input.pointer.latest_pos().map(|latest| latest - input.pointer.delta());
+        let released = input.events.iter().rev().find_map(|event| match event {
+            egui::Event::PointerButton { pos, pressed: false, .. } => Some(*pos),
+            _ => None,
+        });
+        match (released, before) {
+            _ if dragged => input.pointer.delta(),
+            (Some(at), Some(before)) if response.drag_stopped() => at - before,
+            _ => egui::Vec2::ZERO,
+        }
+    })
+}
+
+/// Points that a touchpad scrolls for a notch of a wheel.
+const POINTS_A_NOTCH: f32 = 50.0;
+
+/// Notches of the wheel since the last frame. Ctrl and the wheel are told as a pinch by egui on
+/// some systems and as a wheel on others; here the wheel always counts, whatever is held.
+fn notches(input: &egui::InputState) -> f64 {
+    let of = |event: &egui::Event| match event {
+        egui::Event::MouseWheel { unit, delta, modifiers, .. } => {
+            // Shift turns the wheel sideways on some systems.
+            let by = if modifiers.shift && delta.y == 0.0 { delta.x } else { delta.y };
+            f64::from(match unit {
+                egui::MouseWheelUnit::Point => by / POINTS_A_NOTCH,
+                egui::MouseWheelUnit::Line => by,
+                egui::MouseWheelUnit::Page => 10.0 * by,
+            })
+        }
+        _ => 0.0,
+    };
+    input.events.iter().map(of).sum()
+}
+
+/// How much fingers on a touchpad or a screen enlarge.
+fn pinch(input: &egui::InputState) -> f64 {
+    let touch = input.multi_touch().map(|touch| f64::from(touch.zoom_delta));
+    let of = |event: &egui::Event| match event {
+        egui::Event::Zoom(factor) => f64::from(*factor),
+        _ => 1.0,
+    };
+    touch.unwrap_or_else(|| input.events.iter().map(of).product())
+}
+
+fn draw_layers(painter: &egui::Painter, rect: Rect, state: &State) {
+    let screen = state.screen();
+    if state.layers.borders {
+        overlay::draw_tiles(painter, rect, &screen);
+    }
+    if state.layers.grid {
+        overlay::draw_grid(painter, rect, &screen);
+    }
+    if state.layers.curve && state.build.gravity > 0.0 {
+        let lines = overlay::energy_curve(&screen, &state.build, state.question.rule);
+        overlay::draw_curve(painter, rect, &lines);
+    }
+}
+
+/// A ring with a letter for every pin in view.
+fn draw_pins(painter: &egui::Painter, rect: Rect, state: &State) {
+    let screen = state.screen();
+    for pin in state.pins.iter() {
+        let point = screen.point_of(screen.camera.offset_of(pin.start));
+        if !point.is_finite() || (point.abs() * 2.0).cmpgt(state.canvas).any() {
+            continue;
+        }
+        let at = position(rect, point);
+        painter.circle_stroke(at, 6.0, Stroke::new(4.0, Color32::BLACK));
+        painter.circle_stroke(at, 6.0, Stroke::new(2.0, pin.badge.colour()));
+        let name = pin.badge.letter().to_string();
+        overlay::label(painter, at + egui::vec2(9.0, -9.0), Align2::LEFT_BOTTOM, &name);
+    }
+}
+
+/// The words beside the pointer, above it where there is no room below.
+fn draw_hovered(painter: &egui::Painter, rect: Rect, pointer: DVec2, words: &str) {
+    let at = position(rect, pointer);
+    if at.y > rect.bottom() - 60.0 {
+        overlay::label(painter, at + egui::vec2(14.0, -14.0), Align2::LEFT_BOTTOM, words);
+    } else {
+        overlay::label(painter, at + egui::vec2(14.0, 14.0), Align2::LEFT_TOP, words);
+    }
+}
+
+/// Angles, and what becomes of the pendulum.
+pub fn words_of(hovered: &Hovered, level: u32) -> String {
+    // As many digits as tell neighbouring samples apart.
+    let digits = (1.0 - pitch_rad(level).log10()).ceil().max(2.0) as usize;
+    let [theta1, theta2] = hovered.start.map(|theta| plain(theta, digits));
+    let fate = match hovered.outcome {
+        None => "being computed".to_string(),
+        Some((outcome, trust)) => {
+            let doubt = if trust == Trust::Uncertain { ", uncertain" } else { "" };
+            match outcome.status {
+                Status::Flipped => format!("flips after {:.4} s{doubt}", outcome.time),
+                Status::Unflipped => format!("does not flip within the budget{doubt}"),
+                Status::Forbidden => "can never flip: too little energy".to_string(),
+                Status::Failed => "could not be integrated".to_string(),
+            }
+        }
+    };
+    format!("θ1 {theta1}, θ2 {theta2} rad · {fate}")
+}
+
+/// A number in as many digits; f64 is quicker where it has them.
+fn plain(theta: Dd, digits: usize) -> String {
+    if digits < 15 { format!("{:.digits$}", theta.hi) } else { theta.decimal(digits) }
+}
+
+/// What a screen reader says of the map.
+fn spoken(state: &State, hovered: Option<Hovered>) -> String {
+    let width = state.camera.width_rad;
+    let [theta1, theta2] = state.camera.center.map(|theta| theta.hi);
+    let here = hovered.map(|hovered| words_of(&hovered, state.screen().level()));
+    let here = here.unwrap_or_default();
+    format!("Map around θ1 {theta1:.4}, θ2 {theta2:.4} rad, {width:.3e} rad wide. {here}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_tell_the_fate_and_enough_digits() {
+        let start = [Dd::new(-1.66), Dd::new(0.1)];
+        let words = |outcome, level| words_of(&Hovered { start, outcome }, level);
+        let flipped = Some((Outcome::flipped(3.21), Trust::Uncertain));
+        assert_eq!(
+            words(flipped, 3),
+            "θ1 -1.6600, θ2 0.1000 rad · flips after 3.2100 s, uncertain"
+        );
+        let forbidden = Some((Outcome::without_time(Status::Forbidden), Trust::Unchecked));
+        assert!(words(forbidden, 0).contains("never"));
+        assert!(words(None, 60).contains("being computed") && words(None, 60).len() > 50);
+    }
+}

@@ -1,0 +1,271 @@
+//! What the view is exported as, and how far exports are.
+
+use std::path::Path;
+
+use egui::{Button, ComboBox, Grid, ProgressBar, TextEdit, Ui};
+
+use super::field::number;
+use crate::app::export::Stage;
+use crate::scene::PictureTable;
+
+/// What is asked for next.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExportForm {
+    /// The file.
+    pub path: String,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// What is in it.
+    pub what: What,
+}
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum What {
+    /// A picture.
+    #[default]
+    Png,
+    /// Flip times.
+    Raw,
+    /// One more key of a film.
+    Key,
+}
+
+impl What {
+    /// Each with its name and the ending of its files.
+    pub const ALL: [(&'static str, &'static str, What); 3] = [
+        ("picture", "png", What::Png),
+        ("raw numbers", "npy", What::Raw),
+        ("film key", "toml", What::Key),
+    ];
+
+    /// The ending of its files.
+    pub fn ending(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+}
+
+/// An export, as the panel shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExportStatus {
+    /// The file's name.
+    pub name: String,
+    /// How far it is.
+    pub stage: Stage,
+}
+
+/// What the person wants.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ExportAction {
+    /// The form is now so.
+    Change(ExportForm),
+    /// Choose the file in the desktop's dialog.
+    Browse,
+    /// Begin what the form says.
+    Start,
+    /// Stop this one, counted from 0.
+    Cancel(usize),
+    /// Take this one, which is over, off the list.
+    Dismiss(usize),
+}
+
+/// Sizes that people ask for.
+const PRESETS: [(&str, [u32; 2]); 6] = [
+    ("1024 × 1024", [1024, 1024]),
+    ("4096 × 4096", [4096, 4096]),
+    ("1920 × 1080 (Full HD)", [1920, 1080]),
+    ("2560 × 1440", [2560, 1440]),
+    ("3840 × 2160 (4K)", [3840, 2160]),
+    ("7680 × 4320 (8K)", [7680, 4320]),
+];
+
+impl Default for ExportForm {
+    fn default() -> Self {
+        ExportForm { path: "map.png".to_string(), size: [1920, 1080], what: What::Png }
+    }
+}
+
+impl ExportForm {
+    /// Why it cannot begin, as a sentence.
+    pub fn problem(&self) -> Option<String> {
+        if self.path.trim().is_empty() {
+            return Some("Name the file to write.".to_string());
+        }
+        if Path::new(&self.path).is_dir() {
+            return Some("This is a folder: name a file in it.".to_string());
+        }
+        PictureTable::default().check_size(self.size).err().map(|error| error.to_string())
+    }
+
+    /// Whether a file is there that would be replaced; keys are added to theirs.
+    pub fn replaces(&self) -> bool {
+        self.what != What::Key && Path::new(&self.path).is_file()
+    }
+
+    /// The same for another kind of file, the ending with it.
+    fn of(&self, what: What) -> Self {
+        let old = format!(".{}", self.what.ending());
+        let path = match self.path.strip_suffix(&old) {
+            Some(stem) => format!("{stem}.{}", what.ending()),
+            None => self.path.clone(),
+        };
+        ExportForm { path, what, ..self.clone() }
+    }
+}
+
+/// Shows the form and every export; answers with what the person does.
+pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) -> Vec<ExportAction> {
+    let (mut new, mut actions) = (form.clone(), Vec::new());
+    Grid::new("export").num_columns(2).show(ui, |ui| {
+        kind(ui, &mut new);
+        file(ui, &mut new, &mut actions);
+        if new.what != What::Key {
+            size(ui, &mut new);
+        }
+    });
+    if new != *form {
+        actions.push(ExportAction::Change(new));
+    }
+    begin(ui, form, &mut actions);
+    for (index, export) in exports.iter().enumerate() {
+        ui.separator();
+        ui.push_id(index, |ui| status(ui, index, export, &mut actions));
+    }
+    actions
+}
+
+fn kind(ui: &mut Ui, form: &mut ExportForm) {
+    ui.label("Kind");
+    ui.horizontal(|ui| {
+        for (name, _, what) in What::ALL {
+            if ui.radio(form.what == what, name).clicked() {
+                *form = form.of(what);
+            }
+        }
+    });
+    ui.end_row();
+}
+
+fn file(ui: &mut Ui, form: &mut ExportForm, actions: &mut Vec<ExportAction>) {
+    let label = ui.label("File");
+    ui.horizontal(|ui| {
+        let width = (ui.available_width() - 80.0).max(100.0);
+        let field = TextEdit::singleline(&mut form.path).desired_width(width);
+        ui.add(field).labelled_by(label.id);
+        if ui.button("Browse…").clicked() {
+            actions.push(ExportAction::Browse);
+        }
+    });
+    ui.end_row();
+}
+
+fn size(ui: &mut Ui, form: &mut ExportForm) {
+    let label = ui.label("Size");
+    let shown = PRESETS.iter().find(|(_, size)| *size == form.size);
+    let combo =
+        ComboBox::from_id_salt("size").selected_text(shown.map_or("other", |(name, _)| name));
+    let combo = combo.show_ui(ui, |ui| {
+        for (name, size) in PRESETS {
+            ui.selectable_value(&mut form.size, size, name);
+        }
+    });
+    combo.response.labelled_by(label.id);
+    ui.end_row();
+    let longest = f64::from(PictureTable::LONGEST_SIDE);
+    for (name, side) in ["Width", "Height"].into_iter().zip(&mut form.size) {
+        if let Some(new) = number(ui, name, " px", f64::from(*side), 1.0..=longest) {
+            *side = new.round() as u32;
+        }
+        ui.end_row();
+    }
+}
+
+fn begin(ui: &mut Ui, form: &ExportForm, actions: &mut Vec<ExportAction>) {
+    let problem = form.problem();
+    let name = match form.what {
+        What::Key => "Add this view to the film",
+        _ if form.replaces() => "Export and replace the file",
+        _ => "Export",
+    };
+    if ui.add_enabled(problem.is_none(), Button::new(name)).clicked() {
+        actions.push(ExportAction::Start);
+    }
+    if let Some(problem) = problem {
+        ui.label(problem);
+    }
+}
+
+fn status(ui: &mut Ui, index: usize, export: &ExportStatus, actions: &mut Vec<ExportAction>) {
+    let name = &export.name;
+    ui.label(name);
+    match &export.stage {
+        Stage::Starting(what) => ui.label(format!("{what}…")),
+        Stage::Running { share, pixels_per_sec } => {
+            let text = format!("{:.0} %, {} pixels/s", share * 100.0, thousands(*pixels_per_sec));
+            ui.add(ProgressBar::new(*share as f32).text(text))
+        }
+        Stage::Done { secs } => ui.label(format!("Done in {secs:.1} s")),
+        Stage::Cancelled => ui.label("Stopped; no file was left"),
+        Stage::Failed(why) => ui.label(format!("Not exported: {why}")),
+    };
+    let (button, action) = match export.stage {
+        Stage::Starting(_) | Stage::Running { .. } => ("Stop", ExportAction::Cancel(index)),
+        _ => ("Dismiss", ExportAction::Dismiss(index)),
+    };
+    let response = ui.button(button);
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{button} {name}"))
+    });
+    if response.clicked() {
+        actions.push(action);
+    }
+}
+
+/// A count with its thousands apart.
+fn thousands(count: f64) -> String {
+    let digits = format!("{count:.0}");
+    let groups: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().filter_map(|group| str::from_utf8(group).ok()).collect();
+    groups.join("\u{a0}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_kind_takes_its_ending_along() {
+        let form = ExportForm::default();
+        assert_eq!(form.of(What::Raw).path, "map.npy");
+        assert_eq!(form.of(What::Key).of(What::Png), form);
+        let own = ExportForm { path: "map".to_string(), ..form };
+        assert_eq!(own.of(What::Raw).path, "map");
+        for (place, (_, _, what)) in What::ALL.into_iter().enumerate() {
+            assert_eq!(what as usize, place);
+        }
+    }
+
+    #[test]
+    fn what_cannot_begin_says_why() {
+        let folder = tempfile::tempdir().unwrap();
+        let form = |path: &Path, size| ExportForm {
+            path: path.display().to_string(),
+            size,
+            what: What::Png,
+        };
+        let map = folder.path().join("map.png");
+        assert_eq!(form(&map, [10, 10]).problem(), None);
+        assert!(form(folder.path(), [10, 10]).problem().unwrap().contains("folder"));
+        assert!(form(Path::new(" "), [10, 10]).problem().unwrap().contains("Name"));
+        assert!(form(&map, [0, 10]).problem().unwrap().contains("0x10"));
+        assert!(!form(&map, [10, 10]).replaces());
+        std::fs::write(&map, "").unwrap();
+        assert!(form(&map, [10, 10]).replaces());
+    }
+
+    #[test]
+    fn thousands_are_apart() {
+        assert_eq!(thousands(1234567.4), "1\u{a0}234\u{a0}567");
+        assert_eq!(thousands(12.0), "12");
+    }
+}

@@ -1,0 +1,28 @@
+//! What is drawn over the colours.
+
+use egui::Ui;
+
+use crate::app::action::Action;
+use crate::app::settings::Layers;
+
+/// One checkbox a layer.
+pub fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
+    let mut changed = *layers;
+    for (layer, name, sentence) in [
+        (
+            &mut changed.curve,
+            "Energy curve",
+            "Starts inside it have too little energy ever to flip",
+        ),
+        (
+            &mut changed.trust,
+            "Doubts",
+            "Hatched where independent answers disagree; needs accuracy exact",
+        ),
+        (&mut changed.grid, "Grid of angles", "Lines at round parts of π"),
+        (&mut changed.borders, "Borders of tiles", "What is computed as one piece"),
+    ] {
+        ui.checkbox(layer, name).on_hover_text(sentence);
+    }
+    (changed != *layers).then_some(Action::Layers(changed))
+}

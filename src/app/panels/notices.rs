@@ -1,0 +1,38 @@
+//! Sentences over the map, until they are read.
+
+use egui::{Align2, Area, Color32, Frame, RichText};
+
+use crate::app::action::Action;
+use crate::app::notices::Notices;
+
+/// Shows the notices over the upper left corner of the map.
+pub fn notices(ctx: &egui::Context, notices: &Notices) -> Vec<Action> {
+    let mut actions = Vec::new();
+    if notices.iter().len() == 0 {
+        return actions;
+    }
+    Area::new(egui::Id::unique("notices")).anchor(Align2::LEFT_TOP, egui::vec2(12.0, 12.0)).show(
+        ctx,
+        |ui| {
+            for notice in notices.iter() {
+                Frame::popup(ui.style()).show(ui, |ui| {
+                    ui.set_max_width(420.0);
+                    ui.horizontal_wrapped(|ui| {
+                        if notice.failure {
+                            ui.label(
+                                RichText::new("Problem:")
+                                    .strong()
+                                    .color(Color32::from_rgb(230, 120, 60)),
+                            );
+                        }
+                        ui.label(&notice.text);
+                        if ui.small_button("Close").clicked() {
+                            actions.push(Action::Dismiss(notice.id));
+                        }
+                    });
+                });
+            }
+        },
+    );
+    actions
+}

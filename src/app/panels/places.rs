@@ -1,0 +1,179 @@
+//! Places worth seeing, and those that a person has kept.
+
+use std::sync::Arc;
+
+use egui::{
+    Button, ColorImage, Context, Image, Key, Response, Role, TextEdit, TextureHandle, Ui,
+    WidgetInfo, vec2,
+};
+
+use crate::app::places::{Bookmark, Places};
+use crate::output::Picture;
+use crate::scene::{BUILT_IN, Document};
+
+/// What is being typed and asked.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PlaceForm {
+    /// The name of the next bookmark.
+    pub name: String,
+    /// The bookmark that is about to be deleted.
+    pub deleting: Option<String>,
+    /// The bookmark that is being renamed, and its new name so far.
+    pub renaming: Option<(String, String)>,
+}
+
+/// What the person wants.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlaceAction {
+    /// The form is now so.
+    Change(PlaceForm),
+    /// Go there.
+    Open(Box<Document>),
+    /// Keep the view under this name.
+    Add(String),
+    /// Give the first one the second name.
+    Rename(String, String),
+    /// Forget it.
+    Delete(String),
+}
+
+/// The bookmarks' pictures as the window draws them.
+#[derive(Default)]
+pub struct Thumbnails {
+    textures: Vec<(Arc<Picture>, TextureHandle)>,
+}
+
+impl Thumbnails {
+    fn texture(&mut self, ctx: &Context, bookmark: &Bookmark) -> &TextureHandle {
+        let same = |(picture, _): &(Arc<Picture>, _)| Arc::ptr_eq(picture, &bookmark.picture);
+        let place = self.textures.iter().position(same).unwrap_or_else(|| {
+            let Picture { size, rgb, .. } = &*bookmark.picture;
+            let image = ColorImage::from_rgb(size.map(|side| side as usize), rgb);
+            let texture = ctx.load_texture(&bookmark.name, image, egui::TextureOptions::LINEAR);
+            self.textures.push((Arc::clone(&bookmark.picture), texture));
+            self.textures.len() - 1
+        });
+        &self.textures[place].1
+    }
+
+    /// Forgets the pictures of bookmarks that are gone.
+    fn retain(&mut self, places: &Places) {
+        self.textures.retain(|(picture, _)| {
+            places.bookmarks().iter().any(|other| Arc::ptr_eq(&other.picture, picture))
+        });
+    }
+}
+
+/// Shows the built-in places and the bookmarks; answers with what the person does.
+pub fn places_panel(
+    ui: &mut Ui,
+    places: &Places,
+    form: &PlaceForm,
+    thumbnails: &mut Thumbnails,
+) -> Vec<PlaceAction> {
+    let (mut new, mut actions) = (form.clone(), Vec::new());
+    ui.heading("Your places");
+    keep(ui, &mut new, &mut actions);
+    thumbnails.retain(places);
+    for bookmark in places.bookmarks() {
+        ui.push_id(&bookmark.name, |ui| {
+            let texture = thumbnails.texture(ui.ctx(), bookmark).clone();
+            row(ui, bookmark, &texture, &mut new, &mut actions);
+        });
+    }
+    ui.separator();
+    ui.heading("Worth seeing");
+    for scene in BUILT_IN {
+        if named(ui, scene.name, &format!("Open {}", scene.name)) {
+            actions.push(PlaceAction::Open(Box::new(scene.document())));
+        }
+        ui.label(scene.sentence());
+        ui.add_space(4.0);
+    }
+    if new != *form {
+        actions.push(PlaceAction::Change(new));
+    }
+    actions
+}
+
+/// The field and the button that keep the view.
+fn keep(ui: &mut Ui, form: &mut PlaceForm, actions: &mut Vec<PlaceAction>) {
+    ui.horizontal(|ui| {
+        let label = ui.label("Name");
+        let field = TextEdit::singleline(&mut form.name).desired_width(140.0);
+        let field = ui.add(field).labelled_by(label.id);
+        let entered = entered(ui, &field);
+        let ready = !form.name.trim().is_empty();
+        let pressed = ui.add_enabled(ready, Button::new("Keep this view")).clicked();
+        if ready && (pressed || entered) {
+            actions.push(PlaceAction::Add(form.name.trim().to_string()));
+            form.name.clear();
+        }
+    });
+}
+
+fn row(
+    ui: &mut Ui,
+    bookmark: &Bookmark,
+    texture: &TextureHandle,
+    form: &mut PlaceForm,
+    actions: &mut Vec<PlaceAction>,
+) {
+    let name = &bookmark.name;
+    ui.horizontal(|ui| {
+        let image = Image::new(texture).fit_to_exact_size(vec2(64.0, 48.0));
+        ui.add(image.alt_text(format!("Picture of {name}")));
+        ui.vertical(|ui| {
+            if named(ui, name, &format!("Open {name}")) {
+                actions.push(PlaceAction::Open(Box::new(bookmark.picture.document.clone())));
+            }
+            ui.horizontal(|ui| change(ui, name, form, actions));
+        });
+    });
+}
+
+/// Renaming, and deleting after a second look.
+fn change(ui: &mut Ui, name: &str, form: &mut PlaceForm, actions: &mut Vec<PlaceAction>) {
+    if form.deleting.as_deref() == Some(name) {
+        if named(ui, "Delete for good", &format!("Delete {name} for good")) {
+            actions.push(PlaceAction::Delete(name.to_string()));
+            form.deleting = None;
+        }
+        if named(ui, "Keep", &format!("Keep {name}")) {
+            form.deleting = None;
+        }
+        return;
+    }
+    if let Some((_, new)) = form.renaming.as_mut().filter(|(old, _)| old == name) {
+        let field = ui.add(TextEdit::singleline(new).desired_width(90.0));
+        field.widget_info(|| {
+            let mut info = WidgetInfo::text_edit(true, "", &*new, "");
+            info.label = Some(format!("New name of {name}"));
+            info
+        });
+        let (new, entered) = (new.trim().to_string(), entered(ui, &field));
+        if named(ui, "Rename", &format!("Rename {name} so")) || entered {
+            actions.push(PlaceAction::Rename(name.to_string(), new));
+            form.renaming = None;
+        }
+        return;
+    }
+    if named(ui, "Rename…", &format!("Rename {name}…")) {
+        form.renaming = Some((name.to_string(), name.to_string()));
+    }
+    if named(ui, "Delete…", &format!("Delete {name}…")) {
+        form.deleting = Some(name.to_string());
+    }
+}
+
+/// Whether what was typed was ended with the return key.
+fn entered(ui: &Ui, field: &Response) -> bool {
+    field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
+}
+
+/// A button whose name says more than its text; whether it was pressed.
+fn named(ui: &mut Ui, text: &str, name: &str) -> bool {
+    let response = ui.button(text);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+    response.clicked()
+}

@@ -1,0 +1,83 @@
+//! The line below the map: what is shown, how far it is, what computes it.
+
+use egui::{ProgressBar, Ui};
+
+use crate::tiles::explorer::Progress;
+
+/// What the line tells.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Status {
+    /// How far the view is.
+    pub progress: Progress,
+    /// Width of the view, rad.
+    pub width_rad: f64,
+    /// Starts integrated a second, lately; 0 while nothing is computed.
+    pub rate: f64,
+    /// Starts integrated since the window was opened.
+    pub simulated: u64,
+    /// The engine with its recipe, or what is happening to it.
+    pub engine: String,
+}
+
+/// Shows the line.
+pub fn status_line(ui: &mut Ui, status: &Status) {
+    ui.horizontal(|ui| {
+        let Progress { level, wanted, done, .. } = status.progress;
+        let share = if wanted == 0 { 0.0 } else { done as f32 / wanted as f32 };
+        let percent = format!("{:.0} %", (100.0 * share).floor());
+        let bar = ProgressBar::new(share).desired_width(90.0).text(percent);
+        ui.add(bar).on_hover_text("Share of the view that is computed to its finest level");
+        ui.label(format!("level {level}"));
+        ui.separator();
+        ui.label(width_text(status.width_rad));
+        ui.separator();
+        ui.label(format!("{} pendulums", grouped(status.simulated)));
+        if status.rate > 0.0 {
+            ui.label(format!("{}/s", short(status.rate)));
+        }
+        ui.separator();
+        ui.add(egui::Label::new(&status.engine).truncate());
+    });
+}
+
+/// A width as people write it.
+fn width_text(rad: f64) -> String {
+    if rad >= 1e-3 { format!("{rad:.4} rad wide") } else { format!("{rad:.3e} rad wide") }
+}
+
+/// A count with thin spaces between its thousands.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push('\u{2009}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A rate in thousands or millions.
+fn short(rate: f64) -> String {
+    match rate {
+        r if r >= 1e6 => format!("{:.1} M", r / 1e6),
+        r if r >= 1e3 => format!("{:.0} k", r / 1e3),
+        r => format!("{r:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_easy_to_read() {
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1_234_567), "1\u{2009}234\u{2009}567");
+        assert_eq!(
+            (short(12.3), short(45_678.0), short(2.35e6)),
+            ("12".into(), "46 k".into(), "2.4 M".into())
+        );
+    }
+}

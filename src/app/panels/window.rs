@@ -1,0 +1,49 @@
+//! The window's own manners: colours, scale, motion, what is kept.
+
+use egui::{Slider, Ui};
+
+use crate::app::action::Action;
+use crate::app::settings::{Settings, Theme};
+use crate::app::state::{Dialog, State};
+
+/// Shows them.
+pub fn window_panel(ui: &mut Ui, state: &State, settings: &mut Settings) -> Vec<Action> {
+    let mut actions = Vec::new();
+    ui.horizontal(|ui| {
+        for (theme, word) in
+            [(Theme::System, "as the system"), (Theme::Dark, "dark"), (Theme::Light, "light")]
+        {
+            if ui.radio(state.theme == theme, word).clicked() {
+                actions.push(Action::Theme(theme));
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.label(format!("Scale {:.0} %", 100.0 * state.ui_scale));
+        for (word, factor) in [("Smaller", 1.0 / 1.1), ("Larger", 1.1)] {
+            if ui.button(word).clicked() {
+                actions.push(Action::UiScale(state.ui_scale * factor));
+            }
+        }
+    });
+    let mut animate = state.animate;
+    if ui.checkbox(&mut animate, "Smooth moves").changed() {
+        actions.push(Action::Animate(animate));
+    }
+    ui.checkbox(&mut settings.restore, "Open where the window was left");
+    let label = ui.label("Memory for places seen before, MiB (from the next start)");
+    let slider = Slider::new(&mut settings.cache_mib, Settings::CACHE_MIB).logarithmic(true);
+    ui.add(slider).labelled_by(label.id);
+    ui.horizontal(|ui| {
+        for (word, action) in [
+            ("Keys (F1)", Action::Toggle(Dialog::Help)),
+            ("Full screen (F11)", Action::FullScreen),
+            ("Copy the location", Action::CopyLocation),
+        ] {
+            if ui.button(word).clicked() {
+                actions.push(action);
+            }
+        }
+    });
+    actions
+}

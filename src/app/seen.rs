@@ -1,0 +1,51 @@
+//! What is known of the view as samples: for a small picture of it, and for colours that fit it.
+
+use glam::DVec2;
+
+use super::camera::Screen;
+use super::hover::known_at;
+use crate::physics::{Outcome, Status};
+use crate::scene::palette::Tones;
+use crate::tiles::explorer::{Explorer, MOST_CELLS};
+use crate::tiles::lattice::Cell;
+
+/// Width and height of a bookmark's picture in pixels.
+pub const THUMBNAIL: [u32; 2] = [192, 144];
+
+/// Flip times of the samples in view that are known at the screen's level.
+pub fn times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
+    let mut times = Vec::new();
+    for placed in screen.region().cells(screen.level(), MOST_CELLS) {
+        if let Some((known, _)) = explorer.known(placed.cell) {
+            let flipped = |outcome: &Outcome| outcome.status == Status::Flipped;
+            times.extend(known.samples.iter().filter(flipped).map(|outcome| outcome.time));
+        }
+    }
+    times
+}
+
+/// The view as a small picture, three bytes a pixel; what is not known yet is grey.
+pub fn thumbnail(screen: &Screen, explorer: &mut Explorer, tones: &Tones) -> Vec<u8> {
+    const UNKNOWN: [u8; 3] = [0x80; 3];
+    let [width, height] = THUMBNAIL;
+    // The middle of the view in the thumbnail's shape.
+    let scale = (screen.size / DVec2::new(f64::from(width), f64::from(height))).min_element();
+    let mut bytes = Vec::with_capacity((3 * width * height) as usize);
+    for row in 0..height {
+        for column in 0..width {
+            let x = f64::from(column) + 0.5 - f64::from(width) / 2.0;
+            let y = f64::from(row) + 0.5 - f64::from(height) / 2.0;
+            let outcome = best_outcome(screen, explorer, DVec2::new(x, y) * scale);
+            bytes.extend(outcome.map_or(UNKNOWN, |outcome| tones.colour(&outcome)));
+        }
+    }
+    bytes
+}
+
+/// The finest known sample at a point.
+fn best_outcome(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<Outcome> {
+    let angle = screen.angle_at(point);
+    let around = Cell::around(angle, screen.level());
+    let mut cells = std::iter::successors(Some(around), Cell::parent);
+    cells.find_map(|cell| known_at(explorer, cell, angle)).map(|(outcome, _)| outcome)
+}

@@ -1,0 +1,313 @@
+//! How the window was left: kept between two runs in `settings.toml`.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::folders::Folders;
+use crate::output::{Destination, SafeFile};
+use crate::scene::Document;
+
+/// What a person has chosen. Numbers out of range are moved into it, unknown keys ignored: a
+/// window should open.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Dark or light.
+    pub theme: Theme,
+    /// How large everything around the map is.
+    pub ui_scale: f32,
+    /// Whether the view moves smoothly.
+    pub animate: bool,
+    /// Whether the window opens where it was left.
+    pub restore: bool,
+    /// MiB of samples that are kept for places seen before.
+    pub cache_mib: u32,
+    /// Files opened last, the newest first.
+    pub recent: Vec<String>,
+    /// Where the window was left.
+    #[serde(with = "as_text", skip_serializing_if = "Option::is_none")]
+    pub last_scene: Option<Document>,
+    /// What is drawn over the map.
+    pub layers: Layers,
+}
+
+/// The colours of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Theme {
+    /// As the desktop has it.
+    #[default]
+    System,
+    /// Light on dark.
+    Dark,
+    /// Dark on light.
+    Light,
+}
+
+/// What is drawn over the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Layers {
+    /// The energy curve.
+    pub curve: bool,
+    /// Hatching where checks disagree.
+    pub trust: bool,
+    /// Lines of equal angles, in multiples of π.
+    pub grid: bool,
+    /// Borders of the tiles.
+    pub borders: bool,
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Layers { curve: true, trust: true, grid: false, borders: false }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            theme: Theme::default(),
+            ui_scale: 1.0,
+            animate: true,
+            restore: true,
+            cache_mib: 512,
+            recent: Vec::new(),
+            last_scene: None,
+            layers: Layers::default(),
+        }
+    }
+}
+
+impl Settings {
+    /// How many recent files are kept.
+    pub const MOST_RECENT: usize = 10;
+    /// How small and large the interface can be.
+    pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
+    /// How little and much can be kept in memory, MiB.
+    pub const CACHE_MIB: std::ops::RangeInclusive<u32> = 64..=65536;
+
+    /// Puts a file first among the recent ones. A path that is no text is not kept.
+    pub fn remember(&mut self, path: &Path) {
+        let Some(path) = path.to_str() else { return };
+        self.recent.retain(|other| other != path);
+        self.recent.insert(0, path.to_string());
+        self.recent.truncate(Self::MOST_RECENT);
+    }
+
+    /// The same with every number in its range.
+    fn sound(mut self) -> Self {
+        let scale = if self.ui_scale.is_nan() { 1.0 } else { self.ui_scale };
+        self.ui_scale = scale.clamp(*Self::UI_SCALES.start(), *Self::UI_SCALES.end());
+        self.cache_mib = self.cache_mib.clamp(*Self::CACHE_MIB.start(), *Self::CACHE_MIB.end());
+        self.recent.truncate(Self::MOST_RECENT);
+        self
+    }
+}
+
+/// The last scene as the text of its file, so that a scene this program cannot read costs only
+/// itself.
+mod as_text {
+    use super::Document;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(scene: &Option<Document>, out: S) -> Result<S::Ok, S::Error> {
+        match scene {
+            Some(scene) => out.serialize_str(&scene.text()),
+            None => out.serialize_none(),
+        }
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Document>, D::Error> {
+        let text = String::deserialize(from)?;
+        let scene = Document::parse(&text);
+        Ok(scene.inspect_err(|error| log::warn!("settings: last_scene: {error}")).ok())
+    }
+}
+
+/// The file that settings are kept in, or none.
+#[derive(Clone, Debug)]
+pub struct Store {
+    path: Option<PathBuf>,
+}
+
+/// Settings at the start, and what the person should know about them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// What was kept, or the defaults.
+    pub settings: Settings,
+    /// A sentence, where the file could not be used.
+    pub notice: Option<String>,
+}
+
+impl Store {
+    /// The file in these folders. Without a folder nothing is ever read or written.
+    pub fn new(folders: &Folders) -> Self {
+        Store { path: folders.config.as_ref().map(|folder| folder.join("settings.toml")) }
+    }
+
+    /// Reads what was kept. A file that is no settings is moved aside and not lost.
+    pub fn load(&mut self) -> Loaded {
+        let fresh = |notice| Loaded { settings: Settings::default(), notice };
+        let Some(path) = self.path.clone() else { return fresh(None) };
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return fresh(None),
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                return fresh(Some(self.set_aside(&path, &error.to_string())));
+            }
+            Err(error) => {
+                self.path = None;
+                let path = path.display();
+                return fresh(Some(format!(
+                    "Your settings in {path} could not be read ({error}); nothing is saved this \
+                     time."
+                )));
+            }
+        };
+        match toml::from_str::<Settings>(&text) {
+            Ok(settings) => {
+                warn_of_unknown(&text);
+                Loaded { settings: settings.sound(), notice: None }
+            }
+            Err(error) => fresh(Some(self.set_aside(&path, error.message()))),
+        }
+    }
+
+    /// Moves a bad file to a free name; if that fails it stays, and nothing is saved over it.
+    fn set_aside(&mut self, path: &Path, why: &str) -> String {
+        let aside = (1..).map(|k| path.with_file_name(format!("settings-bad-{k}.toml")));
+        let aside = aside.into_iter().find(|aside| !aside.exists()).expect("some name is free");
+        let kept = match std::fs::rename(path, &aside) {
+            Ok(()) => aside.display().to_string(),
+            Err(_) => {
+                self.path = None;
+                path.display().to_string()
+            }
+        };
+        format!(
+            "Your settings could not be read ({why}), so everything is as new. The old file is \
+             kept as {kept}."
+        )
+    }
+
+    /// Keeps settings: the old file stays until the new one is complete.
+    pub fn save(&self, settings: &Settings) -> io::Result<()> {
+        let Some(path) = &self.path else { return Ok(()) };
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        let text = toml::to_string(settings).map_err(io::Error::other)?;
+        let mut file = SafeFile::create(&Destination::File(path.clone()))?;
+        file.write_all(text.as_bytes())?;
+        file.finish()
+    }
+}
+
+/// Says in the log which keys mean nothing here: those of a newer program, or misspelt ones.
+fn warn_of_unknown(text: &str) {
+    for key in unknown_keys(text) {
+        log::warn!("settings.toml: unknown key '{key}' is ignored");
+    }
+}
+
+fn unknown_keys(text: &str) -> Vec<String> {
+    let full = Settings { last_scene: Some(Document::default()), ..Settings::default() };
+    let known = toml::Table::try_from(full).expect("settings are a table");
+    let Ok(found) = text.parse::<toml::Table>() else { return Vec::new() };
+    let inner = |table: &toml::Table, key: &str| table.get(key)?.as_table().cloned();
+    let mut unknown: Vec<String> =
+        found.keys().filter(|key| !known.contains_key(*key)).cloned().collect();
+    if let (Some(known), Some(found)) = (inner(&known, "layers"), inner(&found, "layers")) {
+        let extra = found.keys().filter(|key| !known.contains_key(*key));
+        unknown.extend(extra.map(|key| format!("layers.{key}")));
+    }
+    unknown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn store() -> (tempfile::TempDir, Store, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(&Folders::under(folder.path()));
+        let path = store.path.clone().unwrap();
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        (folder, store, path)
+    }
+
+    #[test]
+    fn settings_come_back_as_they_were() {
+        let (_folder, mut store, _) = store();
+        assert_eq!(store.load(), Loaded { settings: Settings::default(), notice: None });
+        let mut settings = Settings {
+            theme: Theme::Light,
+            ui_scale: 1.5,
+            layers: Layers { grid: true, ..Layers::default() },
+            last_scene: Some(Document::default()),
+            ..Settings::default()
+        };
+        settings.remember(Path::new("/tmp/a.png"));
+        store.save(&settings).unwrap();
+        assert_eq!(store.load(), Loaded { settings, notice: None });
+    }
+
+    #[test]
+    fn a_bad_file_is_set_aside_and_said() {
+        let (_folder, mut store, path) = store();
+        for k in 1..=2 {
+            std::fs::write(&path, format!("ui_scale = \"big {k}\"")).unwrap();
+            let Loaded { settings, notice } = store.load();
+            assert_eq!(settings, Settings::default());
+            let aside = path.with_file_name(format!("settings-bad-{k}.toml"));
+            assert!(notice.unwrap().contains(aside.to_str().unwrap()));
+            assert!(std::fs::read_to_string(aside).unwrap().contains(&format!("big {k}")));
+            assert!(!path.exists());
+        }
+        std::fs::write(&path, b"\xff\xfe").unwrap();
+        assert!(store.load().notice.unwrap().contains("settings-bad-3.toml"));
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_read_is_not_written_over() {
+        let (_folder, mut store, path) = store();
+        std::fs::create_dir(&path).unwrap();
+        assert!(store.load().notice.unwrap().contains("nothing is saved"));
+        store.save(&Settings::default()).unwrap();
+        assert!(path.is_dir());
+    }
+
+    #[test]
+    fn numbers_out_of_range_and_unknown_keys_do_no_harm() {
+        let (_folder, mut store, path) = store();
+        let text = "ui_scale = 99.0\ncache_mib = 1\nlast_scene = \"format = 99\"\nlights = true\n\
+                    [layers]\ngrid = true\nsky = 1\n";
+        std::fs::write(&path, text).unwrap();
+        let Loaded { settings, notice } = store.load();
+        assert_eq!((settings.ui_scale, settings.cache_mib, notice), (3.0, 64, None));
+        assert!(settings.layers.grid && settings.layers.curve && settings.last_scene.is_none());
+        assert_eq!(unknown_keys(text), ["lights", "layers.sky"]);
+        assert_eq!(Settings { ui_scale: f32::NAN, ..settings }.sound().ui_scale, 1.0);
+    }
+
+    #[test]
+    fn recent_files_are_few_and_each_is_there_once() {
+        let mut settings = Settings::default();
+        for k in 0..15 {
+            settings.remember(Path::new(&format!("{k}.png")));
+        }
+        settings.remember(Path::new("9.png"));
+        assert_eq!(settings.recent.len(), 10);
+        assert_eq!(settings.recent[..3], ["9.png", "14.png", "13.png"]);
+    }
+
+    #[test]
+    fn without_folders_nothing_is_read_or_written() {
+        let mut store = Store::new(&Folders::none());
+        store.save(&Settings { animate: false, ..Settings::default() }).unwrap();
+        assert_eq!(store.load(), Loaded { settings: Settings::default(), notice: None });
+    }
+}

@@ -1,0 +1,111 @@
+//! The panels at the side, one below the other.
+
+use egui::{CollapsingHeader, ScrollArea, Ui};
+
+use super::action::Action;
+use super::desk::Desk;
+use super::panels::accuracy::{Computing, accuracy_panel};
+use super::panels::colours::colours_panel;
+use super::panels::export::{ExportStatus, export_panel};
+use super::panels::layers::layers_panel;
+use super::panels::pendulum::pendulum_panel;
+use super::panels::places::places_panel;
+use super::panels::scene::scene_panel;
+use super::panels::window::window_panel;
+
+impl Desk {
+    /// Shows the panels and collects what was done in them.
+    pub(super) fn side(&mut self, ui: &mut Ui) -> Vec<Action> {
+        self.take_answer();
+        let mut actions = Vec::new();
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            let open = !self.state.pins.is_empty();
+            CollapsingHeader::new("Pendulum of a pixel").default_open(true).show(ui, |ui| {
+                actions.extend(pendulum_panel(ui, &self.state.pins).into_iter().map(Action::Pins));
+            });
+            CollapsingHeader::new("Places").default_open(!open).show(ui, |ui| {
+                let done = places_panel(ui, &self.places, &self.place_form, &mut self.thumbnails);
+                actions.extend(done.into_iter().filter_map(|action| self.place(action)));
+                self.recent(ui, &mut actions);
+            });
+            CollapsingHeader::new("Scene").show(ui, |ui| {
+                let changed = scene_panel(ui, &self.state.build, &self.state.question);
+                actions.extend(changed.map(|(build, question)| Action::Scene(build, question)));
+            });
+            CollapsingHeader::new("Accuracy").show(ui, |ui| {
+                actions.extend(accuracy_panel(ui, &self.computing()));
+            });
+            CollapsingHeader::new("Colours").show(ui, |ui| {
+                let state = &self.state;
+                let any = self.room.explorer.progress().done > 0;
+                let done = colours_panel(ui, &state.picture, &state.build, &state.question, any);
+                actions.extend(done.and_then(|action| self.colour(action)));
+            });
+            CollapsingHeader::new("Layers").show(ui, |ui| {
+                actions.extend(layers_panel(ui, &self.state.layers));
+            });
+            CollapsingHeader::new("Export").show(ui, |ui| {
+                let statuses = self.export_statuses();
+                for action in export_panel(ui, &self.export_form, &statuses) {
+                    self.export(action);
+                }
+            });
+            CollapsingHeader::new("Window").show(ui, |ui| {
+                actions.extend(window_panel(ui, &self.state, &mut self.settings));
+            });
+            if self.state.shown.debug {
+                CollapsingHeader::new("Measured").default_open(true).show(ui, |ui| {
+                    self.measured.iter().for_each(|line| {
+                        ui.monospace(line);
+                    });
+                    if ui.button("Lose the graphics device").clicked() {
+                        actions.push(Action::LoseDevice);
+                    }
+                });
+            }
+        });
+        actions
+    }
+
+    /// Files opened last.
+    fn recent(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        ui.separator();
+        if ui.button("Open a picture or scene…").clicked() {
+            actions.push(Action::AskForFile);
+        }
+        for path in &self.settings.recent {
+            let name = std::path::Path::new(path).file_name().map(|name| name.to_string_lossy());
+            let name = name.unwrap_or_else(|| path.as_str().into());
+            if ui.link(format!("Open {name}")).on_hover_text(path).clicked() {
+                actions.push(Action::Open(path.into()));
+            }
+        }
+    }
+
+    fn computing(&self) -> Computing {
+        let engine = self.room.engine();
+        let rate = self.meter.rate();
+        let cost_us = match self.state.demand {
+            crate::engine::choice::Demand::Level(level) if rate > 0.0 => vec![(level, 1e6 / rate)],
+            _ => Vec::new(),
+        };
+        Computing {
+            demand: self.state.demand,
+            kind: self.state.kind,
+            recipe: self.room.recipe(),
+            engine: engine.map(|(name, adapter, why)| (name.to_string(), adapter, why.to_string())),
+            failed: self.room.has_failed(),
+            cost_us,
+        }
+    }
+
+    fn export_statuses(&self) -> Vec<ExportStatus> {
+        let name = |path: &std::path::Path| {
+            path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+        };
+        self.exports
+            .iter()
+            .map(|export| ExportStatus { name: name(export.path()), stage: export.stage() })
+            .collect()
+    }
+}

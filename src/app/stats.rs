@@ -1,0 +1,295 @@
+//! What a window measures of itself: how soon the map is there, how often it is drawn, how fast
+//! it answers, and what it shows. Written by `flipmap explore --stats FILE` whenever the window
+//! has come to rest and when it closes, shown in the debug panel.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::desk::Desk;
+use crate::output::{Destination, SafeFile};
+use crate::scene::location;
+use crate::tiles::explorer::Progress;
+
+/// Measurements since the window was opened.
+#[derive(Debug)]
+pub struct Stats {
+    begun: Instant,
+    window_secs: Option<f64>,
+    first_coarse_secs: Option<f64>,
+    full_secs: Option<f64>,
+    frames: Vec<f32>,
+    panning: Panning,
+    /// When input that no frame has shown yet came in.
+    waiting: Vec<Instant>,
+    latencies: Vec<f32>,
+}
+
+/// Frames while the map was dragged and something was computed.
+#[derive(Debug, Default)]
+struct Panning {
+    since: Option<Instant>,
+    frames: u32,
+    secs: f64,
+}
+
+/// Measurements kept of frames and latencies; an hour's worth.
+const MOST: usize = 1 << 18;
+
+impl Default for Stats {
+    fn default() -> Self {
+        Stats {
+            begun: Instant::now(),
+            window_secs: None,
+            first_coarse_secs: None,
+            full_secs: None,
+            frames: Vec::new(),
+            panning: Panning::default(),
+            waiting: Vec::new(),
+            latencies: Vec::new(),
+        }
+    }
+}
+
+/// Quantiles of many numbers.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Quantiles {
+    /// How many there are.
+    pub count: usize,
+    /// Half are at most this.
+    pub p50: f32,
+    /// 95 of 100 are at most this.
+    pub p95: f32,
+    /// All are.
+    pub max: f32,
+}
+
+/// What a window shows and holds.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Holdings {
+    /// The view, as a line that can be pasted.
+    pub location: String,
+    /// Width and height of the map, physical pixels; it begins at the window's upper left corner.
+    pub map_px: [f64; 2],
+    /// Tiles of the finest level in view.
+    pub tiles: usize,
+    /// Those among them that are there.
+    pub tiles_done: usize,
+    /// Starts of the pinned pixels, rad.
+    pub pins: Vec<[f64; 2]>,
+    /// Sentences that are shown.
+    pub notices: Vec<String>,
+    /// Starts integrated.
+    pub simulated: u64,
+    /// Right-hand sides evaluated for them.
+    pub rhs_evaluations: u64,
+    /// Bytes of tiles held.
+    pub cache_bytes: usize,
+}
+
+/// Everything measured, as it is written.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Report {
+    /// What the window shows and holds now.
+    #[serde(flatten)]
+    pub holdings: Holdings,
+    /// From the start of the program to the first frame, s.
+    pub window_secs: Option<f64>,
+    /// To the first frame with something drawn for every cell in view, s.
+    pub first_coarse_secs: Option<f64>,
+    /// To the first frame with the whole view at its finest level, s.
+    pub full_secs: Option<f64>,
+    /// How long frames took to make and present, ms.
+    pub frame_ms: Option<Quantiles>,
+    /// From input to the frame that shows it, ms; where input came during another frame, from
+    /// that one's beginning, so never too little.
+    pub input_ms: Option<Quantiles>,
+    /// Frames drawn while the map was dragged and something was being computed.
+    pub panning_frames: u32,
+    /// How long that was, s.
+    pub panning_secs: f64,
+    /// Frames a second meanwhile.
+    pub panning_fps: Option<f64>,
+    /// The most memory the process ever held, bytes, where the system tells.
+    pub peak_bytes: Option<u64>,
+}
+
+impl Holdings {
+    /// Those of a desk.
+    pub fn of(desk: &Desk) -> Self {
+        let (state, explorer) = (&desk.state, &desk.room.explorer);
+        let (progress, counts) = (explorer.progress(), explorer.counts());
+        Holdings {
+            location: location::text(&state.document().scene()),
+            map_px: (state.canvas * state.pixels_per_point).to_array(),
+            tiles: progress.wanted,
+            tiles_done: progress.done,
+            pins: state.pins.iter().map(|pin| pin.start.map(|theta| theta.hi)).collect(),
+            notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
+            simulated: counts.simulated,
+            rhs_evaluations: counts.rhs_evaluations,
+            cache_bytes: explorer.bytes(),
+        }
+    }
+}
+
+impl Stats {
+    /// Counts from the start of the program.
+    pub fn since(begun: Instant) -> Self {
+        Stats { begun, ..Stats::default() }
+    }
+
+    /// Input came in that `earliest` could have come.
+    pub fn input(&mut self, earliest: Instant) {
+        self.waiting.push(earliest);
+    }
+
+    /// A frame was presented that began at `began`, and shows this much.
+    pub fn frame(&mut self, began: Instant, progress: &Progress, dragging: bool) {
+        let now = Instant::now();
+        let secs = (now - self.begun).as_secs_f64();
+        self.window_secs.get_or_insert(secs);
+        if progress.covered && progress.wanted > 0 {
+            self.first_coarse_secs.get_or_insert(secs);
+        }
+        if progress.wanted > 0 && progress.done == progress.wanted {
+            self.full_secs.get_or_insert(secs);
+        }
+        push(&mut self.frames, now - began);
+        for came in self.waiting.drain(..) {
+            push(&mut self.latencies, now - came);
+        }
+        self.panning.frame(now, dragging && !progress.idle);
+    }
+
+    /// What was measured so far.
+    pub fn report(&self, holdings: Holdings) -> Report {
+        let Panning { frames, secs, .. } = self.panning;
+        Report {
+            holdings,
+            window_secs: self.window_secs,
+            first_coarse_secs: self.first_coarse_secs,
+            full_secs: self.full_secs,
+            frame_ms: quantiles(&self.frames),
+            input_ms: quantiles(&self.latencies),
+            panning_frames: frames,
+            panning_secs: secs,
+            panning_fps: (secs > 0.0).then(|| f64::from(frames) / secs),
+            peak_bytes: peak_bytes(),
+        }
+    }
+}
+
+impl Panning {
+    fn frame(&mut self, now: Instant, panning: bool) {
+        if let Some(since) = self.since.filter(|_| panning) {
+            self.frames += 1;
+            self.secs += (now - since).as_secs_f64();
+        }
+        self.since = panning.then_some(now);
+    }
+}
+
+impl Report {
+    /// Lines for people.
+    pub fn lines(&self) -> Vec<String> {
+        let secs = |name: &str, secs: Option<f64>| secs.map(|secs| format!("{name} {secs:.2} s"));
+        let ms = |name: &str, all: Option<Quantiles>| {
+            all.map(|q| format!("{name} {:.0} ms, p95 {:.0}, most {:.0}", q.p50, q.p95, q.max))
+        };
+        let mib = |bytes: u64| bytes >> 20;
+        [
+            secs("first frame", self.window_secs),
+            secs("first map", self.first_coarse_secs),
+            secs("whole map", self.full_secs),
+            ms("frame", self.frame_ms),
+            ms("input", self.input_ms),
+            self.panning_fps.map(|fps| format!("dragging {fps:.0} frames/s")),
+            Some(format!("tiles {} MiB", mib(self.holdings.cache_bytes as u64))),
+            self.peak_bytes.map(|bytes| format!("memory, at most {} MiB", mib(bytes))),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// Writes it as JSON.
+    pub fn write(&self, path: &Path) -> std::io::Result<()> {
+        let mut file = SafeFile::create(&Destination::from(path))?;
+        serde_json::to_writer_pretty(&mut file, self).map_err(std::io::Error::other)?;
+        file.finish()
+    }
+}
+
+fn push(list: &mut Vec<f32>, took: Duration) {
+    if list.len() < MOST {
+        list.push(1e3 * took.as_secs_f32());
+    }
+}
+
+fn quantiles(numbers: &[f32]) -> Option<Quantiles> {
+    let mut sorted = numbers.to_vec();
+    sorted.sort_unstable_by(f32::total_cmp);
+    let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share).round() as usize];
+    (!sorted.is_empty()).then(|| Quantiles {
+        count: sorted.len(),
+        p50: at(0.5),
+        p95: at(0.95),
+        max: at(1.0),
+    })
+}
+
+/// The largest resident size of this process, from Linux's account of it.
+fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib << 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn progress(done: usize, covered: bool) -> Progress {
+        Progress { level: 3, wanted: 10, done, covered, idle: done == 10 }
+    }
+
+    #[test]
+    fn the_map_is_first_there_then_whole() {
+        let mut stats = Stats::default();
+        let now = Instant::now();
+        stats.frame(now, &progress(0, false), false);
+        let report = stats.report(Holdings::default());
+        assert!(report.window_secs.is_some() && report.first_coarse_secs.is_none());
+        stats.frame(now, &progress(2, true), false);
+        assert!(stats.report(Holdings::default()).full_secs.is_none());
+        stats.frame(now, &progress(10, true), false);
+        let report = stats.report(Holdings { simulated: 7, ..Holdings::default() });
+        assert!(report.full_secs >= report.first_coarse_secs);
+        let written = serde_json::to_value(&report).unwrap();
+        assert_eq!(written["simulated"], 7, "what is held lies beside what was measured");
+        assert_eq!(report.frame_ms.unwrap().count, 3);
+    }
+
+    #[test]
+    fn every_input_waits_for_the_next_frame() {
+        let mut stats = Stats::default();
+        let earlier = Instant::now() - Duration::from_millis(40);
+        stats.input(earlier);
+        stats.input(earlier);
+        stats.frame(Instant::now(), &progress(0, false), true);
+        stats.frame(Instant::now(), &progress(0, false), true);
+        let report = stats.report(Holdings::default());
+        let latency = report.input_ms.unwrap();
+        assert!(latency.count == 2 && latency.p50 >= 40.0);
+        assert_eq!(report.panning_frames, 1, "from one frame of a drag to the next");
+    }
+
+    #[test]
+    fn quantiles_are_of_the_sorted() {
+        let all: Vec<f32> = (1..=100).rev().map(|k| k as f32).collect();
+        let q = quantiles(&all).unwrap();
+        assert_eq!((q.count, q.p95, q.max), (100, 95.0, 100.0));
+        assert!(quantiles(&[]).is_none());
+    }
+}

@@ -1,0 +1,347 @@
+//! The window of the system: events in, frames out, and sleep between.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use winit::application::ApplicationHandler;
+use winit::dpi::LogicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::{Fullscreen, Window, WindowId};
+
+use super::desk::{Desk, Options};
+use super::host::{Host, HostError};
+use super::settings::Theme;
+use super::state::Effect;
+use super::stats::{Holdings, Stats};
+use super::wake::Woken;
+
+/// Why the window could not be opened or had to close.
+#[derive(Debug, thiserror::Error)]
+pub enum WindowError {
+    /// No display.
+    #[error("no window can be opened here ({0}); use flipmap render for pictures without a window")]
+    Display(#[from] winit::error::EventLoopError),
+    /// The system refused the window.
+    #[error("the system refused the window: {0}")]
+    Window(#[from] winit::error::OsError),
+    /// No graphics.
+    #[error(transparent)]
+    Host(#[from] HostError),
+    /// The measurements could not be written.
+    #[error("--stats: cannot write {path}: {source}")]
+    Stats {
+        /// Where.
+        path: String,
+        /// Why not.
+        source: std::io::Error,
+    },
+}
+
+/// Frames are not drawn faster than this.
+const FRAME: Duration = Duration::from_micros(16_600);
+/// New tiles alone wait so long for a frame: drawing takes time from computing.
+const NEWS: Duration = Duration::from_millis(120);
+/// A device lost this often within a run is not opened again.
+const MOST_LOSSES: u32 = 5;
+
+/// What is there once the system has given a window: the window, its device, and what it shows.
+struct Open {
+    window: Arc<Window>,
+    host: Host,
+    desk: Desk,
+}
+
+/// A window being run.
+struct Runner {
+    options: Options,
+    proxy: EventLoopProxy<Woken>,
+    open: Option<Open>,
+    stats: Stats,
+    begun: Instant,
+    redraw_at: Option<Instant>,
+    last_frame: Instant,
+    /// Since when events may have been waiting for this turn of the loop.
+    input_since: Instant,
+    losses: u32,
+    /// Whether the measurements were written since the last frame.
+    told: bool,
+    failure: Option<WindowError>,
+}
+
+/// Closes a window from any thread, as a person would.
+pub type Closer = Box<dyn Fn() + Send>;
+
+/// Opens a window and runs it until it is closed. `begun` is when the program started; `hand_out`
+/// gets what closes the window from outside.
+pub fn run(
+    options: Options,
+    begun: Instant,
+    hand_out: impl FnOnce(Closer),
+) -> Result<(), WindowError> {
+    let event_loop = EventLoop::<Woken>::with_user_event().build()?;
+    let closing = event_loop.create_proxy();
+    hand_out(Box::new(move || {
+        // Once the loop has ended the window is closed.
+        let _ = closing.send_event(Woken::Quit);
+    }));
+    let now = Instant::now();
+    let mut runner = Runner {
+        options,
+        proxy: event_loop.create_proxy(),
+        open: None,
+        stats: Stats::since(begun),
+        begun,
+        redraw_at: None,
+        last_frame: now,
+        input_since: now,
+        losses: 0,
+        told: true,
+        failure: None,
+    };
+    event_loop.run_app(&mut runner)?;
+    runner.failure.map_or(Ok(()), Err)
+}
+
+impl Runner {
+    /// Opens the window, its engine first: that takes longest and has a thread of its own.
+    fn open(&self, event_loop: &ActiveEventLoop) -> Result<Open, WindowError> {
+        let proxy = self.proxy.clone();
+        let desk = Desk::new(
+            &self.options,
+            Arc::new(move || {
+                // Once the loop has ended there is nobody to wake.
+                let _ = proxy.send_event(Woken::News);
+            }),
+        );
+        let attributes = Window::default_attributes()
+            .with_title("flipmap")
+            .with_inner_size(LogicalSize::new(1280.0, 800.0))
+            .with_min_inner_size(LogicalSize::new(320.0, 240.0));
+        let window = Arc::new(event_loop.create_window(attributes)?);
+        let host = Host::new(event_loop, &window, &self.proxy, None)?;
+        Ok(Open { window, host, desk })
+    }
+
+    /// Draws at a moment, or as soon as frames may follow each other.
+    fn draw_at(&mut self, moment: Instant) {
+        let moment = moment.max(self.last_frame + FRAME);
+        self.redraw_at = Some(self.redraw_at.map_or(moment, |other| other.min(moment)));
+    }
+
+    fn draw(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(open) = &mut self.open else { return };
+        let began = Instant::now();
+        self.last_frame = began;
+        self.redraw_at = None;
+        self.told = false;
+        let moving = open.desk.state.tick((began - self.begun).as_secs_f64());
+        open.desk.work();
+        apply_looks(open);
+        let mut effects = Vec::new();
+        let Open { host, desk, .. } = open;
+        let again = host.frame(event_loop, |ui| effects.extend(desk.show(ui)));
+        self.stats.frame(began, &desk.progress(), desk.state.dragging);
+        if desk.state.shown.debug {
+            desk.measured = self.stats.report(Holdings::of(desk)).lines();
+        }
+        if let Some(complaint) = host.complaint() {
+            desk.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
+        }
+        desk.save_sometimes();
+        let again = if moving || desk.state.moving.is_some() { Duration::ZERO } else { again };
+        if again < Duration::from_secs(3600) {
+            self.draw_at(Instant::now() + again);
+        }
+        self.input_since = began;
+        for effect in effects {
+            self.affect(event_loop, effect);
+        }
+    }
+
+    /// What only the window can do.
+    fn affect(&mut self, event_loop: &ActiveEventLoop, effect: Effect) {
+        let Some(open) = &mut self.open else { return };
+        match effect {
+            Effect::Quit => event_loop.exit(),
+            Effect::FullScreen => {
+                let whole = open.window.fullscreen().is_none();
+                open.window.set_fullscreen(whole.then_some(Fullscreen::Borderless(None)));
+            }
+            Effect::Copy(text) => open.host.ctx.copy_text(text),
+            Effect::LoseDevice => open.host.lose_device(),
+            // The desk does the others.
+            _ => {}
+        }
+        self.draw_at(Instant::now());
+    }
+
+    /// Opens the device again after it was lost.
+    fn recover(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(mut open) = self.open.take_if(|open| open.host.is_lost()) else { return };
+        self.losses += 1;
+        let memory = open.host.memory();
+        // The old surface must be gone before the window can have another one.
+        drop(open.host);
+        match Host::new(event_loop, &open.window, &self.proxy, Some(memory)) {
+            Ok(host) if self.losses <= MOST_LOSSES => {
+                open.desk.forget_card();
+                open.desk
+                    .state
+                    .notices
+                    .tell("The graphics device was lost and opened again; the map is as it was.");
+                let Open { window, desk, .. } = open;
+                self.open = Some(Open { window, host, desk });
+                self.draw_at(Instant::now());
+            }
+            Ok(_) => self.give_up(event_loop, &mut open.desk, None),
+            Err(error) => self.give_up(event_loop, &mut open.desk, Some(error)),
+        }
+    }
+
+    /// Nothing can be drawn any more: what the person had is kept, and the program says why.
+    fn give_up(&mut self, event_loop: &ActiveEventLoop, desk: &mut Desk, why: Option<HostError>) {
+        desk.save();
+        self.failure = why.map(WindowError::Host);
+        log::error!("the graphics device is lost for good; the view was saved");
+        event_loop.exit();
+    }
+
+    /// A thread has news: jobs are handed on at once, pictures a little later.
+    fn news(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        open.desk.work();
+        // If it was no tile, then a flight, an export or a dialog: the panels tell.
+        self.draw_at(self.last_frame + NEWS);
+    }
+
+    /// Nothing is left to draw or to compute: a good moment to tell what was measured, without
+    /// disturbing it.
+    fn rest(&mut self) {
+        let (Some(open), Some(path)) = (&self.open, &self.options.stats) else { return };
+        let still = !open.desk.state.dragging && open.desk.progress().idle;
+        if still && !std::mem::replace(&mut self.told, true) {
+            // A file that cannot be written is complained about when the window closes.
+            let _ = self.stats.report(Holdings::of(&open.desk)).write(path);
+        }
+    }
+
+    fn close(&mut self) {
+        let Some(mut open) = self.open.take() else { return };
+        open.desk.save();
+        if let Some(path) = &self.options.stats
+            && let Err(source) = self.stats.report(Holdings::of(&open.desk)).write(path)
+        {
+            let path = path.display().to_string();
+            self.failure = Some(WindowError::Stats { path, source });
+        }
+    }
+}
+
+/// Puts the chosen theme and scale into effect.
+fn apply_looks(open: &Open) {
+    let state = &open.desk.state;
+    let theme = match state.theme {
+        Theme::System => egui::ThemePreference::System,
+        Theme::Dark => egui::ThemePreference::Dark,
+        Theme::Light => egui::ThemePreference::Light,
+    };
+    open.host.ctx.set_theme(theme);
+    open.host.ctx.set_zoom_factor(state.ui_scale);
+}
+
+/// Whether an event is something a person did.
+fn is_input(event: &WindowEvent) -> bool {
+    matches!(
+        event,
+        WindowEvent::CursorMoved { .. }
+            | WindowEvent::MouseInput { .. }
+            | WindowEvent::MouseWheel { .. }
+            | WindowEvent::KeyboardInput { .. }
+            | WindowEvent::PinchGesture { .. }
+            | WindowEvent::Touch(_)
+    )
+}
+
+impl ApplicationHandler<Woken> for Runner {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.open.is_some() {
+            return;
+        }
+        match self.open(event_loop) {
+            Ok(open) => {
+                self.open = Some(open);
+                self.draw_at(Instant::now());
+            }
+            Err(error) => {
+                self.failure = Some(error);
+                event_loop.exit();
+            }
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(open) = &mut self.open else { return };
+        match event {
+            WindowEvent::RedrawRequested => {
+                self.draw(event_loop);
+                self.recover(event_loop);
+            }
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
+            event => {
+                let repaint = open.host.on_event(&event);
+                if is_input(&event) {
+                    self.stats.input(self.input_since);
+                }
+                if repaint {
+                    self.draw_at(Instant::now());
+                }
+            }
+        }
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, woken: Woken) {
+        match woken {
+            Woken::Draw(moment) => self.draw_at(moment),
+            Woken::News => self.news(),
+            Woken::Quit => event_loop.exit(),
+            Woken::Accessibility(event) => {
+                if let Some(open) = &mut self.open {
+                    open.host.on_accessibility(event);
+                }
+            }
+        }
+        self.recover(event_loop);
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let now = Instant::now();
+        match (self.redraw_at, &self.open) {
+            (Some(moment), Some(open)) if moment <= now => {
+                open.window.request_redraw();
+                event_loop.set_control_flow(ControlFlow::Wait);
+            }
+            (Some(moment), _) => event_loop.set_control_flow(ControlFlow::WaitUntil(moment)),
+            (None, _) => {
+                self.rest();
+                event_loop.set_control_flow(ControlFlow::Wait);
+            }
+        }
+        // Whatever comes from now on ends the wait as it comes.
+        self.input_since = now;
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: winit::event::StartCause) {
+        use winit::event::StartCause;
+        // After a wait, events have just come; without one they may have come during the frame.
+        if matches!(cause, StartCause::WaitCancelled { .. } | StartCause::ResumeTimeReached { .. })
+            && self.last_frame.elapsed() > 2 * FRAME
+        {
+            self.input_since = Instant::now();
+        }
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        self.close();
+    }
+}

@@ -1,0 +1,48 @@
+//! `flipmap explore`: the window.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use flipmap::app::desk;
+use flipmap::app::folders::Folders;
+use flipmap::app::window;
+
+use super::options::SceneOptions;
+use super::run_options::RunOptions;
+use super::stop;
+
+#[derive(Args, Debug, Default)]
+pub struct Options {
+    #[command(flatten)]
+    scene: SceneOptions,
+    #[command(flatten)]
+    run: RunOptions,
+    /// Neither read nor write settings and bookmarks
+    #[arg(long)]
+    no_config: bool,
+    /// Write what the window measured of itself as JSON, whenever it rests and when it closes
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+}
+
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let begun = Instant::now();
+    options.run.check()?;
+    let mut document = options.scene.document()?;
+    let plan = options.run.settle(&mut document)?;
+    let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
+    let options = desk::Options {
+        run: options.run.says_how().then(|| document.run.clone()),
+        document: options.scene.says_something().then_some(document),
+        wish: options.run.wish(plan.demand),
+        folders,
+        stats: options.stats.clone(),
+    };
+    window::run(options, begun, |close| {
+        if let Err(error) = stop::listen_and(close) {
+            log::warn!("signals end the window without saving: {error}");
+        }
+    })?;
+    Ok(stop::check()?)
+}

@@ -1,0 +1,81 @@
+//! Scenes read from files: pictures of ours, and TOML.
+
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::path::{Path, PathBuf};
+
+use super::png::{PngError, document_in_png};
+use crate::scene::{Document, DocumentError};
+
+/// Why a file gives no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// It could not be read.
+    #[error("cannot read the scene {path}: {source}")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// A PNG without a scene.
+    #[error("{path} {source}")]
+    Picture {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        source: PngError,
+    },
+    /// TOML, but no scene.
+    #[error("{path}: {source}")]
+    Scene {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        source: DocumentError,
+    },
+    /// Neither.
+    #[error("{path} is neither a .png that flipmap wrote nor a .toml scene")]
+    Kind {
+        /// Which.
+        path: PathBuf,
+    },
+}
+
+/// The document in a picture of ours or a scene file.
+pub fn read_document(path: &Path) -> Result<Document, ReadError> {
+    let is =
+        |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
+    let named = || path.to_path_buf();
+    let unreadable = |source| ReadError::File { path: named(), source };
+    if is("png") {
+        let file = File::open(path).map_err(unreadable)?;
+        return document_in_png(BufReader::new(file))
+            .map_err(|source| ReadError::Picture { path: named(), source });
+    }
+    if is("toml") {
+        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        return Document::parse(&text).map_err(|source| ReadError::Scene { path: named(), source });
+    }
+    Err(ReadError::Kind { path: named() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_gives_no_scene_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            read_document(&path).unwrap_err().to_string()
+        };
+        assert!(file("a.txt", "").contains("a.txt is neither"));
+        assert!(file("b.toml", "[view]\nwidth = 3").contains("b.toml: line 2"));
+        assert!(file("c.png", "no").contains("c.png is not a complete PNG"));
+        let missing = read_document(Path::new("/nowhere/d.toml")).unwrap_err().to_string();
+        assert!(missing.contains("cannot read the scene /nowhere/d.toml"));
+    }
+}

@@ -1,0 +1,325 @@
+//! The panels of the scene, the colours, exports and places: what they look like, and what a
+//! person can do in them by name and keyboard.
+
+use egui::{Key, Role, Theme, Ui};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use flipmap::app::export::Stage;
+use flipmap::app::folders::Folders;
+use flipmap::app::panels::colours::{ColourAction, colours_panel};
+use flipmap::app::panels::export::{ExportAction, ExportForm, ExportStatus, What, export_panel};
+use flipmap::app::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_panel};
+use flipmap::app::panels::scene::scene_panel;
+use flipmap::app::places::Places;
+use flipmap::output::Picture;
+use flipmap::physics::Rule;
+use flipmap::scene::{Build, BuiltIn, Document, Kind, PictureTable, Question, Scale, Scene};
+
+/// A panel's state, and all that was asked of it so far.
+struct Shown<S, A> {
+    state: S,
+    asked: Vec<A>,
+}
+
+/// A panel in a column of fixed size and without a clock; `apply` does what it asks.
+fn harness<S: 'static, A: Clone + 'static>(
+    size: [f32; 2],
+    state: S,
+    mut panel: impl FnMut(&mut Ui, &S) -> Vec<A> + 'static,
+    apply: impl Fn(&mut S, A) + 'static,
+) -> Harness<'static, Shown<S, A>> {
+    let show = move |ui: &mut Ui, shown: &mut Shown<S, A>| {
+        for action in panel(ui, &shown.state) {
+            apply(&mut shown.state, action.clone());
+            shown.asked.push(action);
+        }
+    };
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_theme(Theme::Dark)
+        .build_ui_state(show, Shown { state, asked: Vec::new() });
+    harness.run_steps(3);
+    harness
+}
+
+type Asked = (Build, Question);
+
+fn scene() -> Harness<'static, Shown<Asked, Asked>> {
+    let home = Scene::default();
+    harness(
+        [300.0, 280.0],
+        (home.build, home.question),
+        |ui, (build, question)| scene_panel(ui, build, question).into_iter().collect(),
+        |state, asked| *state = asked,
+    )
+}
+
+fn colours(picture: PictureTable) -> Harness<'static, Shown<PictureTable, ColourAction>> {
+    harness(
+        [320.0, 420.0],
+        picture,
+        |ui, picture| {
+            let Scene { build, question, .. } = Scene::default();
+            colours_panel(ui, picture, &build, &question, true).into_iter().collect()
+        },
+        |state, action| {
+            if let ColourAction::Paint(picture) = action {
+                *state = picture;
+            }
+        },
+    )
+}
+
+fn export(exports: Vec<ExportStatus>) -> Harness<'static, Shown<ExportForm, ExportAction>> {
+    harness(
+        [340.0, 330.0],
+        ExportForm { path: "no/such/folder/map.png".to_string(), ..ExportForm::default() },
+        move |ui, form| export_panel(ui, form, &exports),
+        |state, action| {
+            if let ExportAction::Change(form) = action {
+                *state = form;
+            }
+        },
+    )
+}
+
+fn places() -> Harness<'static, Shown<(Places, PlaceForm), PlaceAction>> {
+    let mut places = Places::load(&Folders::none());
+    let rgb = (0..32 * 24u32).flat_map(|k| [(k % 32 * 8) as u8, (k / 32 * 10) as u8, 90]).collect();
+    let document = BuiltIn::named("tip").unwrap().document();
+    places.add("a gap", Picture { document, size: [32, 24], rgb }).unwrap();
+    let mut thumbnails = Thumbnails::default();
+    harness(
+        [340.0, 660.0],
+        (places, PlaceForm::default()),
+        move |ui, (places, form)| places_panel(ui, places, form, &mut thumbnails),
+        |(places, form), action| match action {
+            PlaceAction::Change(new) => *form = new,
+            PlaceAction::Rename(old, new) => places.rename(&old, &new).unwrap(),
+            PlaceAction::Delete(name) => places.delete(&name).unwrap(),
+            PlaceAction::Open(_) | PlaceAction::Add(_) => {}
+        },
+    )
+}
+
+/// Presses what is called `name`.
+fn press<S>(harness: &mut Harness<'_, S>, name: &str) {
+    harness.get_by_label(name).click();
+    harness.run_steps(2);
+}
+
+/// Types over the number called `name`, as a person with a keyboard does.
+fn type_over<S>(harness: &mut Harness<'_, S>, name: &str, text: &str) {
+    harness.get_by_role_and_label(Role::SpinButton, name).focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    harness.run_steps(1);
+    harness.event(egui::Event::Text(text.to_string()));
+    harness.run_steps(1);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+}
+
+#[test]
+fn the_scene_follows_what_is_pressed_and_typed() {
+    let mut harness = scene();
+    press(&mut harness, "rods");
+    press(&mut harness, "either");
+    type_over(&mut harness, "Mass m2", "2.5");
+    type_over(&mut harness, "Gravity g", "1.62");
+    type_over(&mut harness, "Budget", "60");
+    let (build, question) = harness.state().state;
+    assert_eq!((build.kind, build.masses, build.gravity), (Kind::Rods, [1.0, 2.5], 1.62));
+    assert_eq!(question, Question { rule: Rule::Either, budget: 60.0 });
+    assert_eq!(harness.state().asked.len(), 5, "one answer a change");
+    press(&mut harness, "Back to the home pendulum");
+    assert_eq!(harness.state().state, (Build::default(), Question::default()));
+}
+
+#[test]
+fn only_what_can_be_computed_comes_out_of_the_scene() {
+    let mut harness = scene();
+    for (name, text) in [
+        ("Mass m1", "-1"),
+        ("Length l2", "0"),
+        ("Length l1", "nan"),
+        ("Gravity g", "-9.81"),
+        ("Gravity g", "1e-12"),
+        ("Budget", "1e99"),
+        ("Budget", "soon"),
+    ] {
+        type_over(&mut harness, name, text);
+    }
+    let asked = &harness.state().asked;
+    assert!(!asked.is_empty());
+    for (build, question) in asked {
+        let scene = Scene { build: *build, question: *question, ..Scene::default() };
+        scene.checked().unwrap();
+    }
+    assert_eq!(harness.state().state.0.gravity, 0.0);
+}
+
+#[test]
+fn colours_follow_what_is_pressed_and_typed() {
+    let mut harness = colours(PictureTable::default());
+    press(&mut harness, "magma");
+    press(&mut harness, "linear");
+    press(&mut harness, "Reverse the palette");
+    type_over(&mut harness, "From", "2");
+    type_over(&mut harness, "To", "8");
+    type_over(&mut harness, "Cycles", "3");
+    let expected = PictureTable {
+        palette: "magma".to_string(),
+        reverse: true,
+        cycles: 3.0,
+        scale: Scale::Linear,
+        times: vec![2.0, 8.0],
+        ..PictureTable::default()
+    };
+    assert_eq!(harness.state().state, expected);
+    // A range cannot end before it begins.
+    type_over(&mut harness, "From", "9");
+    harness.state().state.check().unwrap();
+    assert!(harness.state().state.times[0] < 8.0);
+    press(&mut harness, "Equalise to this view");
+    assert_eq!(harness.state().asked.last(), Some(&ColourAction::Equalise));
+    press(&mut harness, "Back to the default");
+    assert_eq!(harness.state().state, PictureTable::default());
+}
+
+#[test]
+fn the_legend_is_told_in_words() {
+    let picture = PictureTable { times: vec![0.5, 2.0, 20.0], ..PictureTable::default() };
+    let harness = colours(picture);
+    harness.get_by_label("Legend: batlow from 0.5 s to 20 s");
+    harness.get_by_label("Spread in 2 steps");
+    harness.get_by_label("not within the budget");
+}
+
+#[test]
+fn exports_begin_and_stop_by_name() {
+    let running = Stage::Running { share: 0.5, pixels_per_sec: 1e6 };
+    let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage };
+    let exports = vec![of("a.png", running), of("b.png", Stage::Done { secs: 2.0 })];
+    let mut harness = export(exports);
+    press(&mut harness, "raw numbers");
+    assert_eq!(harness.state().state.path, "no/such/folder/map.npy");
+    type_over(&mut harness, "Width", "640");
+    type_over(&mut harness, "Height", "0");
+    assert_eq!(harness.state().state.size, [640, 1]);
+    for name in ["Browse…", "Export", "Stop a.png", "Dismiss b.png"] {
+        press(&mut harness, name);
+    }
+    let asked = &harness.state().asked;
+    let last = &asked[asked.len() - 4..];
+    use ExportAction::{Browse, Cancel, Dismiss, Start};
+    assert_eq!(last, [Browse, Start, Cancel(0), Dismiss(1)]);
+    press(&mut harness, "film key");
+    assert_eq!(harness.state().state.what, What::Key);
+    harness.get_by_label("Add this view to the film");
+    assert!(harness.query_by_label("Width").is_none());
+}
+
+#[test]
+fn an_export_without_a_name_cannot_begin() {
+    let mut harness = export(Vec::new());
+    harness.state_mut().state.path.clear();
+    harness.run_steps(2);
+    harness.get_by_label("Name the file to write.");
+    press(&mut harness, "Export");
+    assert!(harness.state().asked.is_empty());
+}
+
+#[test]
+fn places_are_opened_kept_renamed_and_deleted() {
+    let mut harness = places();
+    press(&mut harness, "Open a gap");
+    press(&mut harness, "Open island");
+    let [tip, island] = ["tip", "island"].map(|name| BuiltIn::named(name).unwrap().document());
+    let open = |document: Document| PlaceAction::Open(Box::new(document));
+    assert_eq!(harness.state().asked, [open(tip), open(island)]);
+
+    harness.get_by_role_and_label(Role::TextInput, "Name").focus();
+    harness.run_steps(2);
+    harness.event(egui::Event::Text(" here ".to_string()));
+    harness.run_steps(2);
+    press(&mut harness, "Keep this view");
+    assert!(harness.state().asked.contains(&PlaceAction::Add("here".to_string())));
+
+    press(&mut harness, "Rename a gap…");
+    harness.get_by_role_and_label(Role::TextInput, "New name of a gap").focus();
+    harness.run_steps(2);
+    harness.key_press(Key::End);
+    harness.event(egui::Event::Text("e".to_string()));
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    harness.run_steps(2);
+    assert_eq!(harness.state().state.0.bookmarks()[0].name, "a gape");
+
+    press(&mut harness, "Delete a gape…");
+    press(&mut harness, "Keep a gape");
+    assert_eq!(harness.state().state.0.bookmarks().len(), 1);
+    press(&mut harness, "Delete a gape…");
+    press(&mut harness, "Delete a gape for good");
+    assert!(harness.state().state.0.bookmarks().is_empty());
+}
+
+#[test]
+fn the_keyboard_reaches_every_button_of_an_export() {
+    let mut harness = export(Vec::new());
+    let mut reached = Vec::new();
+    for _ in 0..20 {
+        harness.key_press(Key::Tab);
+        harness.run_steps(1);
+        let focused = harness.root().children_recursive().find(|node| node.is_focused());
+        reached.extend(focused.and_then(|node| node.accesskit_node().label()));
+    }
+    for name in ["picture", "film key", "File", "Browse…", "Size", "Width", "Height", "Export"] {
+        assert!(reached.iter().any(|label| label == name), "{name} is not in {reached:?}");
+    }
+}
+
+macro_rules! pictures {
+    ($($name:ident)*) => {
+        $(
+            #[test]
+            #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+            fn $name() {
+                pictures::$name();
+            }
+        )*
+    };
+}
+
+pictures! {
+    the_scene_looks_as_it_should
+    the_colours_look_as_they_should
+    exports_look_as_they_should
+    places_look_as_they_should
+}
+
+mod pictures {
+    use super::*;
+
+    pub fn the_scene_looks_as_it_should() {
+        scene().snapshot("side_scene");
+    }
+
+    pub fn the_colours_look_as_they_should() {
+        let times = vec![0.5, 2.0, 3.0, 20.0];
+        colours(PictureTable { cycles: 2.0, times, ..PictureTable::default() })
+            .snapshot("side_colours");
+    }
+
+    pub fn exports_look_as_they_should() {
+        let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage };
+        let running = Stage::Running { share: 0.42, pixels_per_sec: 1_234_567.0 };
+        let why = "cannot write late.png: no storage space".to_string();
+        export(vec![of("map.png", running), of("late.png", Stage::Failed(why))])
+            .snapshot("side_export");
+    }
+
+    pub fn places_look_as_they_should() {
+        places().snapshot("side_places");
+    }
+}

@@ -1,0 +1,243 @@
+//! A display of our own, without a person: an X server in memory, and a connection that moves the
+//! pointer, presses keys and looks at the screen as any X program could.
+
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use image::RgbImage;
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{
+    AtomEnum, ClientMessageEvent, ConfigureWindowAux, ConnectionExt, EventMask, ImageFormat,
+    InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT,
+};
+use x11rb::protocol::xtest::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
+
+/// The size of the screen in pixels.
+pub const SCREEN: [u16; 2] = [1600, 1000];
+
+/// The X server and a connection to it.
+pub struct Display {
+    server: Child,
+    /// As `DISPLAY` names it.
+    pub name: String,
+    connection: RustConnection,
+    root: u32,
+    /// Where the keys are: code, and whether Shift is held.
+    keys: HashMap<u32, (u8, bool)>,
+}
+
+/// Buttons of a mouse as X counts them.
+pub const LEFT: u8 = 1;
+/// A notch of the wheel away from the person.
+pub const WHEEL_UP: u8 = 4;
+/// A notch towards the person.
+pub const WHEEL_DOWN: u8 = 5;
+
+const BUTTON_PRESS: u8 = x11rb::protocol::xproto::BUTTON_PRESS_EVENT;
+const BUTTON_RELEASE: u8 = x11rb::protocol::xproto::BUTTON_RELEASE_EVENT;
+
+/// Asks again and again until there is an answer; fails after a while and says what for.
+pub fn wait_for<T>(what: &str, most_secs: u64, mut ask: impl FnMut() -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(answer) = ask() {
+            return answer;
+        }
+        assert!(
+            begun.elapsed() < Duration::from_secs(most_secs),
+            "waited {most_secs} s for {what}"
+        );
+        sleep(Duration::from_millis(20));
+    }
+}
+
+impl Display {
+    /// Starts a server on a free display.
+    pub fn open() -> Self {
+        let [width, height] = SCREEN;
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0"])
+            .arg(format!("{width}x{height}x24"))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect(
+                "Xvfb starts: apt-get install xvfb, or declare with FLIPMAP_NO_WINDOW=1 that no \
+                 window can be opened here",
+            );
+        let mut number = String::new();
+        let told = server.stdout.take().expect("it is piped");
+        BufReader::new(told).read_line(&mut number).expect("Xvfb tells its display");
+        let name = format!(":{}", number.trim());
+        let (connection, screen) = x11rb::connect(Some(&name)).expect("Xvfb answers");
+        let root = connection.setup().roots[screen].root;
+        let keys = keys(&connection);
+        Display { server, name, connection, root, keys }
+    }
+
+    /// The window with this title, once it is shown.
+    pub fn window(&self, title: &str) -> Option<u32> {
+        let windows = self.connection.query_tree(self.root).ok()?.reply().ok()?.children;
+        windows.into_iter().find(|window| {
+            let (from, kind) = (AtomEnum::WM_NAME, AtomEnum::ANY);
+            let name = self.connection.get_property(false, *window, from, kind, 0, 64);
+            name.ok()
+                .and_then(|name| name.reply().ok())
+                .is_some_and(|n| n.value == title.as_bytes())
+        })
+    }
+
+    /// What is on the screen, from its upper left corner.
+    pub fn shot(&self, width: u32, height: u32) -> RgbImage {
+        let (w, h) = (width.min(SCREEN[0].into()) as u16, height.min(SCREEN[1].into()) as u16);
+        let image = self
+            .connection
+            .get_image(ImageFormat::Z_PIXMAP, self.root, 0, 0, w, h, u32::MAX)
+            .expect("the server is there")
+            .reply()
+            .expect("the screen can be read");
+        let rgb = image.data.chunks_exact(4).flat_map(|bgrx| [bgrx[2], bgrx[1], bgrx[0]]);
+        RgbImage::from_raw(w.into(), h.into(), rgb.collect()).expect("four bytes a pixel")
+    }
+
+    /// Keys go to this window: without a window manager nobody else says so.
+    pub fn focus(&self, window: u32) {
+        let focus = self.connection.set_input_focus(InputFocus::PARENT, window, 0u32);
+        focus.expect("the server is there").check().expect("the window is there");
+    }
+
+    /// Moves the pointer.
+    pub fn point(&self, x: f64, y: f64) {
+        self.fake(MOTION_NOTIFY_EVENT, 0, [x.round() as i16, y.round() as i16]);
+    }
+
+    /// Holds a button down.
+    pub fn press(&self, button: u8) {
+        self.fake(BUTTON_PRESS, button, [0, 0]);
+    }
+
+    /// Lets it go.
+    pub fn release(&self, button: u8) {
+        self.fake(BUTTON_RELEASE, button, [0, 0]);
+    }
+
+    /// Both.
+    pub fn click(&self, button: u8) {
+        self.press(button);
+        self.release(button);
+    }
+
+    /// Drags from one point to another in small steps, as a hand does.
+    pub fn drag(&self, from: [f64; 2], to: [f64; 2]) {
+        const STEPS: u32 = 20;
+        self.point(from[0], from[1]);
+        self.press(LEFT);
+        for step in 1..=STEPS {
+            let share = f64::from(step) / f64::from(STEPS);
+            let along = |axis: usize| from[axis] + share * (to[axis] - from[axis]);
+            self.point(along(0), along(1));
+            sleep(Duration::from_millis(8));
+        }
+        self.release(LEFT);
+    }
+
+    /// Presses keys held together, as in `ctrl+q` or `F1`.
+    pub fn key(&self, chord: &str) {
+        let codes: Vec<u8> = chord.split('+').flat_map(|name| self.codes(keysym(name))).collect();
+        codes.iter().for_each(|code| self.fake(KEY_PRESS_EVENT, *code, [0, 0]));
+        codes.iter().rev().for_each(|code| self.fake(KEY_RELEASE_EVENT, *code, [0, 0]));
+    }
+
+    /// Types a text.
+    pub fn type_in(&self, text: &str) {
+        for letter in text.chars() {
+            let codes = self.codes(letter.into());
+            codes.iter().for_each(|code| self.fake(KEY_PRESS_EVENT, *code, [0, 0]));
+            codes.iter().rev().for_each(|code| self.fake(KEY_RELEASE_EVENT, *code, [0, 0]));
+        }
+    }
+
+    /// Gives a window another size.
+    pub fn resize(&self, window: u32, [width, height]: [u32; 2]) {
+        let size = ConfigureWindowAux::new().width(width).height(height);
+        let asked = self.connection.configure_window(window, &size);
+        asked.expect("the server is there").check().expect("the window is there");
+    }
+
+    /// Asks a window to close, as the button in its title bar does.
+    pub fn ask_to_close(&self, window: u32) {
+        let [protocols, delete] = ["WM_PROTOCOLS", "WM_DELETE_WINDOW"].map(|name| {
+            let atom = self.connection.intern_atom(false, name.as_bytes());
+            atom.expect("the server is there").reply().expect("atoms have numbers").atom
+        });
+        let message = ClientMessageEvent::new(32, window, protocols, [delete, 0, 0, 0, 0]);
+        let sent = self.connection.send_event(false, window, EventMask::NO_EVENT, message);
+        sent.expect("the server is there").check().expect("the window is there");
+    }
+
+    fn codes(&self, keysym: u32) -> Vec<u8> {
+        let (code, shift) = self.keys[&keysym];
+        let shift = shift.then(|| self.keys[&SHIFT].0);
+        shift.into_iter().chain([code]).collect()
+    }
+
+    fn fake(&self, kind: u8, detail: u8, [x, y]: [i16; 2]) {
+        let sent = self.connection.xtest_fake_input(kind, detail, 0, self.root, x, y, 0);
+        sent.expect("the server is there").check().expect("XTest takes it");
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        // A server that is gone already is what is wanted.
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+const SHIFT: u32 = 0xffe1;
+
+/// The X name of a key.
+fn keysym(name: &str) -> u32 {
+    match name {
+        "ctrl" => 0xffe3,
+        "shift" => SHIFT,
+        "alt" => 0xffe9,
+        "Escape" => 0xff1b,
+        "Return" => 0xff0d,
+        "BackSpace" => 0xff08,
+        "Tab" => 0xff09,
+        "Left" => 0xff51,
+        "Up" => 0xff52,
+        "Right" => 0xff53,
+        "Down" => 0xff54,
+        "plus" => '+'.into(),
+        "minus" => '-'.into(),
+        "space" => ' '.into(),
+        _ => match name.strip_prefix('F').and_then(|number| number.parse::<u32>().ok()) {
+            Some(number) => 0xffbd + number,
+            None => name.chars().next().expect("a key has a name").into(),
+        },
+    }
+}
+
+/// Where every key is on the server's keyboard.
+fn keys(connection: &RustConnection) -> HashMap<u32, (u8, bool)> {
+    let setup = connection.setup();
+    let (first, last) = (setup.min_keycode, setup.max_keycode);
+    let mapping = connection.get_keyboard_mapping(first, last - first + 1);
+    let mapping = mapping.expect("the server is there").reply().expect("it has a keyboard");
+    let mut keys = HashMap::new();
+    for (code, row) in
+        (first..=last).zip(mapping.keysyms.chunks(mapping.keysyms_per_keycode.into()))
+    {
+        for (keysym, shift) in row.iter().take(2).zip([false, true]) {
+            keys.entry(*keysym).or_insert((code, shift));
+        }
+    }
+    keys
+}

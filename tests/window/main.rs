@@ -1,0 +1,271 @@
+//! The real window: the built program on a display in memory, software graphics and the CPU
+//! engine, driven by X events. Screenshots are kept under `target/window-shots`.
+#![cfg(target_os = "linux")]
+
+mod display;
+mod likeness;
+mod session;
+
+use std::fs;
+use std::thread::sleep;
+use std::time::Duration;
+
+use display::{LEFT, WHEEL_UP, wait_for};
+use flipmap::scene::{BuiltIn, Scene, location};
+use image::RgbImage;
+use image::imageops::{crop_imm, flip_horizontal};
+use likeness::{expected, is_right, likeness, picture};
+use rustix::process::Signal;
+use session::{Session, Told};
+
+macro_rules! window_tests {
+    ($($name:ident)*) => {
+        $(
+            #[test]
+            #[cfg_attr(no_window, ignore = "FLIPMAP_NO_WINDOW=1 declares that there is no display")]
+            fn $name() {
+                checks::$name();
+            }
+        )*
+    };
+}
+
+window_tests! {
+    the_home_map_is_the_picture_that_render_makes
+    the_wheel_zooms_about_the_pointer_and_going_back_computes_nothing
+    a_dragged_map_follows_the_pointer
+    a_clicked_pixel_flies_its_pendulum
+    any_size_will_do
+    pictures_and_locations_are_opened
+    keys_and_commands_are_found
+    a_lost_device_is_opened_again
+    a_window_at_rest_costs_nothing
+    closing_keeps_where_it_was
+    without_a_config_nothing_is_kept
+}
+
+/// The part of a screenshot beside the map, where the panels are.
+fn side(told: &Told, shot: &RgbImage) -> RgbImage {
+    let [map_width, map_height] = told.map_px().map(|side| side as u32);
+    crop_imm(shot, map_width, 0, 1280 - map_width, map_height).to_image()
+}
+
+fn close_by(a: f64, b: f64, within: f64) -> bool {
+    (a - b).abs() <= within
+}
+
+mod checks {
+    use super::*;
+
+    pub fn the_home_map_is_the_picture_that_render_makes() {
+        let mut session = Session::open("home", &[]);
+        let told = session.told().unwrap();
+        let shot = session.shot("map");
+        assert_eq!(told.scene(), Scene::default());
+        assert!(is_right(&told, &shot));
+        // The comparison can fail: the mirrored map has the same colours elsewhere.
+        let [width, height] = told.map_px().map(|side| side as u32);
+        let mirrored = flip_horizontal(&crop_imm(&shot, 0, 0, width, height).to_image());
+        assert!(likeness(&told, &mirrored, &expected(&told), [0.0; 2]).calm < 0.5);
+        assert!(!is_right(&told, &mirrored));
+        session.quit();
+    }
+
+    pub fn the_wheel_zooms_about_the_pointer_and_going_back_computes_nothing() {
+        let mut session = Session::open("zoom", &[]);
+        let home = session.told().unwrap();
+        let point = [187.0, 291.0];
+        let zoomed = session.after(
+            "the zoomed map",
+            |display| {
+                display.point(point[0], point[1]);
+                (0..6).for_each(|_| display.click(WHEEL_UP));
+            },
+            |told| close_by(told.width_rad(), home.width_rad() / 4.0, 1e-9),
+        );
+        let (before, after) = (home.angle_at(point), zoomed.angle_at(point));
+        for axis in [0, 1] {
+            assert!(close_by(before[axis], after[axis], 1e-6), "{before:?}, {after:?}");
+        }
+        assert!(zoomed.number("simulated") > home.number("simulated"));
+        session.display.point(1599.0, 999.0);
+        sleep(Duration::from_millis(300));
+        assert!(is_right(&zoomed, &session.shot("zoomed")));
+        for (key, there) in [("BackSpace", &home), ("alt+Right", &zoomed), ("0", &home)] {
+            let told = session.after(
+                "a view seen before",
+                |display| display.key(key),
+                |told| told.scene() == there.scene(),
+            );
+            for count in ["simulated", "rhs_evaluations"] {
+                assert_eq!(told.number(count), zoomed.number(count), "{key} computed something");
+            }
+        }
+        session.quit();
+    }
+
+    pub fn a_dragged_map_follows_the_pointer() {
+        let mut session = Session::open("drag", &["filigree"]);
+        let before = session.told().unwrap();
+        let (from, to) = ([700.0, 300.0], [480.0, 410.0]);
+        let dragged = session.after(
+            "the dragged map",
+            |display| display.drag(from, to),
+            |told| told.scene() != before.scene(),
+        );
+        let (grabbed, under) = (before.angle_at(from), dragged.angle_at(to));
+        for axis in [0, 1] {
+            // To a pixel, which is where a pointer can be.
+            let pixel_rad = dragged.width_rad() / dragged.map_px()[0];
+            assert!(close_by(grabbed[axis], under[axis], pixel_rad), "{grabbed:?}, {under:?}");
+        }
+        session.display.point(1599.0, 999.0);
+        sleep(Duration::from_millis(300));
+        assert!(is_right(&dragged, &session.shot("dragged")));
+        let back = session.after(
+            "the map dragged back",
+            |display| display.drag(to, from),
+            |told| close_by(told.angle_at(from)[0], grabbed[0], 1e-3),
+        );
+        assert_eq!(back.number("simulated"), dragged.number("simulated"), "seen before");
+        session.quit();
+    }
+
+    pub fn a_clicked_pixel_flies_its_pendulum() {
+        let mut session = Session::open("pendulum", &[]);
+        let told = session.told().unwrap();
+        let empty = side(&told, &session.shot("nothing"));
+        let point = [300.0, 205.0];
+        session.display.point(point[0], point[1]);
+        session.display.click(LEFT);
+        let shown = wait_for("the panel of the pendulum", 20, || {
+            let shown = side(&told, &session.shot("playing"));
+            (shown != empty).then_some(shown)
+        });
+        let later = wait_for("the pendulum to move", 20, || {
+            let later = side(&told, &session.shot("playing"));
+            (later != shown).then_some(later)
+        });
+        assert_ne!(later, empty);
+        let paused = session.after("the pause", |display| display.key("space"), |_| true);
+        let [pinned] = paused.pins()[..] else { panic!("{:?}", paused.pins()) };
+        let (clicked, pixel_rad) = (told.angle_at(point), told.width_rad() / told.map_px()[0]);
+        for axis in [0, 1] {
+            assert!(close_by(pinned[axis], clicked[axis], 2.0 * pixel_rad), "{pinned:?}");
+        }
+        let still = side(&told, &session.shot("paused"));
+        sleep(Duration::from_millis(400));
+        assert!(still == side(&told, &session.shot("paused")), "a paused pendulum moved");
+        assert_eq!(session.told().unwrap().frames(), paused.frames(), "a paused one is drawn");
+        session.quit();
+    }
+
+    pub fn any_size_will_do() {
+        let mut session = Session::open("size", &["filigree"]);
+        for size in [[330, 240], [60, 40], [1600, 1000], [1000, 600]] {
+            let told = session.after(
+                "the new size",
+                |display| display.resize(session.window, size),
+                |told| told.map_px()[1] <= f64::from(size[1]),
+            );
+            let shot = session.shot(&format!("{}x{}", size[0], size[1]));
+            assert!(size[0] < 1000 || is_right(&told, &shot), "{size:?}");
+        }
+        session.quit();
+    }
+
+    pub fn pictures_and_locations_are_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.png");
+        let shore = BuiltIn::named("shore").unwrap().document().scene();
+        fs::write(&path, picture(shore.clone(), [48, 32]).1).unwrap();
+        let mut session = Session::open("open", &[path.to_str().unwrap()]);
+        let opened = session.told().unwrap();
+        assert_eq!(location::text(&opened.scene()), location::text(&shore));
+        assert!(is_right(&opened, &session.shot("picture")));
+        session.after(
+            "the notice",
+            |display| display.key("ctrl+l"),
+            |told| told.notices().iter().any(|notice| notice.contains("location was copied")),
+        );
+        let away = |told: &Told| told.width_rad() > 6.0;
+        session.after("the whole map", |display| display.key("0"), away);
+        let back = |told: &Told| told.scene() == shore;
+        session.after("the pasted location", |display| display.key("ctrl+v"), back);
+        session.quit();
+    }
+
+    pub fn keys_and_commands_are_found() {
+        let mut session = Session::open("keys", &["shore"]);
+        let before = session.told().unwrap();
+        let plain = session.shot("plain");
+        session.after("the list of keys", |display| display.key("F1"), |_| true);
+        assert!(plain != session.shot("keys"));
+        session.after("the map alone", |display| display.key("Escape"), |_| true);
+        assert!(plain == session.shot("closed"), "closed, the list leaves nothing behind");
+        session.display.key("ctrl+k");
+        session.display.type_in("energy");
+        sleep(Duration::from_millis(300));
+        session.shot("commands");
+        let told = session.after("the command", |display| display.key("Return"), |_| true);
+        assert!(plain != session.shot("no curve"));
+        assert_eq!(told.number("simulated"), before.number("simulated"), "a layer is only drawn");
+        session.quit();
+    }
+
+    pub fn a_lost_device_is_opened_again() {
+        let mut session = Session::open("lost", &["shore"]);
+        session.display.key("F12");
+        session.display.key("ctrl+k");
+        session.display.type_in("lose the");
+        let told = session.after(
+            "the notice of the loss",
+            |display| display.key("Return"),
+            |told| told.notices().iter().any(|notice| notice.contains("opened again")),
+        );
+        assert!(is_right(&told, &session.shot("again")));
+        let zoomed = session.after("a zoom", |display| display.key("plus"), |_| true);
+        assert!(zoomed.width_rad() < told.width_rad(), "it goes on as before");
+        session.quit();
+    }
+
+    pub fn a_window_at_rest_costs_nothing() {
+        let session = Session::open("rest", &[]);
+        // Whatever follows the last tile has a moment to end.
+        sleep(Duration::from_millis(500));
+        let (frames, secs) = (session.told().unwrap().frames(), session.processor_secs());
+        sleep(Duration::from_secs(3));
+        assert_eq!(session.told().unwrap().frames(), frames, "a frame for nothing");
+        let used_secs = session.processor_secs() - secs;
+        assert!(used_secs <= 0.03, "{used_secs} s of a processor in 3 s");
+        session.quit();
+    }
+
+    pub fn closing_keeps_where_it_was() {
+        let session = Session::open("close", &["shore"]);
+        let shore = session.told().unwrap().scene();
+        session.display.ask_to_close(session.window);
+        let ended = session.ended();
+        assert_eq!(ended.code, Some(0), "{}", ended.log);
+        let session = Session::open_in(ended.folder, "close", &[]);
+        assert_eq!(session.told().unwrap().scene(), shore, "it opens where it was left");
+        let moved = session.after("a zoom", |display| display.key("plus"), |_| true).scene();
+        session.signal(Signal::TERM);
+        let ended = session.ended();
+        assert_eq!(ended.code, Some(130), "{}", ended.log);
+        assert!(ended.log.contains("stopped"), "{}", ended.log);
+        let session = Session::open_in(ended.folder, "close", &[]);
+        assert_eq!(session.told().unwrap().scene(), moved, "a signal loses nothing either");
+        assert_eq!(session.quit().told.unwrap().scene(), moved);
+    }
+
+    pub fn without_a_config_nothing_is_kept() {
+        let ended = Session::open("none", &["--no-config", "shore"]).quit();
+        let files: Vec<_> = fs::read_dir(ended.folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| !["stats.json", "log"].contains(&name.as_str()))
+            .collect();
+        assert!(files.is_empty(), "{files:?}");
+    }
+}

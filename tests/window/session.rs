@@ -1,0 +1,236 @@
+//! A run of the program in a window on a display of its own.
+
+use std::fs::{self, File};
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use flipmap::physics::Dd;
+use flipmap::scene::{Scene, location};
+use image::RgbImage;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::display::{Display, SCREEN, wait_for};
+
+/// Windows one after another: two at once would wait for each other's engines.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// A window that is open.
+pub struct Session {
+    /// Where it is.
+    pub display: Display,
+    /// Its X window.
+    pub window: u32,
+    name: &'static str,
+    shots: u32,
+    child: Child,
+    /// Taken out at the end.
+    folder: Option<TempDir>,
+    _alone: MutexGuard<'static, ()>,
+}
+
+/// What the window has last told of itself.
+#[derive(Debug)]
+pub struct Told(Value);
+
+impl Told {
+    /// A number.
+    pub fn number(&self, key: &str) -> f64 {
+        self.0[key].as_f64().unwrap_or_else(|| panic!("{key} of {}", self.0))
+    }
+
+    /// The scene it shows.
+    pub fn scene(&self) -> Scene {
+        location::parse(self.0["location"].as_str().unwrap()).unwrap()
+    }
+
+    /// How wide the view is, rad.
+    pub fn width_rad(&self) -> f64 {
+        self.scene().view.width_rad().hi
+    }
+
+    /// Where its middle is.
+    pub fn center_rad(&self) -> [Dd; 2] {
+        self.scene().view.center_rad()
+    }
+
+    /// Width and height of the map, pixels.
+    pub fn map_px(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.0["map_px"][axis].as_f64().unwrap())
+    }
+
+    /// Starts of the pinned pixels.
+    pub fn pins(&self) -> Vec<[f64; 2]> {
+        serde_json::from_value(self.0["pins"].clone()).unwrap()
+    }
+
+    /// Sentences that are shown.
+    pub fn notices(&self) -> Vec<String> {
+        serde_json::from_value(self.0["notices"].clone()).unwrap()
+    }
+
+    /// Frames drawn so far.
+    pub fn frames(&self) -> u64 {
+        self.0["frame_ms"]["count"].as_u64().unwrap()
+    }
+
+    /// The start under a point of the window.
+    pub fn angle_at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [width, height] = self.map_px();
+        let pixel_rad = self.width_rad() / width;
+        let center = self.center_rad().map(|theta| theta.hi);
+        [center[0] + (x - width / 2.0) * pixel_rad, center[1] - (y - height / 2.0) * pixel_rad]
+    }
+}
+
+impl Session {
+    /// Opens the window in a home of its own and waits until its map is whole.
+    pub fn open(name: &'static str, arguments: &[&str]) -> Self {
+        Self::open_in(tempfile::tempdir().unwrap(), name, arguments)
+    }
+
+    /// Likewise in the home that another run has left.
+    pub fn open_in(folder: TempDir, name: &'static str, arguments: &[&str]) -> Self {
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let display = Display::open();
+        // What an earlier run told is not this one's.
+        let _ = fs::remove_file(folder.path().join("stats.json"));
+        let child = Command::new(env!("CARGO_BIN_EXE_flipmap"))
+            .args(["explore", "--engine", "cpu", "--accuracy", "fast", "--stats"])
+            .arg(folder.path().join("stats.json"))
+            .args(arguments)
+            .current_dir(folder.path())
+            .env("DISPLAY", &display.name)
+            .env("HOME", folder.path())
+            .env("XDG_RUNTIME_DIR", folder.path())
+            .env_remove("XDG_CONFIG_HOME")
+            .env_remove("XDG_DATA_HOME")
+            .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"))
+            .env("RUST_LOG", "warn,wgpu_hal=off")
+            .env_remove("WAYLAND_DISPLAY")
+            .stderr(File::create(folder.path().join("log")).unwrap())
+            .spawn()
+            .unwrap();
+        let window = wait_for("the window", 30, || display.window("flipmap"));
+        display.focus(window);
+        // Out of the way of what is compared.
+        display.point(f64::from(SCREEN[0]), f64::from(SCREEN[1]));
+        let folder = Some(folder);
+        let session = Session { display, window, name, shots: 0, child, folder, _alone: alone };
+        session.rest("the first map", |_| true);
+        session
+    }
+
+    /// What the window told when it last came to rest.
+    pub fn told(&self) -> Option<Told> {
+        let text = fs::read(self.path("stats.json")).ok()?;
+        Some(Told(serde_json::from_slice(&text).expect("the file is whole")))
+    }
+
+    /// Waits until the window rests, its map whole, and something holds.
+    pub fn rest(&self, what: &str, holds: impl Fn(&Told) -> bool) -> Told {
+        let holds = |told: &Told| {
+            told.number("tiles") > 0.0
+                && told.number("tiles_done") == told.number("tiles")
+                && holds(told)
+        };
+        let begun = Instant::now();
+        while begun.elapsed() < Duration::from_secs(30) {
+            if let Some(told) = self.told().filter(holds) {
+                return told;
+            }
+            sleep(Duration::from_millis(20));
+        }
+        panic!("waited 30 s for {what}; the window last told {:?}", self.told())
+    }
+
+    /// Does something and waits until the window rests after it and something holds.
+    pub fn after(
+        &self,
+        what: &str,
+        act: impl FnOnce(&Display),
+        holds: impl Fn(&Told) -> bool,
+    ) -> Told {
+        let frames = self.told().map_or(0, |told| told.frames());
+        act(&self.display);
+        self.rest(what, |told| told.frames() > frames && holds(told))
+    }
+
+    /// What is on the screen, kept for people under `target/window-shots`.
+    pub fn shot(&mut self, what: &str) -> RgbImage {
+        let [width, height] = SCREEN;
+        let image = self.display.shot(width.into(), height.into());
+        self.shots += 1;
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("window-shots");
+        fs::create_dir_all(&folder).unwrap();
+        let name = format!("{}-{}-{what}.png", self.name, self.shots);
+        image.save(folder.join(name)).unwrap();
+        image
+    }
+
+    /// Seconds of processor time used so far.
+    pub fn processor_secs(&self) -> f64 {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+        // User and system time, in hundredths of a second on every Linux there is.
+        let ticks = |place: usize| fields[place].parse::<f64>().unwrap();
+        (ticks(11) + ticks(12)) / 100.0
+    }
+
+    /// Sends it a signal.
+    pub fn signal(&self, signal: Signal) {
+        let id = Pid::from_raw(self.child.id() as i32).unwrap();
+        kill_process(id, signal).unwrap();
+    }
+
+    /// Waits until the program has ended by itself: its code, its last words, what it told.
+    pub fn ended(mut self) -> Ended {
+        let status = wait_for("the end", 30, || self.child.try_wait().unwrap());
+        let told = self.told();
+        let log = fs::read_to_string(self.path("log")).unwrap();
+        assert_eq!(status.signal(), None, "killed; it had said {log}");
+        Ended { code: status.code(), log, told, folder: self.folder.take().unwrap() }
+    }
+
+    /// Quits by the keyboard; nothing may have gone wrong.
+    pub fn quit(self) -> Ended {
+        self.display.key("ctrl+q");
+        let ended = self.ended();
+        assert_eq!(ended.code, Some(0), "{}", ended.log);
+        ended
+    }
+
+    /// A file of this session.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.as_ref().expect("it is there until the end").path().join(name)
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        if self.child.try_wait().is_ok_and(|status| status.is_none()) {
+            let log = fs::read_to_string(self.path("log")).unwrap_or_default();
+            eprintln!("the window of {} was still open; it had said: {log}", self.name);
+            // Ended meanwhile is as good.
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+    }
+}
+
+/// What is left of a run.
+pub struct Ended {
+    /// Its exit code.
+    pub code: Option<i32>,
+    /// What it said.
+    pub log: String,
+    /// What it told of itself at the end.
+    pub told: Option<Told>,
+    /// Its home.
+    pub folder: TempDir,
+}
