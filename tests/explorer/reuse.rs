@@ -180,3 +180,37 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
     assert_eq!(explorer.counts().simulated, simulated);
     assert!(cells.iter().all(|cell| before(&mut explorer, cell).is_some()), "of the last slider");
 }
+
+#[test]
+fn what_is_in_view_stays_where_there_is_no_room_for_more() {
+    // Nothing here is paused, so that every tile is as large as any other.
+    let path = (0..6).map(|step| aim([2.0 + 0.5 * side_rad(8).hi * f64::from(step), 0.5], 8));
+    let mut engine = Ledger::default();
+    let most = path.clone().map(|aim| explored(aim, &mut engine).bytes()).max();
+    let mut explorer = Explorer::new(most.expect("several views"));
+    for aim in path {
+        explorer.aim(aim);
+        explorer.work(&mut engine, None).unwrap();
+        let progress = explorer.progress();
+        assert_eq!(progress.done, progress.wanted, "half of it was computed before");
+        assert!(explorer.bytes() <= most.expect("several views"));
+        explorer.aim(Aim { pointer: Some([0.0; 2]), ..aim });
+        assert!(explorer.progress().idle, "nothing that this view wants has gone");
+    }
+}
+
+#[test]
+fn a_refused_job_is_computed_once_the_engine_takes_it() {
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.aim(lively(6));
+    for refused in [0, 5, 9] {
+        engine.mock.fail_at = Some(refused);
+        assert!(explorer.work(&mut engine, None).is_err());
+    }
+    engine.mock.fail_at = None;
+    explorer.work(&mut engine, None).unwrap();
+    let aim = lively(6);
+    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    assert_eq!((engine.again, engine.doubled), (0, 0));
+}
