@@ -109,15 +109,20 @@ fn painted(screen: &Screen, scene: &Scene, picture: &PictureTable) -> Vec<Rgb> {
     pixels.map(|(x, y)| tones.colour(&outcome(grid.fate(x, y), scene))).collect()
 }
 
-fn is_near(pixel: &[u8], colour: &Rgb) -> bool {
-    pixel[3] == 255 && pixel.iter().zip(colour).all(|(shown, wanted)| shown.abs_diff(*wanted) <= 2)
+/// The share of pixels that are further from their colours than this in some channel.
+fn beyond(least: u8, pixels: &[u8], colours: &[Rgb]) -> f64 {
+    let far = |pixel: &[u8], colour: &Rgb| {
+        pixel[3] != 255 || pixel.iter().zip(colour).any(|(a, b)| a.abs_diff(*b) > least)
+    };
+    let pairs = pixels.chunks(4).zip(colours);
+    pairs.filter(|(pixel, colour)| far(pixel, colour)).count() as f64 / colours.len() as f64
 }
 
-/// The share of pixels that have not the colour they should.
+/// The share of pixels that have not the colour they should. Where an entry of the card's table
+/// lies between two colours of the palette, the neighbour counts as right: they differ by 4 at
+/// most.
 fn wrong(pixels: &[u8], colours: &[Rgb]) -> f64 {
-    let pairs = pixels.chunks(4).zip(colours);
-    let wrong = pairs.filter(|(pixel, colour)| !is_near(pixel, colour)).count();
-    wrong as f64 / colours.len() as f64
+    beyond(4, pixels, colours)
 }
 
 fn share_of(colour: Rgb, colours: &[Rgb]) -> f64 {
@@ -151,19 +156,20 @@ mod checks {
             let paint = Paint { picture, scene: &scene, trust: false };
             let pixels = studio.draw(&screen, &mut explorer, &paint);
             let truth = painted(&screen, &scene, picture);
-            let wrong_share = wrong(&pixels, &truth);
-            assert!(wrong_share <= 0.01, "{wrong_share} of {picture:?}");
+            let [inexact, wrong] = [0, 4].map(|least| beyond(least, &pixels, &truth));
+            assert!(wrong <= 0.001 && inexact <= 0.12, "{inexact}, {wrong} of {picture:?}");
             for status in [FORBIDDEN, FAILED] {
                 assert!(share_of(status, &truth) > 0.02, "{status:?} is to be seen");
             }
-            (last, _) = (pixels, truth);
+            last = pixels;
         }
         // What is not the picture is seen not to be it.
         let [plain, _, linear] = pictures();
         assert!(wrong(&last, &painted(&screen, &scene, &plain)) > 0.3, "another palette");
-        let aside = screen.camera.moved(DVec2::new(pitch_rad(LEVEL), 0.0));
+        let aside = screen.camera.moved(DVec2::splat(pitch_rad(LEVEL)));
         let aside = Screen { camera: aside, ..screen };
-        assert!(wrong(&last, &painted(&aside, &scene, &linear)) > 0.02, "a pixel further");
+        let further = wrong(&last, &painted(&aside, &scene, &linear));
+        assert!(further > 0.01, "a pixel further: {further}");
     }
 
     pub fn a_target_that_encodes_shows_the_same() {
@@ -173,7 +179,7 @@ mod checks {
         let paint = Paint { picture, scene: &scene, trust: false };
         let pixels =
             Studio::new(wgpu::TextureFormat::Rgba8UnormSrgb).draw(&screen, &mut explorer, &paint);
-        assert!(wrong(&pixels, &painted(&screen, &scene, picture)) <= 0.01);
+        assert!(wrong(&pixels, &painted(&screen, &scene, picture)) <= 0.001);
     }
 
     pub fn the_mirror_image_lies_the_right_way_round() {
@@ -187,7 +193,7 @@ mod checks {
             for picture in &pictures() {
                 let paint = Paint { picture, scene: &scene, trust: false };
                 let pixels = Studio::new(PLAIN).draw(&shown, &mut explorer, &paint);
-                assert!(wrong(&pixels, &painted(&shown, &scene, picture)) <= 0.01);
+                assert!(wrong(&pixels, &painted(&shown, &scene, picture)) <= 0.001);
             }
         }
     }
@@ -233,7 +239,7 @@ mod checks {
         }
         let paint = Paint { picture, scene: &scene, trust: false };
         let pixels = Studio::new(PLAIN).draw(&fine, &mut explorer, &paint);
-        assert!(wrong(&pixels, &truth) <= 0.01, "{}", wrong(&pixels, &truth));
+        assert!(wrong(&pixels, &truth) <= 0.001, "{}", wrong(&pixels, &truth));
         // It is not what it stands in for.
         assert!(wrong(&pixels, &painted(&fine, &scene, picture)) > 0.01);
     }
@@ -252,7 +258,7 @@ mod checks {
         assert!(
             unflipped > 0.1 && share_of(UNFLIPPED, &painted(&screen, &scene(60.0), picture)) < 0.01
         );
-        assert!(wrong(&pixels, &truth) <= 0.01, "{} {unflipped}", wrong(&pixels, &truth));
+        assert!(wrong(&pixels, &truth) <= 0.001, "{} {unflipped}", wrong(&pixels, &truth));
     }
 
     pub fn doubts_are_hatched_only_when_asked() {
@@ -263,7 +269,7 @@ mod checks {
         let grid = grid(&screen, &scene);
         let plain = Paint { picture, scene: &scene, trust: false };
         let pixels = studio.draw(&screen, &mut explorer, &plain);
-        assert!(wrong(&pixels, &truth) <= 0.01);
+        assert!(wrong(&pixels, &truth) <= 0.001);
         let (mut marked, mut dark) = (0, 0);
         for (k, colour) in truth.iter_mut().enumerate() {
             let (x, y) = (k as u32 % SIZE[0], k as u32 / SIZE[0]);
@@ -277,7 +283,7 @@ mod checks {
         }
         assert!(marked > 5000 && dark * 3 > marked && dark * 3 < 2 * marked, "{dark} of {marked}");
         let pixels = studio.draw(&screen, &mut explorer, &Paint { trust: true, ..plain });
-        assert!(wrong(&pixels, &truth) <= 0.01, "{}", wrong(&pixels, &truth));
+        assert!(wrong(&pixels, &truth) <= 0.001, "{}", wrong(&pixels, &truth));
     }
 
     pub fn a_changed_pendulum_leaves_the_picture_until_it_is_known() {
@@ -289,16 +295,16 @@ mod checks {
         let paint = Paint { picture, scene: &moon, trust: false };
         let pixels = studio.draw(&screen, &mut explorer, &paint);
         // What was known, in the colours of what is aimed at.
-        assert!(wrong(&pixels, &painted(&screen, &home, picture)) <= 0.01);
+        assert!(wrong(&pixels, &painted(&screen, &home, picture)) <= 0.001);
         explorer.work(&mut Doubtful::default(), None).unwrap();
         let pixels = studio.draw(&screen, &mut explorer, &paint);
-        assert!(wrong(&pixels, &painted(&screen, &moon, picture)) <= 0.01);
+        assert!(wrong(&pixels, &painted(&screen, &moon, picture)) <= 0.001);
         assert!(wrong(&pixels, &painted(&screen, &home, picture)) > 0.3);
     }
 
     pub fn no_pixel_is_left_out() {
         let (scene, picture) = (scene(60.0), &pictures()[0]);
-        let mut studio = Studio::new(PLAIN);
+        let tones = Tones::new(picture, scene.build.unit_secs(), 60.0).unwrap();
         let seam = [Dd::PI, Dd::new(-3.0)];
         for (center, width_rad, rotate_deg, stretch) in [
             (seam, 0.7, 0.0, 1.0),
@@ -310,20 +316,21 @@ mod checks {
             let view = Screen { camera, ..screen(center, LEVEL) };
             let mut explorer = explored(&view, &scene);
             let paint = Paint { picture, scene: &scene, trust: false };
-            let pixels = studio.draw(&view, &mut explorer, &paint);
+            let pixels = Studio::new(PLAIN).draw(&view, &mut explorer, &paint);
             let bare = pixels.chunks(4).filter(|pixel| pixel[3] != 255).count();
             assert_eq!(bare, 0, "{camera:?}");
-            // The colours of a few pixels are those of the samples under them.
-            let tones = Tones::new(picture, scene.build.unit_secs(), 60.0).unwrap();
-            let forbidden = |k: &usize| {
-                let at = DVec2::new((k % 256) as f64 - 127.5, (k / 256) as f64 - 95.5);
-                let [start, _] = sample_at(view.angle_at(at), view.level());
-                let grid = Grid::square(&scene, start, Dd::new(1e-9), [1, 1]);
-                let colour = tones.colour(&outcome(grid.fate(0, 0), &scene));
-                (colour == FORBIDDEN) == (pixels[4 * k..4 * k + 3] == FORBIDDEN)
-            };
-            let agree = (0..pixels.len() / 4).step_by(7).filter(forbidden).count();
-            assert!(agree * 7 * 20 > 19 * pixels.len() / 4, "{agree}: {camera:?}");
+            // Away from edges, light is mixed of equal colours: those of the samples below.
+            let truth: Vec<Rgb> = (0..SIZE[0] * SIZE[1])
+                .map(|k| [k % SIZE[0], k / SIZE[0]].map(|at| f64::from(at) + 0.5))
+                .map(|at| {
+                    let point = DVec2::from(at) - view.size / 2.0;
+                    let [start, _] = sample_at(view.angle_at(point), view.level());
+                    let grid = Grid::square(&scene, start, Dd::new(1e-9), [1, 1]);
+                    tones.colour(&outcome(grid.fate(0, 0), &scene))
+                })
+                .collect();
+            let wrong = wrong(&pixels, &truth);
+            assert!(wrong < if width_rad < 1.0 { 0.08 } else { 0.3 }, "{wrong}: {camera:?}");
         }
     }
 }
