@@ -10,7 +10,7 @@ use std::fs;
 use std::thread::sleep;
 use std::time::Duration;
 
-use display::{LEFT, WHEEL_UP, wait_for};
+use display::{LEFT, wait_for};
 use flipmap::scene::{BuiltIn, Scene, location};
 use image::RgbImage;
 use image::imageops::{crop_imm, flip_horizontal};
@@ -79,7 +79,7 @@ mod checks {
             "the zoomed map",
             |display| {
                 display.point(point[0], point[1]);
-                (0..6).for_each(|_| display.click(WHEEL_UP));
+                display.wheel_twice(3);
             },
             |told| close_by(told.width_rad(), home.width_rad() / 4.0, 1e-9),
         );
@@ -196,7 +196,7 @@ mod checks {
     }
 
     pub fn keys_and_commands_are_found() {
-        let mut session = Session::open("keys", &["shore"]);
+        let mut session = Session::open("keys", &[]);
         let before = session.told().unwrap();
         let plain = session.shot("plain");
         session.after("the list of keys", |display| display.key("F1"), |_| true);
@@ -204,6 +204,7 @@ mod checks {
         session.after("the map alone", |display| display.key("Escape"), |_| true);
         assert!(plain == session.shot("closed"), "closed, the list leaves nothing behind");
         session.display.key("ctrl+k");
+        sleep(Duration::from_millis(300));
         session.display.type_in("energy");
         sleep(Duration::from_millis(300));
         session.shot("commands");
@@ -214,10 +215,13 @@ mod checks {
     }
 
     pub fn a_lost_device_is_opened_again() {
-        let mut session = Session::open("lost", &["shore"]);
+        let mut session = Session::open("lost", &[]);
         session.display.key("F12");
         session.display.key("ctrl+k");
+        // What is typed before the field is there is not for it.
+        sleep(Duration::from_millis(300));
         session.display.type_in("lose the");
+        sleep(Duration::from_millis(300));
         let told = session.after(
             "the notice of the loss",
             |display| display.key("Return"),

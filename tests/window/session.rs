@@ -1,5 +1,6 @@
 //! A run of the program in a window on a display of its own.
 
+use std::cell::RefCell;
 use std::fs::{self, File};
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -28,7 +29,7 @@ pub struct Session {
     pub window: u32,
     name: &'static str,
     shots: u32,
-    child: Child,
+    child: RefCell<Child>,
     /// Taken out at the end.
     folder: Option<TempDir>,
     _alone: MutexGuard<'static, ()>,
@@ -120,7 +121,7 @@ impl Session {
         display.focus(window);
         // Out of the way of what is compared.
         display.point(f64::from(SCREEN[0]), f64::from(SCREEN[1]));
-        let folder = Some(folder);
+        let (folder, child) = (Some(folder), RefCell::new(child));
         let session = Session { display, window, name, shots: 0, child, folder, _alone: alone };
         session.rest("the first map", |_| true);
         session
@@ -144,9 +145,11 @@ impl Session {
             if let Some(told) = self.told().filter(holds) {
                 return told;
             }
+            let ended = self.child.borrow_mut().try_wait().unwrap();
+            assert!(ended.is_none(), "it ended ({ended:?}) before {what}: {}", self.log());
             sleep(Duration::from_millis(20));
         }
-        panic!("waited 30 s for {what}; the window last told {:?}", self.told())
+        panic!("no {what} in 30 s; it last told {:?} and said {}", self.told(), self.log())
     }
 
     /// Does something and waits until the window rests after it and something holds.
@@ -173,9 +176,14 @@ impl Session {
         image
     }
 
+    /// What the program said so far.
+    pub fn log(&self) -> String {
+        fs::read_to_string(self.path("log")).unwrap()
+    }
+
     /// Seconds of processor time used so far.
     pub fn processor_secs(&self) -> f64 {
-        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap();
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.borrow().id())).unwrap();
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
         // User and system time, in hundredths of a second on every Linux there is.
         let ticks = |place: usize| fields[place].parse::<f64>().unwrap();
@@ -184,15 +192,15 @@ impl Session {
 
     /// Sends it a signal.
     pub fn signal(&self, signal: Signal) {
-        let id = Pid::from_raw(self.child.id() as i32).unwrap();
+        let id = Pid::from_raw(self.child.borrow().id() as i32).unwrap();
         kill_process(id, signal).unwrap();
     }
 
     /// Waits until the program has ended by itself: its code, its last words, what it told.
     pub fn ended(mut self) -> Ended {
-        let status = wait_for("the end", 30, || self.child.try_wait().unwrap());
+        let status = wait_for("the end", 30, || self.child.borrow_mut().try_wait().unwrap());
         let told = self.told();
-        let log = fs::read_to_string(self.path("log")).unwrap();
+        let log = self.log();
         assert_eq!(status.signal(), None, "killed; it had said {log}");
         Ended { code: status.code(), log, told, folder: self.folder.take().unwrap() }
     }
@@ -213,12 +221,11 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        if self.child.try_wait().is_ok_and(|status| status.is_none()) {
-            let log = fs::read_to_string(self.path("log")).unwrap_or_default();
-            eprintln!("the window of {} was still open; it had said: {log}", self.name);
+        let child = self.child.get_mut();
+        if child.try_wait().is_ok_and(|status| status.is_none()) {
             // Ended meanwhile is as good.
-            let _ = self.child.kill();
-            let _ = self.child.wait();
+            let _ = child.kill();
+            let _ = child.wait();
         }
     }
 }
