@@ -222,11 +222,12 @@ impl Runner {
         self.draw_at(self.last_frame + NEWS);
     }
 
-    /// Nothing is left to draw or to compute: a good moment to tell what was measured, without
+    /// The view is whole and nothing moves: a good moment to tell what was measured, without
     /// disturbing it.
     fn rest(&mut self) {
         let (Some(open), Some(path)) = (&self.open, &self.options.stats) else { return };
-        let still = !open.desk.state.dragging && open.desk.progress().idle;
+        let progress = open.desk.progress();
+        let still = !open.desk.state.dragging && progress.done == progress.wanted;
         if still && !std::mem::replace(&mut self.told, true) {
             // A file that cannot be written is complained about when the window closes.
             let _ = self.stats.report(Holdings::of(&open.desk)).write(path);

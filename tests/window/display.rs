@@ -88,9 +88,9 @@ impl Display {
         })
     }
 
-    /// What is on the screen, from its upper left corner.
-    pub fn shot(&self, width: u32, height: u32) -> RgbImage {
-        let (w, h) = (width.min(SCREEN[0].into()) as u16, height.min(SCREEN[1].into()) as u16);
+    /// What is on the screen.
+    pub fn shot(&self) -> RgbImage {
+        let [w, h] = SCREEN;
         let image = self
             .connection
             .get_image(ImageFormat::Z_PIXMAP, self.root, 0, 0, w, h, u32::MAX)

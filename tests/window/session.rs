@@ -21,6 +21,9 @@ use super::display::{Display, SCREEN, wait_for};
 /// Windows one after another: two at once would wait for each other's engines.
 static ALONE: Mutex<()> = Mutex::new(());
 
+/// Its width and height in pixels.
+pub const WINDOW: [u32; 2] = [900, 640];
+
 /// A window that is open.
 pub struct Session {
     /// Where it is.
@@ -75,6 +78,11 @@ impl Told {
         serde_json::from_value(self.0["notices"].clone()).unwrap()
     }
 
+    /// Whether nothing is left to compute, not even around the view.
+    pub fn is_idle(&self) -> bool {
+        self.0["idle"] == true
+    }
+
     /// Frames drawn so far.
     pub fn frames(&self) -> u64 {
         self.0["frame_ms"]["count"].as_u64().unwrap()
@@ -118,12 +126,14 @@ impl Session {
             .spawn()
             .unwrap();
         let window = wait_for("the window", 30, || display.window("flipmap"));
+        // A quarter of the work that the usual size would be.
+        display.resize(window, WINDOW);
         display.focus(window);
         // Out of the way of what is compared.
         display.point(f64::from(SCREEN[0]), f64::from(SCREEN[1]));
         let (folder, child) = (Some(folder), RefCell::new(child));
         let session = Session { display, window, name, shots: 0, child, folder, _alone: alone };
-        session.rest("the first map", |_| true);
+        session.rest("the first map", |told| told.map_px()[1] < f64::from(WINDOW[1]));
         session
     }
 
@@ -166,8 +176,7 @@ impl Session {
 
     /// What is on the screen, kept for people under `target/window-shots`.
     pub fn shot(&mut self, what: &str) -> RgbImage {
-        let [width, height] = SCREEN;
-        let image = self.display.shot(width.into(), height.into());
+        let image = self.display.shot();
         self.shots += 1;
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("window-shots");
         fs::create_dir_all(&folder).unwrap();
