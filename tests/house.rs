@@ -5,11 +5,15 @@ use std::fs;
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 
+use flipmap::app::canvas::atlas::SLOTS_ALONG;
+use flipmap::app::canvas::pipeline::{self, Uniforms};
+use flipmap::app::canvas::sample::{LOG_BIAS, LOG_STEPS};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
 use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome};
-use flipmap::engine::{Method, Precision, Question, Recipe};
-use flipmap::physics::Rule;
+use flipmap::engine::{Method, Precision, Question, Recipe, Trust};
+use flipmap::physics::{Rule, Status};
 use flipmap::scene::Build;
+use flipmap::tiles::lattice::SIDE;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// Left to right: a module may use those before it.
@@ -64,6 +68,8 @@ fn every_shader_file_is_glued_on_somewhere() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     let mut known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
+    // The window's own, which is whole.
+    known.push("picture.wgsl");
     files.sort();
     known.sort_unstable();
     assert_eq!(files, known);
@@ -163,6 +169,45 @@ fn structs_have_the_same_offsets_on_both_sides() {
     for (name, twin) in [("Job", &job[..]), ("Outcome", &outcome[..]), ("Queue", &queue[..])] {
         let twin: Vec<_> = twin.iter().map(|(name, offset)| (name.to_string(), *offset)).collect();
         assert_eq!(members(&module, name), twin, "{name}");
+    }
+}
+
+/// The value of a constant of a shader as it is written there.
+fn constant<'a>(shader: &'a str, name: &str) -> &'a str {
+    let line = shader.lines().find_map(|line| line.strip_prefix(&format!("const {name}: ")));
+    let value = line.and_then(|line| line.split(" = ").nth(1)).expect("the constant is there");
+    value.trim_end_matches(';').trim_end_matches('u')
+}
+
+#[test]
+fn the_picture_shader_is_valid_and_has_the_same_twins() {
+    let module = parsed(pipeline::SHADER);
+    let uniforms = [
+        ("first_log2", offset_of!(Uniforms, first_log2)),
+        ("entries_per_octave", offset_of!(Uniforms, entries_per_octave)),
+        ("budget_log2", offset_of!(Uniforms, budget_log2)),
+        ("trust", offset_of!(Uniforms, trust)),
+        ("unflipped", offset_of!(Uniforms, unflipped)),
+        ("forbidden", offset_of!(Uniforms, forbidden)),
+        ("failed", offset_of!(Uniforms, failed)),
+    ];
+    let twin: Vec<_> = uniforms.iter().map(|(name, at)| (name.to_string(), *at)).collect();
+    assert_eq!(members(&module, "Canvas"), twin);
+    let names: Vec<String> = members(&module, "Quad").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["corner", "right", "down", "texel", "span", "slot"]);
+    let number = |name| constant(pipeline::SHADER, name).parse::<f64>().unwrap();
+    for (name, twin) in [
+        ("SIDE", f64::from(SIDE)),
+        ("SLOTS_ALONG", f64::from(SLOTS_ALONG)),
+        ("TABLE_ENTRIES", pipeline::TABLE_ENTRIES as f64),
+        ("FLIPPED", f64::from(Status::Flipped as u8)),
+        ("FORBIDDEN", f64::from(Status::Forbidden as u8)),
+        ("FAILED", f64::from(Status::Failed as u8)),
+        ("UNCERTAIN", f64::from(Trust::Uncertain as u8)),
+        ("LOG_BIAS", LOG_BIAS),
+        ("LOG_STEP", 1.0 / LOG_STEPS),
+    ] {
+        assert_eq!(number(name), twin, "{name}");
     }
 }
 

@@ -6,8 +6,7 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use flipmap::app::export::{Export, ExportKind, ExportRequest, Stage};
-use flipmap::engine::Accuracy;
-use flipmap::engine::choice::{Demand, Kind, Wish};
+use flipmap::engine::choice::{Kind, Wish};
 use flipmap::output::document_in_png;
 use flipmap::scene::{BUILT_IN, BuiltIn, Document, Scale};
 
@@ -22,10 +21,10 @@ fn render(folder: &Path, arguments: &[&str]) -> String {
     told
 }
 
-fn export(document: Document, path: &Path, kind: ExportKind) {
+fn export(mut document: Document, path: &Path, kind: ExportKind) {
+    document.run.accuracy = Some("fast".to_string());
     let request = ExportRequest { document, size: [48, 32], path: path.to_path_buf(), kind };
-    let demand = Demand::Level(Accuracy::Fast);
-    let wish = Wish { kind: Kind::Cpu, demand, ..Wish::default() };
+    let wish = Wish { kind: Kind::Cpu, ..Wish::default() };
     let stage = Export::start(request, wish, || ()).wait();
     assert!(matches!(stage, Stage::Done { .. }), "{stage:?}");
 }

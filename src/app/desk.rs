@@ -26,7 +26,8 @@ use super::places::Places;
 use super::settings::{Loaded, Settings, Store};
 use super::state::{Effect, State};
 use crate::engine::choice::Wish;
-use crate::scene::Document;
+use crate::engine::words;
+use crate::scene::{Document, RunTable};
 use crate::tiles::explorer::Progress;
 
 /// How a window is opened.
@@ -34,10 +35,10 @@ use crate::tiles::explorer::Progress;
 pub struct Options {
     /// What it shows; where the window was left, if nothing is said.
     pub document: Option<Document>,
-    /// Which engine, and how right.
+    /// How it is computed, as words; as where the window was left, if nothing is said.
+    pub run: Option<RunTable>,
+    /// Which engine; what it is to compute follows from the words.
     pub wish: Wish,
-    /// Whether every pixel is checked.
-    pub verify: bool,
     /// Where settings and bookmarks are.
     pub folders: Folders,
     /// Where the window writes what it measured of itself when it closes.
@@ -87,20 +88,26 @@ impl Desk {
         let mut store = Store::new(&options.folders);
         let Loaded { settings, notice } = store.load();
         let last = settings.last_scene.clone().filter(|_| settings.restore);
-        let document = options.document.clone().or(last).unwrap_or_default();
-        let mut state = State::new(&document, options.wish.demand, options.verify);
+        let mut document = options.document.clone().or(last).unwrap_or_default();
+        let words = options.run.as_ref().unwrap_or(&document.run).clone();
+        let settled = words::settle(words);
+        let problem = settled.as_ref().err().map(ToString::to_string);
+        let (demand, run) = settled.unwrap_or_default();
+        let verify = words::verifies(demand, &run);
+        document.run = run;
+        let mut state = State::new(&document, demand, verify);
         state.kind = options.wish.kind;
         (state.animate, state.theme, state.ui_scale) =
             (settings.animate, settings.theme, settings.ui_scale);
         if options.document.is_none() {
             state.layers = settings.layers;
         }
-        if let Some(notice) = notice {
-            state.notices.fail(notice);
+        for problem in notice.into_iter().chain(problem) {
+            state.notices.fail(problem);
         }
         let cache_bytes = (settings.cache_mib as usize) << 20;
-        let wish = options.wish.clone();
-        let room = EngineRoom::new(wish.clone(), options.verify, cache_bytes, Arc::clone(&wake));
+        let wish = Wish { demand, ..options.wish.clone() };
+        let room = EngineRoom::new(wish.clone(), verify, cache_bytes, Arc::clone(&wake));
         let places = Places::load(&options.folders);
         Desk {
             state,

@@ -32,11 +32,9 @@ impl Desk {
     pub(super) fn affect(&mut self, effect: Effect) -> Option<Effect> {
         match effect {
             Effect::Pin(starts) => self.pin(starts),
-            Effect::Relaunch => {
-                let wake = Arc::clone(&self.wake);
-                self.state.pins.relaunch(&self.state.scene(), move || wake());
-            }
+            Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
+                self.relaunch();
                 self.wish.kind = self.state.kind;
                 self.wish.demand = self.state.demand;
                 self.room.reopen(self.state.kind, self.state.demand, self.state.verify);
@@ -49,6 +47,12 @@ impl Desk {
             other => return Some(other),
         }
         None
+    }
+
+    /// Pins that fly by the physics shown go on.
+    fn relaunch(&mut self) {
+        let wake = Arc::clone(&self.wake);
+        self.state.pins.relaunch(&self.state.scene(), move || wake());
     }
 
     fn pin(&mut self, starts: [[Dd; 2]; 2]) {

@@ -17,8 +17,10 @@ const PACE: Duration = Duration::from_millis(15);
 /// How much less urgent than drawing computing is; 19 is the most.
 #[cfg(target_os = "linux")]
 const NICENESS: i32 = 10;
-/// An engine that fails so often in a row is not opened again until the person says so.
+/// An engine that fails so often, each time within [`SOON`] of the last, is not opened again
+/// until the person says so.
 const MOST_FAILURES: u32 = 3;
+const SOON: Duration = Duration::from_secs(60);
 
 /// Where the engine is in its life.
 enum Stage {
@@ -35,6 +37,7 @@ pub struct EngineRoom {
     verify: bool,
     stage: Stage,
     failures: u32,
+    failed_at: Option<Instant>,
     /// What takes so long while an engine is being opened.
     said: Arc<Mutex<String>>,
     wake: Wake,
@@ -54,8 +57,16 @@ impl EngineRoom {
     pub fn new(wish: Wish, verify: bool, cache_bytes: usize, wake: Wake) -> Self {
         let stage = Stage::Failed;
         let explorer = Explorer::new(cache_bytes);
-        let mut room =
-            EngineRoom { explorer, wish, verify, stage, failures: 0, said: Arc::default(), wake };
+        let mut room = EngineRoom {
+            explorer,
+            wish,
+            verify,
+            stage,
+            failures: 0,
+            failed_at: None,
+            said: Arc::default(),
+            wake,
+        };
         room.open();
         room
     }
@@ -122,12 +133,7 @@ impl EngineRoom {
             let Stage::Ready(engine) = &mut self.stage else { return Turn::default() };
             self.explorer.aim(aim(engine.recipe));
             match self.explorer.work(engine.as_mut(), Some(deadline)) {
-                Ok(news) => {
-                    if news {
-                        self.failures = 0;
-                    }
-                    Turn { news, failure: None }
-                }
+                Ok(news) => Turn { news, failure: None },
                 Err(error) => self.fail(&error.to_string()),
             }
         })
@@ -147,7 +153,9 @@ impl EngineRoom {
 
     /// Opens the engine anew a few times, then the processor, then gives up.
     fn fail(&mut self, why: &str) -> Turn {
-        self.failures += 1;
+        let again = self.failed_at.is_some_and(|at| at.elapsed() < SOON);
+        self.failures = if again { self.failures + 1 } else { 1 };
+        self.failed_at = Some(Instant::now());
         self.stage = Stage::Failed;
         self.explorer.ground();
         let then = if self.failures < MOST_FAILURES {

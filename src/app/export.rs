@@ -8,10 +8,10 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::engine::choice::{Chosen, Demand, Wish, choose};
+use crate::engine::choice::{Chosen, Wish, choose};
 use crate::engine::method::Pace;
 use crate::engine::trust::TrustEngine;
-use crate::engine::{Engine, Method, Question};
+use crate::engine::{Engine, Question, words};
 use crate::output::{
     Clock, Destination, Pass, Paths, RenderError, SafeFile, Sinks, render_pass, sentence,
 };
@@ -151,6 +151,8 @@ enum Failure {
     #[error(transparent)]
     Scene(#[from] crate::scene::DocumentError),
     #[error(transparent)]
+    Words(#[from] words::WordsError),
+    #[error(transparent)]
     Choice(#[from] crate::engine::choice::ChoiceError),
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -171,7 +173,11 @@ fn run(
     set: &dyn Fn(Stage),
     stopped: &dyn Fn() -> bool,
 ) -> Result<(), Failure> {
-    let document = settled(&request.document, request.size, wish.demand);
+    let words = RunTable { size: Some(request.size), ..request.document.run.clone() };
+    let (demand, run) = words::settle(words)?;
+    let verify = words::verifies(demand, &run);
+    let wish = &Wish { demand, ..wish.clone() };
+    let document = Document { run, ..request.document.clone() };
     document.check()?;
     document.picture.check_size(request.size).map_err(crate::scene::DocumentError::from)?;
     let scene = document.scene();
@@ -183,7 +189,7 @@ fn run(
     if question.pendulum.q > 0.0 {
         Pace::new(&question, &recipe)?;
     }
-    if document.run.verify || matches!(wish.demand, Demand::Level(level) if level.verifies()) {
+    if verify {
         engine = Box::new(TrustEngine::new(engine, wish.threads)?);
     }
     for pass in sinks.passes(document.picture.samples) {
@@ -228,27 +234,6 @@ impl ExportRequest {
     }
 }
 
-/// The document with a run table that says what runs, as `flipmap render` writes it.
-fn settled(document: &Document, size: [u32; 2], demand: Demand) -> Document {
-    let kept = RunTable { size: Some(size), verify: document.run.verify, ..RunTable::default() };
-    let run = match demand {
-        Demand::Level(accuracy) => RunTable { accuracy: Some(accuracy.to_string()), ..kept },
-        Demand::Recipe(recipe) => RunTable {
-            method: Some(recipe.method.name().to_string()),
-            step: match recipe.method {
-                Method::Rk4 { .. } => {
-                    recipe.method.setting().strip_prefix("step ").map(str::to_string)
-                }
-                _ => None,
-            },
-            tolerance: recipe.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
-            precision: Some(recipe.precision.to_string()),
-            ..kept
-        },
-    };
-    Document { run, ..document.clone() }
-}
-
 /// Adds a scene to a file of film keys, which is made if it is not there; says how many keys it
 /// has now, or in a sentence why it is as it was.
 pub fn append_key(path: &Path, document: &Document) -> Result<usize, String> {
@@ -276,20 +261,16 @@ pub fn append_key(path: &Path, document: &Document) -> Result<usize, String> {
 mod tests {
     use super::*;
     use crate::engine::choice::Kind;
-    use crate::engine::{Accuracy, Precision, Recipe};
     use crate::scene::BuiltIn;
 
     fn request(path: PathBuf) -> ExportRequest {
-        let document = BuiltIn::named("filigree").unwrap().document();
+        let mut document = BuiltIn::named("filigree").unwrap().document();
+        document.run.accuracy = Some("fast".to_string());
         ExportRequest { document, size: [48, 32], path, kind: ExportKind::Png }
     }
 
-    fn cpu(demand: Demand) -> Wish {
-        Wish { kind: Kind::Cpu, demand, ..Wish::default() }
-    }
-
     fn fast() -> Wish {
-        cpu(Demand::Level(Accuracy::Fast))
+        Wish { kind: Kind::Cpu, ..Wish::default() }
     }
 
     #[test]
@@ -357,17 +338,6 @@ mod tests {
     fn a_window_writes_files_and_never_to_standard_output() {
         assert_eq!(request("-".into()).paths().picture, Some(PathBuf::from("./-")));
         assert_eq!(request("a.png".into()).paths().picture, Some(PathBuf::from("a.png")));
-    }
-
-    #[test]
-    fn recipes_are_written_as_the_command_line_writes_them() {
-        let recipe = |method, precision| Demand::Recipe(Recipe { method, precision });
-        let of = |demand| settled(&Document::default(), [3, 2], demand).run;
-        let lesson = of(recipe(Method::LESSON, Precision::F32));
-        assert_eq!((lesson.step.as_deref(), lesson.tolerance), (Some("1/120"), None));
-        let fine = of(recipe(Method::Dop853 { tolerance: 3e-13 }, Precision::F64));
-        assert_eq!((fine.step, fine.tolerance.as_deref()), (None, Some("3e-13")));
-        assert_eq!((fine.precision.as_deref(), fine.size), (Some("f64"), Some([3, 2])));
     }
 
     #[test]

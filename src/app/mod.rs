@@ -20,6 +20,7 @@ pub mod gesture;
 pub mod history;
 pub mod host;
 pub mod hover;
+mod incoming;
 pub mod map;
 pub mod meter;
 pub mod notices;

@@ -119,7 +119,7 @@ pub struct State {
 }
 
 impl State {
-    /// Shows a document, computed as demanded.
+    /// Shows a document, computed as its run table says, which is settled.
     pub fn new(document: &Document, demand: Demand, verify: bool) -> Self {
         let scene = document.scene();
         let camera = Camera::from_view(&scene.view);
@@ -298,7 +298,7 @@ impl State {
     }
 
     /// Moves smoothly, or jumps if that is preferred.
-    fn go(&mut self, to: Camera) {
+    pub(super) fn go(&mut self, to: Camera) {
         if self.animate {
             self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs });
         } else {
@@ -350,36 +350,6 @@ impl State {
         self.drawing = None;
         self.shown = Shown { help: false, commands: false, ..self.shown };
     }
-
-    /// Shows a document: its pendulum, its view, its colours. How it is computed stays.
-    fn show(&mut self, document: &Document) -> Option<Effect> {
-        let scene = document.scene();
-        let same = (scene.build, scene.question) == (self.build, self.question);
-        (self.build, self.question) = (scene.build, scene.question);
-        self.picture = document.picture.clone();
-        self.layers.curve = document.picture.curve;
-        self.go(Camera::from_view(&scene.view));
-        (!same).then_some(Effect::Relaunch)
-    }
-
-    fn paste(&mut self, text: &str) -> Option<Effect> {
-        match crate::scene::location::parse(text) {
-            Ok(scene) => {
-                let document = Document {
-                    pendulum: scene.build,
-                    question: scene.question,
-                    view: scene.view,
-                    picture: self.document().picture,
-                    ..Document::default()
-                };
-                self.show(&document)
-            }
-            Err(error) => {
-                self.notices.fail(format!("What was pasted is not a location: {error}."));
-                None
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -414,7 +384,7 @@ pub(super) mod tests {
         look(&mut state, zoom);
         assert!(state.tick(0.1));
         let midway = state.camera.width_rad;
-        assert!(midway < 6.28 && midway > 1.58);
+        assert!((1.6..6.2).contains(&midway));
         look(&mut state, zoom);
         assert_eq!(state.camera.width_rad, midway, "no jump");
         assert!(!state.tick(1.0));
@@ -461,6 +431,22 @@ pub(super) mod tests {
         let paste = Action::Paste("flipmap:center=-1.66,0.1;width=0.4;budget=60".to_string());
         assert_eq!(state.apply(paste), Some(Effect::Relaunch));
         assert_eq!((state.question.budget, state.target().width_rad), (60.0, 0.4));
+    }
+
+    #[test]
+    fn a_picture_is_computed_as_it_was_made() {
+        let mut state = state();
+        let mut document = Document::default();
+        assert_eq!(state.apply(Action::Show(Box::new(document.clone()))), None);
+        document.run.method = Some("rk4".to_string());
+        let shown = state.apply(Action::Show(Box::new(document.clone())));
+        assert_eq!(shown, Some(Effect::Reopen));
+        let Demand::Recipe(recipe) = state.demand else { panic!("{:?}", state.demand) };
+        assert_eq!(recipe.method, Method::LESSON);
+        assert_eq!(state.document().run.step.as_deref(), Some("1/120"));
+        document.run.tolerance = Some("much".to_string());
+        assert_eq!(state.apply(Action::Show(Box::new(document))), None);
+        assert!(state.notices.iter().next().unwrap().text.contains("--tolerance"));
     }
 
     #[test]

@@ -237,11 +237,11 @@ impl Runner {
     fn close(&mut self) {
         let Some(mut open) = self.open.take() else { return };
         open.desk.save();
-        if let Some(path) = &self.options.stats {
-            if let Err(source) = self.stats.report(Holdings::of(&open.desk)).write(path) {
-                let path = path.display().to_string();
-                self.failure = Some(WindowError::Stats { path, source });
-            }
+        if let Some(path) = &self.options.stats
+            && let Err(source) = self.stats.report(Holdings::of(&open.desk)).write(path)
+        {
+            let path = path.display().to_string();
+            self.failure = Some(WindowError::Stats { path, source });
         }
     }
 }
@@ -295,7 +295,7 @@ impl ApplicationHandler<Woken> for Runner {
                 self.draw(event_loop);
                 self.recover(event_loop);
             }
-            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             event => {
                 let repaint = open.host.on_event(&event);
                 if is_input(&event) {

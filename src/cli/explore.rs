@@ -33,9 +33,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let plan = options.run.settle(&mut document)?;
     let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
     let options = desk::Options {
+        run: options.run.says_how().then(|| document.run.clone()),
         document: options.scene.says_something().then_some(document),
         wish: options.run.wish(plan.demand),
-        verify: plan.verify,
         folders,
         stats: options.stats.clone(),
     };

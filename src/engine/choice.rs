@@ -40,6 +40,12 @@ pub enum Demand {
     Recipe(Recipe),
 }
 
+impl Default for Demand {
+    fn default() -> Self {
+        Demand::Level(Accuracy::default())
+    }
+}
+
 impl Demand {
     /// The recipes that meet it, the preferred one first.
     fn recipes(self) -> Vec<Recipe> {

@@ -11,7 +11,7 @@
 //! * [`mock`] answers at once, for tests of everything above;
 //! * [`trust`] checks the answers of another engine until two methods agree;
 //! * [`selfcheck`] decides which arithmetic of an adapter is believed, [`profile`] what its
-//!   recipes cost, [`choice`] which engine runs which of them.
+//!   recipes cost, [`choice`] which engine runs which of them, [`words`] what a person asked for.
 
 pub mod background;
 pub mod choice;
@@ -26,6 +26,7 @@ pub mod shared;
 pub mod start;
 pub mod symbol;
 pub mod trust;
+pub mod words;
 
 use std::time::Instant;
 

@@ -8,7 +8,7 @@ pub mod atlas;
 pub mod colours;
 pub mod cover;
 pub mod pipeline;
-mod sample;
+pub mod sample;
 
 use std::sync::Arc;
 

@@ -92,51 +92,11 @@ impl Canvas {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let layer_side = SLOTS_ALONG * SIDE;
-        let texture = |label, [width, height, depth_or_array_layers]: [u32; 3], format| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            })
-        };
-        let size = [layer_side, layer_side, layers];
-        let atlas = texture("atlas", size, wgpu::TextureFormat::R32Uint);
+        let side = SLOTS_ALONG * SIDE;
+        let atlas = texture(device, "atlas", [side, side, layers], wgpu::TextureFormat::R32Uint);
         let size = [TABLE_ENTRIES as u32, 1, 1];
-        let table = texture("colour table", size, wgpu::TextureFormat::Rgba8UnormSrgb);
-        let view = |texture: &wgpu::Texture, dimension| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(dimension),
-                ..Default::default()
-            })
-        };
-        let atlas_view = view(&atlas, wgpu::TextureViewDimension::D2Array);
-        let table_view = view(&table, wgpu::TextureViewDimension::D2);
-        let nearest = device.create_sampler(&wgpu::SamplerDescriptor::default());
-        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("canvas"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(&atlas_view),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 2,
-                    resource: wgpu::BindingResource::TextureView(&table_view),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 3,
-                    resource: wgpu::BindingResource::Sampler(&nearest),
-                },
-            ],
-        });
+        let table = texture(device, "colour table", size, wgpu::TextureFormat::Rgba8UnormSrgb);
+        let bindings = bindings(device, &pipeline, &uniforms, &atlas, &table);
         let quads = quad_buffer(device, &[]);
         Canvas { pipeline, bindings, uniforms, atlas, table, quads, count: 0 }
     }
@@ -193,6 +153,58 @@ impl Canvas {
         pass.set_vertex_buffer(0, self.quads.slice(..));
         pass.draw(0..4, 0..self.count);
     }
+}
+
+fn texture(
+    device: &wgpu::Device,
+    label: &'static str,
+    [width, height, depth_or_array_layers]: [u32; 3],
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// What the shader reads, in the order of its bindings.
+fn bindings(
+    device: &wgpu::Device,
+    pipeline: &wgpu::RenderPipeline,
+    uniforms: &wgpu::Buffer,
+    atlas: &wgpu::Texture,
+    table: &wgpu::Texture,
+) -> wgpu::BindGroup {
+    let view = |texture: &wgpu::Texture, dimension| {
+        texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(dimension),
+            ..Default::default()
+        })
+    };
+    let atlas = view(atlas, wgpu::TextureViewDimension::D2Array);
+    let table = view(table, wgpu::TextureViewDimension::D2);
+    let nearest = device.create_sampler(&wgpu::SamplerDescriptor::default());
+    let resources = [
+        uniforms.as_entire_binding(),
+        wgpu::BindingResource::TextureView(&atlas),
+        wgpu::BindingResource::TextureView(&table),
+        wgpu::BindingResource::Sampler(&nearest),
+    ];
+    let entries: Vec<_> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("canvas"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    })
 }
 
 /// A buffer with room for these quads and some more.

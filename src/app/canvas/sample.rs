@@ -4,9 +4,9 @@ use crate::engine::Trust;
 use crate::physics::Outcome;
 
 /// Logarithms are counted from 2^-32 s (twin in the shader).
-const LOG_BIAS: f64 = 32.0;
+pub const LOG_BIAS: f64 = 32.0;
 /// In so many steps an octave.
-const LOG_STEPS: f64 = (1 << 21) as f64;
+pub const LOG_STEPS: f64 = (1 << 21) as f64;
 
 /// The status' number in the lowest two bits, trust in the next three, and the logarithm of the
 /// time in the rest: finer than any colour, and nothing for the card to work out.

@@ -1,0 +1,63 @@
+//! Scenes that come in: from files, places, and pasted locations.
+
+use super::camera::Camera;
+use super::state::{Effect, State};
+use crate::engine::words;
+use crate::scene::{Document, RunTable, location};
+
+impl State {
+    /// Shows a document: its pendulum, its view, its colours, and as right as it was, if it says.
+    pub(super) fn show(&mut self, document: &Document) -> Option<Effect> {
+        let scene = document.scene();
+        let same = (scene.build, scene.question) == (self.build, self.question);
+        (self.build, self.question) = (scene.build, scene.question);
+        self.picture = document.picture.clone();
+        self.layers.curve = document.picture.curve;
+        self.go(Camera::from_view(&scene.view));
+        if self.compute_as(&document.run) {
+            return Some(Effect::Reopen);
+        }
+        (!same).then_some(Effect::Relaunch)
+    }
+
+    /// Computes from now on as a run table says; one that says nothing changes nothing. Says
+    /// whether that is another way than before.
+    fn compute_as(&mut self, run: &RunTable) -> bool {
+        let words = RunTable { size: None, ..run.clone() };
+        if words == RunTable::default() {
+            return false;
+        }
+        match words::settle(words) {
+            Ok((demand, run)) => {
+                let verify = words::verifies(demand, &run);
+                let other = (demand, verify) != (self.demand, self.verify);
+                (self.demand, self.verify, self.run) = (demand, verify, run);
+                other
+            }
+            Err(error) => {
+                self.notices
+                    .fail(format!("The scene is shown, but not computed as it asks: {error}."));
+                false
+            }
+        }
+    }
+
+    pub(super) fn paste(&mut self, text: &str) -> Option<Effect> {
+        match location::parse(text) {
+            Ok(scene) => {
+                let document = Document {
+                    pendulum: scene.build,
+                    question: scene.question,
+                    view: scene.view,
+                    picture: self.document().picture,
+                    ..Document::default()
+                };
+                self.show(&document)
+            }
+            Err(error) => {
+                self.notices.fail(format!("What was pasted is not a location: {error}."));
+                None
+            }
+        }
+    }
+}

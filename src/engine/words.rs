@@ -1,0 +1,220 @@
+//! How to integrate, as words: of the command line, or of the scene inside a picture.
+
+use std::str::FromStr;
+
+use super::choice::Demand;
+use super::{Accuracy, Method, Precision, Recipe};
+use crate::scene::RunTable;
+
+/// Words that do not go together, or mean nothing: a sentence that names the option.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct WordsError(String);
+
+/// What words ask for, and the run table that asks for the same with nothing left open. Its
+/// verification is what was said beyond the level.
+pub fn settle(words: RunTable) -> Result<(Demand, RunTable), WordsError> {
+    let mut accuracy = Accuracy::default();
+    set(&mut accuracy, "--accuracy", &words.accuracy, Accuracy::from_str)?;
+    let (verify, size) = (words.verify, words.size);
+    let explicit = [&words.method, &words.step, &words.tolerance, &words.precision];
+    if explicit.iter().all(|word| word.is_none()) {
+        let word = Some(accuracy.to_string());
+        let run = RunTable { size, accuracy: word, verify, ..RunTable::default() };
+        return Ok((Demand::Level(accuracy), run));
+    }
+    let recipe = recipe(&words, accuracy)?;
+    let step = match recipe.method {
+        Method::Rk4 { .. } => Some(words.step.unwrap_or("1/120".to_string())),
+        _ => None,
+    };
+    let run = RunTable {
+        size,
+        accuracy: None,
+        method: Some(recipe.method.name().to_string()),
+        step,
+        tolerance: recipe.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
+        precision: Some(recipe.precision.to_string()),
+        // The level stays in what it checks.
+        verify: verify || accuracy.verifies(),
+    };
+    Ok((Demand::Recipe(recipe), run))
+}
+
+/// Whether what was settled is to be checked pixel by pixel.
+pub fn verifies(demand: Demand, run: &RunTable) -> bool {
+    run.verify || matches!(demand, Demand::Level(level) if level.verifies())
+}
+
+fn recipe(words: &RunTable, accuracy: Accuracy) -> Result<Recipe, WordsError> {
+    let level = accuracy.recipes()[0];
+    let mut precision = match (&words.method, &words.step) {
+        (Some(method), _) => Method::home_precision(method),
+        (None, Some(_)) => Precision::F32,
+        (None, None) => level.precision,
+    };
+    set(&mut precision, "--precision", &words.precision, Precision::from_str)?;
+    let name = match (&words.method, &words.step) {
+        (Some(name), _) => name.as_str(),
+        (None, Some(_)) => "rk4",
+        // The lesson is its method; the other levels have one for each precision.
+        (None, None) if precision == level.precision || accuracy == Accuracy::Lesson => {
+            level.method.name()
+        }
+        (None, None) => Method::home_method(precision),
+    };
+    let Some(mut method) = Method::named(name, precision) else {
+        let names = Method::NAMES.join(", ");
+        return Err(WordsError(format!("--method is '{name}'; the methods are {names}")));
+    };
+    let Some(least) = method.least_tolerance(precision) else {
+        let fitting = Precision::ALL.iter().filter(|(_, p)| method.least_tolerance(*p).is_some());
+        let fitting: Vec<&str> = fitting.map(|(word, _)| *word).collect();
+        return Err(WordsError(format!(
+            "--precision is '{precision}'; --method {name} runs in {}",
+            fitting.join(", ")
+        )));
+    };
+    if let Some(step) = &words.step {
+        method = with_step(method, step)?;
+    }
+    if let Some(tolerance) = &words.tolerance {
+        method = with_tolerance(method, tolerance, precision, least)?;
+    }
+    Ok(Recipe { method, precision })
+}
+
+fn with_step(method: Method, step: &str) -> Result<Method, WordsError> {
+    let Method::Rk4 { .. } = method else {
+        return Err(WordsError(format!(
+            "--step is for rk4; {} chooses its steps by --tolerance",
+            method.name()
+        )));
+    };
+    let step_secs = match step.split_once('/') {
+        Some((above, below)) => {
+            number(above).zip(number(below)).map(|(above, below)| above / below)
+        }
+        None => number(step),
+    };
+    match step_secs {
+        Some(step_secs) if (1e-9..=1.0).contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
+        _ => Err(WordsError(format!(
+            "--step is '{step}'; it must be seconds between 1e-9 and 1, as a number or a fraction"
+        ))),
+    }
+}
+
+/// Steps are not judged more roughly than this.
+const LARGEST_TOLERANCE: f64 = 1e-2;
+
+fn with_tolerance(
+    method: Method,
+    text: &str,
+    precision: Precision,
+    least: f64,
+) -> Result<Method, WordsError> {
+    let Some(tolerant) = number(text).and_then(|tolerance| method.with_tolerance(tolerance)) else {
+        return Err(WordsError(match method {
+            Method::Rk4 { .. } => "--tolerance is for methods that choose their steps; rk4 takes \
+                                   --step"
+                .to_string(),
+            _ => format!("--tolerance is '{text}'; it must be a number"),
+        }));
+    };
+    let within = |tolerance: f64| (least..=LARGEST_TOLERANCE).contains(&tolerance);
+    if tolerant.tolerance().is_some_and(within) {
+        return Ok(tolerant);
+    }
+    Err(WordsError(format!(
+        "--tolerance is '{text}'; in {precision} it must lie between {least:e} and \
+         {LARGEST_TOLERANCE:e}"
+    )))
+}
+
+/// Replaces `value` by what a word says, or names the option in the refusal.
+fn set<T, Why: std::fmt::Display>(
+    value: &mut T,
+    option: &str,
+    word: &Option<String>,
+    parse: impl Fn(&str) -> Result<T, Why>,
+) -> Result<(), WordsError> {
+    if let Some(word) = word {
+        *value = parse(word).map_err(|why| WordsError(format!("{option} is '{word}'; {why}")))?;
+    }
+    Ok(())
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(words: &[(&str, &str)]) -> Result<Demand, String> {
+        let word = |name: &str| words.iter().find(|(n, _)| *n == name).map(|(_, w)| w.to_string());
+        let words = RunTable {
+            accuracy: word("accuracy"),
+            method: word("method"),
+            step: word("step"),
+            tolerance: word("tolerance"),
+            precision: word("precision"),
+            ..RunTable::default()
+        };
+        settle(words).map(|(demand, _)| demand).map_err(|error| error.to_string())
+    }
+
+    fn recipe(words: &[(&str, &str)]) -> Recipe {
+        match said(words).unwrap() {
+            Demand::Recipe(recipe) => recipe,
+            level => panic!("{level:?}"),
+        }
+    }
+
+    #[test]
+    fn steps_are_numbers_or_fractions() {
+        assert_eq!(recipe(&[("method", "rk4"), ("step", "1/120")]).method, Method::LESSON);
+        assert_eq!(recipe(&[("step", "1e-3")]).method, Method::Rk4 { step_secs: 1e-3 });
+        for bad in ["0", "-1/120", "nan", "inf", "1/0", "2", "x", "1/"] {
+            let message = said(&[("step", bad)]).unwrap_err();
+            assert!(message.contains("--step") && message.contains("between 1e-9 and 1"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_said_follows_from_what_is() {
+        assert_eq!(said(&[]).unwrap(), Demand::Level(Accuracy::Balanced));
+        assert_eq!(said(&[("accuracy", "fast")]).unwrap(), Demand::Level(Accuracy::Fast));
+        let of = |words: &[(&str, &str)]| {
+            let Recipe { method, precision } = recipe(words);
+            (method.name(), precision, method.tolerance())
+        };
+        assert_eq!(of(&[("tolerance", "1e-9")]), ("dop853", Precision::F64, Some(1e-9)));
+        assert_eq!(of(&[("precision", "f32")]), ("dopri5", Precision::F32, Some(5e-8)));
+        assert_eq!(of(&[("precision", "df32")]), ("dop853", Precision::Df32, Some(1e-12)));
+        assert_eq!(of(&[("precision", "dd")]), ("taylor", Precision::Dd, Some(1e-25)));
+        assert_eq!(of(&[("method", "rk4")]), ("rk4", Precision::F32, None));
+        assert_eq!(of(&[("method", "rk4"), ("precision", "f64")]).1, Precision::F64);
+        let lesson = of(&[("accuracy", "lesson"), ("precision", "f64")]);
+        assert_eq!((lesson.0, lesson.1), ("rk4", Precision::F64));
+    }
+
+    #[test]
+    fn what_does_not_go_together_is_refused_with_what_does() {
+        for (words, parts) in [
+            (&[("method", "dop853"), ("step", "0.01")][..], &["--step", "--tolerance"][..]),
+            (&[("method", "rk4"), ("tolerance", "1e-9")], &["--tolerance", "--step"]),
+            (&[("tolerance", "1e-17")], &["--tolerance", "f64", "1e-15", "1e-2"]),
+            (&[("tolerance", "1e-9"), ("precision", "f32")], &["1e-8"]),
+            (&[("tolerance", "one")], &["number"]),
+            (&[("method", "taylor"), ("precision", "f32")], &["--precision", "f64, dd"]),
+            (&[("method", "euler")], &["rk4, dopri5, dop853, taylor"]),
+            (&[("accuracy", "perfect")], &["lesson, fast, balanced, exact"]),
+        ] {
+            let message = said(words).unwrap_err();
+            assert!(parts.iter().all(|part| message.contains(part)), "{words:?}: {message}");
+        }
+    }
+}

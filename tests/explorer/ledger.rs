@@ -1,0 +1,145 @@
+//! The mock engine behind a ledger: which pendulums were run from when to when, and whether any
+//! of them twice.
+
+use std::collections::HashMap;
+
+use flipmap::engine::mock::MockEngine;
+use flipmap::engine::{Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts, Wait};
+use flipmap::physics::Dd;
+
+/// A pendulum, by all that tells it from others.
+type Name = [u64; 5];
+
+/// Part of a pendulum's time.
+#[derive(Clone, Copy)]
+struct Span {
+    name: Name,
+    from_secs: f64,
+    to_secs: f64,
+}
+
+#[derive(Default)]
+pub struct Ledger {
+    pub mock: MockEngine,
+    /// Poll fails, and forgets what flew, as a lost device does.
+    pub fail_poll: bool,
+    /// Pendulums simulated twice over the same time.
+    pub again: usize,
+    /// Pendulums sent while they were flying.
+    pub doubled: usize,
+    pub cancels: usize,
+    /// The jobs taken, without all but the first of their starts.
+    pub jobs: Vec<Job>,
+    /// How many starts were sent from rest, and how many to be continued.
+    pub sent: [usize; 2],
+    flying: HashMap<u64, Vec<Span>>,
+    done_secs: HashMap<Name, f64>,
+}
+
+fn name(question: &Question, [theta1, theta2]: [Dd; 2]) -> Name {
+    [theta1.hi, theta1.lo, theta2.hi, theta2.lo, question.pendulum.q].map(f64::to_bits)
+}
+
+fn spans(job: &Job) -> Vec<Span> {
+    let span = |angle, from_secs| Span {
+        name: name(&job.question, angle),
+        from_secs,
+        to_secs: job.question.budget_secs,
+    };
+    // One in eight, so that the ledger stays small.
+    match &job.starts {
+        Starts::Rest(angles) => angles.iter().step_by(8).map(|angle| span(*angle, 0.0)).collect(),
+        Starts::Paused(states) => states
+            .iter()
+            .step_by(8)
+            .map(|Paused { numbers: [from_secs, _, hi1, lo1, hi2, lo2, ..], .. }| {
+                let angle = [Dd { hi: *hi1, lo: *lo1 }, Dd { hi: *hi2, lo: *lo2 }];
+                span(angle, *from_secs)
+            })
+            .collect(),
+    }
+}
+
+impl Ledger {
+    /// A ledger over an engine.
+    pub fn over(mock: MockEngine) -> Self {
+        Ledger { mock, ..Ledger::default() }
+    }
+
+    /// The first start of a job that was sent from rest.
+    pub fn first_start(job: &Job) -> Option<[Dd; 2]> {
+        match &job.starts {
+            Starts::Rest(angles) => angles.first().copied(),
+            Starts::Paused(_) => None,
+        }
+    }
+
+    fn book(&mut self, span: Span) {
+        let done = self.done_secs.entry(span.name).or_insert(0.0);
+        self.again += usize::from(span.from_secs < *done);
+        *done = done.max(span.to_secs);
+    }
+}
+
+impl Engine for Ledger {
+    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+        let (id, spans) = (job.id, spans(&job));
+        let first = match &job.starts {
+            Starts::Rest(angles) => Starts::Rest(angles.iter().take(1).copied().collect()),
+            Starts::Paused(states) => Starts::Paused(states.iter().take(1).copied().collect()),
+        };
+        let index = usize::from(matches!(job.starts, Starts::Paused(_)));
+        let (count, light) = (job.starts.len(), Job { starts: first, ..job.clone() });
+        assert!(count > 0, "an empty job");
+        self.mock.submit(job)?;
+        self.sent[index] += count;
+        self.jobs.push(light);
+        for span in &spans {
+            let flies = |other: &Span| other.name == span.name;
+            // Jobs are whole cells, so their first pendulums tell.
+            self.doubled += self.flying.values().filter(|f| f.first().is_some_and(flies)).count();
+        }
+        self.flying.insert(id, spans);
+        Ok(())
+    }
+
+    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+        if std::mem::take(&mut self.fail_poll) {
+            self.cancel();
+            return Err(EngineError::DeviceLost("a test".to_string()));
+        }
+        let finished = self.mock.poll(wait)?;
+        for answer in &finished {
+            for span in self.flying.remove(&answer.id).unwrap_or_default() {
+                self.book(span);
+            }
+        }
+        Ok(finished)
+    }
+
+    fn cancel(&mut self) {
+        self.cancels += 1;
+        self.flying.clear();
+        self.mock.cancel();
+    }
+
+    fn slots(&self) -> usize {
+        self.mock.slots()
+    }
+
+    fn job_size(&self) -> usize {
+        self.mock.job_size()
+    }
+
+    fn offers(&self, recipe: &Recipe) -> bool {
+        self.mock.offers(recipe)
+    }
+
+    fn name(&self) -> &'static str {
+        "ledger"
+    }
+
+    fn adapter(&self) -> String {
+        self.mock.adapter()
+    }
+}
