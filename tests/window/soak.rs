@@ -157,9 +157,10 @@ pub fn soak() {
     let told = ended.told.unwrap();
     let mib = |key| told.number(key) / f64::from(1 << 20);
     println!(
-        "seed {seed}: {done} doings in {secs} s, {} frames, {:.0} pendulums, {:.0} MiB of tiles, \
-         at most {:.0} MiB in all",
+        "seed {seed}: {done} doings in {secs} s, {} frames, {} lost devices, {:.0} pendulums, \
+         {:.0} MiB of tiles, at most {:.0} MiB in all",
         told.frames(),
+        ended.log.matches("device is gone").count(),
         told.number("simulated"),
         mib("cache_bytes"),
         mib("peak_bytes"),
