@@ -1,6 +1,6 @@
 //! What a window measures of itself: how soon the map is there, how often it is drawn, how fast
-//! it answers, and what it shows. Written by `flipmap explore --stats FILE` whenever the window
-//! has come to rest and when it closes, shown in the debug panel.
+//! it answers, and what it shows. Written by `flipmap explore --stats FILE` whenever the view
+//! is whole and still and when the window closes, shown in the debug panel.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -74,6 +74,8 @@ pub struct Holdings {
     pub tiles: usize,
     /// Those among them that are there.
     pub tiles_done: usize,
+    /// Whether nothing is left to compute, not even around the view.
+    pub idle: bool,
     /// Starts of the pinned pixels, rad.
     pub pins: Vec<[f64; 2]>,
     /// Sentences that are shown.
@@ -123,6 +125,7 @@ impl Holdings {
             map_px: (state.canvas * state.pixels_per_point).to_array(),
             tiles: progress.wanted,
             tiles_done: progress.done,
+            idle: progress.idle,
             pins: state.pins.iter().map(|pin| pin.start.map(|theta| theta.hi)).collect(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
             simulated: counts.simulated,
