@@ -78,6 +78,8 @@ pub struct Holdings {
     pub idle: bool,
     /// Starts of the pinned pixels, rad.
     pub pins: Vec<[f64; 2]>,
+    /// Those among them whose pendulum was followed to its end.
+    pub flown: usize,
     /// Sentences that are shown.
     pub notices: Vec<String>,
     /// Starts integrated.
@@ -127,6 +129,7 @@ impl Holdings {
             tiles_done: progress.done,
             idle: progress.idle,
             pins: state.pins.iter().map(|pin| pin.start.map(|theta| theta.hi)).collect(),
+            flown: state.pins.iter().filter(|p| p.flight.record().ending.is_some()).count(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
             simulated: counts.simulated,
             rhs_evaluations: counts.rhs_evaluations,
