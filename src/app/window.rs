@@ -48,8 +48,9 @@ pub enum WindowError {
 const FRAME: Duration = Duration::from_micros(16_600);
 /// New tiles alone wait so long for a frame: drawing takes time from computing.
 const NEWS: Duration = Duration::from_millis(120);
-/// A device lost this often within a run is not opened again.
-const MOST_LOSSES: u32 = 5;
+/// A device lost more often than this within so long is not opened again.
+const MOST_LOSSES: usize = 5;
+const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
 /// What is there once the system has given a window: the window, its device, and what it shows.
 struct Open {
@@ -69,7 +70,8 @@ struct Runner {
     last_frame: Instant,
     /// Since when events may have been waiting for this turn of the loop.
     input_since: Instant,
-    losses: u32,
+    /// When the device was lost lately.
+    losses: Vec<Instant>,
     /// Whether the measurements were written since the last frame.
     told: bool,
     failure: Option<WindowError>,
@@ -101,7 +103,7 @@ pub fn run(
         redraw_at: None,
         last_frame: now,
         input_since: now,
-        losses: 0,
+        losses: Vec::new(),
         told: true,
         failure: None,
     };
@@ -188,11 +190,12 @@ impl Runner {
     /// Opens the device again after it was lost.
     fn recover(&mut self, event_loop: &ActiveEventLoop) {
         let Some(mut open) = self.open.take_if(|open| open.host.is_lost()) else { return };
-        self.losses += 1;
+        self.losses.retain(|loss| loss.elapsed() < LOSSES_WITHIN);
+        self.losses.push(Instant::now());
         // The old surface must be gone before the window can have another one.
         let remains = open.host.into_remains();
         match Host::new(event_loop, &open.window, &self.proxy, Some(remains)) {
-            Ok(host) if self.losses <= MOST_LOSSES => {
+            Ok(host) if self.losses.len() <= MOST_LOSSES => {
                 open.desk.forget_card();
                 open.desk
                     .state

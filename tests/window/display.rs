@@ -45,7 +45,10 @@ pub fn wait_for<T>(what: &str, most_secs: u64, mut ask: impl FnMut() -> Option<T
         if let Some(answer) = ask() {
             return answer;
         }
-        assert!(begun.elapsed() < Duration::from_secs(most_secs), "waited {most_secs} s for {what}");
+        assert!(
+            begun.elapsed() < Duration::from_secs(most_secs),
+            "waited {most_secs} s for {what}"
+        );
         sleep(Duration::from_millis(20));
     }
 }
@@ -236,7 +239,9 @@ fn keys(connection: &RustConnection) -> HashMap<u32, (u8, bool)> {
     let mapping = connection.get_keyboard_mapping(first, last - first + 1);
     let mapping = mapping.expect("the server is there").reply().expect("it has a keyboard");
     let mut keys = HashMap::new();
-    for (code, row) in (first..=last).zip(mapping.keysyms.chunks(mapping.keysyms_per_keycode.into())) {
+    for (code, row) in
+        (first..=last).zip(mapping.keysyms.chunks(mapping.keysyms_per_keycode.into()))
+    {
         for (keysym, shift) in row.iter().take(2).zip([false, true]) {
             keys.entry(*keysym).or_insert((code, shift));
         }

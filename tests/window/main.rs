@@ -5,6 +5,7 @@
 mod display;
 mod likeness;
 mod session;
+mod soak;
 
 use std::fs;
 use std::thread::sleep;
@@ -42,6 +43,7 @@ window_tests! {
     a_window_at_rest_costs_nothing
     closing_keeps_where_it_was
     without_a_config_nothing_is_kept
+    soak
 }
 
 /// The part of a screenshot beside the map, where the panels are.
@@ -56,6 +58,8 @@ fn close_by(a: f64, b: f64, within: f64) -> bool {
 
 mod checks {
     use super::*;
+
+    pub use super::soak::soak;
 
     pub fn the_home_map_is_the_picture_that_render_makes() {
         let mut session = Session::open("home", &[]);

@@ -155,11 +155,16 @@ impl Session {
             if let Some(told) = self.told().filter(holds) {
                 return told;
             }
-            let ended = self.child.borrow_mut().try_wait().unwrap();
-            assert!(ended.is_none(), "it ended ({ended:?}) before {what}: {}", self.log());
+            self.check_alive();
             sleep(Duration::from_millis(20));
         }
         panic!("no {what} in 30 s; it last told {:?} and said {}", self.told(), self.log())
+    }
+
+    /// Fails if the program has ended by itself.
+    pub fn check_alive(&self) {
+        let ended = self.child.borrow_mut().try_wait().unwrap();
+        assert!(ended.is_none(), "the window is gone ({ended:?}): {}", self.log());
     }
 
     /// Does something and waits until the window rests after it and something holds.
