@@ -1,5 +1,9 @@
 //! The map on the card is the map of the samples: each pixel's colour held against the palette.
 
+#[macro_use]
+#[path = "common/adapter.rs"]
+mod adapter;
+
 use flipmap::app::camera::{Camera, Screen};
 use flipmap::app::canvas::colours::colours;
 use flipmap::app::canvas::pipeline::{Canvas, Frame};
@@ -19,19 +23,8 @@ use glam::DVec2;
 const SIDE: u32 = 256;
 const LEVEL: u32 = 2;
 
-macro_rules! gpu_tests {
-    ($($name:ident)*) => {
-        $(
-            #[test]
-            #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
-            fn $name() {
-                checks::$name();
-            }
-        )*
-    };
-}
-
-gpu_tests! {
+needs_adapter! {
+    checks:
     every_pixel_has_the_colour_of_its_sample
     other_colours_need_no_other_samples
     a_coarser_tile_stands_in_blurred_and_not_elsewhere
