@@ -225,6 +225,27 @@ fn scenes_that_are_none_are_refused_by_name() {
 }
 
 #[test]
+fn a_window_opens_only_on_a_scene_and_a_display() {
+    let folder = folder();
+    fs::write(folder.path().join("broken.png"), "no picture").unwrap();
+    let explore = |arguments: &[&str]| {
+        let mut command = program(&folder);
+        command.args(["explore", "--no-config", "--engine", "cpu"]).args(arguments);
+        command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().unwrap()
+    };
+    for (file, words) in [("broken.png", "broken.png"), ("no such scene", "no such scene")] {
+        let output = explore(&[file]);
+        assert_eq!(output.status.code(), Some(2), "{}", error_of(&output));
+        assert!(error_of(&output).contains(words), "{}", error_of(&output));
+    }
+    if cfg!(target_os = "linux") {
+        let output = explore(&[]);
+        assert_eq!(output.status.code(), Some(1), "{}", error_of(&output));
+        assert!(error_of(&output).contains("flipmap render"), "{}", error_of(&output));
+    }
+}
+
+#[test]
 fn no_adapter_and_no_fallback_is_69() {
     let folder = folder();
     let output = program(&folder)

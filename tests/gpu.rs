@@ -1,5 +1,8 @@
 //! What must hold of the GPU engine alone.
 
+#[macro_use]
+#[path = "common/adapter.rs"]
+mod adapter;
 mod common;
 
 use std::time::Duration;
@@ -20,19 +23,8 @@ fn recipes() -> Vec<Recipe> {
     [lesson(Precision::F32), lesson(Precision::F64)].into_iter().chain(levels).collect()
 }
 
-macro_rules! gpu_tests {
-    ($($name:ident)*) => {
-        $(
-            #[test]
-            #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
-            fn $name() {
-                checks::$name();
-            }
-        )*
-    };
-}
-
-gpu_tests! {
+needs_adapter! {
+    checks:
     the_two_engines_agree_on_early_flips
     the_length_of_slices_changes_nothing
     a_general_kernel_is_as_right_as_one_made_for_the_scene

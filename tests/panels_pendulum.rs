@@ -1,5 +1,9 @@
 //! The pendulum panel: what it looks like, and what a person can do in it by name and keyboard.
 
+#[macro_use]
+#[path = "common/adapter.rs"]
+mod adapter;
+
 use std::time::{Duration, Instant};
 
 use egui::{Key, Role, Theme};
@@ -171,19 +175,8 @@ fn a_pin_without_news_from_its_flight_is_shown_too() {
     shown.get_by_label("not computed yet");
 }
 
-macro_rules! pictures {
-    ($($name:ident)*) => {
-        $(
-            #[test]
-            #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
-            fn $name() {
-                pictures::$name();
-            }
-        )*
-    };
-}
-
-pictures! {
+needs_adapter! {
+    pictures:
     a_flipped_pendulum_looks_as_it_should
     bars_before_their_flip_look_as_they_should
     no_pin_looks_as_it_should

@@ -1,6 +1,10 @@
 //! The panels of the scene, the colours, exports and places: what they look like, and what a
 //! person can do in them by name and keyboard.
 
+#[macro_use]
+#[path = "common/adapter.rs"]
+mod adapter;
+
 use egui::{Key, Role, Theme, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -279,19 +283,8 @@ fn the_keyboard_reaches_every_button_of_an_export() {
     }
 }
 
-macro_rules! pictures {
-    ($($name:ident)*) => {
-        $(
-            #[test]
-            #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
-            fn $name() {
-                pictures::$name();
-            }
-        )*
-    };
-}
-
-pictures! {
+needs_adapter! {
+    pictures:
     the_scene_looks_as_it_should
     the_colours_look_as_they_should
     exports_look_as_they_should

@@ -2,6 +2,7 @@
 //! is lost, a host is thrown away and another one made; what egui remembers moves over.
 
 use std::num::NonZeroU32;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -36,23 +37,42 @@ pub struct Host {
     window: Arc<Window>,
     lost: Arc<AtomicBool>,
     complaint: Arc<Mutex<Option<String>>>,
+    /// Whether a screen reader listens.
+    screen_reader: bool,
     textures: egui::TexturesDelta,
     /// The largest side of a surface.
     most_px: u32,
 }
 
+/// What is left of a host whose device is gone.
+pub struct Remains {
+    /// What egui remembers.
+    memory: egui::Memory,
+    /// The way to screen readers: a window can have only one in its life.
+    adapter: Option<egui_winit::accesskit_winit::Adapter>,
+    screen_reader: bool,
+}
+
+impl Remains {
+    fn move_into(self, ctx: &Context, input: &mut egui_winit::State) {
+        ctx.memory_mut(|memory| *memory = self.memory);
+        input.accesskit = self.adapter;
+        if self.screen_reader {
+            ctx.enable_accesskit();
+        }
+    }
+}
+
 impl Host {
-    /// Opens a device for a window; `memory` is what egui remembered of a device before.
+    /// Opens a device for a window that is not shown yet, or that another host has drawn and left
+    /// these remains of.
     pub fn new(
         event_loop: &ActiveEventLoop,
         window: &Arc<Window>,
         proxy: &EventLoopProxy<Woken>,
-        memory: Option<egui::Memory>,
+        remains: Option<Remains>,
     ) -> Result<Self, HostError> {
         let ctx = Context::default();
-        if let Some(memory) = memory {
-            ctx.memory_mut(|mine| *mine = memory);
-        }
         let waker = proxy.clone();
         ctx.set_request_repaint_callback(move |info| {
             // Once the loop has ended nobody draws any more.
@@ -73,7 +93,11 @@ impl Host {
             window.theme(),
             painter.max_texture_side(),
         );
-        input.init_accesskit(event_loop, window, proxy.clone());
+        let screen_reader = remains.as_ref().is_some_and(|remains| remains.screen_reader);
+        match remains {
+            Some(remains) => remains.move_into(&ctx, &mut input),
+            None => input.init_accesskit(event_loop, window, proxy.clone()),
+        }
         let mut host = Host {
             ctx,
             input,
@@ -81,6 +105,7 @@ impl Host {
             window: Arc::clone(window),
             lost: Arc::default(),
             complaint: Arc::default(),
+            screen_reader,
             textures: egui::TexturesDelta::default(),
             most_px: 0,
         };
@@ -126,9 +151,13 @@ impl Host {
         }
     }
 
-    /// What egui remembers, for the next host.
-    pub fn memory(&self) -> egui::Memory {
-        self.ctx.memory(Clone::clone)
+    /// Lets the device go and keeps what the next host needs.
+    pub fn into_remains(self) -> Remains {
+        Remains {
+            memory: self.ctx.memory(Clone::clone),
+            screen_reader: self.screen_reader,
+            adapter: self.input.accesskit,
+        }
     }
 
     /// Takes an event; says whether something may have to be drawn.
@@ -155,21 +184,58 @@ impl Host {
         }
     }
 
+    fn tell_screen_reader(&mut self, listening: bool) {
+        self.screen_reader = listening;
+        if listening { self.ctx.enable_accesskit() } else { self.ctx.disable_accesskit() }
+    }
+
     /// A screen reader asks for something.
     pub fn on_accessibility(&mut self, event: accesskit_event::Event) {
         match event {
-            accesskit_event::Event::Wanted => self.ctx.enable_accesskit(),
+            accesskit_event::Event::Wanted => self.tell_screen_reader(true),
             accesskit_event::Event::Action(request) => {
                 self.input.on_accesskit_action_request(request);
             }
-            accesskit_event::Event::Unwanted => self.ctx.disable_accesskit(),
+            accesskit_event::Event::Unwanted => self.tell_screen_reader(false),
         }
         self.ctx.request_repaint();
+    }
+
+    /// A device that is lost tells only when it is asked for something.
+    fn ask_device(&self) {
+        if let Some(state) = self.painter.render_state() {
+            // What goes wrong here is what the callback for losses tells.
+            let _ = state.device.poll(wgpu::PollType::Poll);
+        }
+    }
+
+    /// Draws and presents. egui's painter panics where a device is lost in the midst of it; as
+    /// with any other loss, the painter is thrown away and the window goes on.
+    fn paint(&mut self, primitives: &[egui::ClippedPrimitive], pixels_per_point: f32) {
+        let Host { painter, textures, window, .. } = self;
+        let painted = catch_unwind(AssertUnwindSafe(|| {
+            painter.paint_and_update_textures(
+                ViewportId::ROOT,
+                pixels_per_point,
+                [0.12, 0.12, 0.13, 1.0],
+                primitives,
+                textures,
+                Vec::new(),
+                window,
+            );
+        }));
+        if painted.is_err() {
+            self.lost.store(true, Ordering::Release);
+        }
     }
 
     /// Shows the interface once and presents it. Returns after how long it wants to be shown
     /// again.
     pub fn frame(&mut self, event_loop: &ActiveEventLoop, show: impl FnMut(&mut Ui)) -> Duration {
+        self.ask_device();
+        if self.is_lost() {
+            return Duration::ZERO;
+        }
         let raw = self.input.take_egui_input(&self.window);
         let output = self.ctx.run_ui(raw, show);
         self.input.handle_platform_output_with_event_loop(
@@ -179,15 +245,7 @@ impl Host {
         );
         self.textures.append(output.textures_delta);
         let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
-        self.painter.paint_and_update_textures(
-            ViewportId::ROOT,
-            output.pixels_per_point,
-            [0.12, 0.12, 0.13, 1.0],
-            &primitives,
-            &mut self.textures,
-            Vec::new(),
-            &self.window,
-        );
+        self.paint(&primitives, output.pixels_per_point);
         let root = output.viewport_output.get(&ViewportId::ROOT);
         root.map_or(Duration::MAX, |root| root.repaint_delay)
     }

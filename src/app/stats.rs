@@ -1,6 +1,6 @@
 //! What a window measures of itself: how soon the map is there, how often it is drawn, how fast
-//! it answers, and what it shows. Written by `flipmap explore --stats FILE` whenever the window
-//! has come to rest and when it closes, shown in the debug panel.
+//! it answers, and what it shows. Written by `flipmap explore --stats FILE` whenever the view
+//! is whole and still and when the window closes, shown in the debug panel.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -74,8 +74,12 @@ pub struct Holdings {
     pub tiles: usize,
     /// Those among them that are there.
     pub tiles_done: usize,
+    /// Whether nothing is left to compute, not even around the view.
+    pub idle: bool,
     /// Starts of the pinned pixels, rad.
     pub pins: Vec<[f64; 2]>,
+    /// Those among them whose pendulum was followed to its end.
+    pub flown: usize,
     /// Sentences that are shown.
     pub notices: Vec<String>,
     /// Starts integrated.
@@ -123,7 +127,9 @@ impl Holdings {
             map_px: (state.canvas * state.pixels_per_point).to_array(),
             tiles: progress.wanted,
             tiles_done: progress.done,
+            idle: progress.idle,
             pins: state.pins.iter().map(|pin| pin.start.map(|theta| theta.hi)).collect(),
+            flown: state.pins.iter().filter(|p| p.flight.record().ending.is_some()).count(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
             simulated: counts.simulated,
             rhs_evaluations: counts.rhs_evaluations,

@@ -28,6 +28,12 @@ pub enum WindowError {
     /// No graphics.
     #[error(transparent)]
     Host(#[from] HostError),
+    /// It breaks again and again.
+    #[error(
+        "the graphics device was lost again and again; the view was saved. Update the graphics \
+         driver, or look with software graphics"
+    )]
+    Lost,
     /// The measurements could not be written.
     #[error("--stats: cannot write {path}: {source}")]
     Stats {
@@ -42,8 +48,9 @@ pub enum WindowError {
 const FRAME: Duration = Duration::from_micros(16_600);
 /// New tiles alone wait so long for a frame: drawing takes time from computing.
 const NEWS: Duration = Duration::from_millis(120);
-/// A device lost this often within a run is not opened again.
-const MOST_LOSSES: u32 = 5;
+/// A device lost more often than this within so long is not opened again.
+const MOST_LOSSES: usize = 5;
+const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
 /// What is there once the system has given a window: the window, its device, and what it shows.
 struct Open {
@@ -63,7 +70,8 @@ struct Runner {
     last_frame: Instant,
     /// Since when events may have been waiting for this turn of the loop.
     input_since: Instant,
-    losses: u32,
+    /// When the device was lost lately.
+    losses: Vec<Instant>,
     /// Whether the measurements were written since the last frame.
     told: bool,
     failure: Option<WindowError>,
@@ -95,7 +103,7 @@ pub fn run(
         redraw_at: None,
         last_frame: now,
         input_since: now,
-        losses: 0,
+        losses: Vec::new(),
         told: true,
         failure: None,
     };
@@ -116,10 +124,13 @@ impl Runner {
         );
         let attributes = Window::default_attributes()
             .with_title("flipmap")
+            // Screen readers must know of it before it is shown.
+            .with_visible(false)
             .with_inner_size(LogicalSize::new(1280.0, 800.0))
             .with_min_inner_size(LogicalSize::new(320.0, 240.0));
         let window = Arc::new(event_loop.create_window(attributes)?);
         let host = Host::new(event_loop, &window, &self.proxy, None)?;
+        window.set_visible(true);
         Ok(Open { window, host, desk })
     }
 
@@ -179,12 +190,12 @@ impl Runner {
     /// Opens the device again after it was lost.
     fn recover(&mut self, event_loop: &ActiveEventLoop) {
         let Some(mut open) = self.open.take_if(|open| open.host.is_lost()) else { return };
-        self.losses += 1;
-        let memory = open.host.memory();
+        self.losses.retain(|loss| loss.elapsed() < LOSSES_WITHIN);
+        self.losses.push(Instant::now());
         // The old surface must be gone before the window can have another one.
-        drop(open.host);
-        match Host::new(event_loop, &open.window, &self.proxy, Some(memory)) {
-            Ok(host) if self.losses <= MOST_LOSSES => {
+        let remains = open.host.into_remains();
+        match Host::new(event_loop, &open.window, &self.proxy, Some(remains)) {
+            Ok(host) if self.losses.len() <= MOST_LOSSES => {
                 open.desk.forget_card();
                 open.desk
                     .state
@@ -194,16 +205,15 @@ impl Runner {
                 self.open = Some(Open { window, host, desk });
                 self.draw_at(Instant::now());
             }
-            Ok(_) => self.give_up(event_loop, &mut open.desk, None),
-            Err(error) => self.give_up(event_loop, &mut open.desk, Some(error)),
+            Ok(_) => self.give_up(event_loop, &mut open.desk, WindowError::Lost),
+            Err(error) => self.give_up(event_loop, &mut open.desk, error.into()),
         }
     }
 
     /// Nothing can be drawn any more: what the person had is kept, and the program says why.
-    fn give_up(&mut self, event_loop: &ActiveEventLoop, desk: &mut Desk, why: Option<HostError>) {
+    fn give_up(&mut self, event_loop: &ActiveEventLoop, desk: &mut Desk, why: WindowError) {
         desk.save();
-        self.failure = why.map(WindowError::Host);
-        log::error!("the graphics device is lost for good; the view was saved");
+        self.failure = Some(why);
         event_loop.exit();
     }
 
@@ -215,11 +225,12 @@ impl Runner {
         self.draw_at(self.last_frame + NEWS);
     }
 
-    /// Nothing is left to draw or to compute: a good moment to tell what was measured, without
+    /// The view is whole and nothing moves: a good moment to tell what was measured, without
     /// disturbing it.
     fn rest(&mut self) {
         let (Some(open), Some(path)) = (&self.open, &self.options.stats) else { return };
-        let still = !open.desk.state.dragging && open.desk.progress().idle;
+        let progress = open.desk.progress();
+        let still = !open.desk.state.dragging && progress.done == progress.wanted;
         if still && !std::mem::replace(&mut self.told, true) {
             // A file that cannot be written is complained about when the window closes.
             let _ = self.stats.report(Holdings::of(&open.desk)).write(path);

@@ -21,7 +21,7 @@ pub struct Options {
     /// Neither read nor write settings and bookmarks
     #[arg(long)]
     no_config: bool,
-    /// Write what the window measured of itself as JSON, whenever it rests and when it closes
+    /// Write what the window measured of itself as JSON, whenever the view is whole and at the end
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
 }

@@ -1,6 +1,9 @@
 //! The map on the card holds the same colours as a picture painted on the processor: sample for
 //! sample, in mirror images, under stand-ins and doubts.
 
+#[macro_use]
+#[path = "../common/adapter.rs"]
+mod adapter;
 #[path = "../common/mod.rs"]
 mod common;
 mod doubtful;
@@ -20,20 +23,10 @@ use flipmap::tiles::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 
-macro_rules! gpu_tests {
-    ($($name:ident)*) => {
-        $(
-            #[test]
-            #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
-            fn $name() {
-                checks::$name();
-            }
-        )*
-    };
-}
-
-gpu_tests! {
+needs_adapter! {
+    checks:
     a_sample_is_a_pixel_of_its_colour
+    other_colours_need_no_other_samples
     a_target_that_encodes_shows_the_same
     the_mirror_image_lies_the_right_way_round
     a_coarser_tile_stands_in_smoothly
@@ -170,6 +163,21 @@ mod checks {
         let aside = Screen { camera: aside, ..screen };
         let further = wrong(&last, &painted(&aside, &scene, &linear));
         assert!(further > 0.01, "a pixel further: {further}");
+    }
+
+    pub fn other_colours_need_no_other_samples() {
+        let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let simulated = explorer.counts().simulated;
+        let mut studio = Studio::new(PLAIN);
+        let [first, others @ ..] = &pictures();
+        studio.draw(&screen, &mut explorer, &Paint { picture: first, scene: &scene, trust: false });
+        assert!(studio.uploads > 0);
+        for picture in others {
+            let paint = Paint { picture, scene: &scene, trust: true };
+            studio.draw(&screen, &mut explorer, &paint);
+            assert_eq!((studio.uploads, explorer.counts().simulated), (0, simulated));
+        }
     }
 
     pub fn a_target_that_encodes_shows_the_same() {

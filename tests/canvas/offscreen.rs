@@ -26,13 +26,15 @@ pub struct Studio {
     canvas: Canvas,
     easel: Easel,
     format: wgpu::TextureFormat,
+    /// Tiles that the last picture put on the card.
+    pub uploads: usize,
 }
 
 impl Studio {
     pub fn new(format: wgpu::TextureFormat) -> Self {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let canvas = Canvas::new(&gpu.device, format, LAYERS);
-        Studio { gpu, canvas, easel: Easel::default(), format }
+        Studio { gpu, canvas, easel: Easel::default(), format, uploads: 0 }
     }
 
     /// The pixels of a screen, four bytes each; where nothing is drawn they are 0.
@@ -40,6 +42,7 @@ impl Studio {
         let Paint { picture, scene, trust } = paint;
         let (uniforms, table) = colours(picture, &scene.build, &scene.question, *trust).unwrap();
         let frame = self.easel.frame(screen, explorer, uniforms, table);
+        self.uploads = frame.uploads.len();
         let Gpu { device, queue, .. } = &self.gpu;
         self.canvas.load(device, queue, &frame);
         let size = wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 };

@@ -11,7 +11,7 @@ use image::RgbImage;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
     AtomEnum, ClientMessageEvent, ConfigureWindowAux, ConnectionExt, EventMask, ImageFormat,
-    InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT,
+    InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, MapState,
 };
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
@@ -30,12 +30,10 @@ pub struct Display {
     keys: HashMap<u32, (u8, bool)>,
 }
 
-/// Buttons of a mouse as X counts them.
+/// The first button of a mouse, as X counts them.
 pub const LEFT: u8 = 1;
-/// A notch of the wheel away from the person.
-pub const WHEEL_UP: u8 = 4;
-/// A notch towards the person.
-pub const WHEEL_DOWN: u8 = 5;
+/// The wheel away from the person and towards the person are buttons too.
+const WHEEL: [u8; 2] = [4, 5];
 
 const BUTTON_PRESS: u8 = x11rb::protocol::xproto::BUTTON_PRESS_EVENT;
 const BUTTON_RELEASE: u8 = x11rb::protocol::xproto::BUTTON_RELEASE_EVENT;
@@ -85,15 +83,17 @@ impl Display {
         windows.into_iter().find(|window| {
             let (from, kind) = (AtomEnum::WM_NAME, AtomEnum::ANY);
             let name = self.connection.get_property(false, *window, from, kind, 0, 64);
-            name.ok()
-                .and_then(|name| name.reply().ok())
-                .is_some_and(|n| n.value == title.as_bytes())
+            let name = name.ok().and_then(|name| name.reply().ok());
+            let how = self.connection.get_window_attributes(*window);
+            let how = how.ok().and_then(|how| how.reply().ok());
+            name.is_some_and(|name| name.value == title.as_bytes())
+                && how.is_some_and(|how| how.map_state == MapState::VIEWABLE)
         })
     }
 
-    /// What is on the screen, from its upper left corner.
-    pub fn shot(&self, width: u32, height: u32) -> RgbImage {
-        let (w, h) = (width.min(SCREEN[0].into()) as u16, height.min(SCREEN[1].into()) as u16);
+    /// What is on the screen.
+    pub fn shot(&self) -> RgbImage {
+        let [w, h] = SCREEN;
         let image = self
             .connection
             .get_image(ImageFormat::Z_PIXMAP, self.root, 0, 0, w, h, u32::MAX)
@@ -129,6 +129,13 @@ impl Display {
     pub fn click(&self, button: u8) {
         self.press(button);
         self.release(button);
+    }
+
+    /// Turns the wheel, away from the person if positive. The window hears two notches a time: one
+    /// when the button for it goes down and one when it comes up.
+    pub fn wheel_twice(&self, times: i32) {
+        let button = WHEEL[usize::from(times < 0)];
+        (0..times.abs()).for_each(|_| self.click(button));
     }
 
     /// Drags from one point to another in small steps, as a hand does.

@@ -2,7 +2,7 @@
 
 use flipmap::app::export::{Export, ExportKind, ExportRequest, Stage};
 use flipmap::engine::Accuracy;
-use flipmap::engine::choice::{Demand, Kind, Wish};
+use flipmap::engine::choice::{Kind, Wish};
 use flipmap::physics::{Dd, Outcome, Status};
 use flipmap::scene::palette::Tones;
 use flipmap::scene::{Document, PictureTable, Scene};
@@ -25,9 +25,9 @@ pub fn picture(scene: Scene, size: [u32; 2]) -> (RgbImage, Vec<u8>) {
     let path = folder.path().join("map.png");
     let mut document = Document::default().with_scene(scene);
     document.picture.curve = false;
+    document.run.accuracy = Some(Accuracy::Fast.to_string());
     let request = ExportRequest { document, size, path: path.clone(), kind: ExportKind::Png };
-    let demand = Demand::Level(Accuracy::Fast);
-    let wish = Wish { kind: Kind::Cpu, demand, ..Wish::default() };
+    let wish = Wish { kind: Kind::Cpu, ..Wish::default() };
     let stage = Export::start(request, wish, || ()).wait();
     assert!(matches!(stage, Stage::Done { .. }), "{stage:?}");
     (image::open(&path).unwrap().into_rgb8(), std::fs::read(path).unwrap())

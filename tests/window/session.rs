@@ -1,5 +1,6 @@
 //! A run of the program in a window on a display of its own.
 
+use std::cell::RefCell;
 use std::fs::{self, File};
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,9 @@ use super::display::{Display, SCREEN, wait_for};
 /// Windows one after another: two at once would wait for each other's engines.
 static ALONE: Mutex<()> = Mutex::new(());
 
+/// Its width and height in pixels.
+pub const WINDOW: [u32; 2] = [900, 640];
+
 /// A window that is open.
 pub struct Session {
     /// Where it is.
@@ -28,7 +32,7 @@ pub struct Session {
     pub window: u32,
     name: &'static str,
     shots: u32,
-    child: Child,
+    child: RefCell<Child>,
     /// Taken out at the end.
     folder: Option<TempDir>,
     _alone: MutexGuard<'static, ()>,
@@ -74,6 +78,11 @@ impl Told {
         serde_json::from_value(self.0["notices"].clone()).unwrap()
     }
 
+    /// Whether nothing is left to compute, not even around the view.
+    pub fn is_idle(&self) -> bool {
+        self.0["idle"] == true
+    }
+
     /// Frames drawn so far.
     pub fn frames(&self) -> u64 {
         self.0["frame_ms"]["count"].as_u64().unwrap()
@@ -117,12 +126,14 @@ impl Session {
             .spawn()
             .unwrap();
         let window = wait_for("the window", 30, || display.window("flipmap"));
+        // A quarter of the work that the usual size would be.
+        display.resize(window, WINDOW);
         display.focus(window);
         // Out of the way of what is compared.
         display.point(f64::from(SCREEN[0]), f64::from(SCREEN[1]));
-        let folder = Some(folder);
+        let (folder, child) = (Some(folder), RefCell::new(child));
         let session = Session { display, window, name, shots: 0, child, folder, _alone: alone };
-        session.rest("the first map", |_| true);
+        session.rest("the first map", |told| told.map_px()[1] < f64::from(WINDOW[1]));
         session
     }
 
@@ -144,9 +155,16 @@ impl Session {
             if let Some(told) = self.told().filter(holds) {
                 return told;
             }
+            self.check_alive();
             sleep(Duration::from_millis(20));
         }
-        panic!("waited 30 s for {what}; the window last told {:?}", self.told())
+        panic!("no {what} in 30 s; it last told {:?} and said {}", self.told(), self.log())
+    }
+
+    /// Fails if the program has ended by itself.
+    pub fn check_alive(&self) {
+        let ended = self.child.borrow_mut().try_wait().unwrap();
+        assert!(ended.is_none(), "the window is gone ({ended:?}): {}", self.log());
     }
 
     /// Does something and waits until the window rests after it and something holds.
@@ -163,8 +181,7 @@ impl Session {
 
     /// What is on the screen, kept for people under `target/window-shots`.
     pub fn shot(&mut self, what: &str) -> RgbImage {
-        let [width, height] = SCREEN;
-        let image = self.display.shot(width.into(), height.into());
+        let image = self.display.shot();
         self.shots += 1;
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("window-shots");
         fs::create_dir_all(&folder).unwrap();
@@ -173,9 +190,14 @@ impl Session {
         image
     }
 
+    /// What the program said so far.
+    pub fn log(&self) -> String {
+        fs::read_to_string(self.path("log")).unwrap()
+    }
+
     /// Seconds of processor time used so far.
     pub fn processor_secs(&self) -> f64 {
-        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap();
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.borrow().id())).unwrap();
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
         // User and system time, in hundredths of a second on every Linux there is.
         let ticks = |place: usize| fields[place].parse::<f64>().unwrap();
@@ -184,15 +206,15 @@ impl Session {
 
     /// Sends it a signal.
     pub fn signal(&self, signal: Signal) {
-        let id = Pid::from_raw(self.child.id() as i32).unwrap();
+        let id = Pid::from_raw(self.child.borrow().id() as i32).unwrap();
         kill_process(id, signal).unwrap();
     }
 
     /// Waits until the program has ended by itself: its code, its last words, what it told.
     pub fn ended(mut self) -> Ended {
-        let status = wait_for("the end", 30, || self.child.try_wait().unwrap());
+        let status = wait_for("the end", 30, || self.child.borrow_mut().try_wait().unwrap());
         let told = self.told();
-        let log = fs::read_to_string(self.path("log")).unwrap();
+        let log = self.log();
         assert_eq!(status.signal(), None, "killed; it had said {log}");
         Ended { code: status.code(), log, told, folder: self.folder.take().unwrap() }
     }
@@ -213,12 +235,11 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        if self.child.try_wait().is_ok_and(|status| status.is_none()) {
-            let log = fs::read_to_string(self.path("log")).unwrap_or_default();
-            eprintln!("the window of {} was still open; it had said: {log}", self.name);
+        let child = self.child.get_mut();
+        if child.try_wait().is_ok_and(|status| status.is_none()) {
             // Ended meanwhile is as good.
-            let _ = self.child.kill();
-            let _ = self.child.wait();
+            let _ = child.kill();
+            let _ = child.wait();
         }
     }
 }

@@ -1,0 +1,342 @@
+//! Everything of the window but the window: the whole interface with the CPU engine behind it, used
+//! by name and keyboard as a person without a mouse or a screen uses it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use egui::accesskit::Action as Doing;
+use egui::{Event, Key, Modifiers, Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{AccessKitNode, NodeT, Queryable};
+use flipmap::app::desk::{Desk, Options};
+use flipmap::app::folders::Folders;
+use flipmap::app::settings::Theme;
+use flipmap::engine::Accuracy;
+use flipmap::engine::choice::{Demand, Kind, Wish};
+use flipmap::scene::{BuiltIn, Document, RunTable, location};
+use flipmap::tiles::Counts;
+
+type Desktop = Harness<'static, Desk>;
+
+fn options(folders: Folders, document: Option<Document>) -> Options {
+    let demand = Demand::Level(Accuracy::Fast);
+    let wish = Wish { kind: Kind::Cpu, demand, ..Wish::default() };
+    let run = RunTable { accuracy: Some("fast".to_string()), ..RunTable::default() };
+    Options { document, run: Some(run), wish, folders, stats: None }
+}
+
+/// A desk of fixed size, its map whole.
+fn desk(folders: Folders, document: Option<Document>) -> Desktop {
+    let desk = Desk::new(&options(folders, document), Arc::new(|| ()));
+    let show = |ui: &mut egui::Ui, desk: &mut Desk| {
+        desk.state.tick(ui.input(|input| input.time));
+        desk.work();
+        desk.show(ui);
+    };
+    let mut desktop = Harness::builder().with_size([720.0, 440.0]).build_ui_state(show, desk);
+    settle(&mut desktop);
+    desktop
+}
+
+fn home() -> Desktop {
+    desk(Folders::none(), None)
+}
+
+/// Goes on until something holds.
+fn until(desktop: &mut Desktop, what: &str, holds: impl Fn(&Desktop) -> bool) {
+    let begun = Instant::now();
+    desktop.run_steps(2);
+    while !holds(desktop) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "waited a minute for {what}");
+        sleep(Duration::from_millis(2));
+        desktop.step();
+    }
+}
+
+/// Goes on until nothing moves and nothing is left to compute.
+fn settle(desktop: &mut Desktop) {
+    until(desktop, "the whole map", |desktop| {
+        let (state, progress) = (&desktop.state().state, desktop.state().progress());
+        state.moving.is_none() && progress.idle && progress.done == progress.wanted
+    });
+}
+
+fn press(desktop: &mut Desktop, modifiers: Modifiers, key: Key) {
+    desktop.key_press_modifiers(modifiers, key);
+    desktop.run_steps(2);
+}
+
+fn click(desktop: &mut Desktop, name: &str) {
+    desktop.get_by_label(name).click_accesskit();
+    desktop.run_steps(2);
+}
+
+/// Types over what is in the field of this name.
+fn type_over(desktop: &mut Desktop, role: Role, name: &str, text: &str) {
+    desktop.get_by_role_and_label(role, name).focus();
+    desktop.run_steps(2);
+    press(desktop, Modifiers::COMMAND, Key::A);
+    desktop.event(Event::Text(text.to_string()));
+    desktop.run_steps(1);
+    press(desktop, Modifiers::NONE, Key::Enter);
+}
+
+fn counts(desktop: &Desktop) -> Counts {
+    desktop.state().room.explorer.counts()
+}
+
+fn place(desktop: &Desktop) -> String {
+    location::text(&desktop.state().state.document().scene())
+}
+
+fn notices(desktop: &Desktop) -> String {
+    let texts: Vec<_> = desktop.state().state.notices.iter().map(|n| n.text.clone()).collect();
+    texts.join("\n")
+}
+
+/// A file dropped on the window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+fn drop_file(desktop: &mut Desktop, path: &Path) {
+    desktop.input_mut().dropped_files.push(Arc::new(Dropped(path.to_path_buf())));
+    desktop.run_steps(2);
+}
+
+#[test]
+fn a_dropped_scene_is_shown_and_anything_else_leaves_the_view() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let shore = BuiltIn::named("shore").unwrap().document();
+    let good = file("shore.toml", &shore.text());
+    let mut desktop = home();
+    drop_file(&mut desktop, &good);
+    settle(&mut desktop);
+    let there = place(&desktop);
+    assert_eq!(there, location::text(&shore.scene()));
+    let bad = [
+        (file("diary.toml", "dear = \"diary\""), "diary.toml"),
+        (file("cat.png", "meow"), "cat.png"),
+        (file("flat.toml", "[view]\nwidth = \"0\"\n"), "flat.toml"),
+        (folder.path().join("gone.toml"), "gone.toml"),
+    ];
+    for (path, name) in bad {
+        drop_file(&mut desktop, &path);
+        assert!(notices(&desktop).contains(name), "{name}: {}", notices(&desktop));
+        assert_eq!(place(&desktop), there);
+    }
+}
+
+#[test]
+fn a_pasted_location_is_gone_to_and_anything_else_leaves_the_view() {
+    let mut desktop = home();
+    desktop.event(Event::Paste("flipmap:center=1,2;width=0.5;rule=either".to_string()));
+    settle(&mut desktop);
+    let there = "flipmap:center=1,2;width=0.5;rule=either";
+    assert_eq!(place(&desktop), there);
+    for text in ["Dear diary", "flipmap:center=1,2;width=-1", "flipmap:center=1,2;colour=red"] {
+        let before = notices(&desktop);
+        desktop.event(Event::Paste(text.to_string()));
+        desktop.run_steps(2);
+        assert!(notices(&desktop) != before, "{text:?} is told of");
+        assert_eq!(place(&desktop), there);
+    }
+}
+
+#[test]
+fn colours_and_layers_compute_nothing() {
+    let mut desktop = home();
+    let before = counts(&desktop);
+    click(&mut desktop, "Colours");
+    click(&mut desktop, "magma");
+    assert_eq!(desktop.state().state.picture.palette, "magma");
+    click(&mut desktop, "Layers");
+    let layers = desktop.state().state.layers;
+    for name in ["Energy curve", "Doubts", "Grid of angles", "Borders of tiles"] {
+        click(&mut desktop, name);
+    }
+    let changed = desktop.state().state.layers;
+    assert!(changed.curve != layers.curve && changed.borders != layers.borders);
+    settle(&mut desktop);
+    assert_eq!(counts(&desktop), before);
+}
+
+#[test]
+fn places_seen_before_are_not_computed_again() {
+    let mut desktop = home();
+    press(&mut desktop, Modifiers::NONE, Key::Plus);
+    settle(&mut desktop);
+    press(&mut desktop, Modifiers::NONE, Key::ArrowRight);
+    settle(&mut desktop);
+    let seen = counts(&desktop);
+    let there = place(&desktop);
+    for key in [Key::ArrowLeft, Key::Minus, Key::Plus, Key::ArrowRight] {
+        press(&mut desktop, Modifiers::NONE, key);
+        settle(&mut desktop);
+    }
+    assert_eq!(place(&desktop), there);
+    assert_eq!(counts(&desktop), seen, "the way back and forth again");
+}
+
+#[test]
+fn a_larger_budget_goes_on_from_what_is_known() {
+    let evaluations = |budgets: &[&str]| {
+        let mut desktop = desk(Folders::none(), None);
+        click(&mut desktop, "Scene");
+        budgets.iter().for_each(|budget| {
+            type_over(&mut desktop, Role::SpinButton, "Budget", budget);
+            settle(&mut desktop);
+        });
+        assert_eq!(
+            format!("{}", desktop.state().state.question.budget),
+            *budgets[budgets.len() - 1]
+        );
+        counts(&desktop).rhs_evaluations
+    };
+    let (known, raised) = (evaluations(&["30"]), evaluations(&["60"]));
+    let anew = {
+        let mut document = Document::default();
+        document.question.budget = 60.0;
+        counts(&desk(Folders::none(), Some(document))).rhs_evaluations
+    };
+    assert!(raised > known, "there was more to compute");
+    assert!(raised - known < anew / 2, "{raised} for both, {known} at first, {anew} at once");
+    assert!(raised < anew + anew / 10, "{raised} in two steps, {anew} at once");
+}
+
+#[test]
+fn an_export_to_a_full_disk_says_so_and_leaves_the_view() {
+    let mut desktop = home();
+    let there = place(&desktop);
+    click(&mut desktop, "Export");
+    type_over(&mut desktop, Role::TextInput, "File", "/dev/full");
+    type_over(&mut desktop, Role::SpinButton, "Width", "64");
+    type_over(&mut desktop, Role::SpinButton, "Height", "48");
+    let start = |desktop: &Desktop| {
+        desktop.get_by_role_and_label(Role::Button, "Export").click_accesskit();
+    };
+    start(&desktop);
+    until(&mut desktop, "the export to fail", |desktop| {
+        desktop.query_by_label_contains("Not exported: cannot write /dev/full").is_some()
+    });
+    assert_eq!(place(&desktop), there);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.png");
+    type_over(&mut desktop, Role::TextInput, "File", path.to_str().unwrap());
+    start(&desktop);
+    until(&mut desktop, "the export", |desktop| {
+        desktop.query_by_label_contains("Done in").is_some()
+    });
+    assert_eq!(image::open(path).unwrap().into_rgb8().dimensions(), (64, 48));
+}
+
+#[test]
+fn what_was_chosen_is_there_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut first = desk(Folders::under(folder.path()), None);
+    press(&mut first, Modifiers::NONE, Key::G);
+    press(&mut first, Modifiers::NONE, Key::Plus);
+    click(&mut first, "Window");
+    click(&mut first, "light");
+    click(&mut first, "Larger");
+    click(&mut first, "Smooth moves");
+    settle(&mut first);
+    let there = place(&first);
+    first.state_mut().save();
+    let again = desk(Folders::under(folder.path()), None);
+    let state = &again.state().state;
+    assert_eq!(place(&again), there);
+    assert!(state.layers.grid && !state.animate && state.theme == Theme::Light);
+    assert!(state.ui_scale > 1.0);
+    // What is asked for goes before what was kept.
+    let shore = BuiltIn::named("shore").unwrap().document();
+    let asked = desk(Folders::under(folder.path()), Some(shore.clone()));
+    assert_eq!(place(&asked), location::text(&shore.scene()));
+}
+
+#[test]
+fn commands_are_found_and_run_by_the_keyboard() {
+    let mut desktop = home();
+    press(&mut desktop, Modifiers::COMMAND, Key::K);
+    desktop.event(Event::Text("grid".to_string()));
+    desktop.run_steps(2);
+    assert!(desktop.query_by_label_contains("Grid of angles").is_some());
+    assert!(desktop.query_by_label_contains("Zoom in").is_none());
+    press(&mut desktop, Modifiers::NONE, Key::Enter);
+    assert!(desktop.state().state.layers.grid && !desktop.state().state.shown.commands);
+    // Once it is closed, keys are the map's again.
+    press(&mut desktop, Modifiers::NONE, Key::G);
+    assert!(!desktop.state().state.layers.grid);
+}
+
+/// Everything there is: a pin, a bookmark, a notice, and all panels open.
+fn crowded(folder: &Path) -> Desktop {
+    let mut desktop = desk(Folders::under(folder), None);
+    desktop.event(Event::Paste("nonsense".to_string()));
+    press(&mut desktop, Modifiers::NONE, Key::P);
+    press(&mut desktop, Modifiers::NONE, Key::Space);
+    press(&mut desktop, Modifiers::NONE, Key::F12);
+    click(&mut desktop, "Keep this view");
+    for panel in ["Scene", "Accuracy", "Colours", "Layers", "Export", "Window"] {
+        click(&mut desktop, panel);
+    }
+    // Panels take a moment to unfold.
+    desktop.run_steps(60);
+    desktop
+}
+
+/// Role and name of a control.
+fn told(node: &AccessKitNode) -> (Role, String) {
+    (node.role(), node.label().unwrap_or_default())
+}
+
+/// Every control that the keyboard should reach.
+fn controls(desktop: &Desktop) -> Vec<(Role, String)> {
+    let nodes = desktop.root().children_recursive().map(|node| node.accesskit_node());
+    let usable = |node: &AccessKitNode| {
+        node.data().supports_action(Doing::Focus) && !node.data().is_disabled()
+    };
+    nodes.filter(usable).map(|node| told(&node)).collect()
+}
+
+#[test]
+fn everything_has_a_name_for_screen_readers() {
+    let folder = tempfile::tempdir().unwrap();
+    let desktop = crowded(folder.path());
+    let controls = controls(&desktop);
+    assert!(controls.len() > 60, "{controls:#?}");
+    let nameless: Vec<_> = controls.iter().filter(|(_, name)| name.trim().is_empty()).collect();
+    assert!(nameless.is_empty(), "{nameless:#?}");
+}
+
+#[test]
+fn the_keyboard_reaches_everything() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut desktop = crowded(folder.path());
+    let all = controls(&desktop);
+    let mut reached = Vec::new();
+    for _ in 0..all.len() + 20 {
+        press(&mut desktop, Modifiers::NONE, Key::Tab);
+        let focused = desktop.root().children_recursive().find(|node| node.is_focused());
+        reached.extend(focused.map(|node| told(&node.accesskit_node())));
+    }
+    let missed: Vec<_> = all.iter().filter(|control| !reached.contains(control)).collect();
+    assert!(missed.is_empty(), "{missed:#?}");
+}

@@ -1,0 +1,176 @@
+//! Random input for as long as one likes: whatever a hand can do to the window, it goes on, keeps
+//! to its memory, and has nothing to complain about.
+//!
+//! `FLIPMAP_SOAK_SECS` says for how long (30), `FLIPMAP_SOAK_SEED` with what (1).
+
+use std::fs;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use flipmap::app::settings::Settings;
+
+use super::display::{Display, LEFT};
+use super::session::{Session, WINDOW};
+
+/// What the process may hold beside the tiles that are kept.
+const BESIDE_MIB: f64 = 300.0;
+
+/// Keys that neither quit nor choose from a list by chance.
+const KEYS: [&str; 24] = [
+    "Left",
+    "Right",
+    "Up",
+    "Down",
+    "plus",
+    "minus",
+    "0",
+    "BackSpace",
+    "alt+Left",
+    "alt+Right",
+    "c",
+    "t",
+    "g",
+    "b",
+    "p",
+    "space",
+    "F1",
+    "F9",
+    "F12",
+    "Escape",
+    "ctrl+l",
+    "ctrl+v",
+    "Tab",
+    "shift+Tab",
+];
+
+/// Commands that are found by name.
+const COMMANDS: [&str; 6] = ["whole", "zoom in", "borders", "light", "dark", "smooth moves"];
+
+/// Every so many doings the graphics device is lost, if what the window measures is shown then.
+const LOSE_EVERY: u32 = 120;
+
+/// Warnings of the machine, which has neither a real screen nor a clipboard manager, of a device
+/// that is lost on purpose, and of a hand that pins too much.
+const EXPECTED: [&str; 5] = [
+    "winit::platform_impl",
+    "clipboard manager",
+    "Software rasterizer",
+    "device is gone",
+    "pins are in use",
+];
+
+/// SplitMix64: the same doings for the same seed.
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Less than `count`.
+    fn below(&mut self, count: usize) -> usize {
+        (self.next() % count as u64) as usize
+    }
+
+    fn one_of<'a>(&mut self, all: &[&'a str]) -> &'a str {
+        all[self.below(all.len())]
+    }
+
+    fn point(&mut self, [width, height]: [u32; 2]) -> [f64; 2] {
+        [width, height].map(|side| self.below(side as usize) as f64)
+    }
+}
+
+/// Does one thing; answers with the window's size after it.
+fn act(session: &Session, chance: &mut Chance, size: [u32; 2]) -> [u32; 2] {
+    let display = &session.display;
+    let [x, y] = chance.point(size);
+    match chance.below(16) {
+        0..=4 => {
+            display.point(x, y);
+            display.wheel_twice([-1, 1, 1, 2][chance.below(4)]);
+        }
+        5..=7 => display.drag([x, y], chance.point(size)),
+        8 | 9 => {
+            display.point(x, y);
+            display.click(LEFT);
+        }
+        10 => {
+            display.point(x, y);
+            display.click(LEFT);
+            display.click(LEFT);
+        }
+        11..=13 => display.key(chance.one_of(&KEYS)),
+        14 => command(display, chance.one_of(&COMMANDS)),
+        _ => {
+            let size = [60 + chance.below(1100) as u32, 60 + chance.below(840) as u32];
+            display.resize(session.window, size);
+            return size;
+        }
+    }
+    size
+}
+
+/// Runs a command from the palette by its name.
+fn command(display: &Display, name: &str) {
+    display.key("ctrl+k");
+    // What is typed before the field is there is not for it.
+    sleep(Duration::from_millis(250));
+    display.type_in(name);
+    display.key("Return");
+    sleep(Duration::from_millis(50));
+    // Where nothing was found, the list is still open.
+    display.key("Escape");
+}
+
+/// A number from the environment.
+fn wish(name: &str, else_this: u64) -> u64 {
+    std::env::var(name).map_or(else_this, |text| text.parse().expect("a whole number"))
+}
+
+/// Plays about and looks at what is left.
+pub fn soak() {
+    let (secs, seed) = (wish("FLIPMAP_SOAK_SECS", 30), wish("FLIPMAP_SOAK_SEED", 1));
+    let home = tempfile::tempdir().unwrap();
+    let kept_mib = *Settings::CACHE_MIB.start();
+    fs::create_dir_all(home.path().join(".config/flipmap")).unwrap();
+    let settings = home.path().join(".config/flipmap/settings.toml");
+    fs::write(settings, format!("cache_mib = {kept_mib}\n")).unwrap();
+    let mut session = Session::open_in(home, "soak", &[]);
+    session.display.key("F12");
+    let (mut chance, mut size, mut done) = (Chance(seed), WINDOW, 0u32);
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(secs) {
+        size = act(&session, &mut chance, size);
+        done += 1;
+        if done % LOSE_EVERY == 0 {
+            command(&session.display, "lose the graphics");
+        }
+        session.check_alive();
+        sleep(Duration::from_millis(chance.below(60) as u64));
+    }
+    session.shot("end");
+    let ended = session.quit();
+    let told = ended.told.unwrap();
+    let mib = |key| told.number(key) / f64::from(1 << 20);
+    println!(
+        "seed {seed}: {done} doings in {secs} s, {} frames, {} lost devices, {:.0} pendulums, \
+         {:.0} MiB of tiles, at most {:.0} MiB in all",
+        told.frames(),
+        ended.log.matches("device is gone").count(),
+        told.number("simulated"),
+        mib("cache_bytes"),
+        mib("peak_bytes"),
+    );
+    assert!(mib("cache_bytes") <= f64::from(kept_mib), "more tiles than allowed");
+    assert!(mib("peak_bytes") <= f64::from(kept_mib) + BESIDE_MIB, "too much memory");
+    let unexpected: Vec<&str> = ended
+        .log
+        .lines()
+        .filter(|line| !EXPECTED.iter().any(|known| line.contains(known)))
+        .collect();
+    assert!(unexpected.is_empty(), "{unexpected:#?}");
+}
