@@ -1,7 +1,7 @@
 //! What is under the pointer.
 
 use crate::engine::Trust;
-use crate::physics::{Dd, Outcome};
+use crate::physics::{Dd, Outcome, Status};
 use crate::tiles::explorer::Explorer;
 use crate::tiles::lattice::{Cell, SIDE, side_rad};
 
