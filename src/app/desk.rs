@@ -148,13 +148,14 @@ impl Desk {
 
     /// Tells pins what the map has come to know of their pixels.
     fn tell_pins(&mut self) {
-        let level = self.state.screen().level();
+        let (level, budget_secs) = (self.state.screen().level(), self.state.question.budget);
         let silent = self.state.pins.iter().filter(|pin| pin.told.is_none());
         let silent: Vec<_> = silent.map(|pin| (pin.id, pin.start)).collect();
         for (id, start) in silent {
             // Another level has other samples, and other answers.
             if hover::sample_at(start, level)[0] == start
-                && let Some(told) = hover::outcome_at(&mut self.room.explorer, start, level)
+                && let Some(told) =
+                    hover::outcome_at(&mut self.room.explorer, start, level, budget_secs)
             {
                 self.state.pins.tell(id, told);
             }
@@ -229,8 +230,9 @@ impl Desk {
         };
         let frame = self.easel.frame(&screen, &mut self.room.explorer, uniforms, table);
         let hovered = self.state.pointer.map(|point| {
-            let [start, _] = hover::sample_at(screen.angle_at(point), screen.level());
-            let outcome = hover::outcome_at(&mut self.room.explorer, start, screen.level());
+            let (explorer, level) = (&mut self.room.explorer, screen.level());
+            let [start, _] = hover::sample_at(screen.angle_at(point), level);
+            let outcome = hover::outcome_at(explorer, start, level, self.state.question.budget);
             Hovered { start, outcome }
         });
         map(ui, &self.state, frame, hovered)

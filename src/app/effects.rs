@@ -57,7 +57,8 @@ impl Desk {
 
     fn pin(&mut self, starts: [[Dd; 2]; 2]) {
         let level = self.state.screen().level();
-        let told = hover::outcome_at(&mut self.room.explorer, starts[0], level);
+        let budget_secs = self.state.question.budget;
+        let told = hover::outcome_at(&mut self.room.explorer, starts[0], level, budget_secs);
         let wake = Arc::clone(&self.wake);
         match self.state.pins.add(starts, told, move || wake()) {
             Ok(id) => {

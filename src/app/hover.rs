@@ -1,7 +1,7 @@
 //! What is under the pointer.
 
 use crate::engine::Trust;
-use crate::physics::{Dd, Outcome};
+use crate::physics::{Dd, Outcome, Status};
 use crate::tiles::explorer::Explorer;
 use crate::tiles::lattice::{Cell, SIDE, side_rad};
 
@@ -18,9 +18,18 @@ pub fn sample_at(angle: [Dd; 2], level: u32) -> [[Dd; 2]; 2] {
     [column, column + 1.0].map(|column| [along(column).wrapped(), up])
 }
 
-/// What the map knows of the sample at an angle; nothing while only coarser ones are there.
-pub fn outcome_at(explorer: &mut Explorer, angle: [Dd; 2], level: u32) -> Option<(Outcome, Trust)> {
-    known_at(explorer, Cell::around(angle, level), angle)
+/// What the map shows of the sample at an angle within a budget; nothing while only coarser ones
+/// are there.
+pub fn outcome_at(
+    explorer: &mut Explorer,
+    angle: [Dd; 2],
+    level: u32,
+    budget_secs: f64,
+) -> Option<(Outcome, Trust)> {
+    let (outcome, trust) = known_at(explorer, Cell::around(angle, level), angle)?;
+    // Computed for a larger budget, it may flip later than is asked.
+    let late = outcome.status == Status::Flipped && outcome.time > budget_secs;
+    Some((if late { Outcome::without_time(Status::Unflipped) } else { outcome }, trust))
 }
 
 /// What is known of the sample at an angle inside a cell.

@@ -16,10 +16,10 @@ use self::atlas::{Atlas, Place};
 use self::cover::{Patch, cover};
 use self::pipeline::{Frame, Quad, Uniforms};
 use crate::app::camera::Screen;
-use crate::tiles::explorer::Explorer;
+use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
-/// Layers of the atlas: room for the tiles of a large screen and what stood in for them.
-pub const LAYERS: u32 = 12;
+/// Layers of the atlas: room for as many tiles as are ever drawn at once.
+pub const LAYERS: u32 = MOST_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
 
 /// The state between frames.
 #[derive(Debug)]

@@ -1,0 +1,71 @@
+//! The mock engine with failures and doubts, so that every kind of sample is seen.
+
+use std::collections::HashMap;
+
+use flipmap::engine::mock::MockEngine;
+use flipmap::engine::{Engine, EngineError, Finished, Job, Recipe, Starts, Trust, Wait};
+use flipmap::physics::{Dd, Outcome, Status};
+
+#[derive(Default)]
+pub struct Doubtful {
+    mock: MockEngine,
+    starts: HashMap<u64, Vec<[Dd; 2]>>,
+}
+
+/// Whether the integration from there fails; alike for mirror images.
+pub fn fails(angle: [Dd; 2]) -> bool {
+    (40.0 * angle[0].hi).cos() > 0.95
+}
+
+/// Whether there is doubt about a start.
+pub fn is_uncertain(angle: [Dd; 2]) -> bool {
+    (25.0 * angle[1].hi).cos() > 0.6
+}
+
+impl Engine for Doubtful {
+    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+        let Starts::Rest(angles) = &job.starts else { panic!("only from rest") };
+        self.starts.insert(job.id, angles.clone());
+        self.mock.submit(job)
+    }
+
+    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+        let mut finished = self.mock.poll(wait)?;
+        for answer in &mut finished {
+            let angles = self.starts.remove(&answer.id).expect("a job that was sent");
+            for (outcome, angle) in answer.outcomes.iter_mut().zip(&angles) {
+                if fails(*angle) {
+                    *outcome = Outcome::without_time(Status::Failed);
+                }
+            }
+            let trust = |angle| if is_uncertain(angle) { Trust::Uncertain } else { Trust::Agreed };
+            answer.trusts = angles.into_iter().map(trust).collect();
+            answer.unfinished.clear();
+        }
+        Ok(finished)
+    }
+
+    fn cancel(&mut self) {
+        self.mock.cancel();
+    }
+
+    fn slots(&self) -> usize {
+        self.mock.slots()
+    }
+
+    fn job_size(&self) -> usize {
+        self.mock.job_size()
+    }
+
+    fn offers(&self, recipe: &Recipe) -> bool {
+        self.mock.offers(recipe)
+    }
+
+    fn name(&self) -> &'static str {
+        "doubtful"
+    }
+
+    fn adapter(&self) -> String {
+        self.mock.adapter()
+    }
+}

@@ -1,0 +1,344 @@
+//! The map on the card holds the same colours as a picture painted on the processor: sample for
+//! sample, in mirror images, under stand-ins and doubts.
+
+#[macro_use]
+#[path = "../common/adapter.rs"]
+mod adapter;
+#[path = "../common/mod.rs"]
+mod common;
+mod doubtful;
+mod offscreen;
+
+use doubtful::{Doubtful, fails, is_uncertain};
+use flipmap::app::camera::{Camera, Screen};
+use flipmap::app::hover::sample_at;
+use flipmap::engine::mock::MockEngine;
+use flipmap::engine::{Method, Precision, Question, Recipe};
+use flipmap::physics::{Dd, Outcome, Status};
+use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
+use flipmap::scene::{Build, Fate, Grid, PictureTable, Question as Asked, Scale, Scene};
+use flipmap::tiles::cache::TILE_BYTES;
+use flipmap::tiles::explorer::{Aim, Explorer, Physics};
+use flipmap::tiles::lattice::{Cell, SIDE, pitch_rad, side_rad};
+use glam::DVec2;
+use offscreen::{Paint, SIZE, Studio};
+
+needs_adapter! {
+    checks:
+    a_sample_is_a_pixel_of_its_colour
+    other_colours_need_no_other_samples
+    a_target_that_encodes_shows_the_same
+    the_mirror_image_lies_the_right_way_round
+    a_coarser_tile_stands_in_smoothly
+    a_smaller_budget_hides_late_flips
+    doubts_are_hatched_only_when_asked
+    a_changed_pendulum_leaves_the_picture_until_it_is_known
+    no_pixel_is_left_out
+}
+
+const LEVEL: u32 = 5;
+const PLAIN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+fn scene(budget: f64) -> Scene {
+    Scene { question: Asked { budget, ..Asked::default() }, ..Scene::default() }
+}
+
+/// A corner of four cells in whose surroundings starts are forbidden, flip, and flip late.
+fn middle() -> [Dd; 2] {
+    let cell = Cell::around([Dd::new(1.2), Dd::new(1.0)], LEVEL);
+    let half = side_rad(LEVEL) / Dd::new(2.0);
+    cell.center().map(|theta| theta + half)
+}
+
+/// A screen on which a sample of the level is a pixel.
+fn screen(center: [Dd; 2], level: u32) -> Screen {
+    let width_rad = f64::from(SIZE[0]) * pitch_rad(level);
+    Screen {
+        camera: Camera { center, width_rad, rotate_deg: 0.0, stretch: 1.0 },
+        size: DVec2::from(SIZE.map(f64::from)),
+        pixels_per_point: 1.0,
+    }
+}
+
+fn aim(screen: &Screen, scene: &Scene) -> Aim {
+    let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+    let (build, rule) = (scene.build, scene.question.rule);
+    Aim {
+        physics: Physics { build, rule, recipe, verified: false },
+        budget_secs: scene.question.budget,
+        region: screen.region(),
+        level: screen.level(),
+        pointer: None,
+    }
+}
+
+fn explored(screen: &Screen, scene: &Scene) -> Explorer {
+    let mut explorer = Explorer::new(1000 * TILE_BYTES);
+    explorer.aim(aim(screen, scene));
+    explorer.work(&mut Doubtful::default(), None).unwrap();
+    explorer
+}
+
+/// The starts under the pixels of a screen that shows samples as pixels.
+fn grid(screen: &Screen, scene: &Scene) -> Grid {
+    let pixel = Dd::new(pitch_rad(screen.level()));
+    Grid::square(scene, screen.camera.center, pixel, SIZE)
+}
+
+fn outcome(fate: Fate, scene: &Scene) -> Outcome {
+    match fate {
+        Fate::Forbidden => Outcome::without_time(Status::Forbidden),
+        Fate::Balanced => Outcome::without_time(Status::Unflipped),
+        Fate::Open(angle) if fails(angle) => Outcome::without_time(Status::Failed),
+        Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
+    }
+}
+
+/// The colours that the processor paints, from starts and not from tiles.
+fn painted(screen: &Screen, scene: &Scene, picture: &PictureTable) -> Vec<Rgb> {
+    let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget).unwrap();
+    let grid = grid(screen, scene);
+    let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+    pixels.map(|(x, y)| tones.colour(&outcome(grid.fate(x, y), scene))).collect()
+}
+
+/// The share of pixels that are further from their colours than this in some channel.
+fn beyond(least: u8, pixels: &[u8], colours: &[Rgb]) -> f64 {
+    let far = |pixel: &[u8], colour: &Rgb| {
+        pixel[3] != 255 || pixel.iter().zip(colour).any(|(a, b)| a.abs_diff(*b) > least)
+    };
+    let pairs = pixels.chunks(4).zip(colours);
+    pairs.filter(|(pixel, colour)| far(pixel, colour)).count() as f64 / colours.len() as f64
+}
+
+/// The share of pixels that have not the colour they should. Where an entry of the card's table
+/// lies between two colours of the palette, the neighbour counts as right: they differ by 4 at
+/// most.
+fn wrong(pixels: &[u8], colours: &[Rgb]) -> f64 {
+    beyond(4, pixels, colours)
+}
+
+fn share_of(colour: Rgb, colours: &[Rgb]) -> f64 {
+    colours.iter().filter(|other| **other == colour).count() as f64 / colours.len() as f64
+}
+
+/// Pictures that use the table in different ways.
+fn pictures() -> [PictureTable; 3] {
+    let plain = PictureTable::default();
+    let times = vec![9.0, 14.0, 39.0, 64.0];
+    let stretched = PictureTable { times: times.clone(), reverse: true, ..plain.clone() };
+    let linear = PictureTable {
+        palette: "romao".into(),
+        scale: Scale::Linear,
+        cycles: 2.0,
+        times,
+        ..plain.clone()
+    };
+    [plain, stretched, linear]
+}
+
+mod checks {
+    use super::*;
+
+    pub fn a_sample_is_a_pixel_of_its_colour() {
+        let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let mut studio = Studio::new(PLAIN);
+        let mut last = Vec::new();
+        for picture in &pictures() {
+            let paint = Paint { picture, scene: &scene, trust: false };
+            let pixels = studio.draw(&screen, &mut explorer, &paint);
+            let truth = painted(&screen, &scene, picture);
+            let [inexact, wrong] = [0, 4].map(|least| beyond(least, &pixels, &truth));
+            assert!(wrong <= 0.001 && inexact <= 0.12, "{inexact}, {wrong} of {picture:?}");
+            for status in [FORBIDDEN, FAILED] {
+                assert!(share_of(status, &truth) > 0.02, "{status:?} is to be seen");
+            }
+            last = pixels;
+        }
+        // What is not the picture is seen not to be it.
+        let [plain, _, linear] = pictures();
+        assert!(wrong(&last, &painted(&screen, &scene, &plain)) > 0.3, "another palette");
+        let aside = screen.camera.moved(DVec2::splat(pitch_rad(LEVEL)));
+        let aside = Screen { camera: aside, ..screen };
+        let further = wrong(&last, &painted(&aside, &scene, &linear));
+        assert!(further > 0.01, "a pixel further: {further}");
+    }
+
+    pub fn other_colours_need_no_other_samples() {
+        let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let simulated = explorer.counts().simulated;
+        let mut studio = Studio::new(PLAIN);
+        let [first, others @ ..] = &pictures();
+        studio.draw(&screen, &mut explorer, &Paint { picture: first, scene: &scene, trust: false });
+        assert!(studio.uploads > 0);
+        for picture in others {
+            let paint = Paint { picture, scene: &scene, trust: true };
+            studio.draw(&screen, &mut explorer, &paint);
+            assert_eq!((studio.uploads, explorer.counts().simulated), (0, simulated));
+        }
+    }
+
+    pub fn a_target_that_encodes_shows_the_same() {
+        let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let picture = &pictures()[1];
+        let paint = Paint { picture, scene: &scene, trust: false };
+        let pixels =
+            Studio::new(wgpu::TextureFormat::Rgba8UnormSrgb).draw(&screen, &mut explorer, &paint);
+        assert!(wrong(&pixels, &painted(&screen, &scene, picture)) <= 0.001);
+    }
+
+    pub fn the_mirror_image_lies_the_right_way_round() {
+        let scene = scene(60.0);
+        let here = screen(middle(), LEVEL);
+        let there = screen(middle().map(|theta| -theta), LEVEL);
+        for (computed, shown) in [(here, there), (there, here)] {
+            let mut explorer = explored(&computed, &scene);
+            explorer.aim(aim(&shown, &scene));
+            assert!(explorer.progress().idle, "its image is known");
+            for picture in &pictures() {
+                let paint = Paint { picture, scene: &scene, trust: false };
+                let pixels = Studio::new(PLAIN).draw(&shown, &mut explorer, &paint);
+                assert!(wrong(&pixels, &painted(&shown, &scene, picture)) <= 0.001);
+            }
+        }
+    }
+
+    /// The sRGB value of linear light, by the standard's own formula.
+    fn encoded(light: f64) -> u8 {
+        let curve = 1.055 * light.powf(1.0 / 2.4) - 0.055;
+        let value = if light <= 0.003_130_8 { 12.92 * light } else { curve };
+        (255.0 * value).round() as u8
+    }
+
+    /// The light of the four samples of a tile around a place in it, by how near they are.
+    fn mixed(explorer: &mut Explorer, tones: &Tones, cell: Cell, at: [f64; 2]) -> Rgb {
+        let (known, mirrored) = explorer.known(cell).expect("a tile that was computed");
+        let last = f64::from(SIDE - 1);
+        let [x, y] = at.map(|samples| (samples - 0.5).clamp(0.0, last));
+        let mut sum = [0.0; 3];
+        for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let (column, row) = ((x.floor() + dx).min(last), (y.floor() + dy).min(last));
+            let weight = (1.0 - (x - x.floor() - dx).abs()) * (1.0 - (y - y.floor() - dy).abs());
+            let place = (row * f64::from(SIDE) + column) as usize;
+            let place = if mirrored { known.samples.len() - 1 - place } else { place };
+            let colour = tones.colour(&known.samples.get(place));
+            (0..3).for_each(|i| sum[i] += weight * light(colour[i]));
+        }
+        sum.map(encoded)
+    }
+
+    pub fn a_coarser_tile_stands_in_smoothly() {
+        let (coarse, scene) = (screen(middle(), LEVEL), scene(60.0));
+        let mut explorer = explored(&coarse, &scene);
+        let fine = screen(middle(), LEVEL + 2);
+        let picture = &pictures()[1];
+        let tones = Tones::new(picture, scene.build.unit_secs(), 60.0).unwrap();
+        let grid = grid(&fine, &scene);
+        let mut truth = Vec::new();
+        for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+            let angle = grid.angle_from_pixel(x, y);
+            let cell = Cell::around(angle, LEVEL);
+            let place = |i: usize| (angle[i] - cell.center()[i]).hi / pitch_rad(LEVEL);
+            let half = f64::from(SIDE / 2);
+            truth.push(mixed(&mut explorer, &tones, cell, [half + place(0), half - place(1)]));
+        }
+        let paint = Paint { picture, scene: &scene, trust: false };
+        let pixels = Studio::new(PLAIN).draw(&fine, &mut explorer, &paint);
+        assert!(wrong(&pixels, &truth) <= 0.001, "{}", wrong(&pixels, &truth));
+        // It is not what it stands in for.
+        assert!(wrong(&pixels, &painted(&fine, &scene, picture)) > 0.01);
+    }
+
+    pub fn a_smaller_budget_hides_late_flips() {
+        let screen = screen(middle(), LEVEL);
+        let mut explorer = explored(&screen, &scene(60.0));
+        let (picture, less) = (&pictures()[0], scene(30.0));
+        let simulated = explorer.counts().simulated;
+        explorer.aim(aim(&screen, &less));
+        assert!(explorer.progress().idle && explorer.counts().simulated == simulated);
+        let paint = Paint { picture, scene: &less, trust: false };
+        let pixels = Studio::new(PLAIN).draw(&screen, &mut explorer, &paint);
+        let truth = painted(&screen, &less, picture);
+        let unflipped = share_of(UNFLIPPED, &truth);
+        assert!(
+            unflipped > 0.1 && share_of(UNFLIPPED, &painted(&screen, &scene(60.0), picture)) < 0.01
+        );
+        assert!(wrong(&pixels, &truth) <= 0.001, "{} {unflipped}", wrong(&pixels, &truth));
+    }
+
+    pub fn doubts_are_hatched_only_when_asked() {
+        let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let (picture, mut studio) = (&pictures()[0], Studio::new(PLAIN));
+        let mut truth = painted(&screen, &scene, picture);
+        let grid = grid(&screen, &scene);
+        let plain = Paint { picture, scene: &scene, trust: false };
+        let pixels = studio.draw(&screen, &mut explorer, &plain);
+        assert!(wrong(&pixels, &truth) <= 0.001);
+        let (mut marked, mut dark) = (0, 0);
+        for (k, colour) in truth.iter_mut().enumerate() {
+            let (x, y) = (k as u32 % SIZE[0], k as u32 / SIZE[0]);
+            if matches!(grid.fate(x, y), Fate::Open(angle) if is_uncertain(angle)) {
+                let stripe = (x + y) % 6 < 3;
+                // 0.6 of the light is 203 of 255 in sRGB.
+                *colour = if stripe { [0, 0, 0] } else { [255, 0, 203] };
+                marked += 1;
+                dark += usize::from(stripe);
+            }
+        }
+        assert!(marked > 5000 && dark * 3 > marked && dark * 3 < 2 * marked, "{dark} of {marked}");
+        let pixels = studio.draw(&screen, &mut explorer, &Paint { trust: true, ..plain });
+        assert!(wrong(&pixels, &truth) <= 0.001, "{}", wrong(&pixels, &truth));
+    }
+
+    pub fn a_changed_pendulum_leaves_the_picture_until_it_is_known() {
+        let (screen, home) = (screen(middle(), LEVEL), scene(60.0));
+        let mut explorer = explored(&screen, &home);
+        let (picture, mut studio) = (&pictures()[1], Studio::new(PLAIN));
+        let moon = Scene { build: Build { gravity: 8.0, ..Build::default() }, ..home.clone() };
+        explorer.aim(aim(&screen, &moon));
+        let paint = Paint { picture, scene: &moon, trust: false };
+        let pixels = studio.draw(&screen, &mut explorer, &paint);
+        // What was known, in the colours of what is aimed at.
+        assert!(wrong(&pixels, &painted(&screen, &home, picture)) <= 0.001);
+        explorer.work(&mut Doubtful::default(), None).unwrap();
+        let pixels = studio.draw(&screen, &mut explorer, &paint);
+        assert!(wrong(&pixels, &painted(&screen, &moon, picture)) <= 0.001);
+        assert!(wrong(&pixels, &painted(&screen, &home, picture)) > 0.3);
+    }
+
+    pub fn no_pixel_is_left_out() {
+        let (scene, picture) = (scene(60.0), &pictures()[0]);
+        let tones = Tones::new(picture, scene.build.unit_secs(), 60.0).unwrap();
+        let seam = [Dd::PI, Dd::new(-3.0)];
+        for (center, width_rad, rotate_deg, stretch) in [
+            (seam, 0.7, 0.0, 1.0),
+            (seam, 0.53, 30.0, 1.3),
+            (middle(), 17.0, -77.0, 0.7),
+            (middle(), 0.3, 45.0, 1.0),
+        ] {
+            let camera = Camera { center, width_rad, rotate_deg, stretch };
+            let view = Screen { camera, ..screen(center, LEVEL) };
+            let mut explorer = explored(&view, &scene);
+            let paint = Paint { picture, scene: &scene, trust: false };
+            let pixels = Studio::new(PLAIN).draw(&view, &mut explorer, &paint);
+            let bare = pixels.chunks(4).filter(|pixel| pixel[3] != 255).count();
+            assert_eq!(bare, 0, "{camera:?}");
+            // Away from edges, light is mixed of equal colours: those of the samples below.
+            let truth: Vec<Rgb> = (0..SIZE[0] * SIZE[1])
+                .map(|k| [k % SIZE[0], k / SIZE[0]].map(|at| f64::from(at) + 0.5))
+                .map(|at| {
+                    let point = DVec2::from(at) - view.size / 2.0;
+                    let [start, _] = sample_at(view.angle_at(point), view.level());
+                    let grid = Grid::square(&scene, start, Dd::new(1e-9), [1, 1]);
+                    tones.colour(&outcome(grid.fate(0, 0), &scene))
+                })
+                .collect();
+            let wrong = wrong(&pixels, &truth);
+            assert!(wrong < if width_rad < 1.0 { 0.08 } else { 0.3 }, "{wrong}: {camera:?}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! The canvas drawn into a texture and read back.
+
+use flipmap::app::camera::Screen;
+use flipmap::app::canvas::colours::colours;
+use flipmap::app::canvas::pipeline::Canvas;
+use flipmap::app::canvas::{Easel, LAYERS};
+use flipmap::engine::gpu::device::Gpu;
+use flipmap::scene::{PictureTable, Scene};
+use flipmap::tiles::explorer::Explorer;
+
+use crate::common::gpu_engine;
+
+/// Pixels of the pictures here; rows of a texture are read in units of 256 bytes.
+pub const SIZE: [u32; 2] = [256, 192];
+
+/// What the colours of a frame depend on.
+pub struct Paint<'a> {
+    pub picture: &'a PictureTable,
+    pub scene: &'a Scene,
+    pub trust: bool,
+}
+
+/// A device, and a canvas on it.
+pub struct Studio {
+    gpu: Gpu,
+    canvas: Canvas,
+    easel: Easel,
+    format: wgpu::TextureFormat,
+    /// Tiles that the last picture put on the card.
+    pub uploads: usize,
+}
+
+impl Studio {
+    pub fn new(format: wgpu::TextureFormat) -> Self {
+        let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
+        let canvas = Canvas::new(&gpu.device, format, LAYERS);
+        Studio { gpu, canvas, easel: Easel::default(), format, uploads: 0 }
+    }
+
+    /// The pixels of a screen, four bytes each; where nothing is drawn they are 0.
+    pub fn draw(&mut self, screen: &Screen, explorer: &mut Explorer, paint: &Paint) -> Vec<u8> {
+        let Paint { picture, scene, trust } = paint;
+        let (uniforms, table) = colours(picture, &scene.build, &scene.question, *trust).unwrap();
+        let frame = self.easel.frame(screen, explorer, uniforms, table);
+        self.uploads = frame.uploads.len();
+        let Gpu { device, queue, .. } = &self.gpu;
+        self.canvas.load(device, queue, &frame);
+        let size = wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 };
+        let target = device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: self.format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        self.pass(&mut encoder, &target.create_view(&Default::default()));
+        let pixels = device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(4 * SIZE[0] * SIZE[1]),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * SIZE[0]),
+            rows_per_image: None,
+        };
+        let into = wgpu::TexelCopyBufferInfo { buffer: &pixels, layout };
+        encoder.copy_texture_to_buffer(target.as_image_copy(), into, size);
+        queue.submit([encoder.finish()]);
+        pixels.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
+        device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        pixels.slice(..).get_mapped_range().unwrap().to_vec()
+    }
+
+    fn pass(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView) {
+        let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: clear, store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        self.canvas.draw(&mut pass.forget_lifetime());
+    }
+}

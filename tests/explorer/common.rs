@@ -1,0 +1,129 @@
+//! Views, and what is seen in them held against the mock's formula.
+
+use std::time::{Duration, Instant};
+
+use flipmap::engine::mock::MockEngine;
+use flipmap::engine::{Job, Method, Precision, Question, Recipe};
+use flipmap::physics::{Dd, Outcome, Rule, Status};
+use flipmap::scene::{Build, Fate, Question as Asked, Scene};
+use flipmap::tiles::cache::TILE_BYTES;
+use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
+use flipmap::tiles::lattice::{Cell, Region, SIDE, side_rad};
+
+use super::ledger::Ledger;
+
+pub const ROOMY: usize = 4000 * TILE_BYTES;
+
+pub fn physics(gravity: f64) -> Physics {
+    Physics {
+        build: Build { gravity, ..Build::default() },
+        rule: Rule::Second,
+        recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
+        verified: false,
+    }
+}
+
+/// A view two or three cells wide.
+pub fn aim(center: [f64; 2], level: u32) -> Aim {
+    let half = 0.7 * side_rad(level).hi;
+    Aim {
+        physics: physics(9.81),
+        budget_secs: 30.0,
+        region: Region { center: center.map(Dd::new), half_rad: [half, 0.8 * half] },
+        level,
+        pointer: None,
+    }
+}
+
+/// A view in which most pendulums flip and some do so late.
+pub fn lively(level: u32) -> Aim {
+    aim([2.0, 1.0], level)
+}
+
+pub fn scene(aim: &Aim) -> Scene {
+    let question = Asked { rule: aim.physics.rule, budget: aim.budget_secs };
+    Scene { build: aim.physics.build, question, ..Scene::default() }
+}
+
+pub fn explored(aim: Aim, engine: &mut Ledger) -> Explorer {
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.aim(aim);
+    explorer.work(engine, None).unwrap();
+    explorer
+}
+
+/// The deadline of a frame in which there is time for everything but to wait.
+pub fn in_time() -> Option<Instant> {
+    Some(Instant::now() + Duration::from_secs(60))
+}
+
+/// One frame of a window; jobs are still flying when it ends.
+pub fn frame(explorer: &mut Explorer, engine: &mut Ledger) {
+    explorer.work(engine, in_time()).unwrap();
+}
+
+/// The jobs that were sent while a window drew so many frames.
+pub fn jobs_of_frames(explorer: &mut Explorer, engine: &mut Ledger, frames: usize) -> Vec<Job> {
+    let sent = engine.jobs.len();
+    (0..frames).for_each(|_| frame(explorer, engine));
+    engine.jobs[sent..].to_vec()
+}
+
+/// The canonical cells that were computed from rest, in the order in which they were begun.
+pub fn cells_of(jobs: &[Job], levels: &[u32]) -> Vec<Cell> {
+    jobs.iter().filter_map(Ledger::first_start).map(|angle| cell_of(angle, levels)).collect()
+}
+
+pub fn in_view(aim: &Aim) -> Vec<Cell> {
+    aim.region.cells(aim.level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
+}
+
+/// What a window with this budget shows of an outcome.
+pub fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
+    if outcome.status == Status::Flipped && outcome.time > budget_secs {
+        return Outcome::without_time(Status::Unflipped);
+    }
+    outcome
+}
+
+/// Holds a cell's samples against the mock's formula; how many of them differ, if it is known.
+pub fn wrong(explorer: &mut Explorer, aim: &Aim, cell: Cell) -> Option<usize> {
+    let (known, mirrored) = explorer.known(cell)?;
+    let (scene, question) = (scene(aim), Question::from(&scene(aim)));
+    let grid = cell.grid(&scene);
+    let truth = (0..SIDE * SIDE).map(|place| match grid.fate(place % SIDE, place / SIDE) {
+        Fate::Forbidden => Outcome::without_time(Status::Forbidden),
+        Fate::Balanced => Outcome::without_time(Status::Unflipped),
+        Fate::Open(angle) => MockEngine::answer(&question, angle),
+    });
+    let mut samples: Vec<Outcome> = known.samples.iter().collect();
+    if mirrored {
+        samples.reverse();
+    }
+    let drawn = samples.into_iter().map(|outcome| shown(outcome, aim.budget_secs));
+    Some(drawn.zip(truth).filter(|(drawn, truth)| drawn != truth).count())
+}
+
+/// The level and cell from which a job's first start comes, among some levels.
+pub fn cell_of(angle: [Dd; 2], levels: &[u32]) -> Cell {
+    let fits = |level: &&u32| {
+        let cell = Cell::around(angle, **level);
+        let [column, row] = cell.sample_at(angle);
+        cell.grid(&Scene::default()).angle_from_pixel(column, row) == angle
+    };
+    let level = levels.iter().find(fits).expect("a sample of one of the levels");
+    Cell::around(angle, *level)
+}
+
+#[test]
+fn the_comparison_can_fail() {
+    let mut engine = Ledger::default();
+    let mut explorer = explored(lively(5), &mut engine);
+    let cell = in_view(&lively(5))[0];
+    assert_eq!(wrong(&mut explorer, &lively(5), cell), Some(0));
+    let other = Aim { physics: physics(5.0), ..lively(5) };
+    assert!(wrong(&mut explorer, &other, cell).is_some_and(|wrong| wrong > 1000));
+    let larger = Aim { budget_secs: 60.0, ..lively(5) };
+    let late = in_view(&larger).into_iter().filter_map(|c| wrong(&mut explorer, &larger, c));
+    assert!(late.sum::<usize>() > 1000);
+}

@@ -1,0 +1,121 @@
+//! What is computed first, and what no longer.
+
+use std::collections::{HashMap, HashSet};
+use std::time::Instant;
+
+use flipmap::engine::Engine;
+use flipmap::physics::Dd;
+use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS};
+use flipmap::tiles::lattice::{Cell, Region, side_rad};
+
+use super::common::*;
+use super::ledger::Ledger;
+
+/// How far a canonical cell is from what is looked at, wherever it or its image appears.
+fn distances(aim: &Aim, region: &Region, level: u32) -> HashMap<Cell, f64> {
+    let mut nearest = HashMap::new();
+    for placed in region.cells(level, MOST_CELLS) {
+        let from = |at: [f64; 2]| (placed.offset[0] - at[0]).hypot(placed.offset[1] - at[1]);
+        let distance = aim.pointer.map_or(f64::INFINITY, from).min(from([0.0; 2]));
+        let least = nearest.entry(placed.cell.canonical().0).or_insert(distance);
+        *least = distance.min(*least);
+    }
+    nearest
+}
+
+#[test]
+fn coarse_comes_first_then_what_is_near_then_the_ring() {
+    // Five by three cells, whose neighbours are less than half a cell away.
+    let (middle, side) = (Cell::around([Dd::new(2.0), Dd::new(1.0)], 9), side_rad(9).hi);
+    let [x, y] = [2.3 * side, 1.2 * side];
+    let region = Region { center: middle.center(), half_rad: [x, y] };
+    let wide = Aim { region, ..lively(9) };
+    for pointer in [None, Some([0.8 * x, -0.6 * y]), Some([-x, y])] {
+        let aim = Aim { pointer, ..wide };
+        let mut engine = Ledger::default();
+        explored(aim, &mut engine);
+        let cells = cells_of(&engine.jobs, &[5, 7, 9]);
+        let view: Vec<_> = [5, 7, 9].map(|level| distances(&aim, &aim.region, level)).into();
+        let pass = |cell: &Cell| match cell.level {
+            9 if !view[2].contains_key(cell) => 3,
+            level => (level - 5) / 2,
+        };
+        assert!(cells.is_sorted_by_key(pass), "{cells:?}");
+        for (level, distances) in [5, 7, 9].into_iter().zip(&view) {
+            let begun: Vec<_> = cells.iter().filter(|c| c.level == level && pass(c) < 3).collect();
+            assert!(begun.is_sorted_by(|a, b| distances[a] <= distances[b]), "{pointer:?}");
+            assert_eq!(begun.len(), distances.len(), "all of level {level} in view");
+        }
+        let ring = cells.iter().filter(|cell| pass(cell) == 3).count();
+        assert_eq!(ring, 7 * 5 - 5 * 3, "cells around the view");
+    }
+}
+
+#[test]
+fn the_newest_view_wins() {
+    let (here, there) = (lively(12), aim([-1.5, 2.0], 12));
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.aim(here);
+    frame(&mut explorer, &mut engine);
+    assert!(!engine.mock.queue.is_empty());
+    explorer.aim(there);
+    let sent = jobs_of_frames(&mut explorer, &mut engine, 200);
+    assert_eq!(engine.cancels, 1, "what flew for the old view is dropped");
+    let wanted: HashSet<Cell> = [8, 10, 12]
+        .into_iter()
+        .flat_map(|level| there.region.scaled(2.5).cells(level, MOST_CELLS))
+        .map(|placed| placed.cell.canonical().0)
+        .collect();
+    let cells = cells_of(&sent, &[8, 10, 12]);
+    assert!(cells.iter().all(|cell| wanted.contains(cell)));
+    let progress = explorer.progress();
+    assert!(progress.idle && progress.done == progress.wanted, "{progress:?}");
+}
+
+#[test]
+fn what_is_still_useful_flies_on() {
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    let mut aim = lively(12);
+    explorer.aim(aim);
+    for _ in 0..20 {
+        frame(&mut explorer, &mut engine);
+        aim.region.center[0] = aim.region.center[0] + Dd::new(0.02 * side_rad(12).hi);
+        explorer.aim(aim);
+    }
+    explorer.work(&mut engine, None).unwrap();
+    assert_eq!((engine.cancels, engine.again, engine.doubled), (0, 0, 0));
+    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+}
+
+#[test]
+fn late_answers_of_a_grounded_engine_are_nobodys() {
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.aim(lively(7));
+    frame(&mut explorer, &mut engine);
+    // Its old jobs are still in it, and come out first.
+    explorer.aim(aim([-1.0, 2.5], 7));
+    explorer.ground();
+    engine.deaf = true;
+    explorer.work(&mut engine, None).unwrap();
+    let aim = aim([-1.0, 2.5], 7);
+    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    let known = |explorer: &mut Explorer, cell: &Cell| explorer.known(*cell).is_some();
+    assert!(!in_view(&lively(7)).iter().any(|cell| known(&mut explorer, cell)));
+}
+
+#[test]
+fn a_frame_without_time_prepares_one_job() {
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.aim(lively(7));
+    for jobs in 1..4 {
+        explorer.work(&mut engine, Some(Instant::now())).unwrap();
+        assert_eq!(engine.jobs.len(), jobs);
+    }
+    frame(&mut explorer, &mut engine);
+    assert_eq!(engine.jobs.len(), 3 + engine.slots() + 1, "with time, every slot twice filled");
+    assert_eq!(engine.mock.queue.len(), engine.slots());
+}

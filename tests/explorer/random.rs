@@ -1,0 +1,168 @@
+//! Whatever a person does, and whatever befalls the engine.
+
+use std::time::Instant;
+
+use flipmap::engine::Engine;
+use flipmap::engine::mock::MockEngine;
+use flipmap::physics::Dd;
+use flipmap::tiles::cache::TILE_BYTES;
+use flipmap::tiles::explorer::{Aim, Explorer};
+use flipmap::tiles::lattice::side_rad;
+use proptest::prelude::*;
+
+use super::common::*;
+use super::ledger::Ledger;
+
+/// A person's doing, and the engine's.
+#[derive(Clone, Debug)]
+enum Action {
+    Pan([f64; 2]),
+    Zoom(i32),
+    Jump([f64; 2], u32),
+    Gravity(f64),
+    Budget(f64),
+    Point([f64; 2]),
+    Frames(usize),
+    Hurry(usize),
+    Finish,
+    RefuseJob,
+    LoseDevice,
+}
+
+fn actions() -> impl Strategy<Value = Vec<Action>> {
+    let step = prop_oneof![Just(-0.9), Just(-0.3), Just(0.0), Just(0.3), Just(0.9)];
+    let theta = -3.1..3.1f64;
+    let action = prop_oneof![
+        3 => [step.clone(), step].prop_map(Action::Pan),
+        3 => (-2..3i32).prop_map(Action::Zoom),
+        1 => ([theta.clone(), theta], 0..12u32).prop_map(|(to, level)| Action::Jump(to, level)),
+        1 => prop_oneof![Just(9.81), Just(1.62)].prop_map(Action::Gravity),
+        3 => prop_oneof![Just(20.0), Just(45.0), Just(60.0)].prop_map(Action::Budget),
+        1 => [-0.5..0.5f64, -0.5..0.5].prop_map(Action::Point),
+        3 => (1..12usize).prop_map(Action::Frames),
+        2 => (1..12usize).prop_map(Action::Hurry),
+        2 => Just(Action::Finish),
+        1 => Just(Action::RefuseJob),
+        1 => Just(Action::LoseDevice),
+    ];
+    proptest::collection::vec(action, 1..12)
+}
+
+/// An explorer, its engine, and what it was aimed at.
+struct Session {
+    explorer: Explorer,
+    engine: Ledger,
+    aim: Aim,
+}
+
+impl Session {
+    fn new(cache_bytes: usize, backwards: bool, job_size: usize) -> Self {
+        let engine = Ledger::over(MockEngine { backwards, job_size, ..MockEngine::default() });
+        Session { explorer: Explorer::new(cache_bytes), engine, aim: lively(3) }
+    }
+
+    fn look(&mut self, change: impl FnOnce(&mut Aim)) {
+        change(&mut self.aim);
+        let half = 0.7 * side_rad(self.aim.level).hi;
+        self.aim.region.half_rad = [half, 0.8 * half];
+        self.explorer.aim(self.aim);
+    }
+
+    /// Works on; an engine that fails is replaced as the window does.
+    fn work(&mut self, deadline: Option<Instant>) {
+        if self.explorer.work(&mut self.engine, deadline).is_err() {
+            self.engine.cancel();
+            self.engine.mock.fail_at = None;
+            self.explorer.ground();
+        }
+    }
+
+    fn act(&mut self, action: &Action) {
+        let side = side_rad(self.aim.level).hi;
+        match *action {
+            Action::Pan(by) => self.look(|aim| {
+                let center = aim.region.center;
+                aim.region.center = [0, 1].map(|i| (center[i] + Dd::new(by[i] * side)).wrapped());
+            }),
+            Action::Zoom(by) => {
+                self.look(|aim| aim.level = aim.level.saturating_add_signed(by).min(90));
+            }
+            Action::Jump(to, level) => self.look(|aim| {
+                (aim.region.center, aim.level) = (to.map(Dd::new), level);
+            }),
+            Action::Gravity(gravity) => self.look(|aim| aim.physics = physics(gravity)),
+            Action::Budget(secs) => self.look(|aim| aim.budget_secs = secs),
+            Action::Point(at) => self.look(|aim| aim.pointer = Some(at.map(|by| by * side))),
+            Action::Frames(count) => (0..count).for_each(|_| self.work(in_time())),
+            Action::Hurry(count) => (0..count).for_each(|_| self.work(Some(Instant::now()))),
+            Action::Finish => self.work(None),
+            Action::RefuseJob => {
+                self.engine.mock.fail_at = Some(self.engine.mock.submitted);
+                self.work(in_time());
+                self.engine.mock.fail_at = None;
+            }
+            Action::LoseDevice => {
+                self.engine.fail_poll = true;
+                self.work(in_time());
+                self.engine.fail_poll = false;
+            }
+        }
+    }
+
+    /// Everything in view is there, and right.
+    fn check_view(&mut self) -> Result<(), TestCaseError> {
+        let progress = self.explorer.progress();
+        prop_assert!(progress.idle && progress.covered, "{progress:?}");
+        prop_assert_eq!(progress.done, progress.wanted);
+        for cell in in_view(&self.aim) {
+            prop_assert_eq!(wrong(&mut self.explorer, &self.aim, cell), Some(0), "{:?}", cell);
+        }
+        Ok(())
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+
+    #[test]
+    fn nothing_is_lost_or_done_twice(actions in actions(), backwards: bool, large: bool) {
+        let mut session = Session::new(ROOMY, backwards, if large { 1 << 18 } else { 64 });
+        session.explorer.aim(session.aim);
+        for action in &actions {
+            session.act(action);
+        }
+        session.work(None);
+        session.check_view()?;
+        let Session { explorer, engine, .. } = session;
+        prop_assert_eq!((engine.again, engine.doubled), (0, 0));
+        prop_assert_eq!(explorer.counts().simulated, engine.mock.answered as u64);
+        prop_assert!(engine.mock.most_in_flight <= engine.slots());
+    }
+
+    #[test]
+    fn the_cache_stays_within_its_bytes(
+        actions in actions(), room in 0usize..60, then in 0usize..60, backwards: bool,
+    ) {
+        let mut session = Session::new(room * TILE_BYTES, backwards, 64);
+        session.explorer.aim(session.aim);
+        for (index, action) in actions.iter().enumerate() {
+            if index == actions.len() / 2 {
+                session.explorer.set_cache_bytes(then * TILE_BYTES);
+            }
+            session.act(action);
+            let budget = if index < actions.len() / 2 { room } else { then } * TILE_BYTES;
+            prop_assert!(session.explorer.bytes() <= budget, "{action:?}");
+        }
+        session.work(None);
+        prop_assert!(session.explorer.bytes() <= then.max(room) * TILE_BYTES);
+        prop_assert!(session.explorer.progress().idle, "what does not fit is not tried for ever");
+        // Two coarse passes of 4 cells and 3 × 3 in view.
+        if then >= 17 && room >= 17 {
+            session.check_view()?;
+        }
+        for cell in in_view(&session.aim) {
+            let wrong = wrong(&mut session.explorer, &session.aim, cell);
+            prop_assert!(wrong.is_none_or(|wrong| wrong == 0), "{cell:?} {wrong:?}");
+        }
+    }
+}

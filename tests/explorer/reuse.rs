@@ -1,0 +1,216 @@
+//! What is known is not computed again: places seen before, budgets, mirror images, turns of the
+//! torus; and while nothing is known, what was known before.
+
+use std::collections::HashSet;
+
+use flipmap::physics::{Dd, Outcome, Status};
+use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
+use flipmap::tiles::lattice::{Cell, Region, side_rad};
+
+use super::common::*;
+use super::ledger::Ledger;
+
+#[test]
+fn a_view_seen_before_is_not_computed_again() {
+    let mut engine = Ledger::default();
+    let mut explorer = explored(lively(6), &mut engine);
+    let side = side_rad(6).hi;
+    let path: Vec<Aim> = (1..6)
+        .map(|step| aim([2.0 + 0.9 * side * f64::from(step), 1.0], 6))
+        .chain((1..4).map(|zoom| aim([2.0, 1.0], 6 + zoom)))
+        .chain((1..4).map(|zoom| aim([2.0, 1.0], 6 - zoom)))
+        .collect();
+    for aim in &path {
+        explorer.aim(*aim);
+        explorer.work(&mut engine, None).unwrap();
+    }
+    let (simulated, jobs) = (explorer.counts().simulated, engine.jobs.len());
+    assert!(simulated > 0);
+    for aim in path.iter().rev() {
+        explorer.aim(*aim);
+        let progress = explorer.progress();
+        assert!(progress.idle && progress.done == progress.wanted, "at once: {progress:?}");
+        explorer.work(&mut engine, None).unwrap();
+    }
+    assert_eq!((explorer.counts().simulated, engine.jobs.len()), (simulated, jobs));
+}
+
+/// The unflipped samples of the view and its ring: everything of its own level that is known.
+fn unflipped(explorer: &mut Explorer, aim: &Aim) -> usize {
+    let cells = aim.region.scaled(3.0).cells(aim.level, MOST_CELLS);
+    let cells: HashSet<Cell> = cells.into_iter().map(|placed| placed.cell.canonical().0).collect();
+    let known = cells.into_iter().filter_map(|cell| Some(explorer.known(cell)?.0.samples.clone()));
+    let unflipped = |outcome: &Outcome| outcome.status == Status::Unflipped;
+    known.map(|samples| samples.iter().filter(unflipped).count()).sum()
+}
+
+#[test]
+fn a_larger_budget_continues_what_did_not_flip() {
+    for verified in [false, true] {
+        let physics = Physics { verified, ..physics(9.81) };
+        let small = Aim { physics, ..lively(5) };
+        let mut engine = Ledger::default();
+        let mut explorer = explored(small, &mut engine);
+        assert!(engine.jobs.iter().all(|job| job.keep_unfinished != verified));
+        let left = unflipped(&mut explorer, &small);
+        assert!(left > 10_000, "{left}");
+        let (simulated, sent) = (explorer.counts().simulated, engine.sent);
+        let large = Aim { budget_secs: 50.0, ..small };
+        explorer.aim(large);
+        explorer.work(&mut engine, None).unwrap();
+        assert_eq!(explorer.counts().simulated - simulated, left as u64);
+        // A check begins at the release, so checked pendulums begin anew.
+        let [rest, continued] = if verified { [left, 0] } else { [0, left] };
+        assert_eq!(engine.sent, [sent[0] + rest, sent[1] + continued]);
+        assert!(unflipped(&mut explorer, &large) < left, "some flip before 50 s");
+        assert!(
+            in_view(&large).into_iter().all(|cell| wrong(&mut explorer, &large, cell) == Some(0))
+        );
+    }
+}
+
+#[test]
+fn a_smaller_budget_computes_nothing() {
+    let large = Aim { budget_secs: 50.0, ..lively(5) };
+    let mut engine = Ledger::default();
+    let mut explorer = explored(large, &mut engine);
+    let simulated = explorer.counts().simulated;
+    for budget_secs in [30.0, 10.5, 45.0] {
+        let aim = Aim { budget_secs, ..large };
+        explorer.aim(aim);
+        assert!(explorer.progress().idle);
+        explorer.work(&mut engine, None).unwrap();
+        assert_eq!(explorer.counts().simulated, simulated, "{budget_secs} s");
+        assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    }
+}
+
+#[test]
+fn a_budget_raised_in_flight_waits_for_what_flies() {
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.aim(lively(5));
+    for budget_secs in [41.0, 43.0, 45.0] {
+        frame(&mut explorer, &mut engine);
+        explorer.aim(Aim { budget_secs, ..lively(5) });
+    }
+    explorer.work(&mut engine, None).unwrap();
+    assert_eq!((engine.cancels, engine.again, engine.doubled), (0, 0, 0));
+    let aim = Aim { budget_secs: 45.0, ..lively(5) };
+    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+}
+
+#[test]
+fn mirror_images_are_computed_once() {
+    let mut engine = Ledger::default();
+    let mut explorer = explored(lively(6), &mut engine);
+    let simulated = explorer.counts().simulated;
+    let image = aim([-2.0, -1.0], 6);
+    explorer.aim(image);
+    explorer.work(&mut engine, None).unwrap();
+    assert_eq!(explorer.counts().simulated, simulated);
+    assert!(in_view(&image).into_iter().all(|cell| wrong(&mut explorer, &image, cell) == Some(0)));
+    // A view that holds the images of its own cells: half of them is enough.
+    let middle = Aim { region: Region { half_rad: [2.5; 2], ..image.region }, ..aim([0.0; 2], 4) };
+    let middle = Aim { region: Region { center: [Dd::new(0.0); 2], ..middle.region }, ..middle };
+    let mut engine = Ledger::default();
+    explored(middle, &mut engine);
+    let cells = cells_of(&engine.jobs, &[0, 2, 4]);
+    let distinct: HashSet<Cell> = cells.iter().map(|cell| cell.canonical().0).collect();
+    assert_eq!(distinct.len(), cells.len(), "a cell and its image");
+}
+
+#[test]
+fn the_plane_wraps_around() {
+    let pi = std::f64::consts::PI;
+    let mut engine = Ledger::default();
+    let east = aim([pi, -2.9], 4);
+    let mut explorer = explored(east, &mut engine);
+    let sides: HashSet<bool> = in_view(&east).iter().map(|cell| cell.x < 8).collect();
+    assert_eq!(sides.len(), 2, "cells from both ends");
+    assert!(in_view(&east).into_iter().all(|cell| wrong(&mut explorer, &east, cell) == Some(0)));
+    let simulated = explorer.counts().simulated;
+    for west in [aim([-pi, -2.9], 4), aim([pi, 2.0 * pi - 2.9], 4)] {
+        explorer.aim(west);
+        explorer.work(&mut engine, None).unwrap();
+        assert_eq!(explorer.counts().simulated, simulated, "{:?}", west.region.center);
+    }
+}
+
+#[test]
+fn several_turns_in_view_are_computed_once() {
+    let mut aim = aim([0.4, 0.2], 2);
+    aim.region.half_rad = [10.0, 8.0];
+    let mut engine = Ledger::default();
+    let mut explorer = explored(aim, &mut engine);
+    let placed = aim.region.cells(2, MOST_CELLS).len();
+    assert!(placed > 60, "{placed}");
+    // 16 cells of level 2, of which energy forbids none whole; one of level 0.
+    assert_eq!(cells_of(&engine.jobs, &[0, 2]).len(), 8 + 1);
+    assert_eq!((engine.again, engine.doubled), (0, 0));
+    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+}
+
+#[test]
+fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
+    let mut engine = Ledger::default();
+    let home = lively(5);
+    let mut explorer = explored(home, &mut engine);
+    let cells = in_view(&home);
+    let before = |explorer: &mut Explorer, cell: &Cell| {
+        explorer.known_before(*cell).map(|(known, _)| known.serial)
+    };
+    assert!(cells.iter().all(|cell| before(&mut explorer, cell).is_none()));
+    let of_home: Vec<u64> =
+        cells.iter().map(|cell| explorer.known(*cell).expect("computed").0.serial).collect();
+    // A slider passes several on its way, and of those little or nothing becomes known.
+    for gravity in [9.0, 8.0, 7.0, 6.0] {
+        explorer.aim(Aim { physics: physics(gravity), ..home });
+        for (cell, serial) in cells.iter().zip(&of_home) {
+            assert!(explorer.known(*cell).is_none());
+            assert_eq!(before(&mut explorer, cell), Some(*serial));
+        }
+    }
+    explorer.work(&mut engine, None).unwrap();
+    assert!(cells.iter().all(|cell| explorer.known(*cell).is_some()));
+    let simulated = explorer.counts().simulated;
+    explorer.aim(home);
+    let progress = explorer.progress();
+    assert!(progress.idle && progress.done == progress.wanted, "{progress:?}");
+    assert_eq!(explorer.counts().simulated, simulated);
+    assert!(cells.iter().all(|cell| before(&mut explorer, cell).is_some()), "of the last slider");
+}
+
+#[test]
+fn what_is_in_view_stays_where_there_is_no_room_for_more() {
+    // Nothing here is paused, so that every tile is as large as any other.
+    let path = (0..6).map(|step| aim([2.0 + 0.5 * side_rad(8).hi * f64::from(step), 0.5], 8));
+    let mut engine = Ledger::default();
+    let most = path.clone().map(|aim| explored(aim, &mut engine).bytes()).max();
+    let mut explorer = Explorer::new(most.expect("several views"));
+    for aim in path {
+        explorer.aim(aim);
+        explorer.work(&mut engine, None).unwrap();
+        let progress = explorer.progress();
+        assert_eq!(progress.done, progress.wanted, "half of it was computed before");
+        assert!(explorer.bytes() <= most.expect("several views"));
+        explorer.aim(Aim { pointer: Some([0.0; 2]), ..aim });
+        assert!(explorer.progress().idle, "nothing that this view wants has gone");
+    }
+}
+
+#[test]
+fn a_refused_job_is_computed_once_the_engine_takes_it() {
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.aim(lively(6));
+    for refused in [0, 5, 9] {
+        engine.mock.fail_at = Some(refused);
+        assert!(explorer.work(&mut engine, None).is_err());
+    }
+    engine.mock.fail_at = None;
+    explorer.work(&mut engine, None).unwrap();
+    let aim = lively(6);
+    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    assert_eq!((engine.again, engine.doubled), (0, 0));
+}
