@@ -151,14 +151,14 @@ impl Session {
                 && holds(told)
         };
         let begun = Instant::now();
-        while begun.elapsed() < Duration::from_secs(30) {
+        while begun.elapsed() < Duration::from_secs(60) {
             if let Some(told) = self.told().filter(holds) {
                 return told;
             }
             self.check_alive();
             sleep(Duration::from_millis(20));
         }
-        panic!("no {what} in 30 s; it last told {:?} and said {}", self.told(), self.log())
+        panic!("no {what} in a minute; it last told {:?} and said {}", self.told(), self.log())
     }
 
     /// Fails if the program has ended by itself.
