@@ -147,7 +147,6 @@ impl Runner {
         self.redraw_at = None;
         self.told = false;
         let moving = open.desk.state.tick((began - self.begun).as_secs_f64());
-        open.desk.work();
         apply_looks(open);
         let mut effects = Vec::new();
         let Open { host, desk, .. } = open;
@@ -160,7 +159,11 @@ impl Runner {
             desk.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
         }
         desk.save_sometimes();
-        let again = if moving || desk.state.moving.is_some() { Duration::ZERO } else { again };
+        // Only now is it known what is looked at.
+        let news = if desk.work() { NEWS } else { Duration::MAX };
+        let moving = moving || desk.state.moving.is_some();
+        let again = if moving || desk.room.explorer.is_waiting() { Duration::ZERO } else { again };
+        let again = again.min(news);
         if again < Duration::from_secs(3600) {
             self.draw_at(Instant::now() + again);
         }

@@ -196,6 +196,12 @@ impl Explorer {
         }
     }
 
+    /// Whether cells wait and nothing flies whose landing would wake anybody: with a deadline,
+    /// [`Explorer::work`] may end so among cells that are known without an engine.
+    pub fn is_waiting(&self) -> bool {
+        self.aim.is_some() && self.flights.is_empty() && !self.waiting.is_empty()
+    }
+
     /// Whether there is nothing to compute.
     pub fn is_done(&self) -> bool {
         self.waiting.is_empty() && self.flights.is_empty()

@@ -119,3 +119,22 @@ fn a_frame_without_time_prepares_one_job() {
     assert_eq!(engine.jobs.len(), 3 + engine.slots() + 1, "with time, every slot twice filled");
     assert_eq!(engine.mock.queue.len(), engine.slots());
 }
+
+#[test]
+fn among_cells_without_an_open_pixel_a_frame_asks_to_go_on() {
+    // Around (0, 0) nothing can ever flip: hardly anything flies whose landing wakes a window.
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.aim(Aim { region: aim([0.0, 0.0], 4).region.scaled(3.0), ..aim([0.0, 0.0], 4) });
+    let mut asked = 0;
+    while !explorer.is_done() {
+        explorer.work(&mut engine, Some(Instant::now())).unwrap();
+        let flies = !engine.mock.queue.is_empty();
+        assert!(flies || explorer.is_done() || explorer.is_waiting(), "it would sleep for ever");
+        asked += u32::from(explorer.is_waiting());
+    }
+    assert!(asked > 2, "{asked} frames asked to go on");
+    let progress = explorer.progress();
+    assert!(progress.wanted > 10 && progress.done == progress.wanted, "{progress:?}");
+    assert!(!explorer.is_waiting());
+}
