@@ -7,11 +7,11 @@
 use std::cmp::Ordering;
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
-use std::str::FromStr;
 
 use dashu_float::round::mode::HalfEven;
 use dashu_float::{DBig, FBig};
 
+use super::decimal;
 use super::real::{Angle, Real, Scalar};
 
 /// The sum `hi + lo`, with |lo| at most half a unit in the last place of `hi`.
@@ -223,12 +223,7 @@ impl Scalar for Dd {
         Dd::new(root) + Dd::new((self - Dd::product(root, root)).hi / (2.0 * root))
     }
     fn parse(text: &str) -> Option<Self> {
-        let text = text.trim();
-        // The library also takes digit separators, which no other number here has.
-        if text.contains('_') {
-            return None;
-        }
-        DBig::from_str(text).ok().map(|value| Dd::from_decimal(&value))
+        decimal::parse(text).map(|value| Dd::from_decimal(&value))
     }
 }
 
@@ -259,6 +254,8 @@ impl fmt::Display for Dd {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::str::FromStr;
+
 
     #[test]
     fn floats_are_exact_in_decimal() {

@@ -52,10 +52,12 @@ pub fn is_balanced<T: Scalar>(angle: [T; 2]) -> bool {
 
 /// Seconds into `step` at which `rule` is first met.
 pub fn flip_within<T: Scalar>(step: &Step<T>, rule: Rule) -> Option<T> {
+    let units = step.length * T::from_f64(1.0 / step.unit_secs);
     rule.watched()
         .iter()
-        .filter_map(|&bob| first_passage(&step.angle[bob], step.length))
+        .filter_map(|&bob| first_passage(&step.angle[bob], units))
         .reduce(|a, b| if b < a { b } else { a })
+        .map(|tau| tau * T::from_f64(step.unit_secs))
 }
 
 /// All moments in (0, length] at which an unwrapped angle passes an odd multiple of π, either
@@ -185,6 +187,7 @@ fn shifted<T: Scalar>(f: &[T], centre: T) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::Fixed;
 
     fn rise(f: &[f64], to: f64) -> Option<f64> {
         first_rise(f, [0.0, to], resolved(), MOST_HALVINGS)
@@ -220,6 +223,20 @@ mod tests {
     #[test]
     fn moving_inward_over_the_top_is_no_flip() {
         assert_eq!(rise(&[0.1, -0.5, 0.0], 1.0), None);
+    }
+
+    #[test]
+    fn fixed_point_of_any_length_flips_when_double_double_does() {
+        fn time<T: Scalar>(rule: Rule) -> T {
+            let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0).convert();
+            let angle = ["2.2", "-1.9"].map(|text| T::parse(text).unwrap());
+            outcome(&unit, angle, rule, T::from_f64(60.0)).time
+        }
+        let truth = "5.7004778507307246850926008522389852";
+        let error = (time::<Fixed<4>>(Rule::Second) - Fixed::parse(truth).unwrap()).to_f64();
+        assert!(error.abs() < 1e-33, "{error:e}");
+        let short = time::<Fixed<3>>(Rule::First) - time::<Fixed<7>>(Rule::First).resized();
+        assert!(short.to_f64().abs() < 1e-28, "{short}");
     }
 
     #[test]

@@ -13,10 +13,13 @@
 
 pub mod control;
 pub mod dd;
+mod decimal;
 pub mod embedded;
+pub mod fixed;
 pub mod flip;
 pub mod gold;
 pub mod integrator;
+pub mod jet;
 pub mod passage;
 pub mod pendulum;
 pub mod phase;
@@ -27,6 +30,7 @@ pub mod taylor;
 pub mod trig;
 
 pub use dd::Dd;
+pub use fixed::Fixed;
 pub use flip::{Outcome, Rule, Status};
 pub use pendulum::{Pendulum, State};
 pub use real::{Angle, Real, Scalar};

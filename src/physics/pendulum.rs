@@ -147,15 +147,8 @@ impl<T: Copy> Pendulum<T> {
     }
 }
 
-impl<T: Angle> Pendulum<T> {
-    /// The angular accelerations α1, α2 in rad/s².
-    #[inline(always)]
-    pub fn acceleration(&self, state: &State<T>) -> [T; 2] {
-        let direction = [state.angle[0].sin_cos(), state.angle[1].sin_cos()];
-        self.acceleration_towards(direction, state.speed)
-    }
-
-    /// The same from the angles' `(sine, cosine)`.
+impl<T: Real> Pendulum<T> {
+    /// The angular accelerations α1, α2 in rad/s², from the angles' `(sine, cosine)`.
     #[inline(always)]
     pub fn acceleration_towards(&self, direction: [(T, T); 2], speed: [T; 2]) -> [T; 2] {
         let [(sin1, cos1), (sin2, cos2)] = direction;
@@ -170,6 +163,15 @@ impl<T: Angle> Pendulum<T> {
             (self.b * torque1 - cc * torque2) * inverse_det,
             (self.a * torque2 - cc * torque1) * inverse_det,
         ]
+    }
+}
+
+impl<T: Angle> Pendulum<T> {
+    /// The angular accelerations α1, α2 in rad/s².
+    #[inline(always)]
+    pub fn acceleration(&self, state: &State<T>) -> [T; 2] {
+        let direction = [state.angle[0].sin_cos(), state.angle[1].sin_cos()];
+        self.acceleration_towards(direction, state.speed)
     }
 
     /// Kinetic plus potential energy in J, zero for both rods level and at rest.

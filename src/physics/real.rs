@@ -43,6 +43,8 @@ pub trait Angle: Real {
 pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     /// Distance from 1 to the next number.
     const EPSILON: f64;
+    /// Whether small numbers have as many digits as large ones.
+    const FLOATING: bool = true;
 
     /// The nearest number of this type.
     fn from_f64(value: f64) -> Self;

@@ -12,22 +12,27 @@ use super::real::Scalar;
 /// One step: the four polynomials in the time since its beginning.
 #[derive(Clone, Debug)]
 pub struct Step<T> {
+    /// The polynomials' unit of time in seconds: 1 in floating-point types; in others a power of
+    /// two near the radius of convergence, so that coefficients neither grow nor vanish.
+    pub unit_secs: f64,
     /// Seconds from the release to the beginning of the step.
     pub start: T,
     /// Its length in seconds.
     pub length: T,
-    /// Coefficients of θ1 and θ2, rad/sᵏ.
+    /// Coefficients of θ1 and θ2, rad/unitᵏ.
     pub angle: [Vec<T>; 2],
-    /// Coefficients of ω1 and ω2, rad/sᵏ⁺¹.
+    /// Coefficients of ω1 and ω2, rad/unitᵏ⁺¹.
     pub speed: [Vec<T>; 2],
 }
 
 impl<T: Scalar> Step<T> {
     /// The state `tau` seconds into the step.
     pub fn state(&self, tau: T) -> State<T> {
+        let per_sec = T::from_f64(1.0 / self.unit_secs);
+        let tau = tau * per_sec;
         State {
             angle: [0, 1].map(|i| evaluate(&self.angle[i], tau)),
-            speed: [0, 1].map(|i| evaluate(&self.speed[i], tau)),
+            speed: [0, 1].map(|i| evaluate(&self.speed[i], tau) * per_sec),
         }
     }
 
@@ -47,15 +52,19 @@ pub struct Orbit<T> {
     /// Seconds since the release, and what rounding took from them.
     time: (T, T),
     series: Series<T>,
+    /// See [`Step::unit_secs`].
+    unit_secs: f64,
     latest: Option<Step<T>>,
 }
 
 impl<T: Scalar> Orbit<T> {
     /// A pendulum in `state` at time 0.
     pub fn new(pendulum: Pendulum<T>, state: State<T>) -> Self {
+        let unit_secs = if T::FLOATING { 1.0 } else { first_unit(&pendulum, &state) };
         Orbit {
             pendulum,
             state,
+            unit_secs,
             low: State::rest([T::zero(); 2]),
             time: (T::zero(), T::zero()),
             series: Series::new(order_for::<T>()),
@@ -75,21 +84,28 @@ impl<T: Scalar> Orbit<T> {
 
     /// Advances by one step and returns it.
     pub fn step(&mut self) -> Step<T> {
-        self.series.expand(&self.pendulum, &self.state);
-        let length = self.series.step_length();
+        let unit_secs = self.unit_secs;
+        let (unit, per_sec) = (T::from_f64(unit_secs), T::from_f64(1.0 / unit_secs));
+        self.series.expand(&in_units(&self.pendulum, unit), &in_units_of(&self.state, unit));
+        let units = self.series.step_length();
+        let length = units * unit;
         let step = Step {
+            unit_secs,
             start: self.time.0,
             length,
             angle: self.series.angle.clone(),
             speed: self.series.speed.clone(),
         };
-        let change = |c: &[T]| evaluate(&c[1..], length) * length;
+        let change = |c: &[T]| evaluate(&c[1..], units) * units;
         let change = State {
             angle: [0, 1].map(|i| change(&step.angle[i])),
-            speed: [0, 1].map(|i| change(&step.speed[i])),
+            speed: [0, 1].map(|i| change(&step.speed[i]) * per_sec),
         };
         (self.state, self.low) = self.state.plus_compensated(&self.low, &change);
         self.time = self.time.0.fast_two_sum(self.time.1 + length);
+        if !T::FLOATING {
+            self.unit_secs = unit_for(length.to_f64());
+        }
         step
     }
 
@@ -101,6 +117,33 @@ impl<T: Scalar> Orbit<T> {
         let step = self.latest.as_ref().expect("just made");
         step.state(time - step.start)
     }
+}
+
+/// A pendulum whose seconds are units.
+fn in_units<T: Scalar>(pendulum: &Pendulum<T>, unit: T) -> Pendulum<T> {
+    let square = unit * unit;
+    Pendulum { p: pendulum.p * square, q: pendulum.q * square, ..*pendulum }
+}
+
+fn in_units_of<T: Scalar>(state: &State<T>, unit: T) -> State<T> {
+    State { angle: state.angle, speed: state.speed.map(|speed| speed * unit) }
+}
+
+/// The power of two below a quarter of the radius of convergence that allows a step: from one
+/// step to the next the radius changes by less than a step.
+fn unit_for(length_secs: f64) -> f64 {
+    (length_secs / SAFETY / 4.0).log2().floor().exp2()
+}
+
+/// The unit of a first step, from an expansion in f64.
+fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
+    let near = State {
+        angle: state.angle.map(T::to_f64),
+        speed: state.speed.map(T::to_f64),
+    };
+    let mut series = Series::<f64>::new(order_for::<f64>());
+    series.expand(&pendulum.convert(), &near);
+    unit_for(series.step_length())
 }
 
 /// Jorba and Zou's order for relative errors of the size of the type's epsilon.

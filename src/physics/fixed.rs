@@ -1,0 +1,481 @@
+//! Fixed-point numbers of any length: what a deep zoom's coordinates and its reference need.
+//!
+//! Everything the equations meet is bounded, and what a coordinate must resolve is an absolute
+//! distance. So a point that never moves loses nothing, and its sums cost a carry, not an
+//! alignment.
+
+use std::cmp::Ordering;
+use std::fmt;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use dashu_int::IBig;
+
+use super::Dd;
+use super::decimal;
+use super::real::{Angle, Real, Scalar};
+
+/// A signed number of `N` limbs of 64 bits, the last of which holds its whole part (two's
+/// complement); the others are its fraction, lowest first. Below ±2⁶³.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Fixed<const N: usize>([u64; N]);
+
+/// π, highest limb first.
+const PI: [u64; 9] = [
+    0x0000_0000_0000_0003,
+    0x243f_6a88_85a3_08d3,
+    0x1319_8a2e_0370_7344,
+    0xa409_3822_299f_31d0,
+    0x082e_fa98_ec4e_6c89,
+    0x4528_21e6_38d0_1377,
+    0xbe54_66cf_34e9_0c6c,
+    0xc0ac_29b7_c97c_50dd,
+    0x3f84_d5b5_b547_0917,
+];
+
+impl<const N: usize> Fixed<N> {
+    /// Zero.
+    pub const ZERO: Self = Fixed([0; N]);
+    /// Bits after the point.
+    pub const BITS: u32 = 64 * (N as u32 - 1);
+
+    /// The nearest number of another length.
+    pub fn resized<const M: usize>(self) -> Fixed<M> {
+        let mut limbs = [0; M];
+        for k in 1..=N.min(M) {
+            limbs[M - k] = self.0[N - k];
+        }
+        Fixed(limbs)
+    }
+
+    /// The limbs, lowest first.
+    pub fn limbs(self) -> [u64; N] {
+        self.0
+    }
+
+    /// The number with these limbs, lowest first.
+    pub fn from_limbs(limbs: [u64; N]) -> Self {
+        Fixed(limbs)
+    }
+
+    /// Whether it is below zero.
+    pub fn is_negative(self) -> bool {
+        self.0[N - 1] >> 63 == 1
+    }
+
+    fn magnitude(self) -> Self {
+        if self.is_negative() { -self } else { self }
+    }
+
+    /// Times 2^`bits`; what does not fit is lost.
+    pub fn shl(self, bits: u32) -> Self {
+        let (limbs, bits) = ((bits / 64) as usize, bits % 64);
+        let limb = |k: isize| if k >= 0 { self.0[k as usize] } else { 0 };
+        Fixed(std::array::from_fn(|k| {
+            let k = k as isize - limbs as isize;
+            let low = if bits == 0 { 0 } else { limb(k - 1) >> (64 - bits) };
+            (limb(k) << bits) | low
+        }))
+    }
+
+    /// Over 2^`bits`, rounded down.
+    pub fn shr(self, bits: u32) -> Self {
+        let (limbs, bits) = ((bits / 64) as usize, bits % 64);
+        let sign = if self.is_negative() { u64::MAX } else { 0 };
+        let limb = |k: usize| if k < N { self.0[k] } else { sign };
+        Fixed(std::array::from_fn(|k| {
+            let k = k + limbs;
+            let high = if bits == 0 { 0 } else { limb(k + 1) << (64 - bits) };
+            (limb(k) >> bits) | high
+        }))
+    }
+
+    /// The product of two numbers that are not negative.
+    fn product(self, other: Self) -> Self {
+        let mut columns = [[0u64; 2]; N];
+        let columns = columns.as_flattened_mut();
+        for (i, &x) in self.0.iter().enumerate() {
+            let mut carry = 0u128;
+            // One limb below the last that is kept decides the rounding.
+            let first = (N - 1).saturating_sub(i + 1);
+            for j in first..N {
+                let sum = u128::from(x) * u128::from(other.0[j]) + u128::from(columns[i + j]) + carry;
+                columns[i + j] = sum as u64;
+                carry = sum >> 64;
+            }
+            if i + N < columns.len() {
+                columns[i + N] = carry as u64;
+            }
+        }
+        let mut limbs = [0; N];
+        limbs.copy_from_slice(&columns[N - 1..2 * N - 1]);
+        let product = Fixed(limbs);
+        if N >= 2 && columns[N - 2] >> 63 == 1 { product + Self::least() } else { product }
+    }
+
+    /// The least positive number.
+    fn least() -> Self {
+        Fixed(std::array::from_fn(|k| u64::from(k == 0)))
+    }
+
+    /// The quotient by a whole number.
+    fn over(self, divisor: u64) -> Self {
+        let mut rest = 0u128;
+        let mut limbs = self.magnitude().0;
+        for limb in limbs.iter_mut().rev() {
+            let part = (rest << 64) | u128::from(*limb);
+            *limb = (part / u128::from(divisor)) as u64;
+            rest = part % u128::from(divisor);
+        }
+        if self.is_negative() { -Fixed(limbs) } else { Fixed(limbs) }
+    }
+
+    /// 1 over a number in [½, 1), by Newton's iteration, each of which doubles the digits.
+    fn reciprocal(self) -> Self {
+        let two = Self::from_f64(2.0);
+        let mut x = Self::from_f64(1.0 / self.to_f64());
+        let mut bits = 50;
+        while bits < 64 * N {
+            x = x.product(two - self.product(x));
+            bits *= 2;
+        }
+        x
+    }
+
+    /// How many bits it takes to bring a positive number into [½, 1): to the left if positive.
+    fn shift_to_half(self) -> i64 {
+        let top = self.0.iter().rposition(|&limb| limb != 0).unwrap_or(0);
+        let bit = 64 * top as i64 + 63 - i64::from(self.0[top].leading_zeros());
+        i64::from(Self::BITS) - 1 - bit
+    }
+
+    fn shifted(self, bits: i64) -> Self {
+        if bits >= 0 { self.shl(bits as u32) } else { self.shr(bits.unsigned_abs() as u32) }
+    }
+
+    /// This number without whole turns, in (−π, π].
+    pub fn wrapped(self) -> Self {
+        let tau = Self::pi().shl(1);
+        let turns = (self.to_f64() / std::f64::consts::TAU).round();
+        let angle = if turns == 0.0 { self } else { self - tau * Self::from_f64(turns) };
+        if angle > Self::pi() {
+            angle - tau
+        } else if angle <= -Self::pi() {
+            angle + tau
+        } else {
+            angle
+        }
+    }
+
+    /// The nearest double-double number.
+    pub fn to_dd(self) -> Dd {
+        let hi = self.to_f64();
+        Dd { hi, lo: (self - Self::from_f64(hi)).to_f64() }
+    }
+
+    /// The nearest to a double-double number.
+    pub fn from_dd(value: Dd) -> Self {
+        Self::from_f64(value.hi) + Self::from_f64(value.lo)
+    }
+
+    /// This number with so many digits after the point, without trailing zeros.
+    pub fn decimal(self, digits: usize) -> String {
+        let bytes: Vec<u8> = self.0.iter().flat_map(|limb| limb.to_le_bytes()).collect();
+        decimal::written(IBig::from_le_bytes(&bytes), Self::BITS as usize, digits)
+    }
+}
+
+impl<const N: usize> Add for Fixed<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let mut carry = false;
+        Fixed(std::array::from_fn(|k| {
+            let (sum, over) = self.0[k].overflowing_add(other.0[k]);
+            let (sum, again) = sum.overflowing_add(u64::from(carry));
+            carry = over | again;
+            sum
+        }))
+    }
+}
+
+impl<const N: usize> Neg for Fixed<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::ZERO - self
+    }
+}
+
+impl<const N: usize> Sub for Fixed<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let mut borrow = false;
+        Fixed(std::array::from_fn(|k| {
+            let (rest, under) = self.0[k].overflowing_sub(other.0[k]);
+            let (rest, again) = rest.overflowing_sub(u64::from(borrow));
+            borrow = under | again;
+            rest
+        }))
+    }
+}
+
+impl<const N: usize> Mul for Fixed<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let product = self.magnitude().product(other.magnitude());
+        if self.is_negative() == other.is_negative() { product } else { -product }
+    }
+}
+
+impl<const N: usize> Div for Fixed<N> {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let divisor = other.magnitude();
+        if divisor.0[..N - 1].iter().all(|&limb| limb == 0) && divisor.0[N - 1] != 0 {
+            let quotient = self.over(divisor.0[N - 1]);
+            return if other.is_negative() { -quotient } else { quotient };
+        }
+        if divisor == Self::ZERO {
+            // There is no infinity here; the largest number says the same to every comparison.
+            let largest = Fixed(std::array::from_fn(|k| if k + 1 < N { u64::MAX } else { u64::MAX >> 1 }));
+            return if self.is_negative() { -largest } else { largest };
+        }
+        let shift = divisor.shift_to_half();
+        let quotient = self.magnitude() * divisor.shifted(shift).reciprocal();
+        let quotient = quotient.shifted(shift);
+        if self.is_negative() == other.is_negative() { quotient } else { -quotient }
+    }
+}
+
+impl<const N: usize> PartialOrd for Fixed<N> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<const N: usize> Ord for Fixed<N> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let top = (self.0[N - 1] as i64).cmp(&(other.0[N - 1] as i64));
+        top.then_with(|| self.0.iter().rev().cmp(other.0.iter().rev()))
+    }
+}
+
+impl<const N: usize> Default for Fixed<N> {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
+impl<const N: usize> Real for Fixed<N> {
+    fn lit(self, value: f64) -> Self {
+        Self::from_f64(value)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
+}
+
+impl<const N: usize> Angle for Fixed<N> {
+    /// Taylor series after taking out quarter turns.
+    fn sin_cos(self) -> (Self, Self) {
+        let half_pi = Self::pi().shr(1);
+        let quarters = (self.to_f64() / std::f64::consts::FRAC_PI_2).round();
+        let r = self - half_pi * Self::from_f64(quarters);
+        let (sin, cos) = (series(r, r, 1), series(r, Self::from_f64(1.0), 0));
+        match (quarters as i64).rem_euclid(4) {
+            0 => (sin, cos),
+            1 => (cos, -sin),
+            2 => (-sin, -cos),
+            _ => (-cos, sin),
+        }
+    }
+}
+
+/// Σ ± r^n / n! over every second n from `order`, whose term is `first`.
+fn series<const N: usize>(r: Fixed<N>, first: Fixed<N>, order: u64) -> Fixed<N> {
+    let square = r * r;
+    let (mut term, mut sum, mut n) = (first, first, order);
+    while term.magnitude() > Fixed::least() {
+        term = -(term * square).over((n + 1) * (n + 2));
+        sum = sum + term;
+        n += 2;
+    }
+    sum
+}
+
+impl<const N: usize> Scalar for Fixed<N> {
+    const EPSILON: f64 = {
+        let (mut epsilon, mut bit) = (1.0, 0);
+        // Eight bits are left to rounding.
+        while bit < Self::BITS - 8 {
+            epsilon *= 0.5;
+            bit += 1;
+        }
+        epsilon
+    };
+
+    const FLOATING: bool = false;
+
+    fn from_f64(value: f64) -> Self {
+        let (whole, exponent) = integer_and_exponent(value);
+        let mut limbs = [0; N];
+        limbs[0] = whole;
+        let shift = i64::from(Self::BITS) + i64::from(exponent);
+        let magnitude = Fixed(limbs).shifted(shift);
+        if value < 0.0 { -magnitude } else { magnitude }
+    }
+
+    fn to_f64(self) -> f64 {
+        let magnitude = self.magnitude();
+        let Some(top) = magnitude.0.iter().rposition(|&limb| limb != 0) else { return 0.0 };
+        let below = if top > 0 { magnitude.0[top - 1] } else { 0 };
+        // What lies below two limbs only matters to ties.
+        let two = (u128::from(magnitude.0[top]) << 64) | u128::from(below);
+        let scale = 2f64.powi(64 * (top as i32 - 1) - Self::BITS as i32);
+        let value = two as f64 * scale;
+        if self.is_negative() { -value } else { value }
+    }
+
+    fn pi() -> Self {
+        Fixed(std::array::from_fn(|k| PI[N - 1 - k]))
+    }
+
+    fn sqrt(self) -> Self {
+        if self <= Self::ZERO {
+            return Self::ZERO;
+        }
+        let mut root = Self::from_f64(self.to_f64().sqrt());
+        let mut bits = 50;
+        while bits < 64 * N {
+            root = (root + self / root).shr(1);
+            bits *= 2;
+        }
+        root
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        let value = decimal::read(text, Self::BITS as usize)?;
+        let bytes = value.to_le_bytes();
+        if bytes.len() > 8 * N {
+            return None;
+        }
+        let fill = if value < IBig::ZERO { 0xff } else { 0 };
+        let byte = |k: usize| bytes.get(k).copied().unwrap_or(fill);
+        Some(Fixed(std::array::from_fn(|limb| {
+            u64::from_le_bytes(std::array::from_fn(|k| byte(8 * limb + k)))
+        })))
+    }
+
+    fn is_finite(self) -> bool {
+        true
+    }
+}
+
+/// A finite f64's magnitude as an integer times a power of two.
+fn integer_and_exponent(value: f64) -> (u64, i32) {
+    let bits = value.to_bits();
+    let exponent = ((bits >> 52) & 0x7ff) as i32;
+    let fraction = bits & ((1 << 52) - 1);
+    if exponent == 0 { (fraction, -1074) } else { (fraction | (1 << 52), exponent - 1075) }
+}
+
+impl<const N: usize> fmt::Display for Fixed<N> {
+    /// All digits, or as many after the point as are asked for.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let all = (f64::from(Self::BITS) * std::f64::consts::LOG10_2) as usize;
+        f.write_str(&self.decimal(f.precision().unwrap_or(all)))
+    }
+}
+
+impl<const N: usize> fmt::Debug for Fixed<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    type Long = Fixed<8>;
+
+    fn long(text: &str) -> Long {
+        Long::parse(text).unwrap()
+    }
+
+    proptest! {
+        #[test]
+        fn sums_products_and_quotients_are_those_of_f64(a in -1e3..1e3f64, b in -1e3..1e3f64) {
+            let (x, y) = (Long::from_f64(a), Long::from_f64(b));
+            prop_assert_eq!(x.to_f64(), a);
+            prop_assert_eq!((x + y).to_f64(), a + b);
+            prop_assert_eq!((x - y).to_f64(), a - b);
+            prop_assert_eq!((x * y).to_f64(), a * b);
+            prop_assert_eq!((x / y).to_f64(), a / b);
+            prop_assert_eq!(x < y, a < b);
+            prop_assert_eq!(x.resized::<3>().resized::<8>(), x);
+        }
+
+        #[test]
+        fn a_quotient_times_its_divisor_is_the_dividend(a in -1e3..1e3f64, b in 1e-6..1e3f64) {
+            let (x, y) = (Long::from_f64(a), Long::from_f64(b));
+            let rest = (x / y) * y - x;
+            prop_assert!(rest.to_f64().abs() < 1e-125, "{}", rest.to_f64());
+        }
+
+        #[test]
+        fn sines_and_cosines_lie_on_the_circle(a in -30.0..30.0f64) {
+            let (sin, cos) = Long::from_f64(a).sin_cos();
+            prop_assert!((sin * sin + cos * cos - Long::from_f64(1.0)).to_f64().abs() < 1e-130);
+            prop_assert!((sin.to_f64() - a.sin()).abs() < 1e-15);
+            prop_assert!((cos.to_f64() - a.cos()).abs() < 1e-15);
+        }
+
+        #[test]
+        fn decimals_are_read_as_they_are_written(limbs in any::<[u64; 7]>(), whole in -99i64..99) {
+            let mut all = [0; 8];
+            all[..7].copy_from_slice(&limbs);
+            all[7] = whole as u64;
+            let x = Long::from_limbs(all);
+            prop_assert_eq!(long(&x.decimal(140)), x);
+        }
+    }
+
+    #[test]
+    fn pi_is_what_a_hundred_digits_say() {
+        let text = "3.1415926535897932384626433832795028841971693993751058209749445923078164062862\
+                    089986280348253421170679821480865132823066470938446095505822317253594";
+        assert!((Long::pi() - long(text)).to_f64().abs() < 1e-133);
+        assert_eq!(Fixed::<3>::pi().to_dd(), Dd::PI);
+        assert!(Long::pi().sin_cos().0.to_f64().abs() < 1e-130);
+    }
+
+    #[test]
+    fn roots_are_exact_to_the_last_digits() {
+        let root = Long::from_f64(2.0).sqrt();
+        assert!((root * root - Long::from_f64(2.0)).to_f64().abs() < 1e-130);
+    }
+
+    #[test]
+    fn angles_are_wrapped_exactly() {
+        let (tau, small) = (Long::pi().shl(1), long("1e-100"));
+        assert_eq!((tau + small).wrapped(), small);
+        assert_eq!((-tau - tau - small).wrapped(), -small);
+        assert_eq!((-Long::pi()).wrapped(), Long::pi());
+        assert!((Long::pi() + small).wrapped() < Long::ZERO);
+    }
+
+    #[test]
+    fn far_digits_are_kept() {
+        assert!((long("-1.5e-120").to_f64() / -1.5e-120 - 1.0).abs() < 1e-13);
+        assert_eq!(long("0.1") + long("1e-110") - long("0.1"), long("1e-110"));
+        assert_eq!(long("-1.25").decimal(30), "-1.25");
+        assert_eq!(Long::ZERO.decimal(5), "0");
+        assert_eq!(Long::from_dd(Dd::PI).to_dd(), Dd::PI);
+    }
+}

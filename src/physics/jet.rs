@@ -1,0 +1,278 @@
+//! Polynomials in the two coordinates of a cell of starts, cut off above a degree: arithmetic on
+//! them carries a whole neighbourhood of pendulums at once.
+//!
+//! Both coordinates run from −1 to 1 over the cell. The sum of a degree's coefficients bounds what
+//! that degree contributes, and how fast these sums fall says what was cut off.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::real::Real;
+
+/// Higher powers of the coordinates are cut off.
+pub const DEGREE: usize = 6;
+/// Coefficients of a polynomial.
+const TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
+
+/// Where the coefficients of a degree begin: those of x^(n−j) y^j for j = 0 … n follow.
+const fn first(degree: usize) -> usize {
+    degree * (degree + 1) / 2
+}
+
+/// Σ c x^i y^j over i + j ≤ [`DEGREE`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jet {
+    c: [f64; TERMS],
+    /// Whether any coefficient but the first can differ from zero: constants are much cheaper.
+    varies: bool,
+}
+
+impl Jet {
+    /// The same number everywhere.
+    pub const fn constant(value: f64) -> Self {
+        let mut c = [0.0; TERMS];
+        c[0] = value;
+        Jet { c, varies: false }
+    }
+
+    /// `half` times one of the coordinates: how far a start is from the cell's middle.
+    pub const fn coordinate(axis: usize, half: f64) -> Self {
+        let mut c = [0.0; TERMS];
+        c[1 + axis] = half;
+        Jet { c, varies: true }
+    }
+
+    /// Its value in the middle.
+    pub fn middle(&self) -> f64 {
+        self.c[0]
+    }
+
+    /// The same with another value in the middle.
+    pub fn with_middle(mut self, value: f64) -> Self {
+        self.c[0] = value;
+        self
+    }
+
+    /// A bound on how far it is from its middle anywhere in the cell.
+    pub fn spread(&self) -> f64 {
+        self.c[1..].iter().map(|c| c.abs()).sum()
+    }
+
+    /// What one degree contributes at most.
+    fn size(&self, degree: usize) -> f64 {
+        self.c[first(degree)..first(degree + 1)].iter().map(|c| c.abs()).sum()
+    }
+
+    /// About how much was cut off: the sums of the last degrees, continued as a geometric series;
+    /// infinite where they do not fall.
+    pub fn tail(&self) -> f64 {
+        let last = self.size(DEGREE);
+        if last == 0.0 {
+            return 0.0;
+        }
+        let fall = |n: usize| (self.size(n) / self.size(n - 2)).sqrt();
+        let ratio = fall(DEGREE).max(fall(DEGREE - 1));
+        if ratio < 0.5 { last * ratio / (1.0 - ratio) } else { f64::INFINITY }
+    }
+
+    /// Its value at a point of the cell.
+    pub fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        // By powers of y, each a polynomial in x.
+        (0..=DEGREE).rev().fold(0.0, |sum, j| {
+            let row = (0..=DEGREE - j).rev().fold(0.0, |row, i| row * x + self.c[first(i + j) + j]);
+            sum * y + row
+        })
+    }
+
+    /// The polynomial of the part of the cell around `middle` that is 2 `half` wide.
+    pub fn part(&self, middle: [f64; 2], half: f64) -> Self {
+        if !self.varies {
+            return *self;
+        }
+        let mut out = *self;
+        for (axis, &m) in middle.iter().enumerate() {
+            out.shift(axis, m);
+        }
+        let mut scale = 1.0;
+        for n in 0..=DEGREE {
+            out.c[first(n)..first(n + 1)].iter_mut().for_each(|c| *c *= scale);
+            scale *= half;
+        }
+        out
+    }
+
+    /// Replaces one coordinate by itself plus `by` (repeated synthetic division).
+    fn shift(&mut self, axis: usize, by: f64) {
+        let place = |along: usize, across: usize| {
+            let n = along + across;
+            first(n) + if axis == 0 { across } else { along }
+        };
+        for across in 0..=DEGREE {
+            let last = DEGREE - across;
+            for k in 0..last {
+                for along in (k..last).rev() {
+                    self.c[place(along, across)] += by * self.c[place(along + 1, across)];
+                }
+            }
+        }
+    }
+
+    fn scaled(mut self, by: f64) -> Self {
+        self.c.iter_mut().for_each(|c| *c *= by);
+        self
+    }
+
+    /// 1 over it, degree by degree; its middle must not be zero.
+    fn reciprocal(&self) -> Self {
+        let inverse = 1.0 / self.c[0];
+        let mut out = Jet::constant(inverse);
+        if !self.varies {
+            return out;
+        }
+        out.varies = true;
+        for n in 1..=DEGREE {
+            let mut sum = [0.0; DEGREE + 1];
+            for m in 1..=n {
+                for a in 0..=m {
+                    for b in 0..=n - m {
+                        sum[a + b] += self.c[first(m) + a] * out.c[first(n - m) + b];
+                    }
+                }
+            }
+            for (c, sum) in out.c[first(n)..].iter_mut().zip(&sum[..=n]) {
+                *c = -inverse * sum;
+            }
+        }
+        out
+    }
+}
+
+impl Add for Jet {
+    type Output = Jet;
+    #[inline(always)]
+    fn add(mut self, other: Jet) -> Jet {
+        if other.varies {
+            self.c.iter_mut().zip(&other.c).for_each(|(c, other)| *c += other);
+            self.varies = true;
+        } else {
+            self.c[0] += other.c[0];
+        }
+        self
+    }
+}
+
+impl Neg for Jet {
+    type Output = Jet;
+    #[inline(always)]
+    fn neg(mut self) -> Jet {
+        self.c.iter_mut().for_each(|c| *c = -*c);
+        self
+    }
+}
+
+impl Sub for Jet {
+    type Output = Jet;
+    #[inline(always)]
+    fn sub(self, other: Jet) -> Jet {
+        self + -other
+    }
+}
+
+impl Mul for Jet {
+    type Output = Jet;
+    #[inline]
+    fn mul(self, other: Jet) -> Jet {
+        if !other.varies {
+            return self.scaled(other.c[0]);
+        }
+        if !self.varies {
+            return other.scaled(self.c[0]);
+        }
+        let mut out = Jet { c: [0.0; TERMS], varies: true };
+        for n in 0..=DEGREE {
+            for a in 0..=n {
+                let x = self.c[first(n) + a];
+                for m in 0..=DEGREE - n {
+                    let (to, from) = (first(n + m) + a, first(m));
+                    for b in 0..=m {
+                        out.c[to + b] += x * other.c[from + b];
+                    }
+                }
+            }
+        }
+        out
+    }
+}
+
+impl Div for Jet {
+    type Output = Jet;
+    fn div(self, other: Jet) -> Jet {
+        self * other.reciprocal()
+    }
+}
+
+impl Real for Jet {
+    fn lit(self, value: f64) -> Self {
+        Jet::constant(value)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A polynomial whose degrees fall.
+    fn jets() -> impl Strategy<Value = Jet> {
+        prop::array::uniform32(-1.0..1.0f64).prop_map(|raw| {
+            let mut jet = Jet { c: [0.0; TERMS], varies: true };
+            for n in 0..=DEGREE {
+                for k in first(n)..first(n + 1) {
+                    jet.c[k] = raw[k] * 0.01f64.powi(n as i32);
+                }
+            }
+            jet.with_middle(2.0 + raw[0])
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn arithmetic_is_that_of_the_values(
+            a in jets(), b in jets(), x in -1.0..1.0f64, y in -1.0..1.0f64,
+        ) {
+            let at = |jet: Jet| jet.at([x, y]);
+            let near = |jet: Jet, value: f64| (at(jet) - value).abs() < 1e-12;
+            prop_assert!(near(a + b, at(a) + at(b)) && near(a - b, at(a) - at(b)));
+            prop_assert!(near(a * b, at(a) * at(b)) && near(a / b, at(a) / at(b)));
+            let three = Jet::constant(3.0);
+            prop_assert!(near(a * three, 3.0 * at(a)) && near(three * a, 3.0 * at(a)));
+            prop_assert!(near(three / a, 3.0 / at(a)));
+        }
+
+        #[test]
+        fn a_part_is_the_same_polynomial(
+            a in jets(), x in -1.0..1.0f64, y in -1.0..1.0f64, m in -0.5..0.5f64,
+        ) {
+            let part = a.part([m, -m], 0.5);
+            let there = a.at([m + 0.5 * x, -m + 0.5 * y]);
+            prop_assert!((part.at([x, y]) - there).abs() < 1e-14);
+            prop_assert!((part.at([x, y]) - part.middle()).abs() <= part.spread() + 1e-15);
+        }
+    }
+
+    #[test]
+    fn what_is_cut_off_is_foreseen() {
+        for half in [0.3, 0.1, 0.03] {
+            let one = Jet::constant(1.0);
+            let jet = one / (one - Jet::coordinate(0, half) - Jet::coordinate(1, half));
+            let error = (jet.at([1.0, 1.0]) - 1.0 / (1.0 - 2.0 * half)).abs();
+            let ratio = jet.tail() / error;
+            assert!(half > 0.25 || (0.9..1.2).contains(&ratio), "{half}: {ratio}");
+            assert_eq!(half > 0.25, jet.tail().is_infinite());
+        }
+    }
+}
