@@ -129,10 +129,10 @@ fn in_units_of<T: Scalar>(state: &State<T>, unit: T) -> State<T> {
     State { angle: state.angle, speed: state.speed.map(|speed| speed * unit) }
 }
 
-/// The power of two below a quarter of the radius of convergence that allows a step: from one
-/// step to the next the radius changes by less than a step.
+/// The power of two below the radius of convergence that allowed a step. From one step to the
+/// next the radius falls by a seventh at most, and by so much coefficients may grow.
 fn unit_for(length_secs: f64) -> f64 {
-    (length_secs / SAFETY / 4.0).log2().floor().exp2()
+    (length_secs / SAFETY).log2().floor().exp2()
 }
 
 /// The unit of a first step, from an expansion in f64.
