@@ -13,7 +13,7 @@ use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome};
 use flipmap::engine::{Method, Precision, Question, Recipe, Trust};
 use flipmap::physics::{Rule, Status};
 use flipmap::scene::Build;
-use flipmap::tiles::lattice::SIDE;
+use flipmap::scene::lattice::SIDE;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// Left to right: a module may use those before it.

@@ -10,7 +10,7 @@ use super::settings::{Layers, Theme};
 use super::state::Dialog;
 use crate::engine::Accuracy;
 use crate::engine::choice::Kind;
-use crate::physics::Dd;
+use crate::physics::Theta;
 use crate::scene::{Build, Document, PictureTable, Question};
 
 /// Moving about. Points are from the canvas' middle, y down.
@@ -85,7 +85,7 @@ pub enum Action {
     /// Copy the location.
     CopyLocation,
     /// Centre the map on a start.
-    Find([Dd; 2]),
+    Find([Theta; 2]),
     /// Hide a notice.
     Dismiss(u64),
     /// Interface larger by a factor.

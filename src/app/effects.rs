@@ -13,7 +13,7 @@ use super::panels::places::PlaceAction;
 use super::seen;
 use super::state::Effect;
 use crate::output::Picture;
-use crate::physics::Dd;
+use crate::physics::Theta;
 use crate::scene::palette::{Tones, equalised};
 use crate::scene::{PictureTable, Scale};
 
@@ -55,7 +55,7 @@ impl Desk {
         self.state.pins.relaunch(&self.state.scene(), move || wake());
     }
 
-    fn pin(&mut self, starts: [[Dd; 2]; 2]) {
+    fn pin(&mut self, starts: [[Theta; 2]; 2]) {
         let level = self.state.screen().level();
         let budget_secs = self.state.question.budget;
         let told = hover::outcome_at(&mut self.room.explorer, starts[0], level, budget_secs);

@@ -58,11 +58,11 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Dd;
+    use crate::physics::Theta;
     use proptest::prelude::*;
 
     fn view(width_rad: f64) -> Camera {
-        Camera { center: [Dd::new(0.0); 2], width_rad, rotate_deg: 0.0, stretch: 1.0 }
+        Camera { center: [Theta::ZERO; 2], width_rad, rotate_deg: 0.0, stretch: 1.0 }
     }
 
     proptest! {

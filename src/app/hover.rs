@@ -1,19 +1,19 @@
 //! What is under the pointer.
 
 use crate::engine::Trust;
-use crate::physics::{Dd, Outcome, Status};
+use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::tiles::explorer::Explorer;
-use crate::tiles::lattice::{Cell, SIDE, side_rad};
+use crate::scene::lattice::{Cell, SIDE, side, theta_of};
 
 /// The start of the sample of a level that is drawn at an angle, and of the next one to the right.
-pub fn sample_at(angle: [Dd; 2], level: u32) -> [[Dd; 2]; 2] {
+pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
     let cell = Cell::around(angle, level);
     let [column, row] = cell.sample_at(angle);
-    let pixel = side_rad(level) / Dd::new(f64::from(SIDE));
+    let pixel = theta_of(side(level + SIDE.ilog2())) + Theta::pi();
     let half = f64::from(SIDE) / 2.0;
     let [theta1, theta2] = cell.center();
-    let along = |column: f64| theta1 + Dd::new(column + 0.5 - half) * pixel;
-    let up = theta2 + Dd::new(half - f64::from(row) - 0.5) * pixel;
+    let along = |column: f64| theta1 + pixel * Theta::from_f64(column + 0.5 - half);
+    let up = theta2 + pixel * Theta::from_f64(half - f64::from(row) - 0.5);
     let column = f64::from(column);
     [column, column + 1.0].map(|column| [along(column).wrapped(), up])
 }
@@ -22,7 +22,7 @@ pub fn sample_at(angle: [Dd; 2], level: u32) -> [[Dd; 2]; 2] {
 /// are there.
 pub fn outcome_at(
     explorer: &mut Explorer,
-    angle: [Dd; 2],
+    angle: [Theta; 2],
     level: u32,
     budget_secs: f64,
 ) -> Option<(Outcome, Trust)> {
@@ -33,7 +33,7 @@ pub fn outcome_at(
 }
 
 /// What is known of the sample at an angle inside a cell.
-pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Dd; 2]) -> Option<(Outcome, Trust)> {
+pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<(Outcome, Trust)> {
     let [column, row] = cell.sample_at(angle);
     let (known, mirrored) = explorer.known(cell)?;
     let place = (row * SIDE + column) as usize;
@@ -45,17 +45,18 @@ pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Dd; 2]) -> Option<(
 mod tests {
     use super::*;
     use crate::scene::Scene;
+    use crate::scene::lattice::pitch_rad;
 
     #[test]
     fn a_sample_starts_where_its_tile_says() {
-        let angle = [Dd::new(-1.66), Dd::new(0.1)];
-        for level in [0, 3, 20, 60] {
+        let angle = [-1.66, 0.1].map(Theta::from_f64);
+        for level in [0, 3, 20, 60, 300] {
             let [start, next] = sample_at(angle, level);
             let cell = Cell::around(angle, level);
             let [column, row] = cell.sample_at(angle);
             let grid = cell.grid(&Scene::default());
-            assert_eq!(start, grid.angle_from_pixel(column, row));
-            let apart = (next[0] - start[0]).hi / (side_rad(level).hi / f64::from(SIDE));
+            assert_eq!(start.map(Theta::to_dd), grid.angle_from_pixel(column, row));
+            let apart = (next[0] - start[0]).to_f64() / pitch_rad(level);
             assert!((apart - 1.0).abs() < 1e-9 && next[1] == start[1]);
         }
     }

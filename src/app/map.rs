@@ -9,14 +9,14 @@ use super::gesture::Gesture;
 use super::overlay::{self, position};
 use super::state::State;
 use crate::engine::Trust;
-use crate::physics::{Dd, Outcome, Status};
-use crate::tiles::lattice::pitch_rad;
+use crate::physics::{Outcome, Scalar, Status, Theta};
+use crate::scene::lattice::pitch_rad;
 
 /// What the map under the pointer is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hovered {
     /// The start of the sample.
-    pub start: [Dd; 2],
+    pub start: [Theta; 2],
     /// What is known of it; nothing while only coarser samples are there.
     pub outcome: Option<(Outcome, Trust)>,
 }
@@ -190,14 +190,14 @@ pub fn words_of(hovered: &Hovered, level: u32) -> String {
 }
 
 /// A number in as many digits; f64 is quicker where it has them.
-fn plain(theta: Dd, digits: usize) -> String {
-    if digits < 15 { format!("{:.digits$}", theta.hi) } else { theta.decimal(digits) }
+fn plain(theta: Theta, digits: usize) -> String {
+    if digits < 15 { format!("{:.digits$}", theta.to_f64()) } else { theta.decimal(digits) }
 }
 
 /// What a screen reader says of the map.
 fn spoken(state: &State, hovered: Option<Hovered>) -> String {
     let width = state.camera.width_rad;
-    let [theta1, theta2] = state.camera.center.map(|theta| theta.hi);
+    let [theta1, theta2] = state.camera.center.map(Theta::to_f64);
     let here = hovered.map(|hovered| words_of(&hovered, state.screen().level()));
     let here = here.unwrap_or_default();
     format!("Map around θ1 {theta1:.4}, θ2 {theta2:.4} rad, {width:.3e} rad wide. {here}")
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn words_tell_the_fate_and_enough_digits() {
-        let start = [Dd::new(-1.66), Dd::new(0.1)];
+        let start = [-1.66, 0.1].map(Theta::from_f64);
         let words = |outcome, level| words_of(&Hovered { start, outcome }, level);
         let flipped = Some((Outcome::flipped(3.21), Trust::Uncertain));
         assert_eq!(

@@ -4,10 +4,10 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
 
 use super::camera::Screen;
-use crate::physics::{Angle, Dd, Rule, Scalar};
+use crate::physics::{Angle, Rule, Scalar, Theta};
 use crate::scene::Build;
 use crate::tiles::explorer::MOST_CELLS;
-use crate::tiles::lattice::side_rad;
+use crate::scene::lattice::side_rad;
 
 /// Points between the nodes at which the energy is looked at.
 const CURVE_NODE: f64 = 8.0;
@@ -29,8 +29,8 @@ struct Depth {
 }
 
 impl Depth {
-    fn new(build: &Build, rule: Rule, center: [Dd; 2]) -> Self {
-        let pendulum = build.pendulum().convert::<Dd>();
+    fn new(build: &Build, rule: Rule, center: [Theta; 2]) -> Self {
+        let pendulum = build.pendulum().convert::<Theta>();
         let (p, q) = (pendulum.p, pendulum.q);
         let bound = match rule {
             Rule::Second => p - q,
@@ -39,8 +39,8 @@ impl Depth {
         };
         let sines = center.map(|theta| theta.sin_cos());
         let depth = p * sines[0].1 + q * sines[1].1 - bound;
-        let sines = sines.map(|(sin, cos)| [sin.hi, cos.hi]);
-        Depth { center: depth.hi, weights: [p.hi, q.hi], sines }
+        let sines = sines.map(|(sin, cos)| [sin.to_f64(), cos.to_f64()]);
+        Depth { center: depth.to_f64(), weights: [p.to_f64(), q.to_f64()], sines }
     }
 
     /// At an offset from the centre, J.
@@ -146,25 +146,32 @@ impl Spacing {
         times.map_or(Spacing::Decimal(1, digits), |times| Spacing::Decimal(times, digits + 1))
     }
 
-    fn step(self) -> Dd {
+    /// The distance of lines, in π.
+    fn step(self) -> Theta {
         match self {
-            Spacing::Binary(power) => Dd::PI * Dd::new(0.5f64.powi(power)),
+            Spacing::Binary(power) => Theta::from_f64(0.5f64.powi(power)),
             Spacing::Decimal(times, digits) => {
-                // Powers of ten up to 22 are exact.
-                let tens = (0..digits).fold(Dd::new(1.0), |tens, _| tens * Dd::new(10.0));
-                Dd::PI * Dd::new(f64::from(times)) / tens
+                Theta::parse(&format!("{times}e-{digits}")).unwrap_or_default()
             }
         }
     }
 
-    /// The name of the line at so many steps from 0.
-    fn name(self, index: Dd) -> String {
+    /// A line near a place, in π: 0, or a round number with fewer digits than the lines have.
+    fn base(self, near: Theta) -> Theta {
         match self {
-            _ if index.hi == 0.0 => "0".to_string(),
-            Spacing::Binary(power) => binary_part_of_pi(index.hi as i64, power),
-            Spacing::Decimal(times, digits) => {
-                let tens = (0..digits).fold(Dd::new(1.0), |tens, _| tens * Dd::new(10.0));
-                let share = index * Dd::new(f64::from(times)) / tens;
+            Spacing::Binary(_) => Theta::ZERO,
+            Spacing::Decimal(_, digits) => {
+                Theta::parse(&near.decimal(digits.max(1) as usize - 1)).unwrap_or_default()
+            }
+        }
+    }
+
+    /// The name of the line so many steps from the base, which is at `share` of π.
+    fn name(self, steps: i64, share: Theta) -> String {
+        match self {
+            _ if share == Theta::ZERO => "0".to_string(),
+            Spacing::Binary(power) => binary_part_of_pi(steps, power),
+            Spacing::Decimal(_, digits) => {
                 format!("{}π", share.decimal(digits as usize).replace('-', "−"))
             }
         }
@@ -176,18 +183,18 @@ pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     let region = screen.region();
     let spacing = Spacing::at_least(2.0 * region.half_rad[0] / (screen.size.x / 130.0));
     let step = spacing.step();
+    let step_rad = step.to_f64() * std::f64::consts::PI;
     let mut lines = Vec::new();
     for axis in 0..2 {
-        let half = region.half_rad[axis];
-        let center = region.center[axis];
-        // Deep down, counts of lines from 0 have more digits than an f64.
-        let mut index = ((center - Dd::new(half)) / step).round();
-        while (step * index - center).hi <= half {
-            let offset_rad = (step * index - center).hi;
-            if offset_rad >= -half {
-                lines.push(GridLine { axis, name: spacing.name(index), offset_rad });
-            }
-            index = index + Dd::new(1.0);
+        let (center, half) = (region.center[axis], region.half_rad[axis]);
+        let base = spacing.base(center / Theta::pi());
+        let from_center = (base * Theta::pi() - center).to_f64();
+        let mut steps = ((-half - from_center) / step_rad).ceil();
+        while from_center + steps * step_rad <= half {
+            let share = base + step * Theta::from_f64(steps);
+            let offset_rad = from_center + steps * step_rad;
+            lines.push(GridLine { axis, name: spacing.name(steps as i64, share), offset_rad });
+            steps += 1.0;
         }
     }
     lines
@@ -251,7 +258,7 @@ pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
 /// Draws the borders of the tiles in view.
 pub fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
     let level = screen.level();
-    let half = side_rad(level).hi / 2.0;
+    let half = side_rad(level) / 2.0;
     for placed in screen.region().cells(level, MOST_CELLS) {
         let middle = DVec2::from_array(placed.offset);
         let corner =
@@ -267,7 +274,7 @@ mod tests {
     use crate::app::camera::Camera;
 
     fn screen(center: [&str; 2], width_rad: f64) -> Screen {
-        let center = center.map(|text| Dd::parse(text).unwrap());
+        let center = center.map(|text| Theta::parse(text).unwrap());
         let camera = Camera { center, width_rad, rotate_deg: 0.0, stretch: 1.0 };
         Screen { camera, size: DVec2::new(640.0, 480.0), pixels_per_point: 1.0 }
     }
@@ -278,7 +285,7 @@ mod tests {
         let lines = energy_curve(&screen, &Build::default(), Rule::Second);
         assert!(lines.len() > 50);
         for point in lines.iter().flatten() {
-            let [theta1, theta2] = screen.angle_at(*point).map(|theta| theta.hi);
+            let [theta1, theta2] = screen.angle_at(*point).map(Theta::to_f64);
             let depth = 2.0 * theta1.cos() + theta2.cos() - 1.0;
             assert!(depth.abs() < 2e-3, "{depth} at {theta1}, {theta2}");
         }
@@ -287,14 +294,15 @@ mod tests {
     #[test]
     fn the_curve_stays_a_line_at_any_depth() {
         // cos θ2 = 1 − 2 cos θ1 at θ1 = 1.3.
-        let theta2 =
-            (Dd::new(1.0) - Dd::new(2.0) * Dd::parse("1.3").unwrap().sin_cos().1).hi.acos();
-        // Newton's step in double-double from the f64 arc cosine.
-        let (sin, cos) = Dd::new(theta2).sin_cos();
-        let wanted = Dd::new(1.0) - Dd::new(2.0) * Dd::parse("1.3").unwrap().sin_cos().1;
-        let exact = Dd::new(theta2) + (cos - wanted) / sin;
+        let lit = Theta::from_f64;
+        let wanted = lit(1.0) - lit(2.0) * Theta::parse("1.3").unwrap().sin_cos().1;
+        // Newton's steps from the f64 arc cosine.
+        let exact = (0..4).fold(lit(wanted.to_f64().acos()), |theta, _| {
+            let (sin, cos) = theta.sin_cos();
+            theta + (cos - wanted) / sin
+        });
         let center = ["1.3".to_string(), exact.to_string()];
-        let screen = screen([&center[0], &center[1]], 1e-20);
+        let screen = screen([&center[0], &center[1]], 1e-90);
         let lines = energy_curve(&screen, &Build::default(), Rule::Second);
         let nearest = lines.iter().flatten().map(|p| p.length()).fold(f64::MAX, f64::min);
         assert!(lines.len() > 30 && nearest < 8.0, "{} lines, {nearest}", lines.len());
@@ -321,17 +329,17 @@ mod tests {
     #[test]
     fn grid_lines_are_neither_rare_nor_crowded_and_lie_where_they_say() {
         let mut width_rad = 12.0;
-        while width_rad > 1e-24 {
+        while width_rad > 1e-98 {
             let screen = screen(["-1.66", "0.1"], width_rad);
             let lines = grid_lines(&screen);
             assert!((2..=20).contains(&lines.len()), "{} at {width_rad:e}", lines.len());
             for line in lines {
-                let Some(share) = line.name.replace('−', "-").strip_suffix('π').and_then(Dd::parse)
+                let Some(share) = line.name.replace('−', "-").strip_suffix('π').and_then(Theta::parse)
                 else {
                     continue;
                 };
-                let at = share * Dd::PI - screen.camera.center[line.axis];
-                assert!((at.hi - line.offset_rad).abs() < 1e-6 * width_rad, "{line:?}");
+                let at = share * Theta::pi() - screen.camera.center[line.axis];
+                assert!((at.to_f64() - line.offset_rad).abs() < 1e-6 * width_rad, "{line:?}");
             }
             width_rad *= 0.37;
         }

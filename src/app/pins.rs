@@ -4,7 +4,7 @@ use egui::Color32;
 
 use super::flight::{Flight, Playback};
 use crate::engine::{Question, Trust};
-use crate::physics::{Dd, Outcome};
+use crate::physics::{Outcome, Theta};
 use crate::scene::{Build, Scene};
 
 /// How many pins there can be at once.
@@ -48,9 +48,9 @@ pub struct Pin {
     /// Its name.
     pub id: PinId,
     /// θ1 and θ2 of the pixel, rad.
-    pub start: [Dd; 2],
+    pub start: [Theta; 2],
     /// θ1 and θ2 of the pixel beside it, rad.
-    pub neighbour: [Dd; 2],
+    pub neighbour: [Theta; 2],
     /// Its mark.
     pub badge: Badge,
     /// What the map said, once it has.
@@ -154,7 +154,7 @@ impl Pins {
     /// thread whenever there is more to show.
     pub fn add(
         &mut self,
-        [start, neighbour]: [[Dd; 2]; 2],
+        [start, neighbour]: [[Theta; 2]; 2],
         told: Option<(Outcome, Trust)>,
         wake: impl Fn() + Send + 'static,
     ) -> Result<PinId, NoPinLeft> {
@@ -247,10 +247,11 @@ impl Pins {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::Scalar;
     use crate::scene;
 
-    fn place(theta1: f64) -> [[Dd; 2]; 2] {
-        [[Dd::new(theta1), Dd::new(1.4)], [Dd::new(theta1 + 0.01), Dd::new(1.4)]]
+    fn place(theta1: f64) -> [[Theta; 2]; 2] {
+        [theta1, theta1 + 0.01].map(|theta1| [theta1, 1.4].map(Scalar::from_f64))
     }
 
     fn with_pins(count: usize) -> (Pins, Vec<PinId>) {

@@ -12,7 +12,7 @@ use super::pins::{PinAction, PinId, Pins};
 use super::settings::{Layers, Settings, Theme};
 use crate::engine::choice::{Demand, Kind};
 use crate::engine::{Accuracy, Recipe};
-use crate::physics::Dd;
+use crate::physics::Theta;
 use crate::scene::{Build, Document, PictureTable, Question, RunTable, Scene, View};
 use crate::tiles::explorer::{Aim, Physics};
 
@@ -58,7 +58,7 @@ pub enum Effect {
     /// Open an engine for the demand.
     Reopen,
     /// Launch a flight for the pixel of these starts: itself and its neighbour.
-    Pin([[Dd; 2]; 2]),
+    Pin([[Theta; 2]; 2]),
     /// The pendulums fly by other physics now.
     Relaunch,
     /// Lose the graphics device.
@@ -319,7 +319,7 @@ impl State {
     }
 
     /// The starts of the sample drawn at a point, and of its neighbour to the right.
-    fn pixel_at(&self, point: DVec2) -> [[Dd; 2]; 2] {
+    fn pixel_at(&self, point: DVec2) -> [[Theta; 2]; 2] {
         let screen = self.screen();
         super::hover::sample_at(screen.angle_at(point), screen.level())
     }
@@ -404,7 +404,7 @@ pub(super) mod tests {
         state.apply(Action::Animate(false));
         look(&mut state, Look::Step(DVec2::new(0.5, 0.0)));
         assert!(!state.tick(0.0));
-        assert!((state.camera.center[0].hi - std::f64::consts::PI).abs() < 1e-12);
+        assert!((state.camera.center[0].to_f64() - std::f64::consts::PI).abs() < 1e-12);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::desk::Desk;
+use crate::physics::Scalar;
 use crate::output::{Destination, SafeFile};
 use crate::scene::location;
 use crate::tiles::explorer::Progress;
@@ -128,7 +129,7 @@ impl Holdings {
             tiles: progress.wanted,
             tiles_done: progress.done,
             idle: progress.idle,
-            pins: state.pins.iter().map(|pin| pin.start.map(|theta| theta.hi)).collect(),
+            pins: state.pins.iter().map(|pin| pin.start.map(Scalar::to_f64)).collect(),
             flown: state.pins.iter().filter(|p| p.flight.record().ending.is_some()).count(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
             simulated: counts.simulated,

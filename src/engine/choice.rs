@@ -4,6 +4,7 @@
 use std::time::Duration;
 
 use super::cpu::CpuEngine;
+use super::depth::DepthEngine;
 use super::gpu::device::{Gpu, adapters, describe};
 use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::profile::{Profile, Row};
@@ -103,14 +104,14 @@ pub const INSTALL_HINT: &str = "no Vulkan adapter was found; on Debian or Ubuntu
 
 /// Chooses and starts an engine; `tell` hears of anything that takes long.
 pub fn choose(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
-    match (wish.kind, &wish.adapter) {
-        (Kind::Cpu, _) => cpu(wish, "asked for".to_string()),
-        (Kind::Gpu, _) | (Kind::Auto, Some(_)) => match first_sound(wish)? {
-            Ok(chosen) => Ok(chosen),
-            Err(why) => Err(ChoiceError::NoAdapter(format!("{why}; or use --engine cpu"))),
-        },
-        (Kind::Auto, None) => automatic(wish, tell),
-    }
+    let chosen = match (wish.kind, &wish.adapter) {
+        (Kind::Cpu, _) => cpu(wish, "asked for".to_string())?,
+        (Kind::Gpu, _) | (Kind::Auto, Some(_)) => first_sound(wish)?
+            .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use --engine cpu")))?,
+        (Kind::Auto, None) => automatic(wish, tell)?,
+    };
+    let engine = Box::new(DepthEngine::new(chosen.engine, wish.threads)?);
+    Ok(Chosen { engine, ..chosen })
 }
 
 /// The fastest engine of the profile. Adapters are not even opened where only the processor has

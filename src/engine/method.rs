@@ -92,6 +92,23 @@ impl Method {
     }
 }
 
+impl Recipe {
+    /// Starts this close to each other (rad) are followed as cells, and integrated from where the
+    /// cells end. Adaptive methods gain by it early; explicit ones stay what they are as long as
+    /// their number type can tell the starts apart.
+    pub fn deep_below(&self) -> f64 {
+        match (self.method, self.precision) {
+            (_, Precision::Dd) => 1e-22,
+            (Method::Rk4 { .. }, Precision::F32) => 1e-6,
+            (Method::Rk4 { .. }, _) => 1e-13,
+            _ => DEEP_BELOW,
+        }
+    }
+}
+
+/// The distance of starts from which on polynomials save more than they cost, rad (measured).
+const DEEP_BELOW: f64 = 1e-5;
+
 /// The number type a pixel is integrated in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Precision {

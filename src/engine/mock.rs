@@ -3,9 +3,10 @@
 
 use std::collections::VecDeque;
 
-use super::{Effort, Engine, EngineError, Finished, Job, NUMBERS, Paused, Question, Recipe};
-use super::{Starts, Wait};
+use super::{Effort, Engine, EngineError, Finished, Job, Leaf, Moving, NUMBERS, Paused};
+use super::{Question, Recipe, Starts, Wait};
 use crate::physics::{Dd, Outcome, Status};
+use crate::scene::lattice::side_rad;
 
 /// Answers jobs in the order of submission, or backwards, one a poll.
 pub struct MockEngine {
@@ -72,6 +73,19 @@ impl MockEngine {
         Paused { steps: 1, numbers }
     }
 
+    /// The angles that a pendulum on its way is at.
+    fn under_way(state: &Moving) -> [Dd; 2] {
+        let [x1, y1, x2, y2, ..] = state.phase;
+        [y1.atan2(x1), y2.atan2(x2)].map(Dd::new)
+    }
+
+    /// Deep starts as far as double-double tells them apart.
+    fn angles_in(leaf: &Leaf) -> Vec<[Dd; 2]> {
+        let (center, half) = (leaf.cell.center(), side_rad(leaf.cell.level + 1));
+        let angle = |at: &[f64; 2]| [0, 1].map(|i| center[i].to_dd() + Dd::new(half * at[i]));
+        leaf.points.iter().map(angle).collect()
+    }
+
     /// The start of a paused pendulum; refused where an engine could not go on.
     fn resumed(question: &Question, state: &Paused) -> Result<[Dd; 2], EngineError> {
         let [budget_secs, q, hi1, lo1, hi2, lo2, ..] = state.numbers;
@@ -105,6 +119,8 @@ impl Engine for MockEngine {
                 .iter()
                 .map(|state| Self::resumed(&question, state))
                 .collect::<Result<_, _>>()?,
+            Starts::Moving(states) => states.iter().map(Self::under_way).collect(),
+            Starts::Deep(deep) => deep.leaves.iter().flat_map(Self::angles_in).collect(),
         };
         self.answered += angles.len();
         let outcomes: Vec<_> = angles.iter().map(|a| Self::answer(&question, *a)).collect();

@@ -7,6 +7,7 @@
 //!
 //! * [`gpu`] runs kernels on any adapter that wgpu finds;
 //! * [`cpu`] runs the same physics over threads and SIMD lanes;
+//! * [`depth`] follows the starts of a deep zoom to where another engine can take over;
 //! * [`background`] is any of them on a thread of its own;
 //! * [`mock`] answers at once, for tests of everything above;
 //! * [`trust`] checks the answers of another engine until two methods agree;
@@ -16,6 +17,7 @@
 pub mod background;
 pub mod choice;
 pub mod cpu;
+pub mod depth;
 pub mod gpu;
 pub mod level;
 pub mod method;
@@ -32,8 +34,10 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::physics::{Dd, Outcome, Pendulum, Rule};
+use crate::physics::phase::Phase;
+use crate::physics::{Dd, Outcome, Pendulum, Rule, Status};
 use crate::scene::Scene;
+use crate::scene::lattice::Cell;
 pub use level::Accuracy;
 pub use method::{Method, Precision};
 pub use trust::Trust;
@@ -60,6 +64,19 @@ impl From<&Scene> for Question {
     }
 }
 
+impl Question {
+    /// The outcome of a pendulum that flips at a reduced `time`: unflipped if that is too late.
+    pub fn flipped_at(&self, time: f64) -> Outcome {
+        let (_, unit_secs) = self.pendulum.reduced();
+        let secs = time * unit_secs;
+        if secs <= self.budget_secs {
+            Outcome::flipped(secs)
+        } else {
+            Outcome::without_time(Status::Unflipped)
+        }
+    }
+}
+
 /// How it is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
@@ -76,6 +93,40 @@ pub enum Starts {
     Rest(Vec<[Dd; 2]>),
     /// Continued from where an earlier job of the same question and recipe paused them.
     Paused(Vec<Paused>),
+    /// On their way already: what became of those of [`Starts::Deep`] in the meantime.
+    Moving(Vec<Moving>),
+    /// Let go at rest at places too close together for any number type of an engine's; only
+    /// [`depth::DepthEngine`] takes them.
+    Deep(Deep),
+}
+
+/// Starts by the leaves of the lattice in which they lie.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deep {
+    /// All of one level.
+    pub leaves: Vec<Leaf>,
+    /// Whether they are followed with other cuts than usual and far smaller errors, to check.
+    pub strict: bool,
+}
+
+/// Starts in one cell of the lattice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leaf {
+    /// Which.
+    pub cell: Cell,
+    /// Where in it, in [−1, 1]²: θ1 to the right, θ2 up.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A pendulum on its way, in reduced units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moving {
+    /// Since the release, and what rounding took from it.
+    pub time: [f64; 2],
+    /// Unit vectors and momenta.
+    pub phase: Phase<f64>,
+    /// A step that is not too long.
+    pub step: f64,
 }
 
 impl Starts {
@@ -84,6 +135,8 @@ impl Starts {
         match self {
             Starts::Rest(angles) => angles.len(),
             Starts::Paused(states) => states.len(),
+            Starts::Moving(states) => states.len(),
+            Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
         }
     }
 
@@ -122,7 +175,7 @@ pub struct Job {
 }
 
 /// The answer to a job.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finished {
     /// The job's name.
     pub id: u64,

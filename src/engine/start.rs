@@ -4,7 +4,8 @@
 //! Every name has a place, whatever the precision; a precision without rests leaves theirs at 0.
 
 use super::method::Pace;
-use super::{Method, NUMBERS, Paused, Precision, Question, Recipe};
+use super::{EngineError, Job, Method, Moving, NUMBERS, Paused, Precision, Question, Recipe, Starts};
+use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
 use crate::physics::{Dd, Pendulum, Scalar, State, control};
 
@@ -37,7 +38,7 @@ pub fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
 }
 
 /// The state of a pendulum let go at rest at `angle` (rad, within (−π, π]).
-pub fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
+fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
     let mut numbers = [0.0; NUMBERS];
     if let Method::Rk4 { .. } = recipe.method {
         for i in 0..2 {
@@ -54,6 +55,59 @@ pub fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
         numbers[STEP] = control::FIRST;
     }
     Paused { steps: 0, numbers }
+}
+
+/// The states in which a job's pendulums begin.
+pub fn states(job: &Job) -> Result<Vec<Paused>, EngineError> {
+    let Job { question, recipe, .. } = job;
+    match &job.starts {
+        Starts::Paused(paused) => Ok(paused.clone()),
+        Starts::Rest(angles) => {
+            Ok(angles.iter().map(|angle| at_rest(question, recipe, *angle)).collect())
+        }
+        Starts::Moving(moving) => {
+            let pace = Pace::new(question, recipe)?;
+            Ok(moving.iter().map(|moving| on_its_way(question, recipe, &pace, moving)).collect())
+        }
+        Starts::Deep(_) => {
+            let why = "starts of a deep zoom have to be followed before they are integrated";
+            Err(EngineError::Unsupported(why.to_string()))
+        }
+    }
+}
+
+/// The state of a pendulum that has come some way.
+fn on_its_way(question: &Question, recipe: &Recipe, pace: &Pace, moving: &Moving) -> Paused {
+    let mut numbers = [0.0; NUMBERS];
+    match pace {
+        Pace::Adaptive(_) => {
+            for (i, value) in moving.phase.into_iter().enumerate() {
+                [numbers[i], numbers[6 + i]] = parts(Dd::new(value), recipe.precision);
+            }
+            let [high, low] = moving.time;
+            [numbers[TIME], numbers[TIME_LOW]] = match recipe.precision {
+                Precision::F64 | Precision::Dd => [high, low],
+                _ => parts(Dd { hi: high, lo: low }, recipe.precision),
+            };
+            numbers[STEP] = moving.step;
+            Paused { steps: 0, numbers }
+        }
+        Pace::Fixed(steps) => {
+            let (reduced, _) = question.pendulum.reduced();
+            // Back to the end of the last whole step.
+            let count = (moving.time[0] / steps.length).floor();
+            let back = count * steps.length - moving.time[0] - moving.time[1];
+            let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
+            let trial = dop853(&reduced, scale, &moving.phase, back);
+            let phase = plus(&moving.phase, &trial.change);
+            for i in 0..2 {
+                let angle = phase[2 * i + 1].atan2(phase[2 * i]);
+                [numbers[i], numbers[4 + i]] = parts(Dd::new(angle), recipe.precision);
+                numbers[2 + i] = reduced.speeds(&phase)[i];
+            }
+            Paused { steps: count as u32, numbers }
+        }
+    }
 }
 
 /// The unit vectors and momenta of an adaptive state, as the nearest f64.

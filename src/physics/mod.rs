@@ -25,12 +25,14 @@ pub mod pendulum;
 pub mod phase;
 pub mod polynomial;
 pub mod real;
+pub mod reference;
 pub mod series;
+pub mod sheet;
 pub mod taylor;
 pub mod trig;
 
 pub use dd::Dd;
-pub use fixed::Fixed;
+pub use fixed::{Fixed, Theta};
 pub use flip::{Outcome, Rule, Status};
 pub use pendulum::{Pendulum, State};
 pub use real::{Angle, Real, Scalar};

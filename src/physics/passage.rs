@@ -41,7 +41,7 @@ pub fn may_pass<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usize, st
     crosses(before, after, bob) || may_graze(before, after, bob, step)
 }
 
-fn crosses<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usize) -> bool {
+pub(super) fn crosses<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usize) -> bool {
     let (y0, y1, zero) = (before.y(bob), after.y(bob), T::zero());
     (y0 > zero && y1 <= zero) || (y0 < zero && y1 >= zero)
 }
@@ -82,7 +82,7 @@ pub fn within<T: Scalar>(
 
 /// Where `y` is zero between the beginning of the step and `end`: Newton's steps from the cubic
 /// through both ends, kept inside a shrinking bracket.
-fn crossing<T: Scalar>(
+pub(super) fn crossing<T: Scalar>(
     at: &impl Fn(T) -> Moment<T>,
     bob: usize,
     before: &Moment<T>,
@@ -131,7 +131,7 @@ fn inverse_cubic<T: Scalar>(bob: usize, low: &(T, Moment<T>), high: &(T, Moment<
 }
 
 /// Where the bob turns round: ω = 0 by the Illinois variant of the false position.
-fn turning_point<T: Scalar>(
+pub(super) fn turning_point<T: Scalar>(
     at: &impl Fn(T) -> Moment<T>,
     bob: usize,
     before: &Moment<T>,

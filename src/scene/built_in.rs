@@ -51,7 +51,7 @@ impl BuiltIn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Dd;
+    use crate::physics::{Scalar, Theta};
     use crate::scene::{Fate, Grid};
 
     #[test]
@@ -80,6 +80,6 @@ mod tests {
         assert!(forbidden("heavy") < forbidden("home") && forbidden("home") < forbidden("first"));
         assert_eq!(forbidden("island"), 0, "all have the energy");
         let tip = BuiltIn::named("tip").unwrap().document().view.center_rad();
-        assert!(tip[0] == Dd::new(0.0) && (tip[1] - Dd::PI).hi.abs() < 1e-15);
+        assert!(tip[0] == Theta::ZERO && (tip[1] - Theta::pi()).to_f64().abs() < 1e-15);
     }
 }

@@ -1,14 +1,16 @@
 //! From pixels to starts: where each pixel's pendulum is let go, and what is known before it is.
 
 use super::Scene;
+use super::spots::{Grouped, Spots};
 use crate::physics::flip::settle_at_top;
-use crate::physics::{Angle, Dd, Pendulum, Rule, Scalar, State, gold};
+use crate::physics::{Angle, Dd, Pendulum, Rule, Scalar, State, Theta, gold};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]
 pub struct Grid {
     size: [u32; 2],
     center: [Dd; 2],
+    spots: Spots,
     /// What one pixel to the right, and one up, adds to θ1 and θ2.
     right: [Dd; 2],
     up: [Dd; 2],
@@ -37,7 +39,7 @@ impl Grid {
     }
 
     /// `size` square pixels of `pixel` rad around a centre, upright whatever the scene's view.
-    pub fn square(scene: &Scene, center: [Dd; 2], pixel: Dd, size: [u32; 2]) -> Self {
+    pub fn square(scene: &Scene, center: [Theta; 2], pixel: Dd, size: [u32; 2]) -> Self {
         let zero = Dd::new(0.0);
         Grid::spanned(scene, center, [pixel, zero], [zero, pixel], size)
     }
@@ -56,7 +58,7 @@ impl Grid {
 
     fn spanned(
         scene: &Scene,
-        center: [Dd; 2],
+        center: [Theta; 2],
         right: [Dd; 2],
         up: [Dd; 2],
         size: [u32; 2],
@@ -64,7 +66,8 @@ impl Grid {
         let pendulum = scene.build.pendulum();
         Grid {
             size,
-            center,
+            center: center.map(Theta::to_dd),
+            spots: Spots::new(center, right, up),
             right,
             up,
             pendulum,
@@ -76,6 +79,11 @@ impl Grid {
     /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// Pixels by the leaves of the lattice that they lie in, with their places among `pixels`.
+    pub fn grouped(&self, pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
+        self.spots.grouped(self.size, pixels)
     }
 
     /// A bound on how far one pixel to the right and one up moves each angle, rad.

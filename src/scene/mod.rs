@@ -8,17 +8,20 @@ mod built_in;
 mod document;
 mod grid;
 pub mod keys;
+pub mod lattice;
 pub mod location;
 pub mod palette;
 mod picture;
+mod spots;
 mod view;
 mod words;
 
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
+pub use spots::Grouped;
 pub use picture::{PictureTable, Scale};
-pub use view::View;
+pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
 
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::SceneError;
-use crate::physics::{Dd, Scalar};
+use crate::physics::{Dd, Scalar, Theta};
+
+/// Views are at least this wide, rad.
+pub const LEAST_WIDTH: f64 = 1e-100;
 
 /// A centre, a width and how the picture lies on the plane. Coordinates are decimal strings,
 /// so that no digit is lost between a file and the arithmetic.
@@ -35,12 +38,12 @@ impl View {
     /// Checks that every number can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         for coordinate in &self.center {
-            let fine = Dd::parse(coordinate).is_some_and(|x| x.hi.abs() <= 1e6);
+            let fine = Theta::parse(coordinate).is_some_and(|x| x.to_f64().abs() <= 1e6);
             let range = "each angle must be a decimal number between -1e6 and 1e6 rad";
             refuse_unless(fine, "--center", coordinate, range)?;
         }
-        let width = Dd::parse(&self.width).is_some_and(|w| (1e-28..=1e3).contains(&w.hi));
-        let range = "it must be a decimal number between 1e-28 and 1e3 rad";
+        let width = Dd::parse(&self.width).is_some_and(|w| (LEAST_WIDTH..=1e3).contains(&w.hi));
+        let range = "it must be a decimal number between 1e-100 and 1e3 rad";
         refuse_unless(width, "--width", &self.width, range)?;
         let rotate = (-360.0..=360.0).contains(&self.rotate);
         let range = "it must lie between -360 and 360 degrees";
@@ -51,8 +54,8 @@ impl View {
     }
 
     /// The centre in rad; call [`View::check`] first.
-    pub fn center_rad(&self) -> [Dd; 2] {
-        [0, 1].map(|i| Dd::parse(&self.center[i]).unwrap_or_default())
+    pub fn center_rad(&self) -> [Theta; 2] {
+        [0, 1].map(|i| Theta::parse(&self.center[i]).unwrap_or_default())
     }
 
     /// The width in rad; call [`View::check`] first.
@@ -62,7 +65,7 @@ impl View {
 
     /// Whether the picture maps onto itself under (θ1, θ2) → (−θ1, −θ2), pixel by pixel.
     pub fn is_symmetric(&self) -> bool {
-        self.center_rad().iter().all(|theta| theta.hi == 0.0)
+        self.center_rad().iter().all(|theta| *theta == Theta::ZERO)
     }
 }
 

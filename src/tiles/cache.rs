@@ -3,9 +3,10 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use super::lattice::{Cell, SAMPLES};
+use crate::scene::lattice::{Cell, SAMPLES};
 use super::samples::Samples;
-use crate::engine::Paused;
+use crate::engine::{Paused, Trust};
+use crate::physics::Outcome;
 
 /// What is known of a cell.
 #[derive(Clone, Debug)]
@@ -41,6 +42,11 @@ pub struct Cache {
 pub const TILE_BYTES: usize = SAMPLES * Samples::BYTES;
 
 impl Known {
+    /// One sample, and how sure it is.
+    pub fn at(&self, place: usize) -> (Outcome, Trust) {
+        (self.samples.get(place), self.samples.trust(place))
+    }
+
     fn bytes(&self) -> usize {
         TILE_BYTES + self.paused.capacity() * size_of::<(u32, Paused)>()
     }

@@ -11,12 +11,12 @@ use std::time::Instant;
 use super::cache::{Cache, Known};
 use super::flights::{Flights, Landed, Open};
 use super::kept;
-use super::lattice::{Cell, Region, SAMPLES, SIDE};
+use crate::scene::lattice::{Cell, Region, SAMPLES, SIDE, pitch_rad};
 use super::order;
 use super::samples::{Counts, Samples};
 use crate::engine::{Engine, EngineError, Paused, Question, Recipe, Trust, Wait};
 use crate::physics::{Outcome, Rule, Status};
-use crate::scene::{self, Build, Scene};
+use crate::scene::{self, Build, Grouped, Scene};
 
 /// What decides a pixel's answer, but for the budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -269,6 +269,9 @@ impl Explorer {
 
     /// What is known of the cells beforehand.
     fn open(&self, aim: &Aim, batch: &Batch) -> Open {
+        if is_deep(aim, batch) {
+            return self.open_deep(batch);
+        }
         let scene = scene_of(aim);
         Open::new(batch.cells.iter().flat_map(|cell| {
             let grid = cell.grid(&scene);
@@ -280,6 +283,24 @@ impl Explorer {
                 (fate, known.and_then(|known| known_of(known, place, state)))
             })
         }))
+    }
+
+    /// Likewise of cells too deep for angles in any number type of an engine's.
+    fn open_deep(&self, batch: &Batch) -> Open {
+        let mut groups = Grouped::new();
+        for (k, cell) in (0..).zip(&batch.cells) {
+            let moved = |(place, point)| (k * SAMPLES as u32 + place, point);
+            groups.extend(cell.leaves().into_iter().map(|(leaf, points)| {
+                (leaf, points.into_iter().map(moved).collect())
+            }));
+        }
+        let known = |place: u32| {
+            let cell = batch.cells[place as usize / SAMPLES];
+            let known = self.cache.peek(batch.physics, cell)?;
+            let (outcome, trust) = known.at(place as usize % SAMPLES);
+            (outcome.status != Status::Unflipped).then_some((outcome, trust))
+        };
+        Open::deep(batch.cells.len() * SAMPLES, groups, known)
     }
 
     fn take(&mut self, landed: Landed<Batch>) {
@@ -371,6 +392,12 @@ fn known_of(known: &Known, place: u32, state: Option<Paused>) -> Option<(kept::K
         return Some((kept::Known::Over(outcome), trust));
     }
     state.map(|state| (kept::Known::Paused(state), trust))
+}
+
+/// Whether a batch's samples lie closer than its recipe's number type can tell apart.
+fn is_deep(aim: &Aim, batch: &Batch) -> bool {
+    let level = batch.cells.first().map_or(0, |cell| cell.level);
+    2.0 * pitch_rad(level) < aim.physics.recipe.deep_below()
 }
 
 fn question(aim: &Aim) -> Question {

@@ -8,9 +8,9 @@ use std::collections::HashMap;
 use super::kept::Known;
 use super::samples::Samples;
 use crate::engine::{Effort, Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts};
-use crate::engine::{Trust, Wait};
+use crate::engine::{Deep, Leaf, Trust, Wait};
 use crate::physics::{Outcome, Status};
-use crate::scene::Fate;
+use crate::scene::{Fate, Grouped};
 
 /// A tile before its job: what is known of it, and the starts of the rest.
 #[derive(Debug)]
@@ -50,6 +50,32 @@ impl Open {
         }
         let starts = if paused.is_empty() { Starts::Rest(angles) } else { Starts::Paused(paused) };
         Open { samples, places, starts }
+    }
+
+    /// Sorts `count` pixels of a deep picture, given by their leaves, by what is known already.
+    pub fn deep(
+        count: usize,
+        groups: Grouped,
+        known: impl Fn(u32) -> Option<(Outcome, Trust)>,
+    ) -> Self {
+        let mut samples = Samples::unflipped(count);
+        let (mut places, mut leaves) = (Vec::new(), Vec::new());
+        for (cell, pixels) in groups {
+            let mut points = Vec::with_capacity(pixels.len());
+            for (place, point) in pixels {
+                if let Some((outcome, trust)) = known(place) {
+                    samples.set(place as usize, outcome);
+                    samples.set_trust(place as usize, trust);
+                } else {
+                    places.push(place);
+                    points.push(point);
+                }
+            }
+            if !points.is_empty() {
+                leaves.push(Leaf { cell, points });
+            }
+        }
+        Open { samples, places, starts: Starts::Deep(Deep { leaves, strict: false }) }
     }
 
     /// Whether there is nothing to compute.
@@ -117,6 +143,8 @@ impl<T> Flights<T> {
         keep_unfinished: bool,
     ) -> Result<(), EngineError> {
         let Open { samples, places, starts } = open;
+        // A pendulum that begins at the end of its cell's way is no state of its start's alone.
+        let keep_unfinished = keep_unfinished && !matches!(starts, Starts::Deep(_));
         let id = self.next_id;
         self.next_id += 1;
         engine.submit(Job { id, question, recipe, starts, keep_unfinished })?;

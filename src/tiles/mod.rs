@@ -12,7 +12,6 @@ pub mod cache;
 pub mod explorer;
 mod flights;
 mod kept;
-pub mod lattice;
 mod order;
 mod plan;
 mod samples;

@@ -6,7 +6,7 @@
 use std::collections::HashSet;
 
 use super::explorer::{Aim, MOST_CELLS};
-use super::lattice::{Cell, DEEPEST, Region, side_rad};
+use crate::scene::lattice::{Cell, DEEPEST, Region, side_rad};
 
 /// Levels between one pass and the next finer one: a quarter of the distance each time.
 const LEVEL_STEP: u32 = 2;
@@ -29,7 +29,7 @@ fn passes(aim: &Aim) -> Vec<(Vec<Cell>, bool)> {
     let mut passes: Vec<_> =
         coarse.map(|level| (nearest_first(aim, &aim.region, level), false)).collect();
     passes.push((nearest_first(aim, &aim.region, aim.level), true));
-    let ring = side_rad(aim.level.min(DEEPEST)).hi;
+    let ring = side_rad(aim.level.min(DEEPEST));
     let around =
         Region { half_rad: aim.region.half_rad.map(|half| half + 0.5 * ring), ..aim.region };
     passes.push((nearest_first(aim, &around, aim.level), true));

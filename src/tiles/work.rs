@@ -129,6 +129,15 @@ impl Work {
 
     /// What is known beforehand, and what is not.
     fn open(&self, tile: &Tile) -> Open {
+        if self.grid.pixel_rad() < self.recipe.deep_below() {
+            let pixels: Vec<_> = tile.pixels().collect();
+            let groups = self.grid.grouped(tile.pixels());
+            return Open::deep(pixels.len(), groups, |place| match self.known(pixels[place as usize]) {
+                Some(Known::Over(outcome)) => Some((outcome, Trust::Unchecked)),
+                // A pendulum on its way keeps no state: a larger budget begins it anew.
+                _ => None,
+            });
+        }
         let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
         Open::new(tile.pixels().map(|[x, y]| (self.grid.fate(x, y), known([x, y]))))
     }

@@ -19,7 +19,7 @@ use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
 use flipmap::scene::{Build, Fate, Grid, PictureTable, Question as Asked, Scale, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer, Physics};
-use flipmap::tiles::lattice::{Cell, SIDE, pitch_rad, side_rad};
+use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 

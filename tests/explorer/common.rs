@@ -8,7 +8,7 @@ use flipmap::physics::{Dd, Outcome, Rule, Status};
 use flipmap::scene::{Build, Fate, Question as Asked, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
-use flipmap::tiles::lattice::{Cell, Region, SIDE, side_rad};
+use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
 
 use super::ledger::Ledger;
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use flipmap::engine::Engine;
 use flipmap::physics::Dd;
 use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS};
-use flipmap::tiles::lattice::{Cell, Region, side_rad};
+use flipmap::scene::lattice::{Cell, Region, side_rad};
 
 use super::common::*;
 use super::ledger::Ledger;

@@ -7,7 +7,7 @@ use flipmap::engine::mock::MockEngine;
 use flipmap::physics::Dd;
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer};
-use flipmap::tiles::lattice::side_rad;
+use flipmap::scene::lattice::side_rad;
 use proptest::prelude::*;
 
 use super::common::*;

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use flipmap::physics::{Dd, Outcome, Status};
 use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
-use flipmap::tiles::lattice::{Cell, Region, side_rad};
+use flipmap::scene::lattice::{Cell, Region, side_rad};
 
 use super::common::*;
 use super::ledger::Ledger;

@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use crate::app::camera::Screen;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
-use crate::tiles::lattice::{Cell, Placed, SIDE, side_rad};
+use crate::scene::lattice::{Cell, Placed, SIDE, side_rad};
 
 /// Part of a tile's samples as a parallelogram on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,10 +74,10 @@ fn finer(
     levels: u32,
     patches: &mut Vec<Patch>,
 ) {
-    let quarter = side_rad(placed.cell.level).hi / 4.0;
+    let quarter = side_rad(placed.cell.level) / 4.0;
     for cell in placed.cell.children() {
-        let away = |bit: u128| if bit == 0 { -quarter } else { quarter };
-        let offset = [placed.offset[0] + away(cell.x & 1), placed.offset[1] + away(cell.y & 1)];
+        let away = cell.index_in(&placed.cell).map(|side| (2.0 * side - 1.0) * quarter);
+        let offset = [placed.offset[0] + away[0], placed.offset[1] + away[1]];
         let child = Placed { cell, offset };
         if is_known(explorer, cell, before) {
             patches.push(patch(screen, &child, cell, before));
@@ -89,15 +89,15 @@ fn finer(
 
 /// The part of `source`'s samples that covers a cell inside it.
 fn patch(screen: &Screen, placed: &Placed, source: Cell, before: bool) -> Patch {
-    let side = side_rad(placed.cell.level).hi;
+    let side = side_rad(placed.cell.level);
     let middle = DVec2::from_array(placed.offset);
     let at = |x: f64, y: f64| screen.point_of(middle + DVec2::new(x, y) * (side / 2.0));
     let corner = at(-1.0, 1.0);
     let depth = placed.cell.level - source.level;
     let parts = 2f64.powi(depth as i32);
     let samples = f64::from(SIDE) / parts;
-    let column = (placed.cell.x - (source.x << depth)) as f64;
-    let row = parts - 1.0 - (placed.cell.y - (source.y << depth)) as f64;
+    let [column, from_below] = placed.cell.index_in(&source);
+    let row = parts - 1.0 - from_below;
     let texel = DVec2::new(column, row) * samples;
     let (source, mirrored) = source.canonical();
     let (texel, span) = if mirrored {

@@ -9,7 +9,7 @@ use wgpu::util::DeviceExt;
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
 use super::sample::word_of;
 use crate::tiles::Samples;
-use crate::tiles::lattice::SIDE;
+use crate::scene::lattice::SIDE;
 
 /// The shader, compiled when a window opens.
 pub const SHADER: &str = include_str!("../../../shaders/picture.wgsl");

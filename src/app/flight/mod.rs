@@ -19,7 +19,7 @@ pub use self::agreement::Agreement;
 pub use self::playback::Playback;
 pub use self::record::{Ending, Flip, Record, Track};
 use crate::engine::Question;
-use crate::physics::{Dd, Outcome, Pendulum, Status};
+use crate::physics::{Dd, Outcome, Pendulum, Status, Theta};
 
 /// A flight is followed for at least this long, whatever the budget, s.
 pub const LEAST_SECS: f64 = 30.0;
@@ -40,11 +40,12 @@ impl Flight {
     /// with the flight, or soon after the flight is dropped.
     pub fn launch(
         question: Question,
-        start: [Dd; 2],
-        neighbour: [Dd; 2],
+        start: [Theta; 2],
+        neighbour: [Theta; 2],
         wake: impl Fn() + Send + 'static,
     ) -> Flight {
         let (sender, incoming) = mpsc::channel();
+        let [start, neighbour] = [start, neighbour].map(|angle| angle.map(Theta::to_dd));
         let until_secs = question.budget_secs.max(LEAST_SECS);
         let fly = move || {
             pilot::fly(&question, [start, neighbour], until_secs, |part| {
@@ -134,7 +135,7 @@ mod tests {
     }
 
     fn complete(question: Question, [start, neighbour]: [[Dd; 2]; 2]) -> Flight {
-        let mut flight = Flight::launch(question, start, neighbour, || ());
+        let mut flight = Flight::launch(question, start.map(Theta::from_dd), neighbour.map(Theta::from_dd), || ());
         let begun = Instant::now();
         while flight.record().ending.is_none() {
             assert!(begun.elapsed() < Duration::from_secs(60), "the flight never ends");

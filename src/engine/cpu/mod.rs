@@ -24,10 +24,7 @@ use self::flock::{Answer, Chunk};
 use self::lanes::{F32Lanes, F64Lanes};
 use self::number::{Kept, Two};
 use super::method::{Adaptive, Pace, Steps};
-use super::{
-    Effort, Engine, EngineError, Finished, Job, Method, Paused, Precision, Recipe, Starts, Wait,
-    start,
-};
+use super::{Effort, Engine, EngineError, Finished, Job, Method, Precision, Recipe, Wait, start};
 use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, Outcome, Status};
@@ -114,7 +111,7 @@ impl Engine for CpuEngine {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
         Self::require(&job.recipe)?;
         let pace = Pace::new(&job.question, &job.recipe)?;
-        let starts = states_at_start(&job);
+        let starts = start::states(&job)?;
         let count = starts.len();
         let dd = job.recipe.precision == Precision::Dd;
         let size = if dd { DD_CHUNK } else { CHUNK };
@@ -282,17 +279,6 @@ impl Flight<'_> {
             }
             (_, Precision::F32) => adaptive::run::<Kept<F32Lanes<S>>, Eighth>(set, chunk, pace),
             _ => adaptive::run::<F64Lanes<S>, Eighth>(set, chunk, pace),
-        }
-    }
-}
-
-/// The job's starts as states, rounded to its precision.
-fn states_at_start(job: &Job) -> Vec<Paused> {
-    match &job.starts {
-        Starts::Paused(paused) => paused.clone(),
-        Starts::Rest(angles) => {
-            let state = |angle: &[Dd; 2]| start::at_rest(&job.question, &job.recipe, *angle);
-            angles.iter().map(state).collect()
         }
     }
 }

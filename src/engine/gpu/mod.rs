@@ -19,7 +19,7 @@ use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{Landed, Ran, Slot};
 use super::selfcheck::{self, Check, Verdict};
-use super::{Engine, EngineError, Finished, Job, Recipe, Wait};
+use super::{Engine, EngineError, Finished, Job, Recipe, Starts, Wait, start};
 
 /// Jobs on the device at a time.
 const SLOTS: usize = 2;
@@ -201,7 +201,10 @@ impl GpuEngine {
 }
 
 impl Engine for GpuEngine {
-    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+    fn submit(&mut self, mut job: Job) -> Result<(), EngineError> {
+        if matches!(job.starts, Starts::Moving(_) | Starts::Deep(_)) {
+            job.starts = Starts::Paused(start::states(&job)?);
+        }
         self.start(job)
     }
 

@@ -126,11 +126,8 @@ impl Slot {
         gpu.queue.write_buffer(&self.buffers.lists, 0, cast_slice(&list));
         match &self.job.starts {
             Starts::Paused(paused) => self.write_states(gpu, paused),
-            Starts::Rest(angles) => {
-                let Job { question, recipe, .. } = &self.job;
-                let state = |angle: &[_; 2]| start::at_rest(question, recipe, *angle);
-                self.write_states(gpu, &angles.iter().map(state).collect::<Vec<_>>());
-            }
+            // Refused when submitted, if they cannot be begun.
+            _ => self.write_states(gpu, &start::states(&self.job).unwrap_or_default()),
         }
     }
 
@@ -265,8 +262,8 @@ impl Slot {
 
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
         let before: u64 = match &self.job.starts {
-            Starts::Rest(_) => 0,
             Starts::Paused(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
+            _ => 0,
         };
         let steps: u64 = raw.iter().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
         let looks: u64 = raw.iter().map(|raw| u64::from(raw.status >> 8)).sum();

@@ -5,7 +5,7 @@ use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{Effort, Finished, Job, Method, Precision, Question, Recipe, Starts, start};
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
-use crate::physics::{Dd, Outcome, Status};
+use crate::physics::{Outcome, Status};
 
 /// Up to this tolerance a recipe is fine.
 const FINE: f64 = 1e-11;
@@ -100,16 +100,21 @@ impl Case {
         Job {
             id: self.job.id * STAGES + next.0,
             recipe,
-            starts: Starts::Rest(self.open.iter().map(|&start| self.angle(start)).collect()),
+            starts: self.open_starts(),
             keep_unfinished: true,
             ..self.job
         }
     }
 
-    fn angle(&self, start: usize) -> [Dd; 2] {
+    /// The open starts. Deep ones are followed anew with other cuts, so that the start map is
+    /// checked as well as what comes after it.
+    fn open_starts(&self) -> Starts {
         match &self.job.starts {
-            Starts::Rest(angles) => angles[start],
-            Starts::Paused(_) => unreachable!("refused when submitted"),
+            Starts::Rest(angles) => {
+                Starts::Rest(self.open.iter().map(|&start| angles[start]).collect())
+            }
+            Starts::Deep(deep) => Starts::Deep(deep.some(&self.open, true)),
+            Starts::Paused(_) | Starts::Moving(_) => unreachable!("refused when submitted"),
         }
     }
 

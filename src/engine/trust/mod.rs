@@ -17,6 +17,7 @@ mod case;
 
 use self::case::{Case, FIRST, PROBED, STAGES, probe_of};
 use super::cpu::CpuEngine;
+use super::depth::DepthEngine;
 use super::{Engine, EngineError, Finished, Job, Recipe, Starts, Wait};
 
 /// How sure an answer is.
@@ -51,7 +52,7 @@ impl Trust {
 pub struct TrustEngine<'a> {
     inner: Box<dyn Engine + 'a>,
     /// None where `inner` is the processor itself.
-    checker: Option<CpuEngine>,
+    checker: Option<DepthEngine<'static>>,
     waiting: [VecDeque<Job>; 2],
     flying: [usize; 2],
     cases: HashMap<u64, Case>,
@@ -63,7 +64,11 @@ const TURN: Duration = Duration::from_millis(2);
 impl<'a> TrustEngine<'a> {
     /// Checks what `inner` answers; the processor's part on `threads` threads.
     pub fn new(inner: Box<dyn Engine + 'a>, threads: Option<usize>) -> Result<Self, EngineError> {
-        let checker = if inner.name() == "cpu" { None } else { Some(CpuEngine::new(threads)?) };
+        let checker = if inner.name() == "cpu" {
+            None
+        } else {
+            Some(DepthEngine::new(Box::new(CpuEngine::new(threads)?), threads)?)
+        };
         Ok(TrustEngine {
             inner,
             checker,
@@ -134,7 +139,7 @@ impl<'a> TrustEngine<'a> {
 
 impl Engine for TrustEngine<'_> {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        if let Starts::Paused(_) = job.starts {
+        if let Starts::Paused(_) | Starts::Moving(_) = job.starts {
             let why = "checking begins at the release: a paused pendulum cannot be checked";
             return Err(EngineError::Unsupported(why.to_string()));
         }

@@ -6,13 +6,13 @@ use crate::app::flight::separation::reading_at;
 use crate::app::flight::{Agreement, Ending, Flight};
 use crate::app::pins::Pin;
 use crate::engine::Trust;
-use crate::physics::{Dd, Outcome, Status};
+use crate::physics::{Dd, Outcome, Scalar, Status};
 
 /// Shows them as a table of names and values.
 pub fn facts(ui: &mut Ui, pin: &Pin) {
     Grid::new("start").num_columns(4).show(ui, |ui| {
         for (name, theta) in ["θ1", "θ2"].into_iter().zip(pin.start) {
-            let Dd { hi: rad, .. } = theta;
+            let rad = theta.to_f64();
             ui.label(name).on_hover_text(format!("{name} = {theta} rad"));
             ui.label(format!("{rad:.6} rad"));
             ui.label(format!("{:.6} π", rad / std::f64::consts::PI));

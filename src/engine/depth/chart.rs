@@ -1,0 +1,85 @@
+//! What becomes of a cell of starts: outcomes that are known from its polynomials, and the moment
+//! at which the integration of the others begins.
+
+use std::sync::Arc;
+
+use crate::engine::{Moving, Question};
+use crate::physics::jet::Jet;
+use crate::physics::sheet::{End, Law, Sheet};
+use crate::physics::{Outcome, Status};
+
+/// A sheet that has come to its end.
+#[derive(Clone, Debug)]
+pub struct Ended {
+    /// The sheet, where it ended.
+    pub sheet: Sheet,
+    /// How.
+    pub end: End,
+    /// How deep in the forbidden region its starts are, if the region's edge crosses it.
+    pub edge: Option<Jet>,
+}
+
+/// A leaf's part of an ended sheet.
+#[derive(Clone, Debug)]
+pub enum Chart {
+    /// Energy conservation forbids all of it to flip.
+    Forbidden,
+    /// The part of `ended` around `middle` that is 2 `half` wide there.
+    Part {
+        /// Of what.
+        ended: Arc<Ended>,
+        /// In the sheet's coordinates.
+        middle: [f64; 2],
+        /// Likewise.
+        half: f64,
+    },
+}
+
+/// A start, as far as it is known without its own integration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Begun {
+    /// All of it.
+    Known(Outcome),
+    /// Up to this moment.
+    Moving(Moving),
+}
+
+impl Chart {
+    /// What becomes of the start at a point of the leaf, in [−1, 1]².
+    pub fn start(&self, law: &Law, question: &Question, at: [f64; 2]) -> Begun {
+        match self {
+            Chart::Forbidden => Begun::Known(Outcome::without_time(Status::Forbidden)),
+            Chart::Part { ended, middle, half } => {
+                ended.start(law, question, [0, 1].map(|i| middle[i] + half * at[i]))
+            }
+        }
+    }
+}
+
+impl Ended {
+    fn start(&self, law: &Law, question: &Question, at: [f64; 2]) -> Begun {
+        if self.edge.is_some_and(|edge| edge.at(at) > 0.0) {
+            return Begun::Known(Outcome::without_time(Status::Forbidden));
+        }
+        let grazed = self.sheet.grazes.iter().filter_map(|graze| graze.flip(law, at));
+        let passed = match &self.end {
+            End::Passed(pass) => Some(pass.time + pass.shift.at(at)),
+            _ => None,
+        };
+        let flips = grazed.chain(passed).reduce(f64::min);
+        match (flips, &self.end) {
+            (Some(time), _) => Begun::Known(question.flipped_at(time)),
+            (None, End::Spread | End::Unclear) => Begun::Moving(self.moving(at)),
+            (None, _) => Begun::Known(Outcome::without_time(Status::Unflipped)),
+        }
+    }
+
+    fn moving(&self, at: [f64; 2]) -> Moving {
+        let (high, low) = self.sheet.time;
+        Moving {
+            time: [high, low],
+            phase: self.sheet.phase.map(|jet| jet.at(at)),
+            step: self.sheet.step,
+        }
+    }
+}

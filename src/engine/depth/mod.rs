@@ -1,0 +1,272 @@
+//! An engine for starts too close together for the number types of engines.
+//!
+//! It wraps another one. The cells that deep starts lie in are followed by [`tree`] on threads of
+//! its own, up to where polynomials end; what becomes known on the way is answered, and the rest
+//! goes to the wrapped engine as pendulums on their way, for which any number type will do.
+//! All other jobs are passed on.
+
+mod chart;
+mod tree;
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use self::chart::Begun;
+use self::tree::{Tree, Wanted};
+use super::{Deep, Engine, EngineError, Finished, Job, Leaf, Moving, Question, Recipe, Starts, Wait};
+use crate::physics::{Outcome, Status};
+use crate::scene::lattice::Cell;
+
+/// The wrapped engine, and what follows deep starts for it.
+pub struct DepthEngine<'a> {
+    inner: Box<dyn Engine + 'a>,
+    pool: rayon::ThreadPool,
+    trees: Trees,
+    /// Deep jobs by name: some are being followed, others are with the wrapped engine.
+    deep: HashMap<u64, Awaited>,
+    /// Jobs that the wrapped engine has no slot for.
+    waiting: VecDeque<Job>,
+    flying: usize,
+    following: usize,
+    cancelled: Arc<AtomicBool>,
+    sender: Sender<Followed>,
+    receiver: Receiver<Followed>,
+}
+
+/// The trees of every pendulum and rule met so far, the latest last.
+type Trees = Arc<Mutex<Vec<Arc<Tree>>>>;
+
+/// More trees are not kept.
+const MOST_TREES: usize = 4;
+
+/// What a deep job waits to be merged with.
+#[derive(Default)]
+struct Awaited {
+    outcomes: Vec<Outcome>,
+    /// Which of them the wrapped engine answers.
+    moving: Vec<usize>,
+}
+
+/// A deep job whose cells have been followed.
+struct Followed {
+    job: Job,
+    outcomes: Vec<Outcome>,
+    moving: Vec<(usize, Moving)>,
+}
+
+/// How long one source of answers is waited for before the other is looked at.
+const TURN: Duration = Duration::from_millis(2);
+
+impl<'a> DepthEngine<'a> {
+    /// Follows deep starts for `inner` on `threads` threads, or on one for every core.
+    pub fn new(inner: Box<dyn Engine + 'a>, threads: Option<usize>) -> Result<Self, EngineError> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.unwrap_or(0))
+            .thread_name(|index| format!("depth-{index}"))
+            .build()
+            .map_err(|error| EngineError::Unsupported(format!("cannot start threads: {error}")))?;
+        let (sender, receiver) = channel();
+        Ok(DepthEngine {
+            inner,
+            pool,
+            trees: Trees::default(),
+            deep: HashMap::new(),
+            waiting: VecDeque::new(),
+            flying: 0,
+            following: 0,
+            cancelled: Arc::default(),
+            sender,
+            receiver,
+        })
+    }
+
+    fn follow(&mut self, job: Job) {
+        let Starts::Deep(deep) = &job.starts else { return };
+        let tree = tree_of(&self.trees, &job.question, deep.strict);
+        let (sender, cancelled) = (self.sender.clone(), self.cancelled.clone());
+        self.deep.insert(job.id, Awaited::default());
+        self.following += 1;
+        self.pool.spawn_fifo(move || {
+            if let Some(followed) = followed(job, &tree, &cancelled) {
+                // Nobody listens any more once that is cancelled.
+                let _ = sender.send(followed);
+            }
+        });
+    }
+
+    /// Passes on what has to be integrated; a job of which all is known is finished.
+    fn take_followed(&mut self, followed: Followed) -> Option<Finished> {
+        self.following -= 1;
+        let Followed { job, outcomes, moving } = followed;
+        if moving.is_empty() {
+            self.deep.remove(&job.id);
+            return Some(Finished { id: job.id, outcomes, ..Finished::default() });
+        }
+        let (places, states) = moving.into_iter().unzip();
+        self.deep.insert(job.id, Awaited { outcomes, moving: places });
+        self.waiting.push_back(Job { starts: Starts::Moving(states), ..job });
+        None
+    }
+
+    /// An answer of the wrapped engine, put where it belongs.
+    fn take_finished(&mut self, finished: Finished) -> Finished {
+        self.flying -= 1;
+        let Some(Awaited { mut outcomes, moving }) = self.deep.remove(&finished.id) else {
+            return finished;
+        };
+        for (&place, outcome) in moving.iter().zip(&finished.outcomes) {
+            outcomes[place] = *outcome;
+        }
+        let unfinished = finished.unfinished.into_iter().map(|(k, state)| (moving[k], state));
+        Finished { outcomes, unfinished: unfinished.collect(), ..finished }
+    }
+
+    /// Keeps the wrapped engine's slots full.
+    fn feed(&mut self) -> Result<(), EngineError> {
+        while self.flying < self.inner.slots() {
+            let Some(job) = self.waiting.pop_front() else { break };
+            self.inner.submit(job)?;
+            self.flying += 1;
+        }
+        Ok(())
+    }
+}
+
+/// The tree of a question, made if there is none.
+fn tree_of(trees: &Trees, question: &Question, strict: bool) -> Arc<Tree> {
+    let mut trees = trees.lock().unwrap_or_else(|broken| broken.into_inner());
+    if let Some(tree) = trees.iter().find(|tree| tree.is_of(question, strict)) {
+        return tree.clone();
+    }
+    if trees.len() == MOST_TREES {
+        trees.remove(0);
+    }
+    trees.push(Arc::new(Tree::new(question, strict)));
+    trees[trees.len() - 1].clone()
+}
+
+/// Follows the cells of a job and begins its starts there; nothing once that is cancelled.
+fn followed(mut job: Job, tree: &Tree, cancelled: &AtomicBool) -> Option<Followed> {
+    let Starts::Deep(deep) = std::mem::replace(&mut job.starts, Starts::Moving(Vec::new())) else {
+        return None;
+    };
+    let question = job.question;
+    let (_, unit_secs) = question.pendulum.reduced();
+    let level = deep.leaves.first().map_or(0, |leaf| leaf.cell.level);
+    let wanted = Wanted { level, budget: question.budget_secs / unit_secs, cancelled };
+    let cells: Vec<Cell> = deep.leaves.iter().map(|leaf| leaf.cell).collect();
+    let charts = tree.charts(&cells, wanted)?;
+    let (mut outcomes, mut moving) = (Vec::new(), Vec::new());
+    for Leaf { cell, points } in &deep.leaves {
+        for &at in points {
+            match charts[cell].start(&tree.law, &question, at) {
+                Begun::Known(outcome) => outcomes.push(outcome),
+                Begun::Moving(state) => {
+                    moving.push((outcomes.len(), state));
+                    outcomes.push(Outcome::without_time(Status::Unflipped));
+                }
+            }
+        }
+    }
+    Some(Followed { job, outcomes, moving })
+}
+
+impl Deep {
+    /// Some of the starts, by their places among all, in order.
+    pub fn some(&self, places: &[usize], strict: bool) -> Deep {
+        let mut wanted = places.iter().copied().peekable();
+        let (mut leaves, mut first) = (Vec::new(), 0);
+        for leaf in &self.leaves {
+            let end = first + leaf.points.len();
+            let mut points = Vec::new();
+            while let Some(place) = wanted.next_if(|place| *place < end) {
+                points.push(leaf.points[place - first]);
+            }
+            if !points.is_empty() {
+                leaves.push(Leaf { cell: leaf.cell, points });
+            }
+            first = end;
+        }
+        Deep { leaves, strict }
+    }
+}
+
+impl Engine for DepthEngine<'_> {
+    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+        match job.starts {
+            Starts::Deep(_) => self.follow(job),
+            _ => self.waiting.push_back(job),
+        }
+        self.feed()
+    }
+
+    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+        let mut finished = Vec::new();
+        loop {
+            while let Ok(followed) = self.receiver.try_recv() {
+                finished.extend(self.take_followed(followed));
+            }
+            self.feed()?;
+            let idle = self.flying == 0 && self.following == 0;
+            let late = matches!(wait, Wait::Until(moment) if Instant::now() >= moment);
+            if !finished.is_empty() || idle || late {
+                return Ok(finished);
+            }
+            let until = match wait {
+                Wait::Until(moment) => moment,
+                Wait::UntilFinished => Instant::now() + Duration::from_secs(1),
+            };
+            if self.flying == 0 {
+                let left = until.saturating_duration_since(Instant::now());
+                if let Ok(followed) = self.receiver.recv_timeout(left) {
+                    finished.extend(self.take_followed(followed));
+                }
+                continue;
+            }
+            let turn = if self.following > 0 { until.min(Instant::now() + TURN) } else { until };
+            for answer in self.inner.poll(Wait::Until(turn))? {
+                finished.push(self.take_finished(answer));
+            }
+        }
+    }
+
+    fn cancel(&mut self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+        self.cancelled = Arc::default();
+        (self.sender, self.receiver) = channel();
+        self.inner.cancel();
+        self.deep.clear();
+        self.waiting.clear();
+        (self.flying, self.following) = (0, 0);
+    }
+
+    /// One job is followed while another is integrated.
+    fn slots(&self) -> usize {
+        self.inner.slots() + 1
+    }
+
+    fn job_size(&self) -> usize {
+        self.inner.job_size()
+    }
+
+    fn name(&self) -> &'static str {
+        self.inner.name()
+    }
+
+    fn adapter(&self) -> String {
+        self.inner.adapter()
+    }
+
+    fn offers(&self, recipe: &Recipe) -> bool {
+        self.inner.offers(recipe)
+    }
+}
+
+impl Drop for DepthEngine<'_> {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}

@@ -1,0 +1,263 @@
+//! The tree of cells from an anchor down to the leaves: followed as long as its polynomials hold,
+//! then cut into quarters.
+//!
+//! An anchor's middle is followed in as many digits as its depth needs. What is below it are
+//! differences to it, for which f64 has digits enough: a leaf lies at most [`DEEPEST_BELOW`]
+//! levels below its anchor. Everything about a leaf follows from its own place in the lattice, so
+//! that no answer depends on which others were asked for.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use super::chart::{Chart, Ended};
+use crate::engine::Question;
+use crate::physics::jet::Jet;
+use crate::physics::reference::{Reference, reference};
+use crate::physics::sheet::{End, Law, Sheet};
+use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
+use crate::scene::lattice::{Cell, side_rad};
+
+/// Anchors lie on every so many levels.
+const EVERY: u32 = 6;
+/// A leaf is at least so many levels below its anchor, so that a view seldom needs two,
+const LEAST_BELOW: u32 = 12;
+/// and at most so many.
+pub const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
+/// What a leaf's polynomials may leave out of its states. What is left out higher up the tree
+/// grows with the cells that are cut, so there it is halved with every level.
+const TOLERANCE: f64 = 1e-9;
+/// Of charts that check others, with which they have no cut in common.
+const STRICT_TOLERANCE: f64 = 1e-12;
+/// Anchors that are kept.
+const MOST_ANCHORS: usize = 64;
+/// Between two looks at whether anybody still waits, reduced time.
+const SLICE: f64 = 1.0;
+
+/// The charts of one pendulum and rule.
+pub struct Tree {
+    pub law: Law,
+    pendulum: Pendulum<f64>,
+    rule: Rule,
+    strict: bool,
+    anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
+}
+
+/// A cell followed along the trajectory of its own middle.
+struct Anchor {
+    node: Node,
+    reference: Option<Box<dyn Reference>>,
+    /// Its end, unless that was only the end of a budget.
+    end: Option<End>,
+}
+
+/// A cell on its way down.
+#[derive(Clone)]
+struct Node {
+    sheet: Sheet,
+    edge: Option<Jet>,
+}
+
+/// The leaves' level, the reduced budget, and whether anybody still waits.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    pub level: u32,
+    pub budget: f64,
+    pub cancelled: &'a AtomicBool,
+}
+
+/// Quarters of a cell, in the order of [`Cell::children`].
+const QUARTERS: [[f64; 2]; 4] = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
+
+impl Tree {
+    pub fn new(question: &Question, strict: bool) -> Self {
+        Tree {
+            law: Law::new(&question.pendulum, question.rule),
+            pendulum: question.pendulum,
+            rule: question.rule,
+            strict,
+            anchors: Mutex::default(),
+        }
+    }
+
+    pub fn is_of(&self, question: &Question, strict: bool) -> bool {
+        self.pendulum == question.pendulum && self.rule == question.rule && self.strict == strict
+    }
+
+    /// The charts of leaves of one level, in any order; none once that is cancelled.
+    pub fn charts(&self, leaves: &[Cell], wanted: Wanted) -> Option<HashMap<Cell, Chart>> {
+        let above = wanted.level.saturating_sub(LEAST_BELOW) / EVERY * EVERY;
+        let mut groups: HashMap<Cell, Vec<Cell>> = HashMap::new();
+        for leaf in leaves {
+            groups.entry(leaf.ancestor(above)).or_default().push(*leaf);
+        }
+        let mut charts = HashMap::new();
+        for (cell, leaves) in groups {
+            let anchor = self.anchor(cell);
+            let mut anchor = anchor.lock().unwrap_or_else(|broken| broken.into_inner());
+            match self.advance(&mut anchor, wanted)? {
+                Some(end) => {
+                    let node = anchor.node.clone();
+                    drop(anchor);
+                    charts.extend(self.ended(node, end, cell, &leaves, wanted));
+                }
+                None => charts.extend(leaves.iter().map(|leaf| (*leaf, Chart::Forbidden))),
+            }
+        }
+        (!wanted.cancelled.load(Ordering::Relaxed)).then_some(charts)
+    }
+
+    fn anchor(&self, cell: Cell) -> Arc<Mutex<Anchor>> {
+        let mut anchors = self.anchors.lock().unwrap_or_else(|broken| broken.into_inner());
+        if anchors.len() >= MOST_ANCHORS && !anchors.contains_key(&cell) {
+            anchors.clear();
+        }
+        anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.released(cell)))).clone()
+    }
+
+    /// An anchor at rest.
+    fn released(&self, cell: Cell) -> Anchor {
+        let center = cell.center();
+        let exact = center.map(Angle::sin_cos);
+        let sin_cos = exact.map(|(sin, cos)| (sin.to_f64(), cos.to_f64()));
+        let half = side_rad(cell.level + 1);
+        let sheet = Sheet::release(sin_cos, half);
+        let edge = self.edge(&sheet, exact.map(|(_, cos)| cos));
+        let bits = cell.level + 53 + 12;
+        let reference = (cell.level > 0).then(|| reference(&self.pendulum, center, bits));
+        Anchor { node: Node { sheet, edge: Some(edge) }, reference, end: None }
+    }
+
+    /// How deep in the forbidden region starts at rest are, J.
+    fn edge(&self, sheet: &Sheet, cos: [Theta; 2]) -> Jet {
+        let [p, q] = [self.pendulum.p, self.pendulum.q];
+        let bound = match self.rule {
+            Rule::Second => p - q,
+            Rule::First => q - p,
+            Rule::Either => (p - q).abs(),
+        };
+        let exact = [p, q].map(Theta::from_f64);
+        let middle = exact[0] * cos[0] + exact[1] * cos[1];
+        let bound = match self.rule {
+            Rule::Either if bound == p - q => exact[0] - exact[1],
+            Rule::Second => exact[0] - exact[1],
+            _ => exact[1] - exact[0],
+        };
+        let [x1, _, x2, ..] = sheet.phase;
+        let depth = x1 * Jet::constant(p) + x2 * Jet::constant(q);
+        depth.with_middle((middle - bound).to_f64())
+    }
+
+    /// Follows an anchor as far as is wanted: its end there, or nothing where all of it is
+    /// forbidden; no answer once that is cancelled.
+    fn advance(&self, anchor: &mut Anchor, wanted: Wanted) -> Option<Option<End>> {
+        if !anchor.node.settle_edge() {
+            return Some(None);
+        }
+        let tolerance = self.tolerance(DEEPEST_BELOW);
+        if anchor.end.is_none() && !anchor.node.sheet.holds(&self.law, tolerance) {
+            anchor.end = Some(End::Spread);
+        }
+        loop {
+            if let Some(end) = &anchor.end {
+                return Some(Some(end.clone()));
+            }
+            if wanted.cancelled.load(Ordering::Relaxed) {
+                return None;
+            }
+            let sheet = &mut anchor.node.sheet;
+            let until = wanted.budget.min(sheet.time.0 + SLICE);
+            match sheet.follow(&self.law, until, tolerance, anchor.reference.as_deref_mut()) {
+                End::Over if sheet.time.0 >= wanted.budget => return Some(Some(End::Over)),
+                End::Over => {}
+                end => anchor.end = Some(end),
+            }
+        }
+    }
+
+    fn tolerance(&self, levels_above_leaf: u32) -> f64 {
+        let leaf = if self.strict { STRICT_TOLERANCE } else { TOLERANCE };
+        leaf * 0.5f64.powi(levels_above_leaf as i32)
+    }
+
+    /// The charts of a cell's leaves, once its own way has ended.
+    fn ended(
+        &self,
+        node: Node,
+        end: End,
+        cell: Cell,
+        leaves: &[Cell],
+        wanted: Wanted,
+    ) -> Vec<(Cell, Chart)> {
+        let cut = matches!(end, End::Spread | End::Unclear) && cell.level < wanted.level;
+        if cut && !wanted.cancelled.load(Ordering::Relaxed) {
+            return self.quartered(&node, cell, leaves, wanted);
+        }
+        let ended = Arc::new(Ended { sheet: node.sheet, end, edge: node.edge });
+        let part = |leaf: &Cell| {
+            let half = 0.5f64.powi((leaf.level - cell.level) as i32);
+            let middle = leaf.index_in(&cell).map(|index| (2.0 * index + 1.0) * half - 1.0);
+            (*leaf, Chart::Part { ended: ended.clone(), middle, half })
+        };
+        leaves.iter().map(part).collect()
+    }
+
+    /// The charts of a cell that goes on in quarters.
+    fn quartered(
+        &self,
+        node: &Node,
+        cell: Cell,
+        leaves: &[Cell],
+        wanted: Wanted,
+    ) -> Vec<(Cell, Chart)> {
+        let quarter = |k: usize| {
+            let child = cell.children()[k];
+            let inside = |leaf: &&Cell| leaf.ancestor(child.level) == child;
+            let leaves: Vec<Cell> = leaves.iter().filter(inside).copied().collect();
+            if leaves.is_empty() { Vec::new() } else { self.child(node, k, child, &leaves, wanted) }
+        };
+        let two = |a: usize, b: usize| rayon::join(|| quarter(a), || quarter(b));
+        let ((mut all, b), (c, d)) = rayon::join(|| two(0, 1), || two(2, 3));
+        all.extend(b.into_iter().chain(c).chain(d));
+        all
+    }
+
+    fn child(
+        &self,
+        parent: &Node,
+        k: usize,
+        cell: Cell,
+        leaves: &[Cell],
+        wanted: Wanted,
+    ) -> Vec<(Cell, Chart)> {
+        let mut node = Node {
+            sheet: parent.sheet.part(QUARTERS[k], 0.5),
+            edge: parent.edge.map(|edge| edge.part(QUARTERS[k], 0.5)),
+        };
+        if !node.settle_edge() {
+            return leaves.iter().map(|leaf| (*leaf, Chart::Forbidden)).collect();
+        }
+        let tolerance = self.tolerance(wanted.level - cell.level);
+        let end = if node.sheet.holds(&self.law, tolerance) {
+            node.sheet.follow(&self.law, wanted.budget, tolerance, None)
+        } else {
+            End::Spread
+        };
+        self.ended(node, end, cell, leaves, wanted)
+    }
+}
+
+impl Node {
+    /// Forgets the forbidden region's edge where it does not cross the cell; false where all of
+    /// the cell is forbidden.
+    fn settle_edge(&mut self) -> bool {
+        let Some(edge) = self.edge else { return true };
+        if edge.middle() > edge.spread() {
+            return false;
+        }
+        if edge.middle() < -edge.spread() {
+            self.edge = None;
+        }
+        true
+    }
+}

@@ -1,0 +1,96 @@
+//! The trajectory that a sheet of starts is followed along, in as many digits as its depth needs.
+//!
+//! Only the middle of a sheet has to be known to all digits: what is around it are differences,
+//! and those keep their own leading digits in f64.
+
+use super::phase::Phase;
+use super::polynomial::evaluate;
+use super::real::Scalar;
+use super::taylor::{Orbit, Step};
+use super::{Fixed, Pendulum, State, Theta};
+
+/// A trajectory known better than f64 can say, in reduced units.
+pub trait Reference: Send {
+    /// How far it is known beyond where it is now; more than nothing.
+    fn reach(&mut self) -> f64;
+    /// Its unit vectors and momenta so long from now, at most at its reach.
+    fn phase(&self, after: f64) -> Phase<f64>;
+    /// The sine of `bob`'s angle where it turns round near `after`, close to the top.
+    fn turn(&self, bob: usize, after: f64) -> f64;
+    /// Moves on.
+    fn advance(&mut self, by: f64);
+    /// Decimal digits that it is computed in.
+    fn digits(&self) -> u32;
+}
+
+/// A [`Reference`] in fixed-point numbers.
+struct Long<const N: usize> {
+    pendulum: Pendulum<Fixed<N>>,
+    orbit: Orbit<Fixed<N>>,
+    step: Step<Fixed<N>>,
+    /// How far into the step it is.
+    into: Fixed<N>,
+}
+
+/// The trajectory from rest at `angle` (rad) with errors of about 2^−`bits`.
+pub fn reference(pendulum: &Pendulum<f64>, angle: [Theta; 2], bits: u32) -> Box<dyn Reference> {
+    match bits.div_ceil(64) {
+        0..=2 => Box::new(Long::<3>::new(pendulum, angle)),
+        3 => Box::new(Long::<4>::new(pendulum, angle)),
+        4 => Box::new(Long::<5>::new(pendulum, angle)),
+        5 => Box::new(Long::<6>::new(pendulum, angle)),
+        6 => Box::new(Long::<7>::new(pendulum, angle)),
+        _ => Box::new(Long::<8>::new(pendulum, angle)),
+    }
+}
+
+impl<const N: usize> Long<N> {
+    fn new(pendulum: &Pendulum<f64>, angle: [Theta; 2]) -> Self {
+        let (pendulum, _) = pendulum.convert::<Fixed<N>>().reduced();
+        let mut orbit = Orbit::new(pendulum, State::rest(angle.map(Fixed::resized)));
+        let step = orbit.step();
+        Long { pendulum, orbit, step, into: Fixed::ZERO }
+    }
+}
+
+impl<const N: usize> Reference for Long<N> {
+    fn reach(&mut self) -> f64 {
+        let mut left = (self.step.length - self.into).to_f64();
+        if left <= 0.0 {
+            self.into = self.into - self.step.length;
+            self.step = self.orbit.step();
+            left = (self.step.length - self.into).to_f64();
+        }
+        left
+    }
+
+    fn phase(&self, after: f64) -> Phase<f64> {
+        let state = self.step.state(self.into + Fixed::from_f64(after));
+        let angle = state.angle.map(Fixed::wrapped);
+        self.pendulum.phase(&State { angle, ..state }).map(Fixed::to_f64)
+    }
+
+    fn turn(&self, bob: usize, after: f64) -> f64 {
+        let unit = self.step.unit_secs;
+        let mut tau = (self.into + Fixed::from_f64(after)) / Fixed::from_f64(unit);
+        let (speed, angle) = (&self.step.speed[bob], &self.step.angle[bob]);
+        let slope: Vec<Fixed<N>> =
+            (1..speed.len()).map(|k| speed[k] * Fixed::from_f64(k as f64)).collect();
+        let mut good = 30;
+        while good < Fixed::<N>::BITS {
+            tau = tau - evaluate(speed, tau) / evaluate(&slope, tau);
+            good *= 2;
+        }
+        let highest = evaluate(angle, tau).wrapped();
+        let from_top = (Fixed::<N>::pi() - highest.abs()).to_f64().sin();
+        if highest.is_negative() { -from_top } else { from_top }
+    }
+
+    fn advance(&mut self, by: f64) {
+        self.into = self.into + Fixed::from_f64(by);
+    }
+
+    fn digits(&self) -> u32 {
+        (f64::from(Fixed::<N>::BITS) * std::f64::consts::LOG10_2) as u32
+    }
+}

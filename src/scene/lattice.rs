@@ -1,0 +1,330 @@
+//! The dyadic lattice on the torus from whose cells the window is drawn.
+//!
+//! Level 0 is one cell, the whole torus from −π to π in both angles; every level halves the side
+//! of its cells. A cell is always sampled in the same [`SIDE`] × [`SIDE`] places, so a place seen
+//! before is the same tile whatever the view was. Mirrored about the origin the lattice is itself,
+//! and so is the map from rest: of a cell and its image only one is ever computed.
+
+use crate::physics::{Fixed, Scalar, Theta};
+use crate::scene::spots::Grouped;
+use crate::scene::{Grid, Scene};
+
+/// Samples along each side of a cell.
+pub const SIDE: u32 = 128;
+/// Samples in a cell.
+pub const SAMPLES: usize = (SIDE * SIDE) as usize;
+/// Leaves along each side of a cell.
+const LEAVES: u32 = 8;
+/// The deepest level: its cells are 1e-105 rad wide.
+pub const DEEPEST: u32 = 352;
+
+/// A place along one axis of the torus in turns: 0 at θ = −π, 1 a turn further.
+pub type Turn = Fixed<8>;
+
+/// A square of the torus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Cell {
+    /// 2^level cells lie along each axis.
+    pub level: u32,
+    /// Its left side, in [0, 1).
+    pub x: Turn,
+    /// Its lower side, in [0, 1).
+    pub y: Turn,
+}
+
+/// A rectangle of the plane around a centre, in which cells are looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// θ1, θ2 in rad.
+    pub center: [Theta; 2],
+    /// Half its extent along θ1 and θ2, rad.
+    pub half_rad: [f64; 2],
+}
+
+/// A cell where it appears in a region: the torus repeats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    /// Which.
+    pub cell: Cell,
+    /// Its middle less the region's centre, rad.
+    pub offset: [f64; 2],
+}
+
+/// The side of a level's cells in rad.
+pub fn side_rad(level: u32) -> f64 {
+    std::f64::consts::TAU * 0.5f64.powi(level as i32)
+}
+
+/// The distance of a level's samples in rad.
+pub fn pitch_rad(level: u32) -> f64 {
+    side_rad(level) / f64::from(SIDE)
+}
+
+/// The side of a level's cells in turns.
+pub fn side(level: u32) -> Turn {
+    one().shr(level)
+}
+
+fn one() -> Turn {
+    Turn::from_f64(1.0)
+}
+
+/// Where an angle is, in turns.
+pub fn turn_of(theta: Theta) -> Turn {
+    static PER_TURN: std::sync::OnceLock<Theta> = std::sync::OnceLock::new();
+    let per_turn = *PER_TURN.get_or_init(|| one() / Theta::pi().shl(1));
+    one().shr(1) + theta * per_turn
+}
+
+/// The angle of a place.
+pub fn theta_of(turn: Turn) -> Theta {
+    (turn - one().shr(1)) * Theta::pi().shl(1)
+}
+
+/// The side at or below a place of the level's cell around it.
+fn floor(turn: Turn, level: u32) -> Turn {
+    let rest = Turn::BITS - level;
+    turn.shr(rest).shl(rest)
+}
+
+/// A place without whole turns, in [0, 1).
+fn wrapped(turn: Turn) -> Turn {
+    turn - floor(turn, 0)
+}
+
+impl Cell {
+    /// The whole torus.
+    pub const WHOLE: Cell = Cell { level: 0, x: Turn::ZERO, y: Turn::ZERO };
+
+    /// The cell of a level in which a start lies.
+    pub fn around(angle: [Theta; 2], level: u32) -> Cell {
+        Cell::at(angle.map(turn_of), level)
+    }
+
+    /// The cell of a level in which a place lies.
+    pub fn at(place: [Turn; 2], level: u32) -> Cell {
+        let [x, y] = place.map(|turn| floor(wrapped(turn), level));
+        Cell { level, x, y }
+    }
+
+    /// Its middle in rad, in (−π, π); exactly odd about the origin.
+    pub fn center(&self) -> [Theta; 2] {
+        self.middle().map(theta_of)
+    }
+
+    /// Its middle in turns.
+    pub fn middle(&self) -> [Turn; 2] {
+        [self.x, self.y].map(|corner| corner + side(self.level + 1))
+    }
+
+    /// The cell a level up that it is a quarter of.
+    pub fn parent(&self) -> Option<Cell> {
+        Some(self.ancestor(self.level.checked_sub(1)?))
+    }
+
+    /// The cell of a coarser level that it is part of.
+    pub fn ancestor(&self, level: u32) -> Cell {
+        Cell { level, x: floor(self.x, level), y: floor(self.y, level) }
+    }
+
+    /// Its quarters: the left two from below, then the right two.
+    pub fn children(&self) -> [Cell; 4] {
+        let half = side(self.level + 1);
+        let zero = Turn::ZERO;
+        [(zero, zero), (zero, half), (half, zero), (half, half)].map(|(x, y)| Cell {
+            level: self.level + 1,
+            x: self.x + x,
+            y: self.y + y,
+        })
+    }
+
+    /// How many of its own sides its lower left corner is from that of a cell that holds it.
+    pub fn index_in(&self, ancestor: &Cell) -> [f64; 2] {
+        let sides = 2f64.powi(self.level as i32);
+        [self.x - ancestor.x, self.y - ancestor.y].map(|by| by.to_f64() * sides)
+    }
+
+    /// A place inside it in [−1, 1]².
+    pub fn point(&self, place: [Turn; 2]) -> [f64; 2] {
+        let half = 2f64.powi(self.level as i32 + 1);
+        let corner = [self.x, self.y];
+        [0, 1].map(|i| wrapped(place[i] - corner[i]).to_f64() * half - 1.0)
+    }
+
+    /// Its samples by the leaves that start maps belong to; they are a [`LEAVES`]th as wide.
+    pub fn leaves(&self) -> Grouped {
+        let level = self.level + LEAVES.ilog2();
+        let along = SIDE / LEAVES;
+        let at = |k: u32| f64::from(2 * k + 1) / f64::from(along) - 1.0;
+        let mut groups = Grouped::new();
+        let mut x = self.x;
+        for i in 0..LEAVES {
+            let mut y = self.y;
+            for j in 0..LEAVES {
+                // Rows count from the top.
+                let place = |a: u32, b: u32| (SIDE - 1 - j * along - b) * SIDE + i * along + a;
+                let points = (0..along).flat_map(|b| (0..along).map(move |a| [a, b]));
+                let points = points.map(|[a, b]| (place(a, b), [at(a), at(b)])).collect();
+                groups.push((Cell { level, x, y }, points));
+                y = y + side(level);
+            }
+            x = x + side(level);
+        }
+        groups
+    }
+
+    /// Its image under (θ1, θ2) → (−θ1, −θ2).
+    pub fn mirrored(&self) -> Cell {
+        let last = one() - side(self.level);
+        Cell { level: self.level, x: last - self.x, y: last - self.y }
+    }
+
+    /// Of the cell and its image the one that is computed, and whether that is the image.
+    pub fn canonical(&self) -> (Cell, bool) {
+        let image = self.mirrored();
+        if image < *self { (image, true) } else { (*self, false) }
+    }
+
+    /// Its samples as a picture of `scene`'s pendulum, row 0 at the top.
+    pub fn grid(&self, scene: &Scene) -> Grid {
+        let pixel = Theta::pi().shl(1).shr(self.level) / Theta::from_f64(f64::from(SIDE));
+        Grid::square(scene, self.center(), pixel.to_dd(), [SIDE; 2])
+    }
+
+    /// The sample nearest to a start inside the cell: its column and row.
+    pub fn sample_at(&self, angle: [Theta; 2]) -> [u32; 2] {
+        let center = self.center();
+        let pitch = pitch_rad(self.level);
+        let place = |i: usize| (angle[i] - center[i]).wrapped().to_f64() / pitch;
+        let half = f64::from(SIDE / 2);
+        let index = |samples: f64| samples.floor().clamp(0.0, f64::from(SIDE - 1)) as u32;
+        [index(half + place(0)), index(half - place(1))]
+    }
+}
+
+impl Region {
+    /// The cells of a level that touch the region, wherever they appear in it, row by row.
+    /// At most `most` of them; none if there are more.
+    pub fn cells(&self, level: u32, most: usize) -> Vec<Placed> {
+        let side_rad = side_rad(level);
+        let count = |half: f64| 2.0 * half / side_rad;
+        if count(self.half_rad[0]).max(1.0) * count(self.half_rad[1]).max(1.0) > most as f64 {
+            return Vec::new();
+        }
+        let [columns, rows] = [0, 1].map(|axis| self.sides(axis, level));
+        if columns.len() * rows.len() > most {
+            return Vec::new();
+        }
+        let column = &columns;
+        rows.iter()
+            .flat_map(|&y| column.iter().map(move |&x| [x, y]))
+            .map(|corner| self.placed(corner, level))
+            .collect()
+    }
+
+    /// The region `times` as large.
+    pub fn scaled(&self, times: f64) -> Region {
+        Region { half_rad: self.half_rad.map(|half| half * times), ..*self }
+    }
+
+    /// The left or lower sides of the cells along an axis, not wrapped.
+    fn sides(&self, axis: usize, level: u32) -> Vec<Turn> {
+        let half = Theta::from_f64(self.half_rad[axis]);
+        let first = floor(turn_of(self.center[axis] - half), level);
+        let last = floor(turn_of(self.center[axis] + half), level);
+        let next = |at: &Turn| Some(*at + side(level)).filter(|next| *next <= last);
+        std::iter::successors(Some(first), next).collect()
+    }
+
+    fn placed(&self, corner: [Turn; 2], level: u32) -> Placed {
+        let middle = corner.map(|corner| corner + side(level + 1));
+        let offset = [0, 1].map(|i| (theta_of(middle[i]) - self.center[i]).to_f64());
+        let [x, y] = corner.map(wrapped);
+        Placed { cell: Cell { level, x, y }, offset }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn region(center: [f64; 2], half: f64) -> Region {
+        Region { center: center.map(Theta::from_f64), half_rad: [half; 2] }
+    }
+
+    fn cells() -> impl Strategy<Value = Cell> {
+        (0..DEEPEST).prop_flat_map(|level| {
+            let limbs = any::<[u64; 7]>().prop_map(move |limbs| {
+                let mut all = [0; 8];
+                all[..7].copy_from_slice(&limbs);
+                floor(Turn::from_limbs(all), level)
+            });
+            (limbs.clone(), limbs).prop_map(move |(x, y)| Cell { level, x, y })
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn a_cell_is_found_again_from_its_middle(cell in cells()) {
+            prop_assert_eq!(Cell::around(cell.center(), cell.level), cell);
+        }
+
+        #[test]
+        fn the_image_lies_exactly_opposite(cell in cells()) {
+            let image = cell.mirrored();
+            prop_assert_eq!(image.center(), cell.center().map(|theta| -theta));
+            prop_assert_eq!(image.mirrored(), cell);
+            prop_assert_eq!(image.canonical().0, cell.canonical().0);
+        }
+
+        #[test]
+        fn quarters_lie_inside(cell in cells().prop_filter("not the last", |c| c.level + 1 < DEEPEST)) {
+            let children = cell.children();
+            prop_assert!(children.iter().all(|child| child.parent() == Some(cell)));
+            prop_assert!(children.iter().all(|c| Cell::around(c.center(), cell.level) == cell));
+        }
+    }
+
+    #[test]
+    fn a_region_is_covered_and_no_more() {
+        let region = region([0.3, -0.2], 0.5);
+        let cells = region.cells(4, 1000);
+        let side = side_rad(4);
+        for placed in &cells {
+            for axis in 0..2 {
+                assert!(placed.offset[axis].abs() <= 0.5 + side / 2.0);
+            }
+        }
+        // Any point of the region lies in one of them.
+        for (dx, dy) in [(-0.5, -0.5), (0.5, 0.5), (0.0, 0.1), (-0.49, 0.3)] {
+            let angle = [0.3 + dx, -0.2 + dy].map(Theta::from_f64);
+            let around = Cell::around(angle, 4);
+            assert!(cells.iter().any(|placed| placed.cell == around));
+        }
+    }
+
+    #[test]
+    fn the_torus_repeats() {
+        let wide = region([0.0, 0.0], 4.0).cells(1, 1000);
+        assert_eq!(wide.len(), 16);
+        let home = Cell { level: 1, ..Cell::WHOLE };
+        let offsets: Vec<f64> =
+            wide.iter().filter(|p| p.cell == home).map(|p| p.offset[0]).collect();
+        assert!(offsets.iter().any(|x| *x > 4.0) && offsets.iter().any(|x| *x < 0.0));
+        assert!(region([0.0, 0.0], 4.0).cells(12, 1000).is_empty(), "too many is none");
+    }
+
+    #[test]
+    fn samples_are_the_pixels_of_the_grid() {
+        let cell = Cell { level: 5, x: Turn::from_f64(7.0 / 32.0), y: Turn::from_f64(20.0 / 32.0) };
+        let grid = cell.grid(&Scene::default());
+        for (column, row) in [(0, 0), (127, 127), (5, 90)] {
+            let start = grid.angle_from_pixel(column, row).map(Theta::from_dd);
+            assert_eq!(cell.sample_at(start), [column, row]);
+        }
+        let image = cell.mirrored().grid(&Scene::default());
+        let (here, there) = (grid.angle_from_pixel(3, 9), image.angle_from_pixel(124, 118));
+        assert_eq!(here, there.map(|theta| -theta));
+    }
+}

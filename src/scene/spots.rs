@@ -1,0 +1,60 @@
+//! Where in the lattice the pixels of a deep picture lie.
+//!
+//! Start maps belong to cells of the lattice, never to a picture, a tile or a shard: so a pixel
+//! is a leaf of the lattice and a point in it.
+
+use super::lattice::{Cell, Turn, turn_of};
+use crate::physics::{Dd, Scalar, Theta};
+
+/// Pixels along the side of a leaf, about.
+const LEAF_PIXELS: f64 = 16.0;
+
+/// Pixels by the leaf they lie in: for each its place among all, and its point in [−1, 1]².
+pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
+
+/// The pixels of a grid as places on the torus.
+#[derive(Clone, Debug)]
+pub struct Spots {
+    middle: [Turn; 2],
+    right: [Turn; 2],
+    up: [Turn; 2],
+    /// The leaves' level.
+    level: u32,
+}
+
+impl Spots {
+    /// Of the grid around `center` (rad) whose pixels to the right and up add so much.
+    pub fn new(center: [Theta; 2], right: [Dd; 2], up: [Dd; 2]) -> Self {
+        let from_zero = |by: Dd| turn_of(Theta::from_dd(by)) - turn_of(Theta::ZERO);
+        let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
+        let pixel = (length(right) * length(up)).sqrt();
+        let sides = std::f64::consts::TAU / (LEAF_PIXELS * pixel);
+        Spots {
+            middle: center.map(turn_of),
+            right: right.map(from_zero),
+            up: up.map(from_zero),
+            level: sides.log2().floor().max(0.0) as u32,
+        }
+    }
+
+    /// The leaf of a point `across` pixels right of the centre and `above` over it, and where
+    /// in it that is.
+    fn spot(&self, across: f64, above: f64) -> (Cell, [f64; 2]) {
+        let [across, above] = [across, above].map(Turn::from_f64);
+        let place = [0, 1].map(|i| self.middle[i] + self.right[i] * across + self.up[i] * above);
+        let cell = Cell::at(place, self.level);
+        (cell, cell.point(place))
+    }
+
+    /// Pixels of a picture of `size` by their leaves.
+    pub fn grouped(&self, size: [u32; 2], pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
+        let mut groups = std::collections::BTreeMap::<Cell, Vec<_>>::new();
+        for (place, [column, row]) in (0..).zip(pixels) {
+            let across = f64::from(column) + 0.5 - f64::from(size[0]) / 2.0;
+            let above = f64::from(size[1]) / 2.0 - f64::from(row) - 0.5;
+            let (cell, point) = self.spot(across, above);
+            groups.entry(cell).or_default().push((place, point));
+        }
+        groups.into_iter().collect()
+    }
+}
