@@ -107,7 +107,7 @@ impl Recipe {
 }
 
 /// The distance of starts from which on polynomials save more than they cost, rad (measured).
-const DEEP_BELOW: f64 = 1e-5;
+const DEEP_BELOW: f64 = 1e-4;
 
 /// The number type a pixel is integrated in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -40,7 +40,7 @@ pub struct Sheet {
     pub step: f64,
     /// Turns near the top at which some of the cell flipped, in order.
     pub grazes: Vec<Graze>,
-    /// Whether the middle is beyond the top with each bob, in a graze.
+    /// Whether the middle is beyond the top with each bob, in a graze; never where its way ends.
     beyond: [bool; 2],
 }
 
@@ -190,16 +190,22 @@ impl Sheet {
         tolerance: f64,
         mut reference: Option<&mut (dyn Reference + 'static)>,
     ) -> End {
-        let mut before_pass: Option<Box<Sheet>> = None;
+        // Where the way may end: no start is at the top with any bob, so that what has passed is
+        // told by events alone.
+        let mut clear = self.clone();
+        let mut pass_began: Option<f64> = None;
         let end = loop {
             if self.settled() {
                 return End::Grazed;
             }
-            // A pass that is nearly a graze is seen through.
-            if self.time.0 >= budget && before_pass.is_none() {
-                break End::Over;
+            let is_clear = pass_began.is_none() && self.is_clear(law);
+            if is_clear {
+                clear.clone_from(self);
+                if self.time.0 >= budget {
+                    break End::Over;
+                }
             }
-            if before_pass.as_ref().is_some_and(|b| self.time.0 > b.time.0 + GRAZE_WITHIN) {
+            if pass_began.is_some_and(|began| self.time.0 > began + GRAZE_WITHIN) {
                 break End::Unclear;
             }
             let leap = self.leap(law, reference.as_deref_mut());
@@ -215,25 +221,28 @@ impl Sheet {
                 Meeting::Unclear => break End::Unclear,
                 Meeting::Pass(pass) => return End::Passed(pass),
                 Meeting::NearlyGraze(bob) => {
-                    before_pass = Some(Box::new(self.clone()));
+                    pass_began = Some(self.time.0);
                     self.beyond[bob] = true;
                 }
                 Meeting::Back(bob) => self.beyond[bob] = false,
                 Meeting::Graze(graze, beyond) => {
-                    before_pass = None;
+                    pass_began = None;
                     self.beyond[graze.bob] = beyond;
                     self.grazes.extend(graze.concerns_any().then_some(*graze));
                 }
             }
             self.take(leap, reference.as_deref_mut());
         };
-        match before_pass {
-            Some(before) => {
-                *self = *before;
-                End::Unclear
-            }
-            None => end,
-        }
+        *self = clear;
+        end
+    }
+
+    /// Whether none of it is at the top with a watched bob, or beyond it.
+    fn is_clear(&self, law: &Law) -> bool {
+        law.rule.watched().iter().all(|&bob| {
+            let (x, y) = (&self.phase[2 * bob], &self.phase[2 * bob + 1]);
+            x.middle() > 0.0 || (y.middle().abs() > y.spread() && !self.beyond[bob])
+        })
     }
 
     /// The next step, as long as the middle allows it.

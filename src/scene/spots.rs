@@ -7,7 +7,7 @@ use super::lattice::{Cell, Turn, turn_of};
 use crate::physics::{Dd, Scalar, Theta};
 
 /// Pixels along the side of a leaf, about.
-const LEAF_PIXELS: f64 = 16.0;
+const LEAF_PIXELS: f64 = 8.0;
 
 /// Pixels by the leaf they lie in: for each its place among all, and its point in [−1, 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
@@ -28,7 +28,7 @@ impl Spots {
         let from_zero = |by: Dd| turn_of(Theta::from_dd(by)) - turn_of(Theta::ZERO);
         let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
         let pixel = (length(right) * length(up)).sqrt();
-        let sides = std::f64::consts::TAU / (LEAF_PIXELS * pixel);
+        let leaf: f64 = std::env::var("LEAF").ok().and_then(|t| t.parse().ok()).unwrap_or(LEAF_PIXELS); let sides = std::f64::consts::TAU / (leaf * pixel);
         Spots {
             middle: center.map(turn_of),
             right: right.map(from_zero),

@@ -26,9 +26,11 @@ const LEAST_BELOW: u32 = 12;
 pub const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
 /// What a leaf's polynomials may leave out of its states. What is left out higher up the tree
 /// grows with the cells that are cut, so there it is halved with every level.
-const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-10;
 /// Of charts that check others, with which they have no cut in common.
-const STRICT_TOLERANCE: f64 = 1e-12;
+const STRICT_TOLERANCE: f64 = 3e-13;
+/// For the roundings of a long way.
+const GUARD_BITS: u32 = 12;
 /// Anchors that are kept.
 const MOST_ANCHORS: usize = 64;
 /// Between two looks at whether anybody still waits, reduced time.
@@ -112,20 +114,26 @@ impl Tree {
         if anchors.len() >= MOST_ANCHORS && !anchors.contains_key(&cell) {
             anchors.clear();
         }
-        anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.released(cell)))).clone()
+        anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.anchored(cell)))).clone()
     }
 
-    /// An anchor at rest.
-    fn released(&self, cell: Cell) -> Anchor {
-        let center = cell.center();
-        let exact = center.map(Angle::sin_cos);
+    /// An anchor at rest, with the digits that its cells' differences to it need.
+    fn anchored(&self, cell: Cell) -> Anchor {
+        let node = self.released(cell);
+        let bits = cell.level + f64::MANTISSA_DIGITS + GUARD_BITS;
+        let holds = node.sheet.holds(&self.law, self.tolerance(DEEPEST_BELOW));
+        let reference = holds.then(|| reference(&self.pendulum, cell.center(), bits));
+        let end = (!holds).then_some(End::Spread);
+        Anchor { node, reference, end }
+    }
+
+    /// A cell at rest.
+    fn released(&self, cell: Cell) -> Node {
+        let exact = cell.center().map(Angle::sin_cos);
         let sin_cos = exact.map(|(sin, cos)| (sin.to_f64(), cos.to_f64()));
-        let half = side_rad(cell.level + 1);
-        let sheet = Sheet::release(sin_cos, half);
+        let sheet = Sheet::release(sin_cos, side_rad(cell.level + 1));
         let edge = self.edge(&sheet, exact.map(|(_, cos)| cos));
-        let bits = cell.level + 53 + 12;
-        let reference = (cell.level > 0).then(|| reference(&self.pendulum, center, bits));
-        Anchor { node: Node { sheet, edge: Some(edge) }, reference, end: None }
+        Node { sheet, edge: Some(edge) }
     }
 
     /// How deep in the forbidden region starts at rest are, J.
@@ -155,9 +163,6 @@ impl Tree {
             return Some(None);
         }
         let tolerance = self.tolerance(DEEPEST_BELOW);
-        if anchor.end.is_none() && !anchor.node.sheet.holds(&self.law, tolerance) {
-            anchor.end = Some(End::Spread);
-        }
         loop {
             if let Some(end) = &anchor.end {
                 return Some(Some(end.clone()));
@@ -176,7 +181,7 @@ impl Tree {
     }
 
     fn tolerance(&self, levels_above_leaf: u32) -> f64 {
-        let leaf = if self.strict { STRICT_TOLERANCE } else { TOLERANCE };
+        let leaf = if self.strict { STRICT_TOLERANCE } else { std::env::var("TOL").ok().and_then(|t| t.parse().ok()).unwrap_or(TOLERANCE) };
         leaf * 0.5f64.powi(levels_above_leaf as i32)
     }
 
@@ -193,6 +198,7 @@ impl Tree {
         if cut && !wanted.cancelled.load(Ordering::Relaxed) {
             return self.quartered(&node, cell, leaves, wanted);
         }
+        if std::env::var("DBG").is_ok() { eprintln!("level {} time {:.3} leaves {} end {:?} grazes {}", cell.level, node.sheet.time.0*0.319, leaves.len(), match &end { End::Passed(p)=>format!("passed {} {:e} {:e}",p.time*0.319,p.shift.spread(),p.shift.tail()), e=>format!("{e:?}").chars().take(10).collect()}, node.sheet.grazes.len()); }
         let ended = Arc::new(Ended { sheet: node.sheet, end, edge: node.edge });
         let part = |leaf: &Cell| {
             let half = 0.5f64.powi((leaf.level - cell.level) as i32);
@@ -230,9 +236,11 @@ impl Tree {
         leaves: &[Cell],
         wanted: Wanted,
     ) -> Vec<(Cell, Chart)> {
-        let mut node = Node {
-            sheet: parent.sheet.part(QUARTERS[k], 0.5),
-            edge: parent.edge.map(|edge| edge.part(QUARTERS[k], 0.5)),
+        let mut node = if parent.sheet.time.0 == 0.0 {
+            // Too wide to be described even at rest: nothing to take a part of.
+            self.released(cell)
+        } else {
+            parent.part(QUARTERS[k])
         };
         if !node.settle_edge() {
             return leaves.iter().map(|leaf| (*leaf, Chart::Forbidden)).collect();
@@ -248,6 +256,11 @@ impl Tree {
 }
 
 impl Node {
+    fn part(&self, middle: [f64; 2]) -> Self {
+        let edge = self.edge.map(|edge| edge.part(middle, 0.5));
+        Node { sheet: self.sheet.part(middle, 0.5), edge }
+    }
+
     /// Forgets the forbidden region's edge where it does not cross the cell; false where all of
     /// the cell is forbidden.
     fn settle_edge(&mut self) -> bool {
