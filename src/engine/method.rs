@@ -214,8 +214,8 @@ pub struct Adaptive {
     pub budget: f64,
     /// A pendulum that tries more steps has failed.
     pub most_steps: u32,
-    unit_secs: f64,
-    budget_secs: f64,
+    pub(super) unit_secs: f64,
+    pub(super) budget_secs: f64,
 }
 
 impl Adaptive {

@@ -39,6 +39,7 @@ use crate::physics::{Dd, Outcome, Pendulum, Rule, Status};
 use crate::scene::Scene;
 use crate::scene::lattice::Cell;
 pub use level::Accuracy;
+use method::Pace;
 pub use method::{Method, Precision};
 pub use trust::Trust;
 
@@ -172,6 +173,24 @@ pub struct Job {
     pub starts: Starts,
     /// Whether to hand back the states of those unflipped at the end of the budget.
     pub keep_unfinished: bool,
+}
+
+impl Job {
+    /// How long its steps are.
+    pub fn pace(&self) -> Result<Pace, EngineError> {
+        let pace = Pace::new(&self.question, &self.recipe)?;
+        Ok(match (pace, self.recipe.method, &self.starts) {
+            // Expansions keep their one tolerance.
+            (_, Method::Taylor { .. }, _) => pace,
+            (Pace::Adaptive(adaptive), _, Starts::Moving(_)) => {
+                // Measured on filaments 1e-3 to 1e-22 rad wide.
+                let finer = if self.recipe.precision == Precision::F32 { 200.0 } else { 30.0 };
+                let control = adaptive.control.after_a_cell(finer);
+                Pace::Adaptive(method::Adaptive { control, ..adaptive })
+            }
+            _ => pace,
+        })
+    }
 }
 
 /// The answer to a job.

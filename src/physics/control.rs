@@ -52,6 +52,14 @@ impl Control {
         }
     }
 
+    /// For pendulums that begin where the way of a whole cell ended: all that could grow has
+    /// grown by then, so that the tolerance no longer rises; and what tells neighbours apart is
+    /// smaller than the cell, so that it is so many times `finer` than where it would end.
+    pub fn after_a_cell(self, finer: f64) -> Self {
+        let ceiling = self.ceiling - 2.0 * finer.log2();
+        Control { start: ceiling, rise: 0.0, ceiling, ..self }
+    }
+
     /// log₂ of the squared tolerance at `time`.
     pub fn limit(&self, time: f64) -> f64 {
         (self.start + self.rise * time).min(self.ceiling)

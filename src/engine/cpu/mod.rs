@@ -110,7 +110,7 @@ impl CpuEngine {
 impl Engine for CpuEngine {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
         Self::require(&job.recipe)?;
-        let pace = Pace::new(&job.question, &job.recipe)?;
+        let pace = job.pace()?;
         let starts = start::states(&job)?;
         let count = starts.len();
         let dd = job.recipe.precision == Precision::Dd;

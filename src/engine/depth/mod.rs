@@ -107,11 +107,7 @@ impl<'a> DepthEngine<'a> {
         }
         let (places, states) = moving.into_iter().unzip();
         self.deep.insert(job.id, Awaited { outcomes, moving: places });
-        let key = if job.recipe.precision == super::Precision::F32 { "C32" } else { "C64" };
-        let ceiling = std::env::var(key).ok().and_then(|t| t.parse::<f64>().ok());
-        let method = ceiling.and_then(|c| job.recipe.method.with_tolerance(c.powf(1.5))).unwrap_or(job.recipe.method);
-        let recipe = Recipe { method, ..job.recipe };
-        self.waiting.push_back(Job { starts: Starts::Moving(states), recipe, ..job });
+        self.waiting.push_back(Job { starts: Starts::Moving(states), ..job });
         None
     }
 

@@ -181,7 +181,7 @@ impl Tree {
     }
 
     fn tolerance(&self, levels_above_leaf: u32) -> f64 {
-        let leaf = if self.strict { STRICT_TOLERANCE } else { std::env::var("TOL").ok().and_then(|t| t.parse().ok()).unwrap_or(TOLERANCE) };
+        let leaf = if self.strict { STRICT_TOLERANCE } else { TOLERANCE };
         leaf * 0.5f64.powi(levels_above_leaf as i32)
     }
 
@@ -198,7 +198,6 @@ impl Tree {
         if cut && !wanted.cancelled.load(Ordering::Relaxed) {
             return self.quartered(&node, cell, leaves, wanted);
         }
-        if std::env::var("DBG").is_ok() { eprintln!("level {} time {:.3} leaves {} end {:?} grazes {}", cell.level, node.sheet.time.0*0.319, leaves.len(), match &end { End::Passed(p)=>format!("passed {} {:e} {:e}",p.time*0.319,p.shift.spread(),p.shift.tail()), e=>format!("{e:?}").chars().take(10).collect()}, node.sheet.grazes.len()); }
         let ended = Arc::new(Ended { sheet: node.sheet, end, edge: node.edge });
         let part = |leaf: &Cell| {
             let half = 0.5f64.powi((leaf.level - cell.level) as i32);

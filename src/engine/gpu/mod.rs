@@ -201,9 +201,9 @@ impl GpuEngine {
 }
 
 impl Engine for GpuEngine {
-    fn submit(&mut self, mut job: Job) -> Result<(), EngineError> {
-        if matches!(job.starts, Starts::Moving(_) | Starts::Deep(_)) {
-            job.starts = Starts::Paused(start::states(&job)?);
+    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+        if let Starts::Deep(_) = job.starts {
+            start::states(&job)?;
         }
         self.start(job)
     }

@@ -81,7 +81,7 @@ pub enum Landed {
 impl Slot {
     /// Buffers for `job`, filled; the pendulums at their start.
     pub fn new(gpu: &Gpu, kernel: &Kernel, index: usize, job: Job) -> Result<Self, EngineError> {
-        let pace = Pace::new(&job.question, &job.recipe)?;
+        let pace = job.pace()?;
         let places = places(&kernel.design.state(), job.recipe.precision);
         let head = head(&job, &pace);
         let (buffers, groups) = make_buffers(gpu, kernel, &job, places.len())?;
@@ -263,7 +263,8 @@ impl Slot {
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
         let before: u64 = match &self.job.starts {
             Starts::Paused(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
-            _ => 0,
+            Starts::Rest(_) => 0,
+            _ => start::states(&self.job).iter().flatten().map(|p| u64::from(p.steps)).sum(),
         };
         let steps: u64 = raw.iter().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
         let looks: u64 = raw.iter().map(|raw| u64::from(raw.status >> 8)).sum();
