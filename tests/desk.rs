@@ -205,7 +205,7 @@ fn a_larger_budget_goes_on_from_what_is_known() {
             settle(&mut desktop);
         });
         assert_eq!(
-            format!("{}", desktop.state().state.question.budget),
+            format!("{}", desktop.state().state.question.budget.secs),
             *budgets[budgets.len() - 1]
         );
         counts(&desktop).rhs_evaluations
@@ -213,7 +213,7 @@ fn a_larger_budget_goes_on_from_what_is_known() {
     let (known, raised) = (evaluations(&["30"]), evaluations(&["60"]));
     let anew = {
         let mut document = Document::default();
-        document.question.budget = 60.0;
+        document.question.budget.secs = 60.0;
         counts(&desk(Folders::none(), Some(document))).rhs_evaluations
     };
     assert!(raised > known, "there was more to compute");

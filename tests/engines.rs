@@ -8,7 +8,7 @@ use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{Accuracy, Engine, Method, Precision, Question, Recipe, Starts};
 use flipmap::physics::{Dd, Outcome, Rule, Status};
-use flipmap::scene::{Build, Kind, Question as Asked, Scene, View};
+use flipmap::scene::{Budget, Build, Kind, Question as Asked, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
@@ -83,7 +83,7 @@ fn the_lesson_is_right_where_rk4_at_120_is(make: Make) {
 fn scenes() -> Vec<Scene> {
     let scene = |build: Build, rule: Rule, budget: f64| Scene {
         build,
-        question: Asked { rule, budget },
+        question: Asked { rule, budget: Budget::secs(budget) },
         ..Scene::default()
     };
     let plain = Build::default();
@@ -130,7 +130,7 @@ fn balanced_is_right_for_other_pendulums_and_rules(make: Make) {
         if scene.question.rule == Rule::First {
             // Only starts of high energy can meet it; after 15 s their growth has eaten what f64
             // holds, the gold standard's in f64 too.
-            scene.question.budget = 12.0;
+            scene.question.budget.secs = 12.0;
         }
         let starts = open_starts(&scene, 48, 1);
         let truth = truth(&question(&scene), &starts);
@@ -259,7 +259,7 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
         [([1e-3, 1.0], [1.0, 1.0]), ([1.0, 1e-3], [1.0, 1e-3]), ([1e3, 1.0], [1e-3, 1.0])]
     {
         let build = Build { masses, lengths, ..Build::default() };
-        let asked = Asked { budget: 3.0, ..Asked::default() };
+        let asked = Asked { budget: Budget::secs(3.0), ..Asked::default() };
         let scene = Scene { build, question: asked, ..Scene::default() };
         let starts = open_starts(&scene, 24, 1);
         for recipe in recipes(engine.as_ref()) {

@@ -14,7 +14,7 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{Engine, Precision};
 use flipmap::output::{Painter, RowOrder};
 use flipmap::physics::Rule;
-use flipmap::scene::{Build, Kind, PictureTable, Question, Scene, View};
+use flipmap::scene::{Budget, Build, Kind, PictureTable, Question, Scene, View};
 use flipmap::tiles::Work;
 use image::{GenericImage, Rgb, RgbImage};
 
@@ -31,7 +31,7 @@ struct Golden {
 }
 
 fn goldens() -> Vec<Golden> {
-    let question = |rule, budget| Question { rule, budget };
+    let question = |rule, secs| Question { rule, budget: Budget::secs(secs) };
     let rods = Build { kind: Kind::Rods, ..Build::default() };
     let uneven = Build { masses: [1.0, 2.0], lengths: [1.0, 0.6], ..Build::default() };
     let turned = View {
@@ -164,7 +164,7 @@ fn a_wrong_picture_is_found_out() {
     let moved = RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| *right.get_pixel((x + 3) % SIZE[0], y));
     assert!(quite_wrong(&right, &moved) > golden.wrong);
     let mut budget = goldens().remove(0);
-    budget.scene.question.budget = 20.0;
+    budget.scene.question.budget.secs = 20.0;
     let other = paint(&budget, &mut engine, Precision::F64);
     assert!(quite_wrong(&right, &other) > golden.wrong);
 }

@@ -7,7 +7,7 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Accuracy, Engine, Method, Precision, Recipe, Starts, Trust};
 use flipmap::physics::{Dd, Outcome, Pendulum, Status, gold};
-use flipmap::scene::{Question as Asked, Scene, View};
+use flipmap::scene::{Budget, Question as Asked, Scene, View};
 use rayon::prelude::*;
 
 fn exact() -> TrustEngine<'static> {
@@ -22,7 +22,7 @@ fn balanced() -> Recipe {
 fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
     let center = center.map(str::to_string);
     let view = View { center, width: width.to_string(), ..View::default() };
-    Scene { view, question: Asked { budget, ..Asked::default() }, ..Scene::default() }
+    Scene { view, question: Asked { budget: Budget::secs(budget), ..Asked::default() }, ..Scene::default() }
 }
 
 /// The truth in double-double, from the starts' whole digits.
@@ -119,7 +119,7 @@ fn a_paused_pendulum_cannot_be_checked() {
 #[test]
 fn double_double_answers_every_start_of_a_long_job() {
     let mut scene = Scene::default();
-    scene.question.budget = 2.0;
+    scene.question.budget.secs = 2.0;
     let starts = open_starts(&scene, 12, 1);
     assert!(starts.len() > 80);
     let recipe = Recipe { method: Method::Taylor { tolerance: 1e-25 }, precision: Precision::Dd };

@@ -148,7 +148,7 @@ impl Desk {
 
     /// Tells pins what the map has come to know of their pixels.
     fn tell_pins(&mut self) {
-        let (level, budget_secs) = (self.state.screen().level(), self.state.question.budget);
+        let (level, budget_secs) = (self.state.screen().level(), self.state.question.budget.secs);
         let silent = self.state.pins.iter().filter(|pin| pin.told.is_none());
         let silent: Vec<_> = silent.map(|pin| (pin.id, pin.start)).collect();
         for (id, start) in silent {
@@ -232,7 +232,7 @@ impl Desk {
         let hovered = self.state.pointer.map(|point| {
             let (explorer, level) = (&mut self.room.explorer, screen.level());
             let [start, _] = hover::sample_at(screen.angle_at(point), level);
-            let outcome = hover::outcome_at(explorer, start, level, self.state.question.budget);
+            let outcome = hover::outcome_at(explorer, start, level, self.state.question.budget.secs);
             Hovered { start, outcome }
         });
         map(ui, &self.state, frame, hovered)

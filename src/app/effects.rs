@@ -57,7 +57,7 @@ impl Desk {
 
     fn pin(&mut self, starts: [[Theta; 2]; 2]) {
         let level = self.state.screen().level();
-        let budget_secs = self.state.question.budget;
+        let budget_secs = self.state.question.budget.secs;
         let told = hover::outcome_at(&mut self.room.explorer, starts[0], level, budget_secs);
         let wake = Arc::clone(&self.wake);
         match self.state.pins.add(starts, told, move || wake()) {
@@ -124,7 +124,7 @@ impl Desk {
         let document = self.state.document();
         let (screen, scene) = (self.state.screen(), document.scene());
         let tones =
-            Tones::new(&document.picture, scene.build.unit_secs(), scene.question.budget).ok();
+            Tones::new(&document.picture, scene.build.unit_secs(), scene.question.budget.secs).ok();
         let rgb = tones.map(|tones| seen::thumbnail(&screen, &mut self.room.explorer, &tones));
         let size = seen::THUMBNAIL;
         let rgb = rgb.unwrap_or_else(|| vec![0x80; (3 * size[0] * size[1]) as usize]);

@@ -189,7 +189,8 @@ impl State {
         let pointer = self.pointer.map(|point| screen.offset_at(point).to_array());
         let physics =
             Physics { build: self.build, rule: self.question.rule, recipe, verified: self.verify };
-        let budget_secs = self.question.budget;
+        let width_rad = screen.camera.width_rad;
+        let budget_secs = self.question.budget.for_width(&self.build, width_rad).secs;
         Aim { physics, budget_secs, region: screen.region(), level: screen.level(), pointer }
     }
 
@@ -204,6 +205,8 @@ impl State {
                 self.moving = None;
             }
         }
+        let width_rad = self.target().width_rad;
+        self.question.budget = self.question.budget.for_width(&self.build, width_rad);
         if self.moving.is_none() && !self.dragging {
             self.history.visit(self.camera);
         }
@@ -355,6 +358,8 @@ impl State {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::scene::Budget;
+    use crate::physics::Scalar;
     use crate::engine::{Method, Precision};
 
     /// The home scene in a window.
@@ -430,7 +435,7 @@ pub(super) mod tests {
         assert_eq!(state.target(), before);
         let paste = Action::Paste("flipmap:center=-1.66,0.1;width=0.4;budget=60".to_string());
         assert_eq!(state.apply(paste), Some(Effect::Relaunch));
-        assert_eq!((state.question.budget, state.target().width_rad), (60.0, 0.4));
+        assert_eq!((state.question.budget.secs, state.target().width_rad), (60.0, 0.4));
     }
 
     #[test]
@@ -471,7 +476,7 @@ pub(super) mod tests {
         state.apply(Action::Picture(picture));
         state.apply(Action::Layers(Layers { grid: true, ..state.layers }));
         assert_eq!(state.aim(recipe), before);
-        let question = Question { budget: 60.0, ..state.question };
+        let question = Question { budget: Budget::secs(60.0), ..state.question };
         assert_eq!(state.apply(Action::Scene(state.build, question)), Some(Effect::Relaunch));
         assert_ne!(state.aim(recipe), before);
     }

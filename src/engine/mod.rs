@@ -60,7 +60,7 @@ impl From<&Scene> for Question {
         Question {
             pendulum: scene.build.pendulum(),
             rule: scene.question.rule,
-            budget_secs: scene.question.budget,
+            budget_secs: scene.question.budget.secs,
         }
     }
 }

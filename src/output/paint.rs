@@ -23,7 +23,7 @@ impl Painter {
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let Scene { build, question, .. } = scene;
         Ok(Painter {
-            tones: Tones::new(picture, build.unit_secs(), question.budget)?,
+            tones: Tones::new(picture, build.unit_secs(), question.budget.secs)?,
             curve: picture.curve && build.pendulum().q > 0.0,
             samples_along: picture.samples,
             grid: Grid::new(scene, size),

@@ -96,7 +96,7 @@ impl RenderState {
         differ("rule", kept.question.rule.to_string(), now.question.rule.to_string())?;
         differ("view", line(&kept.view), line(&now.view))?;
         differ("size", line(&kept.run.size), line(&now.run.size))?;
-        let (kept, now) = (kept.question.budget, now.question.budget);
+        let (kept, now) = (kept.question.budget.secs, now.question.budget.secs);
         if now < kept { Err(StateError::Further { kept, now }) } else { Ok(()) }
     }
 
@@ -148,7 +148,7 @@ mod tests {
         let home = Document::default();
         state.check_scene(&home).unwrap();
         let mut later = home.clone();
-        later.question.budget = 60.0;
+        later.question.budget.secs = 60.0;
         state.check_scene(&later).unwrap();
         type Change = fn(&mut Document);
         let changes: [(&str, Change); 5] = [
@@ -156,7 +156,7 @@ mod tests {
             ("rule", |document| document.question.rule = crate::physics::Rule::First),
             ("view", |document| document.view.width = "1".to_string()),
             ("size", |document| document.run.size = Some([1, 2])),
-            ("30 s already", |document| document.question.budget = 20.0),
+            ("30 s already", |document| document.question.budget.secs = 20.0),
         ];
         for (word, change) in changes {
             let mut other = home.clone();

@@ -4,6 +4,7 @@
 //! their pendulums and questions are equal; the view only says which starts are asked for.
 //! [`Document`] is a scene as people keep it: a TOML file, or the text inside a PNG.
 
+mod budget;
 mod built_in;
 mod document;
 mod grid;
@@ -16,6 +17,7 @@ mod spots;
 mod view;
 mod words;
 
+pub use budget::Budget;
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
@@ -87,12 +89,12 @@ pub struct Question {
     /// Which bob is watched.
     pub rule: Rule,
     /// Simulated seconds a pixel may use.
-    pub budget: f64,
+    pub budget: Budget,
 }
 
 impl Default for Question {
     fn default() -> Self {
-        Question { rule: Rule::Second, budget: 30.0 }
+        Question { rule: Rule::Second, budget: Budget::default() }
     }
 }
 
@@ -121,7 +123,7 @@ pub struct SceneError {
 
 impl Scene {
     /// Checks every number, so that nothing after this needs to.
-    pub fn checked(self) -> Result<Self, SceneError> {
+    pub fn checked(mut self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
         let refuse = |option, value: f64, range| {
             Err(SceneError { option, value: format!("{value:?}"), range })
@@ -136,10 +138,12 @@ impl Scene {
         if !(gravity == 0.0 || WIDE.contains(&gravity)) {
             return refuse("--gravity", gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
         }
-        if !(1e-9..=1e6).contains(&self.question.budget) {
-            return refuse("--budget", self.question.budget, "it must lie between 1e-9 and 1e6 s");
-        }
         self.view.check()?;
+        self.question.budget = self.question.budget.for_view(&self.build, &self.view);
+        let budget = self.question.budget.secs;
+        if !(1e-9..=1e6).contains(&budget) {
+            return refuse("--budget", budget, "it must lie between 1e-9 and 1e6 s, or be auto");
+        }
         Ok(self)
     }
 }

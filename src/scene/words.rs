@@ -75,7 +75,8 @@ impl Word {
             }
             Word::Stretch => view.stretch = number("it must be a number between 1e-6 and 1e6")?,
             Word::Budget => {
-                question.budget = number("it must be a number of seconds between 1e-9 and 1e6")?;
+                let range = "it must be auto or a number of seconds between 1e-9 and 1e6";
+                question.budget = text.parse().map_err(|()| range)?;
             }
             Word::Rule => {
                 question.rule =

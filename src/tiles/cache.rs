@@ -175,23 +175,25 @@ impl Cache {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::Scalar;
+    use crate::scene::lattice::Turn;
     use crate::engine::NUMBERS;
 
-    fn cell(x: u128) -> Cell {
-        Cell { level: 10, x, y: 0 }
+    fn cell(x: u32) -> Cell {
+        Cell { level: 10, x: Turn::from_f64(x as f64 / 1024.0), y: Turn::ZERO }
     }
 
-    fn fill(cache: &mut Cache, x: u128, paused: usize) {
+    fn fill(cache: &mut Cache, x: u32, paused: usize) {
         let state = Paused { steps: 0, numbers: [0.0; NUMBERS] };
         let paused = (0..paused as u32).map(|place| (place, state)).collect();
         cache.insert(0, cell(x), Samples::unflipped(SAMPLES), 30.0, paused);
     }
 
-    fn want(cache: &mut Cache, cells: std::ops::Range<u128>) {
+    fn want(cache: &mut Cache, cells: std::ops::Range<u32>) {
         cache.want(0, cells.map(cell));
     }
 
-    fn paused(cache: &Cache, x: u128) -> usize {
+    fn paused(cache: &Cache, x: u32) -> usize {
         cache.peek(0, cell(x)).unwrap().paused.len()
     }
 

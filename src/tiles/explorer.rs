@@ -16,7 +16,7 @@ use super::order;
 use super::samples::{Counts, Samples};
 use crate::engine::{Engine, EngineError, Paused, Question, Recipe, Trust, Wait};
 use crate::physics::{Outcome, Rule, Status};
-use crate::scene::{self, Build, Grouped, Scene};
+use crate::scene::{self, Budget, Build, Grouped, Scene};
 
 /// What decides a pixel's answer, but for the budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -406,6 +406,6 @@ fn question(aim: &Aim) -> Question {
 
 /// The aim's pendulum and question; the view is the lattice's affair.
 fn scene_of(aim: &Aim) -> Scene {
-    let question = scene::Question { rule: aim.physics.rule, budget: aim.budget_secs };
+    let question = scene::Question { rule: aim.physics.rule, budget: Budget::secs(aim.budget_secs) };
     Scene { build: aim.physics.build, question, ..Scene::default() }
 }

@@ -14,9 +14,9 @@ use flipmap::app::camera::{Camera, Screen};
 use flipmap::app::hover::sample_at;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{Method, Precision, Question, Recipe};
-use flipmap::physics::{Dd, Outcome, Status};
+use flipmap::physics::{Dd, Outcome, Scalar, Status, Theta};
 use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
-use flipmap::scene::{Build, Fate, Grid, PictureTable, Question as Asked, Scale, Scene};
+use flipmap::scene::{Budget, Build, Fate, Grid, PictureTable, Question as Asked, Scale, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer, Physics};
 use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
@@ -40,18 +40,18 @@ const LEVEL: u32 = 5;
 const PLAIN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 fn scene(budget: f64) -> Scene {
-    Scene { question: Asked { budget, ..Asked::default() }, ..Scene::default() }
+    Scene { question: Asked { budget: Budget::secs(budget), ..Asked::default() }, ..Scene::default() }
 }
 
 /// A corner of four cells in whose surroundings starts are forbidden, flip, and flip late.
-fn middle() -> [Dd; 2] {
-    let cell = Cell::around([Dd::new(1.2), Dd::new(1.0)], LEVEL);
-    let half = side_rad(LEVEL) / Dd::new(2.0);
+fn middle() -> [Theta; 2] {
+    let cell = Cell::around([1.2, 1.0].map(Theta::from_f64), LEVEL);
+    let half = Theta::from_f64(side_rad(LEVEL) / 2.0);
     cell.center().map(|theta| theta + half)
 }
 
 /// A screen on which a sample of the level is a pixel.
-fn screen(center: [Dd; 2], level: u32) -> Screen {
+fn screen(center: [Theta; 2], level: u32) -> Screen {
     let width_rad = f64::from(SIZE[0]) * pitch_rad(level);
     Screen {
         camera: Camera { center, width_rad, rotate_deg: 0.0, stretch: 1.0 },
@@ -65,7 +65,7 @@ fn aim(screen: &Screen, scene: &Scene) -> Aim {
     let (build, rule) = (scene.build, scene.question.rule);
     Aim {
         physics: Physics { build, rule, recipe, verified: false },
-        budget_secs: scene.question.budget,
+        budget_secs: scene.question.budget.secs,
         region: screen.region(),
         level: screen.level(),
         pointer: None,
@@ -96,7 +96,7 @@ fn outcome(fate: Fate, scene: &Scene) -> Outcome {
 
 /// The colours that the processor paints, from starts and not from tiles.
 fn painted(screen: &Screen, scene: &Scene, picture: &PictureTable) -> Vec<Rgb> {
-    let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget).unwrap();
+    let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget.secs).unwrap();
     let grid = grid(screen, scene);
     let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
     pixels.map(|(x, y)| tones.colour(&outcome(grid.fate(x, y), scene))).collect()
@@ -313,7 +313,7 @@ mod checks {
     pub fn no_pixel_is_left_out() {
         let (scene, picture) = (scene(60.0), &pictures()[0]);
         let tones = Tones::new(picture, scene.build.unit_secs(), 60.0).unwrap();
-        let seam = [Dd::PI, Dd::new(-3.0)];
+        let seam = [Theta::pi(), Theta::from_f64(-3.0)];
         for (center, width_rad, rotate_deg, stretch) in [
             (seam, 0.7, 0.0, 1.0),
             (seam, 0.53, 30.0, 1.3),

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{Job, Method, Precision, Question, Recipe};
-use flipmap::physics::{Dd, Outcome, Rule, Status};
+use flipmap::physics::{Scalar, Theta, Outcome, Rule, Status};
 use flipmap::scene::{Build, Fate, Question as Asked, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
@@ -25,11 +25,11 @@ pub fn physics(gravity: f64) -> Physics {
 
 /// A view two or three cells wide.
 pub fn aim(center: [f64; 2], level: u32) -> Aim {
-    let half = 0.7 * side_rad(level).hi;
+    let half = 0.7 * side_rad(level);
     Aim {
         physics: physics(9.81),
         budget_secs: 30.0,
-        region: Region { center: center.map(Dd::new), half_rad: [half, 0.8 * half] },
+        region: Region { center: center.map(Theta::from_f64), half_rad: [half, 0.8 * half] },
         level,
         pointer: None,
     }
@@ -105,7 +105,7 @@ pub fn wrong(explorer: &mut Explorer, aim: &Aim, cell: Cell) -> Option<usize> {
 }
 
 /// The level and cell from which a job's first start comes, among some levels.
-pub fn cell_of(angle: [Dd; 2], levels: &[u32]) -> Cell {
+pub fn cell_of(angle: [Theta; 2], levels: &[u32]) -> Cell {
     let fits = |level: &&u32| {
         let cell = Cell::around(angle, **level);
         let [column, row] = cell.sample_at(angle);

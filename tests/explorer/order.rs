@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 use flipmap::engine::Engine;
-use flipmap::physics::Dd;
+use flipmap::physics::{Scalar, Theta};
 use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
 
@@ -26,7 +26,7 @@ fn distances(aim: &Aim, region: &Region, level: u32) -> HashMap<Cell, f64> {
 #[test]
 fn coarse_comes_first_then_what_is_near_then_the_ring() {
     // Five by three cells, whose neighbours are less than half a cell away.
-    let (middle, side) = (Cell::around([Dd::new(2.0), Dd::new(1.0)], 9), side_rad(9).hi);
+    let (middle, side) = (Cell::around([2.0, 1.0].map(Theta::from_f64), 9), side_rad(9));
     let [x, y] = [2.3 * side, 1.2 * side];
     let region = Region { center: middle.center(), half_rad: [x, y] };
     let wide = Aim { region, ..lively(9) };
@@ -81,7 +81,7 @@ fn what_is_still_useful_flies_on() {
     explorer.aim(aim);
     for _ in 0..20 {
         frame(&mut explorer, &mut engine);
-        aim.region.center[0] = aim.region.center[0] + Dd::new(0.02 * side_rad(12).hi);
+        aim.region.center[0] = aim.region.center[0] + Theta::from_f64(0.02 * side_rad(12));
         explorer.aim(aim);
     }
     explorer.work(&mut engine, None).unwrap();

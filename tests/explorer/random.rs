@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use flipmap::engine::Engine;
 use flipmap::engine::mock::MockEngine;
-use flipmap::physics::Dd;
+use flipmap::physics::{Scalar, Theta};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer};
 use flipmap::scene::lattice::side_rad;
@@ -63,7 +63,7 @@ impl Session {
 
     fn look(&mut self, change: impl FnOnce(&mut Aim)) {
         change(&mut self.aim);
-        let half = 0.7 * side_rad(self.aim.level).hi;
+        let half = 0.7 * side_rad(self.aim.level);
         self.aim.region.half_rad = [half, 0.8 * half];
         self.explorer.aim(self.aim);
     }
@@ -78,17 +78,17 @@ impl Session {
     }
 
     fn act(&mut self, action: &Action) {
-        let side = side_rad(self.aim.level).hi;
+        let side = side_rad(self.aim.level);
         match *action {
             Action::Pan(by) => self.look(|aim| {
                 let center = aim.region.center;
-                aim.region.center = [0, 1].map(|i| (center[i] + Dd::new(by[i] * side)).wrapped());
+                aim.region.center = [0, 1].map(|i| (center[i] + Theta::from_f64(by[i] * side)).wrapped());
             }),
             Action::Zoom(by) => {
                 self.look(|aim| aim.level = aim.level.saturating_add_signed(by).min(90));
             }
             Action::Jump(to, level) => self.look(|aim| {
-                (aim.region.center, aim.level) = (to.map(Dd::new), level);
+                (aim.region.center, aim.level) = (to.map(Theta::from_f64), level);
             }),
             Action::Gravity(gravity) => self.look(|aim| aim.physics = physics(gravity)),
             Action::Budget(secs) => self.look(|aim| aim.budget_secs = secs),

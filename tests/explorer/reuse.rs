@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use flipmap::physics::{Dd, Outcome, Status};
+use flipmap::physics::{Scalar, Theta, Outcome, Status};
 use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
 
@@ -14,7 +14,7 @@ use super::ledger::Ledger;
 fn a_view_seen_before_is_not_computed_again() {
     let mut engine = Ledger::default();
     let mut explorer = explored(lively(6), &mut engine);
-    let side = side_rad(6).hi;
+    let side = side_rad(6);
     let path: Vec<Aim> = (1..6)
         .map(|step| aim([2.0 + 0.9 * side * f64::from(step), 1.0], 6))
         .chain((1..4).map(|zoom| aim([2.0, 1.0], 6 + zoom)))
@@ -112,7 +112,7 @@ fn mirror_images_are_computed_once() {
     assert!(in_view(&image).into_iter().all(|cell| wrong(&mut explorer, &image, cell) == Some(0)));
     // A view that holds the images of its own cells: half of them is enough.
     let middle = Aim { region: Region { half_rad: [2.5; 2], ..image.region }, ..aim([0.0; 2], 4) };
-    let middle = Aim { region: Region { center: [Dd::new(0.0); 2], ..middle.region }, ..middle };
+    let middle = Aim { region: Region { center: [Theta::ZERO; 2], ..middle.region }, ..middle };
     let mut engine = Ledger::default();
     explored(middle, &mut engine);
     let cells = cells_of(&engine.jobs, &[0, 2, 4]);
@@ -184,7 +184,7 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
 #[test]
 fn what_is_in_view_stays_where_there_is_no_room_for_more() {
     // Nothing here is paused, so that every tile is as large as any other.
-    let path = (0..6).map(|step| aim([2.0 + 0.5 * side_rad(8).hi * f64::from(step), 0.5], 8));
+    let path = (0..6).map(|step| aim([2.0 + 0.5 * side_rad(8) * f64::from(step), 0.5], 8));
     let mut engine = Ledger::default();
     let most = path.clone().map(|aim| explored(aim, &mut engine).bytes()).max();
     let mut explorer = Explorer::new(most.expect("several views"));

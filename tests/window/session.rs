@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use flipmap::physics::Dd;
+use flipmap::physics::{Scalar, Theta};
 use flipmap::scene::{Scene, location};
 use image::RgbImage;
 use rustix::process::{Pid, Signal, kill_process};
@@ -59,7 +59,7 @@ impl Told {
     }
 
     /// Where its middle is.
-    pub fn center_rad(&self) -> [Dd; 2] {
+    pub fn center_rad(&self) -> [Theta; 2] {
         self.scene().view.center_rad()
     }
 
@@ -92,7 +92,7 @@ impl Told {
     pub fn angle_at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [width, height] = self.map_px();
         let pixel_rad = self.width_rad() / width;
-        let center = self.center_rad().map(|theta| theta.hi);
+        let center = self.center_rad().map(Theta::to_f64);
         [center[0] + (x - width / 2.0) * pixel_rad, center[1] - (y - height / 2.0) * pixel_rad]
     }
 }

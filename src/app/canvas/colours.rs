@@ -13,13 +13,13 @@ pub fn colours(
     question: &Question,
     trust: bool,
 ) -> Result<(Uniforms, Vec<u8>), SceneError> {
-    let tones = Tones::new(picture, build.unit_secs(), question.budget)?;
+    let tones = Tones::new(picture, build.unit_secs(), question.budget.secs)?;
     let lookup = tones.lookup(TABLE_ENTRIES);
     let octaves = (lookup.last_secs / lookup.first_secs).log2();
     let uniforms = Uniforms {
         first_log2: lookup.first_secs.log2() as f32,
         entries_per_octave: ((TABLE_ENTRIES - 1) as f64 / octaves) as f32,
-        budget_log2: question.budget.log2() as f32,
+        budget_log2: question.budget.secs.log2() as f32,
         trust: u32::from(trust),
         unflipped: linear(UNFLIPPED),
         forbidden: linear(FORBIDDEN),
@@ -53,7 +53,7 @@ mod tests {
         let stretched =
             PictureTable { times: vec![0.5, 3.0, 4.0, 40.0], reverse: true, ..plain.clone() };
         for picture in [plain, stretched] {
-            let tones = Tones::new(&picture, build.unit_secs(), question.budget).unwrap();
+            let tones = Tones::new(&picture, build.unit_secs(), question.budget.secs).unwrap();
             let (uniforms, table) = colours(&picture, &build, &question, false).unwrap();
             assert_eq!(table.len(), 4 * TABLE_ENTRIES);
             for secs in [1e-3, 0.31, 0.77, 2.0, 3.5, 17.0, 29.9, 30.0, 1e3] {

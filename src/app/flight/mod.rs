@@ -249,7 +249,7 @@ mod tests {
 
         let wakes = Arc::new(AtomicUsize::new(0));
         let counted = wakes.clone();
-        let flight = Flight::launch(long, start, start, move || {
+        let flight = Flight::launch(long, start.map(Theta::from_dd), start.map(Theta::from_dd), move || {
             counted.fetch_add(1, Ordering::Relaxed);
         });
         drop(flight);

@@ -25,7 +25,7 @@ pub fn colours_panel(
     question: &Question,
     has_samples: bool,
 ) -> Option<ColourAction> {
-    let Ok(tones) = Tones::new(picture, build.unit_secs(), question.budget) else {
+    let Ok(tones) = Tones::new(picture, build.unit_secs(), question.budget.secs) else {
         return back(ui, picture);
     };
     let mut new = picture.clone();

@@ -4,7 +4,7 @@ use egui::{Grid, Ui};
 
 use super::field::number;
 use crate::physics::Rule;
-use crate::scene::{Build, Kind, Question, Scene};
+use crate::scene::{Budget, Build, Kind, Question, Scene};
 
 /// What a mass or a length can be, kg or m.
 const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
@@ -57,6 +57,9 @@ fn pair(ui: &mut Ui, names: [&str; 2], unit: &str, values: &mut [f64; 2]) {
     }
 }
 
+const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay together: 3.3 s more for \
+                       each zoom by ten (of the default pendulum), in steps of 10 s";
+
 fn asked(ui: &mut Ui, question: &mut Question) {
     ui.label("Rule").on_hover_text("Which bob must flip over the top");
     ui.horizontal(|ui| {
@@ -70,8 +73,11 @@ fn asked(ui: &mut Ui, question: &mut Question) {
         }
     });
     ui.end_row();
-    if let Some(budget) = number(ui, "Budget", " s", question.budget, 1e-9..=1e6) {
-        question.budget = budget;
+    if let Some(secs) = number(ui, "Budget", " s", question.budget.secs, 1e-9..=1e6) {
+        question.budget = Budget::secs(secs);
     }
+    ui.end_row();
+    ui.label("");
+    ui.checkbox(&mut question.budget.auto, "Follow the depth").on_hover_text(FOLLOWS);
     ui.end_row();
 }

@@ -1,0 +1,127 @@
+//! How long a pixel may fall: so many seconds, or as long as the depth of the view needs.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::{Build, View};
+use crate::physics::Scalar;
+
+/// Simulated seconds a pixel may use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Budget {
+    /// How many.
+    pub secs: f64,
+    /// Whether they follow the view's width.
+    pub auto: bool,
+}
+
+/// What the home map has, in units of the default pendulum's time (30 s).
+const LEAST_UNITS: f64 = 93.96;
+/// Neighbours move apart by at most about 0.3 decades a second: until those of a view ten times
+/// smaller are as far apart, and flip as differently, it takes 3.3 s more (10.4 units).
+const UNITS_A_DECADE: f64 = 10.44;
+/// Budgets grow in steps, so that moving a little computes nothing anew.
+const STEP_UNITS: f64 = 31.32;
+
+impl Budget {
+    /// So many seconds.
+    pub const fn secs(secs: f64) -> Self {
+        Budget { secs, auto: false }
+    }
+
+    /// The same, following the width of a view if it is to.
+    pub fn for_width(self, build: &Build, width_rad: f64) -> Self {
+        if !self.auto {
+            return self;
+        }
+        let decades = (std::f64::consts::TAU / width_rad).log10();
+        let steps = ((UNITS_A_DECADE * decades).max(LEAST_UNITS) / STEP_UNITS).ceil();
+        let secs = steps * STEP_UNITS * build.unit_secs();
+        // Of the default pendulum whole seconds.
+        Budget { secs: (secs * 100.0).round() / 100.0, auto: true }
+    }
+
+    /// The same for a checked view.
+    pub fn for_view(self, build: &Build, view: &View) -> Self {
+        self.for_width(build, view.width_rad().to_f64())
+    }
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Budget::secs(30.0)
+    }
+}
+
+/// What stands in files, lines and options.
+impl std::fmt::Display for Budget {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.auto { f.write_str("auto") } else { self.secs.fmt(f) }
+    }
+}
+
+impl std::str::FromStr for Budget {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        match text.trim() {
+            "auto" => Ok(Budget { auto: true, ..Budget::default() }),
+            secs => secs.parse().map(Budget::secs).map_err(|_| ()),
+        }
+    }
+}
+
+impl Serialize for Budget {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.auto { serializer.serialize_str("auto") } else { self.secs.serialize(serializer) }
+    }
+}
+
+impl<'de> Deserialize<'de> for Budget {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Either;
+        impl serde::de::Visitor<'_> for Either {
+            type Value = Budget;
+            fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+                f.write_str("a number of seconds or \"auto\"")
+            }
+            fn visit_f64<E>(self, secs: f64) -> Result<Budget, E> {
+                Ok(Budget::secs(secs))
+            }
+            fn visit_i64<E>(self, secs: i64) -> Result<Budget, E> {
+                Ok(Budget::secs(secs as f64))
+            }
+            fn visit_u64<E>(self, secs: u64) -> Result<Budget, E> {
+                Ok(Budget::secs(secs as f64))
+            }
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Budget, E> {
+                let wrong = || E::invalid_value(serde::de::Unexpected::Str(text), &self);
+                if text == "auto" { text.parse().map_err(|()| wrong()) } else { Err(wrong()) }
+            }
+        }
+        deserializer.deserialize_any(Either)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn automatic_budgets_grow_with_depth_in_steps() {
+        let auto: Budget = "auto".parse().unwrap();
+        let secs = |width| auto.for_width(&Build::default(), width).secs;
+        assert_eq!((secs(6.28), secs(1e-7)), (30.0, 30.0));
+        assert_eq!((secs(1e-20), secs(1e-50), secs(1e-100)), (70.0, 170.0, 340.0));
+        let moon = Build { gravity: 9.81 / 4.0, ..Build::default() };
+        assert_eq!(auto.for_width(&moon, 1.0).secs, 60.0);
+        assert_eq!(Budget::secs(7.0).for_width(&moon, 1e-50).secs, 7.0);
+    }
+
+    #[test]
+    fn budgets_are_written_as_they_are_read() {
+        for text in ["auto", "30", "0.5"] {
+            assert_eq!(text.parse::<Budget>().unwrap().to_string(), text);
+        }
+        assert!("long".parse::<Budget>().is_err());
+    }
+}
