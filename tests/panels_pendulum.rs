@@ -12,7 +12,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use flipmap::app::panels::pendulum::pendulum_panel;
 use flipmap::app::pins::{PinAction, PinId, Pins};
 use flipmap::engine::Trust;
-use flipmap::physics::{Dd, Outcome, Scalar, Status, Theta};
+use flipmap::physics::{Outcome, Scalar, Status, Theta};
 use flipmap::scene::{Build, Kind, Scene};
 
 /// The panel's state, and all that was asked of it so far.
@@ -168,7 +168,8 @@ fn the_map_is_held_against_the_flight() {
 #[test]
 fn a_pin_without_news_from_its_flight_is_shown_too() {
     let mut pins = Pins::new(&Scene::default());
-    pins.add([[2.2, 1.4], [2.3, 1.4]].map(|start| start.map(Theta::from_f64)), None, || ()).unwrap();
+    pins.add([[2.2, 1.4], [2.3, 1.4]].map(|start| start.map(Theta::from_f64)), None, || ())
+        .unwrap();
     let shown = harness(pins, Theme::Light);
     shown.get_by_label("Pendulum A is being let go");
     assert_eq!(shown.query_all_by_label("flying, 0 s so far").count(), 2, "pendulum and ghost");

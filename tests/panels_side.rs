@@ -17,7 +17,9 @@ use flipmap::app::panels::scene::scene_panel;
 use flipmap::app::places::Places;
 use flipmap::output::Picture;
 use flipmap::physics::Rule;
-use flipmap::scene::{Build, BuiltIn, Document, Kind, PictureTable, Question, Scale, Scene};
+use flipmap::scene::{
+    Budget, Build, BuiltIn, Document, Kind, PictureTable, Question, Scale, Scene,
+};
 
 /// A panel's state, and all that was asked of it so far.
 struct Shown<S, A> {
@@ -134,7 +136,7 @@ fn the_scene_follows_what_is_pressed_and_typed() {
     type_over(&mut harness, "Budget", "60");
     let (build, question) = harness.state().state;
     assert_eq!((build.kind, build.masses, build.gravity), (Kind::Rods, [1.0, 2.5], 1.62));
-    assert_eq!(question, Question { rule: Rule::Either, budget: 60.0 });
+    assert_eq!(question, Question { rule: Rule::Either, budget: Budget::secs(60.0) });
     assert_eq!(harness.state().asked.len(), 5, "one answer a change");
     press(&mut harness, "Back to the home pendulum");
     assert_eq!(harness.state().state, (Build::default(), Question::default()));

@@ -22,7 +22,11 @@ fn balanced() -> Recipe {
 fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
     let center = center.map(str::to_string);
     let view = View { center, width: width.to_string(), ..View::default() };
-    Scene { view, question: Asked { budget: Budget::secs(budget), ..Asked::default() }, ..Scene::default() }
+    Scene {
+        view,
+        question: Asked { budget: Budget::secs(budget), ..Asked::default() },
+        ..Scene::default()
+    }
 }
 
 /// The truth in double-double, from the starts' whole digits.

@@ -4,8 +4,8 @@
 use glam::{DMat2, DVec2};
 
 use crate::physics::{Scalar, Theta};
-use crate::scene::{LEAST_WIDTH, View};
 use crate::scene::lattice::{DEEPEST, Region, pitch_rad};
+use crate::scene::{LEAST_WIDTH, View};
 
 /// A view as numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,10 @@ impl Camera {
     /// The camera with the centre moved by an offset in rad.
     pub fn moved(&self, by_rad: DVec2) -> Self {
         let by = by_rad.to_array();
-        Camera { center: [0, 1].map(|i| (self.center[i] + Theta::from_f64(by[i])).wrapped()), ..*self }
+        Camera {
+            center: [0, 1].map(|i| (self.center[i] + Theta::from_f64(by[i])).wrapped()),
+            ..*self
+        }
     }
 
     /// The camera zoomed by a factor about a point at an offset from the centre, rad.

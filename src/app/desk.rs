@@ -232,7 +232,8 @@ impl Desk {
         let hovered = self.state.pointer.map(|point| {
             let (explorer, level) = (&mut self.room.explorer, screen.level());
             let [start, _] = hover::sample_at(screen.angle_at(point), level);
-            let outcome = hover::outcome_at(explorer, start, level, self.state.question.budget.secs);
+            let outcome =
+                hover::outcome_at(explorer, start, level, self.state.question.budget.secs);
             Hovered { start, outcome }
         });
         map(ui, &self.state, frame, hovered)

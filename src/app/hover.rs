@@ -2,8 +2,8 @@
 
 use crate::engine::Trust;
 use crate::physics::{Outcome, Scalar, Status, Theta};
-use crate::tiles::explorer::Explorer;
 use crate::scene::lattice::{Cell, SIDE, side, theta_of};
+use crate::tiles::explorer::Explorer;
 
 /// The start of the sample of a level that is drawn at an angle, and of the next one to the right.
 pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
@@ -33,7 +33,11 @@ pub fn outcome_at(
 }
 
 /// What is known of the sample at an angle inside a cell.
-pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<(Outcome, Trust)> {
+pub fn known_at(
+    explorer: &mut Explorer,
+    cell: Cell,
+    angle: [Theta; 2],
+) -> Option<(Outcome, Trust)> {
     let [column, row] = cell.sample_at(angle);
     let (known, mirrored) = explorer.known(cell)?;
     let place = (row * SIDE + column) as usize;

@@ -6,8 +6,8 @@ use glam::DVec2;
 use super::camera::Screen;
 use crate::physics::{Angle, Rule, Scalar, Theta};
 use crate::scene::Build;
-use crate::tiles::explorer::MOST_CELLS;
 use crate::scene::lattice::side_rad;
+use crate::tiles::explorer::MOST_CELLS;
 
 /// Points between the nodes at which the energy is looked at.
 const CURVE_NODE: f64 = 8.0;
@@ -334,7 +334,8 @@ mod tests {
             let lines = grid_lines(&screen);
             assert!((2..=20).contains(&lines.len()), "{} at {width_rad:e}", lines.len());
             for line in lines {
-                let Some(share) = line.name.replace('−', "-").strip_suffix('π').and_then(Theta::parse)
+                let Some(share) =
+                    line.name.replace('−', "-").strip_suffix('π').and_then(Theta::parse)
                 else {
                     continue;
                 };

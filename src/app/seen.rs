@@ -5,9 +5,9 @@ use glam::DVec2;
 use super::camera::Screen;
 use super::hover::known_at;
 use crate::physics::{Outcome, Status};
+use crate::scene::lattice::Cell;
 use crate::scene::palette::Tones;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
-use crate::scene::lattice::Cell;
 
 /// Width and height of a bookmark's picture in pixels.
 pub const THUMBNAIL: [u32; 2] = [192, 144];

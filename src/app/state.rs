@@ -358,9 +358,9 @@ impl State {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::scene::Budget;
-    use crate::physics::Scalar;
     use crate::engine::{Method, Precision};
+    use crate::physics::Scalar;
+    use crate::scene::Budget;
 
     /// The home scene in a window.
     pub fn state() -> State {

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::desk::Desk;
-use crate::physics::Scalar;
 use crate::output::{Destination, SafeFile};
+use crate::physics::Scalar;
 use crate::scene::location;
 use crate::tiles::explorer::Progress;
 

@@ -4,7 +4,9 @@
 //! Every name has a place, whatever the precision; a precision without rests leaves theirs at 0.
 
 use super::method::Pace;
-use super::{EngineError, Job, Method, Moving, NUMBERS, Paused, Precision, Question, Recipe, Starts};
+use super::{
+    EngineError, Job, Method, Moving, NUMBERS, Paused, Precision, Question, Recipe, Starts,
+};
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
 use crate::physics::{Dd, Pendulum, Scalar, State, control};

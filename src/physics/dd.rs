@@ -256,7 +256,6 @@ mod tests {
     use super::*;
     use std::str::FromStr;
 
-
     #[test]
     fn floats_are_exact_in_decimal() {
         let cases = [

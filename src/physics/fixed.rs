@@ -101,7 +101,8 @@ impl<const N: usize> Fixed<N> {
             // One limb below the last that is kept decides the rounding.
             let first = (N - 1).saturating_sub(i + 1);
             for j in first..N {
-                let sum = u128::from(x) * u128::from(other.0[j]) + u128::from(columns[i + j]) + carry;
+                let sum =
+                    u128::from(x) * u128::from(other.0[j]) + u128::from(columns[i + j]) + carry;
                 columns[i + j] = sum as u64;
                 carry = sum >> 64;
             }
@@ -242,7 +243,8 @@ impl<const N: usize> Div for Fixed<N> {
         }
         if divisor == Self::ZERO {
             // There is no infinity here; the largest number says the same to every comparison.
-            let largest = Fixed(std::array::from_fn(|k| if k + 1 < N { u64::MAX } else { u64::MAX >> 1 }));
+            let largest =
+                Fixed(std::array::from_fn(|k| if k + 1 < N { u64::MAX } else { u64::MAX >> 1 }));
             return if self.is_negative() { -largest } else { largest };
         }
         let shift = divisor.shift_to_half();

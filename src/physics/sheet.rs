@@ -291,8 +291,7 @@ impl Sheet {
         tolerance: f64,
         reference: Option<&(dyn Reference + 'static)>,
     ) -> Meeting {
-        let (before, after) =
-            (law.moment(middle(&self.phase)), law.moment(middle(&leap.after)));
+        let (before, after) = (law.moment(middle(&self.phase)), law.moment(middle(&leap.after)));
         let mut meetings = Vec::new();
         for &bob in law.rule.watched() {
             let (x0, x1) = (before.phase[2 * bob], after.phase[2 * bob]);

@@ -21,8 +21,8 @@ pub use budget::Budget;
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
-pub use spots::Grouped;
 pub use picture::{PictureTable, Scale};
+pub use spots::Grouped;
 pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
 

@@ -3,10 +3,10 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use crate::scene::lattice::{Cell, SAMPLES};
 use super::samples::Samples;
 use crate::engine::{Paused, Trust};
 use crate::physics::Outcome;
+use crate::scene::lattice::{Cell, SAMPLES};
 
 /// What is known of a cell.
 #[derive(Clone, Debug)]
@@ -175,9 +175,9 @@ impl Cache {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::NUMBERS;
     use crate::physics::Scalar;
     use crate::scene::lattice::Turn;
-    use crate::engine::NUMBERS;
 
     fn cell(x: u32) -> Cell {
         Cell { level: 10, x: Turn::from_f64(x as f64 / 1024.0), y: Turn::ZERO }

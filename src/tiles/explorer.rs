@@ -11,11 +11,11 @@ use std::time::Instant;
 use super::cache::{Cache, Known};
 use super::flights::{Flights, Landed, Open};
 use super::kept;
-use crate::scene::lattice::{Cell, Region, SAMPLES, SIDE, pitch_rad};
 use super::order;
 use super::samples::{Counts, Samples};
 use crate::engine::{Engine, EngineError, Paused, Question, Recipe, Trust, Wait};
 use crate::physics::{Outcome, Rule, Status};
+use crate::scene::lattice::{Cell, Region, SAMPLES, SIDE, pitch_rad};
 use crate::scene::{self, Budget, Build, Grouped, Scene};
 
 /// What decides a pixel's answer, but for the budget.
@@ -290,9 +290,11 @@ impl Explorer {
         let mut groups = Grouped::new();
         for (k, cell) in (0..).zip(&batch.cells) {
             let moved = |(place, point)| (k * SAMPLES as u32 + place, point);
-            groups.extend(cell.leaves().into_iter().map(|(leaf, points)| {
-                (leaf, points.into_iter().map(moved).collect())
-            }));
+            groups.extend(
+                cell.leaves()
+                    .into_iter()
+                    .map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect())),
+            );
         }
         let known = |place: u32| {
             let cell = batch.cells[place as usize / SAMPLES];
@@ -406,6 +408,7 @@ fn question(aim: &Aim) -> Question {
 
 /// The aim's pendulum and question; the view is the lattice's affair.
 fn scene_of(aim: &Aim) -> Scene {
-    let question = scene::Question { rule: aim.physics.rule, budget: Budget::secs(aim.budget_secs) };
+    let question =
+        scene::Question { rule: aim.physics.rule, budget: Budget::secs(aim.budget_secs) };
     Scene { build: aim.physics.build, question, ..Scene::default() }
 }

@@ -7,8 +7,8 @@ use std::collections::HashMap;
 
 use super::kept::Known;
 use super::samples::Samples;
-use crate::engine::{Effort, Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts};
 use crate::engine::{Deep, Leaf, Trust, Wait};
+use crate::engine::{Effort, Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts};
 use crate::physics::{Outcome, Status};
 use crate::scene::{Fate, Grouped};
 

@@ -132,10 +132,12 @@ impl Work {
         if self.grid.pixel_rad() < self.recipe.deep_below() {
             let pixels: Vec<_> = tile.pixels().collect();
             let groups = self.grid.grouped(tile.pixels());
-            return Open::deep(pixels.len(), groups, |place| match self.known(pixels[place as usize]) {
-                Some(Known::Over(outcome)) => Some((outcome, Trust::Unchecked)),
-                // A pendulum on its way keeps no state: a larger budget begins it anew.
-                _ => None,
+            return Open::deep(pixels.len(), groups, |place| {
+                match self.known(pixels[place as usize]) {
+                    Some(Known::Over(outcome)) => Some((outcome, Trust::Unchecked)),
+                    // A pendulum on its way keeps no state: a larger budget begins it anew.
+                    _ => None,
+                }
             });
         }
         let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));

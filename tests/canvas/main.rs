@@ -15,11 +15,11 @@ use flipmap::app::hover::sample_at;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{Method, Precision, Question, Recipe};
 use flipmap::physics::{Dd, Outcome, Scalar, Status, Theta};
+use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
 use flipmap::scene::{Budget, Build, Fate, Grid, PictureTable, Question as Asked, Scale, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer, Physics};
-use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 
@@ -40,7 +40,10 @@ const LEVEL: u32 = 5;
 const PLAIN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 fn scene(budget: f64) -> Scene {
-    Scene { question: Asked { budget: Budget::secs(budget), ..Asked::default() }, ..Scene::default() }
+    Scene {
+        question: Asked { budget: Budget::secs(budget), ..Asked::default() },
+        ..Scene::default()
+    }
 }
 
 /// A corner of four cells in whose surroundings starts are forbidden, flip, and flip late.
@@ -240,8 +243,9 @@ mod checks {
         let mut truth = Vec::new();
         for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
             let angle = grid.angle_from_pixel(x, y);
+            let angle = angle.map(Theta::from_dd);
             let cell = Cell::around(angle, LEVEL);
-            let place = |i: usize| (angle[i] - cell.center()[i]).hi / pitch_rad(LEVEL);
+            let place = |i: usize| (angle[i] - cell.center()[i]).to_f64() / pitch_rad(LEVEL);
             let half = f64::from(SIDE / 2);
             truth.push(mixed(&mut explorer, &tones, cell, [half + place(0), half - place(1)]));
         }

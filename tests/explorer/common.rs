@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{Job, Method, Precision, Question, Recipe};
-use flipmap::physics::{Scalar, Theta, Outcome, Rule, Status};
-use flipmap::scene::{Build, Fate, Question as Asked, Scene};
+use flipmap::physics::{Outcome, Rule, Scalar, Status, Theta};
+use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
+use flipmap::scene::{Budget, Build, Fate, Question as Asked, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
-use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
 
 use super::ledger::Ledger;
 
@@ -41,7 +41,7 @@ pub fn lively(level: u32) -> Aim {
 }
 
 pub fn scene(aim: &Aim) -> Scene {
-    let question = Asked { rule: aim.physics.rule, budget: aim.budget_secs };
+    let question = Asked { rule: aim.physics.rule, budget: Budget::secs(aim.budget_secs) };
     Scene { build: aim.physics.build, question, ..Scene::default() }
 }
 
@@ -71,7 +71,10 @@ pub fn jobs_of_frames(explorer: &mut Explorer, engine: &mut Ledger, frames: usiz
 
 /// The canonical cells that were computed from rest, in the order in which they were begun.
 pub fn cells_of(jobs: &[Job], levels: &[u32]) -> Vec<Cell> {
-    jobs.iter().filter_map(Ledger::first_start).map(|angle| cell_of(angle, levels)).collect()
+    jobs.iter()
+        .filter_map(Ledger::first_start)
+        .map(|angle| cell_of(angle.map(Theta::from_dd), levels))
+        .collect()
 }
 
 pub fn in_view(aim: &Aim) -> Vec<Cell> {
@@ -109,7 +112,7 @@ pub fn cell_of(angle: [Theta; 2], levels: &[u32]) -> Cell {
     let fits = |level: &&u32| {
         let cell = Cell::around(angle, **level);
         let [column, row] = cell.sample_at(angle);
-        cell.grid(&Scene::default()).angle_from_pixel(column, row) == angle
+        cell.grid(&Scene::default()).angle_from_pixel(column, row) == angle.map(Theta::to_dd)
     };
     let level = levels.iter().find(fits).expect("a sample of one of the levels");
     Cell::around(angle, *level)

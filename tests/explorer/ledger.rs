@@ -53,6 +53,7 @@ fn spans(job: &Job) -> Vec<Span> {
     let mut spans: Vec<Span> = match &job.starts {
         Starts::Rest(angles) => angles.iter().map(|angle| span(*angle, 0.0)).collect(),
         Starts::Paused(states) => states.iter().map(|state| resumed(state, span)).collect(),
+        Starts::Moving(_) | Starts::Deep(_) => panic!("no depth is aimed at here"),
     };
     spans.retain(|span| {
         let mixed = |sum: u64, bits: &u64| (sum ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -75,7 +76,7 @@ impl Ledger {
     pub fn first_start(job: &Job) -> Option<[Dd; 2]> {
         match &job.starts {
             Starts::Rest(angles) => angles.first().copied(),
-            Starts::Paused(_) => None,
+            _ => None,
         }
     }
 
@@ -92,6 +93,7 @@ impl Engine for Ledger {
         let first = match &job.starts {
             Starts::Rest(angles) => Starts::Rest(angles.iter().take(1).copied().collect()),
             Starts::Paused(states) => Starts::Paused(states.iter().take(1).copied().collect()),
+            Starts::Moving(_) | Starts::Deep(_) => panic!("no depth is aimed at here"),
         };
         let index = usize::from(matches!(job.starts, Starts::Paused(_)));
         let (count, light) = (job.starts.len(), Job { starts: first, ..job.clone() });

@@ -5,9 +5,9 @@ use std::time::Instant;
 use flipmap::engine::Engine;
 use flipmap::engine::mock::MockEngine;
 use flipmap::physics::{Scalar, Theta};
+use flipmap::scene::lattice::side_rad;
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Aim, Explorer};
-use flipmap::scene::lattice::side_rad;
 use proptest::prelude::*;
 
 use super::common::*;
@@ -82,7 +82,8 @@ impl Session {
         match *action {
             Action::Pan(by) => self.look(|aim| {
                 let center = aim.region.center;
-                aim.region.center = [0, 1].map(|i| (center[i] + Theta::from_f64(by[i] * side)).wrapped());
+                aim.region.center =
+                    [0, 1].map(|i| (center[i] + Theta::from_f64(by[i] * side)).wrapped());
             }),
             Action::Zoom(by) => {
                 self.look(|aim| aim.level = aim.level.saturating_add_signed(by).min(90));

@@ -3,9 +3,9 @@
 
 use std::collections::HashSet;
 
-use flipmap::physics::{Scalar, Theta, Outcome, Status};
-use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
+use flipmap::physics::{Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
+use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
 
 use super::common::*;
 use super::ledger::Ledger;
@@ -126,7 +126,7 @@ fn the_plane_wraps_around() {
     let mut engine = Ledger::default();
     let east = aim([pi, -2.9], 4);
     let mut explorer = explored(east, &mut engine);
-    let sides: HashSet<bool> = in_view(&east).iter().map(|cell| cell.x < 8).collect();
+    let sides: HashSet<bool> = in_view(&east).iter().map(|cell| cell.x.to_f64() < 0.5).collect();
     assert_eq!(sides.len(), 2, "cells from both ends");
     assert!(in_view(&east).into_iter().all(|cell| wrong(&mut explorer, &east, cell) == Some(0)));
     let simulated = explorer.counts().simulated;

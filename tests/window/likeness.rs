@@ -88,7 +88,8 @@ pub fn is_right(told: &Told, shot: &RgbImage) -> bool {
 
 /// The colour of starts that can never flip.
 fn forbidden(Scene { build, question, .. }: &Scene) -> Rgb<u8> {
-    let tones = Tones::new(&PictureTable::default(), build.unit_secs(), question.budget.secs).unwrap();
+    let tones =
+        Tones::new(&PictureTable::default(), build.unit_secs(), question.budget.secs).unwrap();
     Rgb(tones.colour(&Outcome::without_time(Status::Forbidden)))
 }
 

@@ -4,8 +4,8 @@
 use glam::DVec2;
 
 use crate::app::camera::Screen;
-use crate::tiles::explorer::{Explorer, MOST_CELLS};
 use crate::scene::lattice::{Cell, Placed, SIDE, side_rad};
+use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
 /// Part of a tile's samples as a parallelogram on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,8 +8,8 @@ use wgpu::util::DeviceExt;
 
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
 use super::sample::word_of;
-use crate::tiles::Samples;
 use crate::scene::lattice::SIDE;
+use crate::tiles::Samples;
 
 /// The shader, compiled when a window opens.
 pub const SHADER: &str = include_str!("../../../shaders/picture.wgsl");

@@ -135,7 +135,12 @@ mod tests {
     }
 
     fn complete(question: Question, [start, neighbour]: [[Dd; 2]; 2]) -> Flight {
-        let mut flight = Flight::launch(question, start.map(Theta::from_dd), neighbour.map(Theta::from_dd), || ());
+        let mut flight = Flight::launch(
+            question,
+            start.map(Theta::from_dd),
+            neighbour.map(Theta::from_dd),
+            || (),
+        );
         let begun = Instant::now();
         while flight.record().ending.is_none() {
             assert!(begun.elapsed() < Duration::from_secs(60), "the flight never ends");
@@ -249,9 +254,10 @@ mod tests {
 
         let wakes = Arc::new(AtomicUsize::new(0));
         let counted = wakes.clone();
-        let flight = Flight::launch(long, start.map(Theta::from_dd), start.map(Theta::from_dd), move || {
-            counted.fetch_add(1, Ordering::Relaxed);
-        });
+        let flight =
+            Flight::launch(long, start.map(Theta::from_dd), start.map(Theta::from_dd), move || {
+                counted.fetch_add(1, Ordering::Relaxed);
+            });
         drop(flight);
         let begun = Instant::now();
         while Arc::strong_count(&wakes) > 1 {

@@ -16,7 +16,9 @@ use std::time::{Duration, Instant};
 
 use self::chart::Begun;
 use self::tree::{Tree, Wanted};
-use super::{Deep, Engine, EngineError, Finished, Job, Leaf, Moving, Question, Recipe, Starts, Wait};
+use super::{
+    Deep, Engine, EngineError, Finished, Job, Leaf, Moving, Question, Recipe, Starts, Wait,
+};
 use crate::physics::{Outcome, Status};
 use crate::scene::lattice::Cell;
 
