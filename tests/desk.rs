@@ -208,13 +208,13 @@ fn a_larger_budget_goes_on_from_what_is_known() {
             format!("{}", desktop.state().state.question.budget.secs),
             *budgets[budgets.len() - 1]
         );
-        counts(&desktop).rhs_evaluations
+        counts(&desktop).effort.rhs_evaluations
     };
     let (known, raised) = (evaluations(&["30"]), evaluations(&["60"]));
     let anew = {
         let mut document = Document::default();
         document.question.budget.secs = 60.0;
-        counts(&desk(Folders::none(), Some(document))).rhs_evaluations
+        counts(&desk(Folders::none(), Some(document))).effort.rhs_evaluations
     };
     assert!(raised > known, "there was more to compute");
     assert!(raised - known < anew / 2, "{raised} for both, {known} at first, {anew} at once");

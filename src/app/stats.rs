@@ -133,7 +133,7 @@ impl Holdings {
             flown: state.pins.iter().filter(|p| p.flight.record().ending.is_some()).count(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
             simulated: counts.simulated,
-            rhs_evaluations: counts.rhs_evaluations,
+            rhs_evaluations: counts.effort.rhs_evaluations,
             cache_bytes: explorer.bytes(),
         }
     }

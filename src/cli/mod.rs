@@ -1,6 +1,7 @@
 //! The command line: typed options become a scene and a job.
 
 mod continued;
+mod deeper;
 mod doctor;
 pub mod exit;
 mod explore;
@@ -29,6 +30,8 @@ enum Verb {
     Explore(Box<explore::Options>),
     /// Draw a map to a picture, an array of flip times, or both.
     Render(Box<render::Options>),
+    /// Follow a filament from a scene to a deeper one that still has structure.
+    Deeper(Box<deeper::Options>),
     /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
     Trace(Box<trace::Options>),
     /// Measure the engines of this machine, speed against error, and write a report.
@@ -42,6 +45,7 @@ pub fn run() -> anyhow::Result<()> {
     match Cli::parse().verb.unwrap_or(Verb::Explore(Box::default())) {
         Verb::Explore(options) => explore::run(&options),
         Verb::Render(options) => render::run(&options),
+        Verb::Deeper(options) => deeper::run(&options),
         Verb::Trace(options) => trace::run(&options),
         Verb::Report(options) => report::run(&options),
         Verb::Doctor(options) => doctor::run(&options),

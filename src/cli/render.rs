@@ -9,9 +9,9 @@ use clap::Args;
 use flipmap::engine::choice::{Chosen, choose};
 use flipmap::engine::method::Pace;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Engine, Precision, Question, Recipe, Trust};
+use flipmap::engine::{Depth, Engine, Question, Recipe, Trust};
 use flipmap::output::{Clock, Paths, RenderError, Sinks, render_pass};
-use flipmap::scene::{Document, Grid, Scale, Scene};
+use flipmap::scene::{Budget, Document, Grid, Scale, Scene};
 use flipmap::tiles::{Counts, Work};
 
 use super::continued::Continued;
@@ -133,7 +133,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     clock.output += finishing.elapsed();
     let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
-    report(options, engine.as_ref(), recipe, plan.verify, &counts, seconds)
+    report(options, engine.as_ref(), recipe, plan.verify, &scene, &counts, seconds)
 }
 
 /// A stop has an exit code of its own.
@@ -191,19 +191,26 @@ fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Ex
         Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
     }
     let pixel = Grid::new(scene, size).pixel_rad();
-    let resolved = match recipe.precision {
-        Precision::F32 | Precision::Df32 => 1e-14,
-        Precision::F64 => 1e-15,
-        Precision::Dd => 1e-31,
-    };
-    if pixel < resolved {
+    let needed = (-pixel.log10()).ceil() as usize;
+    let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);
+    if pixel < TOO_SMALL_FOR_ROUND_CENTRES && given < needed {
         super::tell(&format!(
-            "flipmap: warning: pixels are {pixel:.1e} rad apart, but starts in {} are only told \
-             apart at {resolved:.0e} rad: this picture is coarser than it looks",
-            recipe.precision
+            "flipmap: warning: pixels are {pixel:.1e} rad apart, but --center has {given} digits \
+             after the point: {} are missing, unless the place is meant to be that round",
+            needed - given
         ));
     }
     Ok(())
+}
+
+/// Centres of wider pixels may well be round.
+const TOO_SMALL_FOR_ROUND_CENTRES: f64 = 1e-9;
+
+/// Digits after the point of a decimal number, its exponent counted.
+fn decimals(text: &str) -> usize {
+    let (digits, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
+    let after = digits.trim().split_once('.').map_or(0, |(_, after)| after.len() as i64);
+    (after - exponent.trim().parse::<i64>().unwrap_or(0)).max(0) as usize
 }
 
 /// Refuses what cannot be written, before anything is computed.
@@ -263,6 +270,7 @@ fn report(
     engine: &dyn Engine,
     recipe: Recipe,
     verified: bool,
+    scene: &Scene,
     counts: &Counts,
     seconds: [f64; 3],
 ) -> anyhow::Result<()> {
@@ -287,7 +295,8 @@ fn report(
             "uncertain": counts.uncertain(),
             "failed": failed,
             "trust": trust,
-            "rhs_evaluations": counts.rhs_evaluations,
+            "depth": counts.effort.depth.map(|depth| depth_object(depth, recipe, scene)),
+            "rhs_evaluations": counts.effort.rhs_evaluations,
             "seconds": { "setup": seconds[0], "compute": seconds[1], "output": seconds[2] },
         });
         super::say(&serde_json::to_string_pretty(&object)?)?;
@@ -297,6 +306,9 @@ fn report(
          {failed} failed; {simulated} simulated in {:.2} s ({:.2} s setup, {:.2} s output)",
         seconds[1], seconds[0], seconds[2]
     ));
+    if let Some(depth) = counts.effort.depth {
+        tell_depth(depth, recipe, scene, counts);
+    }
     if verified {
         let [_, agreed, confirmed, settled, uncertain] = counts.trusts;
         super::tell(&format!(
@@ -305,4 +317,48 @@ fn report(
         ));
     }
     Ok(())
+}
+
+/// What following deep pixels has shown, for machines.
+fn depth_object(depth: Depth, recipe: Recipe, scene: &Scene) -> serde_json::Value {
+    serde_json::json!({
+        "digits": depth.digits,
+        "integrated": depth.integrated,
+        "begins_secs": depth.begins_secs,
+        "decades_a_second": depth.decades_a_second,
+        "horizon_secs": depth.horizon_secs(recipe.precision),
+        "structure_ends_at": depth.structure_ends_at(scene.question.budget.secs),
+        "budget_secs": scene.question.budget.secs,
+    })
+}
+
+/// The same for people, and what to do where nothing is left to see.
+fn tell_depth(depth: Depth, recipe: Recipe, scene: &Scene, counts: &Counts) {
+    let budget = scene.question.budget;
+    let follows = if budget.auto { ", which follows the depth" } else { "" };
+    if depth.integrated == 0 {
+        super::tell(&format!(
+            "flipmap: depth: all pixels are known from polynomials, in {} digits",
+            depth.digits
+        ));
+    } else {
+        let [first, last] = depth.begins_secs;
+        super::tell(&format!(
+            "flipmap: depth: followed in {} digits to {first:.1} to {last:.1} s, from there in {}; \
+             trusted up to {:.0} s; a budget of {} s{follows} shows structure down to widths of {:.0e}",
+            depth.digits,
+            recipe.precision,
+            depth.horizon_secs(recipe.precision),
+            budget.secs,
+            depth.structure_ends_at(budget.secs),
+        ));
+    }
+    if counts.flipped == 0 && counts.unflipped > 0 && !budget.auto {
+        let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view).secs;
+        super::tell(&format!(
+            "flipmap: warning: nothing flips within the budget of {} s at this depth, so there is \
+             nothing to see; --budget auto takes {auto} s",
+            budget.secs
+        ));
+    }
 }

@@ -38,6 +38,7 @@ use crate::physics::phase::Phase;
 use crate::physics::{Dd, Outcome, Pendulum, Rule, Status};
 use crate::scene::Scene;
 use crate::scene::lattice::Cell;
+pub use depth::Depth;
 pub use level::Accuracy;
 use method::Pace;
 pub use method::{Method, Precision};
@@ -209,8 +210,10 @@ pub struct Finished {
 }
 
 /// Work done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
+    /// What following deep starts has shown.
+    pub depth: Option<Depth>,
     /// Right-hand sides evaluated, those for locating flips included; an expansion to order N
     /// counts as N.
     pub rhs_evaluations: u64,
@@ -225,6 +228,10 @@ impl std::ops::AddAssign for Effort {
         self.rhs_evaluations += other.rhs_evaluations;
         self.steps += other.steps;
         self.lane_steps += other.lane_steps;
+        self.depth = match (self.depth, other.depth) {
+            (Some(a), Some(b)) => Some(a.and(b)),
+            (a, b) => a.or(b),
+        };
     }
 }
 

@@ -19,8 +19,6 @@ pub trait Reference: Send {
     fn turn(&self, bob: usize, after: f64) -> f64;
     /// Moves on.
     fn advance(&mut self, by: f64);
-    /// Decimal digits that it is computed in.
-    fn digits(&self) -> u32;
 }
 
 /// A [`Reference`] in fixed-point numbers.
@@ -30,6 +28,11 @@ struct Long<const N: usize> {
     step: Step<Fixed<N>>,
     /// How far into the step it is.
     into: Fixed<N>,
+}
+
+/// Decimal digits after the point of the numbers whose errors are at most 2^−`bits`.
+pub fn digits_for(bits: u32) -> u32 {
+    (f64::from(64 * bits.div_ceil(64).clamp(2, 7)) * std::f64::consts::LOG10_2) as u32
 }
 
 /// The trajectory from rest at `angle` (rad) with errors of about 2^−`bits`.
@@ -88,9 +91,5 @@ impl<const N: usize> Reference for Long<N> {
 
     fn advance(&mut self, by: f64) {
         self.into = self.into + Fixed::from_f64(by);
-    }
-
-    fn digits(&self) -> u32 {
-        (f64::from(Fixed::<N>::BITS) * std::f64::consts::LOG10_2) as u32
     }
 }

@@ -307,7 +307,7 @@ impl Explorer {
 
     fn take(&mut self, landed: Landed<Batch>) {
         self.counts.simulated += landed.computed.len() as u64;
-        self.counts.rhs_evaluations += landed.effort.rhs_evaluations;
+        self.counts.effort += landed.effort;
         let Landed { tile: batch, samples, paused, .. } = landed;
         self.keep(&batch, &samples, paused);
         // The budget has been raised since.

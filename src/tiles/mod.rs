@@ -9,6 +9,7 @@
 //! Nothing here knows a graphics card: the tests run it on the mock engine.
 
 pub mod cache;
+pub mod descent;
 pub mod explorer;
 mod flights;
 mod kept;

@@ -1,6 +1,6 @@
 //! Samples: what is known of each pixel, and how many of which kind there are.
 
-use crate::engine::Trust;
+use crate::engine::{Effort, Trust};
 use crate::physics::{Outcome, Status};
 
 /// Outcomes, stored tightly.
@@ -87,7 +87,7 @@ impl Samples {
 }
 
 /// What has been done so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Pixels answered, mirror images included.
     pub pixels: u64,
@@ -104,8 +104,8 @@ pub struct Counts {
     /// Pixels by how sure they are, in the order of [`Trust::ALL`]; forbidden ones are proved and
     /// not among them.
     pub trusts: [u64; 5],
-    /// Right-hand sides evaluated.
-    pub rhs_evaluations: u64,
+    /// What it took, the last deep pixels' facts among it.
+    pub effort: Effort,
 }
 
 impl Counts {
@@ -142,6 +142,6 @@ impl std::ops::AddAssign for Counts {
         for (sum, count) in self.trusts.iter_mut().zip(other.trusts) {
             *sum += count;
         }
-        self.rhs_evaluations += other.rhs_evaluations;
+        self.effort += other.effort;
     }
 }

@@ -155,7 +155,7 @@ impl Work {
 
     fn take(&mut self, landed: Landed<Tile>, finished: &mut Vec<FinishedTile>) {
         self.counts.simulated += landed.computed.len() as u64;
-        self.counts.rhs_evaluations += landed.effort.rhs_evaluations;
+        self.counts.effort += landed.effort;
         self.keep(&landed);
         self.finish(landed.tile, landed.samples, finished);
     }

@@ -6,6 +6,7 @@
 //! All other jobs are passed on.
 
 mod chart;
+mod facts;
 mod tree;
 
 use std::collections::{HashMap, VecDeque};
@@ -14,13 +15,14 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use self::chart::Begun;
+use self::chart::{Begun, Chart};
+pub use self::facts::Depth;
 use self::tree::{Tree, Wanted};
 use super::{
-    Deep, Engine, EngineError, Finished, Job, Leaf, Moving, Question, Recipe, Starts, Wait,
+    Deep, Effort, Engine, EngineError, Finished, Job, Leaf, Moving, Question, Recipe, Starts, Wait,
 };
 use crate::physics::{Outcome, Status};
-use crate::scene::lattice::Cell;
+use crate::scene::lattice::{Cell, side_rad};
 
 /// The wrapped engine, and what follows deep starts for it.
 pub struct DepthEngine<'a> {
@@ -50,6 +52,7 @@ struct Awaited {
     outcomes: Vec<Outcome>,
     /// Which of them the wrapped engine answers.
     moving: Vec<usize>,
+    effort: Effort,
 }
 
 /// A deep job whose cells have been followed.
@@ -57,6 +60,7 @@ struct Followed {
     job: Job,
     outcomes: Vec<Outcome>,
     moving: Vec<(usize, Moving)>,
+    effort: Effort,
 }
 
 /// How long one source of answers is waited for before the other is looked at.
@@ -102,13 +106,13 @@ impl<'a> DepthEngine<'a> {
     /// Passes on what has to be integrated; a job of which all is known is finished.
     fn take_followed(&mut self, followed: Followed) -> Option<Finished> {
         self.following -= 1;
-        let Followed { job, outcomes, moving } = followed;
+        let Followed { job, outcomes, moving, effort } = followed;
         if moving.is_empty() {
             self.deep.remove(&job.id);
-            return Some(Finished { id: job.id, outcomes, ..Finished::default() });
+            return Some(Finished { id: job.id, outcomes, effort, ..Finished::default() });
         }
         let (places, states) = moving.into_iter().unzip();
-        self.deep.insert(job.id, Awaited { outcomes, moving: places });
+        self.deep.insert(job.id, Awaited { outcomes, moving: places, effort });
         self.waiting.push_back(Job { starts: Starts::Moving(states), ..job });
         None
     }
@@ -116,14 +120,16 @@ impl<'a> DepthEngine<'a> {
     /// An answer of the wrapped engine, put where it belongs.
     fn take_finished(&mut self, finished: Finished) -> Finished {
         self.flying -= 1;
-        let Some(Awaited { mut outcomes, moving }) = self.deep.remove(&finished.id) else {
+        let Some(Awaited { mut outcomes, moving, mut effort }) = self.deep.remove(&finished.id)
+        else {
             return finished;
         };
         for (&place, outcome) in moving.iter().zip(&finished.outcomes) {
             outcomes[place] = *outcome;
         }
         let unfinished = finished.unfinished.into_iter().map(|(k, state)| (moving[k], state));
-        Finished { outcomes, unfinished: unfinished.collect(), ..finished }
+        effort += finished.effort;
+        Finished { outcomes, unfinished: unfinished.collect(), effort, ..finished }
     }
 
     /// Keeps the wrapped engine's slots full.
@@ -162,7 +168,9 @@ fn followed(mut job: Job, tree: &Tree, cancelled: &AtomicBool) -> Option<Followe
     let cells: Vec<Cell> = deep.leaves.iter().map(|leaf| leaf.cell).collect();
     let charts = tree.charts(&cells, wanted)?;
     let (mut outcomes, mut moving) = (Vec::new(), Vec::new());
+    let mut depth = Depth::NOTHING;
     for Leaf { cell, points } in &deep.leaves {
+        let before = moving.len();
         for &at in points {
             match charts[cell].start(&tree.law, &question, at) {
                 Begun::Known(outcome) => outcomes.push(outcome),
@@ -172,8 +180,24 @@ fn followed(mut job: Job, tree: &Tree, cancelled: &AtomicBool) -> Option<Followe
                 }
             }
         }
+        if let Chart::Part { ended, half, .. } = &charts[cell] {
+            let half_rad = side_rad(cell.level + 1) / half;
+            let secs = ended.sheet.time.0 * unit_secs;
+            depth = depth.and(Depth {
+                digits: tree.digits(level),
+                integrated: (moving.len() - before) as u64,
+                begins_secs: if moving.len() > before {
+                    [secs; 2]
+                } else {
+                    Depth::NOTHING.begins_secs
+                },
+                decades_a_second: (ended.sheet.spread(&tree.law) / half_rad).log10()
+                    / secs.max(1e-9),
+            });
+        }
     }
-    Some(Followed { job, outcomes, moving })
+    let effort = Effort { depth: Some(depth), ..Effort::default() };
+    Some(Followed { job, outcomes, moving, effort })
 }
 
 impl Deep {

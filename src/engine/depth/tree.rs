@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 use super::chart::{Chart, Ended};
 use crate::engine::Question;
 use crate::physics::jet::Jet;
-use crate::physics::reference::{Reference, reference};
+use crate::physics::reference::{Reference, digits_for, reference};
 use crate::physics::sheet::{End, Law, Sheet};
 use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
 use crate::scene::lattice::{Cell, side_rad};
@@ -71,6 +71,16 @@ pub struct Wanted<'a> {
 /// Quarters of a cell, in the order of [`Cell::children`].
 const QUARTERS: [[f64; 2]; 4] = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
 
+/// The level of the anchors of leaves.
+fn anchor_level(leaf: u32) -> u32 {
+    leaf.saturating_sub(LEAST_BELOW) / EVERY * EVERY
+}
+
+/// What a reference at an anchor must be right to, in bits after the point.
+fn bits(anchor: u32) -> u32 {
+    anchor + f64::MANTISSA_DIGITS + GUARD_BITS
+}
+
 impl Tree {
     pub fn new(question: &Question, strict: bool) -> Self {
         Tree {
@@ -88,7 +98,7 @@ impl Tree {
 
     /// The charts of leaves of one level, in any order; none once that is cancelled.
     pub fn charts(&self, leaves: &[Cell], wanted: Wanted) -> Option<HashMap<Cell, Chart>> {
-        let above = wanted.level.saturating_sub(LEAST_BELOW) / EVERY * EVERY;
+        let above = anchor_level(wanted.level);
         let mut groups: HashMap<Cell, Vec<Cell>> = HashMap::new();
         for leaf in leaves {
             groups.entry(leaf.ancestor(above)).or_default().push(*leaf);
@@ -109,6 +119,11 @@ impl Tree {
         (!wanted.cancelled.load(Ordering::Relaxed)).then_some(charts)
     }
 
+    /// Decimal digits in which the anchors of leaves of a level are followed.
+    pub fn digits(&self, leaf: u32) -> u32 {
+        digits_for(bits(anchor_level(leaf)))
+    }
+
     fn anchor(&self, cell: Cell) -> Arc<Mutex<Anchor>> {
         let mut anchors = self.anchors.lock().unwrap_or_else(|broken| broken.into_inner());
         if anchors.len() >= MOST_ANCHORS && !anchors.contains_key(&cell) {
@@ -120,9 +135,8 @@ impl Tree {
     /// An anchor at rest, with the digits that its cells' differences to it need.
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
-        let bits = cell.level + f64::MANTISSA_DIGITS + GUARD_BITS;
         let holds = node.sheet.holds(&self.law, self.tolerance(DEEPEST_BELOW));
-        let reference = holds.then(|| reference(&self.pendulum, cell.center(), bits));
+        let reference = holds.then(|| reference(&self.pendulum, cell.center(), bits(cell.level)));
         let end = (!holds).then_some(End::Spread);
         Anchor { node, reference, end }
     }

@@ -276,6 +276,7 @@ impl Slot {
             Pace::Adaptive(_) => rhs,
         };
         Effort {
+            depth: None,
             rhs_evaluations: rhs * steps + looks * per_look,
             steps,
             lane_steps: self.lane_steps + looks,

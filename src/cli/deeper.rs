@@ -1,0 +1,86 @@
+//! `flipmap deeper`: from a scene down a filament, as far as there is structure.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use flipmap::engine::choice::choose;
+use flipmap::output::{Destination, SafeFile};
+use flipmap::scene::keys::{Key, Keys};
+use flipmap::scene::{LEAST_WIDTH, Scene, location};
+use flipmap::tiles::descent::{Deeper, Descent};
+
+use super::exit::Exit;
+use super::options::{SceneOptions, number};
+use super::run_options::RunOptions;
+use super::stop;
+
+#[derive(Args, Debug)]
+pub struct Options {
+    #[command(flatten)]
+    scene: SceneOptions,
+    #[command(flatten)]
+    run: RunOptions,
+    /// Go down to this width in rad
+    #[arg(long, value_name = "RAD", default_value = "1e-20")]
+    to: String,
+    /// The views on the way as keys of a film (- for standard output)
+    #[arg(short, long, value_name = "KEYS.toml")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    options.run.check()?;
+    let to = number(&options.to).filter(|width| (LEAST_WIDTH..=1.0).contains(width));
+    let to = to.ok_or_else(|| {
+        let text = &options.to;
+        Exit::Usage(format!("--to is '{text}'; it must be a width between 1e-100 and 1 rad"))
+    })?;
+    let mut document = options.scene.document()?;
+    let plan = options.run.settle(&mut document)?;
+    let scene = document.scene();
+    stop::listen()?;
+    let mut chosen =
+        choose(&options.run.wish(plan.demand), &|text| super::tell(&format!("flipmap: {text}")))?;
+    let mut descent = Descent::new(scene.clone(), chosen.recipe, [0.0; 2]);
+    let mut path = vec![scene];
+    while width(&path[path.len() - 1]) > to {
+        stop::check()?;
+        match descent.next(chosen.engine.as_mut())? {
+            Deeper::Scene(scene) => {
+                super::tell(&format!(
+                    "flipmap: {} rad, budget {} s",
+                    scene.view.width, scene.question.budget.secs
+                ));
+                path.push(scene);
+            }
+            Deeper::End => {
+                super::tell("flipmap: nothing near is left to see; the path ends here");
+                break;
+            }
+        }
+    }
+    if let Some(file) = &options.output {
+        let keys = path.iter().zip(1..).map(|(scene, second)| Key {
+            secs: f64::from(second - 1),
+            easing: Default::default(),
+            scene: document.clone().with_scene(scene.clone()),
+        });
+        write(file, &Keys { keys: keys.collect(), ..Keys::default() }.text())?;
+    }
+    if options.output.as_deref() != Some(Path::new("-")) {
+        super::say(&location::text(&path[path.len() - 1]))?;
+    }
+    Ok(())
+}
+
+fn width(scene: &Scene) -> f64 {
+    scene.view.width_rad().hi
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    let destination = Destination::from(path);
+    let mut file = SafeFile::create(&destination)?;
+    file.write_all(text.as_bytes())?;
+    Ok(file.finish()?)
+}

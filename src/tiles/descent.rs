@@ -1,0 +1,125 @@
+//! Going deeper: from a view to ever smaller ones that still have structure.
+//!
+//! Where neighbours flip at different times, and late, there is more to be seen below: what flips
+//! early has long stopped telling neighbours apart. Each step draws a small picture, goes to the
+//! liveliest place near a wish, and enlarges it.
+
+use super::{Samples, Work};
+use crate::engine::{Engine, EngineError, Recipe};
+use crate::physics::{Scalar, Status, Theta};
+use crate::scene::{Budget, Scene};
+
+/// Pixels along the side of the pictures that decide.
+const SIDE: u32 = 32;
+/// Each view is this many times smaller than the one before: two are a decade.
+const FACTOR: f64 = 3.162_277_660_168_379_5;
+/// Neighbours within this many pixels are compared.
+const AROUND: i32 = 2;
+/// Differences count up to this many natural units of time.
+const ENOUGH_UNITS: f64 = 3.0;
+/// The mean difference, in those units, below which a place is at rest.
+const LEAST_UNITS: f64 = 0.05;
+
+/// A descent from one view to the next deeper one.
+pub struct Descent {
+    scene: Scene,
+    recipe: Recipe,
+    /// Where to look first, in pixels from the middle.
+    wish: [f64; 2],
+}
+
+/// The next view.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Deeper {
+    /// It has structure.
+    Scene(Scene),
+    /// Nothing near is left to see.
+    End,
+}
+
+impl Descent {
+    /// Begins at a checked scene, near a point at `wish` widths of the view from its middle. The
+    /// budget follows the depth.
+    pub fn new(mut scene: Scene, recipe: Recipe, wish: [f64; 2]) -> Self {
+        scene.question.budget =
+            Budget { auto: true, ..scene.question.budget }.for_view(&scene.build, &scene.view);
+        (scene.view.rotate, scene.view.stretch) = (0.0, 1.0);
+        Descent { scene, recipe, wish: wish.map(|part| part * f64::from(SIDE)) }
+    }
+
+    /// The view that is smaller by half a decade.
+    pub fn next(&mut self, engine: &mut dyn Engine) -> Result<Deeper, EngineError> {
+        let samples = self.picture(engine)?;
+        let Some([across, above]) = self.liveliest(&samples) else { return Ok(Deeper::End) };
+        let width = self.scene.view.width_rad().to_f64();
+        let pixel = width / f64::from(SIDE);
+        let center = self.scene.view.center_rad();
+        let by = [across, above].map(|by| Theta::from_f64(by * pixel));
+        let width = width / FACTOR;
+        if width < crate::scene::LEAST_WIDTH {
+            return Ok(Deeper::End);
+        }
+        // Twelve digits below the width tell pixels of any screen apart.
+        let digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
+        let view = &mut self.scene.view;
+        view.center = [0, 1].map(|i| (center[i] + by[i]).wrapped().decimal(digits));
+        view.width = format!("{width:.3e}");
+        self.wish = [0.0; 2];
+        let Scene { build, question, view } = &mut self.scene;
+        question.budget = question.budget.for_view(build, view);
+        Ok(Deeper::Scene(self.scene.clone()))
+    }
+
+    fn picture(&self, engine: &mut dyn Engine) -> Result<Samples, EngineError> {
+        let mut all = Samples::unflipped((SIDE * SIDE) as usize);
+        let mut work = Work::new(&self.scene, [SIDE; 2], self.recipe, (SIDE * SIDE) as usize);
+        while !work.is_done() {
+            for part in work.work(engine, None)? {
+                for (k, [x, y]) in part.tile.pixels().enumerate() {
+                    all.set((y * SIDE + x) as usize, part.samples.get(k));
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// The pixel among the most different neighbours, in pixels from the middle; those near the
+    /// wish are preferred.
+    fn liveliest(&self, samples: &Samples) -> Option<[f64; 2]> {
+        let unit = self.scene.build.unit_secs();
+        let side = SIDE as i32;
+        let inside = AROUND..side - AROUND;
+        let mut best = (0.0, None);
+        for (row, column) in inside.clone().flat_map(|y| inside.clone().map(move |x| (y, x))) {
+            let liveliness = self.liveliness(samples, [column, row]) / unit;
+            let from_middle =
+                [column as f64, (side - 1 - row) as f64].map(|at| at + 0.5 - f64::from(SIDE) / 2.0);
+            let far = (from_middle[0] - self.wish[0]).hypot(from_middle[1] - self.wish[1]);
+            let score = liveliness / (1.0 + far / f64::from(SIDE));
+            if liveliness > LEAST_UNITS && score > best.0 {
+                best = (score, Some(from_middle));
+            }
+        }
+        best.1
+    }
+
+    /// The mean difference of a pixel's flip time from those of its neighbours, s. Only pairs
+    /// that both flip, and late, count.
+    fn liveliness(&self, samples: &Samples, [x, y]: [i32; 2]) -> f64 {
+        let budget = self.scene.question.budget.secs;
+        let late = |x: i32, y: i32| {
+            let outcome = samples.get((y * SIDE as i32 + x) as usize);
+            (outcome.status == Status::Flipped && outcome.time > LATE * budget)
+                .then_some(outcome.time)
+        };
+        let Some(here) = late(x, y) else { return 0.0 };
+        let most = ENOUGH_UNITS * self.scene.build.unit_secs();
+        let around = (-AROUND..=AROUND).flat_map(|dy| (-AROUND..=AROUND).map(move |dx| (dx, dy)));
+        let differences = around.filter_map(|(dx, dy)| late(x + dx, y + dy));
+        let sum: f64 = differences.map(|there| (there - here).abs().min(most)).sum();
+        sum / f64::from((2 * AROUND + 1).pow(2))
+    }
+}
+
+/// Flips before this share of the budget no longer tell deep neighbours apart.
+const LATE: f64 = 0.4;

@@ -1,0 +1,197 @@
+//! Deep zoom: cells that are followed as polynomials against pendulums that are integrated one by
+//! one in as many digits as it takes.
+
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::depth::DepthEngine;
+use flipmap::engine::level::{BALANCED, FAST};
+use flipmap::engine::trust::TrustEngine;
+use flipmap::engine::{Engine, Precision, Recipe, Trust};
+use flipmap::physics::{Fixed, Outcome, Pendulum, Scalar, Status, Theta, gold};
+use flipmap::scene::{Budget, Scene, View};
+use flipmap::tiles::{Samples, Work};
+
+/// Places with structure at their width, found by following filaments down.
+const PLACES: [(&str, &str, &str); 4] = [
+    ("1.232005751523457841", "2.083059776986079265", "6e-7"),
+    ("1.232005966977461661140937", "2.083059647952103789629524", "6e-13"),
+    ("1.2320059669773557237665169225", "2.0830596479518783765072544180", "6e-16"),
+    ("1.2320059669773557125404006040739324", "2.0830596479518781884183696604326609", "6e-22"),
+];
+
+fn engine() -> DepthEngine<'static> {
+    DepthEngine::new(Box::new(CpuEngine::new(None).unwrap()), None).unwrap()
+}
+
+fn scene(center: [&str; 2], width: &str) -> Scene {
+    let view =
+        View { center: center.map(str::to_string), width: width.to_string(), ..View::default() };
+    let mut scene = Scene { view, ..Scene::default() };
+    scene.question.budget = Budget { auto: true, ..Budget::default() };
+    scene.checked().unwrap()
+}
+
+/// The samples of a picture, row by row, computed in tiles of about so many pixels.
+fn samples(
+    scene: &Scene,
+    size: [u32; 2],
+    recipe: Recipe,
+    engine: &mut dyn Engine,
+    tile_pixels: usize,
+) -> Samples {
+    let mut work = Work::new(scene, size, recipe, tile_pixels);
+    let mut all = Samples::unflipped((size[0] * size[1]) as usize);
+    loop {
+        let finished = work.work(engine, None).unwrap();
+        if finished.is_empty() {
+            return all;
+        }
+        for part in finished {
+            for (k, [x, y]) in part.tile.pixels().enumerate() {
+                all.set((y * size[0] + x) as usize, part.samples.get(k));
+                all.set_trust((y * size[0] + x) as usize, part.samples.trust(k));
+            }
+        }
+    }
+}
+
+/// What becomes of single pixels, each integrated on its own in numbers of `N` limbs.
+fn truth<const N: usize>(scene: &Scene, size: [u32; 2], pixels: &[usize]) -> Vec<Outcome> {
+    let center = scene.view.center_rad();
+    let pixel = scene.view.width_rad().to_f64() / f64::from(size[0]);
+    let pendulum: Pendulum<Fixed<N>> = scene.build.pendulum().convert();
+    let (rule, budget) = (scene.question.rule, Fixed::from_f64(scene.question.budget.secs));
+    let one = |&index: &usize| {
+        let [x, y] = [index as u32 % size[0], index as u32 / size[0]].map(f64::from);
+        let [w, h] = size.map(f64::from);
+        let by = [x + 0.5 - w / 2.0, h / 2.0 - y - 0.5].map(|by| Theta::from_f64(by * pixel));
+        let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<N>());
+        let Outcome { status, time } = gold::outcome(&pendulum, angle, rule, budget);
+        Outcome { status, time: time.to_f64() }
+    };
+    let (a, b) = pixels.split_at(pixels.len() / 2);
+    std::thread::scope(|scope| {
+        let first = scope.spawn(|| a.iter().map(one).collect::<Vec<_>>());
+        let second: Vec<_> = b.iter().map(one).collect();
+        [first.join().unwrap(), second].concat()
+    })
+}
+
+fn is_right(a: &Outcome, b: &Outcome) -> bool {
+    a.status == b.status && (a.status != Status::Flipped || (a.time - b.time).abs() <= 1e-3)
+}
+
+fn share_right(samples: &Samples, pixels: &[usize], truth: &[Outcome]) -> f64 {
+    let right = pixels.iter().zip(truth).filter(|(k, truth)| is_right(&samples.get(**k), truth));
+    right.count() as f64 / pixels.len() as f64
+}
+
+#[test]
+fn deep_pixels_are_those_of_pendulums_integrated_in_long_numbers() {
+    let size = [24, 24];
+    let pixels: Vec<usize> = (5..576).step_by(24).collect();
+    for (theta1, theta2, width) in PLACES {
+        let scene = scene([theta1, theta2], width);
+        let truth = truth::<4>(&scene, size, &pixels);
+        let flips: Vec<f64> =
+            truth.iter().filter(|o| o.status == Status::Flipped).map(|o| o.time).collect();
+        let spread = flips.iter().fold(0.0, |most, t| f64::max(most, (t - flips[0]).abs()));
+        assert!(flips.len() > 12 && spread > 0.5, "no structure at {width}: {spread}");
+        // Of 24 pixels one is 0.04.
+        for (recipe, least) in [(BALANCED, 0.95), (FAST, 0.83)] {
+            let samples = samples(&scene, size, recipe, &mut engine(), 4096);
+            let share = share_right(&samples, &pixels, &truth);
+            assert!(share >= least, "{share} of {width} in {}", recipe.precision);
+        }
+        let other = scene_beside(&scene);
+        let wrong = samples(&other, size, BALANCED, &mut engine(), 4096);
+        assert!(share_right(&wrong, &pixels, &truth) < 0.5, "the comparison can fail");
+    }
+}
+
+/// The same scene a quarter of its width to the right.
+fn scene_beside(scene: &Scene) -> Scene {
+    let mut other = scene.clone();
+    let by = Theta::from_f64(scene.view.width_rad().to_f64() / 4.0);
+    other.view.center[0] = (scene.view.center_rad()[0] + by).to_string();
+    other
+}
+
+#[test]
+fn no_answer_depends_on_tiles_or_on_what_else_is_asked() {
+    let (theta1, theta2, width) = PLACES[1];
+    let scene = scene([theta1, theta2], width);
+    let whole = samples(&scene, [40, 40], BALANCED, &mut engine(), 1600);
+    let mut used = engine();
+    samples(&scene_beside(&scene), [40, 40], BALANCED, &mut used, 1600);
+    for tile_pixels in [40, 333] {
+        let cut = samples(&scene, [40, 40], BALANCED, &mut used, tile_pixels);
+        assert!((0..1600).all(|k| cut.get(k) == whole.get(k)), "tiles of {tile_pixels}");
+    }
+}
+
+#[test]
+fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
+    // Where both hold: regular flips, in double-double from rest and through cells.
+    for width in ["3e-3", "1e-4", "1e-6", "1e-8", "1e-11"] {
+        let scene = scene(["2.2", "-1.9"], width);
+        let cells = samples(&scene, [16, 16], BALANCED, &mut engine(), 256);
+        let direct = flipmap::engine::Method::named("taylor", Precision::Dd).unwrap();
+        let direct = Recipe { method: direct, precision: Precision::Dd };
+        let alone = samples(&scene, [16, 16], direct, &mut engine(), 256);
+        for k in 0..256 {
+            let (a, b) = (cells.get(k), alone.get(k));
+            assert!((a.time - b.time).abs() < 1e-8 && a.status == b.status, "{width}: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn a_grazing_edge_is_one_clean_line_at_every_depth() {
+    // Bisected between two starts, one of which flips in its first swing.
+    let flips_early = |theta2: Fixed<4>| {
+        let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum().convert();
+        let angle = [Fixed::<4>::parse("-1.602").unwrap(), theta2];
+        let budget = Fixed::from_f64(2.0);
+        gold::outcome(&pendulum, angle, flipmap::physics::Rule::Second, budget).status
+            == Status::Flipped
+    };
+    let mut ends = ["1.8", "2.1"].map(|text| Fixed::<4>::parse(text).unwrap());
+    let early = flips_early(ends[1]);
+    assert_ne!(flips_early(ends[0]), early);
+    for _ in 0..140 {
+        let middle = (ends[0] + ends[1]).shr(1);
+        ends[usize::from(flips_early(middle) == early)] = middle;
+    }
+    let edge = ends[1].resized::<8>().to_string();
+    for width in ["1e-5", "1e-10", "1e-16", "1e-22", "1e-30"] {
+        let scene = scene(["-1.602", &edge], width);
+        let size = [24, 24];
+        let samples = samples(&scene, size, BALANCED, &mut engine(), 4096);
+        let side = |k: usize| {
+            let outcome = samples.get(k);
+            outcome.status == Status::Flipped && outcome.time < 2.0
+        };
+        for column in 0..24 {
+            let changes =
+                (1..24).filter(|row| side(row * 24 + column) != side((row - 1) * 24 + column));
+            assert!(changes.count() <= 1, "column {column} at {width} is torn");
+        }
+        let early = (0..576).filter(|k| side(*k)).count();
+        assert!((100..476).contains(&early), "{early} at {width}");
+        let pixels: Vec<usize> = (3..576).step_by(48).collect();
+        let truth = truth::<4>(&scene, size, &pixels);
+        assert!(share_right(&samples, &pixels, &truth) >= 0.9, "{width}");
+    }
+}
+
+#[test]
+fn exact_works_at_depth() {
+    let (theta1, theta2, width) = PLACES[2];
+    let scene = scene([theta1, theta2], width);
+    let mut engine = TrustEngine::new(Box::new(engine()), None).unwrap();
+    let samples = samples(&scene, [12, 12], BALANCED, &mut engine, 4096);
+    let pixels: Vec<usize> = (0..144).filter(|k| samples.trust(*k) != Trust::Uncertain).collect();
+    assert!(pixels.len() >= 140, "{} are sure", pixels.len());
+    let some: Vec<usize> = pixels.into_iter().step_by(9).collect();
+    assert_eq!(share_right(&samples, &some, &truth::<4>(&scene, [12, 12], &some)), 1.0);
+}
