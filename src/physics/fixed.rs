@@ -92,28 +92,33 @@ impl<const N: usize> Fixed<N> {
         }))
     }
 
-    /// The product of two numbers that are not negative.
+    /// The product, rounded to nearest. The limbs are multiplied as if they had no sign, and what
+    /// a sign changes is taken off afterwards: no branch depends on the numbers.
+    #[inline(always)]
     fn product(self, other: Self) -> Self {
+        let (x, y) = (&self.0, &other.0);
         let mut columns = [[0u64; 2]; N];
         let columns = columns.as_flattened_mut();
-        for (i, &x) in self.0.iter().enumerate() {
-            let mut carry = 0u128;
+        for i in 0..N {
+            let mut carry = 0u64;
             // One limb below the last that is kept decides the rounding.
-            let first = (N - 1).saturating_sub(i + 1);
-            for j in first..N {
+            for j in (N - 1).saturating_sub(i + 1)..N {
                 let sum =
-                    u128::from(x) * u128::from(other.0[j]) + u128::from(columns[i + j]) + carry;
+                    u128::from(x[i]) * u128::from(y[j]) + u128::from(columns[i + j]) + u128::from(carry);
                 columns[i + j] = sum as u64;
-                carry = sum >> 64;
+                carry = (sum >> 64) as u64;
             }
-            if i + N < columns.len() {
-                columns[i + N] = carry as u64;
-            }
+            columns[i + N] = carry;
         }
         let mut limbs = [0; N];
         limbs.copy_from_slice(&columns[N - 1..2 * N - 1]);
-        let product = Fixed(limbs);
-        if N >= 2 && columns[N - 2] >> 63 == 1 { product + Self::least() } else { product }
+        let round = if N >= 2 { columns[N - 2] >> 63 } else { 0 };
+        let above = |number: &[u64; N], sign: bool| {
+            let mask = if sign { u64::MAX } else { 0 };
+            Fixed(std::array::from_fn(|k| if k == 0 { 0 } else { number[k - 1] & mask }))
+        };
+        let rounding = Fixed(std::array::from_fn(|k| if k == 0 { round } else { 0 }));
+        Fixed(limbs) + rounding - above(y, self.is_negative()) - above(x, other.is_negative())
     }
 
     /// The least positive number.
@@ -228,8 +233,7 @@ impl<const N: usize> Mul for Fixed<N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let product = self.magnitude().product(other.magnitude());
-        if self.is_negative() == other.is_negative() { product } else { -product }
+        self.product(other)
     }
 }
 

@@ -15,12 +15,12 @@ pub struct Budget {
 }
 
 /// What the home map has, in units of the default pendulum's time (30 s).
-const LEAST_UNITS: f64 = 93.96;
+const LEAST_UNITS: f64 = 93.962_758_580_194_95;
 /// Neighbours move apart by at most about 0.3 decades a second: until those of a view ten times
 /// smaller are as far apart, and flip as differently, it takes 3.3 s more (10.4 units).
 const UNITS_A_DECADE: f64 = 10.44;
 /// Budgets grow in steps, so that moving a little computes nothing anew.
-const STEP_UNITS: f64 = 31.32;
+const STEP_UNITS: f64 = 31.320_919_526_731_65;
 
 impl Budget {
     /// So many seconds.
