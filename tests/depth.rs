@@ -159,7 +159,7 @@ fn a_grazing_edge_is_one_clean_line_at_every_depth() {
     let early = flips_early(ends[1]);
     assert_ne!(flips_early(ends[0]), early);
     for _ in 0..140 {
-        let middle = (ends[0] + ends[1]).shr(1);
+        let middle = (ends[0] + ends[1]).halved(1);
         ends[usize::from(flips_early(middle) == early)] = middle;
     }
     let edge = ends[1].resized::<8>().to_string();

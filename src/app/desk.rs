@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use egui::Ui;
 
 use super::action::Action;
+use super::camera::Camera;
 use super::canvas::Easel;
 use super::canvas::colours::colours;
 use super::commands::{commands, pressed};
@@ -20,13 +21,15 @@ use super::map::{Hovered, map};
 use super::meter::Meter;
 use super::panels::export::ExportForm;
 use super::panels::places::{PlaceForm, Thumbnails};
-use super::panels::status::{Status, status_line};
+use super::panels::status::{Status, depth_words, status_line};
 use super::panels::{accuracy, help, notices};
 use super::places::Places;
+use super::seen;
 use super::settings::{Loaded, Settings, Store};
 use super::state::{Effect, State};
 use crate::engine::choice::Wish;
 use crate::engine::words;
+use crate::scene::palette::equalised;
 use crate::scene::{Document, RunTable};
 use crate::tiles::explorer::Progress;
 
@@ -75,12 +78,19 @@ pub struct Desk {
     saved_at: Instant,
     /// Lines for the debug panel, from whoever owns the window.
     pub measured: Vec<String>,
+    /// The view that deep colours were last spread over.
+    spread_for: Option<Camera>,
 }
 
 /// How often the settings are kept while the window is used.
 const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// How long a frame may prepare jobs.
 const WORK: Duration = Duration::from_millis(4);
+
+/// Views narrower than this have colours that follow their own times, rad.
+const SPREAD_BELOW_RAD: f64 = 1e-6;
+/// Steps of such colours.
+const SPREAD_STEPS: usize = 64;
 
 impl Desk {
     /// Reads what was kept and begins to open an engine.
@@ -127,6 +137,7 @@ impl Desk {
             saved: None,
             saved_at: Instant::now(),
             measured: Vec::new(),
+            spread_for: None,
         }
     }
 
@@ -143,7 +154,40 @@ impl Desk {
         if turn.news {
             self.tell_pins();
         }
-        turn.news
+        let spread = self.spread_colours();
+        turn.news || spread
+    }
+
+    /// Spreads the palette over the times of a deep view once it is whole: they lie so close
+    /// together that it would look flat. What a person chose is left alone. Says whether the
+    /// colours have changed.
+    fn spread_colours(&mut self) -> bool {
+        let (camera, progress) = (self.state.target(), self.progress());
+        if camera.width_rad >= SPREAD_BELOW_RAD {
+            let clear = self.state.spreads && !self.state.picture.times.is_empty();
+            if clear {
+                self.state.picture.times = Vec::new();
+            }
+            self.state.spreads = self.state.picture.times.is_empty();
+            self.spread_for = None;
+            return clear;
+        }
+        let whole = progress.wanted > 0 && progress.done == progress.wanted;
+        let near = |then: &Camera| {
+            let moved = then.offset_of(camera.center).length() < 0.25 * camera.width_rad;
+            moved && (then.width_rad / camera.width_rad).ln().abs() < 0.3
+        };
+        if !self.state.spreads || !whole || self.spread_for.as_ref().is_some_and(near) {
+            return false;
+        }
+        self.spread_for = Some(camera);
+        let times = seen::times(&self.state.screen(), &mut self.room.explorer);
+        let times = equalised(times.into_iter(), SPREAD_STEPS);
+        let change = !times.is_empty();
+        if change {
+            self.state.picture.times = times;
+        }
+        change
     }
 
     /// Tells pins what the map has come to know of their pixels.
@@ -253,7 +297,11 @@ impl Desk {
         };
         let rate = if progress.idle { 0.0 } else { self.meter.rate() };
         let simulated = self.room.explorer.counts().simulated;
-        Status { progress, width_rad: self.state.camera.width_rad, rate, simulated, engine }
+        let depth = self.room.explorer.depth().zip(self.room.recipe());
+        let budget_secs = self.state.question.budget.secs;
+        let depth = depth.map(|(depth, recipe)| depth_words(&depth, recipe.precision, budget_secs));
+        let width_rad = self.state.camera.width_rad;
+        Status { progress, width_rad, rate, simulated, engine, depth }
     }
 
     /// Keeps how the window was left.

@@ -31,7 +31,7 @@ impl Desk {
     /// Does what can be done without the window.
     pub(super) fn affect(&mut self, effect: Effect) -> Option<Effect> {
         match effect {
-            Effect::Pin(starts) => self.pin(starts),
+            Effect::Pin(starts) => self.pin(*starts),
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
                 self.relaunch();

@@ -13,7 +13,7 @@ use super::settings::{Layers, Settings, Theme};
 use crate::engine::choice::{Demand, Kind};
 use crate::engine::{Accuracy, Recipe};
 use crate::physics::Theta;
-use crate::scene::{Build, Document, PictureTable, Question, RunTable, Scene, View};
+use crate::scene::{Budget, Build, Document, PictureTable, Question, RunTable, Scene, View};
 use crate::tiles::explorer::{Aim, Physics};
 
 /// What opens over or beside the map.
@@ -58,7 +58,7 @@ pub enum Effect {
     /// Open an engine for the demand.
     Reopen,
     /// Launch a flight for the pixel of these starts: itself and its neighbour.
-    Pin([[Theta; 2]; 2]),
+    Pin(Box<[[Theta; 2]; 2]>),
     /// The pendulums fly by other physics now.
     Relaunch,
     /// Lose the graphics device.
@@ -74,6 +74,8 @@ pub struct State {
     pub question: Question,
     /// How it is painted.
     pub picture: PictureTable,
+    /// Whether the times of its colours follow a deep view.
+    pub spreads: bool,
     /// How it is computed, as a scene's file says it.
     pub run: RunTable,
     /// The same, for the engines.
@@ -118,6 +120,14 @@ pub struct State {
     pub now_secs: f64,
 }
 
+/// What a scene asks. A budget that is no other than the automatic one follows the depth.
+fn following(scene: &Scene) -> Question {
+    let budget = scene.question.budget;
+    let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view);
+    let same = auto.secs == budget.secs;
+    Question { budget: if budget.auto || same { auto } else { budget }, ..scene.question }
+}
+
 impl State {
     /// Shows a document, computed as its run table says, which is settled.
     pub fn new(document: &Document, demand: Demand, verify: bool) -> Self {
@@ -125,8 +135,9 @@ impl State {
         let camera = Camera::from_view(&scene.view);
         State {
             build: scene.build,
-            question: scene.question,
+            question: following(&scene),
             picture: document.picture.clone(),
+            spreads: document.picture.times.is_empty(),
             run: document.run.clone(),
             demand,
             verify,
@@ -220,7 +231,7 @@ impl State {
             Action::Look(look) => self.look(look),
             Action::Hover(point) => self.pointer = point,
             Action::Drawing(drawing) => self.drawing = drawing,
-            Action::Pin(point) => return Some(Effect::Pin(self.pixel_at(point))),
+            Action::Pin(point) => return Some(Effect::Pin(Box::new(self.pixel_at(point)))),
             Action::Unpin => {
                 if let Some(id) = self.clicked.take() {
                     self.pins.apply(PinAction::Remove(id));
@@ -232,7 +243,10 @@ impl State {
                 (self.build, self.question) = (build, question);
                 return Some(Effect::Relaunch);
             }
-            Action::Picture(picture) => self.picture = picture,
+            Action::Picture(picture) => {
+                self.spreads &= picture.times == self.picture.times;
+                self.picture = picture;
+            }
             Action::Accuracy(accuracy) => {
                 self.set_accuracy(accuracy);
                 return Some(Effect::Reopen);
@@ -360,7 +374,6 @@ pub(super) mod tests {
     use super::*;
     use crate::engine::{Method, Precision};
     use crate::physics::Scalar;
-    use crate::scene::Budget;
 
     /// The home scene in a window.
     pub fn state() -> State {

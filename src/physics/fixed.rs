@@ -70,7 +70,7 @@ impl<const N: usize> Fixed<N> {
     }
 
     /// Times 2^`bits`; what does not fit is lost.
-    pub fn shl(self, bits: u32) -> Self {
+    pub fn doubled(self, bits: u32) -> Self {
         let (limbs, bits) = ((bits / 64) as usize, bits % 64);
         let limb = |k: isize| if k >= 0 { self.0[k as usize] } else { 0 };
         Fixed(std::array::from_fn(|k| {
@@ -81,7 +81,7 @@ impl<const N: usize> Fixed<N> {
     }
 
     /// Over 2^`bits`, rounded down.
-    pub fn shr(self, bits: u32) -> Self {
+    pub fn halved(self, bits: u32) -> Self {
         let (limbs, bits) = ((bits / 64) as usize, bits % 64);
         let sign = if self.is_negative() { u64::MAX } else { 0 };
         let limb = |k: usize| if k < N { self.0[k] } else { sign };
@@ -103,8 +103,9 @@ impl<const N: usize> Fixed<N> {
             let mut carry = 0u64;
             // One limb below the last that is kept decides the rounding.
             for j in (N - 1).saturating_sub(i + 1)..N {
-                let sum =
-                    u128::from(x[i]) * u128::from(y[j]) + u128::from(columns[i + j]) + u128::from(carry);
+                let sum = u128::from(x[i]) * u128::from(y[j])
+                    + u128::from(columns[i + j])
+                    + u128::from(carry);
                 columns[i + j] = sum as u64;
                 carry = (sum >> 64) as u64;
             }
@@ -158,12 +159,12 @@ impl<const N: usize> Fixed<N> {
     }
 
     fn shifted(self, bits: i64) -> Self {
-        if bits >= 0 { self.shl(bits as u32) } else { self.shr(bits.unsigned_abs() as u32) }
+        if bits >= 0 { self.doubled(bits as u32) } else { self.halved(bits.unsigned_abs() as u32) }
     }
 
     /// This number without whole turns, in (−π, π].
     pub fn wrapped(self) -> Self {
-        let tau = Self::pi().shl(1);
+        let tau = Self::pi().doubled(1);
         let turns = (self.to_f64() / std::f64::consts::TAU).round();
         let angle = if turns == 0.0 { self } else { self - tau * Self::from_f64(turns) };
         if angle > Self::pi() {
@@ -291,7 +292,7 @@ impl<const N: usize> Real for Fixed<N> {
 impl<const N: usize> Angle for Fixed<N> {
     /// Taylor series after taking out quarter turns.
     fn sin_cos(self) -> (Self, Self) {
-        let half_pi = Self::pi().shr(1);
+        let half_pi = Self::pi().halved(1);
         let quarters = (self.to_f64() / std::f64::consts::FRAC_PI_2).round();
         let r = self - half_pi * Self::from_f64(quarters);
         let (sin, cos) = (series(r, r, 1), series(r, Self::from_f64(1.0), 0));
@@ -360,7 +361,7 @@ impl<const N: usize> Scalar for Fixed<N> {
         let mut root = Self::from_f64(self.to_f64().sqrt());
         let mut bits = 50;
         while bits < 64 * N {
-            root = (root + self / root).shr(1);
+            root = (root + self / root).halved(1);
             bits *= 2;
         }
         root
@@ -472,7 +473,7 @@ mod tests {
 
     #[test]
     fn angles_are_wrapped_exactly() {
-        let (tau, small) = (Long::pi().shl(1), long("1e-100"));
+        let (tau, small) = (Long::pi().doubled(1), long("1e-100"));
         assert_eq!((tau + small).wrapped(), small);
         assert_eq!((-tau - tau - small).wrapped(), -small);
         assert_eq!((-Long::pi()).wrapped(), Long::pi());

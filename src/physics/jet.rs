@@ -205,6 +205,7 @@ impl Mul for Jet {
 
 impl Div for Jet {
     type Output = Jet;
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "a quotient is a product with 1 over it")]
     fn div(self, other: Jet) -> Jet {
         self * other.reciprocal()
     }
@@ -231,8 +232,9 @@ mod tests {
         prop::array::uniform32(-1.0..1.0f64).prop_map(|raw| {
             let mut jet = Jet { c: [0.0; TERMS], varies: true };
             for n in 0..=DEGREE {
-                for k in first(n)..first(n + 1) {
-                    jet.c[k] = raw[k] * 0.01f64.powi(n as i32);
+                let degree = first(n)..first(n + 1);
+                for (c, raw) in jet.c[degree.clone()].iter_mut().zip(&raw[degree]) {
+                    *c = raw * 0.01f64.powi(n as i32);
                 }
             }
             jet.with_middle(2.0 + raw[0])

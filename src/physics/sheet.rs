@@ -52,7 +52,7 @@ pub enum End {
     /// Something happens at the top that its polynomials cannot tell.
     Unclear,
     /// All that had not flipped flips in one passage.
-    Passed(Pass),
+    Passed(Box<Pass>),
     /// All of it has flipped in grazes.
     Grazed,
     /// The time is over.
@@ -209,7 +209,8 @@ impl Sheet {
                 break End::Unclear;
             }
             let leap = self.leap(law, reference.as_deref_mut());
-            if !(law.tail(&leap.after) <= tolerance) {
+            let tail = law.tail(&leap.after);
+            if tail.is_nan() || tail > tolerance {
                 break End::Spread;
             }
             match self.meet(law, &leap, tolerance, reference.as_deref()) {
@@ -376,7 +377,7 @@ impl Sheet {
         let clear = shift.tail() <= TIME_TOLERANCE.min(tolerance.sqrt())
             && speed.spread() < 0.5 * speed.middle().abs();
         if clear {
-            Meeting::Pass(Pass { time: self.time.0 + (self.time.1 + tau), shift })
+            Meeting::Pass(Box::new(Pass { time: self.time.0 + (self.time.1 + tau), shift }))
         } else {
             Meeting::NearlyGraze(bob)
         }
@@ -400,7 +401,7 @@ enum Meeting {
     TooMuch,
     Unclear,
     /// All pass.
-    Pass(Pass),
+    Pass(Box<Pass>),
     /// The middle passes so slowly that others may turn round before.
     NearlyGraze(usize),
     /// The middle comes back from a graze.

@@ -62,7 +62,7 @@ pub fn pitch_rad(level: u32) -> f64 {
 
 /// The side of a level's cells in turns.
 pub fn side(level: u32) -> Turn {
-    one().shr(level)
+    one().halved(level)
 }
 
 fn one() -> Turn {
@@ -72,19 +72,19 @@ fn one() -> Turn {
 /// Where an angle is, in turns.
 pub fn turn_of(theta: Theta) -> Turn {
     static PER_TURN: std::sync::OnceLock<Theta> = std::sync::OnceLock::new();
-    let per_turn = *PER_TURN.get_or_init(|| one() / Theta::pi().shl(1));
-    one().shr(1) + theta * per_turn
+    let per_turn = *PER_TURN.get_or_init(|| one() / Theta::pi().doubled(1));
+    one().halved(1) + theta * per_turn
 }
 
 /// The angle of a place.
 pub fn theta_of(turn: Turn) -> Theta {
-    (turn - one().shr(1)) * Theta::pi().shl(1)
+    (turn - one().halved(1)) * Theta::pi().doubled(1)
 }
 
 /// The side at or below a place of the level's cell around it.
 fn floor(turn: Turn, level: u32) -> Turn {
     let rest = Turn::BITS - level;
-    turn.shr(rest).shl(rest)
+    turn.halved(rest).doubled(rest)
 }
 
 /// A place without whole turns, in [0, 1).
@@ -187,7 +187,7 @@ impl Cell {
 
     /// Its samples as a picture of `scene`'s pendulum, row 0 at the top.
     pub fn grid(&self, scene: &Scene) -> Grid {
-        let pixel = Theta::pi().shl(1).shr(self.level) / Theta::from_f64(f64::from(SIDE));
+        let pixel = Theta::pi().doubled(1).halved(self.level) / Theta::from_f64(f64::from(SIDE));
         Grid::square(scene, self.center(), pixel.to_dd(), [SIDE; 2])
     }
 

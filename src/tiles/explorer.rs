@@ -13,7 +13,7 @@ use super::flights::{Flights, Landed, Open};
 use super::kept;
 use super::order;
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, Paused, Question, Recipe, Trust, Wait};
+use crate::engine::{Depth, Engine, EngineError, Paused, Question, Recipe, Trust, Wait};
 use crate::physics::{Outcome, Rule, Status};
 use crate::scene::lattice::{Cell, Region, SAMPLES, SIDE, pitch_rad};
 use crate::scene::{self, Budget, Build, Grouped, Scene};
@@ -91,6 +91,7 @@ pub struct Explorer {
     /// Most of what flies is of no use to the aim.
     stale: bool,
     counts: Counts,
+    depth: Option<Depth>,
 }
 
 impl Explorer {
@@ -106,6 +107,7 @@ impl Explorer {
             flights: Flights::default(),
             stale: false,
             counts: Counts::default(),
+            depth: None,
         }
     }
 
@@ -308,6 +310,7 @@ impl Explorer {
     fn take(&mut self, landed: Landed<Batch>) {
         self.counts.simulated += landed.computed.len() as u64;
         self.counts.effort += landed.effort;
+        self.depth = landed.effort.depth;
         let Landed { tile: batch, samples, paused, .. } = landed;
         self.keep(&batch, &samples, paused);
         // The budget has been raised since.
@@ -372,6 +375,11 @@ impl Explorer {
     /// What has been computed so far.
     pub fn counts(&self) -> Counts {
         self.counts
+    }
+
+    /// What following the cells that came last has shown; nothing where they were not deep.
+    pub fn depth(&self) -> Option<Depth> {
+        self.depth
     }
 
     /// Bytes of tiles held.

@@ -2,6 +2,7 @@
 
 use egui::{ProgressBar, Ui};
 
+use crate::engine::{Depth, Precision};
 use crate::tiles::explorer::Progress;
 
 /// What the line tells.
@@ -15,6 +16,8 @@ pub struct Status {
     pub rate: f64,
     /// Starts integrated since the window was opened.
     pub simulated: u64,
+    /// What is known of a deep view's depth: a short word on it, and all of it.
+    pub depth: Option<(String, String)>,
     /// The engine with its recipe, or what is happening to it.
     pub engine: String,
 }
@@ -30,6 +33,10 @@ pub fn status_line(ui: &mut Ui, status: &Status) {
         ui.label(format!("level {level}"));
         ui.separator();
         ui.label(width_text(status.width_rad));
+        if let Some((short, whole)) = &status.depth {
+            ui.separator();
+            ui.label(short).on_hover_text(whole);
+        }
         ui.separator();
         ui.label(format!("{} pendulums", grouped(status.simulated)));
         if status.rate > 0.0 {
@@ -38,6 +45,26 @@ pub fn status_line(ui: &mut Ui, status: &Status) {
         ui.separator();
         ui.add(egui::Label::new(&status.engine).truncate());
     });
+}
+
+/// How deep a view is, in digits and seconds.
+pub fn depth_words(depth: &Depth, precision: Precision, budget_secs: f64) -> (String, String) {
+    let [first, last] = depth.begins_secs;
+    let short = format!("{} digits · budget {budget_secs:.0} s", depth.digits);
+    let began = if depth.integrated == 0 {
+        "All of it is known from polynomials.".to_string()
+    } else {
+        let horizon = depth.horizon_secs(precision);
+        let ends = depth.structure_ends_at(budget_secs);
+        format!(
+            "Cells are followed as polynomials to {first:.1} to {last:.1} s, and their pixels from \
+             there in {precision}: to be trusted up to {horizon:.0} s. Neighbours move apart by \
+             {:.2} decades a second, so within {budget_secs:.0} s there is structure down to widths \
+             of {ends:.0e} rad.",
+            depth.decades_a_second
+        )
+    };
+    (short, format!("The cells' middles are followed in {} digits. {began}", depth.digits))
 }
 
 /// A width as people write it.
