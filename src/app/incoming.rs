@@ -1,7 +1,7 @@
 //! Scenes that come in: from files, places, and pasted locations.
 
 use super::camera::Camera;
-use super::state::{Effect, State};
+use super::state::{Effect, State, following};
 use crate::engine::words;
 use crate::scene::{Document, RunTable, location};
 
@@ -9,8 +9,9 @@ impl State {
     /// Shows a document: its pendulum, its view, its colours, and as right as it was, if it says.
     pub(super) fn show(&mut self, document: &Document) -> Option<Effect> {
         let scene = document.scene();
-        let same = (scene.build, scene.question) == (self.build, self.question);
-        (self.build, self.question) = (scene.build, scene.question);
+        let question = following(&scene);
+        let same = (scene.build, question) == (self.build, self.question);
+        (self.build, self.question) = (scene.build, question);
         self.picture = document.picture.clone();
         self.layers.curve = document.picture.curve;
         self.go(Camera::from_view(&scene.view));

@@ -121,7 +121,7 @@ pub struct State {
 }
 
 /// What a scene asks. A budget that is no other than the automatic one follows the depth.
-fn following(scene: &Scene) -> Question {
+pub(super) fn following(scene: &Scene) -> Question {
     let budget = scene.question.budget;
     let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view);
     let same = auto.secs == budget.secs;

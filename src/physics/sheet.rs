@@ -92,6 +92,8 @@ const LONGEST: f64 = 0.5;
 const SHORTEST: f64 = 1e-7;
 /// A turn this many spreads below the top is no graze.
 const NEAR: f64 = 8.0;
+/// A middle nearer to the top than this is looked up in its reference.
+const KNOWN_BY_F64: f64 = 1e-6;
 /// Reduced time within which a pass that is nearly a graze must turn round.
 const GRAZE_WITHIN: f64 = 1.0;
 
@@ -332,11 +334,18 @@ impl Sheet {
         let (before, after) = (at(0.0), law.moment(middle(&leap.after)));
         let (fraction, there) = turning_point(&at, bob, &before, &after);
         let spread = self.phase[2 * bob + 1].spread().max(leap.after[2 * bob + 1].spread());
-        if there.phase[2 * bob] >= 0.0 || there.phase[2 * bob + 1].abs() > NEAR * spread {
+        let tau = leap.length * fraction;
+        // Deep down the spread is far below what f64 knows of the middle.
+        let sine = match reference {
+            Some(reference) if there.phase[2 * bob + 1].abs() < KNOWN_BY_F64 => {
+                reference.turn(bob, tau)
+            }
+            _ => there.phase[2 * bob + 1],
+        };
+        if there.phase[2 * bob] >= 0.0 || sine.abs() > NEAR * spread {
             // A pass that was nearly a graze, and turned round far beyond.
             return self.beyond[bob].then_some(Meeting::Unclear);
         }
-        let tau = leap.length * fraction;
         let (shift, phase) = law.turn_of_all(&self.phase, tau, bob);
         // The side it came from: its own, or the other one if it has just passed.
         let mut side = before.phase[2 * bob + 1].signum();

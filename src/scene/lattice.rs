@@ -76,9 +76,11 @@ pub fn turn_of(theta: Theta) -> Turn {
     one().halved(1) + theta * per_turn
 }
 
-/// The angle of a place.
+/// The angle of a place; exactly odd about the middle of the torus.
 pub fn theta_of(turn: Turn) -> Theta {
-    (turn - one().halved(1)) * Theta::pi().doubled(1)
+    let from_middle = turn - one().halved(1);
+    let theta = from_middle.abs() * Theta::pi().doubled(1);
+    if from_middle.is_negative() { -theta } else { theta }
 }
 
 /// The side at or below a place of the level's cell around it.

@@ -106,6 +106,10 @@ impl Case {
         }
     }
 
+    fn is_deep(&self) -> bool {
+        matches!(self.job.starts, Starts::Deep(_))
+    }
+
     /// The open starts. Deep ones are followed anew with other cuts, so that the start map is
     /// checked as well as what comes after it.
     fn open_starts(&self) -> Starts {
@@ -139,7 +143,8 @@ impl Case {
     fn decide(&mut self, stage: u64, answers: &[Answer]) -> Next {
         let fine = is_fine(&self.job.recipe);
         let (secs, trust) = match stage {
-            PROBED if fine => (PROBE_SECS, Trust::Agreed),
+            // Another start map is no finer than the one it checks.
+            PROBED if fine && !self.is_deep() => (PROBE_SECS, Trust::Agreed),
             PROBED => (FINE_PROBE_SECS, Trust::Agreed),
             CHECKED => (CHECK_SECS, Trust::Confirmed),
             LAST_WORD => (CHECK_SECS, Trust::Settled),

@@ -145,7 +145,11 @@ impl Engine for TrustEngine<'_> {
         }
         for (stage, recipe) in [(FIRST, job.recipe), (PROBED, probe_of(&job.recipe))] {
             let id = job.id * STAGES + stage;
-            self.send(Job { id, recipe, keep_unfinished: true, ..job.clone() });
+            let mut job = Job { id, recipe, keep_unfinished: true, ..job.clone() };
+            if let Starts::Deep(deep) = &mut job.starts {
+                deep.strict = stage == PROBED;
+            }
+            self.send(job);
         }
         self.cases.insert(job.id, Case::new(job));
         self.feed()
