@@ -7,7 +7,8 @@ use crate::engine::background::{self, Background, Opening};
 use crate::engine::choice::{self, Chosen, Demand, Kind, Wish};
 use crate::engine::trust::TrustEngine;
 use crate::engine::{Engine, Recipe};
-use crate::tiles::explorer::{Aim, Explorer};
+use crate::tiles::aim::Aim;
+use crate::tiles::explorer::Explorer;
 
 /// Wakes the window from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;

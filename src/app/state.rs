@@ -14,7 +14,7 @@ use crate::engine::choice::{Demand, Kind};
 use crate::engine::{Accuracy, Recipe};
 use crate::physics::Theta;
 use crate::scene::{Budget, Build, Document, PictureTable, Question, RunTable, Scene, View};
-use crate::tiles::explorer::{Aim, Physics};
+use crate::tiles::aim::{Aim, Physics};
 
 /// What opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

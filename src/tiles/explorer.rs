@@ -8,43 +8,16 @@
 use std::collections::{HashSet, VecDeque};
 use std::time::Instant;
 
+use super::aim::{Aim, Physics};
 use super::cache::{Cache, Known};
 use super::flights::{Flights, Landed, Open};
 use super::kept;
 use super::order;
 use super::samples::{Counts, Samples};
-use crate::engine::{Depth, Engine, EngineError, Paused, Question, Recipe, Trust, Wait};
-use crate::physics::{Outcome, Rule, Status};
-use crate::scene::lattice::{Cell, Region, SAMPLES, SIDE, pitch_rad};
-use crate::scene::{self, Budget, Build, Grouped, Scene};
-
-/// What decides a pixel's answer, but for the budget.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Physics {
-    /// The pendulum.
-    pub build: Build,
-    /// Which bob is watched.
-    pub rule: Rule,
-    /// How it is integrated.
-    pub recipe: Recipe,
-    /// Whether every pixel is checked.
-    pub verified: bool,
-}
-
-/// What is looked at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Aim {
-    /// Of what.
-    pub physics: Physics,
-    /// Simulated seconds a pixel may use.
-    pub budget_secs: f64,
-    /// Where.
-    pub region: Region,
-    /// How finely: the level of the cells to draw.
-    pub level: u32,
-    /// Where the pointer is, from the region's centre, rad.
-    pub pointer: Option<[f64; 2]>,
-}
+use crate::engine::{Depth, Engine, EngineError, Paused, Trust, Wait};
+use crate::physics::{Outcome, Status};
+use crate::scene::Grouped;
+use crate::scene::lattice::{Cell, SAMPLES, SIDE};
 
 /// How far the newest aim is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -246,7 +219,7 @@ impl Explorer {
             self.keep(&batch, &open.into_samples(), Vec::new());
             return Ok(true);
         }
-        let asked = (question(aim), aim.physics.recipe);
+        let asked = (aim.question(), aim.physics.recipe);
         // Checks begin at the release, so checked pixels cannot be continued.
         let keep = !aim.physics.verified;
         let sent = self.flights.submit(engine, batch, open, asked, keep);
@@ -271,10 +244,10 @@ impl Explorer {
 
     /// What is known of the cells beforehand.
     fn open(&self, aim: &Aim, batch: &Batch) -> Open {
-        if is_deep(aim, batch) {
+        if batch.cells.first().is_some_and(|cell| aim.is_deep_at(cell.level)) {
             return self.open_deep(batch);
         }
-        let scene = scene_of(aim);
+        let scene = aim.scene();
         Open::new(batch.cells.iter().flat_map(|cell| {
             let grid = cell.grid(&scene);
             let known = self.cache.peek(batch.physics, *cell);
@@ -402,21 +375,4 @@ fn known_of(known: &Known, place: u32, state: Option<Paused>) -> Option<(kept::K
         return Some((kept::Known::Over(outcome), trust));
     }
     state.map(|state| (kept::Known::Paused(state), trust))
-}
-
-/// Whether a batch's samples lie closer than its recipe's number type can tell apart.
-fn is_deep(aim: &Aim, batch: &Batch) -> bool {
-    let level = batch.cells.first().map_or(0, |cell| cell.level);
-    2.0 * pitch_rad(level) < aim.physics.recipe.deep_below()
-}
-
-fn question(aim: &Aim) -> Question {
-    Question::from(&scene_of(aim))
-}
-
-/// The aim's pendulum and question; the view is the lattice's affair.
-fn scene_of(aim: &Aim) -> Scene {
-    let question =
-        scene::Question { rule: aim.physics.rule, budget: Budget::secs(aim.budget_secs) };
-    Scene { build: aim.physics.build, question, ..Scene::default() }
 }

@@ -2,12 +2,13 @@
 //!
 //! A picture is cut into [`Tile`]s. [`Work`] turns them into jobs, keeps the engine's slots
 //! full, and hands tiles back as they finish. A window
-//! draws from an [`explorer::Explorer`], whose tiles are cells of a [`lattice`] that does not move
+//! draws from an [`explorer::Explorer`], whose tiles are cells of a lattice that does not move
 //! with the view. Both are built on the same flights to the engine. Pixels that energy forbids, or
 //! that a mirror image already answers, never reach it.
 //!
 //! Nothing here knows a graphics card: the tests run it on the mock engine.
 
+pub mod aim;
 pub mod cache;
 pub mod descent;
 pub mod explorer;

@@ -5,7 +5,8 @@
 
 use std::collections::HashSet;
 
-use super::explorer::{Aim, MOST_CELLS};
+use super::aim::Aim;
+use super::explorer::MOST_CELLS;
 use crate::scene::lattice::{Cell, DEEPEST, Region, side_rad};
 
 /// Levels between one pass and the next finer one: a quarter of the distance each time.

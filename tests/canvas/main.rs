@@ -18,8 +18,9 @@ use flipmap::physics::{Dd, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
 use flipmap::scene::{Budget, Build, Fate, Grid, PictureTable, Question as Asked, Scale, Scene};
+use flipmap::tiles::aim::{Aim, Physics};
 use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::{Aim, Explorer, Physics};
+use flipmap::tiles::explorer::Explorer;
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 

@@ -7,8 +7,9 @@ use flipmap::engine::{Job, Method, Precision, Question, Recipe};
 use flipmap::physics::{Outcome, Rule, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
 use flipmap::scene::{Budget, Build, Fate, Question as Asked, Scene};
+use flipmap::tiles::aim::{Aim, Physics};
 use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
+use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 
 use super::ledger::Ledger;
 

@@ -6,7 +6,8 @@ use std::time::Instant;
 use flipmap::engine::Engine;
 use flipmap::physics::{Scalar, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
-use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS};
+use flipmap::tiles::aim::Aim;
+use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 
 use super::common::*;
 use super::ledger::Ledger;

@@ -6,8 +6,9 @@ use flipmap::engine::Engine;
 use flipmap::engine::mock::MockEngine;
 use flipmap::physics::{Scalar, Theta};
 use flipmap::scene::lattice::side_rad;
+use flipmap::tiles::aim::Aim;
 use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::{Aim, Explorer};
+use flipmap::tiles::explorer::Explorer;
 use proptest::prelude::*;
 
 use super::common::*;

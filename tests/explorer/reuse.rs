@@ -5,7 +5,8 @@ use std::collections::HashSet;
 
 use flipmap::physics::{Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
-use flipmap::tiles::explorer::{Aim, Explorer, MOST_CELLS, Physics};
+use flipmap::tiles::aim::{Aim, Physics};
+use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 
 use super::common::*;
 use super::ledger::Ledger;

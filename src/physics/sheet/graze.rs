@@ -1,0 +1,61 @@
+//! A bob's turn near the top, in which some of a cell flip and the others do not.
+
+use super::Law;
+use crate::physics::jet::Jet;
+use crate::physics::phase::Phase;
+
+/// A bob's turn near the top.
+#[derive(Clone, Debug)]
+pub struct Graze {
+    pub(super) bob: usize,
+    /// The sign of the bob's sine before it reaches the top.
+    pub(super) side: f64,
+    pub(super) time: f64,
+    /// How much later than the middle's the others' turns are.
+    pub(super) shift: Jet,
+    /// How far beyond the top they turn, rad (as a sine).
+    pub(super) height: Jet,
+    /// The states at these turns.
+    pub(super) phase: Phase<Jet>,
+}
+
+impl Graze {
+    pub(super) fn concerns_any(&self) -> bool {
+        self.height.middle() + self.height.spread() >= 0.0
+    }
+
+    pub(super) fn concerns_all(&self) -> bool {
+        self.height.middle() > self.height.spread()
+    }
+
+    /// When the start at a point of the cell flips, reduced, if it does in this graze.
+    pub fn flip(&self, law: &Law, at: [f64; 2]) -> Option<f64> {
+        let height = self.height.at(at);
+        if height < 0.0 {
+            return None;
+        }
+        let phase = self.phase.map(|jet| jet.at(at));
+        let turn = self.time + self.shift.at(at);
+        Some(turn - self.rise(law, phase, height))
+    }
+
+    /// How long before its turn a bob that rises `height` beyond the top has passed it.
+    fn rise(&self, law: &Law, mut phase: Phase<f64>, height: f64) -> f64 {
+        let (x, y) = (2 * self.bob, 2 * self.bob + 1);
+        // As high as its own polynomial says, which knows it to more digits.
+        phase[y] = -self.side * height;
+        let [x1, y1, x2, y2, ..] = phase;
+        let speed = law.pendulum.speeds(&phase);
+        let pull = law.pendulum.acceleration_towards([(y1, x1), (y2, x2)], speed)[self.bob];
+        let mut back = (2.0 * height / pull.abs()).sqrt();
+        for _ in 0..6 {
+            let (then, _) = law.moved(&phase, -back);
+            let rate = law.pendulum.speeds(&then)[self.bob] * then[x];
+            if rate == 0.0 {
+                break;
+            }
+            back += then[y] / rate;
+        }
+        back
+    }
+}

@@ -1,0 +1,53 @@
+//! What a window looks at.
+
+use crate::engine::{Question, Recipe};
+use crate::physics::Rule;
+use crate::scene::lattice::{Region, pitch_rad};
+use crate::scene::{self, Budget, Build, Scene};
+
+/// What decides a pixel's answer, but for the budget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Physics {
+    /// The pendulum.
+    pub build: Build,
+    /// Which bob is watched.
+    pub rule: Rule,
+    /// How it is integrated.
+    pub recipe: Recipe,
+    /// Whether every pixel is checked.
+    pub verified: bool,
+}
+
+/// What is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim {
+    /// Of what.
+    pub physics: Physics,
+    /// Simulated seconds a pixel may use.
+    pub budget_secs: f64,
+    /// Where.
+    pub region: Region,
+    /// How finely: the level of the cells to draw.
+    pub level: u32,
+    /// Where the pointer is, from the region's centre, rad.
+    pub pointer: Option<[f64; 2]>,
+}
+
+impl Aim {
+    /// The pendulum and the question; the view is the lattice's affair.
+    pub(super) fn scene(&self) -> Scene {
+        let question =
+            scene::Question { rule: self.physics.rule, budget: Budget::secs(self.budget_secs) };
+        Scene { build: self.physics.build, question, ..Scene::default() }
+    }
+
+    /// What is asked of every pixel.
+    pub(super) fn question(&self) -> Question {
+        Question::from(&self.scene())
+    }
+
+    /// Whether a level's samples lie closer than the recipe's number type can tell apart.
+    pub(super) fn is_deep_at(&self, level: u32) -> bool {
+        2.0 * pitch_rad(level) < self.physics.recipe.deep_below()
+    }
+}
