@@ -149,7 +149,7 @@ fn a_pasted_location_is_gone_to_and_anything_else_leaves_the_view() {
     let mut desktop = home();
     desktop.event(Event::Paste("flipmap:center=1,2;width=0.5;rule=either".to_string()));
     settle(&mut desktop);
-    let there = "flipmap:center=1,2;width=0.5;rule=either";
+    let there = "flipmap:center=1,2;width=0.5;budget=auto;rule=either";
     assert_eq!(place(&desktop), there);
     for text in ["Dear diary", "flipmap:center=1,2;width=-1", "flipmap:center=1,2;colour=red"] {
         let before = notices(&desktop);

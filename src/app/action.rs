@@ -50,6 +50,8 @@ pub enum Action {
     Hover(Option<DVec2>),
     /// A rectangle is being drawn between two points, or no more.
     Drawing(Option<[DVec2; 2]>),
+    /// Go deeper by itself from the pointer's place, or stop.
+    GoDeeper,
     /// Pin the pixel at a point.
     Pin(DVec2),
     /// Take back the pin that the first click of a double click made.

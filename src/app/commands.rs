@@ -100,6 +100,7 @@ fn doing(state: &State) -> Vec<Command> {
     let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
     let mut commands = vec![
         command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
+        command("Go deeper here, or stop", [key(PLAIN, Key::D)], Action::GoDeeper),
         command("Play or pause the pendulum", [key(PLAIN, Key::Space)], Action::PlayPause),
         command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
         command("Copy the location", ctrl(Key::L), Action::CopyLocation),

@@ -13,6 +13,7 @@ use super::canvas::Easel;
 use super::canvas::colours::colours;
 use super::commands::{commands, pressed};
 use super::dialog::FileDialog;
+use super::dive::Way;
 use super::engine_room::{EngineRoom, Wake};
 use super::export::Export;
 use super::folders::Folders;
@@ -30,7 +31,7 @@ use super::state::{Effect, State};
 use crate::engine::choice::Wish;
 use crate::engine::words;
 use crate::scene::palette::equalised;
-use crate::scene::{Document, RunTable};
+use crate::scene::{Document, PictureTable, RunTable};
 use crate::tiles::explorer::Progress;
 
 /// How a window is opened.
@@ -71,6 +72,7 @@ pub struct Desk {
     pub(super) exports: Vec<Export>,
     pub(super) export_form: ExportForm,
     pub(super) asking: Option<Asking>,
+    pub(super) way: Way,
     pub(super) wish: Wish,
     pub(super) wake: Wake,
     /// What the file holds, and since when.
@@ -87,10 +89,8 @@ const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// How long a frame may prepare jobs.
 const WORK: Duration = Duration::from_millis(4);
 
-/// Views narrower than this have colours that follow their own times, rad.
-const SPREAD_BELOW_RAD: f64 = 1e-6;
-/// Steps of such colours.
-const SPREAD_STEPS: usize = 64;
+/// How often the line below tells of what takes longer.
+const DOING: Duration = Duration::from_millis(250);
 
 impl Desk {
     /// Reads what was kept and begins to open an engine.
@@ -132,6 +132,7 @@ impl Desk {
             exports: Vec::new(),
             export_form: ExportForm::default(),
             asking: None,
+            way: Way::default(),
             wish,
             wake,
             saved: None,
@@ -155,7 +156,8 @@ impl Desk {
             self.tell_pins();
         }
         let spread = self.spread_colours();
-        turn.news || spread
+        let dived = self.follow_dive();
+        turn.news || spread || dived
     }
 
     /// Spreads the palette over the times of a deep view once it is whole: they lie so close
@@ -163,7 +165,7 @@ impl Desk {
     /// colours have changed.
     fn spread_colours(&mut self) -> bool {
         let (camera, progress) = (self.state.target(), self.progress());
-        if camera.width_rad >= SPREAD_BELOW_RAD {
+        if camera.width_rad >= PictureTable::SPREAD_BELOW_RAD {
             let clear = self.state.spreads && !self.state.picture.times.is_empty();
             if clear {
                 self.state.picture.times = Vec::new();
@@ -182,7 +184,7 @@ impl Desk {
         }
         self.spread_for = Some(camera);
         let times = seen::times(&self.state.screen(), &mut self.room.explorer);
-        let times = equalised(times.into_iter(), SPREAD_STEPS);
+        let times = equalised(times.into_iter(), PictureTable::SPREAD_STEPS);
         let change = !times.is_empty();
         if change {
             self.state.picture.times = times;
@@ -232,6 +234,9 @@ impl Desk {
         }
         actions.extend(notices::notices(&ctx, &self.state.notices));
         let status = self.status();
+        if status.doing.is_some() {
+            ctx.request_repaint_after(DOING);
+        }
         egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
         if self.state.shown.side {
             let side = egui::Panel::right("side").default_size(310.0).size_range(240.0..=480.0);
@@ -301,7 +306,9 @@ impl Desk {
         let budget_secs = self.state.question.budget.secs;
         let depth = depth.map(|(depth, recipe)| depth_words(&depth, recipe.precision, budget_secs));
         let width_rad = self.state.camera.width_rad;
-        Status { progress, width_rad, rate, simulated, engine, depth }
+        let diving = self.way.dive.is_some().then(|| "going deeper, Esc stops".to_string());
+        let doing = self.room.following().or(diving);
+        Status { progress, width_rad, rate, simulated, engine, depth, doing }
     }
 
     /// Keeps how the window was left.

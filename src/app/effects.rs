@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::action::Action;
 use super::desk::{Asking, Desk};
 use super::dialog::FileDialog;
-use super::export::{Export, ExportKind, ExportRequest, append_key};
+use super::export::{Export, ExportKind, ExportRequest, append_keys};
 use super::hover;
 use super::panels::colours::ColourAction;
 use super::panels::export::{ExportAction, What};
@@ -23,6 +23,7 @@ const EQUAL_STEPS: usize = 32;
 impl Desk {
     /// Does actions in their order; returns what only the window can do.
     pub(super) fn act(&mut self, actions: Vec<Action>) -> Vec<Effect> {
+        actions.iter().for_each(|action| self.stop_dive_for(action));
         let effects: Vec<Effect> =
             actions.into_iter().filter_map(|action| self.state.apply(action)).collect();
         effects.into_iter().filter_map(|effect| self.affect(effect)).collect()
@@ -32,6 +33,7 @@ impl Desk {
     pub(super) fn affect(&mut self, effect: Effect) -> Option<Effect> {
         match effect {
             Effect::Pin(starts) => self.pin(*starts),
+            Effect::GoDeeper => self.toggle_dive(),
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
                 self.relaunch();
@@ -161,7 +163,7 @@ impl Desk {
             What::Png => ExportKind::Png,
             What::Raw => ExportKind::Raw,
             What::Key => {
-                match append_key(&path, &document) {
+                match append_keys(&path, &[document]) {
                     Ok(keys) => {
                         let name = path.display();
                         self.state.notices.tell(format!("{name} has {keys} film keys now."));

@@ -117,6 +117,14 @@ impl EngineRoom {
         }
     }
 
+    /// What it is doing that takes so long before a deep view's first pixels are known.
+    pub fn following(&self) -> Option<String> {
+        match &self.stage {
+            Stage::Ready(engine) => engine.following.words(),
+            _ => None,
+        }
+    }
+
     /// While an engine is being opened, what it is doing that takes so long, if it says so.
     pub fn opening(&self) -> Option<String> {
         let said = || self.said.lock().unwrap_or_else(PoisonError::into_inner).clone();
@@ -179,15 +187,15 @@ impl EngineRoom {
 fn open(wish: &Wish, verify: bool, tell: &dyn Fn(&str)) -> Result<Chosen, choice::ChoiceError> {
     step_back();
     let wish = Wish { pace: PACE, ..wish.clone() };
-    let Chosen { engine, recipe, why } = choice::choose(&wish, tell)?;
+    let Chosen { engine, recipe, why, following } = choice::choose(&wish, tell)?;
     let engine: Box<dyn Engine> =
         if verify { Box::new(TrustEngine::new(engine, wish.threads)?) } else { engine };
-    Ok(Chosen { engine, recipe, why })
+    Ok(Chosen { engine, recipe, why, following })
 }
 
 /// Makes this thread, and those it will start, yield to the ones that draw. On Linux each thread
 /// has a niceness of its own, and hands it on.
-fn step_back() {
+pub(super) fn step_back() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(None, NICENESS) {
         log::info!("the engine runs as urgently as the window: {error}");

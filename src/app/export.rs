@@ -234,11 +234,11 @@ impl ExportRequest {
     }
 }
 
-/// Adds a scene to a file of film keys, which is made if it is not there; says how many keys it
+/// Adds scenes to a file of film keys, which is made if it is not there; says how many keys it
 /// has now, or in a sentence why it is as it was.
-pub fn append_key(path: &Path, document: &Document) -> Result<usize, String> {
+pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String> {
     let refuse = |why: &dyn std::fmt::Display| {
-        format!("The film key was not added: {} {why}.", path.display())
+        format!("The film keys were not changed: {} {why}.", path.display())
     };
     let mut keys = if path.is_file() {
         let text = std::fs::read_to_string(path)
@@ -247,7 +247,7 @@ pub fn append_key(path: &Path, document: &Document) -> Result<usize, String> {
     } else {
         Keys::default()
     };
-    keys.append(document.clone());
+    documents.iter().for_each(|document| keys.append(document.clone()));
     let write = || {
         let mut file = SafeFile::create(&Destination::File(path.to_path_buf()))?;
         file.write_all(keys.text().as_bytes())?;
@@ -345,15 +345,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("keys.toml");
         let document = BuiltIn::named("shore").unwrap().document();
-        assert_eq!(append_key(&path, &Document::default()), Ok(1));
-        assert_eq!(append_key(&path, &document), Ok(2));
+        assert_eq!(append_keys(&path, &[Document::default()]), Ok(1));
+        assert_eq!(append_keys(&path, &[document.clone()]), Ok(2));
         let keys = Keys::parse(&std::fs::read_to_string(&path).unwrap()).unwrap();
         assert_eq!((keys.keys[1].secs, &keys.keys[1].scene), (5.0, &document));
         let other = folder.path().join("diary.toml");
         std::fs::write(&other, "dear = \"diary\"").unwrap();
-        let why = append_key(&other, &document).unwrap_err();
+        let why = append_keys(&other, &[document.clone()]).unwrap_err();
         assert!(why.contains("diary.toml has no film keys: line 1"), "{why}");
         assert_eq!(std::fs::read_to_string(&other).unwrap(), "dear = \"diary\"");
-        assert!(append_key(Path::new("/dev/full"), &document).unwrap_err().contains("written"));
+        assert!(append_keys(Path::new("/dev/full"), &[document]).unwrap_err().contains("written"));
     }
 }

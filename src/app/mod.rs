@@ -11,6 +11,7 @@ pub mod canvas;
 pub mod commands;
 pub mod desk;
 pub mod dialog;
+pub mod dive;
 mod effects;
 pub mod engine_room;
 pub mod export;

@@ -4,8 +4,10 @@ use egui::{CollapsingHeader, ScrollArea, Ui};
 
 use super::action::Action;
 use super::desk::Desk;
+use super::dive::Way;
 use super::panels::accuracy::{Computing, accuracy_panel};
 use super::panels::colours::colours_panel;
+use super::panels::deeper::{self, deeper_panel};
 use super::panels::export::{ExportStatus, export_panel};
 use super::panels::layers::layers_panel;
 use super::panels::pendulum::pendulum_panel;
@@ -27,6 +29,12 @@ impl Desk {
                 let done = places_panel(ui, &self.places, &self.place_form, &mut self.thumbnails);
                 actions.extend(done.into_iter().filter_map(|action| self.place(action)));
                 self.recent(ui, &mut actions);
+            });
+            CollapsingHeader::new("Deeper").show(ui, |ui| {
+                let Way { dive, scenes, path } = &self.way;
+                let way = deeper::Way { going: dive.is_some(), scenes, path };
+                let done = deeper_panel(ui, &way);
+                actions.extend(done.into_iter().filter_map(|action| self.deeper(action)));
             });
             CollapsingHeader::new("Scene").show(ui, |ui| {
                 let changed = scene_panel(ui, &self.state.build, &self.state.question);

@@ -59,6 +59,8 @@ pub enum Effect {
     Reopen,
     /// Launch a flight for the pixel of these starts: itself and its neighbour.
     Pin(Box<[[Theta; 2]; 2]>),
+    /// Begin or stop going deeper by itself.
+    GoDeeper,
     /// The pendulums fly by other physics now.
     Relaunch,
     /// Lose the graphics device.
@@ -232,6 +234,7 @@ impl State {
             Action::Hover(point) => self.pointer = point,
             Action::Drawing(drawing) => self.drawing = drawing,
             Action::Pin(point) => return Some(Effect::Pin(Box::new(self.pixel_at(point)))),
+            Action::GoDeeper => return Some(Effect::GoDeeper),
             Action::Unpin => {
                 if let Some(id) = self.clicked.take() {
                     self.pins.apply(PinAction::Remove(id));

@@ -45,8 +45,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let mut descent = Descent::new(scene.clone(), chosen.recipe, [0.0; 2]);
     let mut path = vec![scene];
     while width(&path[path.len() - 1]) > to {
-        stop::check()?;
-        match descent.next(chosen.engine.as_mut())? {
+        match descent.next(chosen.engine.as_mut(), &|| !stop::asked())? {
             Deeper::Scene(scene) => {
                 super::tell(&format!(
                     "flipmap: {} rad, budget {} s",
@@ -54,6 +53,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                 ));
                 path.push(scene);
             }
+            Deeper::Stopped => break,
             Deeper::End => {
                 super::tell("flipmap: nothing near is left to see; the path ends here");
                 break;
@@ -71,7 +71,8 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     if options.output.as_deref() != Some(Path::new("-")) {
         super::say(&location::text(&path[path.len() - 1]))?;
     }
-    Ok(())
+    // What was found is kept, whatever ended it.
+    Ok(stop::check()?)
 }
 
 fn width(scene: &Scene) -> f64 {

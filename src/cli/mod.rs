@@ -2,6 +2,7 @@
 
 mod continued;
 mod deeper;
+mod depth;
 mod doctor;
 pub mod exit;
 mod explore;
@@ -10,6 +11,7 @@ mod progress;
 mod render;
 mod report;
 mod run_options;
+mod spread;
 mod stop;
 mod trace;
 

@@ -36,15 +36,16 @@ impl Progress {
             if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(total), target);
         let style =
-            "{wide_bar} {percent}% · {human_pos} of {human_len} pixels · {rate} · {eta} left";
+            "{wide_bar} {percent}% · {human_pos} of {human_len} pixels · {rate} · {eta} left{msg}";
         let style = ProgressStyle::with_template(style).expect("a valid template");
         bar.set_style(style.with_key("rate", write_rate));
         let now = Instant::now();
         Progress { bar, json: mode == Mode::Json, total, begun: now, last_line: now }
     }
 
-    /// `done` pixels are done.
-    pub fn set(&mut self, done: u64) {
+    /// `done` pixels are done, and this is going on besides.
+    pub fn set(&mut self, done: u64, doing: Option<String>) {
+        self.bar.set_message(doing.map_or_else(String::new, |doing| format!(" · {doing}")));
         if done == self.bar.position() {
             return;
         }

@@ -9,16 +9,18 @@ use clap::Args;
 use flipmap::engine::choice::{Chosen, choose};
 use flipmap::engine::method::Pace;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Depth, Engine, Question, Recipe, Trust};
+use flipmap::engine::{Engine, Question, Recipe, Trust};
 use flipmap::output::{Clock, Paths, RenderError, Sinks, render_pass};
-use flipmap::scene::{Budget, Document, Grid, Scale, Scene};
+use flipmap::scene::{Document, Grid, PictureTable, Scale, Scene};
 use flipmap::tiles::{Counts, Work};
 
 use super::continued::Continued;
+use super::depth::{depth_object, tell_depth};
 use super::exit::Exit;
 use super::options::{SceneOptions, number, set};
 use super::progress::{Mode, Progress};
 use super::run_options::{Plan, RunOptions};
+use super::spread::spread;
 use super::stop;
 
 #[derive(Args, Debug)]
@@ -67,8 +69,9 @@ struct PictureOptions {
     /// log: equal ratios of times are equal steps of colour; linear: equal differences are
     #[arg(long, value_name = "log|linear")]
     scale: Option<String>,
-    /// Seconds at which equal steps of the palette lie: a first and a last one, or more
-    #[arg(long, value_name = "t1,t2,...", allow_hyphen_values = true)]
+    /// Seconds at which equal steps of the palette lie: a first and a last one, or more; view:
+    /// those of the view itself, as for views narrower than 1e-6 rad; budget: the whole budget
+    #[arg(long, value_name = "t1,t2,...|view|budget", allow_hyphen_values = true)]
     times: Option<String>,
     /// Leave out the energy curve
     #[arg(long)]
@@ -89,18 +92,22 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let paths = options.paths();
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
-    let mut sinks = Sinks::open(&paths, &document, plan.size)?;
+    paths.check()?;
     stop::listen()?;
     let mut wish = options.run.wish(plan.demand);
     if let Some(continued) = &continued {
         continued.prefer_engine(&mut wish);
     }
-    let Chosen { mut engine, recipe, why } =
+    let Chosen { mut engine, recipe, why, following } =
         choose(&wish, &|text| super::tell(&format!("flipmap: {text}")))?;
     check_numbers(&scene, plan.size, recipe)?;
     if let Some(continued) = &mut continued {
         continued.check_ran(engine.as_ref(), recipe)?;
     }
+    if options.picture.spreads(&document) {
+        spread(&mut document, plan.size, recipe, engine.as_mut())?;
+    }
+    let mut sinks = Sinks::open(&paths, &document, plan.size)?;
     if plan.verify {
         engine = Box::new(TrustEngine::new(engine, options.run.threads())?);
     }
@@ -116,7 +123,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         }
         let mut progress = Progress::new(options.progress, u64::from(size[0]) * u64::from(size[1]));
         let mut go_on = |counts: &Counts| {
-            progress.set(counts.pixels);
+            progress.set(counts.pixels, following.words());
             !stop::asked()
         };
         render_pass(&mut work, engine.as_mut(), &mut sinks, &pass, &mut clock, &mut go_on)
@@ -166,6 +173,22 @@ fn announce(engine: &dyn Engine, recipe: Recipe, verify: bool, why: &str) {
     ));
 }
 
+/// Words for `--times`.
+const OF_VIEW: &str = "view";
+const OF_BUDGET: &str = "budget";
+
+impl PictureOptions {
+    /// Whether the colours are to follow the view's own times.
+    fn spreads(&self, document: &Document) -> bool {
+        let deep = document.scene().view.width_rad().hi < PictureTable::SPREAD_BELOW_RAD;
+        match self.times.as_deref() {
+            Some(OF_VIEW) => true,
+            Some(_) => false,
+            None => deep && document.picture.times.is_empty(),
+        }
+    }
+}
+
 fn apply(options: &PictureOptions, document: &mut Document) -> Result<(), Exit> {
     let picture = &mut document.picture;
     if let Some(palette) = &options.palette {
@@ -179,8 +202,11 @@ fn apply(options: &PictureOptions, document: &mut Document) -> Result<(), Exit> 
         number(text).ok_or("it must be a number between 1 and 100")
     })?;
     set(&mut picture.times, "--times", &options.times, |text| {
+        if [OF_VIEW, OF_BUDGET].contains(&text) {
+            return Ok(Vec::new());
+        }
         let times: Option<Vec<f64>> = text.split(',').map(number).collect();
-        times.ok_or("it must be numbers of seconds with commas between them")
+        times.ok_or("it must be numbers of seconds with commas between them, view or budget")
     })
 }
 
@@ -317,48 +343,4 @@ fn report(
         ));
     }
     Ok(())
-}
-
-/// What following deep pixels has shown, for machines.
-fn depth_object(depth: Depth, recipe: Recipe, scene: &Scene) -> serde_json::Value {
-    serde_json::json!({
-        "digits": depth.digits,
-        "integrated": depth.integrated,
-        "begins_secs": depth.begins_secs,
-        "decades_a_second": depth.decades_a_second,
-        "horizon_secs": depth.horizon_secs(recipe.precision),
-        "structure_ends_at": depth.structure_ends_at(scene.question.budget.secs),
-        "budget_secs": scene.question.budget.secs,
-    })
-}
-
-/// The same for people, and what to do where nothing is left to see.
-fn tell_depth(depth: Depth, recipe: Recipe, scene: &Scene, counts: &Counts) {
-    let budget = scene.question.budget;
-    let follows = if budget.auto { ", which follows the depth" } else { "" };
-    if depth.integrated == 0 {
-        super::tell(&format!(
-            "flipmap: depth: all pixels are known from polynomials, in {} digits",
-            depth.digits
-        ));
-    } else {
-        let [first, last] = depth.begins_secs;
-        super::tell(&format!(
-            "flipmap: depth: followed in {} digits to {first:.1} to {last:.1} s, from there in {}; \
-             trusted up to {:.0} s; a budget of {} s{follows} shows structure down to widths of {:.0e}",
-            depth.digits,
-            recipe.precision,
-            depth.horizon_secs(recipe.precision),
-            budget.secs,
-            depth.structure_ends_at(budget.secs),
-        ));
-    }
-    if counts.flipped == 0 && counts.unflipped > 0 && !budget.auto {
-        let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view).secs;
-        super::tell(&format!(
-            "flipmap: warning: nothing flips within the budget of {} s at this depth, so there is \
-             nothing to see; --budget auto takes {auto} s",
-            budget.secs
-        ));
-    }
 }

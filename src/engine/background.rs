@@ -8,6 +8,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel}
 use std::time::{Duration, Instant};
 
 use super::choice::{ChoiceError, Chosen};
+use super::depth::Following;
 use super::{Engine, EngineError, Finished, Job, Recipe, Wait};
 
 /// How long the thread computes before it looks for new jobs again.
@@ -36,6 +37,8 @@ pub struct Background {
     pub why: String,
     /// What it was opened for.
     pub recipe: Recipe,
+    /// How far it follows the middle of a deep view.
+    pub following: Following,
     orders: Sender<Order>,
     answers: Receiver<Answer>,
     cancellations: u64,
@@ -90,6 +93,7 @@ fn beside(chosen: &Chosen) -> (Background, Receiver<Order>, Sender<Answer>) {
     let background = Background {
         why: chosen.why.clone(),
         recipe: chosen.recipe,
+        following: chosen.following.clone(),
         orders,
         answers,
         cancellations: 0,
@@ -241,7 +245,8 @@ mod tests {
 
     fn chosen(engine: MockEngine) -> Result<Chosen, ChoiceError> {
         let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
-        Ok(Chosen { engine: Box::new(engine), recipe, why: "a test".to_string() })
+        let (why, following) = ("a test".to_string(), Following::default());
+        Ok(Chosen { engine: Box::new(engine), recipe, why, following })
     }
 
     fn background(engine: fn() -> MockEngine) -> Background {

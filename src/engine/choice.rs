@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use super::cpu::CpuEngine;
-use super::depth::DepthEngine;
+use super::depth::{DepthEngine, Following};
 use super::gpu::device::{Gpu, adapters, describe};
 use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::profile::{Profile, Row};
@@ -96,6 +96,8 @@ pub struct Chosen {
     pub recipe: Recipe,
     /// For people.
     pub why: String,
+    /// How far it follows the middle of a deep view.
+    pub following: Following,
 }
 
 /// What to do on Debian when there is no adapter.
@@ -110,8 +112,8 @@ pub fn choose(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
             .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use --engine cpu")))?,
         (Kind::Auto, None) => automatic(wish, tell)?,
     };
-    let engine = Box::new(DepthEngine::new(chosen.engine, wish.threads)?);
-    Ok(Chosen { engine, ..chosen })
+    let engine = DepthEngine::new(chosen.engine, wish.threads)?.telling(chosen.following.clone());
+    Ok(Chosen { engine: Box::new(engine), ..chosen })
 }
 
 /// The fastest engine of the profile. Adapters are not even opened where only the processor has
@@ -168,8 +170,8 @@ fn cpu(wish: &Wish, why: String) -> Result<Chosen, ChoiceError> {
     let recipes = wish.demand.recipes();
     let recipe = recipes.iter().find(|recipe| CpuEngine::offers(recipe)).unwrap_or(&recipes[0]);
     CpuEngine::require(recipe)?;
-    let engine = CpuEngine::new(wish.threads)?;
-    Ok(Chosen { engine: Box::new(engine), recipe: *recipe, why })
+    let engine = Box::new(CpuEngine::new(wish.threads)?);
+    Ok(Chosen { engine, recipe: *recipe, why, following: Following::default() })
 }
 
 /// The first adapter that matches and is trusted with what is demanded; otherwise what was wrong.
@@ -195,7 +197,8 @@ fn first_sound(wish: &Wish) -> Result<Result<Chosen, String>, ChoiceError> {
             Ok((mut engine, recipe)) => {
                 engine.set_pace(wish.pace);
                 let why = format!("{} passed the self-check", engine.adapter());
-                return Ok(Ok(Chosen { engine: Box::new(engine), recipe, why }));
+                let (engine, following) = (Box::new(engine), Following::default());
+                return Ok(Ok(Chosen { engine, recipe, why, following }));
             }
             Err(why) => failures.push(format!("{}: {why}", describe(&adapter))),
         }

@@ -34,6 +34,11 @@ impl Paths {
         ];
         all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect()
     }
+
+    /// Refuses what could not be written, long before it is.
+    pub fn check(&self) -> Result<(), OutputError> {
+        self.named().into_iter().try_for_each(|(option, path)| create(option, path).map(drop))
+    }
 }
 
 /// One run over the picture, for the outputs that want its samples.
@@ -104,15 +109,12 @@ pub struct Sinks {
 }
 
 impl Sinks {
-    /// Opens every file before anything is computed.
+    /// Opens every file.
     pub fn open(paths: &Paths, document: &Document, size: [u32; 2]) -> Result<Self, OutputError> {
         let mut open = Vec::new();
         for (option, path) in paths.named() {
             let name = Destination::from(path);
-            let file = SafeFile::create(&name).map_err(|source| {
-                let name = name.clone();
-                OutputError::Create { option, name, source }
-            })?;
+            let file = create(option, path)?;
             let painter = match option {
                 "-o" => Some(Painter::new(&document.scene(), size, &document.picture)?),
                 _ => None,
@@ -175,6 +177,11 @@ impl Sinks {
         }
         Ok(())
     }
+}
+
+fn create(option: &'static str, path: &Path) -> Result<SafeFile, OutputError> {
+    let name = Destination::from(path);
+    SafeFile::create(&name).map_err(|source| OutputError::Create { option, name, source })
 }
 
 fn write_error(name: &Destination, source: PngError) -> OutputError {

@@ -81,6 +81,12 @@ impl FromStr for Scale {
 }
 
 impl PictureTable {
+    /// Views narrower than this have colours over their own times unless a person wants others,
+    /// rad.
+    pub const SPREAD_BELOW_RAD: f64 = 1e-6;
+    /// Steps of such colours.
+    pub const SPREAD_STEPS: usize = 64;
+
     /// Samples a pixel along each axis.
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
     /// How often the palette can be run through.

@@ -4,7 +4,8 @@
 //! early has long stopped telling neighbours apart. Each step draws a small picture, goes to the
 //! liveliest place near a wish, and enlarges it.
 
-use super::{Samples, Work};
+use super::Samples;
+use super::preview::preview;
 use crate::engine::{Engine, EngineError, Recipe};
 use crate::physics::{Scalar, Status, Theta};
 use crate::scene::{Budget, Scene};
@@ -35,6 +36,8 @@ pub enum Deeper {
     Scene(Scene),
     /// Nothing near is left to see.
     End,
+    /// Nobody waits for it any more.
+    Stopped,
 }
 
 impl Descent {
@@ -47,9 +50,14 @@ impl Descent {
         Descent { scene, recipe, wish: wish.map(|part| part * f64::from(SIDE)) }
     }
 
-    /// The view that is smaller by half a decade.
-    pub fn next(&mut self, engine: &mut dyn Engine) -> Result<Deeper, EngineError> {
-        let samples = self.picture(engine)?;
+    /// The view that is smaller by half a decade; `go_on` is asked now and then.
+    pub fn next(
+        &mut self,
+        engine: &mut dyn Engine,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Deeper, EngineError> {
+        let samples = preview(&self.scene, [SIDE; 2], self.recipe, engine, go_on)?;
+        let Some(samples) = samples else { return Ok(Deeper::Stopped) };
         let Some([across, above]) = self.liveliest(&samples) else { return Ok(Deeper::End) };
         let width = self.scene.view.width_rad().to_f64();
         let pixel = width / f64::from(SIDE);
@@ -68,19 +76,6 @@ impl Descent {
         let Scene { build, question, view } = &mut self.scene;
         question.budget = question.budget.for_view(build, view);
         Ok(Deeper::Scene(self.scene.clone()))
-    }
-
-    fn picture(&self, engine: &mut dyn Engine) -> Result<Samples, EngineError> {
-        let mut all = Samples::unflipped((SIDE * SIDE) as usize);
-        let mut work = Work::new(&self.scene, [SIDE; 2], self.recipe, (SIDE * SIDE) as usize);
-        while !work.is_done() {
-            for part in work.work(engine, None)? {
-                for (k, [x, y]) in part.tile.pixels().enumerate() {
-                    all.set((y * SIDE + x) as usize, part.samples.get(k));
-                }
-            }
-        }
-        Ok(all)
     }
 
     /// The pixel among the most different neighbours, in pixels from the middle; those near the

@@ -16,6 +16,7 @@ mod flights;
 mod kept;
 mod order;
 mod plan;
+pub mod preview;
 mod samples;
 mod work;
 

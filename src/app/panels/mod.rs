@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod colours;
+pub mod deeper;
 pub mod export;
 mod field;
 pub mod help;

@@ -7,6 +7,7 @@
 
 mod chart;
 mod facts;
+mod following;
 mod tree;
 
 use std::collections::{HashMap, VecDeque};
@@ -17,6 +18,7 @@ use std::time::{Duration, Instant};
 
 use self::chart::{Begun, Chart};
 pub use self::facts::Depth;
+pub use self::following::Following;
 use self::tree::{Tree, Wanted};
 use super::{
     Deep, Effort, Engine, EngineError, Finished, Job, Leaf, Moving, Question, Recipe, Starts, Wait,
@@ -36,6 +38,7 @@ pub struct DepthEngine<'a> {
     flying: usize,
     following: usize,
     cancelled: Arc<AtomicBool>,
+    told: Following,
     sender: Sender<Followed>,
     receiver: Receiver<Followed>,
 }
@@ -84,19 +87,27 @@ impl<'a> DepthEngine<'a> {
             flying: 0,
             following: 0,
             cancelled: Arc::default(),
+            told: Following::default(),
             sender,
             receiver,
         })
+    }
+
+    /// Tells how far it follows there.
+    pub fn telling(mut self, following: Following) -> Self {
+        self.told = following;
+        self
     }
 
     fn follow(&mut self, job: Job) {
         let Starts::Deep(deep) = &job.starts else { return };
         let tree = tree_of(&self.trees, &job.question, deep.strict);
         let (sender, cancelled) = (self.sender.clone(), self.cancelled.clone());
+        let told = self.told.clone();
         self.deep.insert(job.id, Awaited::default());
         self.following += 1;
         self.pool.spawn_fifo(move || {
-            if let Some(followed) = followed(job, &tree, &cancelled) {
+            if let Some(followed) = followed(job, &tree, &cancelled, &told) {
                 // Nobody listens any more once that is cancelled.
                 let _ = sender.send(followed);
             }
@@ -157,14 +168,19 @@ fn tree_of(trees: &Trees, question: &Question, strict: bool) -> Arc<Tree> {
 }
 
 /// Follows the cells of a job and begins its starts there; nothing once that is cancelled.
-fn followed(mut job: Job, tree: &Tree, cancelled: &AtomicBool) -> Option<Followed> {
+fn followed(
+    mut job: Job,
+    tree: &Tree,
+    cancelled: &AtomicBool,
+    told: &Following,
+) -> Option<Followed> {
     let Starts::Deep(deep) = std::mem::replace(&mut job.starts, Starts::Moving(Vec::new())) else {
         return None;
     };
     let question = job.question;
     let (_, unit_secs) = question.pendulum.reduced();
     let level = deep.leaves.first().map_or(0, |leaf| leaf.cell.level);
-    let wanted = Wanted { level, budget: question.budget_secs / unit_secs, cancelled };
+    let wanted = Wanted { level, budget: question.budget_secs / unit_secs, cancelled, told };
     let cells: Vec<Cell> = deep.leaves.iter().map(|leaf| leaf.cell).collect();
     let charts = tree.charts(&cells, wanted)?;
     let (mut outcomes, mut moving) = (Vec::new(), Vec::new());

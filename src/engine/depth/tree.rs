@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use super::chart::{Chart, Ended};
+use super::following::Following;
 use crate::engine::Question;
 use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, digits_for, reference};
@@ -60,12 +61,13 @@ struct Node {
     edge: Option<Jet>,
 }
 
-/// The leaves' level, the reduced budget, and whether anybody still waits.
+/// The leaves' level, the reduced budget, whether anybody still waits, and where that is told.
 #[derive(Clone, Copy)]
 pub struct Wanted<'a> {
     pub level: u32,
     pub budget: f64,
     pub cancelled: &'a AtomicBool,
+    pub told: &'a Following,
 }
 
 /// Quarters of a cell, in the order of [`Cell::children`].
@@ -107,7 +109,9 @@ impl Tree {
         for (cell, leaves) in groups {
             let anchor = self.anchor(cell);
             let mut anchor = anchor.lock().unwrap_or_else(|broken| broken.into_inner());
-            match self.advance(&mut anchor, wanted)? {
+            let end = self.advance(&mut anchor, wanted);
+            wanted.told.clear();
+            match end? {
                 Some(end) => {
                     let node = anchor.node.clone();
                     drop(anchor);
@@ -177,6 +181,7 @@ impl Tree {
             return Some(None);
         }
         let tolerance = self.tolerance(DEEPEST_BELOW);
+        let (_, unit_secs) = self.pendulum.reduced();
         loop {
             if let Some(end) = &anchor.end {
                 return Some(Some(end.clone()));
@@ -185,6 +190,7 @@ impl Tree {
                 return None;
             }
             let sheet = &mut anchor.node.sheet;
+            wanted.told.set(sheet.time.0 * unit_secs, wanted.budget * unit_secs);
             let until = wanted.budget.min(sheet.time.0 + SLICE);
             match sheet.follow(&self.law, until, tolerance, anchor.reference.as_deref_mut()) {
                 End::Over if sheet.time.0 >= wanted.budget => return Some(Some(End::Over)),

@@ -100,7 +100,7 @@ impl Case {
         Job {
             id: self.job.id * STAGES + next.0,
             recipe,
-            starts: self.open_starts(),
+            starts: self.open_starts(next),
             keep_unfinished: true,
             ..self.job
         }
@@ -111,13 +111,14 @@ impl Case {
     }
 
     /// The open starts. Deep ones are followed anew with other cuts, so that the start map is
-    /// checked as well as what comes after it.
-    fn open_starts(&self) -> Starts {
+    /// checked as well as what comes after it; what double-double gives on one of the two is
+    /// checked by what it gives on the other.
+    fn open_starts(&self, next: Next) -> Starts {
         match &self.job.starts {
             Starts::Rest(angles) => {
                 Starts::Rest(self.open.iter().map(|&start| angles[start]).collect())
             }
-            Starts::Deep(deep) => Starts::Deep(deep.some(&self.open, true)),
+            Starts::Deep(deep) => Starts::Deep(deep.some(&self.open, next.0 != LAST_CHECKED)),
             Starts::Paused(_) | Starts::Moving(_) => unreachable!("refused when submitted"),
         }
     }
@@ -148,11 +149,15 @@ impl Case {
             PROBED => (FINE_PROBE_SECS, Trust::Agreed),
             CHECKED => (CHECK_SECS, Trust::Confirmed),
             LAST_WORD => (CHECK_SECS, Trust::Settled),
+            // The coarser start map's errors are hundreds of times those of the one it checks.
+            _ if self.is_deep() => (CHECK_SECS, Trust::Settled),
             _ => (LAST_SECS, Trust::Settled),
         };
         let open = std::mem::take(&mut self.open);
         for (&start, answer) in open.iter().zip(answers) {
-            let close = are_close(&self.job.question, &self.best[start], answer, secs);
+            // Two answers from one start map share its errors.
+            let apart = stage != LAST_WORD || !self.is_deep();
+            let close = apart && are_close(&self.job.question, &self.best[start], answer, secs);
             // A coarse probe and the last check are coarser than what they check.
             let better = match stage {
                 PROBED => !fine && !close,

@@ -1,0 +1,49 @@
+//! What a deep picture rests on: digits, horizon, and where structure ends.
+
+use flipmap::engine::{Depth, Recipe};
+use flipmap::scene::{Budget, Scene};
+use flipmap::tiles::Counts;
+
+/// What following deep pixels has shown, for machines.
+pub fn depth_object(depth: Depth, recipe: Recipe, scene: &Scene) -> serde_json::Value {
+    serde_json::json!({
+        "digits": depth.digits,
+        "integrated": depth.integrated,
+        "begins_secs": depth.begins_secs,
+        "decades_a_second": depth.decades_a_second,
+        "horizon_secs": depth.horizon_secs(recipe.precision),
+        "structure_ends_at": depth.structure_ends_at(scene.question.budget.secs),
+        "budget_secs": scene.question.budget.secs,
+    })
+}
+
+/// The same for people, and what to do where nothing is left to see.
+pub fn tell_depth(depth: Depth, recipe: Recipe, scene: &Scene, counts: &Counts) {
+    let budget = scene.question.budget;
+    let follows = if budget.auto { ", which follows the depth" } else { "" };
+    if depth.integrated == 0 {
+        super::tell(&format!(
+            "flipmap: depth: all pixels are known from polynomials, in {} digits",
+            depth.digits
+        ));
+    } else {
+        let [first, last] = depth.begins_secs;
+        super::tell(&format!(
+            "flipmap: depth: followed in {} digits to {first:.1} to {last:.1} s, from there in {}; \
+             trusted up to {:.0} s; a budget of {} s{follows} shows structure down to widths of {:.0e}",
+            depth.digits,
+            recipe.precision,
+            depth.horizon_secs(recipe.precision),
+            budget.secs,
+            depth.structure_ends_at(budget.secs),
+        ));
+    }
+    if counts.flipped == 0 && counts.unflipped > 0 && !budget.auto {
+        let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view).secs;
+        super::tell(&format!(
+            "flipmap: warning: nothing flips within the budget of {} s at this depth, so there is \
+             nothing to see; --budget auto takes {auto} s",
+            budget.secs
+        ));
+    }
+}

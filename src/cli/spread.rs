@@ -1,0 +1,40 @@
+//! Colours over a view's own times: at depth they lie so close together that a palette over the
+//! whole budget would show one colour.
+
+use flipmap::engine::{Engine, Recipe};
+use flipmap::physics::Status;
+use flipmap::scene::palette::equalised;
+use flipmap::scene::{Document, PictureTable};
+use flipmap::tiles::preview::preview;
+
+use super::exit::Exit;
+use super::stop;
+
+/// The longer side of the small picture whose times decide, in pixels.
+const LONGEST: u32 = 64;
+
+/// Sets the times of a document's colours to those of its own view, and says which they are.
+/// Where nothing flips they stay as they are.
+pub fn spread(
+    document: &mut Document,
+    size: [u32; 2],
+    recipe: Recipe,
+    engine: &mut dyn Engine,
+) -> anyhow::Result<()> {
+    let longest = size[0].max(size[1]);
+    let small = |side: u32| (u64::from(side) * u64::from(LONGEST) / u64::from(longest)) as u32;
+    let size = if longest > LONGEST { size.map(|side| small(side).max(1)) } else { size };
+    let scene = document.scene();
+    let samples = preview(&scene, size, recipe, engine, &|| !stop::asked())?;
+    let samples = samples.ok_or(Exit::Interrupted)?;
+    let flipped = samples.iter().filter(|outcome| outcome.status == Status::Flipped);
+    let times = equalised(flipped.map(|outcome| outcome.time), PictureTable::SPREAD_STEPS);
+    if let [first, .., last] = times[..] {
+        super::tell(&format!(
+            "flipmap: colours are spread over the view's own times, {first:.4} to {last:.4} s; \
+             --times budget spreads them over the whole budget"
+        ));
+        document.picture.times = times;
+    }
+    Ok(())
+}
