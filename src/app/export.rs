@@ -346,12 +346,12 @@ mod tests {
         let path = folder.path().join("keys.toml");
         let document = BuiltIn::named("shore").unwrap().document();
         assert_eq!(append_keys(&path, &[Document::default()]), Ok(1));
-        assert_eq!(append_keys(&path, &[document.clone()]), Ok(2));
+        assert_eq!(append_keys(&path, std::slice::from_ref(&document)), Ok(2));
         let keys = Keys::parse(&std::fs::read_to_string(&path).unwrap()).unwrap();
         assert_eq!((keys.keys[1].secs, &keys.keys[1].scene), (5.0, &document));
         let other = folder.path().join("diary.toml");
         std::fs::write(&other, "dear = \"diary\"").unwrap();
-        let why = append_keys(&other, &[document.clone()]).unwrap_err();
+        let why = append_keys(&other, std::slice::from_ref(&document)).unwrap_err();
         assert!(why.contains("diary.toml has no film keys: line 1"), "{why}");
         assert_eq!(std::fs::read_to_string(&other).unwrap(), "dear = \"diary\"");
         assert!(append_keys(Path::new("/dev/full"), &[document]).unwrap_err().contains("written"));

@@ -5,6 +5,7 @@ use flipmap::engine::{Engine, Recipe};
 use flipmap::physics::Status;
 use flipmap::scene::palette::equalised;
 use flipmap::scene::{Document, PictureTable};
+use flipmap::tiles::Work;
 use flipmap::tiles::preview::preview;
 
 use super::exit::Exit;
@@ -23,9 +24,11 @@ pub fn spread(
 ) -> anyhow::Result<()> {
     let longest = size[0].max(size[1]);
     let small = |side: u32| (u64::from(side) * u64::from(LONGEST) / u64::from(longest)) as u32;
-    let size = if longest > LONGEST { size.map(|side| small(side).max(1)) } else { size };
+    let few = if longest > LONGEST { size.map(|side| small(side).max(1)) } else { size };
     let scene = document.scene();
-    let samples = preview(&scene, size, recipe, engine, &|| !stop::asked())?;
+    let count = (few[0] * few[1]) as usize;
+    let mut work = Work::new(&scene, few, recipe, count).before(&scene, size);
+    let samples = preview(&mut work, few, engine, &|| !stop::asked())?;
     let samples = samples.ok_or(Exit::Interrupted)?;
     let flipped = samples.iter().filter(|outcome| outcome.status == Status::Flipped);
     let times = equalised(flipped.map(|outcome| outcome.time), PictureTable::SPREAD_STEPS);

@@ -37,10 +37,27 @@ pub fn report() -> Report {
         exact: vec![exact],
         windows: vec![window(&pairs)],
         late: vec![late()],
+        depth: vec![depth(2e-3, &pairs), depth(2e-18, &pairs)],
         hard: vec![hard()],
     };
     report.targets = targets::judge(&report);
     report
+}
+
+/// A row of deep zoom.
+pub fn depth(width_rad: f64, pairs: &[(Outcome, Outcome)]) -> DepthRow {
+    DepthRow {
+        engine: "cpu".to_string(),
+        recipe: plan::BALANCED,
+        width_rad,
+        budget_secs: 60.0,
+        digits: 40,
+        first_secs: 0.5,
+        errors: Errors::of(pairs),
+        rhs_per_pixel: 2000.0,
+        steps_per_pixel: 150.0,
+        us_per_pixel: 20.0,
+    }
 }
 
 const FLIPS: Flips = Flips { unflipped: Some(0.25), median_secs: Some(21.5) };

@@ -9,6 +9,8 @@ pub mod baseline;
 mod beyond;
 mod chapters;
 pub mod contender;
+mod depth;
+mod depth_pages;
 mod exact;
 mod folder;
 mod ground;
@@ -38,6 +40,7 @@ use crate::engine::{EngineError, Recipe};
 
 pub use beyond::{Flips, LateRow, WindowRow};
 pub use contender::{Contender, Field};
+pub use depth::DepthRow;
 pub use exact::Checks;
 pub use folder::Folder;
 pub use ground::Ground;
@@ -107,6 +110,8 @@ pub struct Report {
     pub windows: Vec<WindowRow>,
     /// `exact` beside double-double, where flips come late.
     pub late: Vec<LateRow>,
+    /// Deep zoom, place by place.
+    pub depth: Vec<DepthRow>,
     /// The hard cases.
     pub hard: Vec<HardRow>,
 }

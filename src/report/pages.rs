@@ -6,7 +6,7 @@ use super::contender::short_name;
 use super::motion::TIMES_SECS;
 use super::plot::{Plot, Series};
 use super::statistics::Errors;
-use super::{Report, ReportError, Row, Target, chapters};
+use super::{Report, ReportError, Row, Target, chapters, depth_pages};
 
 /// A chapter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -74,6 +74,7 @@ pub fn sections(report: &Report) -> Result<Vec<Section>, ReportError> {
     }
     let optional = [specialising(report), motion(report), not_offered(report)];
     sections.extend(optional.into_iter().flatten());
+    sections.extend(depth_pages::depth(report)?);
     sections.extend(chapters::beyond(report));
     sections.push(how(report));
     Ok(sections)

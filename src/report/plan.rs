@@ -24,6 +24,10 @@ pub struct Thoroughness {
     pub late_starts: usize,
     /// Those of them about which the gold standard is asked in double-double.
     pub gold_starts: usize,
+    /// Pixels of each deep place that are compared with numbers as long as its depth needs.
+    pub depth_starts: usize,
+    /// And of each place deeper than 1e-24, where each takes seconds.
+    pub deepest_starts: usize,
 }
 
 impl Thoroughness {
@@ -38,6 +42,8 @@ impl Thoroughness {
         window_starts: 1000,
         late_starts: 2000,
         gold_starts: 10,
+        depth_starts: 192,
+        deepest_starts: 24,
     };
     /// Two minutes at most.
     pub const QUICK: Self = Thoroughness {
@@ -50,6 +56,8 @@ impl Thoroughness {
         window_starts: 100,
         late_starts: 60,
         gold_starts: 2,
+        depth_starts: 12,
+        deepest_starts: 0,
     };
 }
 
@@ -87,6 +95,9 @@ pub fn recipes(quick: bool) -> Vec<Recipe> {
     };
     groups.concat()
 }
+
+/// Recipes for pixels of a deep zoom.
+pub const DEEP: [Recipe; 3] = [BALANCED, BALANCED_DF32, FAST];
 
 /// The recipes whose kernels are measured both made for their scene and general.
 pub fn specialised(quick: bool) -> &'static [Recipe] {

@@ -1,6 +1,7 @@
 //! The work of a report, one task after the other.
 
 use super::contender::{self, Field};
+use super::depth::{PLACES, Place, Truths};
 use super::hard::Case;
 use super::measure::{Bench, refusal};
 use super::windows::{self, Window};
@@ -26,6 +27,8 @@ enum Task {
     Window(usize, Window),
     /// A late one.
     Late(usize, Window),
+    /// A recipe at a deep place.
+    Depth(usize, Recipe, Place),
     /// A hard case on a contender.
     Hard(usize, Case),
 }
@@ -38,6 +41,7 @@ pub struct Session {
     threads: Option<usize>,
     tasks: Vec<Task>,
     done: usize,
+    truths: Truths,
     report: Report,
 }
 
@@ -61,11 +65,13 @@ impl Session {
             exact: Vec::new(),
             windows: Vec::new(),
             late: Vec::new(),
+            depth: Vec::new(),
             hard: Vec::new(),
         };
         report.targets = targets::judge(&report);
         let threads = field.threads;
-        Ok(Session { contenders, ground, care, threads, tasks, done: 0, report })
+        let truths = Truths::default();
+        Ok(Session { contenders, ground, care, threads, tasks, done: 0, truths, report })
     }
 
     /// What is known so far.
@@ -112,7 +118,7 @@ impl Session {
         if stop() {
             return Err(ReportError::Stopped);
         }
-        let Session { ground, care, threads, contenders, report, .. } = self;
+        let Session { ground, care, threads, contenders, truths, report, .. } = self;
         let bench = Bench { ground, care, threads: *threads, stop };
         match task {
             Task::Row(index, recipe) => {
@@ -128,6 +134,10 @@ impl Session {
             }
             Task::Late(index, window) => {
                 report.late.push(bench.late(&window, &mut contenders[index])?);
+            }
+            Task::Depth(index, recipe, place) => {
+                let row = bench.depth(&place, recipe, &mut contenders[index], truths)?;
+                report.depth.push(row);
             }
             Task::Hard(index, case) => {
                 let contender = &mut contenders[index];
@@ -150,6 +160,9 @@ impl Session {
             | Task::Window(index, _)
             | Task::Late(index, _)
             | Task::Hard(index, _) => (index, what(&task)),
+            Task::Depth(index, recipe, _) => {
+                (index, format!("deep zoom by {}", plan::words(&recipe)))
+            }
         };
         let refusal = Refusal { engine: self.contenders[index].short_name(), what, reason };
         if !self.report.not_offered.contains(&refusal) {
@@ -157,6 +170,9 @@ impl Session {
         }
     }
 }
+
+/// Deep places in a quick report.
+const QUICK_PLACES: usize = 5;
 
 fn tasks(contenders: &[Contender], quick: bool) -> Vec<Task> {
     let mut tasks = Vec::new();
@@ -173,6 +189,16 @@ fn tasks(contenders: &[Contender], quick: bool) -> Vec<Task> {
     let last = contenders.len() - 1;
     tasks.extend(windows::WINDOWS.map(|window| Task::Window(last, window)));
     tasks.extend(windows::LATE.map(|window| Task::Late(last, window)));
+    for index in 0..contenders.len() {
+        // In a quick report only the processor, and nothing that takes minutes.
+        if index == last || !quick {
+            let places = &PLACES[..if quick { QUICK_PLACES } else { PLACES.len() }];
+            let recipes = plan::DEEP.into_iter();
+            tasks.extend(recipes.flat_map(|recipe| {
+                places.iter().map(move |place| Task::Depth(index, recipe, *place))
+            }));
+        }
+    }
     for (index, contender) in contenders.iter().enumerate() {
         let fits = |case: &Case| case.is_for(contender.name());
         if index == last || !quick {
@@ -190,6 +216,7 @@ fn name(task: &Task, contenders: &[Contender]) -> String {
         | Task::Specialising(index, _)
         | Task::Window(index, _)
         | Task::Late(index, _)
+        | Task::Depth(index, ..)
         | Task::Hard(index, _) => format!("{}: {}", contenders[*index].short_name(), what(task)),
         Task::Motion => what(task),
     }
@@ -204,6 +231,9 @@ fn what(task: &Task) -> String {
         Task::Motion => "errors in angle and energy".to_string(),
         Task::Window(_, window) => format!("the window {}", window.name),
         Task::Late(_, window) => format!("exact beside double-double, {}", window.name),
+        Task::Depth(_, recipe, place) => {
+            format!("{} at a width of {}", plan::words(recipe), place.width)
+        }
         Task::Hard(_, case) => format!("the hard case {}", case.name),
     }
 }

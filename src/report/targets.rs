@@ -5,8 +5,8 @@ use serde::Serialize;
 use super::levels::{rows_at, rows_with};
 use super::plan::BALANCED_DF32;
 use super::windows::{WINDOWS, Window};
-use super::{Checks, Report, Row};
-use crate::engine::{Accuracy, Recipe};
+use super::{Checks, DepthRow, Report, Row};
+use crate::engine::{Accuracy, Precision, Recipe};
 
 /// One hope.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -146,6 +146,7 @@ pub fn judge(report: &Report) -> Vec<Target> {
     let mut targets: Vec<Target> = HOPES.iter().flat_map(|hope| hope.judge(report)).collect();
     targets.extend(WINDOWS.iter().map(|window| of_window(report, window)));
     targets.push(of_late(report));
+    targets.extend(of_depth(report));
     targets.extend(of_hard(report));
     targets
 }
@@ -165,6 +166,36 @@ fn of_late(report: &Report) -> Target {
     let name = "exact beside double-double, late flips: wrong pixels that are not marked";
     Target::new(name.to_string(), "none", measured, [0.0, 0.0])
 }
+
+/// Deep zoom, engine by engine and precision by precision, the worst of all widths.
+fn of_depth(report: &Report) -> Vec<Target> {
+    let mut targets = Vec::new();
+    for rows in report.depth.chunk_by(|a, b| a.engine == b.engine && a.recipe == b.recipe) {
+        let DepthRow { engine, recipe, .. } = &rows[0];
+        let about = format!("deep zoom in {} on {engine}", recipe.precision);
+        let least = match recipe.precision {
+            Precision::F32 => 0.9,
+            Precision::Df32 => 0.98,
+            _ => 0.99,
+        };
+        let right = rows.iter().filter_map(|row| row.errors.right_1ms).reduce(f64::min);
+        let name = format!("{about}: least share right within 1 ms at any width");
+        targets.push(Target::new(name, &format!("at least {least}"), right, [least, ENDLESS]));
+        for (what, most, of) in COSTS {
+            let (first, deeper) = (of(&rows[0]), rows[1..].iter().map(of).reduce(f64::max));
+            let name = format!("{about}: {what} of a pixel, the most beside the widest view");
+            let ratio = deeper.map(|deeper| deeper / first);
+            targets.push(Target::new(name, &format!("at most {most} times"), ratio, [0.0, most]));
+        }
+    }
+    targets
+}
+
+type Cost = (&'static str, f64, fn(&DepthRow) -> f64);
+
+/// What a deep pixel may cost.
+const COSTS: [Cost; 2] =
+    [("steps", 1.0, |row| row.steps_per_pixel), ("time", 1.3, |row| row.us_per_pixel)];
 
 /// The hard cases, engine by engine.
 fn of_hard(report: &Report) -> Vec<Target> {
@@ -299,6 +330,16 @@ mod tests {
             judged(&move |report: &mut Report| report.hard[0].held = held, "hard cases")
         };
         assert_eq!([true, false].map(hard), [Some(true), Some(false)]);
+        let deep = |share: f64, steps: f64| {
+            let change = move |report: &mut Report| {
+                report.depth[1].errors.right_1ms = Some(share);
+                report.depth[1].steps_per_pixel = steps;
+            };
+            let about = "deep zoom in f64 on cpu: ";
+            ["least share", "steps"].map(|what| judged(&change, &format!("{about}{what}")))
+        };
+        assert_eq!(deep(0.991, 150.0), [Some(true); 2]);
+        assert_eq!(deep(0.989, 151.0), [Some(false); 2]);
         let clear = |report: &mut Report| {
             (report.windows, report.late, report.hard) = Default::default();
         };

@@ -81,6 +81,12 @@ impl Grid {
         self.size
     }
 
+    /// The same pixels in the leaves of another grid, which is finer: both are then followed along
+    /// the same references.
+    pub fn in_leaves_of(self, other: &Grid) -> Self {
+        Grid { spots: self.spots.in_leaves_of(&other.spots), ..self }
+    }
+
     /// Pixels by the leaves of the lattice that they lie in, with their places among `pixels`.
     pub fn grouped(&self, pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
         self.spots.grouped(self.size, pixels)

@@ -7,7 +7,7 @@ use super::lattice::{Cell, Turn, turn_of};
 use crate::physics::{Dd, Scalar, Theta};
 
 /// Pixels along the side of a leaf, about.
-const LEAF_PIXELS: f64 = 8.0;
+const LEAF_PIXELS: f64 = 32.0;
 
 /// Pixels by the leaf they lie in: for each its place among all, and its point in [−1, 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
@@ -35,6 +35,11 @@ impl Spots {
             up: up.map(from_zero),
             level: sides.log2().floor().max(0.0) as u32,
         }
+    }
+
+    /// The same places in the leaves of others, which lie closer.
+    pub fn in_leaves_of(self, others: &Spots) -> Self {
+        Spots { level: others.level, ..self }
     }
 
     /// The leaf of a point `across` pixels right of the centre and `above` over it, and where

@@ -4,8 +4,8 @@
 //! early has long stopped telling neighbours apart. Each step draws a small picture, goes to the
 //! liveliest place near a wish, and enlarges it.
 
-use super::Samples;
 use super::preview::preview;
+use super::{Samples, Work};
 use crate::engine::{Engine, EngineError, Recipe};
 use crate::physics::{Scalar, Status, Theta};
 use crate::scene::{Budget, Scene};
@@ -56,7 +56,8 @@ impl Descent {
         engine: &mut dyn Engine,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Deeper, EngineError> {
-        let samples = preview(&self.scene, [SIDE; 2], self.recipe, engine, go_on)?;
+        let mut work = Work::new(&self.scene, [SIDE; 2], self.recipe, (SIDE * SIDE) as usize);
+        let samples = preview(&mut work, [SIDE; 2], engine, go_on)?;
         let Some(samples) = samples else { return Ok(Deeper::Stopped) };
         let Some([across, above]) = self.liveliest(&samples) else { return Ok(Deeper::End) };
         let width = self.scene.view.width_rad().to_f64();

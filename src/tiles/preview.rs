@@ -3,23 +3,19 @@
 use std::time::{Duration, Instant};
 
 use super::{Samples, Work};
-use crate::engine::{Engine, EngineError, Recipe};
-use crate::scene::Scene;
+use crate::engine::{Engine, EngineError};
 
 /// How often a stop is looked for.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// The samples of a picture of `size` pixels, by rows from the top; nothing once `go_on` says no.
 pub fn preview(
-    scene: &Scene,
+    work: &mut Work,
     size: [u32; 2],
-    recipe: Recipe,
     engine: &mut dyn Engine,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Samples>, EngineError> {
-    let count = (size[0] * size[1]) as usize;
-    let mut all = Samples::unflipped(count);
-    let mut work = Work::new(scene, size, recipe, count);
+    let mut all = Samples::unflipped((size[0] * size[1]) as usize);
     while !work.is_done() {
         if !go_on() {
             engine.cancel();

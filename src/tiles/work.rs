@@ -55,6 +55,12 @@ impl Work {
         }
     }
 
+    /// Prepares for the same scene in `size` pixels, which are more.
+    pub fn before(mut self, scene: &Scene, size: [u32; 2]) -> Self {
+        self.grid = self.grid.in_leaves_of(&Grid::new(scene, size));
+        self
+    }
+
     /// Continues from what an earlier run kept, and keeps what a later one needs.
     pub fn keeping(mut self, kept: Kept) -> Self {
         self.kept = Some(kept);

@@ -1,0 +1,246 @@
+//! Deep zoom, measured: how right, how many steps and how long a pixel takes, from a view a
+//! thousandth wide down to 1e-50.
+//!
+//! The truth about a pixel is the gold standard in fixed-point numbers long enough for its depth,
+//! each pixel integrated on its own from its release: nothing in common with start maps.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::contender::Contender;
+use super::measure::Bench;
+use super::statistics::{Errors, median};
+use super::{ReportError, StopTest, as_words};
+use crate::engine::depth::DepthEngine;
+use crate::engine::{Effort, Engine, Recipe};
+use crate::physics::{Fixed, Outcome, Pendulum, Scalar, Theta, gold};
+use crate::scene::{Budget, Scene, View};
+use crate::tiles::preview::preview;
+use crate::tiles::{Samples, Work};
+
+/// A place on the way down a filament, found by going deeper from 1.0, 2.0.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// θ1, θ2, rad.
+    pub center: [&'static str; 2],
+    /// Width of the view, rad.
+    pub width: &'static str,
+}
+
+/// Pixels along each side of the picture that is compared.
+const SIDE: u32 = 24;
+/// And of the one that is timed.
+const TIMED_SIDE: u32 = 128;
+/// How often that is timed, after once to warm up.
+const ROUNDS: usize = 3;
+
+/// A recipe at a depth.
+#[derive(Clone, Debug, Serialize)]
+pub struct DepthRow {
+    /// What answered.
+    pub engine: String,
+    /// How pixels were integrated from where the start map ends.
+    #[serde(flatten, serialize_with = "as_words")]
+    pub recipe: Recipe,
+    /// Width of the view, rad.
+    pub width_rad: f64,
+    /// The budget that follows it, s.
+    pub budget_secs: f64,
+    /// Decimal digits in which the middle is followed; 0 where every pixel begins at its release.
+    pub digits: u32,
+    /// Seconds until the first picture of 24 × 24 is there: the reference, mostly.
+    pub first_secs: f64,
+    /// How far it is off.
+    #[serde(flatten)]
+    pub errors: Errors,
+    /// Right-hand sides for a pixel of a larger picture.
+    pub rhs_per_pixel: f64,
+    /// Steps tried for it.
+    pub steps_per_pixel: f64,
+    /// Microseconds for it, once the reference is known: the median of the rounds.
+    pub us_per_pixel: f64,
+}
+
+impl Place {
+    /// The view, with a budget that follows its depth.
+    fn scene(&self) -> Scene {
+        let center = self.center.map(str::to_string);
+        let view = View { center, width: self.width.to_string(), ..View::default() };
+        let mut scene = Scene { view, ..Scene::default() };
+        scene.question.budget.auto = true;
+        scene.question.budget = Budget::for_view(scene.question.budget, &scene.build, &scene.view);
+        scene
+    }
+
+    /// How wide it is, rad.
+    fn width_rad(&self) -> f64 {
+        self.scene().view.width_rad().to_f64()
+    }
+
+    /// The truth about some pixels of the picture that is compared.
+    fn truth(&self, pixels: &[usize], stop: StopTest) -> Result<Vec<Outcome>, ReportError> {
+        let one = |pixel: &usize| {
+            if stop() {
+                return Err(ReportError::Stopped);
+            }
+            Ok(match self.width_rad() {
+                width if width > 1e-24 => self.truth_in::<4>(*pixel),
+                width if width > 1e-40 => self.truth_in::<5>(*pixel),
+                _ => self.truth_in::<7>(*pixel),
+            })
+        };
+        pixels.par_iter().map(one).collect()
+    }
+
+    fn truth_in<const N: usize>(&self, pixel: usize) -> Outcome {
+        let scene = self.scene();
+        let half = f64::from(SIDE) / 2.0;
+        let [x, y] = [pixel as u32 % SIDE, pixel as u32 / SIDE].map(f64::from);
+        let pixel_rad = self.width_rad() / f64::from(SIDE);
+        let by = [x + 0.5 - half, half - y - 0.5].map(|by| Theta::from_f64(by * pixel_rad));
+        let center = scene.view.center_rad();
+        let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<N>());
+        let pendulum: Pendulum<Fixed<N>> = scene.build.pendulum().convert();
+        let budget = Fixed::from_f64(scene.question.budget.secs);
+        let outcome = gold::outcome(&pendulum, angle, scene.question.rule, budget);
+        Outcome { status: outcome.status, time: outcome.time.to_f64() }
+    }
+}
+
+/// Truths that were asked for, so that every recipe can be compared with the same.
+#[derive(Debug, Default)]
+pub struct Truths(Vec<(&'static str, Vec<(usize, Outcome)>)>);
+
+impl Truths {
+    fn of(
+        &mut self,
+        place: &Place,
+        count: usize,
+        stop: StopTest,
+    ) -> Result<&[(usize, Outcome)], ReportError> {
+        let known = self.0.iter().position(|(width, _)| *width == place.width);
+        let known = match known {
+            Some(known) => known,
+            None => {
+                let all = (SIDE * SIDE) as usize;
+                // Evenly spread over the picture, no two in one row and column.
+                let pixels: Vec<usize> =
+                    (0..count).map(|k| (k * all + all / 2) / count.max(1)).collect();
+                let truth = place.truth(&pixels, stop)?;
+                self.0.push((place.width, pixels.into_iter().zip(truth).collect()));
+                self.0.len() - 1
+            }
+        };
+        Ok(&self.0[known].1)
+    }
+}
+
+impl Bench<'_> {
+    /// A recipe at a place.
+    pub fn depth(
+        &self,
+        place: &Place,
+        recipe: Recipe,
+        contender: &mut Contender,
+        truths: &mut Truths,
+    ) -> Result<DepthRow, ReportError> {
+        let scene = place.scene();
+        let name = contender.short_name();
+        let mut engine = DepthEngine::new(Box::new(contender.engine()), self.threads)?;
+        let begun = Instant::now();
+        let (samples, effort) = self.picture(&scene, SIDE, recipe, &mut engine)?;
+        let first_secs = begun.elapsed().as_secs_f64();
+        self.picture(&scene, TIMED_SIDE, recipe, &mut engine)?;
+        let pixels = f64::from(TIMED_SIDE * TIMED_SIDE);
+        let (mut times, mut timed) = (Vec::new(), Effort::default());
+        for _ in 0..ROUNDS {
+            let begun = Instant::now();
+            (_, timed) = self.picture(&scene, TIMED_SIDE, recipe, &mut engine)?;
+            times.push(begun.elapsed().as_secs_f64() * 1e6 / pixels);
+        }
+        let count = if place.width_rad() > 1e-24 {
+            self.care.depth_starts
+        } else {
+            self.care.deepest_starts
+        };
+        let truth = truths.of(place, count, self.stop)?;
+        let pairs: Vec<_> = truth.iter().map(|(k, truth)| (samples.get(*k), *truth)).collect();
+        Ok(DepthRow {
+            engine: name,
+            recipe,
+            width_rad: place.width_rad(),
+            budget_secs: scene.question.budget.secs,
+            digits: effort.depth.map_or(0, |depth| depth.digits),
+            first_secs,
+            errors: Errors::of(&pairs),
+            rhs_per_pixel: timed.rhs_evaluations as f64 / pixels,
+            steps_per_pixel: timed.steps as f64 / pixels,
+            us_per_pixel: median(&times).unwrap_or(f64::NAN),
+        })
+    }
+
+    fn picture(
+        &self,
+        scene: &Scene,
+        side: u32,
+        recipe: Recipe,
+        engine: &mut dyn Engine,
+    ) -> Result<(Samples, Effort), ReportError> {
+        let mut work = Work::new(scene, [side; 2], recipe, engine.job_size());
+        let samples = preview(&mut work, [side; 2], engine, &|| !(self.stop)())?;
+        Ok((samples.ok_or(ReportError::Stopped)?, work.counts().effort))
+    }
+}
+
+/// The places, each a thousand times narrower than the one before, and two far below.
+pub const PLACES: [Place; 9] = [
+    Place { center: ["1.186751171875", "2.043855078125"], width: "2e-3" },
+    Place { center: ["1.186731091796875", "2.044025366796875"], width: "2e-6" },
+    Place { center: ["1.186731002827734375", "2.044025554308203125"], width: "2e-9" },
+    Place { center: ["1.186731002723802734375", "2.044025554305537109375"], width: "2e-12" },
+    Place { center: ["1.186731002723680473828125", "2.044025554305620741015625"], width: "2e-15" },
+    Place {
+        center: ["1.186731002723680501301171875", "2.044025554305620842132421875"],
+        width: "2e-18",
+    },
+    Place {
+        center: ["1.1867310027236805013017550390625", "2.0440255543056208421702266796875"],
+        width: "2e-22",
+    },
+    Place {
+        center: [
+            "1.186731002723680501301760333398676171875",
+            "2.044025554305620842170211050417647265625",
+        ],
+        width: "2e-30",
+    },
+    Place {
+        center: [
+            "1.18673100272368050130176033339862846767107803060697977734375",
+            "2.04402555430562084217021105041761853068902558338534834765625",
+        ],
+        width: "2e-50",
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Status;
+
+    #[test]
+    fn places_lie_in_one_another_and_have_structure() {
+        for pair in PLACES.windows(2) {
+            let [wide, narrow] = [0, 1].map(|k| pair[k].scene().view);
+            let apart = |i: usize| (wide.center_rad()[i] - narrow.center_rad()[i]).to_f64().abs();
+            assert!(apart(0).max(apart(1)) < wide.width_rad().to_f64(), "{}", narrow.width);
+        }
+        let truth = PLACES[0].truth(&[0, 100, 200, 300, 400, 500], &|| false).unwrap();
+        let flips = truth.iter().filter(|outcome| outcome.status == Status::Flipped);
+        let flips: Vec<f64> = flips.map(|outcome| outcome.time).collect();
+        assert!(flips.windows(2).any(|pair| (pair[0] - pair[1]).abs() > 0.1), "{flips:?}");
+        assert!(matches!(PLACES[0].truth(&[0], &|| true), Err(ReportError::Stopped)));
+    }
+}

@@ -1,0 +1,98 @@
+//! The chapter on deep zoom.
+
+use super::pages::{Block, Section, Table, brief, section, share, short};
+use super::plot::{Plot, Series};
+use super::{DepthRow, Report, ReportError, plan};
+
+const ABOUT: &str = "One filament followed down. At each width a picture of 24 × 24 pixels, with a budget that \
+     follows the depth, is compared with pixels integrated one by one in fixed-point numbers of \
+     57 to 134 digits. First is the time until that picture is there, most of it the reference's; \
+     steps, right-hand sides and time are those of a pixel of a picture of 128 × 128 once the \
+     reference is known, cells followed as polynomials included. At 2e-3 every pixel of f64 begins \
+     at its release.";
+
+type Value = fn(&DepthRow) -> Option<f64>;
+
+const PLOTS: [(&str, &str, Value); 3] = [
+    ("Share of pixels not right within 1 ms, over the width", "share not right", |row| {
+        row.errors.right_1ms.map(|right| 1.0 - right)
+    }),
+    ("Steps of a pixel, over the width", "steps", |row| Some(row.steps_per_pixel)),
+    ("Time of a pixel, over the width", "µs per pixel", |row| Some(row.us_per_pixel)),
+];
+
+/// Deep zoom, engine by engine; nothing while there is no row of it.
+pub fn depth(report: &Report) -> Result<Vec<Section>, ReportError> {
+    let engines = report.depth.chunk_by(|a, b| a.engine == b.engine);
+    engines.map(of_engine).collect()
+}
+
+fn of_engine(rows: &[DepthRow]) -> Result<Section, ReportError> {
+    let mut blocks = vec![Block::Text(ABOUT.to_string()), Block::Table(table(rows))];
+    for (caption, up, value) in PLOTS {
+        let recipes = rows.chunk_by(|a, b| a.recipe == b.recipe);
+        let series = recipes.map(|rows| Series {
+            recipe: rows[0].recipe,
+            points: rows.iter().filter_map(|row| Some((row.width_rad, value(row)?))).collect(),
+        });
+        let svg = Plot { across: "width of the view, rad", up, series: series.collect() }.svg()?;
+        blocks.push(Block::Figure { caption: caption.to_string(), svg });
+    }
+    Ok(section(&format!("Deep zoom: {}", rows[0].engine), blocks))
+}
+
+fn table(rows: &[DepthRow]) -> Table {
+    let head = [
+        "pixels by",
+        "width",
+        "budget, s",
+        "digits",
+        "first, s",
+        "right",
+        "wrong class",
+        "p99 s",
+        "steps",
+        "RHS",
+        "µs/pixel",
+        "compared",
+    ];
+    let line = |row: &DepthRow| {
+        vec![
+            plan::words(&row.recipe),
+            format!("{:.0e}", row.width_rad),
+            format!("{:.0}", row.budget_secs),
+            row.digits.to_string(),
+            short(row.first_secs),
+            share(row.errors.right_1ms),
+            share(row.errors.wrong_class),
+            brief(row.errors.p99),
+            format!("{:.0}", row.steps_per_pixel),
+            format!("{:.0}", row.rhs_per_pixel),
+            short(row.us_per_pixel),
+            row.errors.compared.to_string(),
+        ]
+    };
+    Table::new("", &head, rows.iter().map(line).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::made_up;
+    use super::*;
+
+    #[test]
+    fn every_place_has_a_line_and_every_plot_its_points() {
+        let report = made_up::report();
+        let sections = depth(&report).unwrap();
+        let [Block::Text(_), Block::Table(table), Block::Figure { svg, .. }, ..] =
+            &sections[0].blocks[..]
+        else {
+            panic!("{:?}", sections[0].blocks);
+        };
+        assert_eq!((sections.len(), table.rows.len()), (1, 2));
+        assert!(table.rows.iter().all(|row| row.len() == table.head.len()));
+        // Two points and one in the legend.
+        assert_eq!(svg.matches("<circle").count(), 3);
+        assert!(depth(&Report { depth: Vec::new(), ..report }).unwrap().is_empty());
+    }
+}
