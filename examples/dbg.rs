@@ -47,7 +47,7 @@ fn truths(p: &Place, n: usize) -> Vec<(usize, Outcome)> {
 }
 fn main() {
     let args: Vec<String> = std::env::args().collect();
-    let recipe: Recipe = match args[1].as_str() { "f32" => FAST, "df32" => BALANCED_DF32, _ => BALANCED };
+    let recipe: Recipe = match args[1].as_str() { "f32" => FAST, "df32" => BALANCED_DF32, "dd" => Recipe { method: flipmap::engine::Method::Taylor { tolerance: 1e-24 }, precision: flipmap::engine::Precision::Dd }, "t64" => Recipe { method: flipmap::engine::Method::Taylor { tolerance: 1e-15 }, precision: flipmap::engine::Precision::F64 }, _ => BALANCED };
     let n: usize = args[2].parse().unwrap();
     let side: u32 = args[3].parse().unwrap();
     for k in args[4..].iter().map(|a| a.parse::<usize>().unwrap()) {
@@ -71,6 +71,7 @@ fn main() {
         }
         let tr = truths(p, n);
         let right = tr.iter().filter(|(k, t)| { let a = s.get(*k); a.status == t.status && (a.status != Status::Flipped || (a.time - t.time).abs() <= 1e-3) }).count();
+        if std::env::var("SHOW").is_ok() { for (k, t) in tr.iter().filter(|(k, t)| { let a = s.get(*k); !(a.status == t.status && (a.status != Status::Flipped || (a.time - t.time).abs() <= 1e-3)) }).take(14) { println!("{k} {:?} {:?}", s.get(*k), t); } }
         println!("{} {}: right {:.4} first {:.2} s, {:.2} us/px steps {:.0} rhs {:.0} begins {:?}", args[1], p.width, right as f64 / n as f64, first, us, steps, rhs, b);
     }
 }

@@ -107,7 +107,7 @@ pub enum Starts {
 pub struct Deep {
     /// All of one level.
     pub leaves: Vec<Leaf>,
-    /// Whether they are followed with other cuts than usual and far smaller errors, to check.
+    /// Whether they are followed with other cuts than usual and smaller errors, to check.
     pub strict: bool,
 }
 
@@ -185,7 +185,7 @@ impl Job {
             (_, Method::Taylor { .. }, _) => pace,
             (Pace::Adaptive(adaptive), _, Starts::Moving(_)) => {
                 // Measured on filaments 1e-3 to 1e-22 rad wide.
-                let finer = if self.recipe.precision == Precision::F32 { 200.0 } else { 30.0 };
+                let finer = if self.recipe.precision == Precision::F32 { 200.0 } else { 1000.0 };
                 let control = adaptive.control.after_a_cell(finer);
                 Pace::Adaptive(method::Adaptive { control, ..adaptive })
             }

@@ -28,7 +28,7 @@ impl Spots {
         let from_zero = |by: Dd| turn_of(Theta::from_dd(by)) - turn_of(Theta::ZERO);
         let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
         let pixel = (length(right) * length(up)).sqrt();
-        let sides = std::f64::consts::TAU / (LEAF_PIXELS * pixel);
+        let sides = std::f64::consts::TAU / (std::env::var("FL").map_or(LEAF_PIXELS, |t| t.parse().unwrap()) * pixel);
         Spots {
             middle: center.map(turn_of),
             right: right.map(from_zero),

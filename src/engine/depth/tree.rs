@@ -21,15 +21,16 @@ use crate::scene::lattice::{Cell, side_rad};
 
 /// Anchors lie on every so many levels.
 const EVERY: u32 = 6;
-/// A leaf is at least so many levels below its anchor, so that a view seldom needs two,
-const LEAST_BELOW: u32 = 12;
-/// and at most so many.
+/// A leaf is at least so many levels below its anchor, so that a view seldom needs more than two.
+/// What f64 rounds off below the anchor doubles with every level.
+const LEAST_BELOW: u32 = 6;
+/// And at most so many.
 pub const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
 /// What a leaf's polynomials may leave out of its states. What is left out higher up the tree
 /// grows with the cells that are cut, so there it is halved with every level.
-const TOLERANCE: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-12;
 /// Of charts that check others, with which they have no cut in common.
-const STRICT_TOLERANCE: f64 = 3e-13;
+const STRICT_TOLERANCE: f64 = 1e-13;
 /// For the roundings of a long way.
 const GUARD_BITS: u32 = 12;
 /// Anchors that are kept.
@@ -201,7 +202,7 @@ impl Tree {
     }
 
     fn tolerance(&self, levels_above_leaf: u32) -> f64 {
-        let leaf = if self.strict { STRICT_TOLERANCE } else { TOLERANCE };
+        let leaf = if self.strict { STRICT_TOLERANCE } else { std::env::var("FT").map_or(TOLERANCE, |t| t.parse().unwrap()) };
         leaf * 0.5f64.powi(levels_above_leaf as i32)
     }
 

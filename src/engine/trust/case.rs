@@ -149,8 +149,7 @@ impl Case {
             PROBED => (FINE_PROBE_SECS, Trust::Agreed),
             CHECKED => (CHECK_SECS, Trust::Confirmed),
             LAST_WORD => (CHECK_SECS, Trust::Settled),
-            // The coarser start map's errors are hundreds of times those of the one it checks.
-            _ if self.is_deep() => (CHECK_SECS, Trust::Settled),
+            _ if self.is_deep() => (FINE_PROBE_SECS, Trust::Settled),
             _ => (LAST_SECS, Trust::Settled),
         };
         let open = std::mem::take(&mut self.open);

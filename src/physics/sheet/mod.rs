@@ -76,7 +76,7 @@ pub struct Pass {
 
 /// Error allowed in a step of the middle. The polynomials' own errors are about as many times
 /// their size.
-const STEP_TOLERANCE: f64 = 1e-14;
+const STEP_TOLERANCE: f64 = 1e-15;
 /// No sheet moves farther in a step.
 const LONGEST: f64 = 0.5;
 /// A step in which two things happen at the top is halved, but not below this.
