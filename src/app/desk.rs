@@ -80,8 +80,8 @@ pub struct Desk {
     saved_at: Instant,
     /// Lines for the debug panel, from whoever owns the window.
     pub measured: Vec<String>,
-    /// The view that deep colours were last spread over.
-    spread_for: Option<Camera>,
+    /// The view that deep colours were last spread over, and whether at its finest level.
+    spread_for: Option<(Camera, bool)>,
 }
 
 /// How often the settings are kept while the window is used.
@@ -89,6 +89,8 @@ const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// How long a frame may prepare jobs.
 const WORK: Duration = Duration::from_millis(4);
 
+/// Levels above the finest whose times will do for the colours of a deep view.
+const COARSER: u32 = 3;
 /// How often the line below tells of what takes longer.
 const DOING: Duration = Duration::from_millis(250);
 
@@ -160,11 +162,11 @@ impl Desk {
         turn.news || spread || dived
     }
 
-    /// Spreads the palette over the times of a deep view once it is whole: they lie so close
-    /// together that it would look flat. What a person chose is left alone. Says whether the
-    /// colours have changed.
+    /// Spreads the palette over the times of a deep view, once it is whole at a coarse level and
+    /// again at the finest: they lie so close together that it would look flat. What a person
+    /// chose is left alone. Says whether the colours have changed.
     fn spread_colours(&mut self) -> bool {
-        let (camera, progress) = (self.state.target(), self.progress());
+        let camera = self.state.target();
         if camera.width_rad >= PictureTable::SPREAD_BELOW_RAD {
             let clear = self.state.spreads && !self.state.picture.times.is_empty();
             if clear {
@@ -174,16 +176,21 @@ impl Desk {
             self.spread_for = None;
             return clear;
         }
-        let whole = progress.wanted > 0 && progress.done == progress.wanted;
+        if !self.state.spreads || self.state.moving.is_some() {
+            return false;
+        }
+        let (screen, explorer) = (self.state.screen(), &mut self.room.explorer);
+        let Some(level) = seen::whole_level(&screen, COARSER, explorer) else { return false };
         let near = |then: &Camera| {
             let moved = then.offset_of(camera.center).length() < 0.25 * camera.width_rad;
             moved && (then.width_rad / camera.width_rad).ln().abs() < 0.3
         };
-        if !self.state.spreads || !whole || self.spread_for.as_ref().is_some_and(near) {
+        let finest = level == screen.level();
+        if self.spread_for.as_ref().is_some_and(|(then, fine)| near(then) && (*fine || !finest)) {
             return false;
         }
-        self.spread_for = Some(camera);
-        let times = seen::times(&self.state.screen(), &mut self.room.explorer);
+        self.spread_for = Some((camera, finest));
+        let times = seen::times_at(&screen, level, explorer);
         let times = equalised(times.into_iter(), PictureTable::SPREAD_STEPS);
         let change = !times.is_empty();
         if change {

@@ -14,8 +14,22 @@ pub const THUMBNAIL: [u32; 2] = [192, 144];
 
 /// Flip times of the samples in view that are known at the screen's level.
 pub fn times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
+    times_at(screen, screen.level(), explorer)
+}
+
+/// The finest of the `most` levels up from the screen's at which all cells in view are known.
+pub fn whole_level(screen: &Screen, most: u32, explorer: &mut Explorer) -> Option<u32> {
+    let finest = screen.level();
+    (finest.saturating_sub(most)..=finest).rev().find(|&level| {
+        let mut cells = screen.region().cells(level, MOST_CELLS).into_iter().peekable();
+        cells.peek().is_some() && cells.all(|placed| explorer.known(placed.cell).is_some())
+    })
+}
+
+/// Flip times of the samples in view that are known at a level.
+pub fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64> {
     let mut times = Vec::new();
-    for placed in screen.region().cells(screen.level(), MOST_CELLS) {
+    for placed in screen.region().cells(level, MOST_CELLS) {
         if let Some((known, _)) = explorer.known(placed.cell) {
             let flipped = |outcome: &Outcome| outcome.status == Status::Flipped;
             times.extend(known.samples.iter().filter(flipped).map(|outcome| outcome.time));

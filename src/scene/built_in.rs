@@ -21,8 +21,8 @@ macro_rules! scenes {
 }
 
 /// All of them, in the order in which they are shown: from the whole map inwards, then others.
-pub const BUILT_IN: [BuiltIn; 12] = scenes! {
-    "home" "filigree" "threads" "deep" "shore" "tip" "upright" "island" "either" "first" "rods"
+pub const BUILT_IN: [BuiltIn; 15] = scenes! {
+    "home" "filigree" "threads" "deep" "abyss" "trench" "seabed" "shore" "tip" "upright" "island" "either" "first" "rods"
     "heavy"
 };
 

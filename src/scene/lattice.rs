@@ -14,7 +14,7 @@ pub const SIDE: u32 = 128;
 /// Samples in a cell.
 pub const SAMPLES: usize = (SIDE * SIDE) as usize;
 /// Leaves along each side of a cell.
-const LEAVES: u32 = 4;
+const LEAVES: u32 = 8;
 /// The deepest level: its cells are 1e-105 rad wide.
 pub const DEEPEST: u32 = 352;
 

@@ -6,8 +6,9 @@
 use super::lattice::{Cell, Turn, turn_of};
 use crate::physics::{Dd, Scalar, Theta};
 
-/// Pixels along the side of a leaf, about.
-const LEAF_PIXELS: f64 = 32.0;
+/// Pixels along the side of a leaf, about: with fewer, pixels begin later and f32 errs less; with
+/// more, fewer cells are followed (measured).
+const LEAF_PIXELS: f64 = 16.0;
 
 /// Pixels by the leaf they lie in: for each its place among all, and its point in [−1, 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
@@ -28,7 +29,7 @@ impl Spots {
         let from_zero = |by: Dd| turn_of(Theta::from_dd(by)) - turn_of(Theta::ZERO);
         let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
         let pixel = (length(right) * length(up)).sqrt();
-        let sides = std::f64::consts::TAU / (std::env::var("FL").map_or(LEAF_PIXELS, |t| t.parse().unwrap()) * pixel);
+        let sides = std::f64::consts::TAU / (LEAF_PIXELS * pixel);
         Spots {
             middle: center.map(turn_of),
             right: right.map(from_zero),

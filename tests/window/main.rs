@@ -41,6 +41,7 @@ window_tests! {
     keys_and_commands_are_found
     a_lost_device_is_opened_again
     a_window_at_rest_costs_nothing
+    going_deeper_finds_structure_by_itself
     closing_keeps_where_it_was
     without_a_config_nothing_is_kept
     soak
@@ -222,6 +223,30 @@ mod checks {
         let told = session.after("the command", |display| display.key("Return"), |_| true);
         assert!(plain != session.shot("no curve"));
         assert_eq!(told.number("simulated"), before.number("simulated"), "a layer is only drawn");
+        session.quit();
+    }
+
+    pub fn going_deeper_finds_structure_by_itself() {
+        let mut session = Session::open("deeper", &["filigree"]);
+        let deep = session.after(
+            "a deep view",
+            |display| {
+                display.point(300.0, 240.0);
+                display.key("d");
+                // The map follows the way down, and is never at rest for long.
+                sleep(Duration::from_secs(12));
+                display.key("Escape");
+            },
+            |told| told.is_idle() && told.width_rad() < 1e-6,
+        );
+        assert!(deep.scene().question.budget.auto);
+        session.shot("deep");
+        let back = session.after(
+            "the view before",
+            |display| display.key("BackSpace"),
+            |told| told.is_idle() && told.width_rad() > 2.0 * deep.width_rad(),
+        );
+        assert!(back.width_rad() < 0.1, "the way down is in the history");
         session.quit();
     }
 

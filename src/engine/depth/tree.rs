@@ -202,7 +202,7 @@ impl Tree {
     }
 
     fn tolerance(&self, levels_above_leaf: u32) -> f64 {
-        let leaf = if self.strict { STRICT_TOLERANCE } else { std::env::var("FT").map_or(TOLERANCE, |t| t.parse().unwrap()) };
+        let leaf = if self.strict { STRICT_TOLERANCE } else { TOLERANCE };
         leaf * 0.5f64.powi(levels_above_leaf as i32)
     }
 
