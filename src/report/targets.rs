@@ -332,7 +332,7 @@ mod tests {
         assert_eq!([true, false].map(hard), [Some(true), Some(false)]);
         let deep = |share: f64, steps: f64| {
             let change = move |report: &mut Report| {
-                report.depth[1].errors.right_1ms = Some(share);
+                report.depth.iter_mut().for_each(|row| row.errors.right_1ms = Some(share));
                 report.depth[1].steps_per_pixel = steps;
             };
             let about = "deep zoom in f64 on cpu: ";

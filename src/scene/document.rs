@@ -98,8 +98,10 @@ impl Document {
     pub fn parse(text: &str) -> Result<Self, DocumentError> {
         check_format(text)?;
         let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
-        let document: Document = toml::from_str(text).map_err(syntax)?;
+        let mut document: Document = toml::from_str(text).map_err(syntax)?;
         document.check()?;
+        // One that follows the depth is known only with the view.
+        document.question = document.scene().checked()?.question;
         Ok(document)
     }
 

@@ -32,7 +32,7 @@ const TOLERANCE: f64 = 1e-12;
 /// Of charts that check others, with which they have no cut in common.
 const STRICT_TOLERANCE: f64 = 1e-13;
 /// For the roundings of a long way.
-const GUARD_BITS: u32 = 12;
+const GUARD_BITS: u32 = 10;
 /// Anchors that are kept.
 const MOST_ANCHORS: usize = 64;
 /// Between two looks at whether anybody still waits, reduced time.

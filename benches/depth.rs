@@ -1,0 +1,47 @@
+//! Seconds until the first small picture of a deep view is there, on one core: the reference in
+//! many digits, the cells followed as polynomials, and 16 × 16 pixels. And, once the reference is
+//! known, microseconds for a pixel beside those of a view a thousandth wide, in the same run.
+
+use std::time::Instant;
+
+use flipmap::engine::Engine;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::depth::DepthEngine;
+use flipmap::engine::level::BALANCED;
+use flipmap::scene::{BuiltIn, Document, Scene};
+use flipmap::tiles::Work;
+use flipmap::tiles::preview::preview;
+
+const SMALL: u32 = 16;
+const LARGE: u32 = 256;
+
+fn main() {
+    let shallow = Document::parse(
+        "[view]\ncenter = [\"1.186751171875\", \"2.043855078125\"]\nwidth = \"1e-3\"",
+    );
+    let shallow = shallow.expect("a scene").scene();
+    let named = |name| BuiltIn::named(name).expect("a place").document().scene();
+    let base = measured("1e-3", &shallow, 0.0);
+    for name in ["abyss", "trench", "seabed"] {
+        measured(name, &named(name), base);
+    }
+}
+
+/// Prints what a view takes; the microseconds of a pixel.
+fn measured(name: &str, scene: &Scene, base: f64) -> f64 {
+    let processor = Box::new(CpuEngine::new(Some(1)).expect("a processor"));
+    let mut engine = DepthEngine::new(processor, Some(1)).expect("a thread");
+    let first = secs(scene, SMALL, &mut engine);
+    secs(scene, LARGE, &mut engine);
+    let us = secs(scene, LARGE, &mut engine) * 1e6 / f64::from(LARGE * LARGE);
+    let ratio = if base > 0.0 { format!("  {:.2}x", us / base) } else { String::new() };
+    println!("{name:8} first picture {first:>7.2} s, then {us:>6.1} µs/pixel{ratio}");
+    us
+}
+
+fn secs(scene: &Scene, side: u32, engine: &mut dyn Engine) -> f64 {
+    let begun = Instant::now();
+    let mut work = Work::new(scene, [side; 2], BALANCED, engine.job_size());
+    preview(&mut work, [side; 2], engine, &|| true).expect("the engine works");
+    begun.elapsed().as_secs_f64()
+}

@@ -1,0 +1,57 @@
+//! Time in fixed steps: what is computed does not depend on how often it is drawn.
+
+/// Steps of one length, and the time that is left between the last one and now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Seconds a step.
+    pub step_secs: f64,
+    /// Steps taken since the start.
+    pub taken: u64,
+    left_secs: f64,
+}
+
+/// More time than this is never made up for at once, s: a window that was away does not race.
+const MOST_SECS: f64 = 0.25;
+
+impl Clock {
+    /// Begins at 0.
+    pub fn new(step_secs: f64) -> Self {
+        Clock { step_secs, taken: 0, left_secs: 0.0 }
+    }
+
+    /// How many steps are due after so many more seconds; they count as taken.
+    pub fn due(&mut self, elapsed_secs: f64) -> usize {
+        self.left_secs += elapsed_secs.clamp(0.0, MOST_SECS);
+        let due = (self.left_secs / self.step_secs + 1e-9).floor();
+        self.left_secs = (self.left_secs - due * self.step_secs).max(0.0);
+        self.taken += due as u64;
+        due as usize
+    }
+
+    /// Seconds since the start at the last step.
+    pub fn secs(&self) -> f64 {
+        self.taken as f64 * self.step_secs
+    }
+
+    /// How far now is from the last step towards the next one, in [0, 1].
+    pub fn share(&self) -> f64 {
+        (self.left_secs / self.step_secs).clamp(0.0, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_do_not_depend_on_frames() {
+        let (mut often, mut seldom) = (Clock::new(1.0 / 240.0), Clock::new(1.0 / 240.0));
+        let many: usize = (0..600).map(|_| often.due(1.0 / 600.0)).sum();
+        let few: usize = (0..10).map(|_| seldom.due(0.1)).sum();
+        assert_eq!((many, few), (240, 240));
+        assert!((often.secs() - 1.0).abs() < 1e-12);
+        often.due(1.0 / 480.0);
+        assert!((often.share() - 0.5).abs() < 1e-6);
+        assert!(often.due(1e9) <= 61, "a window that was away does not race");
+    }
+}

@@ -1,0 +1,160 @@
+//! Pendulums, arrows and words on a dark stage.
+
+use std::f32::consts::FRAC_PI_2;
+
+use egui::{
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
+};
+
+/// The stage is dark in the light theme too.
+pub const CANVAS: Color32 = Color32::from_gray(24);
+/// Lines and words on it.
+pub const INK: Color32 = Color32::from_gray(225);
+/// What stays behind.
+pub const FAINT: Color32 = Color32::from_gray(130);
+/// Okabe and Ito's, which colour-blind people tell apart: orange, sky, green, yellow.
+pub const COLOURS: [Color32; 4] = [
+    Color32::from_rgb(0xe6, 0x9f, 0x00),
+    Color32::from_rgb(0x56, 0xb4, 0xe9),
+    Color32::from_rgb(0x00, 0x9e, 0x73),
+    Color32::from_rgb(0xf0, 0xe4, 0x42),
+];
+
+/// A place to draw on, in metres around a pivot, y up.
+pub struct Stage {
+    /// What draws.
+    pub painter: Painter,
+    /// Where, in points.
+    pub rect: Rect,
+    pivot: Pos2,
+    points_per_m: f32,
+}
+
+impl Stage {
+    /// A stage of `size` points on which `reach_m` metres around the pivot are seen; `told` is
+    /// what a screen reader says of it.
+    pub fn new(ui: &mut Ui, size: egui::Vec2, reach_m: f64, told: String) -> (Stage, Response) {
+        let (response, painter) = ui.allocate_painter(size, Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
+        let rect = response.rect;
+        painter.rect_filled(rect, 4.0, CANVAS);
+        let points_per_m = 0.44 * size.min_elem() / reach_m as f32;
+        (Stage { painter, rect, pivot: rect.center(), points_per_m }, response)
+    }
+
+    /// The point of a place in metres.
+    pub fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
+        self.pivot + vec2(x as f32, -y as f32) * self.points_per_m
+    }
+
+    /// The place under a point, m.
+    pub fn place(&self, at: Pos2) -> [f64; 2] {
+        let by = (at - self.pivot) / self.points_per_m;
+        [f64::from(by.x), -f64::from(by.y)]
+    }
+
+    /// A rod from one place to another.
+    pub fn rod(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
+        self.painter.line_segment([self.at(from), self.at(to)], Stroke::new(2.0, colour));
+    }
+
+    /// A dashed line.
+    pub fn dashed(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
+        let stroke = Stroke::new(1.0, colour);
+        self.painter.extend(Shape::dashed_line(&[self.at(from), self.at(to)], stroke, 5.0, 4.0));
+    }
+
+    /// A bob whose area follows its mass in kg.
+    pub fn bob(&self, at: [f64; 2], mass: f64, colour: Color32) {
+        let radius = (9.0 * mass.sqrt() as f32).clamp(3.0, 26.0);
+        self.painter.circle(self.at(at), radius, colour, Stroke::new(1.0, INK));
+    }
+
+    /// The pivot.
+    pub fn pivot(&self) {
+        self.painter.circle_filled(self.pivot, 4.0, INK);
+    }
+
+    /// An arrow by so many metres.
+    pub fn arrow(&self, from: [f64; 2], by: [f64; 2], colour: Color32) {
+        let tip = self.at([from[0] + by[0], from[1] + by[1]]);
+        let start = self.at(from);
+        self.painter.arrow(start, tip - start, Stroke::new(2.0, colour));
+    }
+
+    /// The arc of an angle from the downward vertical at a place.
+    pub fn arc(&self, at: [f64; 2], angle: f64, radius_m: f64, colour: Color32) {
+        let turned = angle.rem_euclid(std::f64::consts::TAU);
+        let angle = if turned > std::f64::consts::PI { turned - std::f64::consts::TAU } else { turned };
+        let (center, radius) = (self.at(at), radius_m as f32 * self.points_per_m);
+        let point = |k: u32| {
+            let along = angle as f32 * k as f32 / 24.0;
+            center + radius * vec2((FRAC_PI_2 - along).cos(), (FRAC_PI_2 - along).sin())
+        };
+        self.painter.add(Shape::line((0..=24).map(point).collect(), Stroke::new(1.5, colour)));
+    }
+
+    /// Words to the right of a place.
+    pub fn label(&self, at: [f64; 2], words: &str, colour: Color32) {
+        let at = self.at(at) + vec2(12.0, 0.0);
+        let font = FontId::proportional(14.0);
+        let galley = self.painter.layout_no_wrap(words.to_string(), font, colour);
+        let inside = self.rect.shrink(6.0);
+        let corner = at - vec2(0.0, galley.size().y / 2.0);
+        let most = inside.max - galley.size();
+        let corner = pos2(corner.x.min(most.x), corner.y.clamp(inside.top(), most.y));
+        self.painter.galley(corner, galley, colour);
+    }
+
+    /// Words in the lower left corner.
+    pub fn note(&self, words: &str) {
+        let corner = self.rect.left_bottom() + vec2(8.0, -6.0);
+        let font = FontId::proportional(12.0);
+        self.painter.text(corner, Align2::LEFT_BOTTOM, words, font, FAINT);
+    }
+
+    /// A line through places, the older the fainter.
+    pub fn trail(&self, places: &[[f64; 2]], colour: Color32) {
+        const BAND: usize = 24;
+        for first in (0..places.len().saturating_sub(1)).step_by(BAND) {
+            let last = (first + BAND).min(places.len() - 1);
+            let points = places[first..=last].iter().map(|&place| self.at(place)).collect();
+            let youth = last as f32 / places.len() as f32;
+            let stroke = Stroke::new(1.5, colour.gamma_multiply(youth));
+            self.painter.add(Shape::line(points, stroke));
+        }
+    }
+}
+
+/// The ends of both rods, m, for angles from the downward vertical, anticlockwise.
+pub fn ends(lengths: [f64; 2], angle: [f64; 2]) -> [[f64; 2]; 2] {
+    let [x1, y1] = end([0.0; 2], lengths[0], angle[0]);
+    [[x1, y1], end([x1, y1], lengths[1], angle[1])]
+}
+
+/// The end of a rod that hangs at a place.
+pub fn end(from: [f64; 2], length: f64, angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [from[0] + length * sin, from[1] - length * cos]
+}
+
+/// The angle of a rod from one place towards another, rad.
+pub fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
+    (to[0] - from[0]).atan2(from[1] - to[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rod_points_where_its_angle_says() {
+        for angle in [-3.0, -1.0, 0.0, 0.5, 2.5] {
+            let to = end([1.0, 2.0], 0.7, angle);
+            assert!((angle_of([1.0, 2.0], to) - angle).abs() < 1e-12);
+        }
+        let [first, second] = ends([1.0, 0.5], [0.0, std::f64::consts::FRAC_PI_2]);
+        assert!((first[1] + 1.0).abs() < 1e-12 && (second[0] - 0.5).abs() < 1e-12);
+    }
+}

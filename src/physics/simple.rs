@@ -1,0 +1,159 @@
+//! The single pendulum: a mass on a rod, its period as it is measured and as it is known.
+//!
+//! θ″ = −(g/r) sin θ. Released from rest at θ0 its period is 2π √(r/g) / agm(1, cos(θ0/2))
+//! (Gauss 1799, by the arithmetic–geometric mean).
+
+use std::f64::consts::{PI, TAU};
+
+/// Angle from the downward vertical, rad, and its speed, rad/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swing {
+    /// Anticlockwise.
+    pub angle: f64,
+    /// Likewise.
+    pub speed: f64,
+}
+
+/// A rod with a mass at its end. The mass does not matter to how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Simple {
+    /// m.
+    pub length: f64,
+    /// m/s².
+    pub gravity: f64,
+}
+
+impl Simple {
+    /// g/r, 1/s².
+    fn stiffness(&self) -> f64 {
+        self.gravity / self.length
+    }
+
+    /// The angular acceleration, rad/s².
+    pub fn acceleration(&self, angle: f64) -> f64 {
+        -self.stiffness() * angle.sin()
+    }
+
+    /// 2π √(r/g), s: the period of swings that are hardly swings.
+    pub fn small_period_secs(&self) -> f64 {
+        TAU / self.stiffness().sqrt()
+    }
+
+    /// The period after a release from rest at an angle, s; infinite upright.
+    pub fn period_secs(&self, amplitude: f64) -> f64 {
+        self.small_period_secs() / agm(1.0, (0.5 * amplitude).cos().abs())
+    }
+
+    /// Where the pendulum of small swings would be `secs` after a release from rest.
+    pub fn ghost(&self, amplitude: f64, secs: f64) -> f64 {
+        amplitude * (self.stiffness().sqrt() * secs).cos()
+    }
+
+    /// The state after a step of the classical Runge–Kutta method (Kutta 1901).
+    pub fn step(&self, swing: Swing, secs: f64) -> Swing {
+        let half = 0.5 * secs;
+        let at = |by: f64, rate: Swing| Swing {
+            angle: swing.angle + by * rate.angle,
+            speed: swing.speed + by * rate.speed,
+        };
+        let rate = |swing: Swing| Swing {
+            angle: swing.speed,
+            speed: self.acceleration(swing.angle),
+        };
+        let first = rate(swing);
+        let second = rate(at(half, first));
+        let third = rate(at(half, second));
+        let fourth = rate(at(secs, third));
+        let mean = |part: fn(Swing) -> f64| {
+            (part(first) + 2.0 * (part(second) + part(third)) + part(fourth)) / 6.0
+        };
+        at(secs, Swing { angle: mean(|s| s.angle), speed: mean(|s| s.speed) })
+    }
+
+    /// How long after `swing`, within a step of `secs` over which its angle changes sign, it is
+    /// at the bottom, s: by Newton's method on steps shortened to end there.
+    pub fn crossing_secs(&self, swing: Swing, secs: f64) -> f64 {
+        let mut within = 0.5 * secs;
+        for _ in 0..8 {
+            let there = self.step(swing, within);
+            within = (within - there.angle / there.speed).clamp(0.0, secs);
+        }
+        within
+    }
+}
+
+/// Zero crossings of a swing, and the period between those of one direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Crossings {
+    /// The last two moments at which it went through the bottom to the left, s.
+    falls: [Option<f64>; 2],
+}
+
+impl Crossings {
+    /// Looks at a step that began at `from_secs`.
+    pub fn look(&mut self, simple: &Simple, from_secs: f64, before: Swing, step_secs: f64) {
+        let after = simple.step(before, step_secs);
+        if before.angle > 0.0 && after.angle <= 0.0 && after.speed < 0.0 {
+            let at = from_secs + simple.crossing_secs(before, step_secs);
+            self.falls = [self.falls[1], Some(at)];
+        }
+    }
+
+    /// The measured period, s, once there are two.
+    pub fn period_secs(&self) -> Option<f64> {
+        Some(self.falls[1]? - self.falls[0]?)
+    }
+}
+
+/// The arithmetic–geometric mean of two numbers that are not negative.
+fn agm(mut a: f64, mut b: f64) -> f64 {
+    while (a - b).abs() > 4.0 * f64::EPSILON * a {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        if b == 0.0 {
+            return 0.0;
+        }
+    }
+    a
+}
+
+/// Amplitudes that a period is plotted against: up to a hundredth of a radian below the top.
+pub const MOST_AMPLITUDE: f64 = PI - 0.01;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const METRE: Simple = Simple { length: 1.0, gravity: 9.81 };
+
+    #[test]
+    fn known_periods() {
+        assert!((METRE.small_period_secs() - 2.006_066_680_710_2).abs() < 1e-9);
+        // T(π/2)/T(0) = 2 K(1/√2) / π.
+        let ratio = METRE.period_secs(PI / 2.0) / METRE.small_period_secs();
+        assert!((ratio - 1.180_340_599_016_096).abs() < 1e-14, "{ratio}");
+        assert!(METRE.period_secs(1e-4) / METRE.small_period_secs() - 1.0 < 1e-9);
+        assert_eq!(METRE.period_secs(PI).is_finite(), agm(1.0, (PI / 2.0).cos()) > 0.0);
+    }
+
+    #[test]
+    fn measured_periods_are_the_known_ones() {
+        for amplitude in [0.1, 1.0, 2.0, 3.0] {
+            let (mut swing, mut crossings) = (Swing { angle: amplitude, speed: 0.0 }, Crossings::default());
+            let step = 1.0 / 2000.0;
+            for k in 0..20_000 {
+                crossings.look(&METRE, f64::from(k) * step, swing, step);
+                swing = METRE.step(swing, step);
+            }
+            let (measured, known) =
+                (crossings.period_secs().unwrap(), METRE.period_secs(amplitude));
+            assert!((measured - known).abs() < 1e-9, "{amplitude}: {measured} for {known}");
+        }
+    }
+
+    #[test]
+    fn the_ghost_keeps_the_time_of_small_swings() {
+        let period = METRE.small_period_secs();
+        assert!((METRE.ghost(2.0, period) - 2.0).abs() < 1e-12);
+        assert!(METRE.ghost(2.0, 0.25 * period).abs() < 1e-12);
+    }
+}
