@@ -96,7 +96,7 @@ fn places() -> Harness<'static, Shown<(Places, PlaceForm), PlaceAction>> {
     places.add("a gap", Picture { document, size: [32, 24], rgb }).unwrap();
     let mut thumbnails = Thumbnails::default();
     harness(
-        [340.0, 660.0],
+        [340.0, 1060.0],
         (places, PlaceForm::default()),
         move |ui, (places, form)| places_panel(ui, places, form, &mut thumbnails),
         |(places, form), action| match action {

@@ -21,7 +21,9 @@ pub fn depth_object(depth: Depth, recipe: Recipe, scene: &Scene) -> serde_json::
 pub fn tell_depth(depth: Depth, recipe: Recipe, scene: &Scene, counts: &Counts) {
     let budget = scene.question.budget;
     let follows = if budget.auto { ", which follows the depth" } else { "" };
-    if depth.integrated == 0 {
+    if depth.digits == 0 && depth.integrated == 0 {
+        super::tell("flipmap: depth: all pixels are forbidden by their energy");
+    } else if depth.integrated == 0 {
         super::tell(&format!(
             "flipmap: depth: all pixels are known from polynomials, in {} digits",
             depth.digits

@@ -34,13 +34,26 @@ impl Default for View {
     }
 }
 
+/// The first characters of a text that may be absurdly long, with dots for the others.
+fn shortened(text: &str) -> String {
+    let mut first: String = text.chars().take(SHOWN).collect();
+    if first.len() < text.len() {
+        first.push('…');
+    }
+    first
+}
+
+/// Characters of a coordinate that is complained about.
+const SHOWN: usize = 60;
+
 impl View {
     /// Checks that every number can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         for coordinate in &self.center {
             let fine = Theta::parse(coordinate).is_some_and(|x| x.to_f64().abs() <= 1e6);
-            let range = "each angle must be a decimal number between -1e6 and 1e6 rad";
-            refuse_unless(fine, "--center", coordinate, range)?;
+            let range = "each angle must be a decimal number between -1e6 and 1e6 rad, in at most \
+                         1000 characters";
+            refuse_unless(fine, "--center", &shortened(coordinate), range)?;
         }
         let width = Dd::parse(&self.width).is_some_and(|w| (LEAST_WIDTH..=1e3).contains(&w.hi));
         let range = "it must be a decimal number between 1e-100 and 1e3 rad";
