@@ -18,6 +18,7 @@
 
 pub mod app;
 pub mod engine;
+pub mod lab;
 pub mod output;
 pub mod physics;
 pub mod report;

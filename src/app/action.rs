@@ -10,6 +10,7 @@ use super::settings::{Layers, Theme};
 use super::state::Dialog;
 use crate::engine::Accuracy;
 use crate::engine::choice::Kind;
+use crate::lab::Figure;
 use crate::physics::Theta;
 use crate::scene::{Build, Document, PictureTable, Question};
 
@@ -41,6 +42,13 @@ pub enum Look {
     To(Camera),
 }
 
+impl Action {
+    /// Whether it needs the map to be seen.
+    pub fn is_of_map(&self) -> bool {
+        matches!(self, Action::Look(_) | Action::Pin(_) | Action::GoDeeper | Action::Layers(_))
+    }
+}
+
 /// Something to do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
@@ -52,6 +60,12 @@ pub enum Action {
     Drawing(Option<[DVec2; 2]>),
     /// Go deeper by itself from the pointer's place, or stop.
     GoDeeper,
+    /// Show a figure of the laboratory, or the map again.
+    Lab(Option<Figure>),
+    /// Open a start in a figure.
+    OpenInLab(Figure, [Theta; 2]),
+    /// Show a start that was aimed in the laboratory on the map.
+    FromLab([Theta; 2]),
     /// Pin the pixel at a point.
     Pin(DVec2),
     /// Take back the pin that the first click of a double click made.

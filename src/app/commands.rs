@@ -8,6 +8,7 @@ use super::action::{Action, Look};
 use super::settings::{Layers, Theme};
 use super::state::{Dialog, State};
 use crate::engine::Accuracy;
+use crate::lab::Figure;
 
 /// Something to do by name.
 pub struct Command {
@@ -100,6 +101,7 @@ fn doing(state: &State) -> Vec<Command> {
     let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
     let mut commands = vec![
         command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
+        command("Leave the lab", [], Action::Lab(None)),
         command("Go deeper here, or stop", [key(PLAIN, Key::D)], Action::GoDeeper),
         command("Play or pause the pendulum", [key(PLAIN, Key::Space)], Action::PlayPause),
         command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
@@ -116,6 +118,11 @@ fn doing(state: &State) -> Vec<Command> {
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),
     ];
+    let keys = [Key::F2, Key::F3, Key::F4, Key::F5, Key::F6, Key::F7, Key::F8];
+    let figures = Figure::ALL.into_iter().zip(keys);
+    commands.extend(figures.map(|((figure, .., title, _), letter)| {
+        command(title, [key(PLAIN, letter)], Action::Lab(Some(figure)))
+    }));
     if state.shown.debug {
         commands.push(command("Lose the graphics device", [], Action::LoseDevice));
     }
@@ -144,7 +151,7 @@ pub fn pressed(input: &mut egui::InputState, state: &State, typing: bool) -> Vec
 }
 
 fn is_function_key(key: Key) -> bool {
-    [Key::F1, Key::F9, Key::F11, Key::F12].contains(&key)
+    (Key::F1..=Key::F12).contains(&key)
 }
 
 /// How a shortcut is written.

@@ -30,6 +30,7 @@ use super::settings::{Loaded, Settings, Store};
 use super::state::{Effect, State};
 use crate::engine::choice::Wish;
 use crate::engine::words;
+use crate::lab::{Figure, Lab};
 use crate::scene::palette::equalised;
 use crate::scene::{Document, PictureTable, RunTable};
 use crate::tiles::explorer::Progress;
@@ -73,6 +74,8 @@ pub struct Desk {
     pub(super) export_form: ExportForm,
     pub(super) asking: Option<Asking>,
     pub(super) way: Way,
+    /// The figures of the lesson.
+    pub lab: Lab,
     pub(super) wish: Wish,
     pub(super) wake: Wake,
     /// What the file holds, and since when.
@@ -135,6 +138,7 @@ impl Desk {
             export_form: ExportForm::default(),
             asking: None,
             way: Way::default(),
+            lab: Lab::new(Figure::Machine),
             wish,
             wake,
             saved: None,
@@ -147,6 +151,10 @@ impl Desk {
     /// Aims the engine at what is looked at and takes what it has finished. Says whether there
     /// is anything new to draw.
     pub fn work(&mut self) -> bool {
+        // What nobody sees has time.
+        if self.lab_hides_map() {
+            return false;
+        }
         let state = &self.state;
         let turn = self.room.turn(|recipe| state.aim(recipe), Instant::now() + WORK);
         self.meter.read(Instant::now(), self.room.explorer.counts().simulated);
@@ -245,6 +253,14 @@ impl Desk {
             ctx.request_repaint_after(DOING);
         }
         egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
+        if self.lab_hides_map() {
+            egui::CentralPanel::default().show(ui, |ui| actions.extend(self.figure(ui)));
+            return self.act(actions);
+        }
+        if self.state.shown.lab {
+            egui::Panel::top("figures").show(ui, |ui| actions.extend(self.figure_tabs(ui)));
+            actions.extend(self.explanation(&ctx));
+        }
         if self.state.shown.side {
             let side = egui::Panel::right("side").default_size(310.0).size_range(240.0..=480.0);
             side.show(ui, |ui| actions.extend(self.side(ui)));
@@ -256,8 +272,10 @@ impl Desk {
     /// What the keyboard, the clipboard and dropped files ask for.
     fn keys(&self, ctx: &egui::Context) -> Vec<Action> {
         let typing = ctx.egui_wants_keyboard_input();
+        let hidden = self.lab_hides_map();
         ctx.input_mut(|input| {
             let mut actions = pressed(input, &self.state, typing);
+            actions.retain(|action| !hidden || !action.is_of_map());
             for event in &input.events {
                 if let (egui::Event::Paste(text), false) = (event, typing) {
                     actions.push(Action::Paste(text.clone()));

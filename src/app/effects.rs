@@ -34,6 +34,9 @@ impl Desk {
         match effect {
             Effect::Pin(starts) => self.pin(*starts),
             Effect::GoDeeper => self.toggle_dive(),
+            Effect::Lab(figure) => self.show_figure(figure),
+            Effect::OpenInLab(figure, start) => self.open_in_lab(figure, start),
+            Effect::FromLab(start) => self.from_lab(start),
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
                 self.relaunch();

@@ -22,6 +22,7 @@ pub mod history;
 pub mod host;
 pub mod hover;
 mod incoming;
+mod laboratory;
 pub mod map;
 pub mod meter;
 pub mod notices;

@@ -14,6 +14,7 @@ use super::panels::pendulum::pendulum_panel;
 use super::panels::places::places_panel;
 use super::panels::scene::scene_panel;
 use super::panels::window::window_panel;
+use crate::lab::Figure;
 
 impl Desk {
     /// Shows the panels and collects what was done in them.
@@ -24,6 +25,7 @@ impl Desk {
             let open = !self.state.pins.is_empty();
             CollapsingHeader::new("Pendulum of a pixel").default_open(true).show(ui, |ui| {
                 actions.extend(pendulum_panel(ui, &self.state.pins).into_iter().map(Action::Pins));
+                actions.extend(self.into_lab(ui));
             });
             CollapsingHeader::new("Places").default_open(!open).show(ui, |ui| {
                 let done = places_panel(ui, &self.places, &self.place_form, &mut self.thumbnails);
@@ -70,6 +72,21 @@ impl Desk {
                         actions.push(Action::LoseDevice);
                     }
                 });
+            }
+        });
+        actions
+    }
+
+    /// Takes the selected pin's start into a figure of the laboratory.
+    fn into_lab(&self, ui: &mut Ui) -> Vec<Action> {
+        let Some(pin) = self.state.pins.selected() else { return Vec::new() };
+        let mut actions = Vec::new();
+        ui.horizontal_wrapped(|ui| {
+            ui.label("In the lab:");
+            for figure in [Figure::Machine, Figure::Integrators, Figure::Twenty] {
+                if ui.button(figure.name()).on_hover_text(figure.title()).clicked() {
+                    actions.push(Action::OpenInLab(figure, pin.start));
+                }
             }
         });
         actions

@@ -12,6 +12,7 @@ use super::pins::{PinAction, PinId, Pins};
 use super::settings::{Layers, Settings, Theme};
 use crate::engine::choice::{Demand, Kind};
 use crate::engine::{Accuracy, Recipe};
+use crate::lab::Figure;
 use crate::physics::Theta;
 use crate::scene::{Budget, Build, Document, PictureTable, Question, RunTable, Scene, View};
 use crate::tiles::aim::{Aim, Physics};
@@ -40,6 +41,8 @@ pub struct Shown {
     pub commands: bool,
     /// What the window measures of itself.
     pub debug: bool,
+    /// The laboratory.
+    pub lab: bool,
 }
 
 /// What has to be done outside the plain state.
@@ -61,6 +64,12 @@ pub enum Effect {
     Pin(Box<[[Theta; 2]; 2]>),
     /// Begin or stop going deeper by itself.
     GoDeeper,
+    /// Show a figure of the laboratory, or the map again.
+    Lab(Option<Figure>),
+    /// Open a start in a figure.
+    OpenInLab(Figure, [Theta; 2]),
+    /// Show a start on the map.
+    FromLab([Theta; 2]),
     /// The pendulums fly by other physics now.
     Relaunch,
     /// Lose the graphics device.
@@ -153,7 +162,7 @@ impl State {
             pointer: None,
             drawing: None,
             layers: Layers { curve: document.picture.curve, ..Layers::default() },
-            shown: Shown { side: true, help: false, commands: false, debug: false },
+            shown: Shown { side: true, help: false, commands: false, debug: false, lab: false },
             notices: Notices::default(),
             pins: Pins::new(&scene),
             clicked: None,
@@ -185,6 +194,11 @@ impl State {
     /// Where the window looks, or is about to.
     pub fn target(&self) -> Camera {
         self.moving.map_or(self.camera, |moving| moving.to)
+    }
+
+    /// The canvas as it is about to look.
+    pub fn aimed_screen(&self) -> Screen {
+        self.through(self.target())
     }
 
     /// The canvas as it looks now.
@@ -235,6 +249,9 @@ impl State {
             Action::Drawing(drawing) => self.drawing = drawing,
             Action::Pin(point) => return Some(Effect::Pin(Box::new(self.pixel_at(point)))),
             Action::GoDeeper => return Some(Effect::GoDeeper),
+            Action::Lab(figure) => return Some(Effect::Lab(figure)),
+            Action::OpenInLab(figure, start) => return Some(Effect::OpenInLab(figure, start)),
+            Action::FromLab(start) => return Some(Effect::FromLab(start)),
             Action::Unpin => {
                 if let Some(id) = self.clicked.take() {
                     self.pins.apply(PinAction::Remove(id));
@@ -368,7 +385,9 @@ impl State {
 
     fn escape(&mut self) {
         self.drawing = None;
-        self.shown = Shown { help: false, commands: false, ..self.shown };
+        let dialogs = self.shown.help || self.shown.commands;
+        let lab = self.shown.lab && dialogs;
+        self.shown = Shown { help: false, commands: false, lab, ..self.shown };
     }
 }
 

@@ -19,15 +19,18 @@ pub struct Stats {
     first_coarse_secs: Option<f64>,
     full_secs: Option<f64>,
     frames: Vec<f32>,
-    panning: Panning,
+    /// While the map was dragged and something was computed.
+    panning: Stretch,
+    /// While a figure of the laboratory was shown.
+    figure: Stretch,
     /// When input that no frame has shown yet came in.
     waiting: Vec<Instant>,
     latencies: Vec<f32>,
 }
 
-/// Frames while the map was dragged and something was computed.
+/// Frames of one kind, counted from one to the next.
 #[derive(Debug, Default)]
-struct Panning {
+struct Stretch {
     since: Option<Instant>,
     frames: u32,
     secs: f64,
@@ -44,7 +47,8 @@ impl Default for Stats {
             first_coarse_secs: None,
             full_secs: None,
             frames: Vec::new(),
-            panning: Panning::default(),
+            panning: Stretch::default(),
+            figure: Stretch::default(),
             waiting: Vec::new(),
             latencies: Vec::new(),
         }
@@ -83,6 +87,10 @@ pub struct Holdings {
     pub flown: usize,
     /// Sentences that are shown.
     pub notices: Vec<String>,
+    /// The figure of the laboratory that is shown instead of the map.
+    pub figure: Option<&'static str>,
+    /// What a person has set in it: the start first.
+    pub figure_set: Vec<f64>,
     /// Starts integrated.
     pub simulated: u64,
     /// Right-hand sides evaluated for them.
@@ -114,6 +122,10 @@ pub struct Report {
     pub panning_secs: f64,
     /// Frames a second meanwhile.
     pub panning_fps: Option<f64>,
+    /// How long figures of the laboratory were shown, s.
+    pub figure_secs: f64,
+    /// Frames a second meanwhile.
+    pub figure_fps: Option<f64>,
     /// The most memory the process ever held, bytes, where the system tells.
     pub peak_bytes: Option<u64>,
 }
@@ -132,6 +144,8 @@ impl Holdings {
             pins: state.pins.iter().map(|pin| pin.start.map(Scalar::to_f64)).collect(),
             flown: state.pins.iter().filter(|p| p.flight.record().ending.is_some()).count(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
+            figure: desk.figure_shown(),
+            figure_set: desk.lab.set(),
             simulated: counts.simulated,
             rhs_evaluations: counts.effort.rhs_evaluations,
             cache_bytes: explorer.bytes(),
@@ -168,9 +182,13 @@ impl Stats {
         self.panning.frame(now, dragging && !progress.idle);
     }
 
+    /// That frame showed a figure of the laboratory, or none.
+    pub fn figure(&mut self, shown: bool) {
+        self.figure.frame(Instant::now(), shown);
+    }
+
     /// What was measured so far.
     pub fn report(&self, holdings: Holdings) -> Report {
-        let Panning { frames, secs, .. } = self.panning;
         Report {
             holdings,
             window_secs: self.window_secs,
@@ -178,21 +196,27 @@ impl Stats {
             full_secs: self.full_secs,
             frame_ms: quantiles(&self.frames),
             input_ms: quantiles(&self.latencies),
-            panning_frames: frames,
-            panning_secs: secs,
-            panning_fps: (secs > 0.0).then(|| f64::from(frames) / secs),
+            panning_frames: self.panning.frames,
+            panning_secs: self.panning.secs,
+            panning_fps: self.panning.fps(),
+            figure_secs: self.figure.secs,
+            figure_fps: self.figure.fps(),
             peak_bytes: peak_bytes(),
         }
     }
 }
 
-impl Panning {
-    fn frame(&mut self, now: Instant, panning: bool) {
-        if let Some(since) = self.since.filter(|_| panning) {
+impl Stretch {
+    fn frame(&mut self, now: Instant, goes_on: bool) {
+        if let Some(since) = self.since.filter(|_| goes_on) {
             self.frames += 1;
             self.secs += (now - since).as_secs_f64();
         }
-        self.since = panning.then_some(now);
+        self.since = goes_on.then_some(now);
+    }
+
+    fn fps(&self) -> Option<f64> {
+        (self.secs > 0.0).then(|| f64::from(self.frames) / self.secs)
     }
 }
 
@@ -211,6 +235,7 @@ impl Report {
             ms("frame", self.frame_ms),
             ms("input", self.input_ms),
             self.panning_fps.map(|fps| format!("dragging {fps:.0} frames/s")),
+            self.figure_fps.map(|fps| format!("laboratory {fps:.0} frames/s")),
             Some(format!("tiles {} MiB", mib(self.holdings.cache_bytes as u64))),
             self.peak_bytes.map(|bytes| format!("memory, at most {} MiB", mib(bytes))),
         ]

@@ -152,6 +152,7 @@ impl Runner {
         let Open { host, desk, .. } = open;
         let again = host.frame(event_loop, |ui| effects.extend(desk.show(ui)));
         self.stats.frame(began, &desk.progress(), desk.state.dragging);
+        self.stats.figure(desk.figure_shown().is_some());
         if desk.state.shown.debug {
             desk.measured = self.stats.report(Holdings::of(desk)).lines();
         }

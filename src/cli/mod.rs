@@ -6,6 +6,7 @@ mod depth;
 mod doctor;
 pub mod exit;
 mod explore;
+mod lab;
 mod options;
 mod progress;
 mod render;
@@ -36,6 +37,8 @@ enum Verb {
     Deeper(Box<deeper::Options>),
     /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
     Trace(Box<trace::Options>),
+    /// Draw a live figure of the lesson as a still, or write its data.
+    Lab(lab::Options),
     /// Measure the engines of this machine, speed against error, and write a report.
     Report(report::Options),
     /// Show the adapters, check their arithmetic, and say what would be used and why.
@@ -49,6 +52,7 @@ pub fn run() -> anyhow::Result<()> {
         Verb::Render(options) => render::run(&options),
         Verb::Deeper(options) => deeper::run(&options),
         Verb::Trace(options) => trace::run(&options),
+        Verb::Lab(options) => lab::run(&options),
         Verb::Report(options) => report::run(&options),
         Verb::Doctor(options) => doctor::run(&options),
     }

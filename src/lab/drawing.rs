@@ -71,6 +71,14 @@ impl Stage {
         self.painter.circle(self.at(at), radius, colour, Stroke::new(1.0, INK));
     }
 
+    /// A uniform bar whose width follows its mass in kg.
+    pub fn bar(&self, from: [f64; 2], to: [f64; 2], mass: f64, colour: Color32) {
+        let width = (9.0 * mass.sqrt() as f32).clamp(3.0, 26.0);
+        let stroke = Stroke::new(width, colour.gamma_multiply(0.8));
+        self.painter.line_segment([self.at(from), self.at(to)], stroke);
+        self.painter.circle_filled(self.at(from), 3.0, INK);
+    }
+
     /// The pivot.
     pub fn pivot(&self) {
         self.painter.circle_filled(self.pivot, 4.0, INK);
@@ -86,7 +94,8 @@ impl Stage {
     /// The arc of an angle from the downward vertical at a place.
     pub fn arc(&self, at: [f64; 2], angle: f64, radius_m: f64, colour: Color32) {
         let turned = angle.rem_euclid(std::f64::consts::TAU);
-        let angle = if turned > std::f64::consts::PI { turned - std::f64::consts::TAU } else { turned };
+        let angle =
+            if turned > std::f64::consts::PI { turned - std::f64::consts::TAU } else { turned };
         let (center, radius) = (self.at(at), radius_m as f32 * self.points_per_m);
         let point = |k: u32| {
             let along = angle as f32 * k as f32 / 24.0;

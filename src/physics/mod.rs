@@ -9,6 +9,7 @@
 //! * [`integrator`] holds the fixed-step methods, [`embedded`] and [`series`] those that choose
 //!   their steps, [`control`] how;
 //! * [`taylor`] and [`gold`] are the *gold standard* that every engine is judged by;
+//! * [`simple`] is the single pendulum, [`separation`] how fast two pendulums part;
 //! * [`flip`] and [`passage`] find the moment at which a bob passes the top.
 
 pub mod control;
@@ -26,8 +27,10 @@ pub mod phase;
 pub mod polynomial;
 pub mod real;
 pub mod reference;
+pub mod separation;
 pub mod series;
 pub mod sheet;
+pub mod simple;
 pub mod taylor;
 pub mod trig;
 

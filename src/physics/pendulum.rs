@@ -155,9 +155,7 @@ impl<T: Real> Pendulum<T> {
         let s = sin1 * cos2 - cos1 * sin2;
         let c = cos1.mul_add(cos2, sin1 * sin2);
         let (cs, cc) = (self.c * s, self.c * c);
-        let [w1, w2] = speed;
-        let torque1 = -(cs * (w2 * w2)) - self.p * sin1;
-        let torque2 = cs * (w1 * w1) - self.q * sin2;
+        let [torque1, torque2] = self.torques(cs, [sin1, sin2], speed);
         let inverse_det = s.lit(1.0) / cs.mul_add(cs, self.least_det);
         [
             (self.b * torque1 - cc * torque2) * inverse_det,
@@ -166,7 +164,35 @@ impl<T: Real> Pendulum<T> {
     }
 }
 
+/// The matrix equation M α = τ at a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equation<T> {
+    /// M, kg m².
+    pub mass: [[T; 2]; 2],
+    /// τ, N m: centrifugal terms and weight.
+    pub torque: [T; 2],
+}
+
+impl<T: Real> Pendulum<T> {
+    /// The right-hand sides, J, with `cs` = C sin(θ1−θ2).
+    #[inline(always)]
+    fn torques(&self, cs: T, [sin1, sin2]: [T; 2], [w1, w2]: [T; 2]) -> [T; 2] {
+        [-(cs * (w2 * w2)) - self.p * sin1, cs * (w1 * w1) - self.q * sin2]
+    }
+}
+
 impl<T: Angle> Pendulum<T> {
+    /// The matrix equation whose solution is [`Pendulum::acceleration`].
+    pub fn equation(&self, state: &State<T>) -> Equation<T> {
+        let [(sin1, cos1), (sin2, cos2)] = state.angle.map(Angle::sin_cos);
+        let coupling = self.c * (cos1 * cos2 + sin1 * sin2);
+        let cs = self.c * (sin1 * cos2 - cos1 * sin2);
+        Equation {
+            mass: [[self.a, coupling], [coupling, self.b]],
+            torque: self.torques(cs, [sin1, sin2], state.speed),
+        }
+    }
+
     /// The angular accelerations α1, α2 in rad/s².
     #[inline(always)]
     pub fn acceleration(&self, state: &State<T>) -> [T; 2] {

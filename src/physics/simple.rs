@@ -56,10 +56,8 @@ impl Simple {
             angle: swing.angle + by * rate.angle,
             speed: swing.speed + by * rate.speed,
         };
-        let rate = |swing: Swing| Swing {
-            angle: swing.speed,
-            speed: self.acceleration(swing.angle),
-        };
+        let rate =
+            |swing: Swing| Swing { angle: swing.speed, speed: self.acceleration(swing.angle) };
         let first = rate(swing);
         let second = rate(at(half, first));
         let third = rate(at(half, second));
@@ -138,7 +136,8 @@ mod tests {
     #[test]
     fn measured_periods_are_the_known_ones() {
         for amplitude in [0.1, 1.0, 2.0, 3.0] {
-            let (mut swing, mut crossings) = (Swing { angle: amplitude, speed: 0.0 }, Crossings::default());
+            let (mut swing, mut crossings) =
+                (Swing { angle: amplitude, speed: 0.0 }, Crossings::default());
             let step = 1.0 / 2000.0;
             for k in 0..20_000 {
                 crossings.look(&METRE, f64::from(k) * step, swing, step);

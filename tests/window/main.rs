@@ -42,6 +42,7 @@ window_tests! {
     a_lost_device_is_opened_again
     a_window_at_rest_costs_nothing
     going_deeper_finds_structure_by_itself
+    the_laboratory_is_live
     closing_keeps_where_it_was
     without_a_config_nothing_is_kept
     soak
@@ -248,6 +249,30 @@ mod checks {
         );
         assert!(back.width_rad() < 0.1, "the way down is in the history");
         session.quit();
+    }
+
+    pub fn the_laboratory_is_live() {
+        let mut session = Session::open("lab", &[]);
+        let mut before = session.shot("map");
+        for key in ["F2", "F3", "F4", "F6", "F7", "F5"] {
+            session.display.key(key);
+            sleep(Duration::from_millis(700));
+            let shot = session.shot(key);
+            assert!(shot != before, "{key} shows nothing new");
+            before = shot;
+        }
+        // Figure 4: a bob is dragged, then the slider of m1 is pressed near its right end.
+        session.display.drag([300.0, 420.0], [180.0, 300.0]);
+        sleep(Duration::from_millis(300));
+        session.display.drag([700.0, 91.0], [706.0, 91.0]);
+        sleep(Duration::from_millis(700));
+        session.shot("set");
+        let told = session.quit().told.unwrap();
+        assert_eq!(told.text("figure"), "machine");
+        let set = told.numbers("figure_set");
+        assert!(set[0] != 2.0 || set[1] != 2.6, "the bob was not dragged: {set:?}");
+        assert!(set[2..] != [1.0, 1.0, 1.0, 1.0, 9.81], "no slider was moved: {set:?}");
+        assert!(told.number("figure_secs") > 3.0 && told.number("figure_fps") > 10.0);
     }
 
     pub fn a_lost_device_is_opened_again() {

@@ -11,7 +11,6 @@ pub mod motion;
 pub mod pilot;
 pub mod playback;
 pub mod record;
-pub mod separation;
 
 use std::sync::mpsc::{self, Receiver, TryRecvError};
 
@@ -211,7 +210,7 @@ mod tests {
             let flight = complete(question(Rule::Second, 1.0), [start, beside]);
             let readings = &flight.record().readings;
             assert!((readings[0].separation_rad / 1e-9 - 1.0).abs() < 1e-6);
-            separation::Growth::fit(readings).expect("a line").rate_per_sec
+            crate::physics::separation::Growth::fit(readings).expect("a line").rate_per_sec
         };
         let (chaotic, regular) = (growth([2.2, 1.4]), growth([0.1, 0.1]));
         assert!(chaotic > 1.0 && regular.abs() < 0.1, "{chaotic} {regular}");

@@ -4,9 +4,9 @@
 use std::time::{Duration, Instant};
 
 use super::record::{Ending, Flip, Record, Track};
-use super::separation::{Reading, Ruler};
 use crate::engine::Question;
 use crate::physics::flip::settle_at_top;
+use crate::physics::separation::{Reading, Ruler};
 use crate::physics::taylor::{Orbit, Step};
 use crate::physics::{Dd, Pendulum, Rule, Scalar, State, gold};
 

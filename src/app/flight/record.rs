@@ -1,8 +1,8 @@
 //! What is known of a flight: two motions, their flips, and readings along the way.
 
 use super::motion::Motion;
-use super::separation::Reading;
 use crate::physics::Dd;
+use crate::physics::separation::Reading;
 
 /// The moment at which the rule is first met.
 #[derive(Clone, Copy, Debug, PartialEq)]

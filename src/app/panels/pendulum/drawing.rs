@@ -6,9 +6,9 @@ use egui::{
 };
 
 use super::{CANVAS, FAINT, INK};
-use crate::app::flight::separation::natural_secs;
 use crate::app::pins::Pin;
 use crate::physics::State;
+use crate::physics::separation::natural_secs;
 use crate::scene::{Build, Kind};
 
 /// How far back the trail goes, in natural units of time: 3.8 s for the home pendulum.

@@ -2,10 +2,10 @@
 
 use egui::{Grid, RichText, Ui};
 
-use crate::app::flight::separation::reading_at;
 use crate::app::flight::{Agreement, Ending, Flight};
 use crate::app::pins::Pin;
 use crate::engine::Trust;
+use crate::physics::separation::reading_at;
 use crate::physics::{Dd, Outcome, Scalar, Status};
 
 /// Shows them as a table of names and values.

@@ -8,8 +8,8 @@ use egui::{
 
 use super::facts::round_secs;
 use super::{CANVAS, FAINT, INK};
-use crate::app::flight::separation::{Growth, Reading, reading_at};
 use crate::app::pins::Pin;
+use crate::physics::separation::{Growth, Reading, reading_at};
 
 const HEIGHT: f32 = 110.0;
 /// What the numbers beside and below the plot take, points.

@@ -4,7 +4,7 @@
 //! the short way round and T = √(C/Q), the pendulum's natural unit of time (√(l1/g) for points),
 //! so that it does not depend on the units of a clock.
 
-use crate::physics::{Dd, Pendulum, State};
+use super::{Dd, Pendulum, State};
 
 /// What measures the distance of two states.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +52,8 @@ pub const SATURATED_RAD: f64 = 0.1;
 pub struct Growth {
     /// By how many factors of e it grows in a second.
     pub rate_per_sec: f64,
+    /// One standard error of that: neighbouring readings, which err alike, count as few.
+    pub uncertainty_per_sec: f64,
     /// What the fitted line has at time 0, rad.
     pub at_release_rad: f64,
     /// Up to when it was fitted, s.
@@ -77,8 +79,11 @@ impl Growth {
         let along = points().map(|(secs, log)| (secs - mean_secs) * (log - mean_log)).sum::<f64>();
         let spread = points().map(|(secs, _)| (secs - mean_secs).powi(2)).sum::<f64>();
         let rate_per_sec = along / spread;
+        let off: Vec<f64> =
+            points().map(|(t, log)| log - mean_log - rate_per_sec * (t - mean_secs)).collect();
         Some(Growth {
             rate_per_sec,
+            uncertainty_per_sec: (variance(&off) / spread).sqrt(),
             at_release_rad: (mean_log - rate_per_sec * mean_secs).exp(),
             until_secs: readings.last()?.secs,
         })
@@ -88,6 +93,18 @@ impl Growth {
     pub fn separation_rad(&self, secs: f64) -> f64 {
         self.at_release_rad * (self.rate_per_sec * secs).exp()
     }
+}
+
+/// The variance of what is left of a fitted line, times how many readings in a row err alike
+/// (from their first autocorrelation).
+fn variance(off: &[f64]) -> f64 {
+    let squares: f64 = off.iter().map(|x| x * x).sum();
+    if squares == 0.0 {
+        return 0.0;
+    }
+    let pairs: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let alike = (pairs / squares).clamp(0.0, 0.999);
+    squares / (off.len() as f64 - 2.0) * (1.0 + alike) / (1.0 - alike)
 }
 
 /// The latest reading at or before `secs`.

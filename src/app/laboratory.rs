@@ -1,0 +1,103 @@
+//! The laboratory in the window: its figures instead of the map, or the map explained.
+
+use egui::{Align2, Ui, vec2};
+
+use super::action::{Action, Look};
+use super::camera::Camera;
+use super::desk::Desk;
+use super::hover;
+use super::state::Effect;
+use crate::lab::flips::{Seen, explain};
+use crate::lab::{Asked, Figure};
+use crate::physics::{Scalar, Theta};
+use crate::scene::{Build, View};
+
+/// How much of the home view a start from the lab is shown in.
+const PART: f64 = 1.0 / 16.0;
+
+impl Desk {
+    /// Whether a figure stands where the map was.
+    pub(super) fn lab_hides_map(&self) -> bool {
+        self.state.shown.lab && self.lab.figure != Figure::Map
+    }
+
+    /// The name of that figure.
+    pub fn figure_shown(&self) -> Option<&'static str> {
+        self.lab_hides_map().then(|| self.lab.figure.name())
+    }
+
+    /// Shows a figure, or the map again.
+    pub(super) fn show_figure(&mut self, figure: Option<Figure>) {
+        self.state.shown.lab = figure.is_some();
+        self.lab.figure = figure.unwrap_or(self.lab.figure);
+    }
+
+    /// Opens a start in a figure.
+    pub(super) fn open_in_lab(&mut self, figure: Figure, start: [Theta; 2]) {
+        self.state.shown.lab = true;
+        self.lab.open(figure, start.map(|theta| theta.wrapped().to_f64()));
+    }
+
+    /// The tabs of all figures.
+    pub(super) fn figure_tabs(&self, ui: &mut Ui) -> Vec<Action> {
+        let mut actions = Vec::new();
+        ui.horizontal_wrapped(|ui| {
+            for (figure, name, title, _) in Figure::ALL {
+                let shown = self.lab.figure == figure;
+                if ui.selectable_label(shown, name).on_hover_text(title).clicked() {
+                    actions.push(Action::Lab(Some(figure)));
+                }
+            }
+            if ui.button("Leave the lab").clicked() {
+                actions.push(Action::Lab(None));
+            }
+        });
+        actions
+    }
+
+    /// The figure that hides the map; it moves on only while it is seen.
+    pub(super) fn figure(&mut self, ui: &mut Ui) -> Vec<Action> {
+        let elapsed_secs = f64::from(ui.input(|input| input.stable_dt));
+        if let Some(toy) = self.lab.toy() {
+            toy.advance(elapsed_secs);
+        }
+        ui.ctx().request_repaint();
+        let mut actions = self.figure_tabs(ui);
+        ui.separator();
+        if let Some(Asked::ToMap(start)) = self.lab.show(ui) {
+            actions.push(Action::FromLab(start.map(Theta::from_f64)));
+        }
+        actions
+    }
+
+    /// The map explained, beside it.
+    pub(super) fn explanation(&mut self, ctx: &egui::Context) -> Vec<Action> {
+        let counts = self.room.explorer.counts();
+        let seen = Seen {
+            pixels: counts.pixels,
+            forbidden: counts.forbidden,
+            simulated: counts.simulated,
+        };
+        let mut actions = Vec::new();
+        let window = egui::Window::new("What you are seeing").default_width(330.0);
+        window.anchor(Align2::LEFT_TOP, vec2(12.0, 48.0)).resizable(false).show(ctx, |ui| {
+            ui.label(Figure::Map.sentence());
+            if let Some(kind) = explain(ui, &self.state.build, &seen) {
+                let build = Build { kind, ..self.state.build };
+                actions.push(Action::Scene(build, self.state.question));
+            }
+        });
+        actions
+    }
+
+    /// Goes to a start on the map and pins it.
+    pub(super) fn from_lab(&mut self, start: [Theta; 2]) {
+        self.state.shown.lab = false;
+        let home = Camera::from_view(&View::default());
+        let width_rad = home.width_rad * PART;
+        let camera = Camera { center: start.map(Theta::wrapped), width_rad, ..home };
+        self.act(vec![Action::Look(Look::To(camera))]);
+        let level = self.state.aimed_screen().level();
+        self.affect(Effect::Pin(Box::new(hover::sample_at(camera.center, level))));
+    }
+}

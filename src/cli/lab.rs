@@ -1,0 +1,90 @@
+//! `flipmap lab`: a figure of the lesson as a still or as data.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use flipmap::lab::still::{Still, still};
+use flipmap::lab::{Figure, Lab};
+use flipmap::output::{Destination, SafeFile};
+
+use super::exit::Exit;
+use super::options::number;
+
+#[derive(Args, Debug)]
+pub struct Options {
+    /// single, ghost, double, machine, integrators, twenty or map
+    name: String,
+    /// A picture of the figure
+    #[arg(short, long, value_name = "STILL.png")]
+    output: Option<PathBuf>,
+    /// Its data (- for standard output)
+    #[arg(long, value_name = "DATA.csv")]
+    csv: Option<PathBuf>,
+    /// Seconds after its start at which the picture is taken, and until which there are data
+    #[arg(long, value_name = "SECONDS", default_value = "10", allow_hyphen_values = true)]
+    at: String,
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x800")]
+    size: String,
+}
+
+/// Seconds that a figure may be followed.
+const MOST_SECS: f64 = 600.0;
+
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let figure = Figure::named(&options.name).ok_or_else(|| {
+        let names = Figure::names();
+        Exit::Usage(format!("there is no figure called '{}'; there are {names}", options.name))
+    })?;
+    let secs = number(&options.at).filter(|secs| (0.0..=MOST_SECS).contains(secs));
+    let secs = secs.ok_or_else(|| {
+        Exit::Usage(format!("--at is '{}'; it must be between 0 and 600 s", options.at))
+    })?;
+    let size = size(&options.size)?;
+    if figure == Figure::Map {
+        let message = "the figure map is the explorer itself: flipmap explore shows it, flipmap \
+                       render -o map.png draws it, and --raw writes its data";
+        return Err(Exit::Usage(message.to_string()).into());
+    }
+    if options.output.is_none() && options.csv.is_none() {
+        let message = "nothing to write: give -o STILL.png, --csv DATA.csv or both";
+        return Err(Exit::Usage(message.to_string()).into());
+    }
+    let mut lab = Lab::new(figure);
+    if let (Some(path), Some(toy)) = (&options.csv, lab.toy()) {
+        write(path, "--csv", toy.csv(secs).as_bytes())?;
+    }
+    if let Some(path) = &options.output {
+        write(path, "-o", &png(&still(&mut lab, size, secs)?)?)?;
+    }
+    Ok(())
+}
+
+fn size(text: &str) -> Result<[u32; 2], Exit> {
+    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let fits = |size: &[u32; 2]| size.iter().all(|side| (320..=8192).contains(side));
+    sides.filter(fits).ok_or_else(|| {
+        Exit::Usage(format!("--size is '{text}'; it must be WxH, each 320 to 8192 pixels"))
+    })
+}
+
+fn png(still: &Still) -> anyhow::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, still.size[0], still.size[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&still.rgb)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+fn write(path: &Path, option: &str, bytes: &[u8]) -> anyhow::Result<()> {
+    let destination = Destination::from(path);
+    let cannot = || format!("{option}: cannot write {destination}");
+    let mut file = SafeFile::create(&destination).with_context(cannot)?;
+    file.write_all(bytes).with_context(cannot)?;
+    file.finish().with_context(cannot)
+}

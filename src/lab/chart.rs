@@ -1,0 +1,243 @@
+//! Curves against an axis: linear, logarithmic, or logarithmic on both sides of zero.
+
+use std::ops::RangeInclusive;
+
+use egui::{
+    Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2,
+    vec2,
+};
+
+use super::drawing::{CANVAS, FAINT, INK};
+
+/// How values become places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// Equal differences are equal lengths.
+    Linear,
+    /// Equal ratios are.
+    Log,
+    /// Equal ratios on both sides of zero, linear within this distance of it.
+    SignedLog(f64),
+}
+
+/// One direction of a chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What it is, with its unit.
+    pub name: String,
+    /// What is seen.
+    pub range: RangeInclusive<f64>,
+    /// How.
+    pub scale: Scale,
+}
+
+/// One curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// For the legend; none if empty.
+    pub name: String,
+    /// Its colour.
+    pub colour: Color32,
+    /// Across and up, in order.
+    pub points: Vec<[f64; 2]>,
+    /// Whether it is only a guide.
+    pub dashed: bool,
+}
+
+/// A chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// Across.
+    pub across: Axis,
+    /// Up.
+    pub up: Axis,
+    /// The curves.
+    pub curves: Vec<Curve>,
+    /// Places with a dot.
+    pub marks: Vec<[f64; 2]>,
+}
+
+/// What numbers and names beside the chart take, points.
+const MARGIN: Vec2 = vec2(52.0, 32.0);
+/// Points of a curve at most; more could not be told apart.
+const MOST_POINTS: usize = 800;
+
+impl Axis {
+    /// An axis with its name.
+    pub fn new(name: &str, range: RangeInclusive<f64>, scale: Scale) -> Self {
+        Axis { name: name.to_string(), range, scale }
+    }
+
+    fn stretched(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => value,
+            Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
+            Scale::SignedLog(least) => (1.0 + value.abs() / least).log10().copysign(value),
+        }
+    }
+
+    /// Where a value lies, 0 at one end and 1 at the other; what is not in range lies at an end.
+    fn share(&self, value: f64) -> f32 {
+        let [from, to] = [*self.range.start(), *self.range.end()].map(|end| self.stretched(end));
+        ((self.stretched(value) - from) / (to - from)).clamp(0.0, 1.0) as f32
+    }
+
+    /// Values worth a line, with their words.
+    fn ticks(&self) -> Vec<(f64, String)> {
+        let (from, to) = (*self.range.start(), *self.range.end());
+        let decade = |k: i32| 10f64.powi(k);
+        match self.scale {
+            Scale::Linear => {
+                let step = round_step((to - from) / 5.0);
+                let first = (from / step).ceil() as i64;
+                let last = (to / step + 1e-9).floor() as i64;
+                (first..=last).map(|k| (k as f64 * step, plain(k as f64 * step))).collect()
+            }
+            Scale::Log => {
+                let [low, high] = [from, to].map(|end| end.log10());
+                let (low, high) = (low.ceil() as i32, high.floor() as i32);
+                let step = ((high - low).max(1) as usize).div_ceil(6);
+                (low..=high).step_by(step).map(|k| (decade(k), format!("1e{k}"))).collect()
+            }
+            Scale::SignedLog(least) => {
+                let (low, high) = (least.log10().round() as i32, to.log10().floor() as i32);
+                let step = ((high - low).max(1) as usize).div_ceil(3);
+                let up = (low + 1..=high).rev().step_by(step);
+                let both = up
+                    .flat_map(|k| [(decade(k), format!("1e{k}")), (-decade(k), format!("−1e{k}"))]);
+                [(0.0, "0".to_string())].into_iter().chain(both).collect()
+            }
+        }
+    }
+}
+
+/// The next number above `least` of the form 1, 2 or 5 times a power of ten.
+fn round_step(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
+    factor.unwrap_or(10.0) * power
+}
+
+/// A number without zeros that say nothing.
+fn plain(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+impl Chart {
+    /// Shows the chart; `told` is what a screen reader says of it.
+    pub fn show(&self, ui: &mut Ui, size: Vec2, told: &str) {
+        let (response, painter) = ui.allocate_painter(size, Sense::hover());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told));
+        let area = Rect::from_min_max(
+            response.rect.min + vec2(MARGIN.x, 8.0),
+            response.rect.max - vec2(10.0, MARGIN.y),
+        );
+        painter.rect_filled(area, 0.0, CANVAS);
+        self.frame(ui, area);
+        let inside = painter.with_clip_rect(area);
+        for curve in &self.curves {
+            let points = self.places(area, &curve.points);
+            if curve.dashed {
+                let stroke = Stroke::new(1.0, curve.colour);
+                inside.extend(Shape::dashed_line(&points, stroke, 5.0, 4.0));
+            } else {
+                inside.add(Shape::line(points, Stroke::new(1.5, curve.colour)));
+            }
+        }
+        for mark in &self.marks {
+            inside.circle_filled(self.place(area, mark), 4.0, INK);
+        }
+        self.legend(&inside, area);
+    }
+
+    fn place(&self, area: Rect, [x, y]: &[f64; 2]) -> Pos2 {
+        let across = area.left() + self.across.share(*x) * area.width();
+        pos2(across, area.bottom() - self.up.share(*y) * area.height())
+    }
+
+    fn places(&self, area: Rect, points: &[[f64; 2]]) -> Vec<Pos2> {
+        let stride = points.len().div_ceil(MOST_POINTS).max(1);
+        let some = points.iter().step_by(stride).chain(points.last());
+        // Some numbers are no places, and none of them may reach the screen.
+        some.filter(|point| point.iter().all(|x| x.is_finite()))
+            .map(|point| self.place(area, point))
+            .collect()
+    }
+
+    fn frame(&self, ui: &Ui, area: Rect) {
+        let (grid, font) =
+            (Stroke::new(1.0, FAINT.gamma_multiply(0.4)), FontId::proportional(11.0));
+        let (painter, text) = (ui.painter(), ui.visuals().text_color());
+        for (value, words) in self.up.ticks() {
+            let y = area.bottom() - self.up.share(value) * area.height();
+            painter.hline(area.x_range(), y, grid);
+            let at = pos2(area.left() - 4.0, y);
+            painter.text(at, Align2::RIGHT_CENTER, words, font.clone(), text);
+        }
+        for (value, words) in self.across.ticks() {
+            let x = area.left() + self.across.share(value) * area.width();
+            painter.vline(x, area.y_range(), grid);
+            let at = pos2(x, area.bottom() + 2.0);
+            painter.text(at, Align2::CENTER_TOP, words, font.clone(), text);
+        }
+        let below = pos2(area.right(), area.bottom() + 16.0);
+        painter.text(below, Align2::RIGHT_TOP, &self.across.name, font.clone(), text);
+        let above = area.left_top() + vec2(4.0, 2.0);
+        painter.text(above, Align2::LEFT_TOP, &self.up.name, font, INK);
+    }
+
+    fn legend(&self, painter: &egui::Painter, area: Rect) {
+        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
+        for (row, curve) in named.enumerate() {
+            let y = area.top() + 24.0 + 16.0 * row as f32;
+            let line = [pos2(area.left() + 8.0, y), pos2(area.left() + 28.0, y)];
+            painter.line_segment(line, Stroke::new(2.0, curve.colour));
+            let at = pos2(area.left() + 34.0, y);
+            let font = FontId::proportional(12.0);
+            painter.text(at, Align2::LEFT_CENTER, &curve.name, font, INK);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_lie_where_their_scale_says() {
+        let linear = Axis::new("", 0.0..=10.0, Scale::Linear);
+        assert_eq!([0.0, 5.0, 20.0].map(|x| linear.share(x)), [0.0, 0.5, 1.0]);
+        let log = Axis::new("", 1e-8..=1.0, Scale::Log);
+        assert!((log.share(1e-4) - 0.5).abs() < 1e-6 && log.share(0.0) == 0.0);
+        let signed = Axis::new("", -1e2..=1e2, Scale::SignedLog(1e-6));
+        assert_eq!(signed.share(0.0), 0.5);
+        assert!((signed.share(1e-2) + signed.share(-1e-2) - 1.0).abs() < 1e-6);
+        assert!(signed.share(1e-2) > signed.share(1e-4) && signed.share(1e300) == 1.0);
+    }
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        let words =
+            |axis: Axis| axis.ticks().into_iter().map(|(_, words)| words).collect::<Vec<_>>();
+        let linear = words(Axis::new("", 0.0..=3.13, Scale::Linear));
+        assert_eq!(linear, ["0", "1", "2", "3"]);
+        assert_eq!(words(Axis::new("", 1e-3..=1.0, Scale::Log)), ["1e-3", "1e-2", "1e-1", "1e0"]);
+        let signed = Axis::new("", -1e3..=1e3, Scale::SignedLog(1e-12)).ticks();
+        assert!(signed.len() <= 9 && signed.iter().any(|(value, _)| *value < 0.0));
+    }
+
+    #[test]
+    fn what_is_no_number_reaches_no_screen() {
+        let chart = Chart {
+            across: Axis::new("", 0.0..=1.0, Scale::Linear),
+            up: Axis::new("", 0.0..=1.0, Scale::Linear),
+            curves: Vec::new(),
+            marks: Vec::new(),
+        };
+        let area = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 100.0));
+        let points = [[0.0, 0.5], [0.5, f64::NAN], [f64::INFINITY, 0.0], [1.0, 2.0]];
+        let places = chart.places(area, &points);
+        assert!(places.len() == 3 && places.iter().all(|at| area.contains(*at)), "{places:?}");
+    }
+}

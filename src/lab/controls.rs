@@ -1,0 +1,110 @@
+//! Sliders that never leave their range, and say so.
+
+use std::ops::RangeInclusive;
+
+use egui::{Color32, Grid, Slider, SliderClamping, Ui};
+
+use crate::scene::{Build, Kind};
+
+/// A named number with a slider in a row of a grid; whether it was changed. What is typed outside
+/// the range is brought back to it, and the range is shown.
+pub fn number(
+    ui: &mut Ui,
+    name: &str,
+    unit: &str,
+    value: &mut f64,
+    range: RangeInclusive<f64>,
+) -> bool {
+    let wide = *range.start() > 0.0 && range.end() / range.start() > 100.0;
+    number_on(ui, name, unit, value, range, wide)
+}
+
+/// The same on a scale that is logarithmic or not.
+pub fn number_on(
+    ui: &mut Ui,
+    name: &str,
+    unit: &str,
+    value: &mut f64,
+    range: RangeInclusive<f64>,
+    logarithmic: bool,
+) -> bool {
+    let label = ui.label(name);
+    let before = *value;
+    let slider = Slider::new(value, range.clone())
+        .suffix(unit)
+        .logarithmic(logarithmic)
+        .clamping(SliderClamping::Always)
+        .custom_formatter(|value, _| brief(value));
+    let hint = format!("{} to {}{unit}", brief(*range.start()), brief(*range.end()));
+    let response = ui.add(slider).labelled_by(label.id).on_hover_text(&hint);
+    if !value.is_finite() {
+        *value = before;
+    }
+    let at_end = *value <= *range.start() || *value >= *range.end();
+    if at_end && (response.has_focus() || response.dragged()) {
+        ui.colored_label(ui.visuals().warn_fg_color, hint);
+    }
+    ui.end_row();
+    response.changed() && *value != before
+}
+
+/// Four digits that count.
+pub fn brief(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-3..5).contains(&exponent) {
+        return format!("{value:.2e}");
+    }
+    let text = format!("{value:.*}", (3 - exponent).clamp(0, 6) as usize);
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    } else {
+        text
+    }
+}
+
+/// A named value in a row of a grid.
+pub fn row(ui: &mut Ui, name: &str, value: impl Into<String>) {
+    ui.label(name);
+    ui.monospace(value.into());
+    ui.end_row();
+}
+
+/// A named value in a colour.
+pub fn coloured_row(ui: &mut Ui, name: &str, colour: Color32, value: impl Into<String>) {
+    ui.colored_label(colour, name);
+    ui.monospace(value.into());
+    ui.end_row();
+}
+
+/// The masses, lengths, gravity and kind of a double pendulum; whether any was changed.
+pub fn build(ui: &mut Ui, build: &mut Build) -> bool {
+    let before = *build;
+    ui.horizontal(|ui| {
+        ui.radio_value(&mut build.kind, Kind::Points, "points");
+        ui.radio_value(&mut build.kind, Kind::Rods, "rods");
+    });
+    Grid::new("build").num_columns(2).show(ui, |ui| {
+        number(ui, "Mass m1", " kg", &mut build.masses[0], 0.1..=8.0);
+        number(ui, "Mass m2", " kg", &mut build.masses[1], 0.1..=8.0);
+        number(ui, "Length l1", " m", &mut build.lengths[0], 0.1..=3.0);
+        number(ui, "Length l2", " m", &mut build.lengths[1], 0.1..=3.0);
+        number(ui, "Gravity g", " m/s²", &mut build.gravity, 0.1..=30.0);
+    });
+    *build != before
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_brief() {
+        let cases = [(0.0, "0"), (9.81, "9.81"), (1e-7, "1.00e-7"), (0.05, "0.05"), (30.0, "30")];
+        for (value, text) in cases {
+            assert_eq!(brief(value), text);
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Figure 2: a real pendulum against the ghost of the small-angle formula.
+
+use egui::{Grid, Ui, vec2};
+
+use super::chart::{Axis, Chart, Curve, Scale};
+use super::controls::{coloured_row, row};
+use super::drawing::{COLOURS, FAINT, INK, Stage, end};
+use super::swinging::Swinging;
+use super::{Asked, Toy};
+use crate::physics::simple::MOST_AMPLITUDE;
+
+/// A swing and its ghost.
+#[derive(Clone, Debug)]
+pub struct Ghost(Swinging);
+
+impl Default for Ghost {
+    fn default() -> Self {
+        Ghost(Swinging::from(2.0))
+    }
+}
+
+impl Ghost {
+    /// The period against the amplitude, in units of the small-angle period.
+    fn chart(&self) -> Chart {
+        let simple = self.0.simple;
+        let ratio = |amplitude: f64| simple.period_secs(amplitude) / simple.small_period_secs();
+        let at = |k: u32| f64::from(k) / 200.0 * MOST_AMPLITUDE;
+        let known = (0..=200).map(|k| [at(k), ratio(at(k))]).collect();
+        let curve = |name: &str, colour, points, dashed| Curve {
+            name: name.to_string(),
+            colour,
+            points,
+            dashed,
+        };
+        let amplitude = self.0.amplitude.abs();
+        Chart {
+            across: Axis::new("amplitude, rad", 0.0..=3.2, Scale::Linear),
+            up: Axis::new("period / 2π√(r/g)", 0.8..=3.0, Scale::Linear),
+            curves: vec![
+                curve("exact", COLOURS[1], known, false),
+                curve("small angles", FAINT, vec![[0.0, 1.0], [3.2, 1.0]], true),
+            ],
+            marks: vec![[amplitude, ratio(amplitude)]],
+        }
+    }
+}
+
+impl Toy for Ghost {
+    fn advance(&mut self, elapsed_secs: f64) {
+        self.0.advance(elapsed_secs);
+    }
+
+    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
+        let length = self.0.simple.length;
+        let secs = self.0.secs();
+        let ghost = if self.0.held {
+            self.0.amplitude
+        } else {
+            self.0.simple.ghost(self.0.amplitude, secs)
+        };
+        let told =
+            format!("After {secs:.2} s: θ is {:.3} rad, the ghost's {ghost:.3}", self.0.angle());
+        let upper = vec2(size.x, 0.62 * size.y);
+        let (stage, response) = Stage::new(ui, upper, 1.15 * length, told);
+        let shadow = end([0.0; 2], length, ghost);
+        stage.dashed([0.0; 2], shadow, FAINT);
+        stage.bob(shadow, 0.5 * self.0.mass, FAINT);
+        stage.rod([0.0; 2], self.0.bob(), INK);
+        stage.pivot();
+        stage.bob(self.0.bob(), self.0.mass, COLOURS[1]);
+        stage.note("grey: as if sin θ were θ. Drag the bob past 90° and let go.");
+        self.0.drag(&stage, &response);
+        let told = "Period against amplitude, with the current one marked";
+        self.chart().show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
+    }
+
+    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+        self.0.controls(ui);
+        ui.separator();
+        let simple = self.0.simple;
+        Grid::new("ghost now").num_columns(2).show(ui, |ui| {
+            row(ui, "time", format!("{:7.2} s", self.0.secs()));
+            let measured = self.0.crossings.period_secs();
+            let measured = measured.map_or("after two swings".to_string(), |t| format!("{t:.9} s"));
+            coloured_row(ui, "measured period", COLOURS[0], measured);
+            let exact = simple.period_secs(self.0.amplitude);
+            coloured_row(ui, "exact, by the AGM", COLOURS[1], format!("{exact:.9} s"));
+            row(ui, "2π√(r/g)", format!("{:.9} s", simple.small_period_secs()));
+        });
+        None
+    }
+
+    fn set(&self) -> Vec<f64> {
+        vec![self.0.amplitude, self.0.simple.length, self.0.mass, self.0.simple.gravity]
+    }
+
+    fn csv(&self, _: f64) -> String {
+        let mut text = "amplitude,period,small_angle_period\n".to_string();
+        for k in 1..=313 {
+            let (amplitude, simple) = (f64::from(k) / 100.0, self.0.simple);
+            let (exact, small) = (simple.period_secs(amplitude), simple.small_period_secs());
+            text.push_str(&format!("{amplitude},{exact},{small}\n"));
+        }
+        text
+    }
+}

@@ -1,0 +1,336 @@
+//! Figure 5: three integrators from one start at one Δt, and what each makes of the energy.
+
+use egui::{Color32, Grid, Ui, vec2};
+
+use super::chart::{Axis, Chart, Curve, Scale};
+use super::clock::Clock;
+use super::controls::{coloured_row, number_on};
+use super::drawing::{COLOURS, INK, Stage, ends};
+use super::{Asked, Toy};
+use crate::physics::integrator::{euler, rk4, semi_implicit_euler};
+use crate::physics::trig::Turning;
+use crate::physics::{Pendulum, State};
+use crate::scene::Build;
+
+/// One of the three.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integrator {
+    /// Order 1; gains energy.
+    Euler,
+    /// Order 1; its energy error stays bounded for long.
+    SemiImplicit,
+    /// Order 4.
+    Rk4,
+}
+
+impl Integrator {
+    /// All, with their names and colours.
+    pub const ALL: [(Integrator, &'static str, Color32); 3] = [
+        (Integrator::Euler, "explicit Euler", COLOURS[0]),
+        (Integrator::SemiImplicit, "semi-implicit Euler", COLOURS[1]),
+        (Integrator::Rk4, "RK4", COLOURS[2]),
+    ];
+
+    /// The state after a step.
+    pub fn step(self, pendulum: &Pendulum<f64>, state: &State<f64>, secs: f64) -> State<f64> {
+        state.plus(&match self {
+            Integrator::Euler => euler(pendulum, state, secs),
+            Integrator::SemiImplicit => semi_implicit_euler(pendulum, state, secs),
+            Integrator::Rk4 => rk4(pendulum, state, secs, Turning::Fresh),
+        })
+    }
+
+    /// The state after `secs` in steps of about `step_secs`.
+    fn run(
+        self,
+        pendulum: &Pendulum<f64>,
+        start: [f64; 2],
+        secs: f64,
+        step_secs: f64,
+    ) -> State<f64> {
+        let steps = (secs / step_secs).round().max(1.0);
+        let mut state = State::rest(start);
+        for _ in 0..steps as usize {
+            state = self.step(pendulum, &state, secs / steps);
+        }
+        state
+    }
+}
+
+/// How errors fall with the step: the steps and each method's error, and the slope of each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// Steps, s.
+    pub steps_secs: Vec<f64>,
+    /// Distance of the end states from those of far smaller steps, method by method.
+    pub errors: [Vec<f64>; 3],
+}
+
+/// Seconds after which a sweep compares.
+const SWEEP_SECS: f64 = 1.0;
+/// Speeds beyond this are no pendulum's, rad/s.
+const DIVERGED_SPEED: f64 = 1e6;
+
+impl Sweep {
+    /// Of a pendulum let go at `start`.
+    pub fn of(pendulum: &Pendulum<f64>, start: [f64; 2]) -> Self {
+        let truth = Integrator::Rk4.run(pendulum, start, SWEEP_SECS, 1.0 / 65536.0);
+        let steps_secs: Vec<f64> = (6..=11).map(|k| 0.5f64.powi(k)).collect();
+        let errors = Integrator::ALL.map(|(method, ..)| {
+            let error = |&step: &f64| {
+                let state = method.run(pendulum, start, SWEEP_SECS, step);
+                let apart = |i: usize| state.angle[i] - truth.angle[i];
+                apart(0).hypot(apart(1))
+            };
+            steps_secs.iter().map(error).collect()
+        });
+        Sweep { steps_secs, errors }
+    }
+
+    /// The order of a method: the slope of the logarithm of its error.
+    pub fn order(&self, method: usize) -> f64 {
+        let (errors, steps) = (&self.errors[method], &self.steps_secs);
+        let last = steps.len() - 1;
+        (errors[0] / errors[last]).ln() / (steps[0] / steps[last]).ln()
+    }
+
+    fn chart(&self) -> Chart {
+        let curves = Integrator::ALL.iter().zip(&self.errors).map(|((_, _, colour), errors)| {
+            let points = self.steps_secs.iter().zip(errors).map(|(&x, &y)| [x, y]).collect();
+            Curve { name: String::new(), colour: *colour, points, dashed: false }
+        });
+        Chart {
+            across: Axis::new("Δt, s", 3e-4..=2e-2, Scale::Log),
+            up: Axis::new("error after 1 s, rad", 1e-14..=1.0, Scale::Log),
+            curves: curves.collect(),
+            marks: Vec::new(),
+        }
+    }
+}
+
+/// One method's run.
+#[derive(Clone, Debug)]
+struct Run {
+    state: State<f64>,
+    /// Time and relative energy error.
+    errors: Vec<[f64; 2]>,
+    diverged_at: Option<f64>,
+}
+
+/// The three.
+#[derive(Clone, Debug)]
+pub struct Integrators {
+    start: [f64; 2],
+    step_secs: f64,
+    clock: Clock,
+    runs: [Run; 3],
+    sweep: Sweep,
+}
+
+/// The chart begins anew after so long, s.
+const LONGEST_SECS: f64 = 120.0;
+
+impl Default for Integrators {
+    fn default() -> Self {
+        Integrators::new([1.2, 0.9], 1.0 / 100.0)
+    }
+}
+
+impl Integrators {
+    /// From a start at one step.
+    pub fn new(start: [f64; 2], step_secs: f64) -> Self {
+        let run = Run { state: State::rest(start), errors: vec![[0.0; 2]], diverged_at: None };
+        Integrators {
+            start,
+            step_secs,
+            clock: Clock::new(step_secs),
+            runs: [run.clone(), run.clone(), run],
+            sweep: Sweep::of(&pendulum(), start),
+        }
+    }
+
+    /// From a start that was found elsewhere.
+    pub fn open(&mut self, start: [f64; 2]) {
+        *self = Integrators::new(start, self.step_secs);
+    }
+
+    fn step(&mut self, secs: f64) {
+        let pendulum = pendulum();
+        let unit = pendulum.p + pendulum.q;
+        let energy = pendulum.energy(&State::rest(self.start));
+        for (run, (method, ..)) in self.runs.iter_mut().zip(Integrator::ALL) {
+            if run.diverged_at.is_some() {
+                continue;
+            }
+            let state = method.step(&pendulum, &run.state, self.step_secs);
+            let error = (pendulum.energy(&state) - energy) / unit;
+            let speed = state.speed[0].abs().max(state.speed[1].abs());
+            if speed.is_nan() || speed > DIVERGED_SPEED || !error.is_finite() {
+                run.diverged_at = Some(secs);
+            } else {
+                run.state = state;
+                run.errors.push([secs, error]);
+            }
+        }
+    }
+
+    fn chart(&self) -> Chart {
+        let curves = self.runs.iter().zip(Integrator::ALL).map(|(run, (_, name, colour))| Curve {
+            name: name.to_string(),
+            colour,
+            points: run.errors.clone(),
+            dashed: false,
+        });
+        let end = self.clock.secs().max(10.0);
+        Chart {
+            across: Axis::new("time, s", 0.0..=end, Scale::Linear),
+            up: Axis::new("relative energy error", -1e2..=1e2, Scale::SignedLog(1e-9)),
+            curves: curves.collect(),
+            marks: Vec::new(),
+        }
+    }
+}
+
+fn pendulum() -> Pendulum<f64> {
+    Build::default().pendulum()
+}
+
+impl Toy for Integrators {
+    fn advance(&mut self, elapsed_secs: f64) {
+        if self.clock.secs() > LONGEST_SECS {
+            *self = Integrators::new(self.start, self.step_secs);
+        }
+        let from = self.clock.taken;
+        for k in 1..=self.clock.due(elapsed_secs) as u64 {
+            self.step((from + k) as f64 * self.step_secs);
+        }
+    }
+
+    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
+        let upper = vec2(size.x, 0.42 * size.y);
+        let third = vec2((size.x - 16.0) / 3.0, upper.y);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 8.0;
+            for (run, (_, name, colour)) in self.runs.iter().zip(Integrator::ALL) {
+                let (stage, _) = Stage::new(ui, third, 2.2, format!("The pendulum of {name}"));
+                let [first, second] = ends([1.0, 1.0], run.state.angle);
+                stage.rod([0.0; 2], first, INK);
+                stage.rod(first, second, INK);
+                stage.pivot();
+                stage.bob(first, 1.0, colour);
+                stage.bob(second, 1.0, colour);
+                stage.note(
+                    &run.diverged_at.map_or(name.to_string(), |at| {
+                        format!("{name}: diverged at t = {at:.2} s")
+                    }),
+                );
+            }
+        });
+        let rest = size.y - upper.y - 12.0;
+        let told = "Relative energy error against time of the three integrators";
+        self.chart().show(ui, vec2(size.x, 0.6 * rest), told);
+        let told = "State error after one second against the step";
+        self.sweep.chart().show(ui, vec2(size.x, 0.4 * rest), told);
+    }
+
+    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+        let (mut step_ms, mut start) = (self.step_secs * 1e3, self.start);
+        let mut changed = false;
+        Grid::new("integrators").num_columns(2).show(ui, |ui| {
+            changed |= number_on(ui, "Step Δt", " ms", &mut step_ms, 1.0..=200.0, true);
+            changed |= number_on(ui, "θ1", " rad", &mut start[0], -3.1..=3.1, false);
+            changed |= number_on(ui, "θ2", " rad", &mut start[1], -3.1..=3.1, false);
+        });
+        if changed || ui.button("Restart").clicked() {
+            *self = Integrators::new(start, step_ms / 1e3);
+        }
+        ui.separator();
+        Grid::new("integrators now").num_columns(2).show(ui, |ui| {
+            for (k, (run, (_, name, colour))) in self.runs.iter().zip(Integrator::ALL).enumerate() {
+                let error = run.errors.last().map_or(0.0, |last| last[1]);
+                let now = run
+                    .diverged_at
+                    .map_or(format!("{error:+.1e}"), |at| format!("diverged at t = {at:.2} s"));
+                coloured_row(ui, name, colour, format!("{now}, order {:.2}", self.sweep.order(k)));
+            }
+        });
+        if self.runs.iter().any(|run| run.diverged_at.is_some()) {
+            ui.label("Restart with a smaller Δt: energy grew without bound.");
+        }
+        ui.button("Show this start on the map").clicked().then_some(Asked::ToMap(self.start))
+    }
+
+    fn set(&self) -> Vec<f64> {
+        vec![self.start[0], self.start[1], self.step_secs]
+    }
+
+    fn csv(&self, secs: f64) -> String {
+        let mut toy = Integrators::new(self.start, self.step_secs);
+        let mut text = "t,euler,semi_implicit_euler,rk4\n0,0,0,0\n".to_string();
+        for k in 1..=(secs / self.step_secs) as u64 {
+            let t = k as f64 * self.step_secs;
+            toy.step(t);
+            let error = |run: &Run| match run.diverged_at {
+                Some(_) => "diverged".to_string(),
+                None => run.errors.last().map_or(0.0, |last| last[1]).to_string(),
+            };
+            let [a, b, c] = [0, 1, 2].map(|k| error(&toy.runs[k]));
+            text.push_str(&format!("{t},{a},{b},{c}\n"));
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_fall_with_the_order_of_the_method() {
+        let sweep = Integrators::default().sweep;
+        for (method, order) in [(0, 1.0), (1, 1.0), (2, 4.0)] {
+            assert!(
+                (sweep.order(method) - order).abs() < 0.15,
+                "{method}: {}",
+                sweep.order(method)
+            );
+        }
+    }
+
+    #[test]
+    fn explicit_euler_grows_as_it_is_known_to() {
+        // A small oscillation in a normal mode: every step multiplies its energy by 1 + h²ω².
+        let pendulum = pendulum();
+        let omega2 = 9.81 * (2.0 - 2f64.sqrt());
+        let start = [1e-4, 2f64.sqrt() * 1e-4];
+        let lowest = -(pendulum.p + pendulum.q);
+        // The quadratic part: rounding of the whole energy would hide it.
+        let energy = |s: &State<f64>| {
+            let [t1, t2] = s.angle;
+            let [w1, w2] = s.speed;
+            0.5 * (pendulum.a * w1 * w1 + pendulum.b * w2 * w2 + pendulum.p * t1 * t1)
+                + pendulum.c * w1 * w2
+                + 0.5 * pendulum.q * t2 * t2
+        };
+        assert!(lowest < 0.0);
+        let (mut state, h) = (State::rest(start), 0.01);
+        let before = energy(&state);
+        for _ in 0..100 {
+            state = Integrator::Euler.step(&pendulum, &state, h);
+        }
+        let growth = (energy(&state) / before).powf(0.01);
+        assert!((growth - (1.0 + h * h * omega2)).abs() < 1e-7, "{growth}");
+    }
+
+    #[test]
+    fn a_step_that_is_far_too_long_diverges_and_no_other_number_is_lost() {
+        let mut toy = Integrators::new([2.9, 2.9], 0.2);
+        (0..2000).for_each(|_| toy.advance(0.2));
+        assert!(toy.runs[0].errors.iter().flatten().all(|x| x.is_finite()));
+        let mut late = Integrators::new([2.9, 2.9], 0.2);
+        (1..=3000).for_each(|k| late.step(f64::from(k) * 0.2));
+        assert!(late.runs[0].diverged_at.is_some());
+        assert!(late.runs[0].state.angle.iter().all(|x| x.is_finite()));
+        assert!(late.csv(600.0).contains("diverged"));
+    }
+}

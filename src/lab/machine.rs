@@ -1,0 +1,122 @@
+//! Figure 4: the whole machine, its matrix equation live.
+
+use egui::{Grid, ProgressBar, Ui};
+
+use super::controls::{build, row};
+use super::drawing::Stage;
+use super::swinger::{Swinger, wrapped};
+use super::{Asked, Toy};
+
+/// The machine.
+#[derive(Clone, Debug)]
+pub struct Machine(Swinger);
+
+impl Default for Machine {
+    fn default() -> Self {
+        Machine(Swinger::from([2.0, 2.6]))
+    }
+}
+
+impl Machine {
+    /// Let go from a start that was found elsewhere.
+    pub fn open(&mut self, start: [f64; 2]) {
+        self.0.release(start);
+    }
+}
+
+impl Toy for Machine {
+    fn advance(&mut self, elapsed_secs: f64) {
+        self.0.advance(elapsed_secs);
+    }
+
+    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
+        let [theta1, theta2] = self.0.now().angle.map(wrapped);
+        let told = format!("θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad");
+        let reach = 1.1 * (self.0.build.lengths[0] + self.0.build.lengths[1]);
+        let (stage, response) = Stage::new(ui, size, reach, told);
+        self.0.draw(&stage);
+        stage.note("Drag either bob to aim it again; let go and it falls from rest.");
+        self.0.drag(&stage, &response);
+    }
+
+    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+        if build(ui, &mut self.0.build) {
+            self.0.release(self.0.start);
+        }
+        ui.separator();
+        equation(ui, &self.0);
+        ui.separator();
+        energy(ui, &self.0);
+        if ui.button("Let go again").clicked() {
+            self.0.release(self.0.start);
+        }
+        ui.button("Show this start on the map").clicked().then_some(Asked::ToMap(self.0.start))
+    }
+
+    fn set(&self) -> Vec<f64> {
+        self.0.set()
+    }
+
+    fn csv(&self, secs: f64) -> String {
+        motion(&self.0, secs)
+    }
+}
+
+/// M α = τ with its numbers now.
+fn equation(ui: &mut Ui, swinger: &Swinger) {
+    let (pendulum, state) = (swinger.pendulum(), swinger.state);
+    let equation = pendulum.equation(&state);
+    let alpha = pendulum.acceleration(&state);
+    ui.label("mass matrix M · accelerations α = torques τ");
+    Grid::new("equation").num_columns(5).show(ui, |ui| {
+        for i in 0..2 {
+            for j in 0..2 {
+                ui.monospace(format!("{:8.3}", equation.mass[i][j]));
+            }
+            ui.monospace(format!("· {:9.3}", alpha[i]));
+            ui.monospace(format!("= {:9.3}", equation.torque[i]));
+            ui.end_row();
+        }
+    });
+    let [[a, c], [_, b]] = equation.mass;
+    Grid::new("determinant").num_columns(2).show(ui, |ui| {
+        let least = pendulum.least_det;
+        row(ui, "det M", format!("{:.4} kg² m⁴", a * b - c * c));
+        row(ui, "never below", format!("{least:.4}: it can always be solved"));
+        row(ui, "time", format!("{:.3} s", swinger.secs()));
+    });
+}
+
+/// Kinetic and potential energy as shares of what there is above hanging at rest.
+fn energy(ui: &mut Ui, swinger: &Swinger) {
+    let pendulum = swinger.pendulum();
+    let (state, start) = (swinger.state, crate::physics::State::rest(swinger.start));
+    let lowest = -(pendulum.p + pendulum.q);
+    let all = (pendulum.energy(&start) - lowest).max(1e-12);
+    let potential = pendulum.energy(&crate::physics::State::rest(state.angle)) - lowest;
+    let kinetic = pendulum.energy(&state) - lowest - potential;
+    for (name, part) in [("kinetic", kinetic), ("potential", potential)] {
+        let text = format!("{name} {part:.2} J");
+        ui.add(ProgressBar::new((part / all) as f32).text(text));
+    }
+    let error = (pendulum.energy(&state) - pendulum.energy(&start)) / all;
+    ui.label(format!("relative energy error {error:.1e}"));
+}
+
+/// The motion from the start as CSV, a hundred lines a second.
+pub fn motion(swinger: &Swinger, secs: f64) -> String {
+    let mut toy = Swinger { held: None, ..swinger.clone() };
+    toy.release(swinger.start);
+    let pendulum = toy.pendulum();
+    let energy = pendulum.energy(&toy.state);
+    let mut text = "t,theta1,theta2,omega1,omega2,energy_error\n".to_string();
+    for k in 0..=(secs * 100.0) as u32 {
+        let (angle, speed) = (toy.state.angle, toy.state.speed);
+        let error = (pendulum.energy(&toy.state) - energy) / (pendulum.p + pendulum.q);
+        let t = f64::from(k) / 100.0;
+        let line = format!("{t},{},{},{},{},{error}\n", angle[0], angle[1], speed[0], speed[1]);
+        text.push_str(&line);
+        toy.advance(0.01);
+    }
+    text
+}

@@ -1,0 +1,264 @@
+//! The laboratory: the seven figures of the lesson that this program grew from, live.
+//!
+//! Each figure is a [`Toy`]: a state that moves on in fixed steps whatever the frames, a drawing,
+//! controls, and its data as CSV. A window shows one at a time; [`still`] draws one without a
+//! window. The physics is the core's: no equation is written here. The seventh figure is the map
+//! itself; [`flips`] explains what is seen on it.
+
+pub mod chart;
+pub mod clock;
+mod controls;
+mod double;
+pub mod drawing;
+pub mod flips;
+mod ghost;
+pub mod integrators;
+mod machine;
+mod single;
+pub mod still;
+mod swinger;
+mod swinging;
+pub mod twenty;
+
+use egui::{ScrollArea, Ui, vec2};
+
+/// A figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// The single pendulum.
+    Single,
+    /// A real pendulum against its small-angle ghost.
+    Ghost,
+    /// The double pendulum.
+    Double,
+    /// The whole machine.
+    Machine,
+    /// Three integrators.
+    Integrators,
+    /// Twenty pendulums.
+    Twenty,
+    /// The flip-time map.
+    Map,
+}
+
+impl Figure {
+    /// All, in the lesson's order: each with its name, its title, and what to try.
+    pub const ALL: [(Figure, &'static str, &'static str, &'static str); 7] = [
+        (
+            Figure::Single,
+            "single",
+            "The single pendulum",
+            "One angle says everything. Drag the bob, and see which of the parts matter to how it \
+             moves: the mass does not.",
+        ),
+        (
+            Figure::Ghost,
+            "ghost",
+            "A real pendulum and its small-angle ghost",
+            "Drag the bob past 90° and let go. The grey ghost swings as if sin θ were θ, always in \
+             2π√(r/g), and falls out of step.",
+        ),
+        (
+            Figure::Double,
+            "double",
+            "The double pendulum",
+            "Hang a second pendulum on the first one's bob. Two angles, both from the vertical; \
+             drag either bob.",
+        ),
+        (
+            Figure::Machine,
+            "machine",
+            "The whole machine",
+            "At every moment a matrix equation gives the accelerations. Drag a bob, change a mass, \
+             and watch the numbers.",
+        ),
+        (
+            Figure::Integrators,
+            "integrators",
+            "Three integrators",
+            "One start, one Δt, three ways to step. Make Δt larger until explicit Euler runs away; \
+             RK4 hugs zero longest.",
+        ),
+        (
+            Figure::Twenty,
+            "twenty",
+            "Twenty pendulums a hair apart",
+            "They look like one, until they fan out: the separation climbs along a straight line \
+             on a logarithmic scale. Make the nudge a thousand times smaller and see what it buys.",
+        ),
+        (
+            Figure::Map,
+            "map",
+            "The flip-time map",
+            "Every start at once. Zoom into the filigree; click a pixel to fly its pendulum.",
+        ),
+    ];
+
+    /// The one with this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, known, ..)| *known == name).map(|(figure, ..)| *figure)
+    }
+
+    /// All names, with commas between them.
+    pub fn names() -> String {
+        Self::ALL.map(|(_, name, ..)| name).join(", ")
+    }
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].1
+    }
+
+    /// Its title.
+    pub fn title(self) -> &'static str {
+        Self::ALL[self as usize].2
+    }
+
+    /// What to try.
+    pub fn sentence(self) -> &'static str {
+        Self::ALL[self as usize].3
+    }
+}
+
+/// What a figure asks of the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// Show this start (θ1, θ2 in rad) on the map.
+    ToMap([f64; 2]),
+}
+
+/// A live figure.
+pub trait Toy {
+    /// Moves on by so many seconds.
+    fn advance(&mut self, elapsed_secs: f64);
+    /// Draws it on so many points.
+    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2);
+    /// Its sliders and numbers.
+    fn controls(&mut self, ui: &mut Ui) -> Option<Asked>;
+    /// What a person has set in it: the start first, rad.
+    fn set(&self) -> Vec<f64>;
+    /// Its data over so many seconds from its start, with a line of names.
+    fn csv(&self, secs: f64) -> String;
+}
+
+/// All figures but the map, and which one is shown.
+#[derive(Clone, Debug)]
+pub struct Lab {
+    /// The one that is shown.
+    pub figure: Figure,
+    single: single::Single,
+    ghost: ghost::Ghost,
+    double: double::Double,
+    machine: machine::Machine,
+    integrators: integrators::Integrators,
+    twenty: twenty::Twenty,
+}
+
+/// What the controls take, points.
+const CONTROLS_WIDTH: f32 = 330.0;
+
+impl Lab {
+    /// Every figure at its beginning.
+    pub fn new(figure: Figure) -> Self {
+        Lab {
+            figure,
+            single: Default::default(),
+            ghost: Default::default(),
+            double: Default::default(),
+            machine: Default::default(),
+            integrators: Default::default(),
+            twenty: Default::default(),
+        }
+    }
+
+    /// The figure that is shown; none where that is the map.
+    pub fn toy(&mut self) -> Option<&mut dyn Toy> {
+        Some(match self.figure {
+            Figure::Single => &mut self.single,
+            Figure::Ghost => &mut self.ghost,
+            Figure::Double => &mut self.double,
+            Figure::Machine => &mut self.machine,
+            Figure::Integrators => &mut self.integrators,
+            Figure::Twenty => &mut self.twenty,
+            Figure::Map => return None,
+        })
+    }
+
+    /// What a person has set in the figure that is shown.
+    pub fn set(&self) -> Vec<f64> {
+        match self.figure {
+            Figure::Single => self.single.set(),
+            Figure::Ghost => self.ghost.set(),
+            Figure::Double => self.double.set(),
+            Figure::Machine => self.machine.set(),
+            Figure::Integrators => self.integrators.set(),
+            Figure::Twenty => self.twenty.set(),
+            Figure::Map => Vec::new(),
+        }
+    }
+
+    /// Opens a start (θ1, θ2 in rad) in the figures that take one.
+    pub fn open(&mut self, figure: Figure, start: [f64; 2]) {
+        self.figure = figure;
+        match figure {
+            Figure::Integrators => self.integrators.open(start),
+            Figure::Twenty => self.twenty.open(start),
+            _ => self.machine.open(start),
+        }
+    }
+
+    /// Shows the figure, with its sentence above and its controls beside it.
+    pub fn show(&mut self, ui: &mut Ui) -> Option<Asked> {
+        ui.heading(self.figure.title());
+        ui.label(self.figure.sentence());
+        let toy = self.toy()?;
+        let size = ui.available_size();
+        let stage = vec2((size.x - CONTROLS_WIDTH - 16.0).max(200.0), (size.y - 8.0).max(200.0));
+        let mut asked = None;
+        ui.horizontal_top(|ui| {
+            ui.vertical(|ui| {
+                ui.set_width(stage.x);
+                toy.draw(ui, stage);
+            });
+            ui.vertical(|ui| {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    asked = toy.controls(ui);
+                });
+            });
+        });
+        asked
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_found_by_name_and_stand_in_order() {
+        for (place, (figure, name, ..)) in Figure::ALL.into_iter().enumerate() {
+            assert_eq!(figure as usize, place);
+            assert_eq!(Figure::named(name), Some(figure));
+        }
+        assert_eq!(Figure::named("triple"), None);
+        assert!(Figure::names().starts_with("single, ghost"));
+    }
+
+    #[test]
+    fn every_toy_has_data_that_are_numbers() {
+        for (figure, ..) in Figure::ALL {
+            let mut lab = Lab::new(figure);
+            let Some(toy) = lab.toy() else { continue };
+            let csv = toy.csv(2.0);
+            let mut lines = csv.lines();
+            let columns = lines.next().unwrap().split(',').count();
+            let mut count = 0;
+            for line in lines {
+                let values: Vec<f64> = line.split(',').map(|x| x.parse().unwrap()).collect();
+                assert!(values.len() == columns && values.iter().all(|x| x.is_finite()), "{line}");
+                count += 1;
+            }
+            assert!(count > 20, "{figure:?} has {count} lines");
+        }
+    }
+}

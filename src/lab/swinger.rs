@@ -1,0 +1,154 @@
+//! A double pendulum in fixed steps: what figures three and four share.
+
+use egui::Response;
+
+use super::clock::Clock;
+use super::drawing::{COLOURS, INK, Stage, angle_of, ends};
+use crate::physics::integrator::rk4;
+use crate::physics::trig::Turning;
+use crate::physics::{Pendulum, State};
+use crate::scene::{Build, Kind};
+
+/// Steps a second.
+const STEPS_A_SEC: f64 = 960.0;
+/// Points of the trail, and steps between two.
+const TRAIL: usize = 480;
+const TRAIL_EVERY: u64 = 8;
+
+/// A double pendulum, let go at rest.
+#[derive(Clone, Debug)]
+pub struct Swinger {
+    /// What it is made of.
+    pub build: Build,
+    /// Where it was let go, rad.
+    pub start: [f64; 2],
+    /// At the last step.
+    pub state: State<f64>,
+    /// The clock.
+    pub clock: Clock,
+    /// Where the second bob has been, m, the latest last.
+    pub trail: Vec<[f64; 2]>,
+    /// Which bob somebody holds.
+    pub held: Option<usize>,
+}
+
+impl Swinger {
+    /// Let go at two angles.
+    pub fn from(start: [f64; 2]) -> Self {
+        Swinger {
+            build: Build::default(),
+            start,
+            state: State::rest(start),
+            clock: Clock::new(1.0 / STEPS_A_SEC),
+            trail: Vec::new(),
+            held: None,
+        }
+    }
+
+    /// Lets go again from two angles.
+    pub fn release(&mut self, start: [f64; 2]) {
+        self.start = start;
+        self.state = State::rest(start);
+        self.clock = Clock::new(self.clock.step_secs);
+        self.trail.clear();
+    }
+
+    /// The start, and what it is made of.
+    pub fn set(&self) -> Vec<f64> {
+        let Build { masses, lengths, gravity, .. } = self.build;
+        [&self.start[..], &masses, &lengths, &[gravity]].concat()
+    }
+
+    /// The five numbers.
+    pub fn pendulum(&self) -> Pendulum<f64> {
+        self.build.pendulum()
+    }
+
+    /// Moves on.
+    pub fn advance(&mut self, elapsed_secs: f64) {
+        if self.held.is_some() {
+            return;
+        }
+        let pendulum = self.pendulum();
+        let from = self.clock.taken;
+        for k in 0..self.clock.due(elapsed_secs) as u64 {
+            if (from + k).is_multiple_of(TRAIL_EVERY) {
+                self.trail.push(ends(self.build.lengths, self.state.angle)[1]);
+            }
+            let change = rk4(&pendulum, &self.state, self.clock.step_secs, Turning::Fresh);
+            self.state = self.state.plus(&change);
+        }
+        let old = self.trail.len().saturating_sub(TRAIL);
+        self.trail.drain(..old);
+    }
+
+    /// The state now, between two steps.
+    pub fn now(&self) -> State<f64> {
+        let share = self.clock.share() * self.clock.step_secs;
+        let change = rk4(&self.pendulum(), &self.state, share, Turning::Fresh);
+        self.state.plus(&change)
+    }
+
+    /// Seconds since it was let go.
+    pub fn secs(&self) -> f64 {
+        self.clock.secs() + self.clock.share() * self.clock.step_secs
+    }
+
+    /// A dragged bob is held, and both are let go from rest where they are left.
+    pub fn drag(&mut self, stage: &Stage, response: &Response) {
+        let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) else {
+            self.held = None;
+            return;
+        };
+        let place = stage.place(at);
+        let [first, second] = ends(self.build.lengths, self.state.angle);
+        let away = |bob: [f64; 2]| (bob[0] - place[0]).hypot(bob[1] - place[1]);
+        let bob = *self.held.get_or_insert(usize::from(away(second) < away(first)));
+        let mut angle = self.state.angle.map(wrapped);
+        angle[bob] = angle_of([[0.0; 2], first][bob], place);
+        self.release(angle);
+    }
+
+    /// Draws it with its trail.
+    pub fn draw(&self, stage: &Stage) {
+        let [first, second] = ends(self.build.lengths, self.now().angle);
+        stage.trail(&self.trail, COLOURS[1]);
+        stage.rod([0.0; 2], first, INK);
+        stage.rod(first, second, INK);
+        stage.pivot();
+        match self.build.kind {
+            Kind::Points => {
+                stage.bob(first, self.build.masses[0], COLOURS[0]);
+                stage.bob(second, self.build.masses[1], COLOURS[1]);
+            }
+            Kind::Rods => {
+                stage.bar([0.0; 2], first, self.build.masses[0], COLOURS[0]);
+                stage.bar(first, second, self.build.masses[1], COLOURS[1]);
+            }
+        }
+    }
+}
+
+/// An angle without whole turns, in (−π, π].
+pub fn wrapped(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn energy_is_kept_and_frames_do_not_matter() {
+        let (mut often, mut seldom) = (Swinger::from([2.0, 1.0]), Swinger::from([2.0, 1.0]));
+        let energy = often.pendulum().energy(&often.state);
+        (0..480).for_each(|_| often.advance(1.0 / 240.0));
+        (0..20).for_each(|_| seldom.advance(0.1));
+        let apart = (often.state.angle[1] - seldom.state.angle[1]).abs();
+        assert!(apart < 1e-12 && (often.secs() - 2.0).abs() < 1e-6);
+        assert!((often.pendulum().energy(&often.state) / energy - 1.0).abs() < 1e-7);
+        assert!(often.trail.len() > 200 && often.trail.len() <= TRAIL);
+    }
+}

@@ -1,0 +1,130 @@
+//! A single pendulum in fixed steps: what the first two figures share.
+
+use egui::{Grid, Response, Ui};
+
+use super::clock::Clock;
+use super::controls::number;
+use super::drawing::{Stage, angle_of, end};
+use crate::physics::simple::{Crossings, MOST_AMPLITUDE, Simple, Swing};
+
+/// Steps a second.
+const STEPS_A_SEC: f64 = 480.0;
+
+/// A mass on a rod, let go.
+#[derive(Clone, Debug)]
+pub struct Swinging {
+    /// The pendulum.
+    pub simple: Simple,
+    /// kg.
+    pub mass: f64,
+    /// Where it was let go, rad.
+    pub amplitude: f64,
+    /// Its state at the last step.
+    pub swing: Swing,
+    /// The clock.
+    pub clock: Clock,
+    /// Its zero crossings.
+    pub crossings: Crossings,
+    /// Whether somebody holds it.
+    pub held: bool,
+}
+
+impl Swinging {
+    /// Let go at an angle.
+    pub fn from(amplitude: f64) -> Self {
+        Swinging {
+            simple: Simple { length: 1.0, gravity: 9.81 },
+            mass: 1.0,
+            amplitude,
+            swing: Swing { angle: amplitude, speed: 0.0 },
+            clock: Clock::new(1.0 / STEPS_A_SEC),
+            crossings: Crossings::default(),
+            held: false,
+        }
+    }
+
+    /// Lets go again from an angle.
+    pub fn release(&mut self, amplitude: f64) {
+        self.amplitude = amplitude.clamp(-MOST_AMPLITUDE, MOST_AMPLITUDE);
+        self.swing = Swing { angle: self.amplitude, speed: 0.0 };
+        self.clock = Clock::new(self.clock.step_secs);
+        self.crossings = Crossings::default();
+    }
+
+    /// Moves on.
+    pub fn advance(&mut self, elapsed_secs: f64) {
+        if self.held {
+            return;
+        }
+        let step = self.clock.step_secs;
+        let from = self.clock.secs();
+        for k in 0..self.clock.due(elapsed_secs) {
+            self.crossings.look(&self.simple, from + k as f64 * step, self.swing, step);
+            self.swing = self.simple.step(self.swing, step);
+        }
+    }
+
+    /// The angle now, between two steps.
+    pub fn angle(&self) -> f64 {
+        let next = self.simple.step(self.swing, self.clock.step_secs);
+        self.swing.angle + self.clock.share() * (next.angle - self.swing.angle)
+    }
+
+    /// Seconds since it was let go.
+    pub fn secs(&self) -> f64 {
+        self.clock.secs() + self.clock.share() * self.clock.step_secs
+    }
+
+    /// Where the bob is, m.
+    pub fn bob(&self) -> [f64; 2] {
+        end([0.0; 2], self.simple.length, self.angle())
+    }
+
+    /// A dragged bob is held, and let go from rest where it is left.
+    pub fn drag(&mut self, stage: &Stage, response: &Response) {
+        if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            self.held = true;
+            self.release(angle_of([0.0; 2], stage.place(at)));
+        } else if self.held {
+            self.held = false;
+        }
+    }
+
+    /// Length, mass, gravity and the angle to let it go from.
+    pub fn controls(&mut self, ui: &mut Ui) {
+        let mut amplitude = self.amplitude;
+        let mut changed = false;
+        Grid::new("single").num_columns(2).show(ui, |ui| {
+            changed |= number(ui, "Rod r", " m", &mut self.simple.length, 0.1..=5.0);
+            changed |= number(ui, "Mass m", " kg", &mut self.mass, 0.1..=8.0);
+            changed |= number(ui, "Gravity g", " m/s²", &mut self.simple.gravity, 0.1..=30.0);
+            let range = -MOST_AMPLITUDE..=MOST_AMPLITUDE;
+            changed |= number(ui, "Let go at θ", " rad", &mut amplitude, range);
+        });
+        if changed {
+            self.release(amplitude);
+        }
+        if ui.button("Let go again").clicked() {
+            self.release(self.amplitude);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_do_not_change_the_swing() {
+        let (mut often, mut seldom) = (Swinging::from(2.0), Swinging::from(2.0));
+        (0..720).for_each(|_| often.advance(1.0 / 240.0));
+        (0..30).for_each(|_| seldom.advance(0.1));
+        assert!((often.swing.angle - seldom.swing.angle).abs() < 1e-12);
+        assert!((often.secs() - 3.0).abs() < 1e-6);
+        // Held, it does not move.
+        often.held = true;
+        let before = often.swing;
+        often.advance(1.0);
+        assert_eq!(often.swing, before);
+    }
+}

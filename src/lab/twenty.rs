@@ -1,0 +1,253 @@
+//! Figure 6: pendulums a hair apart, drawn together until they fan out.
+
+use egui::{Color32, Grid, Ui, vec2};
+
+use super::chart::{Axis, Chart, Curve, Scale};
+use super::clock::Clock;
+use super::controls::{brief, number_on, row};
+use super::drawing::{COLOURS, FAINT, INK, Stage, ends};
+use super::{Asked, Toy};
+use crate::physics::integrator::rk4;
+use crate::physics::separation::{Growth, Reading, Ruler, SATURATED_RAD};
+use crate::physics::trig::Turning;
+use crate::physics::{Dd, Pendulum, State};
+use crate::scene::Build;
+
+/// Pendulums from almost one start.
+#[derive(Clone, Debug)]
+pub struct Twenty {
+    start: [f64; 2],
+    count: usize,
+    nudge_rad: f64,
+    clock: Clock,
+    states: Vec<State<f64>>,
+    readings: Vec<Reading>,
+    /// What a forecast may be off by at last, and at first, rad.
+    tolerance_rad: f64,
+    precision_rad: f64,
+}
+
+/// Steps a second, and between two readings.
+const STEPS_A_SEC: f64 = 480.0;
+const READ_EVERY: u64 = 12;
+/// Nothing new happens after so long, s.
+const LONGEST_SECS: f64 = 60.0;
+
+impl Default for Twenty {
+    fn default() -> Self {
+        Twenty::new([2.2, 2.5], 20, 1e-7)
+    }
+}
+
+impl Twenty {
+    /// `count` pendulums, each `nudge_rad` further in θ1 than the one before.
+    pub fn new(start: [f64; 2], count: usize, nudge_rad: f64) -> Self {
+        let at = |k: usize| State::rest([start[0] + k as f64 * nudge_rad, start[1]]);
+        Twenty {
+            start,
+            count,
+            nudge_rad,
+            clock: Clock::new(1.0 / STEPS_A_SEC),
+            states: (0..count).map(at).collect(),
+            readings: Vec::new(),
+            tolerance_rad: 0.1,
+            precision_rad: 1e-7,
+        }
+    }
+
+    /// From a start that was found elsewhere.
+    pub fn open(&mut self, start: [f64; 2]) {
+        self.restart(start, self.count, self.nudge_rad);
+    }
+
+    fn restart(&mut self, start: [f64; 2], count: usize, nudge_rad: f64) {
+        let Twenty { tolerance_rad, precision_rad, .. } = *self;
+        *self = Twenty { tolerance_rad, precision_rad, ..Twenty::new(start, count, nudge_rad) };
+    }
+
+    fn step(&mut self) {
+        let pendulum = pendulum();
+        for state in &mut self.states {
+            *state = state.plus(&rk4(&pendulum, state, self.clock.step_secs, Turning::Fresh));
+        }
+    }
+
+    fn read(&mut self, secs: f64) {
+        let pendulum = pendulum();
+        let long = |state: &State<f64>| State {
+            angle: state.angle.map(Dd::new),
+            speed: state.speed.map(Dd::new),
+        };
+        let [first, last] = [&self.states[0], &self.states[self.count - 1]].map(long);
+        let separation_rad = Ruler::new(&pendulum).distance(&first, &last);
+        self.readings.push(Reading { secs, energy_error: 0.0, separation_rad });
+    }
+
+    /// The climb so far.
+    pub fn growth(&self) -> Option<Growth> {
+        Growth::fit(&self.readings)
+    }
+
+    /// How long a forecast holds whose start is known to `precision_rad`, s.
+    fn horizon_secs(&self, rate_per_sec: f64) -> f64 {
+        (self.tolerance_rad / self.precision_rad).ln() / rate_per_sec
+    }
+
+    fn chart(&self) -> Chart {
+        let points = self.readings.iter().map(|r| [r.secs, r.separation_rad]).collect();
+        let curve = |name: &str, colour, points, dashed| Curve {
+            name: name.to_string(),
+            colour,
+            points,
+            dashed,
+        };
+        let end = self.clock.secs().max(10.0);
+        let mut curves = vec![curve("first from last", COLOURS[1], points, false)];
+        if let Some(growth) = self.growth() {
+            let line = [0.0, growth.until_secs].map(|t| [t, growth.separation_rad(t)]).to_vec();
+            curves.push(curve("fitted climb", INK, line, true));
+        }
+        let saturated = vec![[0.0, SATURATED_RAD], [end, SATURATED_RAD]];
+        curves.push(curve("saturated", FAINT, saturated, true));
+        Chart {
+            across: Axis::new("time, s", 0.0..=end, Scale::Linear),
+            up: Axis::new("separation, rad", 1e-13..=1e2, Scale::Log),
+            curves,
+            marks: Vec::new(),
+        }
+    }
+}
+
+fn pendulum() -> Pendulum<f64> {
+    Build::default().pendulum()
+}
+
+/// From orange to sky.
+fn shade(k: usize, count: usize) -> Color32 {
+    COLOURS[0].lerp_to_gamma(COLOURS[1], k as f32 / (count - 1).max(1) as f32)
+}
+
+impl Toy for Twenty {
+    fn advance(&mut self, elapsed_secs: f64) {
+        if self.clock.secs() > LONGEST_SECS {
+            return;
+        }
+        let from = self.clock.taken;
+        for k in 0..self.clock.due(elapsed_secs) as u64 {
+            if (from + k).is_multiple_of(READ_EVERY) {
+                self.read((from + k) as f64 * self.clock.step_secs);
+            }
+            self.step();
+        }
+    }
+
+    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
+        let told = format!("{} pendulums after {:.2} s", self.count, self.clock.secs());
+        let upper = vec2(size.x, 0.58 * size.y);
+        let (stage, _) = Stage::new(ui, upper, 2.1, told);
+        for (k, state) in self.states.iter().enumerate() {
+            let colour = shade(k, self.count);
+            let [first, second] = ends([1.0, 1.0], state.angle);
+            stage.rod([0.0; 2], first, colour);
+            stage.rod(first, second, colour);
+            stage.bob(second, 0.4, colour);
+        }
+        stage.pivot();
+        stage.note("All of them are drawn: at first they look like one.");
+        let told = "Separation of the first and the last pendulum against time";
+        self.chart().show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
+    }
+
+    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+        let (mut count, mut nudge, mut start) = (self.count as f64, self.nudge_rad, self.start);
+        let mut changed = false;
+        Grid::new("twenty").num_columns(2).show(ui, |ui| {
+            changed |= number_on(ui, "Pendulums", "", &mut count, 2.0..=50.0, false);
+            changed |= number_on(ui, "Nudge", " rad", &mut nudge, 1e-13..=1e-2, true);
+            changed |= number_on(ui, "θ1", " rad", &mut start[0], -3.14..=3.14, false);
+            changed |= number_on(ui, "θ2", " rad", &mut start[1], -3.14..=3.14, false);
+            number_on(ui, "Tolerance", " rad", &mut self.tolerance_rad, 1e-3..=1.0, true);
+            number_on(ui, "Precision", " rad", &mut self.precision_rad, 1e-16..=1e-3, true);
+        });
+        if changed || ui.button("Restart").clicked() {
+            self.restart(start, count.round() as usize, nudge);
+        }
+        ui.separator();
+        Grid::new("twenty now").num_columns(2).show(ui, |ui| {
+            row(ui, "time", format!("{:.2} s", self.clock.secs()));
+            let apart = self.readings.last().map_or(0.0, |reading| reading.separation_rad);
+            let full = if apart > SATURATED_RAD { ", saturated" } else { "" };
+            row(ui, "separation", format!("{} rad{full}", brief(apart)));
+            match self.growth().filter(|growth| growth.rate_per_sec > 0.0) {
+                Some(Growth { rate_per_sec, uncertainty_per_sec, .. }) => {
+                    let more = 1000f64.ln() / rate_per_sec;
+                    row(ui, "λ", format!("{rate_per_sec:.2} ± {uncertainty_per_sec:.2} 1/s"));
+                    row(ui, "horizon", format!("{:.1} s", self.horizon_secs(rate_per_sec)));
+                    row(ui, "1000 × finer buys", format!("{more:.1} s"));
+                }
+                None => row(ui, "λ", "not to be told yet"),
+            }
+        });
+        ui.button("Show this start on the map").clicked().then_some(Asked::ToMap(self.start))
+    }
+
+    fn set(&self) -> Vec<f64> {
+        vec![self.start[0], self.start[1], self.count as f64, self.nudge_rad]
+    }
+
+    fn csv(&self, secs: f64) -> String {
+        let mut toy = Twenty::new(self.start, self.count, self.nudge_rad);
+        while toy.clock.secs() < secs.min(LONGEST_SECS) {
+            toy.advance(0.1);
+        }
+        let mut text = "t,separation\n".to_string();
+        for reading in &toy.readings {
+            text.push_str(&format!("{},{}\n", reading.secs, reading.separation_rad));
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::taylor::Orbit;
+
+    #[test]
+    fn the_climb_is_that_of_the_tangent_map() {
+        let mut toy = Twenty::new([2.2, 2.5], 2, 1e-10);
+        (0..150).for_each(|_| toy.advance(0.1));
+        let fitted = toy.growth().unwrap();
+        // The growth of a nudge that stays infinitesimal, in another method's double-double,
+        // read and fitted as the toy's is.
+        let nudge = 1e-22;
+        let orbit = |angle| Orbit::new(pendulum().convert::<Dd>(), State::rest(angle));
+        let start = [2.2, 2.5].map(Dd::new);
+        let mut own = orbit(start);
+        let mut nudged = orbit([start[0] + Dd::new(nudge), start[1]]);
+        let ruler = Ruler::new(&pendulum());
+        let readings: Vec<Reading> = toy
+            .readings
+            .iter()
+            .take_while(|reading| reading.secs <= fitted.until_secs)
+            .map(|reading| {
+                let [a, b] = [&mut own, &mut nudged].map(|o| o.state_at(Dd::new(reading.secs)));
+                Reading { separation_rad: ruler.distance(&a, &b) * 1e-10 / nudge, ..*reading }
+            })
+            .collect();
+        let known = Growth::fit(&readings).unwrap();
+        let off = (known.rate_per_sec - fitted.rate_per_sec).abs();
+        assert!(off <= fitted.uncertainty_per_sec, "{fitted:?} for {known:?}");
+        assert!(
+            fitted.rate_per_sec > 0.5 && fitted.uncertainty_per_sec < 0.5 * fitted.rate_per_sec
+        );
+    }
+
+    #[test]
+    fn a_thousand_times_finer_buys_the_logarithm() {
+        let mut toy = Twenty::default();
+        let before = toy.horizon_secs(2.0);
+        toy.precision_rad /= 1000.0;
+        assert!((toy.horizon_secs(2.0) - before - 1000f64.ln() / 2.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,147 @@
+//! The laboratory's figures: what they look like at a fixed time, and what a person can do.
+
+#[macro_use]
+#[path = "common/adapter.rs"]
+mod adapter;
+
+use egui::{Event, Key, Modifiers, PointerButton, Theme, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use flipmap::lab::{Asked, Figure, Lab};
+
+const SIZE: [f32; 2] = [1100.0, 680.0];
+
+struct Shown {
+    lab: Lab,
+    asked: Vec<Asked>,
+}
+
+/// A figure `secs` after its start, that does not move on by itself.
+fn figure(figure: Figure, secs: f64) -> Harness<'static, Shown> {
+    let mut lab = Lab::new(figure);
+    if let Some(toy) = lab.toy() {
+        (0..(secs * 60.0) as u32).for_each(|_| toy.advance(1.0 / 60.0));
+    }
+    let show = |ui: &mut egui::Ui, shown: &mut Shown| {
+        let asked = shown.lab.show(ui);
+        shown.asked.extend(asked);
+    };
+    let mut harness = Harness::builder()
+        .with_size(SIZE)
+        .with_theme(Theme::Dark)
+        .build_ui_state(show, Shown { lab, asked: Vec::new() });
+    harness.run_steps(3);
+    harness
+}
+
+fn drag(harness: &mut Harness<'_, Shown>, from: egui::Pos2, by: egui::Vec2) {
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    harness.event(Event::PointerMoved(from));
+    harness.event(button(from, true));
+    harness.run_steps(2);
+    for step in 1..=4 {
+        harness.event(Event::PointerMoved(from + by * (step as f32 / 4.0)));
+        harness.run_steps(1);
+    }
+    harness.event(button(from + by, false));
+    harness.run_steps(2);
+}
+
+#[test]
+fn a_dragged_bob_is_let_go_where_it_is_left() {
+    for which in [Figure::Single, Figure::Ghost, Figure::Double, Figure::Machine] {
+        let mut harness = figure(which, 0.0);
+        let before = harness.state().lab.set();
+        drag(&mut harness, pos2(400.0, 400.0), vec2(-220.0, -60.0));
+        let after = harness.state().lab.set();
+        assert!(after[0] != before[0] || after[1] != before[1], "{which:?}: {after:?}");
+        // Let go, it moves again.
+        let toy = harness.state_mut().lab.toy().unwrap();
+        let data = toy.csv(1.0);
+        assert!(data.lines().nth(1) != data.lines().nth(90), "{which:?}");
+    }
+}
+
+#[test]
+fn a_start_goes_to_the_map_and_comes_from_it() {
+    for which in [Figure::Machine, Figure::Integrators, Figure::Twenty] {
+        let mut harness = figure(Figure::Single, 0.0);
+        harness.state_mut().lab.open(which, [1.25, -0.5]);
+        harness.run_steps(3);
+        assert_eq!(harness.state().lab.set()[..2], [1.25, -0.5]);
+        harness.get_by_label("Show this start on the map").click();
+        harness.run_steps(2);
+        assert_eq!(harness.state().asked, [Asked::ToMap([1.25, -0.5])], "{which:?}");
+    }
+}
+
+#[test]
+fn the_keyboard_reaches_the_controls() {
+    let mut harness = figure(Figure::Integrators, 1.0);
+    let before = harness.state().lab.set();
+    // Every control is reached within one round of the Tab key.
+    for _ in 0..20 {
+        harness.key_press(Key::Tab);
+        harness.run_steps(3);
+        harness.key_press(Key::ArrowRight);
+        harness.run_steps(2);
+    }
+    let after = harness.state().lab.set();
+    assert!(before.iter().zip(&after).all(|(before, after)| before != after), "{after:?}");
+}
+
+#[test]
+fn a_step_that_is_too_long_says_so() {
+    let mut harness = figure(Figure::Integrators, 0.0);
+    harness.state_mut().lab.open(Figure::Integrators, [2.9, 2.9]);
+    assert!(harness.query_all_by_label("Step Δt").count() > 0);
+    let mut lab = harness.state().lab.clone();
+    for _ in 0..400 {
+        lab.toy().unwrap().advance(0.2);
+    }
+    // At 10 ms nobody diverges in 80 s; every number stays one.
+    assert!(lab.toy().unwrap().csv(2.0).lines().all(|line| !line.contains("NaN")));
+}
+
+needs_adapter! {
+    goldens:
+    single
+    ghost
+    double
+    machine
+    integrators
+    twenty
+}
+
+mod goldens {
+    use super::*;
+
+    pub fn single() {
+        figure(Figure::Single, 0.7).snapshot("lab_single");
+    }
+
+    pub fn ghost() {
+        figure(Figure::Ghost, 6.0).snapshot("lab_ghost");
+    }
+
+    pub fn double() {
+        figure(Figure::Double, 1.5).snapshot("lab_double");
+    }
+
+    pub fn machine() {
+        figure(Figure::Machine, 3.0).snapshot("lab_machine");
+    }
+
+    pub fn integrators() {
+        figure(Figure::Integrators, 5.0).snapshot("lab_integrators");
+    }
+
+    pub fn twenty() {
+        figure(Figure::Twenty, 14.0).snapshot("lab_twenty");
+    }
+}
