@@ -4,10 +4,12 @@
 #[path = "common/adapter.rs"]
 mod adapter;
 
-use egui::{Event, Key, Modifiers, PointerButton, Theme, pos2, vec2};
+use egui::{Event, Key, Modifiers, PointerButton, Role, Theme, pos2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
-use flipmap::lab::{Asked, Figure, Lab};
+use egui_kittest::kittest::{NodeT, Queryable};
+use flipmap::lab::home::home_map;
+use flipmap::lab::{Asked, Figure, Lab, flips};
+use flipmap::scene::{Build, Kind};
 
 const SIZE: [f32; 2] = [1100.0, 680.0];
 
@@ -81,6 +83,23 @@ fn a_start_goes_to_the_map_and_comes_from_it() {
 }
 
 #[test]
+fn the_map_is_explained_and_its_pendulum_switched() {
+    let show = |ui: &mut egui::Ui, kind: &mut Kind| {
+        let build = Build { kind: *kind, ..Build::default() };
+        *kind = flips::explain(ui, &build, &flips::Seen::default()).unwrap_or(*kind);
+    };
+    let mut harness =
+        Harness::builder().with_size([340.0, 500.0]).build_ui_state(show, Kind::Points);
+    harness.run_steps(2);
+    harness.get_by_label_contains("2 cos θ1 + cos θ2 > 1");
+    harness.get_by_label("uniform bars").click();
+    harness.run_steps(3);
+    assert_eq!(*harness.state(), Kind::Rods);
+    harness.get_by_label_contains("3 cos θ1 + cos θ2 > 2");
+    harness.get_by_label_contains("24.39 %");
+}
+
+#[test]
 fn the_keyboard_reaches_the_controls() {
     let mut harness = figure(Figure::Integrators, 1.0);
     let before = harness.state().lab.set();
@@ -88,6 +107,11 @@ fn the_keyboard_reaches_the_controls() {
     for _ in 0..20 {
         harness.key_press(Key::Tab);
         harness.run_steps(3);
+        let focused = harness.root().children_recursive().find(|node| node.is_focused());
+        let is_slider = focused.is_some_and(|n| n.accesskit_node().role() == Role::Slider);
+        if !is_slider {
+            continue;
+        }
         harness.key_press(Key::ArrowRight);
         harness.run_steps(2);
     }
@@ -116,6 +140,7 @@ needs_adapter! {
     machine
     integrators
     twenty
+    map
 }
 
 mod goldens {
@@ -143,5 +168,16 @@ mod goldens {
 
     pub fn twenty() {
         figure(Figure::Twenty, 14.0).snapshot("lab_twenty");
+    }
+
+    pub fn map() {
+        let map = home_map(200).unwrap();
+        let show = move |ui: &mut egui::Ui| {
+            flips::show(ui, &map.image, &Build::default(), &map.seen);
+        };
+        let builder = Harness::builder().with_size(SIZE).with_theme(Theme::Dark);
+        let mut harness = builder.build_ui(show);
+        harness.run_steps(3);
+        harness.snapshot("lab_map");
     }
 }

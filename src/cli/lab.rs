@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::lab::still::{Still, still};
-use flipmap::lab::{Figure, Lab};
+use flipmap::lab::home::home_map;
+use flipmap::lab::still::{Still, draw, still};
+use flipmap::lab::{Figure, Lab, flips};
 use flipmap::output::{Destination, SafeFile};
+use flipmap::scene::Build;
 
 use super::exit::Exit;
 use super::options::number;
@@ -43,14 +45,12 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         Exit::Usage(format!("--at is '{}'; it must be between 0 and 600 s", options.at))
     })?;
     let size = size(&options.size)?;
-    if figure == Figure::Map {
-        let message = "the figure map is the explorer itself: flipmap explore shows it, flipmap \
-                       render -o map.png draws it, and --raw writes its data";
-        return Err(Exit::Usage(message.to_string()).into());
-    }
     if options.output.is_none() && options.csv.is_none() {
         let message = "nothing to write: give -o STILL.png, --csv DATA.csv or both";
         return Err(Exit::Usage(message.to_string()).into());
+    }
+    if figure == Figure::Map {
+        return map(options, size);
     }
     let mut lab = Lab::new(figure);
     if let (Some(path), Some(toy)) = (&options.csv, lab.toy()) {
@@ -61,6 +61,23 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     Ok(())
 }
+
+/// The figure that is the explorer itself, of which a small map is computed here.
+fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
+    let map = home_map(MAP_SIDE)?;
+    if let Some(path) = &options.csv {
+        write(path, "--csv", map.csv().as_bytes())?;
+    }
+    if let Some(path) = &options.output {
+        let build = Build::default();
+        let still = draw(size, |ui| flips::show(ui, &map.image, &build, &map.seen))?;
+        write(path, "-o", &png(&still)?)?;
+    }
+    Ok(())
+}
+
+/// Pixels along each side of that map.
+const MAP_SIDE: u32 = 512;
 
 fn size(text: &str) -> Result<[u32; 2], Exit> {
     let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));

@@ -33,9 +33,24 @@ pub struct Stage {
 
 impl Stage {
     /// A stage of `size` points on which `reach_m` metres around the pivot are seen; `told` is
-    /// what a screen reader says of it.
+    /// what a screen reader says of it. What is on it can be dragged.
     pub fn new(ui: &mut Ui, size: egui::Vec2, reach_m: f64, told: String) -> (Stage, Response) {
-        let (response, painter) = ui.allocate_painter(size, Sense::click_and_drag());
+        Stage::sensing(ui, size, reach_m, told, Sense::click_and_drag())
+    }
+
+    /// A stage that is only looked at.
+    pub fn seen(ui: &mut Ui, size: egui::Vec2, reach_m: f64, told: String) -> Stage {
+        Stage::sensing(ui, size, reach_m, told, Sense::hover()).0
+    }
+
+    fn sensing(
+        ui: &mut Ui,
+        size: egui::Vec2,
+        reach_m: f64,
+        told: String,
+        sense: Sense,
+    ) -> (Stage, Response) {
+        let (response, painter) = ui.allocate_painter(size, sense);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
         let rect = response.rect;
         painter.rect_filled(rect, 4.0, CANVAS);
@@ -116,11 +131,11 @@ impl Stage {
         self.painter.galley(corner, galley, colour);
     }
 
-    /// Words in the lower left corner.
+    /// Words in the upper left corner.
     pub fn note(&self, words: &str) {
-        let corner = self.rect.left_bottom() + vec2(8.0, -6.0);
+        let corner = self.rect.left_top() + vec2(8.0, 6.0);
         let font = FontId::proportional(12.0);
-        self.painter.text(corner, Align2::LEFT_BOTTOM, words, font, FAINT);
+        self.painter.text(corner, Align2::LEFT_TOP, words, font, FAINT);
     }
 
     /// A line through places, the older the fainter.

@@ -1,7 +1,8 @@
 //! Figure 7: what the flip-time map shows, in words, with the numbers of a scene.
 
-use egui::{Grid, Ui};
+use egui::{ColorImage, Grid, Image, TextureOptions, Ui, vec2};
 
+use super::Figure;
 use super::controls::row;
 use crate::scene::{Build, Kind};
 
@@ -14,6 +15,20 @@ pub struct Seen {
     pub forbidden: u64,
     /// Those that were integrated; mirror images and forbidden ones were not.
     pub simulated: u64,
+}
+
+/// A picture of the map beside its explanation: the figure without a window.
+pub fn show(ui: &mut Ui, map: &ColorImage, build: &Build, seen: &Seen) {
+    let figure = Figure::Map;
+    ui.heading(figure.title());
+    ui.label(figure.sentence());
+    ui.horizontal_top(|ui| {
+        let side = ui.available_height().min(ui.available_width() - 340.0).max(200.0);
+        let texture = ui.ctx().load_texture("map", map.clone(), TextureOptions::LINEAR);
+        let picture = Image::new(&texture).fit_to_exact_size(vec2(side, side));
+        ui.add(picture.alt_text("The flip-time map"));
+        ui.vertical(|ui| explain(ui, build, seen));
+    });
 }
 
 /// Explains the map; answers with the other kind of pendulum where the person wants that one.

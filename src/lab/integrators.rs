@@ -212,7 +212,7 @@ impl Toy for Integrators {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
             for (run, (_, name, colour)) in self.runs.iter().zip(Integrator::ALL) {
-                let (stage, _) = Stage::new(ui, third, 2.2, format!("The pendulum of {name}"));
+                let stage = Stage::seen(ui, third, 2.2, format!("The pendulum of {name}"));
                 let [first, second] = ends([1.0, 1.0], run.state.angle);
                 stage.rod([0.0; 2], first, INK);
                 stage.rod(first, second, INK);

@@ -12,6 +12,7 @@ mod double;
 pub mod drawing;
 pub mod flips;
 mod ghost;
+pub mod home;
 pub mod integrators;
 mod machine;
 mod single;

@@ -144,7 +144,7 @@ impl Toy for Twenty {
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let told = format!("{} pendulums after {:.2} s", self.count, self.clock.secs());
         let upper = vec2(size.x, 0.58 * size.y);
-        let (stage, _) = Stage::new(ui, upper, 2.1, told);
+        let stage = Stage::seen(ui, upper, 2.1, told);
         for (k, state) in self.states.iter().enumerate() {
             let colour = shade(k, self.count);
             let [first, second] = ends([1.0, 1.0], state.angle);

@@ -264,7 +264,7 @@ mod checks {
         // Figure 4: a bob is dragged, then the slider of m1 is pressed near its right end.
         session.display.drag([300.0, 420.0], [180.0, 300.0]);
         sleep(Duration::from_millis(300));
-        session.display.drag([700.0, 91.0], [706.0, 91.0]);
+        session.display.drag([690.0, 117.0], [700.0, 117.0]);
         sleep(Duration::from_millis(700));
         session.shot("set");
         let told = session.quit().told.unwrap();

@@ -48,6 +48,16 @@ impl Told {
         self.0[key].as_f64().unwrap_or_else(|| panic!("{key} of {}", self.0))
     }
 
+    /// A text.
+    pub fn text(&self, key: &str) -> &str {
+        self.0[key].as_str().unwrap_or_else(|| panic!("{key} of {}", self.0))
+    }
+
+    /// Some numbers.
+    pub fn numbers(&self, key: &str) -> Vec<f64> {
+        serde_json::from_value(self.0[key].clone()).unwrap()
+    }
+
     /// The scene it shows.
     pub fn scene(&self) -> Scene {
         location::parse(self.0["location"].as_str().unwrap()).unwrap()

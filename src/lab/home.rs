@@ -1,0 +1,60 @@
+//! The home map, computed for its figure where there is no explorer.
+
+use egui::ColorImage;
+
+use super::flips::Seen;
+use crate::engine::cpu::CpuEngine;
+use crate::engine::level::FAST;
+use crate::engine::{Engine, EngineError};
+use crate::output::Painter;
+use crate::physics::Status;
+use crate::scene::{Document, Grid, Scene};
+use crate::tiles::preview::preview;
+use crate::tiles::{Samples, Work};
+
+/// A small picture of the whole torus.
+pub struct HomeMap {
+    /// In colours, with the energy curve.
+    pub image: ColorImage,
+    /// What is on it.
+    pub seen: Seen,
+    scene: Scene,
+    samples: Samples,
+}
+
+/// The home map of `side` × `side` pixels, at the accuracy fast.
+pub fn home_map(side: u32) -> Result<HomeMap, EngineError> {
+    let Document { picture, .. } = Document::default();
+    let (scene, size) = (Scene::default(), [side; 2]);
+    let mut engine = CpuEngine::new(None)?;
+    let mut work = Work::new(&scene, size, FAST, engine.job_size());
+    let samples = preview(&mut work, size, &mut engine, &|| true)?;
+    let samples = samples.expect("nobody stops it");
+    let counts = work.counts();
+    let seen =
+        Seen { pixels: counts.pixels, forbidden: counts.forbidden, simulated: counts.simulated };
+    let painter = Painter::new(&scene, size, &picture);
+    let rgb = painter.map(|mut painter| painter.paint(&samples)).unwrap_or_default();
+    let image = ColorImage::from_rgb(size.map(|side| side as usize), &rgb);
+    Ok(HomeMap { image, seen, scene, samples })
+}
+
+impl HomeMap {
+    /// Every pixel: its start in rad, what became of it, and when, s.
+    pub fn csv(&self) -> String {
+        let side = self.image.size[0] as u32;
+        let grid = Grid::new(&self.scene, [side; 2]);
+        let mut text = "theta1,theta2,status,t\n".to_string();
+        for (k, outcome) in (0..).zip(self.samples.iter()) {
+            let [theta1, theta2] = grid.angle_from_pixel(k % side, k / side).map(|theta| theta.hi);
+            let (status, secs) = match outcome.status {
+                Status::Flipped => ("flipped", outcome.time.to_string()),
+                Status::Unflipped => ("unflipped", String::new()),
+                Status::Forbidden => ("forbidden", String::new()),
+                Status::Failed => ("failed", String::new()),
+            };
+            text.push_str(&format!("{theta1},{theta2},{status},{secs}\n"));
+        }
+        text
+    }
+}
