@@ -378,3 +378,23 @@ fn the_doctor_says_what_would_be_used() {
     let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(object["engine"].is_string());
 }
+
+#[test]
+fn figures_of_the_lesson_are_data_and_a_wrong_name_lists_them() {
+    let folder = folder();
+    let told = |arguments: &[&str]| flipmap(&folder, &[&["lab"], arguments].concat());
+    let output = told(&["triple", "--csv", "a.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = error_of(&output);
+    assert!(error.contains("no figure called 'triple'") && error.contains("machine, integrators"));
+    for bad in [&["ghost"][..], &["ghost", "--at", "-1", "--csv", "-"], &["ghost", "--size", "9x9"]]
+    {
+        assert_eq!(told(bad).status.code(), Some(2), "{bad:?}");
+    }
+    let output = told(&["twenty", "--at", "12", "--csv", "-"]);
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    let separation = |line: &str| line.split(',').nth(1).unwrap().parse::<f64>().unwrap();
+    let all: Vec<f64> = text.lines().skip(1).map(separation).collect();
+    assert!(all.len() > 400 && all[0] < 1e-5 && all[all.len() - 1] > 1e-2, "{all:?}");
+}

@@ -5,8 +5,8 @@
 mod adapter;
 
 use egui::{Event, Key, Modifiers, PointerButton, Role, Theme, pos2, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, SnapshotOptions};
 use flipmap::lab::home::home_map;
 use flipmap::lab::{Asked, Figure, Lab, flips};
 use flipmap::scene::{Build, Kind};
@@ -172,12 +172,16 @@ mod goldens {
 
     pub fn map() {
         let map = home_map(200).unwrap();
+        let mut texture = None;
         let show = move |ui: &mut egui::Ui| {
-            flips::show(ui, &map.image, &Build::default(), &map.seen);
+            let texture = texture.get_or_insert_with(|| map.texture(ui.ctx()));
+            flips::show(ui, texture, &Build::default(), &map.seen);
         };
         let builder = Harness::builder().with_size(SIZE).with_theme(Theme::Dark);
         let mut harness = builder.build_ui(show);
         harness.run_steps(3);
-        harness.snapshot("lab_map");
+        // Where neighbours flip at any time, another processor's last bits are other colours.
+        let options = SnapshotOptions::new().failed_pixel_count_threshold(4000);
+        harness.snapshot_options("lab_map", &options);
     }
 }

@@ -254,7 +254,12 @@ impl Desk {
         }
         egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
         if self.lab_hides_map() {
-            egui::CentralPanel::default().show(ui, |ui| actions.extend(self.figure(ui)));
+            // On what the frame was cleared with: to fill a window twice costs a program that
+            // draws in software half its frames.
+            let frame = egui::Frame::NONE.inner_margin(8);
+            egui::CentralPanel::default()
+                .frame(frame)
+                .show(ui, |ui| actions.extend(self.figure(ui)));
             return self.act(actions);
         }
         if self.state.shown.lab {

@@ -136,6 +136,14 @@ impl EngineRoom {
         matches!(self.stage, Stage::Failed)
     }
 
+    /// Drops what is being computed: nobody looks at the map for a while.
+    pub fn rest(&mut self) {
+        if let Stage::Ready(engine) = &mut self.stage {
+            engine.cancel();
+            self.explorer.ground();
+        }
+    }
+
     /// Aims at what is looked at and moves the work on, without waiting.
     pub fn turn(&mut self, aim: impl FnOnce(Recipe) -> Aim, deadline: Instant) -> Turn {
         self.take_opened().unwrap_or_else(|| {

@@ -82,7 +82,8 @@ impl Host {
             ctx.clone(),
             configuration(event_loop.owned_display_handle()),
             false,
-            RendererOptions::default(),
+            // Dithering costs where software draws, and no panel has gradients.
+            RendererOptions { dithering: false, ..RendererOptions::default() },
         ));
         pollster::block_on(painter.set_window(ViewportId::ROOT, Some(Arc::clone(window))))?;
         let mut input = egui_winit::State::new(
@@ -212,12 +213,14 @@ impl Host {
     /// Draws and presents. egui's painter panics where a device is lost in the midst of it; as
     /// with any other loss, the painter is thrown away and the window goes on.
     fn paint(&mut self, primitives: &[egui::ClippedPrimitive], pixels_per_point: f32) {
-        let Host { painter, textures, window, .. } = self;
+        let Host { painter, textures, window, ctx, .. } = self;
+        // What no panel covers looks like one.
+        let ground = ctx.global_style().visuals.panel_fill.to_normalized_gamma_f32();
         let painted = catch_unwind(AssertUnwindSafe(|| {
             painter.paint_and_update_textures(
                 ViewportId::ROOT,
                 pixels_per_point,
-                [0.12, 0.12, 0.13, 1.0],
+                ground,
                 primitives,
                 textures,
                 Vec::new(),

@@ -30,12 +30,16 @@ impl Desk {
     pub(super) fn show_figure(&mut self, figure: Option<Figure>) {
         self.state.shown.lab = figure.is_some();
         self.lab.figure = figure.unwrap_or(self.lab.figure);
+        if self.lab_hides_map() {
+            self.room.rest();
+        }
     }
 
     /// Opens a start in a figure.
     pub(super) fn open_in_lab(&mut self, figure: Figure, start: [Theta; 2]) {
         self.state.shown.lab = true;
         self.lab.open(figure, start.map(|theta| theta.wrapped().to_f64()));
+        self.room.rest();
     }
 
     /// The tabs of all figures.

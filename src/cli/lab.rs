@@ -70,7 +70,11 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
     }
     if let Some(path) = &options.output {
         let build = Build::default();
-        let still = draw(size, |ui| flips::show(ui, &map.image, &build, &map.seen))?;
+        let mut texture = None;
+        let still = draw(size, |ui| {
+            let texture = texture.get_or_insert_with(|| map.texture(ui.ctx()));
+            flips::show(ui, texture, &build, &map.seen);
+        })?;
         write(path, "-o", &png(&still)?)?;
     }
     Ok(())

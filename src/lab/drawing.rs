@@ -53,7 +53,10 @@ impl Stage {
         let (response, painter) = ui.allocate_painter(size, sense);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
         let rect = response.rect;
-        painter.rect_filled(rect, 4.0, CANVAS);
+        // In the dark there is nothing to darken, and filling costs where software draws.
+        if !ui.visuals().dark_mode {
+            painter.rect_filled(rect, 4.0, CANVAS);
+        }
         let points_per_m = 0.44 * size.min_elem() / reach_m as f32;
         (Stage { painter, rect, pivot: rect.center(), points_per_m }, response)
     }

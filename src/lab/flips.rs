@@ -1,6 +1,6 @@
 //! Figure 7: what the flip-time map shows, in words, with the numbers of a scene.
 
-use egui::{ColorImage, Grid, Image, TextureOptions, Ui, vec2};
+use egui::{Grid, Image, TextureHandle, Ui, vec2};
 
 use super::Figure;
 use super::controls::row;
@@ -18,14 +18,13 @@ pub struct Seen {
 }
 
 /// A picture of the map beside its explanation: the figure without a window.
-pub fn show(ui: &mut Ui, map: &ColorImage, build: &Build, seen: &Seen) {
+pub fn show(ui: &mut Ui, map: &TextureHandle, build: &Build, seen: &Seen) {
     let figure = Figure::Map;
     ui.heading(figure.title());
     ui.label(figure.sentence());
     ui.horizontal_top(|ui| {
         let side = ui.available_height().min(ui.available_width() - 340.0).max(200.0);
-        let texture = ui.ctx().load_texture("map", map.clone(), TextureOptions::LINEAR);
-        let picture = Image::new(&texture).fit_to_exact_size(vec2(side, side));
+        let picture = Image::new(map).fit_to_exact_size(vec2(side, side));
         ui.add(picture.alt_text("The flip-time map"));
         ui.vertical(|ui| explain(ui, build, seen));
     });

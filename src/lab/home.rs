@@ -1,6 +1,6 @@
 //! The home map, computed for its figure where there is no explorer.
 
-use egui::ColorImage;
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
 use super::flips::Seen;
 use crate::engine::cpu::CpuEngine;
@@ -40,6 +40,11 @@ pub fn home_map(side: u32) -> Result<HomeMap, EngineError> {
 }
 
 impl HomeMap {
+    /// The picture as egui draws it, as long as somebody holds it.
+    pub fn texture(&self, ctx: &Context) -> TextureHandle {
+        ctx.load_texture("map", self.image.clone(), TextureOptions::LINEAR)
+    }
+
     /// Every pixel: its start in rad, what became of it, and when, s.
     pub fn csv(&self) -> String {
         let side = self.image.size[0] as u32;

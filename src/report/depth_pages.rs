@@ -8,8 +8,7 @@ const ABOUT: &str = "One filament followed down. At each width a picture of 24 Ã
      follows the depth, is compared with pixels integrated one by one in fixed-point numbers of \
      57 to 134 digits. First is the time until that picture is there, most of it the reference's; \
      steps, right-hand sides and time are those of a pixel of a picture of 128 Ã— 128 once the \
-     reference is known, cells followed as polynomials included. At 2e-3 every pixel of f64 begins \
-     at its release.";
+     reference is known, cells followed as polynomials included.";
 
 type Value = fn(&DepthRow) -> Option<f64>;
 
