@@ -181,7 +181,7 @@ mod goldens {
         let mut harness = builder.build_ui(show);
         harness.run_steps(3);
         // Where neighbours flip at any time, another processor's last bits are other colours.
-        let options = SnapshotOptions::new().failed_pixel_count_threshold(4000);
+        let options = SnapshotOptions::new().max_failed_pixels(4000);
         harness.snapshot_options("lab_map", &options);
     }
 }

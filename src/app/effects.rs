@@ -36,7 +36,7 @@ impl Desk {
             Effect::GoDeeper => self.toggle_dive(),
             Effect::Lab(figure) => self.show_figure(figure),
             Effect::OpenInLab(figure, start) => self.open_in_lab(figure, start),
-            Effect::FromLab(start) => self.from_lab(start),
+            Effect::FromLab(start) => self.aimed_in_lab(start),
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
                 self.relaunch();

@@ -95,7 +95,7 @@ impl Desk {
     }
 
     /// Goes to a start on the map and pins it.
-    pub(super) fn from_lab(&mut self, start: [Theta; 2]) {
+    pub(super) fn aimed_in_lab(&mut self, start: [Theta; 2]) {
         self.state.shown.lab = false;
         let home = Camera::from_view(&View::default());
         let width_rad = home.width_rad * PART;

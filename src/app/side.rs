@@ -25,7 +25,7 @@ impl Desk {
             let open = !self.state.pins.is_empty();
             CollapsingHeader::new("Pendulum of a pixel").default_open(true).show(ui, |ui| {
                 actions.extend(pendulum_panel(ui, &self.state.pins).into_iter().map(Action::Pins));
-                actions.extend(self.into_lab(ui));
+                actions.extend(self.lab_buttons(ui));
             });
             CollapsingHeader::new("Places").default_open(!open).show(ui, |ui| {
                 let done = places_panel(ui, &self.places, &self.place_form, &mut self.thumbnails);
@@ -78,7 +78,7 @@ impl Desk {
     }
 
     /// Takes the selected pin's start into a figure of the laboratory.
-    fn into_lab(&self, ui: &mut Ui) -> Vec<Action> {
+    fn lab_buttons(&self, ui: &mut Ui) -> Vec<Action> {
         let Some(pin) = self.state.pins.selected() else { return Vec::new() };
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {

@@ -69,12 +69,12 @@ fn equation(ui: &mut Ui, swinger: &Swinger) {
     let alpha = pendulum.acceleration(&state);
     ui.label("mass matrix M · accelerations α = torques τ");
     Grid::new("equation").num_columns(5).show(ui, |ui| {
-        for i in 0..2 {
-            for j in 0..2 {
-                ui.monospace(format!("{:8.3}", equation.mass[i][j]));
+        for ((mass, alpha), torque) in equation.mass.iter().zip(alpha).zip(equation.torque) {
+            for mass in mass {
+                ui.monospace(format!("{mass:8.3}"));
             }
-            ui.monospace(format!("· {:9.3}", alpha[i]));
-            ui.monospace(format!("= {:9.3}", equation.torque[i]));
+            ui.monospace(format!("· {alpha:9.3}"));
+            ui.monospace(format!("= {torque:9.3}"));
             ui.end_row();
         }
     });

@@ -164,8 +164,8 @@ impl Toy for Twenty {
         Grid::new("twenty").num_columns(2).show(ui, |ui| {
             changed |= number_on(ui, "Pendulums", "", &mut count, 2.0..=50.0, false);
             changed |= number_on(ui, "Nudge", " rad", &mut nudge, 1e-13..=1e-2, true);
-            changed |= number_on(ui, "θ1", " rad", &mut start[0], -3.14..=3.14, false);
-            changed |= number_on(ui, "θ2", " rad", &mut start[1], -3.14..=3.14, false);
+            changed |= number_on(ui, "θ1", " rad", &mut start[0], -3.1..=3.1, false);
+            changed |= number_on(ui, "θ2", " rad", &mut start[1], -3.1..=3.1, false);
             number_on(ui, "Tolerance", " rad", &mut self.tolerance_rad, 1e-3..=1.0, true);
             number_on(ui, "Precision", " rad", &mut self.precision_rad, 1e-16..=1e-3, true);
         });
