@@ -16,6 +16,8 @@ use flipmap::app::folders::Folders;
 use flipmap::app::settings::Theme;
 use flipmap::engine::Accuracy;
 use flipmap::engine::choice::{Demand, Kind, Wish};
+use flipmap::lab::Figure;
+use flipmap::physics::Scalar;
 use flipmap::scene::{BuiltIn, Document, RunTable, location};
 use flipmap::tiles::Counts;
 
@@ -339,4 +341,45 @@ fn the_keyboard_reaches_everything() {
     }
     let missed: Vec<_> = all.iter().filter(|control| !reached.contains(control)).collect();
     assert!(missed.is_empty(), "{missed:#?}");
+}
+
+#[test]
+fn figures_are_a_key_away_and_the_map_rests_behind_them() {
+    let mut desktop = home();
+    let before = (counts(&desktop), place(&desktop));
+    let keys = [Key::F2, Key::F3, Key::F4, Key::F5, Key::F6, Key::F7];
+    for (key, (figure, ..)) in keys.into_iter().zip(Figure::ALL) {
+        press(&mut desktop, Modifiers::NONE, key);
+        assert_eq!(desktop.state().lab.figure, figure);
+        assert_eq!(desktop.state().figure_shown(), Some(figure.name()));
+        // Keys of the map mean nothing here.
+        press(&mut desktop, Modifiers::NONE, Key::ArrowLeft);
+        desktop.run_steps(20);
+    }
+    assert_eq!((counts(&desktop), place(&desktop)), before);
+    press(&mut desktop, Modifiers::NONE, Key::F8);
+    assert_eq!(desktop.state().figure_shown(), None, "the seventh figure is the map");
+    desktop.get_by_label_contains("2 cos θ1 + cos θ2 > 1");
+    press(&mut desktop, Modifiers::NONE, Key::Escape);
+    assert!(!desktop.state().state.shown.lab);
+}
+
+#[test]
+fn a_pinned_pixel_opens_in_the_lab_and_a_start_aimed_there_on_the_map() {
+    let mut desktop = home();
+    press(&mut desktop, Modifiers::NONE, Key::ArrowLeft);
+    settle(&mut desktop);
+    press(&mut desktop, Modifiers::NONE, Key::P);
+    let pin = desktop.state().state.pins.selected().unwrap().start.map(|theta| theta.to_f64());
+    click(&mut desktop, "twenty");
+    assert_eq!(desktop.state().figure_shown(), Some("twenty"));
+    assert_eq!(desktop.state().lab.set()[..2], pin);
+    click(&mut desktop, "Show this start on the map");
+    settle(&mut desktop);
+    let state = &desktop.state().state;
+    assert_eq!((desktop.state().figure_shown(), state.pins.iter().count()), (None, 2));
+    let there = state.camera.center.map(|theta| theta.to_f64());
+    assert!((there[0] - pin[0]).abs() < 1e-12 && (there[1] - pin[1]).abs() < 1e-12);
+    let pinned = state.pins.selected().unwrap().start.map(|theta| theta.to_f64());
+    assert!((pinned[0] - pin[0]).abs() < 0.01, "{pinned:?} for {pin:?}");
 }

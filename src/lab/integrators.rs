@@ -112,9 +112,19 @@ impl Sweep {
 #[derive(Clone, Debug)]
 struct Run {
     state: State<f64>,
+    /// A step earlier: what is drawn lies between the two.
+    before: State<f64>,
     /// Time and relative energy error.
     errors: Vec<[f64; 2]>,
     diverged_at: Option<f64>,
+}
+
+impl Run {
+    /// The angles that are drawn `share` of a step after the last one.
+    fn drawn(&self, share: f64) -> [f64; 2] {
+        let (from, to) = (self.before.angle, self.state.angle);
+        [0, 1].map(|i| from[i] + share * (to[i] - from[i]))
+    }
 }
 
 /// The three.
@@ -139,7 +149,8 @@ impl Default for Integrators {
 impl Integrators {
     /// From a start at one step.
     pub fn new(start: [f64; 2], step_secs: f64) -> Self {
-        let run = Run { state: State::rest(start), errors: vec![[0.0; 2]], diverged_at: None };
+        let state = State::rest(start);
+        let run = Run { state, before: state, errors: vec![[0.0; 2]], diverged_at: None };
         Integrators {
             start,
             step_secs,
@@ -163,6 +174,7 @@ impl Integrators {
                 continue;
             }
             let state = method.step(&pendulum, &run.state, self.step_secs);
+            run.before = run.state;
             let error = (pendulum.energy(&state) - energy) / unit;
             let speed = state.speed[0].abs().max(state.speed[1].abs());
             if speed.is_nan() || speed > DIVERGED_SPEED || !error.is_finite() {
@@ -209,11 +221,12 @@ impl Toy for Integrators {
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let upper = vec2(size.x, 0.42 * size.y);
         let third = vec2((size.x - 16.0) / 3.0, upper.y);
+        let share = self.clock.share();
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
             for (run, (_, name, colour)) in self.runs.iter().zip(Integrator::ALL) {
                 let stage = Stage::seen(ui, third, 2.2, format!("The pendulum of {name}"));
-                let [first, second] = ends([1.0, 1.0], run.state.angle);
+                let [first, second] = ends([1.0, 1.0], run.drawn(share));
                 stage.rod([0.0; 2], first, INK);
                 stage.rod(first, second, INK);
                 stage.pivot();
@@ -320,6 +333,16 @@ mod tests {
         }
         let growth = (energy(&state) / before).powf(0.01);
         assert!((growth - (1.0 + h * h * omega2)).abs() < 1e-7, "{growth}");
+    }
+
+    #[test]
+    fn what_is_drawn_lies_between_two_steps() {
+        let mut toy = Integrators::new([1.0, 0.5], 0.1);
+        (0..3).for_each(|_| toy.advance(0.1));
+        let run = &toy.runs[2];
+        assert_eq!(run.drawn(0.0), run.before.angle);
+        assert!((run.drawn(1.0)[0] - run.state.angle[0]).abs() < 1e-15);
+        assert!(run.drawn(0.5) != run.state.angle && run.before.angle != run.state.angle);
     }
 
     #[test]
