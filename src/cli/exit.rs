@@ -14,6 +14,9 @@ pub enum Exit {
     /// Code 2.
     #[error("{0}")]
     Usage(String),
+    /// Code 3: what was compared is too different.
+    #[error("{0}")]
+    Differs(String),
     /// Code 130.
     #[error("stopped; no unfinished file was left")]
     Interrupted,
@@ -45,6 +48,7 @@ fn code_of(error: &anyhow::Error) -> u8 {
         if let Some(exit) = cause.downcast_ref() {
             return match exit {
                 Exit::Usage(_) => 2,
+                Exit::Differs(_) => 3,
                 Exit::Interrupted | Exit::Partly(_) => 130,
             };
         }

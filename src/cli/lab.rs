@@ -8,7 +8,7 @@ use clap::Args;
 use flipmap::lab::home::home_map;
 use flipmap::lab::still::{Still, draw, still};
 use flipmap::lab::{Figure, Lab, flips};
-use flipmap::output::{Destination, SafeFile};
+use flipmap::output::{Destination, PngWriter, SafeFile};
 use flipmap::scene::Build;
 
 use super::exit::Exit;
@@ -92,14 +92,9 @@ fn size(text: &str) -> Result<[u32; 2], Exit> {
 }
 
 fn png(still: &Still) -> anyhow::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, still.size[0], still.size[1]);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&still.rgb)?;
-    writer.finish()?;
-    Ok(bytes)
+    let mut writer = PngWriter::without_scene(Vec::new(), still.size)?;
+    writer.write(&still.rgb)?;
+    Ok(writer.finish()?)
 }
 
 fn write(path: &Path, option: &str, bytes: &[u8]) -> anyhow::Result<()> {

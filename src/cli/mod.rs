@@ -1,5 +1,6 @@
 //! The command line: typed options become a scene and a job.
 
+mod compare;
 mod continued;
 mod deeper;
 mod depth;
@@ -37,6 +38,8 @@ enum Verb {
     Deeper(Box<deeper::Options>),
     /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
     Trace(Box<trace::Options>),
+    /// Compare two results of one size; code 3 where they differ too much.
+    Compare(compare::Options),
     /// Draw a live figure of the lesson as a still, or write its data.
     Lab(lab::Options),
     /// Measure the engines of this machine, speed against error, and write a report.
@@ -52,6 +55,7 @@ pub fn run() -> anyhow::Result<()> {
         Verb::Render(options) => render::run(&options),
         Verb::Deeper(options) => deeper::run(&options),
         Verb::Trace(options) => trace::run(&options),
+        Verb::Compare(options) => compare::run(&options),
         Verb::Lab(options) => lab::run(&options),
         Verb::Report(options) => report::run(&options),
         Verb::Doctor(options) => doctor::run(&options),

@@ -3,6 +3,7 @@
 //! Every file is written beside its destination and renamed onto it when it is complete, so a
 //! failure or an interruption leaves what was there.
 
+pub mod compare;
 mod exr;
 mod failure;
 mod npy;

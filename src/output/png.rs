@@ -42,15 +42,23 @@ pub struct PngWriter<W: Write + 'static> {
 
 impl<W: Write + 'static> PngWriter<W> {
     /// Begins a `size` picture that carries `document`.
-    pub fn new(out: W, [width, height]: [u32; 2], document: &Document) -> Result<Self, PngError> {
+    pub fn new(out: W, size: [u32; 2], document: &Document) -> Result<Self, PngError> {
+        Self::begin(out, size, Some(document.text()))
+    }
+
+    /// Begins a `size` picture of something that is no scene.
+    pub fn without_scene(out: W, size: [u32; 2]) -> Result<Self, PngError> {
+        Self::begin(out, size, None)
+    }
+
+    fn begin(out: W, [width, height]: [u32; 2], text: Option<String>) -> Result<Self, PngError> {
         let out = Shared(Rc::new(RefCell::new(Inner { out, failure: None })));
         let mut encoder = png::Encoder::new(out.clone(), width, height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let begun = encoder
-            .add_itxt_chunk(KEYWORD.to_string(), document.text())
-            .and_then(|()| encoder.write_header()?.into_stream_writer());
+        let texted = text.map_or(Ok(()), |text| encoder.add_itxt_chunk(KEYWORD.to_string(), text));
+        let begun = texted.and_then(|()| encoder.write_header()?.into_stream_writer());
         let stream = begun.map_err(|error| out.explain(error.into()))?;
         Ok(PngWriter { out, stream })
     }

@@ -1,0 +1,122 @@
+//! `flipmap compare`: two results of one size, and whether they differ.
+
+use std::io;
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use flipmap::output::compare::{Comparison, Difference, Rows, compare};
+use flipmap::output::{Destination, PngWriter, SafeFile};
+
+use super::exit::Exit;
+use super::options::number;
+
+#[derive(Args, Debug)]
+pub struct Options {
+    /// A .npy array that render --raw wrote, or a PNG
+    a: PathBuf,
+    /// Another one of the same kind and size
+    b: PathBuf,
+    /// Differences up to this do not count: seconds (default 0.001), or of pictures levels of 255
+    /// (default 0)
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    tolerance: Option<String>,
+    /// The share of pixels that may differ by more
+    #[arg(long, value_name = "SHARE", default_value = "0", allow_hyphen_values = true)]
+    share: String,
+    /// A picture of the differences: the brighter the larger, red where a class changed
+    #[arg(short, long, value_name = "DIFFERENCE.png")]
+    output: Option<PathBuf>,
+    /// Print the figures as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Allowed differences of flip times, s.
+const TOLERANCE_SECS: f64 = 1e-3;
+
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    let (a, b) = (Rows::open(&options.a)?, Rows::open(&options.b)?);
+    let times = a.has_times();
+    let tolerance = match &options.tolerance {
+        Some(text) => number(text).filter(|t| (0.0..=1e6).contains(t)).ok_or_else(|| {
+            Exit::Usage(format!("--tolerance is '{text}'; it must be between 0 and 1e6"))
+        })?,
+        None if times => TOLERANCE_SECS,
+        None => 0.0,
+    };
+    let allowed = number(&options.share).filter(|share| (0.0..=1.0).contains(share));
+    let allowed = allowed.ok_or_else(|| {
+        Exit::Usage(format!("--share is '{}'; it must be between 0 and 1", options.share))
+    })?;
+    let comparison = match &options.output {
+        Some(path) => pictured(a, b, tolerance, &Destination::from(path.as_path()))?,
+        None => compare(a, b, tolerance, &mut |_| Ok(()))?,
+    };
+    tell(options, &comparison, times)?;
+    if comparison.share() > allowed {
+        let why = format!(
+            "{} of {} pixels differ by more than {tolerance}{}; {allowed} is the share allowed",
+            comparison.differing,
+            comparison.pixels,
+            if times { " s" } else { " levels" }
+        );
+        return Err(Exit::Differs(why).into());
+    }
+    Ok(())
+}
+
+/// Compares and draws the differences as they come.
+fn pictured(a: Rows, b: Rows, tolerance: f64, to: &Destination) -> anyhow::Result<Comparison> {
+    let cannot = || format!("-o: cannot write {to}");
+    let file = SafeFile::create(to).with_context(cannot)?;
+    let mut picture = PngWriter::without_scene(file, a.size()).with_context(cannot)?;
+    let comparison = compare(a, b, tolerance, &mut |row| {
+        let bytes: Vec<u8> = row.iter().flat_map(|by| colour(*by, tolerance)).collect();
+        picture.write(&bytes).map_err(io::Error::other)
+    })?;
+    picture.finish().with_context(cannot)?.finish().with_context(cannot)?;
+    Ok(comparison)
+}
+
+/// Dark where two pixels are alike; from the tolerance on brighter with every decade.
+fn colour(difference: Difference, tolerance: f64) -> [u8; 3] {
+    const ALIKE: [u8; 3] = [24; 3];
+    match difference {
+        Difference::Class => [0xd5, 0x30, 0x30],
+        Difference::By(by) if by <= tolerance => ALIKE,
+        Difference::By(by) => {
+            let decades = (by / tolerance.max(1e-12)).log10().clamp(0.0, 3.0);
+            let level = (90.0 + 55.0 * decades) as u8;
+            [level, level, (f64::from(level) * 0.6) as u8]
+        }
+    }
+}
+
+fn tell(options: &Options, comparison: &Comparison, times: bool) -> anyhow::Result<()> {
+    let Comparison { pixels, differing, classes, largest, .. } = *comparison;
+    let quantiles = [0.5, 0.9, 0.99].map(|share| comparison.quantile(share));
+    if options.json {
+        let object = serde_json::json!({
+            "pixels": pixels,
+            "differing": differing,
+            "share": comparison.share(),
+            "classes": classes,
+            "unit": if times { "s" } else { "levels" },
+            "median": quantiles[0],
+            "p90": quantiles[1],
+            "p99": quantiles[2],
+            "max": largest,
+        });
+        return super::say(&serde_json::to_string_pretty(&object)?);
+    }
+    let unit = if times { "s" } else { "levels" };
+    super::say(&format!(
+        "{differing} of {pixels} pixels differ ({:.4} %), {classes} of them in class; median \
+         {:.1e}, p90 {:.1e}, p99 {:.1e}, largest {largest:.1e} {unit}",
+        100.0 * comparison.share(),
+        quantiles[0],
+        quantiles[1],
+        quantiles[2]
+    ))
+}

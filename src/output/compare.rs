@@ -1,0 +1,349 @@
+//! Two results of one size, pixel by pixel: arrays of flip times, or pictures.
+//!
+//! Both are read row by row, so that their size does not matter.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+/// A result that is read from the top.
+pub struct Rows {
+    path: PathBuf,
+    size: [u32; 2],
+    kind: Kind,
+}
+
+enum Kind {
+    Times(BufReader<File>),
+    Colours(Box<png::Reader<BufReader<File>>>),
+}
+
+/// A row of a result.
+enum Row {
+    Times(Vec<f64>),
+    Colours(Vec<u8>),
+}
+
+/// How two pixels differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Difference {
+    /// By so many seconds, or by so many of 255 levels in the channel that differs most.
+    By(f64),
+    /// One has a time and the other has not, or they lack it for different reasons.
+    Class,
+}
+
+/// What came of a comparison.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Comparison {
+    /// Pixels of each.
+    pub pixels: u64,
+    /// Those that differ by more than was allowed, class changes included.
+    pub differing: u64,
+    /// Those among them that changed their class.
+    pub classes: u64,
+    /// The largest difference.
+    pub largest: f64,
+    histogram: Histogram,
+}
+
+/// Counts of differences by size, a hundred to a decade.
+#[derive(Clone, Debug, PartialEq)]
+struct Histogram {
+    none: u64,
+    counts: Vec<u64>,
+}
+
+const LEAST_DECADE: f64 = -18.0;
+const DECADES: usize = 24;
+const BINS_A_DECADE: f64 = 100.0;
+
+/// Why two files cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// It cannot be read.
+    #[error("cannot read {path}: {source}")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// It is no result.
+    #[error("{path} {why}; compare takes .npy arrays that render --raw wrote, and RGB PNGs")]
+    Kind {
+        /// Which.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// Times beside colours.
+    #[error("{a} has flip times and {b} colours, or the other way round: compare like with like")]
+    Unlike {
+        /// One.
+        a: PathBuf,
+        /// The other.
+        b: PathBuf,
+    },
+    /// Of different size.
+    #[error(
+        "{a} is {} and {b} {} pixels: only results of one size can be compared",
+        by(a_size),
+        by(b_size)
+    )]
+    Size {
+        /// One.
+        a: PathBuf,
+        /// Its size.
+        a_size: [u32; 2],
+        /// The other.
+        b: PathBuf,
+        /// Its size.
+        b_size: [u32; 2],
+    },
+}
+
+fn by([width, height]: &[u32; 2]) -> String {
+    format!("{width} × {height}")
+}
+
+impl Rows {
+    /// Opens a result.
+    pub fn open(path: &Path) -> Result<Self, CompareError> {
+        let unreadable = |source| CompareError::File { path: path.to_path_buf(), source };
+        let foreign = |why: String| CompareError::Kind { path: path.to_path_buf(), why };
+        let file = BufReader::new(File::open(path).map_err(unreadable)?);
+        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        let (size, kind) = if is_png {
+            let reader = png::Decoder::new(file).read_info();
+            let reader = reader.map_err(|error| foreign(format!("is no PNG: {error}")))?;
+            if reader.output_color_type() != (png::ColorType::Rgb, png::BitDepth::Eight) {
+                return Err(foreign("has other colours than 8-bit RGB".to_string()));
+            }
+            let info = reader.info();
+            ([info.width, info.height], Kind::Colours(Box::new(reader)))
+        } else {
+            let mut file = file;
+            let size = npy_size(&mut file).ok_or_else(|| {
+                foreign("is no two-dimensional .npy array of little-endian f64".to_string())
+            })?;
+            (size, Kind::Times(file))
+        };
+        Ok(Rows { path: path.to_path_buf(), size, kind })
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Whether it holds flip times.
+    pub fn has_times(&self) -> bool {
+        matches!(self.kind, Kind::Times(_))
+    }
+
+    fn next(&mut self) -> Result<Row, CompareError> {
+        let width = self.size[0] as usize;
+        let row = match &mut self.kind {
+            Kind::Times(file) => {
+                let mut bytes = vec![0; 8 * width];
+                file.read_exact(&mut bytes).map(|()| {
+                    let numbers = bytes.as_chunks::<8>().0.iter();
+                    Row::Times(numbers.map(|bytes| f64::from_le_bytes(*bytes)).collect())
+                })
+            }
+            Kind::Colours(reader) => match reader.next_row() {
+                Ok(Some(row)) => Ok(Row::Colours(row.data().to_vec())),
+                Ok(None) => Err(io::ErrorKind::UnexpectedEof.into()),
+                Err(error) => Err(io::Error::other(error)),
+            },
+        };
+        row.map_err(|source| {
+            let source = match source.kind() {
+                io::ErrorKind::UnexpectedEof => io::Error::other("it ends before its last row"),
+                _ => source,
+            };
+            CompareError::File { path: self.path.clone(), source }
+        })
+    }
+}
+
+/// Width and height of a `.npy` array of f64, from its header.
+fn npy_size(file: &mut impl Read) -> Option<[u32; 2]> {
+    let mut head = [0; 10];
+    file.read_exact(&mut head).ok()?;
+    let length = usize::from(u16::from_le_bytes([head[8], head[9]]));
+    let mut text = vec![0; length];
+    file.read_exact(&mut text).ok()?;
+    let text = String::from_utf8(text).ok()?;
+    let fits = head.starts_with(b"\x93NUMPY\x01")
+        && text.contains("'<f8'")
+        && text.contains("'fortran_order': False");
+    let (_, shape) = text.split_once("'shape': (")?;
+    let (height, width) = shape.split_once(')')?.0.split_once(',')?;
+    let size = [width.trim().parse().ok()?, height.trim().parse().ok()?];
+    fits.then_some(size)
+}
+
+impl Difference {
+    /// Of two flip times: finite, +inf where there was none, NaN where there can be none.
+    pub fn of_times(a: f64, b: f64) -> Self {
+        if a.is_finite() && b.is_finite() {
+            Difference::By((a - b).abs())
+        } else if a == b || (a.is_nan() && b.is_nan()) {
+            Difference::By(0.0)
+        } else {
+            Difference::Class
+        }
+    }
+
+    /// Of two colours.
+    fn of_colours(a: &[u8], b: &[u8]) -> Self {
+        let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+        Difference::By(f64::from(most))
+    }
+}
+
+/// Compares two results; each row of differences is handed to `row`, from the top.
+pub fn compare(
+    mut a: Rows,
+    mut b: Rows,
+    tolerance: f64,
+    row: &mut dyn FnMut(&[Difference]) -> io::Result<()>,
+) -> Result<Comparison, CompareError> {
+    if a.has_times() != b.has_times() {
+        return Err(CompareError::Unlike { a: a.path, b: b.path });
+    }
+    if a.size != b.size {
+        let (a_size, b_size) = (a.size, b.size);
+        return Err(CompareError::Size { a: a.path, a_size, b: b.path, b_size });
+    }
+    let mut comparison = Comparison::default();
+    for _ in 0..a.size[1] {
+        let differences: Vec<Difference> = match (a.next()?, b.next()?) {
+            (Row::Times(a), Row::Times(b)) => {
+                a.iter().zip(b).map(|(a, b)| Difference::of_times(*a, b)).collect()
+            }
+            (Row::Colours(a), Row::Colours(b)) => {
+                a.chunks(3).zip(b.chunks(3)).map(|(a, b)| Difference::of_colours(a, b)).collect()
+            }
+            _ => return Err(CompareError::Unlike { a: a.path, b: b.path }),
+        };
+        differences.iter().for_each(|difference| comparison.add(*difference, tolerance));
+        let path = PathBuf::from("the difference picture");
+        row(&differences).map_err(|source| CompareError::File { path, source })?;
+    }
+    Ok(comparison)
+}
+
+impl Comparison {
+    fn add(&mut self, difference: Difference, tolerance: f64) {
+        self.pixels += 1;
+        match difference {
+            Difference::Class => {
+                self.classes += 1;
+                self.differing += 1;
+            }
+            Difference::By(by) => {
+                self.differing += u64::from(by > tolerance);
+                self.largest = self.largest.max(by);
+                self.histogram.add(by);
+            }
+        }
+    }
+
+    /// The share of pixels that differ by more than was allowed.
+    pub fn share(&self) -> f64 {
+        self.differing as f64 / (self.pixels as f64).max(1.0)
+    }
+
+    /// The difference that this share of the pixels does not exceed, right to a fortieth of
+    /// itself; class changes do not count.
+    pub fn quantile(&self, share: f64) -> f64 {
+        self.histogram.quantile(share).min(self.largest)
+    }
+}
+
+impl Default for Histogram {
+    fn default() -> Self {
+        Histogram { none: 0, counts: vec![0; DECADES * BINS_A_DECADE as usize] }
+    }
+}
+
+impl Histogram {
+    fn add(&mut self, by: f64) {
+        if by == 0.0 {
+            self.none += 1;
+            return;
+        }
+        let bin = (by.log10() - LEAST_DECADE) * BINS_A_DECADE;
+        let last = self.counts.len() - 1;
+        self.counts[(bin.max(0.0) as usize).min(last)] += 1;
+    }
+
+    fn quantile(&self, share: f64) -> f64 {
+        let all = self.none + self.counts.iter().sum::<u64>();
+        let mut left = (share * all as f64).ceil() as u64;
+        if left <= self.none {
+            return 0.0;
+        }
+        left -= self.none;
+        for (bin, count) in self.counts.iter().enumerate() {
+            if left <= *count {
+                return 10f64.powf((bin + 1) as f64 / BINS_A_DECADE + LEAST_DECADE);
+            }
+            left -= count;
+        }
+        f64::INFINITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_and_times_are_told_apart() {
+        let (inf, nan) = (f64::INFINITY, f64::NAN);
+        for (a, b, expected) in [
+            (1.0, 1.5, Difference::By(0.5)),
+            (inf, inf, Difference::By(0.0)),
+            (nan, nan, Difference::By(0.0)),
+            (1.0, inf, Difference::Class),
+            (inf, nan, Difference::Class),
+            (nan, 2.0, Difference::Class),
+        ] {
+            assert_eq!(Difference::of_times(a, b), expected, "{a} and {b}");
+        }
+    }
+
+    #[test]
+    fn quantiles_are_of_all_that_have_a_difference() {
+        let mut comparison = Comparison::default();
+        for k in 0..100 {
+            let by = if k < 50 { 0.0 } else { f64::from(k) * 1e-3 };
+            comparison.add(Difference::By(by), 0.08);
+        }
+        comparison.add(Difference::Class, 0.08);
+        assert_eq!((comparison.pixels, comparison.differing, comparison.classes), (101, 20, 1));
+        assert_eq!(comparison.quantile(0.5), 0.0);
+        assert!((comparison.quantile(0.9) / 0.089 - 1.0).abs() < 0.025);
+        assert_eq!((comparison.quantile(1.0), comparison.largest), (0.099, 0.099));
+    }
+
+    #[test]
+    fn only_arrays_of_f64_have_a_size() {
+        let header = |text: &str| {
+            let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+            bytes.extend((text.len() as u16).to_le_bytes());
+            bytes.extend(text.bytes());
+            npy_size(&mut &bytes[..])
+        };
+        let good = "{'descr': '<f8', 'fortran_order': False, 'shape': (5, 7), }";
+        assert_eq!(header(good), Some([7, 5]));
+        for (from, to) in [("<f8", "<f4"), ("False", "True"), ("(5, 7)", "(5,)"), ("5", "-5")] {
+            assert_eq!(header(&good.replace(from, to)), None, "{to}");
+        }
+        assert_eq!(npy_size(&mut &b"\x93NUMPY"[..]), None);
+    }
+}
