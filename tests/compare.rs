@@ -1,0 +1,66 @@
+//! `flipmap compare`: what it says of two results, and with which code.
+
+use std::fs;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+fn flipmap(folder: &TempDir, arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("flipmap").unwrap();
+    command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
+    command.args(arguments).output().unwrap()
+}
+
+fn error_of(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn results_are_compared_and_too_much_difference_is_code_3() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let map = |name: &str, method: &[&str], size: &str| {
+        let files = ["-o", &at(&format!("{name}.png")), "--raw", &at(&format!("{name}.npy"))]
+            .map(str::to_string);
+        let files: Vec<&str> = files.iter().map(String::as_str).collect();
+        let cpu = ["render", "--engine", "cpu", "--size", size];
+        let output = flipmap(&folder, &[&cpu[..], &files[..], method].concat());
+        assert!(output.status.success(), "{output:?}");
+    };
+    map("fine", &["--accuracy", "balanced"], "48x48");
+    map("coarse", &["--accuracy", "lesson"], "48x48");
+    map("small", &["--accuracy", "lesson"], "40x48");
+    let compared = |arguments: &[&str]| flipmap(&folder, &[&["compare"], arguments].concat());
+    for ending in ["npy", "png"] {
+        let [fine, coarse, small] =
+            ["fine", "coarse", "small"].map(|name| at(&format!("{name}.{ending}")));
+        let same = compared(&[&fine, &fine]);
+        assert!(same.status.success(), "{same:?}");
+        let picture = at(&format!("difference-{ending}.png"));
+        let differs = compared(&[&fine, &coarse, "-o", &picture, "--json"]);
+        assert_eq!(differs.status.code(), Some(3), "{differs:?}");
+        let told: serde_json::Value = serde_json::from_slice(&differs.stdout).unwrap();
+        let share = told["share"].as_f64().unwrap();
+        assert!(told["pixels"] == 2304 && (0.001..0.3).contains(&share), "{told}");
+        assert_eq!(image::open(&picture).unwrap().width(), 48);
+        assert!(compared(&[&fine, &coarse, "--share", "0.3"]).status.success());
+        let sizes = compared(&[&fine, &small]);
+        assert_eq!(sizes.status.code(), Some(1));
+        assert!(error_of(&sizes).contains("48 × 48 and"), "{}", error_of(&sizes));
+    }
+    let cut = at("cut.npy");
+    let whole = fs::read(at("fine.npy")).unwrap();
+    fs::write(&cut, &whole[..whole.len() - 8]).unwrap();
+    let [fine, picture] = ["fine.npy", "fine.png"].map(at);
+    for (other, words) in [(&cut, "ends before"), (&picture, "like with like")] {
+        let output = compared(&[&fine, other, "-o", &at("never.png")]);
+        assert_eq!(output.status.code(), Some(1), "{other}");
+        assert!(error_of(&output).contains(words), "{}", error_of(&output));
+        assert!(!folder.path().join("never.png").exists());
+    }
+    for wrong in [["--tolerance", "-1"], ["--share", "2"]] {
+        let output = compared(&[&fine, &fine, wrong[0], wrong[1]]);
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+    }
+}
