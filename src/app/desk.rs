@@ -187,14 +187,19 @@ impl Desk {
         if !self.state.spreads || self.state.moving.is_some() {
             return false;
         }
-        let (screen, explorer) = (self.state.screen(), &mut self.room.explorer);
-        let Some(level) = seen::whole_level(&screen, COARSER, explorer) else { return false };
         let near = |then: &Camera| {
             let moved = then.offset_of(camera.center).length() < 0.25 * camera.width_rad;
             moved && (then.width_rad / camera.width_rad).ln().abs() < 0.3
         };
+        // Whether that was at the finest level.
+        let spread = self.spread_for.filter(|(then, _)| near(then)).map(|(_, fine)| fine);
+        if spread == Some(true) {
+            return false;
+        }
+        let (screen, explorer) = (self.state.screen(), &mut self.room.explorer);
+        let Some(level) = seen::whole_level(&screen, COARSER, explorer) else { return false };
         let finest = level == screen.level();
-        if self.spread_for.as_ref().is_some_and(|(then, fine)| near(then) && (*fine || !finest)) {
+        if spread.is_some() && !finest {
             return false;
         }
         self.spread_for = Some((camera, finest));

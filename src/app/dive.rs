@@ -1,5 +1,6 @@
 //! Going deeper by itself: a descent in the background that the window follows.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -8,7 +9,6 @@ use super::action::{Action, Look};
 use super::camera::Camera;
 use super::desk::Desk;
 use super::engine_room::{Wake, step_back};
-use super::export::append_keys;
 use super::panels::deeper::DeeperAction;
 use crate::engine::EngineError;
 use crate::engine::choice::{ChoiceError, Kind, Wish, choose};
@@ -94,8 +94,7 @@ impl Desk {
         let wish = (screen.offset_at(pointer) / screen.camera.width_rad).to_array();
         // Deep places show nothing within a budget that stays behind.
         self.state.question.budget.auto = true;
-        let document = self.state.document();
-        let scene = document.scene();
+        let scene = self.state.document().scene();
         self.way.scenes = vec![scene.clone()];
         let wish_for = Wish { demand: self.state.demand, ..self.wish.clone() };
         self.way.dive = Some(Dive::start(scene, wish, wish_for, Arc::clone(&self.wake)));
@@ -136,20 +135,11 @@ impl Desk {
             }
             DeeperAction::Keep => {
                 let shown = self.state.document();
-                let documents = self.way.scenes.iter().map(|scene| Document {
-                    pendulum: scene.build,
-                    question: scene.question,
-                    view: scene.view.clone(),
-                    ..shown.clone()
-                });
-                let documents: Vec<Document> = documents.collect();
-                match append_keys(self.way.path.as_ref(), &documents) {
-                    Ok(keys) => {
-                        let name = &self.way.path;
-                        self.state.notices.tell(format!("{name} has {keys} film keys now."));
-                    }
-                    Err(error) => self.state.notices.fail(error),
-                }
+                let scenes = self.way.scenes.iter().cloned();
+                let documents: Vec<Document> =
+                    scenes.map(|scene| shown.clone().with_scene(scene)).collect();
+                let path = PathBuf::from(&self.way.path);
+                self.add_keys(&path, &documents);
             }
         }
         None

@@ -1,5 +1,6 @@
 //! What actions do beyond the plain state: files, flights, engines.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use super::action::Action;
@@ -15,7 +16,7 @@ use super::state::Effect;
 use crate::output::Picture;
 use crate::physics::Theta;
 use crate::scene::palette::{Tones, equalised};
-use crate::scene::{PictureTable, Scale};
+use crate::scene::{Document, PictureTable, Scale};
 
 /// Steps of an equalised palette.
 const EQUAL_STEPS: usize = 32;
@@ -159,6 +160,17 @@ impl Desk {
         }
     }
 
+    /// Adds film keys to a file, and says how many it has now or why not.
+    pub(super) fn add_keys(&mut self, path: &Path, documents: &[Document]) {
+        match append_keys(path, documents) {
+            Ok(keys) => {
+                let name = path.display();
+                self.state.notices.tell(format!("{name} has {keys} film keys now."));
+            }
+            Err(error) => self.state.notices.fail(error),
+        }
+    }
+
     fn start_export(&mut self) {
         let form = self.export_form.clone();
         let (document, path) = (self.state.document(), std::path::PathBuf::from(&form.path));
@@ -166,13 +178,7 @@ impl Desk {
             What::Png => ExportKind::Png,
             What::Raw => ExportKind::Raw,
             What::Key => {
-                match append_keys(&path, &[document]) {
-                    Ok(keys) => {
-                        let name = path.display();
-                        self.state.notices.tell(format!("{name} has {keys} film keys now."));
-                    }
-                    Err(error) => self.state.notices.fail(error),
-                }
+                self.add_keys(&path, &[document]);
                 return;
             }
         };

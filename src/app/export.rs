@@ -1,7 +1,6 @@
 //! Exports: a view as a picture or as numbers at any size, computed in the background by an
 //! engine of its own, with the loop and the files of `flipmap render`.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -248,12 +247,9 @@ pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String>
         Keys::default()
     };
     documents.iter().for_each(|document| keys.append(document.clone()));
-    let write = || {
-        let mut file = SafeFile::create(&Destination::File(path.to_path_buf()))?;
-        file.write_all(keys.text().as_bytes())?;
-        file.finish()
-    };
-    write().map_err(|error| refuse(&format!("cannot be written: {error}")))?;
+    let file = Destination::File(path.to_path_buf());
+    SafeFile::write_whole(&file, keys.text().as_bytes())
+        .map_err(|error| refuse(&format!("cannot be written: {error}")))?;
     Ok(keys.keys.len())
 }
 

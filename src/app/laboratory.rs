@@ -37,9 +37,8 @@ impl Desk {
 
     /// Opens a start in a figure.
     pub(super) fn open_in_lab(&mut self, figure: Figure, start: [Theta; 2]) {
-        self.state.shown.lab = true;
         self.lab.open(figure, start.map(|theta| theta.wrapped().to_f64()));
-        self.room.rest();
+        self.show_figure(Some(figure));
     }
 
     /// The tabs of all figures.

@@ -1,6 +1,6 @@
 //! How the window was left: kept between two runs in `settings.toml`.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -200,9 +200,7 @@ impl Store {
             std::fs::create_dir_all(folder)?;
         }
         let text = toml::to_string(settings).map_err(io::Error::other)?;
-        let mut file = SafeFile::create(&Destination::File(path.clone()))?;
-        file.write_all(text.as_bytes())?;
-        file.finish()
+        SafeFile::write_whole(&Destination::File(path.clone()), text.as_bytes())
     }
 }
 

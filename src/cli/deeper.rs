@@ -1,11 +1,9 @@
 //! `flipmap deeper`: from a scene down a filament, as far as there is structure.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flipmap::engine::choice::choose;
-use flipmap::output::{Destination, SafeFile};
 use flipmap::scene::keys::{Key, Keys};
 use flipmap::scene::{LEAST_WIDTH, Scene, location};
 use flipmap::tiles::descent::{Deeper, Descent};
@@ -66,7 +64,8 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             easing: Default::default(),
             scene: document.clone().with_scene(scene.clone()),
         });
-        write(file, &Keys { keys: keys.collect(), ..Keys::default() }.text())?;
+        let text = Keys { keys: keys.collect(), ..Keys::default() }.text();
+        super::write_whole(file, "-o", text.as_bytes())?;
     }
     if options.output.as_deref() != Some(Path::new("-")) {
         super::say(&location::text(&path[path.len() - 1]))?;
@@ -77,11 +76,4 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
 
 fn width(scene: &Scene) -> f64 {
     scene.view.width_rad().hi
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    let destination = Destination::from(path);
-    let mut file = SafeFile::create(&destination)?;
-    file.write_all(text.as_bytes())?;
-    Ok(file.finish()?)
 }

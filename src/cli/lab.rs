@@ -1,18 +1,17 @@
 //! `flipmap lab`: a figure of the lesson as a still or as data.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::Args;
 use flipmap::lab::home::home_map;
 use flipmap::lab::still::{Still, draw, still};
 use flipmap::lab::{Figure, Lab, flips};
-use flipmap::output::{Destination, PngWriter, SafeFile};
+use flipmap::output::PngWriter;
 use flipmap::scene::Build;
 
 use super::exit::Exit;
 use super::options::number;
+use super::run_options::sides;
 
 #[derive(Args, Debug)]
 pub struct Options {
@@ -54,10 +53,10 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     let mut lab = Lab::new(figure);
     if let (Some(path), Some(toy)) = (&options.csv, lab.toy()) {
-        write(path, "--csv", toy.csv(secs).as_bytes())?;
+        super::write_whole(path, "--csv", toy.csv(secs).as_bytes())?;
     }
     if let Some(path) = &options.output {
-        write(path, "-o", &png(&still(&mut lab, size, secs)?)?)?;
+        super::write_whole(path, "-o", &png(&still(&mut lab, size, secs)?)?)?;
     }
     Ok(())
 }
@@ -66,7 +65,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
 fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
     let map = home_map(MAP_SIDE)?;
     if let Some(path) = &options.csv {
-        write(path, "--csv", map.csv().as_bytes())?;
+        super::write_whole(path, "--csv", map.csv().as_bytes())?;
     }
     if let Some(path) = &options.output {
         let build = Build::default();
@@ -75,7 +74,7 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
             let texture = texture.get_or_insert_with(|| map.texture(ui.ctx()));
             flips::show(ui, texture, &build, &map.seen);
         })?;
-        write(path, "-o", &png(&still)?)?;
+        super::write_whole(path, "-o", &png(&still)?)?;
     }
     Ok(())
 }
@@ -84,9 +83,8 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
 const MAP_SIDE: u32 = 512;
 
 fn size(text: &str) -> Result<[u32; 2], Exit> {
-    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let fits = |size: &[u32; 2]| size.iter().all(|side| (320..=8192).contains(side));
-    sides.filter(fits).ok_or_else(|| {
+    sides(text).filter(fits).ok_or_else(|| {
         Exit::Usage(format!("--size is '{text}'; it must be WxH, each 320 to 8192 pixels"))
     })
 }
@@ -95,12 +93,4 @@ fn png(still: &Still) -> anyhow::Result<Vec<u8>> {
     let mut writer = PngWriter::without_scene(Vec::new(), still.size)?;
     writer.write(&still.rgb)?;
     Ok(writer.finish()?)
-}
-
-fn write(path: &Path, option: &str, bytes: &[u8]) -> anyhow::Result<()> {
-    let destination = Destination::from(path);
-    let cannot = || format!("{option}: cannot write {destination}");
-    let mut file = SafeFile::create(&destination).with_context(cannot)?;
-    file.write_all(bytes).with_context(cannot)?;
-    file.finish().with_context(cannot)
 }

@@ -17,7 +17,11 @@ mod spread;
 mod stop;
 mod trace;
 
+use std::path::Path;
+
+use anyhow::Context;
 use clap::{Parser, Subcommand};
+use flipmap::output::{Destination, SafeFile};
 
 /// Every possible double pendulum at once: each pixel is a pendulum let go at rest at
 /// (θ1, θ2), its colour the time until its second bob flips over the top.
@@ -72,4 +76,11 @@ fn tell(text: &str) {
 fn say(text: &str) -> anyhow::Result<()> {
     use std::io::Write;
     Ok(writeln!(std::io::stdout(), "{text}")?)
+}
+
+/// A file (- for standard output) with these bytes, or which option could not be obeyed.
+fn write_whole(path: &Path, option: &str, bytes: &[u8]) -> anyhow::Result<()> {
+    let destination = Destination::from(path);
+    SafeFile::write_whole(&destination, bytes)
+        .with_context(|| format!("{option}: cannot write {destination}"))
 }

@@ -147,9 +147,14 @@ impl RunOptions {
 
 const SIZE: &str = "it must be WIDTHxHEIGHT with both between 1 and 1000000 pixels";
 
+/// Two sides with an x between them.
+pub fn sides(text: &str) -> Option<[u32; 2]> {
+    let (width, height) = text.split_once('x')?;
+    Some([width.parse().ok()?, height.parse().ok()?])
+}
+
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    sides.ok_or(SIZE.to_string())
+    sides(text).ok_or(SIZE.to_string())
 }
 
 #[cfg(test)]

@@ -62,6 +62,18 @@ const MARGIN: Vec2 = vec2(52.0, 32.0);
 /// Points of a curve at most; more could not be told apart.
 const MOST_POINTS: usize = 800;
 
+impl Curve {
+    /// A line with a name in the legend.
+    pub fn line(name: &str, colour: Color32, points: Vec<[f64; 2]>) -> Self {
+        Curve { name: name.to_string(), colour, points, dashed: false }
+    }
+
+    /// A dashed one.
+    pub fn guide(name: &str, colour: Color32, points: Vec<[f64; 2]>) -> Self {
+        Curve { dashed: true, ..Curve::line(name, colour, points) }
+    }
+}
+
 impl Axis {
     /// An axis with its name.
     pub fn new(name: &str, range: RangeInclusive<f64>, scale: Scale) -> Self {
@@ -112,14 +124,14 @@ impl Axis {
 }
 
 /// The next number above `least` of the form 1, 2 or 5 times a power of ten.
-fn round_step(least: f64) -> f64 {
+pub fn round_step(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
     factor.unwrap_or(10.0) * power
 }
 
-/// A number without zeros that say nothing.
-fn plain(value: f64) -> String {
+/// A number with at most three digits after the point, without zeros that say nothing.
+pub fn plain(value: f64) -> String {
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

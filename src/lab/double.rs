@@ -3,8 +3,8 @@
 use egui::{Grid, Ui};
 
 use super::controls::{build, row};
-use super::drawing::{COLOURS, FAINT, INK, Stage, end, ends};
-use super::swinger::{Swinger, wrapped};
+use super::drawing::{COLOURS, FAINT, INK, Stage, end, ends, wrapped};
+use super::swinger::Swinger;
 use super::{Asked, Toy};
 
 /// Two angles, and the second pivot riding on the first bob.

@@ -111,9 +111,7 @@ impl Stage {
 
     /// The arc of an angle from the downward vertical at a place.
     pub fn arc(&self, at: [f64; 2], angle: f64, radius_m: f64, colour: Color32) {
-        let turned = angle.rem_euclid(std::f64::consts::TAU);
-        let angle =
-            if turned > std::f64::consts::PI { turned - std::f64::consts::TAU } else { turned };
+        let angle = wrapped(angle);
         let (center, radius) = (self.at(at), radius_m as f32 * self.points_per_m);
         let point = |k: u32| {
             let along = angle as f32 * k as f32 / 24.0;
@@ -169,6 +167,13 @@ pub fn end(from: [f64; 2], length: f64, angle: f64) -> [f64; 2] {
 /// The angle of a rod from one place towards another, rad.
 pub fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).atan2(from[1] - to[1])
+}
+
+/// An angle without whole turns, in (−π, π].
+pub fn wrapped(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
 }
 
 #[cfg(test)]

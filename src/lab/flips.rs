@@ -3,6 +3,7 @@
 use egui::{Grid, Image, TextureHandle, Ui, vec2};
 
 use super::Figure;
+use super::chart::plain;
 use super::controls::row;
 use crate::scene::{Build, Kind};
 
@@ -67,11 +68,6 @@ pub fn explain(ui: &mut Ui, build: &Build, seen: &Seen) -> Option<Kind> {
 fn curve_words(p: f64, q: f64) -> String {
     let ratio = p / q;
     format!("forbidden: {} cos θ1 + cos θ2 > {}", plain(ratio), plain(ratio - 1.0))
-}
-
-fn plain(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 /// The share of the torus on which `ratio` cos θ1 + cos θ2 > `ratio` − 1.

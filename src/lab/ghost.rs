@@ -26,19 +26,13 @@ impl Ghost {
         let ratio = |amplitude: f64| simple.period_secs(amplitude) / simple.small_period_secs();
         let at = |k: u32| f64::from(k) / 200.0 * MOST_AMPLITUDE;
         let known = (0..=200).map(|k| [at(k), ratio(at(k))]).collect();
-        let curve = |name: &str, colour, points, dashed| Curve {
-            name: name.to_string(),
-            colour,
-            points,
-            dashed,
-        };
         let amplitude = self.0.amplitude.abs();
         Chart {
             across: Axis::new("amplitude, rad", 0.0..=3.2, Scale::Linear),
             up: Axis::new("period / 2π√(r/g)", 0.8..=3.0, Scale::Linear),
             curves: vec![
-                curve("exact", COLOURS[1], known, false),
-                curve("small angles", FAINT, vec![[0.0, 1.0], [3.2, 1.0]], true),
+                Curve::line("exact", COLOURS[1], known),
+                Curve::guide("small angles", FAINT, vec![[0.0, 1.0], [3.2, 1.0]]),
             ],
             marks: vec![[amplitude, ratio(amplitude)]],
         }

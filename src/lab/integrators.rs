@@ -6,11 +6,11 @@ use super::chart::{Axis, Chart, Curve, Scale};
 use super::clock::Clock;
 use super::controls::{coloured_row, number_on};
 use super::drawing::{COLOURS, INK, Stage, ends};
+use super::swinger::pendulum;
 use super::{Asked, Toy};
 use crate::physics::integrator::{euler, rk4, semi_implicit_euler};
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, State};
-use crate::scene::Build;
 
 /// One of the three.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +97,7 @@ impl Sweep {
     fn chart(&self) -> Chart {
         let curves = Integrator::ALL.iter().zip(&self.errors).map(|((_, _, colour), errors)| {
             let points = self.steps_secs.iter().zip(errors).map(|(&x, &y)| [x, y]).collect();
-            Curve { name: String::new(), colour: *colour, points, dashed: false }
+            Curve::line("", *colour, points)
         });
         Chart {
             across: Axis::new("Δt, s", 3e-4..=2e-2, Scale::Log),
@@ -187,12 +187,11 @@ impl Integrators {
     }
 
     fn chart(&self) -> Chart {
-        let curves = self.runs.iter().zip(Integrator::ALL).map(|(run, (_, name, colour))| Curve {
-            name: name.to_string(),
-            colour,
-            points: run.errors.clone(),
-            dashed: false,
-        });
+        let curves = self
+            .runs
+            .iter()
+            .zip(Integrator::ALL)
+            .map(|(run, (_, name, colour))| Curve::line(name, colour, run.errors.clone()));
         let end = self.clock.secs().max(10.0);
         Chart {
             across: Axis::new("time, s", 0.0..=end, Scale::Linear),
@@ -201,10 +200,6 @@ impl Integrators {
             marks: Vec::new(),
         }
     }
-}
-
-fn pendulum() -> Pendulum<f64> {
-    Build::default().pendulum()
 }
 
 impl Toy for Integrators {

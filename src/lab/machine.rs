@@ -3,8 +3,8 @@
 use egui::{Grid, ProgressBar, Ui};
 
 use super::controls::{build, row};
-use super::drawing::Stage;
-use super::swinger::{Swinger, wrapped};
+use super::drawing::{Stage, wrapped};
+use super::swinger::Swinger;
 use super::{Asked, Toy};
 
 /// The machine.

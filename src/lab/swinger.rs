@@ -3,7 +3,7 @@
 use egui::Response;
 
 use super::clock::Clock;
-use super::drawing::{COLOURS, INK, Stage, angle_of, ends};
+use super::drawing::{COLOURS, INK, Stage, angle_of, ends, wrapped};
 use crate::physics::integrator::rk4;
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, State};
@@ -129,11 +129,9 @@ impl Swinger {
     }
 }
 
-/// An angle without whole turns, in (−π, π].
-pub fn wrapped(angle: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    let turned = angle.rem_euclid(TAU);
-    if turned > PI { turned - TAU } else { turned }
+/// The five numbers of the default pendulum.
+pub fn pendulum() -> Pendulum<f64> {
+    Build::default().pendulum()
 }
 
 #[cfg(test)]

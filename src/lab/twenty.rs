@@ -6,12 +6,12 @@ use super::chart::{Axis, Chart, Curve, Scale};
 use super::clock::Clock;
 use super::controls::{brief, number_on, row};
 use super::drawing::{COLOURS, FAINT, INK, Stage, ends};
+use super::swinger::pendulum;
 use super::{Asked, Toy};
 use crate::physics::integrator::rk4;
 use crate::physics::separation::{Growth, Reading, Ruler, SATURATED_RAD};
 use crate::physics::trig::Turning;
-use crate::physics::{Dd, Pendulum, State};
-use crate::scene::Build;
+use crate::physics::{Dd, State};
 
 /// Pendulums from almost one start.
 #[derive(Clone, Debug)]
@@ -95,20 +95,14 @@ impl Twenty {
 
     fn chart(&self) -> Chart {
         let points = self.readings.iter().map(|r| [r.secs, r.separation_rad]).collect();
-        let curve = |name: &str, colour, points, dashed| Curve {
-            name: name.to_string(),
-            colour,
-            points,
-            dashed,
-        };
         let end = self.clock.secs().max(10.0);
-        let mut curves = vec![curve("first from last", COLOURS[1], points, false)];
+        let mut curves = vec![Curve::line("first from last", COLOURS[1], points)];
         if let Some(growth) = self.growth() {
             let line = [0.0, growth.until_secs].map(|t| [t, growth.separation_rad(t)]).to_vec();
-            curves.push(curve("fitted climb", INK, line, true));
+            curves.push(Curve::guide("fitted climb", INK, line));
         }
         let saturated = vec![[0.0, SATURATED_RAD], [end, SATURATED_RAD]];
-        curves.push(curve("saturated", FAINT, saturated, true));
+        curves.push(Curve::guide("saturated", FAINT, saturated));
         Chart {
             across: Axis::new("time, s", 0.0..=end, Scale::Linear),
             up: Axis::new("separation, rad", 1e-13..=1e2, Scale::Log),
@@ -116,10 +110,6 @@ impl Twenty {
             marks: Vec::new(),
         }
     }
-}
-
-fn pendulum() -> Pendulum<f64> {
-    Build::default().pendulum()
 }
 
 /// From orange to sky.

@@ -69,6 +69,9 @@ pub enum CompareError {
         /// Why not.
         source: io::Error,
     },
+    /// The differences could not be handed on.
+    #[error("cannot write the difference picture: {0}")]
+    Picture(#[source] io::Error),
     /// It is no result.
     #[error("{path} {why}; compare takes .npy arrays that render --raw wrote, and RGB PNGs")]
     Kind {
@@ -230,8 +233,7 @@ pub fn compare(
             _ => return Err(CompareError::Unlike { a: a.path, b: b.path }),
         };
         differences.iter().for_each(|difference| comparison.add(*difference, tolerance));
-        let path = PathBuf::from("the difference picture");
-        row(&differences).map_err(|source| CompareError::File { path, source })?;
+        row(&differences).map_err(CompareError::Picture)?;
     }
     Ok(comparison)
 }

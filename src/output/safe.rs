@@ -86,6 +86,13 @@ impl SafeFile {
         Ok(SafeFile::Beside(BufWriter::new(file), beside, path))
     }
 
+    /// A destination with these bytes and nothing else in it.
+    pub fn write_whole(destination: &Destination, bytes: &[u8]) -> io::Result<()> {
+        let mut file = SafeFile::create(destination)?;
+        file.write_all(bytes)?;
+        file.finish()
+    }
+
     /// Completes the file and puts it in its place.
     pub fn finish(self) -> io::Result<()> {
         match self {

@@ -6,7 +6,7 @@ use super::{DepthRow, Report, ReportError, plan};
 
 const ABOUT: &str = "One filament followed down. At each width a picture of 24 × 24 pixels, with a budget that \
      follows the depth, is compared with pixels integrated one by one in fixed-point numbers of \
-     57 to 134 digits. First is the time until that picture is there, most of it the reference's; \
+     57 to 115 digits. First is the time until that picture is there, most of it the reference's; \
      steps, right-hand sides and time are those of a pixel of a picture of 128 × 128 once the \
      reference is known, cells followed as polynomials included.";
 

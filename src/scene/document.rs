@@ -99,9 +99,9 @@ impl Document {
         check_format(text)?;
         let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
         let mut document: Document = toml::from_str(text).map_err(syntax)?;
-        document.check()?;
-        // One that follows the depth is known only with the view.
+        // A budget that follows the depth is known only with the view.
         document.question = document.scene().checked()?.question;
+        document.picture.check()?;
         Ok(document)
     }
 

@@ -4,17 +4,11 @@ mod drawing;
 mod facts;
 mod plot;
 
-use egui::{Atom, Button, Color32, Response, Role, Slider, Stroke, Ui, WidgetInfo};
+use egui::{Atom, Button, Response, Role, Slider, Stroke, Ui, WidgetInfo};
 
 use crate::app::flight::playback::SPEEDS;
 use crate::app::pins::{Pin, PinAction, Pins};
-
-/// Drawings are dark in the light theme too: on white nobody sees the yellow pin.
-const CANVAS: Color32 = Color32::from_gray(24);
-/// Lines and words on them.
-const INK: Color32 = Color32::from_gray(225);
-/// What stays behind.
-const FAINT: Color32 = Color32::from_gray(130);
+use crate::lab::drawing::{CANVAS, FAINT, INK};
 
 /// Shows the pins and the selected one's pendulum; answers with what the person does to them.
 /// Asks for another frame only while that pendulum plays.

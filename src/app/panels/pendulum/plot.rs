@@ -9,6 +9,7 @@ use egui::{
 use super::facts::round_secs;
 use super::{CANVAS, FAINT, INK};
 use crate::app::pins::Pin;
+use crate::lab::chart::round_step;
 use crate::physics::separation::{Growth, Reading, reading_at};
 
 const HEIGHT: f32 = 110.0;
@@ -134,13 +135,6 @@ impl Axes {
         painter.vline(at.x, self.area.y_range(), Stroke::new(1.0, INK));
         painter.circle_filled(at, 3.0, INK);
     }
-}
-
-/// The next number above `least` of the form 1, 2 or 5 times a power of ten.
-fn round_step(least: f64) -> f64 {
-    let power = 10f64.powf(least.log10().floor());
-    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
-    factor.unwrap_or(10.0) * power
 }
 
 #[cfg(test)]
