@@ -58,7 +58,7 @@ mod tests {
             let [start, next] = sample_at(angle, level);
             let cell = Cell::around(angle, level);
             let [column, row] = cell.sample_at(angle);
-            let grid = cell.grid(&Scene::default());
+            let grid = cell.grid(&Scene::default(), SIDE);
             for (here, there) in start.into_iter().zip(grid.angle_from_pixel(column, row)) {
                 assert!((here.to_dd() - there).hi.abs() < 1e-31, "{here} {there}");
             }

@@ -92,6 +92,11 @@ impl Grid {
         self.spots.grouped(self.size, pixels)
     }
 
+    /// What one pixel to the right, and one up, adds to θ1 and θ2, rad.
+    pub fn pixel_axes(&self) -> [[f64; 2]; 2] {
+        [self.right, self.up].map(|by| by.map(|part| part.hi))
+    }
+
     /// A bound on how far one pixel to the right and one up moves each angle, rad.
     pub fn pixel_rad(&self) -> f64 {
         let [right, up] = [self.right, self.up].map(|by| by[0].hi.hypot(by[1].hi));

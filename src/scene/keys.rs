@@ -25,6 +25,9 @@ pub struct Key {
     /// How the camera comes there from the key before.
     #[serde(default)]
     pub easing: Easing,
+    /// Simulated seconds that have passed: later flips are not shown yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock: Option<f64>,
     /// Where it is, and what it sees.
     #[serde(default)]
     pub scene: Document,
@@ -39,6 +42,16 @@ pub enum Easing {
     Smooth,
     /// At one speed.
     Linear,
+}
+
+impl Easing {
+    /// The share of the way gone after a share of the time.
+    pub fn share(self, time: f64) -> f64 {
+        match self {
+            Easing::Smooth => time * time * (3.0 - 2.0 * time),
+            Easing::Linear => time,
+        }
+    }
 }
 
 /// Seconds between a key that is appended and the one before.
@@ -91,7 +104,7 @@ impl Keys {
     /// Adds a scene [`STEP_SECS`] after the last one, the first at 0.
     pub fn append(&mut self, scene: Document) {
         let secs = self.keys.last().map_or(0.0, |last| last.secs + STEP_SECS);
-        self.keys.push(Key { secs, easing: Easing::default(), scene });
+        self.keys.push(Key { secs, easing: Easing::default(), clock: None, scene });
     }
 }
 

@@ -13,8 +13,8 @@ use crate::scene::{Grid, Scene};
 pub const SIDE: u32 = 128;
 /// Samples in a cell.
 pub const SAMPLES: usize = (SIDE * SIDE) as usize;
-/// Leaves along each side of a cell.
-const LEAVES: u32 = 8;
+/// Samples along each side of the leaves that start maps belong to.
+const LEAF: u32 = 16;
 /// The deepest level: its cells are 1e-105 rad wide.
 pub const DEEPEST: u32 = 352;
 
@@ -90,7 +90,7 @@ fn floor(turn: Turn, level: u32) -> Turn {
 }
 
 /// A place without whole turns, in [0, 1).
-fn wrapped(turn: Turn) -> Turn {
+pub fn wrapped(turn: Turn) -> Turn {
     turn - floor(turn, 0)
 }
 
@@ -153,19 +153,19 @@ impl Cell {
         [0, 1].map(|i| wrapped(place[i] - corner[i]).to_f64() * half - 1.0)
     }
 
-    /// Its samples by the leaves that start maps belong to; they are a [`LEAVES`]th as wide.
-    pub fn leaves(&self) -> Grouped {
-        let level = self.level + LEAVES.ilog2();
-        let along = SIDE / LEAVES;
-        let at = |k: u32| f64::from(2 * k + 1) / f64::from(along) - 1.0;
+    /// Its `samples` × `samples` samples by the leaves that start maps belong to, a power of two of them.
+    pub fn leaves(&self, samples: u32) -> Grouped {
+        let leaves = samples / LEAF;
+        let level = self.level + leaves.ilog2();
+        let at = |k: u32| f64::from(2 * k + 1) / f64::from(LEAF) - 1.0;
         let mut groups = Grouped::new();
         let mut x = self.x;
-        for i in 0..LEAVES {
+        for i in 0..leaves {
             let mut y = self.y;
-            for j in 0..LEAVES {
+            for j in 0..leaves {
                 // Rows count from the top.
-                let place = |a: u32, b: u32| (SIDE - 1 - j * along - b) * SIDE + i * along + a;
-                let points = (0..along).flat_map(|b| (0..along).map(move |a| [a, b]));
+                let place = |a: u32, b: u32| (samples - 1 - j * LEAF - b) * samples + i * LEAF + a;
+                let points = (0..LEAF).flat_map(|b| (0..LEAF).map(move |a| [a, b]));
                 let points = points.map(|[a, b]| (place(a, b), [at(a), at(b)])).collect();
                 groups.push((Cell { level, x, y }, points));
                 y = y + side(level);
@@ -187,10 +187,11 @@ impl Cell {
         if image < *self { (image, true) } else { (*self, false) }
     }
 
-    /// Its samples as a picture of `scene`'s pendulum, row 0 at the top.
-    pub fn grid(&self, scene: &Scene) -> Grid {
-        let pixel = Theta::pi().doubled(1).halved(self.level) / Theta::from_f64(f64::from(SIDE));
-        Grid::square(scene, self.center(), pixel.to_dd(), [SIDE; 2])
+    /// Its `samples` × `samples` samples as a picture of `scene`'s pendulum, row 0 at the top.
+    pub fn grid(&self, scene: &Scene, samples: u32) -> Grid {
+        let side = Theta::pi().doubled(1).halved(self.level);
+        let pixel = side / Theta::from_f64(f64::from(samples));
+        Grid::square(scene, self.center(), pixel.to_dd(), [samples; 2])
     }
 
     /// The sample nearest to a start inside the cell: its column and row.
@@ -320,12 +321,12 @@ mod tests {
     #[test]
     fn samples_are_the_pixels_of_the_grid() {
         let cell = Cell { level: 5, x: Turn::from_f64(7.0 / 32.0), y: Turn::from_f64(20.0 / 32.0) };
-        let grid = cell.grid(&Scene::default());
+        let grid = cell.grid(&Scene::default(), SIDE);
         for (column, row) in [(0, 0), (127, 127), (5, 90)] {
             let start = grid.angle_from_pixel(column, row).map(Theta::from_dd);
             assert_eq!(cell.sample_at(start), [column, row]);
         }
-        let image = cell.mirrored().grid(&Scene::default());
+        let image = cell.mirrored().grid(&Scene::default(), SIDE);
         let (here, there) = (grid.angle_from_pixel(3, 9), image.angle_from_pixel(124, 118));
         assert_eq!(here, there.map(|theta| -theta));
     }

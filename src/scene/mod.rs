@@ -7,6 +7,7 @@
 mod budget;
 mod built_in;
 mod document;
+pub mod film;
 mod grid;
 pub mod keys;
 pub mod lattice;

@@ -249,7 +249,7 @@ impl Explorer {
         }
         let scene = aim.scene();
         Open::new(batch.cells.iter().flat_map(|cell| {
-            let grid = cell.grid(&scene);
+            let grid = cell.grid(&scene, SIDE);
             let known = self.cache.peek(batch.physics, *cell);
             let mut states = known.map_or(&[][..], |known| &known.paused).iter().peekable();
             (0..SAMPLES as u32).map(move |place| {
@@ -266,7 +266,7 @@ impl Explorer {
         for (k, cell) in (0..).zip(&batch.cells) {
             let moved = |(place, point)| (k * SAMPLES as u32 + place, point);
             groups.extend(
-                cell.leaves()
+                cell.leaves(SIDE)
                     .into_iter()
                     .map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect())),
             );

@@ -15,6 +15,8 @@ pub mod explorer;
 mod flights;
 mod kept;
 mod order;
+pub mod patch_work;
+pub mod patches;
 mod plan;
 pub mod preview;
 mod samples;

@@ -94,7 +94,7 @@ pub fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
 pub fn wrong(explorer: &mut Explorer, aim: &Aim, cell: Cell) -> Option<usize> {
     let (known, mirrored) = explorer.known(cell)?;
     let (scene, question) = (scene(aim), Question::from(&scene(aim)));
-    let grid = cell.grid(&scene);
+    let grid = cell.grid(&scene, SIDE);
     let truth = (0..SIDE * SIDE).map(|place| match grid.fate(place % SIDE, place / SIDE) {
         Fate::Forbidden => Outcome::without_time(Status::Forbidden),
         Fate::Balanced => Outcome::without_time(Status::Unflipped),
@@ -113,7 +113,7 @@ pub fn cell_of(angle: [Theta; 2], levels: &[u32]) -> Cell {
     let fits = |level: &&u32| {
         let cell = Cell::around(angle, **level);
         let [column, row] = cell.sample_at(angle);
-        cell.grid(&Scene::default()).angle_from_pixel(column, row) == angle.map(Theta::to_dd)
+        cell.grid(&Scene::default(), SIDE).angle_from_pixel(column, row) == angle.map(Theta::to_dd)
     };
     let level = levels.iter().find(fits).expect("a sample of one of the levels");
     Cell::around(angle, *level)

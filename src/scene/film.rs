@@ -1,0 +1,287 @@
+//! A film: the camera's path through its keys, and the frames taken on the way.
+//!
+//! Between two keys the width changes by equal ratios in equal times and the centre keeps one
+//! point of the plane where it is on the screen, so that a zoom has one visible speed however deep
+//! it goes. Everything else changes evenly.
+
+use serde::{Deserialize, Serialize};
+
+use super::keys::Key;
+use super::{Budget, Build, Question, Scene, View};
+use crate::physics::{Scalar, Theta};
+
+/// Frames of one size along keys.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Film {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// How many; the first shows the first key and the last the last one.
+    pub frames: u32,
+    /// Frames a second.
+    pub fps: f64,
+    /// Where the camera is when.
+    #[serde(rename = "key")]
+    pub keys: Vec<Key>,
+}
+
+/// What one frame shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shot {
+    /// The scene, its budget that of the moment.
+    pub scene: Scene,
+    /// Simulated seconds that have passed, where they run: what flips later waits in the dark.
+    pub clock_secs: Option<f64>,
+}
+
+/// Why keys are no film.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FilmError {
+    /// There is nowhere to go.
+    #[error("a film needs two keys or more, and this one has {0}")]
+    Few(usize),
+    /// What cannot change by and by.
+    #[error("key {number} has another {what} than the first; in a film it stays the same")]
+    Jumps {
+        /// Which key, from 1.
+        number: usize,
+        /// What differs.
+        what: &'static str,
+    },
+    /// Time that begins or ends to run somewhere in the middle.
+    #[error("key {number} {has} a clock and the first {first}: give it to all keys or to none")]
+    Clock {
+        /// Which key, from 1.
+        number: usize,
+        /// What it has.
+        has: &'static str,
+        /// What the first has.
+        first: &'static str,
+    },
+    /// A number out of its range.
+    #[error("{option} is {value}; it must lie between {least} and {most}")]
+    Range {
+        /// The option.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+        /// The least that can be used.
+        least: f64,
+        /// The most.
+        most: f64,
+    },
+}
+
+/// Most frames of a film.
+const MOST_FRAMES: u32 = 1_000_000;
+
+impl Film {
+    /// Refuses what is no film; the keys have been checked one by one.
+    pub fn check(&self) -> Result<(), FilmError> {
+        let range = |option, value: f64, least: f64, most: f64| {
+            let fine = (least..=most).contains(&value);
+            if fine { Ok(()) } else { Err(FilmError::Range { option, value, least, most }) }
+        };
+        range("--frames", f64::from(self.frames), 2.0, f64::from(MOST_FRAMES))?;
+        range("--fps", self.fps, 0.1, 1000.0)?;
+        let [first, _, ..] = &self.keys[..] else { return Err(FilmError::Few(self.keys.len())) };
+        for (key, number) in self.keys.iter().zip(1..) {
+            let jumps = |what| Err(FilmError::Jumps { number, what });
+            if key.scene.question.rule != first.scene.question.rule {
+                return jumps("rule");
+            }
+            if key.scene.pendulum.kind != first.scene.pendulum.kind {
+                return jumps("kind of pendulum");
+            }
+            if key.clock.is_some() != first.clock.is_some() {
+                let has = |key: &Key| if key.clock.is_some() { "has" } else { "lacks" };
+                return Err(FilmError::Clock { number, has: has(key), first: has(first) });
+            }
+            range("clock", key.clock.unwrap_or(0.0), 0.0, 1e6)?;
+        }
+        Ok(())
+    }
+
+    /// The one budget to which every sample of the film is computed, s.
+    pub fn budget_secs(&self) -> f64 {
+        self.keys.iter().map(|key| key.scene.question.budget.secs).fold(0.0, f64::max)
+    }
+
+    /// What a frame shows, 0 the first.
+    pub fn shot(&self, frame: u32) -> Shot {
+        let [first, last] = [&self.keys[0], &self.keys[self.keys.len() - 1]];
+        let share = f64::from(frame) / f64::from((self.frames - 1).max(1));
+        self.at(first.secs + (last.secs - first.secs) * share.min(1.0))
+    }
+
+    /// What is seen at a time of the keys, s.
+    fn at(&self, secs: f64) -> Shot {
+        let next = self.keys.partition_point(|key| key.secs <= secs);
+        let next = next.clamp(1, self.keys.len() - 1);
+        let [from, to] = [&self.keys[next - 1], &self.keys[next]];
+        let time = ((secs - from.secs) / (to.secs - from.secs)).clamp(0.0, 1.0);
+        self.between(from, to, to.easing.share(time))
+    }
+
+    /// What is seen after a share of the way from a key to the next one.
+    fn between(&self, from: &Key, to: &Key, share: f64) -> Shot {
+        let [a, b] = [from.scene.scene(), to.scene.scene()];
+        let mix = |a: f64, b: f64| if a == b { a } else { a + (b - a) * share };
+        let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0]), mix(a[1], b[1])];
+        let build = Build {
+            kind: a.build.kind,
+            masses: pair(a.build.masses, b.build.masses),
+            lengths: pair(a.build.lengths, b.build.lengths),
+            gravity: mix(a.build.gravity, b.build.gravity),
+        };
+        // A budget that follows the depth is the film's one.
+        let auto = a.question.budget.auto || b.question.budget.auto;
+        let budget = if auto {
+            self.budget_secs()
+        } else {
+            mix(a.question.budget.secs, b.question.budget.secs)
+        };
+        let question = Question { rule: a.question.rule, budget: Budget::secs(budget) };
+        let view = between_views(&a.view, &b.view, share);
+        let clock_secs = from.clock.zip(to.clock).map(|(a, b)| mix(a, b));
+        Shot { scene: Scene { build, question, view }, clock_secs }
+    }
+}
+
+/// The view after a share of the way from one to another.
+fn between_views(a: &View, b: &View, share: f64) -> View {
+    if share == 0.0 || a == b {
+        return a.clone();
+    }
+    if share == 1.0 {
+        return b.clone();
+    }
+    let [wide, narrow] = [a, b].map(|view| view.width_rad().to_f64());
+    let (width, left) = zoomed(wide, narrow, share);
+    let [from, to] = [a.center_rad(), b.center_rad()];
+    // Twelve digits below the width tell the pixels of any frame apart.
+    let digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
+    let center = [0, 1].map(|i| {
+        let way = (from[i] - to[i]).wrapped();
+        (to[i] + way * Theta::from_f64(left)).wrapped().decimal(digits)
+    });
+    View {
+        center,
+        width: format!("{width:e}"),
+        rotate: a.rotate + (b.rotate - a.rotate) * share,
+        stretch: a.stretch * (b.stretch / a.stretch).powf(share),
+    }
+}
+
+/// The width after a share of a zoom, and the share of the way that the centre has still to go
+/// then: it shrinks as the width does, which keeps a point of the plane in its place.
+fn zoomed(from: f64, to: f64, share: f64) -> (f64, f64) {
+    let ratio = (from / to).ln();
+    let width = to * (ratio * (1.0 - share)).exp();
+    let left = if ratio.abs() < 1e-9 {
+        1.0 - share
+    } else {
+        (ratio * (1.0 - share)).exp_m1() / ratio.exp_m1()
+    };
+    (width, left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Document;
+    use crate::scene::keys::Easing;
+
+    fn key(secs: f64, change: impl FnOnce(&mut Document)) -> Key {
+        let mut scene = Document::default();
+        change(&mut scene);
+        Key { secs, easing: Easing::Linear, clock: None, scene }
+    }
+
+    fn film(keys: Vec<Key>) -> Film {
+        Film { size: [64, 48], frames: 11, fps: 25.0, keys }
+    }
+
+    fn zoom(width: &str) -> Film {
+        let deep = key(10.0, |scene| {
+            scene.view.center = ["-1.66".into(), "0.1".into()];
+            scene.view.width = width.into();
+        });
+        film(vec![key(0.0, |_| ()), deep])
+    }
+
+    #[test]
+    fn a_zoom_has_one_speed_and_a_point_that_stays() {
+        for deep in ["1e-3", "1e-60"] {
+            let film = zoom(deep);
+            let shots: Vec<Scene> = (0..11).map(|frame| film.shot(frame).scene).collect();
+            assert_eq!(shots[0].view, film.keys[0].scene.view);
+            assert_eq!(shots[10].view, film.keys[1].scene.view);
+            let width = |k: usize| shots[k].view.width_rad().to_f64();
+            let ratio = width(1) / width(0);
+            // The fixed point of the whole zoom, from the middle in widths of the view.
+            let [a, b] = [0, 10].map(|k: usize| shots[k].view.center_rad());
+            let fixed = [0, 1].map(|i| {
+                b[i] + (a[i] - b[i]) * Theta::from_f64(-width(10) / (width(0) - width(10)))
+            });
+            let place = |k: usize| {
+                let center = shots[k].view.center_rad();
+                [0, 1].map(|i| (fixed[i] - center[i]).to_f64() / width(k))
+            };
+            for k in 0..10 {
+                assert!((width(k + 1) / width(k) / ratio - 1.0).abs() < 1e-9, "{k}");
+                for i in 0..2 {
+                    assert!((place(k)[i] - place(0)[i]).abs() < 1e-6, "{k}: {:?}", place(k));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_pan_takes_the_short_way_round_the_torus() {
+        let at = |theta: &str| {
+            let theta = theta.to_string();
+            move |scene: &mut Document| scene.view.center[0] = theta
+        };
+        let film = film(vec![key(0.0, at("3.1")), key(1.0, at("-3.1"))]);
+        let middle = film.shot(5).scene.view.center_rad()[0].to_f64();
+        assert!((middle.abs() - std::f64::consts::PI).abs() < 1e-9, "{middle}");
+    }
+
+    #[test]
+    fn what_changes_changes_evenly() {
+        let film = film(vec![
+            key(0.0, |_| ()),
+            key(1.0, |scene| {
+                scene.pendulum.masses = [1.0, 5.0];
+                scene.question.budget = Budget::secs(10.0);
+            }),
+        ]);
+        let shot = film.shot(5).scene;
+        assert_eq!((shot.build.masses, shot.question.budget.secs), ([1.0, 3.0], 20.0));
+        assert_eq!(film.budget_secs(), 30.0);
+    }
+
+    #[test]
+    fn the_clock_runs_from_key_to_key() {
+        let clock = |secs, clock| Key { clock: Some(clock), ..key(secs, |_| ()) };
+        let film = film(vec![clock(0.0, 0.0), clock(1.0, 30.0)]);
+        film.check().unwrap();
+        assert_eq!(film.shot(5).clock_secs, Some(15.0));
+    }
+
+    #[test]
+    fn keys_that_are_no_film_are_refused_by_name() {
+        let refused = |keys| film(keys).check().unwrap_err().to_string();
+        assert!(refused(vec![key(0.0, |_| ())]).contains("two keys or more, and this one has 1"));
+        let rods = |scene: &mut Document| scene.pendulum.kind = crate::scene::Kind::Rods;
+        assert!(refused(vec![key(0.0, |_| ()), key(1.0, rods)]).contains("key 2 has another kind"));
+        let first = |scene: &mut Document| scene.question.rule = crate::physics::Rule::First;
+        assert!(refused(vec![key(0.0, |_| ()), key(1.0, first)]).contains("another rule"));
+        let clock = Key { clock: Some(1.0), ..key(1.0, |_| ()) };
+        let error = refused(vec![key(0.0, |_| ()), clock]);
+        assert!(error.contains("key 2 has a clock and the first lacks"), "{error}");
+        let few = Film { frames: 1, ..zoom("1") };
+        assert!(few.check().unwrap_err().to_string().contains("--frames is 1; it must lie between 2"));
+    }
+}
