@@ -2,7 +2,7 @@
 //!
 //! Each pixel of a flip-time map is a pendulum released from rest at (θ1, θ2), coloured by how
 //! long its second bob takes to flip over the top. Data flows one way through the modules:
-//! `physics → scene → engine → tiles → output → report → app`; a test reads the `use` lines to keep it so.
+//! `physics → scene → engine → tiles → output → film → farm → report → app`; a test reads the `use` lines to keep it so.
 //!
 //! One pendulum, by the gold standard:
 //!
@@ -18,6 +18,8 @@
 
 pub mod app;
 pub mod engine;
+pub mod farm;
+pub mod film;
 pub mod lab;
 pub mod output;
 pub mod physics;

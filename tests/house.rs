@@ -17,7 +17,8 @@ use flipmap::scene::lattice::SIDE;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// Left to right: a module may use those before it.
-const ORDER: [&str; 8] = ["physics", "scene", "engine", "tiles", "output", "report", "lab", "app"];
+const ORDER: [&str; 10] =
+    ["physics", "scene", "engine", "tiles", "output", "film", "farm", "report", "lab", "app"];
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();

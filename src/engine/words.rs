@@ -41,6 +41,22 @@ pub fn settle(words: RunTable) -> Result<(Demand, RunTable), WordsError> {
     Ok((Demand::Recipe(recipe), run))
 }
 
+/// The words that settle as exactly this recipe.
+pub fn of(recipe: Recipe) -> RunTable {
+    let step = match recipe.method {
+        // The shortest number that is read back as it was.
+        Method::Rk4 { step_secs } => Some(format!("{step_secs:?}")),
+        _ => None,
+    };
+    RunTable {
+        method: Some(recipe.method.name().to_string()),
+        step,
+        tolerance: recipe.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
+        precision: Some(recipe.precision.to_string()),
+        ..RunTable::default()
+    }
+}
+
 /// Whether what was settled is to be checked pixel by pixel.
 pub fn verifies(demand: Demand, run: &RunTable) -> bool {
     run.verify || matches!(demand, Demand::Level(level) if level.verifies())
@@ -152,6 +168,17 @@ fn number(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_recipe_comes_back_from_its_words() {
+        let odd = Method::Rk4 { step_secs: 1.0 / 117.3 };
+        let mut recipes = vec![Recipe { method: odd, precision: Precision::F64 }];
+        recipes.extend(Accuracy::ALL.iter().flat_map(|(_, level)| level.recipes()));
+        for recipe in recipes {
+            let (demand, _) = settle(of(recipe)).unwrap();
+            assert_eq!(demand, Demand::Recipe(recipe));
+        }
+    }
 
     fn said(words: &[(&str, &str)]) -> Result<Demand, String> {
         let word = |name: &str| words.iter().find(|(n, _)| *n == name).map(|(_, w)| w.to_string());

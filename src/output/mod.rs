@@ -20,7 +20,7 @@ mod trust;
 pub use exr::ExrWriter;
 pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};
 pub use npy::NpyWriter;
-pub use paint::Painter;
+pub use paint::{Painter, curve_cover, encoded};
 pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
 pub use read::{ReadError, read_document};
 pub use render::{Clock, render_pass};

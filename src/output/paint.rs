@@ -57,15 +57,15 @@ impl Painter {
         if !self.curve {
             return colour;
         }
-        let cover = self.curve_cover(column, self.next_row);
+        let cover = curve_cover(&self.grid, column, self.next_row);
         colour.map(|channel| (f64::from(channel) * (1.0 - cover)).round() as u8)
     }
+}
 
-    /// How much of a pixel the curve covers, from its distance to the pixel's middle.
-    fn curve_cover(&self, column: u32, row: u32) -> f64 {
-        let distance = self.grid.pixels_from_curve(column, row);
-        (CURVE_HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
-    }
+/// How much of a pixel the energy curve covers, from its distance to the pixel's middle.
+pub fn curve_cover(grid: &Grid, column: u32, row: u32) -> f64 {
+    let distance = grid.pixels_from_curve(column, row);
+    (CURVE_HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
 }
 
 /// The mean colour of `along` × `along` samples from `first`, in linear light.
@@ -85,7 +85,7 @@ fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
 }
 
 /// Linear light to sRGB: [`light`] undone.
-fn encoded(linear: f64) -> u8 {
+pub fn encoded(linear: f64) -> u8 {
     let c =
         if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     (c * 255.0).round() as u8

@@ -12,6 +12,11 @@ pub struct RowOrder {
 }
 
 impl RowOrder {
+    /// Of bands from this row on.
+    pub fn from(next_row: u32) -> Self {
+        RowOrder { next_row, waiting: BTreeMap::new() }
+    }
+
     /// Takes a band and returns those that can be written now, top first.
     pub fn push(&mut self, band: FinishedTile) -> Vec<Samples> {
         self.waiting.insert(band.tile.origin[1], band);
@@ -31,7 +36,7 @@ mod tests {
 
     #[test]
     fn bands_come_out_from_the_top() {
-        let mut bands = plan([4, 9], 9, 12);
+        let mut bands = plan(4, 0..9, 12);
         bands.reverse();
         let mut order = RowOrder::default();
         let heights: Vec<usize> = bands

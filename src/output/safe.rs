@@ -93,6 +93,14 @@ impl SafeFile {
         file.finish()
     }
 
+    /// Where a file is that will be renamed: another program may write it.
+    pub fn beside(&self) -> Option<&Path> {
+        match self {
+            SafeFile::Beside(_, beside, _) => Some(beside),
+            SafeFile::Device(_) | SafeFile::Stdout(_) => None,
+        }
+    }
+
     /// Completes the file and puts it in its place.
     pub fn finish(self) -> io::Result<()> {
         match self {

@@ -56,7 +56,7 @@ impl FromStr for Rule {
 }
 
 /// How a pixel's simulation ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Status {
     /// Not within the budget.

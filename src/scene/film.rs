@@ -282,6 +282,8 @@ mod tests {
         let error = refused(vec![key(0.0, |_| ()), clock]);
         assert!(error.contains("key 2 has a clock and the first lacks"), "{error}");
         let few = Film { frames: 1, ..zoom("1") };
-        assert!(few.check().unwrap_err().to_string().contains("--frames is 1; it must lie between 2"));
+        assert!(
+            few.check().unwrap_err().to_string().contains("--frames is 1; it must lie between 2")
+        );
     }
 }

@@ -107,12 +107,7 @@ impl PatchWork {
         }))
     }
 
-    fn finish(
-        &mut self,
-        cells: Vec<Cell>,
-        samples: &Samples,
-        finished: &mut Vec<(Cell, Samples)>,
-    ) {
+    fn finish(&mut self, cells: Vec<Cell>, samples: &Samples, finished: &mut Vec<(Cell, Samples)>) {
         self.counts.add(samples);
         for (k, cell) in cells.into_iter().enumerate() {
             finished.push((cell, samples.part(k * SAMPLES..(k + 1) * SAMPLES)));

@@ -52,6 +52,11 @@ impl Sight {
         }
     }
 
+    /// How close samples are to lie, rad.
+    pub fn pitch_rad(&self) -> f64 {
+        self.pitch_rad
+    }
+
     /// Whether a level's samples lie too far apart for it.
     fn wants_finer(&self, level: u32) -> bool {
         pitch_rad(level) > SLACK * self.pitch_rad

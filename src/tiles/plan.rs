@@ -1,5 +1,7 @@
 //! The tiles of a picture: bands from the top, since nobody watches.
 
+use std::ops::Range;
+
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
@@ -17,13 +19,12 @@ impl Tile {
     }
 }
 
-/// Bands of whole rows of a `size` picture of which the first `rows` rows are wanted, each of
-/// about `tile_pixels` pixels.
-pub fn plan([width, _]: [u32; 2], rows: u32, tile_pixels: usize) -> Vec<Tile> {
+/// Bands of whole `rows` of a picture so wide, each of about `tile_pixels` pixels.
+pub fn plan(width: u32, rows: Range<u32>, tile_pixels: usize) -> Vec<Tile> {
     let height = (tile_pixels as u32 / width).max(1);
-    (0..rows)
+    rows.clone()
         .step_by(height as usize)
-        .map(|y| Tile { origin: [0, y], size: [width, height.min(rows - y)] })
+        .map(|y| Tile { origin: [0, y], size: [width, height.min(rows.end - y)] })
         .collect()
 }
 
@@ -38,7 +39,7 @@ mod tests {
             width in 1u32..70, height in 1u32..70, tile_pixels in 1usize..400,
         ) {
             let mut seen = vec![0; (width * height) as usize];
-            for tile in plan([width, height], height, tile_pixels) {
+            for tile in plan(width, 0..height, tile_pixels) {
                 for [x, y] in tile.pixels() {
                     seen[(y * width + x) as usize] += 1;
                 }
@@ -49,7 +50,7 @@ mod tests {
 
     #[test]
     fn bands_run_from_the_top() {
-        let tops: Vec<u32> = plan([100, 10], 10, 300).iter().map(|tile| tile.origin[1]).collect();
+        let tops: Vec<u32> = plan(100, 0..10, 300).iter().map(|tile| tile.origin[1]).collect();
         assert_eq!(tops, [0, 3, 6, 9]);
     }
 }

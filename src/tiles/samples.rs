@@ -1,10 +1,12 @@
 //! Samples: what is known of each pixel, and how many of which kind there are.
 
+use serde::{Deserialize, Serialize};
+
 use crate::engine::{Effort, Trust};
 use crate::physics::{Outcome, Status};
 
 /// Outcomes, stored tightly.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
     statuses: Vec<Status>,
     times: Vec<f64>,
@@ -67,6 +69,13 @@ impl Samples {
             times: self.times[places.clone()].to_vec(),
             trusts: self.trusts[places].to_vec(),
         }
+    }
+
+    /// Adds others at the end.
+    pub fn append(&mut self, other: Samples) {
+        self.statuses.extend(other.statuses);
+        self.times.extend(other.times);
+        self.trusts.extend(other.trusts);
     }
 
     /// The samples in opposite order: of a tile, its mirror image.

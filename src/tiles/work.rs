@@ -1,6 +1,7 @@
 //! The loop from a scene to finished tiles.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::time::Instant;
 
 use super::flights::{Flights, Landed, Open};
@@ -43,12 +44,23 @@ impl Work {
         let half = size[0] as usize * size[1] as usize / 2;
         let mirrored = scene.view.is_symmetric() && half * Samples::BYTES <= MIRROR_BYTES;
         let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
+        Work { mirrored, ..Work::of_rows(scene, size, recipe, tile_pixels, 0..rows) }
+    }
+
+    /// Some rows of that picture, and no mirror image of them.
+    pub fn of_rows(
+        scene: &Scene,
+        size: [u32; 2],
+        recipe: Recipe,
+        tile_pixels: usize,
+        rows: Range<u32>,
+    ) -> Self {
         Work {
             grid: Grid::new(scene, size),
             question: Question::from(scene),
             recipe,
-            mirrored,
-            waiting: plan(size, rows, tile_pixels).into(),
+            mirrored: false,
+            waiting: plan(size[0], rows, tile_pixels).into(),
             flights: Flights::default(),
             counts: Counts::default(),
             kept: None,

@@ -13,6 +13,8 @@
 use std::collections::{HashMap, VecDeque};
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 mod case;
 
 use self::case::{Case, FIRST, PROBED, STAGES, probe_of};
@@ -21,7 +23,7 @@ use super::depth::DepthEngine;
 use super::{Engine, EngineError, Finished, Job, Recipe, Starts, Wait};
 
 /// How sure an answer is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Trust {
     /// Nobody looked.

@@ -1,0 +1,227 @@
+//! From parts to what was wanted: a still's files, or a film's frames.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::task::{Pass, Reel, Wanted};
+use super::{PartError, Parts, Task};
+use crate::film::ffmpeg::{Codec, Encoder, FfmpegError};
+use crate::film::{Colours, FrameError, Frames, Mip, Painter, Shown};
+use crate::output::{OutputError, Paths, Sinks};
+use crate::physics::Status;
+use crate::scene::film::{Film, Shot};
+use crate::scene::palette::{Tones, equalised};
+use crate::scene::{Document, PictureTable, SceneError};
+use crate::tiles::Samples;
+
+/// Why what was computed could not be joined.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// A part.
+    #[error(transparent)]
+    Part(#[from] PartError),
+    /// A file of a still.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A frame.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The film.
+    #[error(transparent)]
+    Ffmpeg(#[from] FfmpegError),
+    /// The picture cannot be painted so.
+    #[error(transparent)]
+    Picture(#[from] SceneError),
+    /// The colours between parts and frames.
+    #[error("cannot keep colours in {folder}: {source}")]
+    Colours {
+        /// Where.
+        folder: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// It was asked to stop.
+    #[error("stopped; what was computed is kept, merge again")]
+    Stopped,
+}
+
+/// Rows that are handed on together.
+const ROWS: u32 = 64;
+
+/// Writes a still from its parts; `go_on` hears how many samples have been.
+pub fn still(
+    document: &Document,
+    passes: &[Pass],
+    parts: &mut Parts,
+    paths: &Paths,
+    go_on: &mut dyn FnMut(u64) -> bool,
+) -> Result<(), MergeError> {
+    let size = document.run.size.unwrap_or([1, 1]);
+    let mut sinks = Sinks::open(paths, document, size)?;
+    let mut done = 0;
+    for pass in sinks.passes(document.picture.samples) {
+        let rows = passes.iter().find(|rows| rows.along == pass.along).ok_or(PartError::Gone)?;
+        let height = rows.size[1];
+        let mut row = 0;
+        while row < height {
+            let samples = some_rows(rows, parts, row)?;
+            row += (samples.len() / rows.size[0] as usize) as u32;
+            done += samples.len() as u64;
+            sinks.write(&pass, &samples)?;
+            if !go_on(done) {
+                return Err(MergeError::Stopped);
+            }
+        }
+    }
+    Ok(sinks.finish()?)
+}
+
+/// Some samples from a row on: those of the mirror image where they are not computed.
+fn some_rows(pass: &Pass, parts: &mut Parts, row: u32) -> Result<Samples, PartError> {
+    if row < pass.rows {
+        return parts.rows(&pass.of, row, ROWS.min(pass.rows - row));
+    }
+    parts.rows(&pass.of, pass.size[1] - 1 - row, 1).map(Samples::reversed)
+}
+
+/// Where a film goes.
+pub enum FilmSink {
+    /// A folder of numbered pictures.
+    Frames(Frames),
+    /// One file.
+    Encoder(Encoder),
+}
+
+impl FilmSink {
+    /// By its name: a file with a known ending, or else a folder. The document says how the film
+    /// is painted.
+    pub fn open(path: &Path, film: &Film, document: &Document) -> Result<Self, MergeError> {
+        Ok(match Codec::of(path) {
+            Some(codec) => FilmSink::Encoder(Encoder::start(codec, film, path)?),
+            None => FilmSink::Frames(Frames::open(path, film, document)?),
+        })
+    }
+
+    fn has(&mut self, frame: u32, shot: &Shot) -> bool {
+        match self {
+            FilmSink::Frames(frames) => frames.has(frame, shot),
+            FilmSink::Encoder(_) => false,
+        }
+    }
+
+    fn write(&mut self, frame: u32, shot: &Shot, rgb: &[u8]) -> Result<(), MergeError> {
+        match self {
+            FilmSink::Frames(frames) => Ok(frames.write(frame, shot, rgb)?),
+            FilmSink::Encoder(encoder) => Ok(encoder.write(rgb)?),
+        }
+    }
+
+    fn finish(self) -> Result<(), MergeError> {
+        match self {
+            FilmSink::Frames(frames) => Ok(frames.finish()?),
+            FilmSink::Encoder(encoder) => Ok(encoder.finish()?),
+        }
+    }
+}
+
+/// Paints a film from its parts; `go_on` hears how many frames are done.
+pub fn film(
+    task: &Task,
+    picture: &PictureTable,
+    parts: &mut Parts,
+    mut sink: FilmSink,
+    go_on: &mut dyn FnMut(u64) -> bool,
+) -> Result<(), MergeError> {
+    let Wanted::Film(film, reels) = &task.work else { return Err(PartError::Gone.into()) };
+    let unit_secs = film.keys[0].scene.pendulum.unit_secs();
+    let colours = Colours::new(Tones::new(picture, unit_secs, film.budget_secs())?);
+    let mut painter = Painter::new(film.size, picture);
+    for reel in reels {
+        let mut frames = reel.sheet.frames.clone().peekable();
+        while let Some(first) = frames.next() {
+            let shown = Shown::of(&film.shot(first));
+            let alike = |frame: &u32| Shown::of(&film.shot(*frame)) == shown;
+            let last = std::iter::from_fn(|| frames.next_if(alike)).last().unwrap_or(first);
+            let wanted: Vec<(u32, Shot)> = (first..=last)
+                .map(|frame| (frame, film.shot(frame)))
+                .filter(|(frame, shot)| !sink.has(*frame, shot))
+                .collect();
+            if wanted.is_empty() {
+                continue;
+            }
+            let mut mip = coloured(task, reel, parts, &colours, &shown)?;
+            for (frame, shot) in wanted {
+                let rgb =
+                    painter.paint(&shot, &mut mip).map_err(|error| no_colours(task, error))?;
+                sink.write(frame, &shot, &rgb)?;
+                if !go_on(u64::from(frame) + 1) {
+                    return Err(MergeError::Stopped);
+                }
+            }
+            painter.forget();
+        }
+    }
+    sink.finish()
+}
+
+/// The colours of a reel's patches.
+fn coloured(
+    task: &Task,
+    reel: &Reel,
+    parts: &mut Parts,
+    colours: &Colours,
+    shown: &Shown,
+) -> Result<Mip, MergeError> {
+    let mut patches = reel.sheet.patches.iter();
+    let mut light = || -> Result<_, Either> {
+        let (cell, mirrored) = patches.next().ok_or(PartError::Gone)?.canonical();
+        let samples = parts.patch(&reel.of, &cell)?;
+        let samples = if mirrored { samples.reversed() } else { samples };
+        Ok(colours.light(&samples, shown))
+    };
+    Mip::build(&reel.sheet.patches, &task.folder, &mut light).map_err(|error| match error {
+        Either::Merge(error) => error,
+        Either::File(error) => no_colours(task, error),
+    })
+}
+
+/// What can go wrong while colours are kept.
+enum Either {
+    Merge(MergeError),
+    File(io::Error),
+}
+
+impl From<io::Error> for Either {
+    fn from(error: io::Error) -> Self {
+        Either::File(error)
+    }
+}
+
+impl From<PartError> for Either {
+    fn from(error: PartError) -> Self {
+        Either::Merge(error.into())
+    }
+}
+
+fn no_colours(task: &Task, source: io::Error) -> MergeError {
+    MergeError::Colours { folder: task.folder.clone(), source }
+}
+
+/// Samples of each patch that are looked at for the colours.
+const LOOKED_AT: usize = 16;
+
+/// Times over which a deep film's colours are spread: all its depths alike, and the same in every
+/// frame. Empty where nothing flips.
+pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
+    let Wanted::Film(_, reels) = &task.work else { return Ok(Vec::new()) };
+    let mut times = Vec::new();
+    for reel in reels {
+        for cell in &reel.cells {
+            let samples = parts.patch(&reel.of, cell)?;
+            let step = samples.len() / LOOKED_AT;
+            let some = samples.iter().step_by(step.max(1) + 1);
+            times.extend(some.filter(|o| o.status == Status::Flipped).map(|o| o.time));
+        }
+    }
+    Ok(equalised(times.into_iter(), PictureTable::MOST_TIMES - 1))
+}

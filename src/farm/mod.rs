@@ -1,0 +1,17 @@
+//! Work that is split, stopped and gone on with: large stills and films.
+//!
+//! A [`Plan`] says what is wanted and in how many shards. [`run`] computes what is missing of a
+//! shard into [`Parts`], files of samples that are whole or not there; [`merge`] reads them in
+//! order and writes what was wanted. Shards only say who computes what: the samples of a place are
+//! the same whoever computes it, so any number of machines may work, stop, and begin again.
+
+pub mod merge;
+mod parts;
+mod plan;
+mod run;
+mod task;
+
+pub use parts::{PartError, PartWriter, Parts};
+pub use plan::{Plan, PlanError, What};
+pub use run::{RunError, run};
+pub use task::{Pass, Piece, Reel, Task, Wanted};

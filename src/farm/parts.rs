@@ -1,0 +1,263 @@
+//! Files of samples: what has been computed of a still or a film.
+//!
+//! A part is written beside its place and renamed, so it is whole or not there; its checksum tells
+//! when something has happened to it since. Parts say themselves what they hold: in which order and
+//! by whom they were computed does not matter, and two that hold the same are equal.
+
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::fs;
+use std::io::{self, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::plan::digest;
+use crate::output::{Destination, SafeFile};
+use crate::physics::Fixed;
+use crate::scene::lattice::Cell;
+use crate::tiles::Samples;
+use crate::tiles::patches::SAMPLES;
+
+/// Begins every part; the number is the format's.
+const MAGIC: &[u8] = b"flipmap part 1\n";
+/// Samples of decoded parts that are kept at hand.
+const AT_HAND: usize = 8 << 20;
+
+/// Why a part cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum PartError {
+    /// The folder or a file in it.
+    #[error("cannot {verb} {path}: {source}")]
+    File {
+        /// `read` or `write`.
+        verb: &'static str,
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// Not what was written.
+    #[error("{0} is cut short or altered: run its shard again, which computes it anew")]
+    Damaged(PathBuf),
+    /// It was there before.
+    #[error("samples are missing that were there a moment ago; run again")]
+    Gone,
+}
+
+/// What a part holds samples of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Holds {
+    /// Rows of a picture so many samples wide.
+    Rows { width: u32, first: u32, count: u32 },
+    /// Patches: the levels, and the limbs of the lower left corners.
+    Patches(Vec<(u32, [u64; 8], [u64; 8])>),
+}
+
+#[derive(Serialize, Deserialize)]
+struct Part {
+    /// What decides the samples, as a digest.
+    of: String,
+    holds: Holds,
+    samples: Samples,
+}
+
+/// Writes parts of one pendulum or picture.
+pub struct PartWriter {
+    folder: PathBuf,
+    of: String,
+}
+
+impl PartWriter {
+    /// Into a folder, which is made if need be; `of` says what decides the samples.
+    pub fn open(folder: &Path, of: &str) -> Result<Self, PartError> {
+        fs::create_dir_all(folder).map_err(failed("write", folder))?;
+        Ok(PartWriter { folder: folder.to_path_buf(), of: of.to_string() })
+    }
+
+    /// Keeps rows from `first` on.
+    pub fn rows(&self, width: u32, first: u32, samples: Samples) -> Result<(), PartError> {
+        let count = (samples.len() / width as usize) as u32;
+        let name = format!("rows-{}-{first:07}-{count}.part", &self.of[..8]);
+        self.write(&name, Holds::Rows { width, first, count }, samples)
+    }
+
+    /// Keeps patches, whose samples follow one another.
+    pub fn patches(&self, cells: &[Cell], samples: Samples) -> Result<(), PartError> {
+        let places: Vec<_> =
+            cells.iter().map(|cell| (cell.level, cell.x.limbs(), cell.y.limbs())).collect();
+        let name =
+            format!("patches-{}-{}.part", &self.of[..8], &digest(&format!("{places:?}"))[..16]);
+        self.write(&name, Holds::Patches(places), samples)
+    }
+
+    fn write(&self, name: &str, holds: Holds, samples: Samples) -> Result<(), PartError> {
+        let path = self.folder.join(name);
+        let part = Part { of: self.of.clone(), holds, samples };
+        let written = || {
+            let body = postcard::to_stdvec(&part).map_err(io::Error::other)?;
+            let mut file = SafeFile::create(&Destination::from(path.as_path()))?;
+            file.write_all(MAGIC)?;
+            file.write_all(&crc32fast::hash(&body).to_le_bytes())?;
+            file.write_all(&body)?;
+            file.finish()
+        };
+        written().map_err(failed("write", &path))
+    }
+}
+
+/// The parts in a folder.
+#[derive(Debug, Default)]
+pub struct Parts {
+    paths: Vec<PathBuf>,
+    /// By what they are of and their first row: how many rows, and in which file.
+    rows: BTreeMap<(String, u32), (u32, usize)>,
+    /// By what they are of: in which file, and which of its patches.
+    patches: HashMap<String, HashMap<Cell, (usize, usize)>>,
+    /// Files that are not as they were written.
+    damaged: Vec<PathBuf>,
+    at_hand: VecDeque<(usize, Arc<Part>)>,
+}
+
+impl std::fmt::Debug for Part {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:?}", self.holds)
+    }
+}
+
+impl Parts {
+    /// Reads what is there, from the first byte to the last; no folder is an empty one.
+    pub fn scan(folder: &Path) -> Result<Self, PartError> {
+        let mut parts = Parts::default();
+        let entries = match fs::read_dir(folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(parts),
+            entries => entries.map_err(failed("read", folder))?,
+        };
+        for entry in entries {
+            let path = entry.map_err(failed("read", folder))?.path();
+            if path.extension().is_some_and(|ending| ending == "part") {
+                match read(&path) {
+                    Ok(part) => parts.add(path, &part),
+                    Err(PartError::Damaged(path)) => parts.damaged.push(path),
+                    Err(error) => return Err(error),
+                }
+            }
+        }
+        parts.damaged.sort();
+        Ok(parts)
+    }
+
+    fn add(&mut self, path: PathBuf, part: &Part) {
+        let file = self.paths.len();
+        self.paths.push(path);
+        match &part.holds {
+            Holds::Rows { first, count, .. } => {
+                let longest = self.rows.entry((part.of.clone(), *first)).or_insert((0, file));
+                if *count > longest.0 {
+                    *longest = (*count, file);
+                }
+            }
+            Holds::Patches(places) => {
+                let known = self.patches.entry(part.of.clone()).or_default();
+                for (k, (level, x, y)) in places.iter().enumerate() {
+                    let [x, y] = [*x, *y].map(Fixed::from_limbs);
+                    known.insert(Cell { level: *level, x, y }, (file, k));
+                }
+            }
+        }
+    }
+
+    /// Files that are not as they were written.
+    pub fn damaged(&self) -> &[PathBuf] {
+        &self.damaged
+    }
+
+    /// Removes damaged files, so that what they held can be computed anew.
+    pub fn remove_damaged(&mut self) -> Result<(), PartError> {
+        self.damaged.drain(..).try_for_each(|path| match fs::remove_file(&path) {
+            // Somebody else was first.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            removed => removed.map_err(failed("write", &path)),
+        })
+    }
+
+    /// Which of some rows are not there.
+    pub fn missing_rows(&self, of: &str, rows: Range<u32>) -> Vec<Range<u32>> {
+        let mut missing = Vec::new();
+        let mut next = rows.start;
+        for ((_, first), (count, _)) in self.of_rows(of) {
+            if *first >= rows.end {
+                break;
+            }
+            if *first > next {
+                missing.push(next..*first);
+            }
+            next = next.max(first + count);
+        }
+        if next < rows.end {
+            missing.push(next..rows.end);
+        }
+        missing
+    }
+
+    fn of_rows(&self, of: &str) -> impl Iterator<Item = (&(String, u32), &(u32, usize))> {
+        let range = (of.to_string(), 0)..=(of.to_string(), u32::MAX);
+        self.rows.range(range)
+    }
+
+    /// The samples of some rows that one part has, from `row` on; at most `most` rows.
+    pub fn rows(&mut self, of: &str, row: u32, most: u32) -> Result<Samples, PartError> {
+        let holds = |(key, (count, file)): (&(String, u32), &(u32, usize))| {
+            (key.1..key.1 + count).contains(&row).then_some((key.1, *count, *file))
+        };
+        let before = self.rows.range((of.to_string(), 0)..=(of.to_string(), row)).rev();
+        let (first, count, file) = before.into_iter().find_map(holds).ok_or(PartError::Gone)?;
+        let part = self.load(file)?;
+        let Holds::Rows { width, .. } = part.holds else { return Err(PartError::Gone) };
+        let end = (row + most).min(first + count);
+        let [from, to] = [row, end].map(|row| (row - first) as usize * width as usize);
+        Ok(part.samples.part(from..to))
+    }
+
+    /// Whether a patch is there.
+    pub fn has_patch(&self, of: &str, cell: &Cell) -> bool {
+        self.patches.get(of).is_some_and(|known| known.contains_key(cell))
+    }
+
+    /// The samples of a patch.
+    pub fn patch(&mut self, of: &str, cell: &Cell) -> Result<Samples, PartError> {
+        let known = self.patches.get(of).and_then(|known| known.get(cell));
+        let (file, place) = *known.ok_or(PartError::Gone)?;
+        Ok(self.load(file)?.samples.part(place * SAMPLES..(place + 1) * SAMPLES))
+    }
+
+    fn load(&mut self, file: usize) -> Result<Arc<Part>, PartError> {
+        if let Some((_, part)) = self.at_hand.iter().find(|(at_hand, _)| *at_hand == file) {
+            return Ok(part.clone());
+        }
+        let part = Arc::new(read(&self.paths[file])?);
+        self.at_hand.push_back((file, part.clone()));
+        let samples = |(_, part): &(usize, Arc<Part>)| part.samples.len();
+        while self.at_hand.len() > 1 && self.at_hand.iter().map(samples).sum::<usize>() > AT_HAND {
+            self.at_hand.pop_front();
+        }
+        Ok(part)
+    }
+}
+
+fn read(path: &Path) -> Result<Part, PartError> {
+    let bytes = fs::read(path).map_err(failed("read", path))?;
+    let damaged = || PartError::Damaged(path.to_path_buf());
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(damaged)?;
+    let (sum, body) = rest.split_first_chunk::<4>().ok_or_else(damaged)?;
+    if crc32fast::hash(body) != u32::from_le_bytes(*sum) {
+        return Err(damaged());
+    }
+    postcard::from_bytes(body).map_err(|_| damaged())
+}
+
+fn failed(verb: &'static str, path: &Path) -> impl FnOnce(io::Error) -> PartError {
+    let path = path.to_path_buf();
+    move |source| PartError::File { verb, path, source }
+}

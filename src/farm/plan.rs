@@ -1,0 +1,216 @@
+//! The file that says what is wanted and how it is split.
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::engine::choice::Demand;
+use crate::engine::{Engine, Recipe, words};
+use crate::scene::film::{Film, FilmError};
+use crate::scene::{Document, DocumentError, RunTable};
+
+/// The format that this program reads and writes.
+const FORMAT: u32 = 1;
+/// The program that made it: another one may compute other last digits.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// A plan, as its file has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    format: u32,
+    version: String,
+    /// Of everything else in the file.
+    sha256: String,
+    /// How many shards.
+    pub shards: u32,
+    /// Whether every sample is checked.
+    pub verify: bool,
+    /// Whether arrays of numbers are wanted beside a picture of several samples a pixel.
+    pub numbers: bool,
+    /// `gpu` or `cpu`.
+    pub engine: String,
+    /// The name of the adapter, of a `gpu`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adapter: Option<String>,
+    recipe: RunTable,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    still: Option<Document>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    film: Option<Film>,
+}
+
+/// What is wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// One picture.
+    Still(Document),
+    /// Many.
+    Film(Film),
+}
+
+/// Why a file is no plan that can be followed.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// Not TOML, or not a plan.
+    #[error("is no plan: {0}")]
+    Syntax(String),
+    /// Made by another program.
+    #[error("was made by flipmap {0}, and this is {VERSION}: plan it again with this one")]
+    Version(String),
+    /// Edited.
+    #[error("was changed after it was planned: plan it again with what you want")]
+    Changed,
+    /// It wants neither a still nor a film, or something that is none.
+    #[error("holds {0}: plan it again")]
+    Inside(String),
+}
+
+impl Plan {
+    /// A plan of `shards` shards for what an engine was chosen for.
+    pub fn new(
+        what: What,
+        shards: u32,
+        (engine, recipe, verify): (&dyn Engine, Recipe, bool),
+        numbers: bool,
+    ) -> Self {
+        let adapter = (engine.name() == "gpu").then(|| engine.adapter());
+        let (still, film) = match what {
+            What::Still(document) => (Some(document), None),
+            What::Film(film) => (None, Some(film)),
+        };
+        let mut plan = Plan {
+            format: FORMAT,
+            version: VERSION.to_string(),
+            sha256: String::new(),
+            shards,
+            verify,
+            numbers,
+            engine: engine.name().to_string(),
+            adapter,
+            recipe: words::of(recipe),
+            still,
+            film,
+        };
+        plan.sha256 = plan.digest();
+        plan
+    }
+
+    /// Reads a plan.
+    pub fn parse(text: &str) -> Result<Self, PlanError> {
+        // A newer plan may have keys of its own.
+        if let Ok(Version { version }) = toml::from_str(text)
+            && version != VERSION
+        {
+            return Err(PlanError::Version(version));
+        }
+        let plan: Plan = toml::from_str(text).map_err(|error| {
+            PlanError::Syntax(error.message().lines().next().unwrap_or_default().to_string())
+        })?;
+        if plan.sha256 != plan.digest() || plan.format != FORMAT {
+            return Err(PlanError::Changed);
+        }
+        plan.check()?;
+        Ok(plan)
+    }
+
+    fn check(&self) -> Result<(), PlanError> {
+        let scene = |error: DocumentError| PlanError::Inside(error.to_string());
+        let film = |error: FilmError| PlanError::Inside(error.to_string());
+        match (&self.still, &self.film) {
+            (Some(document), None) => document.check().map_err(scene),
+            (None, Some(wanted)) => {
+                wanted.keys.iter().try_for_each(|key| key.scene.check()).map_err(scene)?;
+                wanted.check().map_err(film)
+            }
+            _ => Err(PlanError::Inside("neither a still nor a film, or both".to_string())),
+        }
+    }
+
+    /// The text of its file.
+    pub fn text(&self) -> String {
+        toml::to_string(self).expect("plain tables are TOML")
+    }
+
+    /// How it is computed.
+    pub fn recipe(&self) -> Result<Recipe, PlanError> {
+        match words::settle(self.recipe.clone()) {
+            Ok((Demand::Recipe(recipe), _)) => Ok(recipe),
+            Ok(_) => Err(PlanError::Inside("no recipe".to_string())),
+            Err(why) => Err(PlanError::Inside(why.to_string())),
+        }
+    }
+
+    /// What is wanted.
+    pub fn what(&self) -> What {
+        match (&self.still, &self.film) {
+            (_, Some(film)) => What::Film(with_budgets(film.clone())),
+            (still, None) => What::Still(settled(still.clone().unwrap_or_default())),
+        }
+    }
+
+    /// Of all but itself.
+    fn digest(&self) -> String {
+        digest(&Plan { sha256: String::new(), ..self.clone() }.text())
+    }
+}
+
+/// SHA-256 as text.
+pub fn digest(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[derive(Deserialize)]
+struct Version {
+    version: String,
+}
+
+/// A budget that follows the depth is known only with the view.
+fn settled(mut document: Document) -> Document {
+    let Document { pendulum, view, .. } = &document;
+    document.question.budget = document.question.budget.for_view(pendulum, view);
+    document
+}
+
+fn with_budgets(mut film: Film) -> Film {
+    for key in &mut film.keys {
+        key.scene = settled(std::mem::take(&mut key.scene));
+    }
+    film
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::mock::MockEngine;
+    use crate::engine::{Method, Precision};
+
+    fn plan() -> Plan {
+        let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+        let what = What::Still(Document::default());
+        Plan::new(what, 8, (&MockEngine::default(), recipe, false), false)
+    }
+
+    #[test]
+    fn a_plan_comes_back_as_it_was() {
+        let plan = plan();
+        let again = Plan::parse(&plan.text()).unwrap();
+        assert_eq!(again, plan);
+        assert_eq!(again.what(), What::Still(Document::default()));
+        assert_eq!(again.recipe().unwrap().method, Method::LESSON);
+    }
+
+    #[test]
+    fn another_version_and_a_changed_scene_are_refused() {
+        let refused = |from: &str, to: &str| {
+            let text = plan().text();
+            assert!(text.contains(from), "{text}");
+            Plan::parse(&text.replace(from, to)).unwrap_err().to_string()
+        };
+        let version = format!("version = \"{VERSION}\"");
+        assert!(refused(&version, "version = \"0.0.1\"").contains("flipmap 0.0.1, and this is"));
+        assert!(refused("shards = 8", "shards = 9").contains("was changed"));
+        assert!(refused("gravity = 9.81", "gravity = 1.62").contains("was changed"));
+        assert!(refused("shards = 8", "chards = 8").contains("is no plan"));
+        assert!(Plan::parse("width = 3").unwrap_err().to_string().contains("is no plan"));
+    }
+}

@@ -1,0 +1,53 @@
+//! Samples of a patch as linear light.
+
+use super::WAITING;
+use super::mip::Light;
+use crate::physics::{Outcome, Status};
+use crate::scene::film::Shot;
+use crate::scene::palette::{Rgb, Tones, UNFLIPPED, light};
+use crate::tiles::Samples;
+
+/// Which flips a frame shows, and what the others look like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    secs: f64,
+    others: Rgb,
+}
+
+impl Shown {
+    /// What a shot shows: all within its budget, or within its clock.
+    pub fn of(shot: &Shot) -> Self {
+        match shot.clock_secs {
+            Some(secs) => Shown { secs, others: WAITING },
+            None => Shown { secs: shot.scene.question.budget.secs, others: UNFLIPPED },
+        }
+    }
+}
+
+/// The colours of a whole film: a time has the same in every frame.
+pub struct Colours {
+    tones: Tones,
+    light: [u16; 256],
+}
+
+impl Colours {
+    /// By these tones.
+    pub fn new(tones: Tones) -> Self {
+        let linear = |channel: usize| (light(channel as u8) * 65535.0).round() as u16;
+        Colours { tones, light: std::array::from_fn(linear) }
+    }
+
+    /// The light of a patch's samples.
+    pub fn light(&self, samples: &Samples, shown: &Shown) -> Light {
+        let colours = samples.iter().map(|outcome| self.colour(&outcome, shown));
+        colours.flat_map(|rgb| rgb.map(|channel| self.light[usize::from(channel)])).collect()
+    }
+
+    fn colour(&self, outcome: &Outcome, shown: &Shown) -> Rgb {
+        match outcome.status {
+            Status::Flipped if outcome.time > shown.secs => shown.others,
+            Status::Unflipped => shown.others,
+            _ => self.tones.colour(outcome),
+        }
+    }
+}

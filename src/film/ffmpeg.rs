@@ -1,0 +1,208 @@
+//! Films as one file, by ffmpeg: a child process that is fed raw frames.
+//!
+//! It writes beside the destination, and the film takes its place when it is complete. Its flags
+//! keep out dates, versions and numbers of threads, so that equal frames are equal files.
+
+use std::ffi::OsString;
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStderr, Command, Stdio};
+use std::thread::JoinHandle;
+
+use crate::output::{Destination, SafeFile};
+use crate::scene::film::Film;
+
+/// What a film is encoded with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Codec {
+    /// `.mp4` for anyone.
+    H264,
+    /// `.mkv` without loss.
+    Ffv1,
+}
+
+/// Why there is no film.
+#[derive(Debug, thiserror::Error)]
+pub enum FfmpegError {
+    /// It cannot be run.
+    #[error(
+        "cannot run ffmpeg ({0}); on Debian or Ubuntu: apt-get install ffmpeg, or name a folder \
+         for numbered pictures, which need nothing"
+    )]
+    Missing(io::Error),
+    /// It was built without the codec.
+    #[error("this ffmpeg has no encoder {0}; install one that has, or write {1}")]
+    Codec(&'static str, &'static str),
+    /// The codec takes only even sides.
+    #[error(
+        "--size is {}x{}; an .mp4 needs even sides, such as {}x{}; .mkv and folders take any",
+        .0[0], .0[1], .0[0].next_multiple_of(2), .0[1].next_multiple_of(2)
+    )]
+    Odd([u32; 2]),
+    /// It gave up.
+    #[error("ffmpeg failed: {0}")]
+    Failed(String),
+    /// The file could not be put in its place.
+    #[error("cannot write {path}")]
+    File {
+        /// The film.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+}
+
+impl Codec {
+    /// By the ending of a film's name.
+    pub fn of(path: &Path) -> Option<Codec> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        match ending.as_str() {
+            "mp4" => Some(Codec::H264),
+            "mkv" => Some(Codec::Ffv1),
+            _ => None,
+        }
+    }
+
+    fn encoder(self) -> &'static str {
+        match self {
+            Codec::H264 => "libx264",
+            Codec::Ffv1 => "ffv1",
+        }
+    }
+
+    fn instead(self) -> &'static str {
+        match self {
+            Codec::H264 => "an .mkv or a folder of numbered pictures",
+            Codec::Ffv1 => "an .mp4 or a folder of numbered pictures",
+        }
+    }
+
+    /// The container, which the temporary name does not tell.
+    fn container(self) -> &'static str {
+        match self {
+            Codec::H264 => "mp4",
+            Codec::Ffv1 => "matroska",
+        }
+    }
+
+    fn options(self) -> &'static str {
+        match self {
+            Codec::H264 => {
+                "-vf scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,\
+                 format=yuv420p -c:v libx264 -preset slow -crf 16 -threads 4 -colorspace bt709 \
+                 -color_primaries bt709 -color_trc bt709 -movflags +faststart"
+            }
+            Codec::Ffv1 => "-c:v ffv1 -pix_fmt bgr0 -level 3 -g 1 -slices 4 -slicecrc 1",
+        }
+    }
+
+    /// Refuses, before anything is computed, what would fail at the end.
+    pub fn check(self, size: [u32; 2]) -> Result<(), FfmpegError> {
+        if self == Codec::H264 && size.iter().any(|side| side % 2 == 1) {
+            return Err(FfmpegError::Odd(size));
+        }
+        let listed = Command::new("ffmpeg")
+            .args(["-hide_banner", "-encoders"])
+            .stdin(Stdio::null())
+            .output()
+            .map_err(FfmpegError::Missing)?;
+        let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
+        let has = listed.split_whitespace().any(|word| word == self.encoder());
+        if has { Ok(()) } else { Err(FfmpegError::Codec(self.encoder(), self.instead())) }
+    }
+}
+
+/// What ffmpeg is called with to write `film` to `to`, its frames coming on standard input.
+pub fn arguments(codec: Codec, film: &Film, to: &Path) -> Vec<OsString> {
+    let [width, height] = film.size;
+    let text = format!(
+        "-hide_banner -loglevel error -y -f rawvideo -pixel_format rgb24 \
+         -video_size {width}x{height} -framerate {} -i pipe:0 -an {} -map_metadata -1 \
+         -fflags +bitexact -flags:v +bitexact -f {}",
+        film.fps,
+        codec.options(),
+        codec.container()
+    );
+    let words = text.split_whitespace().map(OsString::from);
+    words.chain([to.as_os_str().to_owned()]).collect()
+}
+
+/// A film being encoded; dropped unfinished it leaves nothing.
+pub struct Encoder {
+    child: Child,
+    errors: Option<JoinHandle<Vec<String>>>,
+    file: Option<SafeFile>,
+    path: PathBuf,
+}
+
+/// Lines of ffmpeg's that are shown when it fails.
+const LAST_LINES: usize = 5;
+
+impl Encoder {
+    /// Starts ffmpeg.
+    pub fn start(codec: Codec, film: &Film, path: &Path) -> Result<Self, FfmpegError> {
+        let unwritable = |source| FfmpegError::File { path: path.to_path_buf(), source };
+        let file = SafeFile::create(&Destination::from(path)).map_err(unwritable)?;
+        let beside = file.beside().ok_or_else(|| {
+            unwritable(io::Error::other("ffmpeg has to seek in it: name a plain file"))
+        })?;
+        let mut child = Command::new("ffmpeg")
+            .args(arguments(codec, film, beside))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(FfmpegError::Missing)?;
+        let errors = child.stderr.take().map(|stderr| std::thread::spawn(|| last_lines(stderr)));
+        Ok(Encoder { child, errors, file: Some(file), path: path.to_path_buf() })
+    }
+
+    /// Hands on a frame.
+    pub fn write(&mut self, rgb: &[u8]) -> Result<(), FfmpegError> {
+        let Some(stdin) = &mut self.child.stdin else { return Ok(()) };
+        if stdin.write_all(rgb).is_ok() {
+            return Ok(());
+        }
+        // It has stopped listening, and says why.
+        Err(self.failure())
+    }
+
+    /// Waits for the film and puts it in its place.
+    pub fn finish(mut self) -> Result<(), FfmpegError> {
+        drop(self.child.stdin.take());
+        let status = self.child.wait();
+        if !status.is_ok_and(|status| status.success()) {
+            return Err(self.failure());
+        }
+        let file = self.file.take().expect("it is taken only here");
+        let path = self.path.clone();
+        file.finish().map_err(|source| FfmpegError::File { path, source })
+    }
+
+    fn failure(&mut self) -> FfmpegError {
+        drop(self.child.stdin.take());
+        let ended =
+            self.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
+        let lines = self.errors.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
+        FfmpegError::Failed(if lines.is_empty() { ended } else { lines.join("; ") })
+    }
+}
+
+impl Drop for Encoder {
+    fn drop(&mut self) {
+        // It may be done already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn last_lines(stderr: ChildStderr) -> Vec<String> {
+    let mut last = Vec::new();
+    for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+        last.push(line);
+        if last.len() > LAST_LINES {
+            last.remove(0);
+        }
+    }
+    last
+}

@@ -1,0 +1,145 @@
+//! The colours of patches, and of every cell above them at a half, a quarter, … of their samples.
+//!
+//! They lie in a nameless file, which the system keeps in memory as far as there is room: a film
+//! of a deep zoom may have more of them than fit.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::scene::lattice::Cell;
+use crate::tiles::patches::{SAMPLES, SIDE};
+
+/// Linear light of a patch, three numbers a sample, row by row from the top.
+pub type Light = Arc<[u16]>;
+
+/// Numbers in a patch.
+const NUMBERS: usize = 3 * SAMPLES;
+
+/// Colours by cell.
+pub struct Mip {
+    file: File,
+    /// Each cell's place in the file, and whether it is a patch.
+    places: HashMap<Cell, (u32, bool)>,
+}
+
+impl Mip {
+    /// Of patches in the order of the quarters of quarters, whose light comes in that order; the
+    /// file lies in `folder`.
+    pub fn build<E: From<io::Error>>(
+        patches: &[Cell],
+        folder: &Path,
+        light: &mut dyn FnMut() -> Result<Light, E>,
+    ) -> Result<Mip, E> {
+        let mut builder = Builder {
+            out: BufWriter::with_capacity(1 << 20, tempfile::tempfile_in(folder)?),
+            places: HashMap::new(),
+            light,
+        };
+        if !patches.is_empty() {
+            builder.build(Cell::WHOLE, patches)?;
+        }
+        let file = builder.out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        Ok(Mip { file, places: builder.places })
+    }
+
+    /// Whether a cell has colours, and whether it is a patch.
+    pub fn is_patch(&self, cell: &Cell) -> Option<bool> {
+        self.places.get(cell).map(|(_, patch)| *patch)
+    }
+
+    /// The colours of a cell that has some.
+    pub fn light(&mut self, cell: &Cell) -> io::Result<Light> {
+        let (place, _) = self.places[cell];
+        let mut numbers = vec![0u16; NUMBERS];
+        self.file.seek(SeekFrom::Start(u64::from(place) * 2 * NUMBERS as u64))?;
+        self.file.read_exact(bytemuck::cast_slice_mut(&mut numbers))?;
+        Ok(numbers.into())
+    }
+}
+
+struct Builder<'a, E> {
+    out: BufWriter<File>,
+    places: HashMap<Cell, (u32, bool)>,
+    light: &'a mut dyn FnMut() -> Result<Light, E>,
+}
+
+impl<E: From<io::Error>> Builder<'_, E> {
+    /// The colours of a cell of which these are the patches.
+    fn build(&mut self, cell: Cell, patches: &[Cell]) -> Result<Light, E> {
+        let is_patch = patches == [cell];
+        let light = if is_patch { (self.light)()? } else { self.halved(&cell, patches)? };
+        let place = self.places.len() as u32;
+        self.out.write_all(bytemuck::cast_slice(&light))?;
+        self.places.insert(cell, (place, is_patch));
+        Ok(light)
+    }
+
+    /// The means of two by two samples of a cell's quarters; black where no frame looks.
+    fn halved(&mut self, cell: &Cell, patches: &[Cell]) -> Result<Light, E> {
+        let mut all = vec![0u16; NUMBERS];
+        let mut rest = patches;
+        for (k, child) in cell.children().into_iter().enumerate() {
+            let inside = |patch: &Cell| patch.ancestor(child.level) == child;
+            let count = rest.iter().take_while(|patch| inside(patch)).count();
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            if !own.is_empty() {
+                let light = self.build(child, own)?;
+                // The left two from below, then the right two; rows count from the top.
+                put_quarter(&mut all, &light, [k / 2, 1 - k % 2]);
+            }
+        }
+        Ok(all.into())
+    }
+}
+
+/// Puts a patch's means into the quarter of another one that is so many quarters right and down.
+fn put_quarter(all: &mut [u16], light: &[u16], [right, down]: [usize; 2]) {
+    let side = SIDE as usize;
+    let half = side / 2;
+    for row in 0..half {
+        for column in 0..half {
+            let to = 3 * ((down * half + row) * side + right * half + column);
+            let from = 3 * (2 * row * side + 2 * column);
+            for channel in 0..3 {
+                let at = |by: usize| u32::from(light[from + 3 * by + channel]);
+                let sum = at(0) + at(1) + at(side) + at(side + 1);
+                all[to + channel] = ((sum + 2) / 4) as u16;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_above_patches_has_their_means() {
+        let [a, b, c, d] = Cell::WHOLE.children();
+        // The last quarter is finer, and half of it is not seen.
+        let [e, f, ..] = d.children();
+        let patches = [a, b, c, e, f];
+        let mut next = 0u16;
+        let mut light = || {
+            next += 1000;
+            Ok::<Light, io::Error>(vec![next; NUMBERS].into())
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mut mip = Mip::build(&patches, folder.path(), &mut light).unwrap();
+        assert_eq!(mip.is_patch(&a), Some(true));
+        assert_eq!(mip.is_patch(&d), Some(false));
+        assert_eq!(mip.is_patch(&d.children()[2]), None);
+        let side = SIDE as usize;
+        let at = |light: &Light, column: usize, row: usize| light[3 * (row * side + column)];
+        let whole = mip.light(&Cell::WHOLE).unwrap();
+        let corners = [[0, side - 1], [0, 0], [side - 1, side - 1], [side - 1, 0]];
+        let seen = corners.map(|[column, row]| at(&whole, column, row));
+        assert_eq!(seen, [1000, 2000, 3000, 0], "a, b, c, and what nobody sees");
+        assert_eq!(at(&whole, side / 2, 0), 5000, "f is the upper left quarter of d");
+        assert_eq!(at(&mip.light(&e).unwrap(), 3, 3), 4000);
+    }
+}

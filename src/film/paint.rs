@@ -1,0 +1,223 @@
+//! One frame out of the colours of its patches.
+//!
+//! A pixel is the mean of several points in it; each is looked up in two levels of the mip, the
+//! one whose samples lie just closer than the points and the next finer one, and mixed by where
+//! the frame's scale lies between them (Williams, Pyramidal parametrics, 1983). As the camera
+//! moves on everything so changes by and by: nothing pops where levels meet.
+
+use std::collections::HashMap;
+use std::io;
+
+use rayon::prelude::*;
+
+use super::Mip;
+use super::mip::Light;
+use crate::output::{curve_cover, encoded};
+use crate::physics::Scalar;
+use crate::scene::film::Shot;
+use crate::scene::lattice::{Cell, Turn, side, turn_of};
+use crate::scene::palette::Rgb;
+use crate::scene::{Grid, PictureTable, Scene};
+use crate::tiles::patches::{SIDE, SLACK, Sight, offset_rad, pitch_rad};
+
+/// What has not flipped yet while time runs.
+pub const WAITING: Rgb = [0x16, 0x18, 0x1d];
+
+/// Takes frames out of a mip.
+pub struct Painter {
+    size: [u32; 2],
+    samples: u32,
+    curve: bool,
+    /// sRGB of every linear light.
+    encode: Vec<u8>,
+    /// What the frame before used.
+    used: HashMap<Cell, Light>,
+}
+
+/// The cells of a level around a frame.
+struct Layer {
+    level: u32,
+    /// From the centre to the lower left corner of the first cell, in samples.
+    origin: [f64; 2],
+    columns: usize,
+    cells: Vec<Option<Entry>>,
+}
+
+/// Where the samples of a cell are: in its own colours, or in those of a coarser patch around it.
+struct Entry {
+    light: Light,
+    shift: u32,
+    first: [u32; 2],
+}
+
+impl Painter {
+    /// Of frames of this size.
+    pub fn new(size: [u32; 2], picture: &PictureTable) -> Self {
+        let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
+        let PictureTable { samples, curve, .. } = *picture;
+        Painter { size, samples, curve, encode, used: HashMap::new() }
+    }
+
+    /// Other colours follow.
+    pub fn forget(&mut self) {
+        self.used.clear();
+    }
+
+    /// The pixels of a frame, three bytes each, rows from the top.
+    pub fn paint(&mut self, shot: &Shot, mip: &mut Mip) -> io::Result<Vec<u8>> {
+        let sight = Sight::new(&shot.scene, self.size, self.samples);
+        let level = sight.level();
+        let fine_share = fine_share(&sight, level);
+        let mut now = HashMap::new();
+        let layers = [level, level + 1].map(|level| self.layer(&shot.scene, level, mip, &mut now));
+        let [coarse, fine] = layers;
+        let (coarse, fine) = (coarse?, fine?);
+        self.used = now;
+        let grid = Grid::new(&shot.scene, self.size);
+        let curve = self.curve && shot.scene.build.pendulum().q > 0.0;
+        let mut bytes = vec![0; 3 * self.size[0] as usize * self.size[1] as usize];
+        bytes.par_chunks_mut(3 * self.size[0] as usize).enumerate().for_each(|(row, bytes)| {
+            for (column, rgb) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let light = self.light([column, row], &grid, [&coarse, &fine], fine_share);
+                *rgb = light.map(|light| self.encode[(light + 0.5) as usize]);
+                if curve {
+                    let bright = 1.0 - curve_cover(&grid, column as u32, row as u32);
+                    *rgb = rgb.map(|channel| (f64::from(channel) * bright).round() as u8);
+                }
+            }
+        });
+        Ok(bytes)
+    }
+
+    /// The mean light of a pixel.
+    fn light(
+        &self,
+        [column, row]: [usize; 2],
+        grid: &Grid,
+        [coarse, fine]: [&Layer; 2],
+        fine_share: f32,
+    ) -> [f32; 3] {
+        let [right, up] = grid.pixel_axes();
+        let along = self.samples;
+        let mut sum = [0.0; 3];
+        for point in 0..along * along {
+            let within = |k: u32| (f64::from(k) + 0.5) / f64::from(along);
+            let across = column as f64 + within(point % along) - 0.5 * f64::from(self.size[0]);
+            let above = 0.5 * f64::from(self.size[1]) - row as f64 - within(point / along);
+            let from_center = [0, 1].map(|i| across * right[i] + above * up[i]);
+            let light = coarse.light(from_center).unwrap_or_default();
+            let finer = fine.light(from_center).unwrap_or(light);
+            for channel in 0..3 {
+                sum[channel] += light[channel] + (finer[channel] - light[channel]) * fine_share;
+            }
+        }
+        sum.map(|sum| sum / (along * along) as f32)
+    }
+
+    /// The cells of a level that a frame touches, with their colours.
+    fn layer(
+        &self,
+        scene: &Scene,
+        level: u32,
+        mip: &mut Mip,
+        now: &mut HashMap<Cell, Light>,
+    ) -> io::Result<Layer> {
+        let [right, up] = Grid::new(scene, self.size).pixel_axes();
+        let pitch = pitch_rad(level);
+        let center = scene.view.center_rad().map(turn_of);
+        let middle = Cell::at(center, level);
+        let corner = offset_rad([middle.x, middle.y], center).map(|rad| rad / pitch);
+        let half = [0, 1].map(|i| {
+            let extent =
+                f64::from(self.size[0]) * right[i].abs() + f64::from(self.size[1]) * up[i].abs();
+            0.5 * extent / pitch + 1.0
+        });
+        let cells_to =
+            |i: usize, samples: f64| ((samples - corner[i]) / f64::from(SIDE)).floor() as i64;
+        let [x, y] = [0, 1].map(|i| cells_to(i, -half[i])..=cells_to(i, half[i]));
+        let mut cells = Vec::new();
+        for row in y.clone() {
+            for column in x.clone() {
+                let cell = moved(&middle, [column, row]);
+                cells.push(self.entry(cell, mip, now)?);
+            }
+        }
+        let origin = [(0, &x), (1, &y)]
+            .map(|(i, range)| corner[i] + (*range.start() * i64::from(SIDE)) as f64);
+        Ok(Layer { level, origin, columns: x.count(), cells })
+    }
+
+    /// The colours for a cell: its own, or of the patch that it lies in.
+    fn entry(
+        &self,
+        cell: Cell,
+        mip: &mut Mip,
+        now: &mut HashMap<Cell, Light>,
+    ) -> io::Result<Option<Entry>> {
+        let levels = (0..=cell.level).rev();
+        let known = |level: u32| Some(cell.ancestor(level)).filter(|at| mip.is_patch(at).is_some());
+        let Some(holder) = levels.into_iter().find_map(known) else { return Ok(None) };
+        let shift = cell.level - holder.level;
+        // What is coarser and no patch is so only where no frame looks.
+        if shift > 0 && mip.is_patch(&holder) == Some(false) {
+            return Ok(None);
+        }
+        let light = match now.get(&holder).or_else(|| self.used.get(&holder)) {
+            Some(light) => light.clone(),
+            None => mip.light(&holder)?,
+        };
+        now.insert(holder, light.clone());
+        let first = cell.index_in(&holder).map(|sides| (sides * f64::from(SIDE)) as u32);
+        Ok(Some(Entry { light, shift, first }))
+    }
+}
+
+impl Layer {
+    /// The light at a place, given from the frame's centre in rad: between four samples.
+    fn light(&self, from_center: [f64; 2]) -> Option<[f32; 3]> {
+        let pitch = pitch_rad(self.level);
+        let at = [0, 1].map(|i| from_center[i] / pitch - self.origin[i] - 0.5);
+        let first = at.map(f64::floor);
+        let [across, above] = [0, 1].map(|i| (at[i] - first[i]) as f32);
+        let first = first.map(|index| index as i64);
+        let mut sum = [0.0; 3];
+        for (x, y, weight) in [
+            (0, 0, (1.0 - across) * (1.0 - above)),
+            (1, 0, across * (1.0 - above)),
+            (0, 1, (1.0 - across) * above),
+            (1, 1, across * above),
+        ] {
+            let sample = self.sample([first[0] + x, first[1] + y])?;
+            for channel in 0..3 {
+                sum[channel] += weight * f32::from(sample[channel]);
+            }
+        }
+        Some(sum)
+    }
+
+    /// A sample by its place from the lower left corner.
+    fn sample(&self, [x, y]: [i64; 2]) -> Option<&[u16; 3]> {
+        let side = i64::from(SIDE);
+        let [column, row] = [x, y].map(|at| usize::try_from(at.div_euclid(side)));
+        let column = column.ok().filter(|column| *column < self.columns)?;
+        let entry = self.cells.get(row.ok()? * self.columns + column)?.as_ref()?;
+        let within =
+            |at: i64, first: u32| ((at.rem_euclid(side) as u32 + first) >> entry.shift) as usize;
+        let (column, below) = (within(x, entry.first[0]), within(y, entry.first[1]));
+        let place = (SIDE as usize - 1 - below) * SIDE as usize + column;
+        entry.light.as_chunks::<3>().0.get(place)
+    }
+}
+
+/// The cell so many cells to the right and up.
+fn moved(cell: &Cell, by: [i64; 2]) -> Cell {
+    let far = by.map(|by| Turn::from_f64(by as f64) * side(cell.level));
+    Cell::at([cell.x + far[0], cell.y + far[1]], cell.level)
+}
+
+/// How much of the finer of two levels is mixed in: none where the coarser one's samples lie as
+/// close as they ever do for a frame that begins with it, all where they lie as far apart.
+fn fine_share(sight: &Sight, level: u32) -> f32 {
+    let closer = (SLACK * sight.pitch_rad() / pitch_rad(level)).log2();
+    (1.0 - closer).clamp(0.0, 1.0) as f32
+}
