@@ -28,7 +28,7 @@ pub struct Options {
 }
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
-    options.run.check()?;
+    options.run.engine.check()?;
     let to = number(&options.to).filter(|width| (LEAST_WIDTH..=1.0).contains(width));
     let to = to.ok_or_else(|| {
         let text = &options.to;
@@ -38,8 +38,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let plan = options.run.settle(&mut document)?;
     let scene = document.scene();
     stop::listen()?;
-    let mut chosen =
-        choose(&options.run.wish(plan.demand), &|text| super::tell(&format!("flipmap: {text}")))?;
+    let mut chosen = choose(&options.run.engine.wish(plan.demand), &|text| {
+        super::tell(&format!("flipmap: {text}"))
+    })?;
     let mut descent = Descent::new(scene.clone(), chosen.recipe, [0.0; 2]);
     let mut path = vec![scene];
     while width(&path[path.len() - 1]) > to {

@@ -17,6 +17,12 @@ pub enum Exit {
     /// Code 3: what was compared is too different.
     #[error("{0}")]
     Differs(String),
+    /// Code 4: shards are not complete.
+    #[error("{0}")]
+    Missing(String),
+    /// Code 75.
+    #[error("stopped; what was finished is kept: run the same again to go on")]
+    Again,
     /// Code 130.
     #[error("stopped; no unfinished file was left")]
     Interrupted,
@@ -38,7 +44,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
 /// What went wrong and why; of a stop only that.
 fn sentence(error: &anyhow::Error) -> String {
     match error.downcast_ref() {
-        Some(stopped @ Exit::Interrupted) => stopped.to_string(),
+        Some(stopped @ (Exit::Interrupted | Exit::Again)) => stopped.to_string(),
         _ => output::sentence(error.as_ref()),
     }
 }
@@ -49,6 +55,8 @@ fn code_of(error: &anyhow::Error) -> u8 {
             return match exit {
                 Exit::Usage(_) => 2,
                 Exit::Differs(_) => 3,
+                Exit::Missing(_) => 4,
+                Exit::Again => 75,
                 Exit::Interrupted | Exit::Partly(_) => 130,
             };
         }

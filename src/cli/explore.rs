@@ -28,14 +28,14 @@ pub struct Options {
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
-    options.run.check()?;
+    options.run.engine.check()?;
     let mut document = options.scene.document()?;
     let plan = options.run.settle(&mut document)?;
     let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
     let options = desk::Options {
         run: options.run.says_how().then(|| document.run.clone()),
         document: options.scene.says_something().then_some(document),
-        wish: options.run.wish(plan.demand),
+        wish: options.run.engine.wish(plan.demand),
         folders,
         stats: options.stats.clone(),
     };

@@ -7,8 +7,12 @@ mod depth;
 mod doctor;
 pub mod exit;
 mod explore;
+mod farm;
+mod film_options;
 mod lab;
 mod options;
+mod picture_options;
+mod plan;
 mod progress;
 mod render;
 mod report;
@@ -16,6 +20,7 @@ mod run_options;
 mod spread;
 mod stop;
 mod trace;
+mod video;
 
 use std::path::Path;
 
@@ -40,6 +45,16 @@ enum Verb {
     Render(Box<render::Options>),
     /// Follow a filament from a scene to a deeper one that still has structure.
     Deeper(Box<deeper::Options>),
+    /// Make a film: a zoom, a walk through scenes, or one view in which something changes.
+    Video(Box<video::Options>),
+    /// Plan a large still or a film in shards.
+    Plan(Box<plan::PlanOptions>),
+    /// Compute what is missing of a plan's shards; code 75 when stopped, then run again.
+    Run(plan::RunShards),
+    /// Print the shards that are not complete; code 4 if there are any.
+    Verify(plan::VerifyOptions),
+    /// Join a plan's shards, when they are complete.
+    Merge(Box<plan::MergeOptions>),
     /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
     Trace(Box<trace::Options>),
     /// Compare two results of one size; code 3 where they differ too much.
@@ -58,6 +73,11 @@ pub fn run() -> anyhow::Result<()> {
         Verb::Explore(options) => explore::run(&options),
         Verb::Render(options) => render::run(&options),
         Verb::Deeper(options) => deeper::run(&options),
+        Verb::Video(options) => video::run(&options),
+        Verb::Plan(options) => plan::plan(&options),
+        Verb::Run(options) => plan::run(&options),
+        Verb::Verify(options) => plan::verify(&options),
+        Verb::Merge(options) => plan::merge(&options),
         Verb::Trace(options) => trace::run(&options),
         Verb::Compare(options) => compare::run(&options),
         Verb::Lab(options) => lab::run(&options),

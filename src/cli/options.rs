@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use flipmap::output::{ReadError, read_document};
-use flipmap::scene::{BuiltIn, Document, Word};
+use flipmap::scene::{BuiltIn, Document, SceneError, Word};
 
 use super::exit::Exit;
 
@@ -14,6 +14,14 @@ use super::exit::Exit;
 pub struct SceneOptions {
     #[arg(help = scene_help())]
     pub scene: Option<String>,
+    #[command(flatten)]
+    pub words: SceneWords,
+}
+
+/// What to change in it.
+#[derive(Args, Debug, Default)]
+#[command(next_help_heading = "Scene")]
+pub struct SceneWords {
     /// Centre of the view in rad, as many digits as you like
     #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
     center: Option<String>,
@@ -49,20 +57,7 @@ pub struct SceneOptions {
 impl SceneOptions {
     /// Whether a scene was named or an option given.
     pub fn says_something(&self) -> bool {
-        let options = [
-            &self.scene,
-            &self.center,
-            &self.width,
-            &self.budget,
-            &self.rule,
-            &self.masses,
-            &self.lengths,
-            &self.gravity,
-            &self.kind,
-            &self.rotate,
-            &self.stretch,
-        ];
-        options.into_iter().any(Option::is_some)
+        self.scene.is_some() || self.words.said().iter().any(|(_, said)| said.is_some())
     }
 
     /// The scene named, changed by the options, and checked.
@@ -71,6 +66,13 @@ impl SceneOptions {
             Some(scene) => load(scene)?,
             None => Document::default(),
         };
+        Ok(self.words.apply(document)?)
+    }
+}
+
+impl SceneWords {
+    /// A document changed by the options, and checked.
+    pub fn apply(&self, document: Document) -> Result<Document, SceneError> {
         let mut scene = document.scene();
         for (word, said) in self.said() {
             if let Some(text) = said {
@@ -119,7 +121,7 @@ pub fn number(text: &str) -> Option<f64> {
 }
 
 /// A scene from a file or by name.
-fn load(scene: &str) -> anyhow::Result<Document> {
+pub fn load(scene: &str) -> anyhow::Result<Document> {
     if let Some(built_in) = BuiltIn::named(scene) {
         return Ok(built_in.document());
     }

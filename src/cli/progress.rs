@@ -19,11 +19,12 @@ pub enum Mode {
     Json,
 }
 
-/// Pixels done of all.
+/// Pixels, samples or frames done of all.
 pub struct Progress {
     bar: ProgressBar,
     json: bool,
     total: u64,
+    unit: &'static str,
     begun: Instant,
     last_line: Instant,
 }
@@ -31,16 +32,24 @@ pub struct Progress {
 impl Progress {
     /// Begins at none of `total` pixels.
     pub fn new(mode: Mode, total: u64) -> Self {
+        Progress::of(mode, total, "pixels")
+    }
+
+    /// Begins at none of `total` of something.
+    pub fn of(mode: Mode, total: u64, unit: &'static str) -> Self {
         let shown = mode == Mode::Auto && stderr().is_terminal();
         let target =
             if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(total), target);
-        let style =
-            "{wide_bar} {percent}% · {human_pos} of {human_len} pixels · {rate} · {eta} left{msg}";
-        let style = ProgressStyle::with_template(style).expect("a valid template");
-        bar.set_style(style.with_key("rate", write_rate));
+        let style = format!(
+            "{{wide_bar}} {{percent}}% · {{human_pos}} of {{human_len}} {unit} · {{rate}} · {{eta}} \
+             left{{msg}}"
+        );
+        let style = ProgressStyle::with_template(&style).expect("a valid template");
+        let rate = move |state: &ProgressState, out: &mut dyn Write| write_rate(state, out, unit);
+        bar.set_style(style.with_key("rate", rate));
         let now = Instant::now();
-        Progress { bar, json: mode == Mode::Json, total, begun: now, last_line: now }
+        Progress { bar, json: mode == Mode::Json, total, unit, begun: now, last_line: now }
     }
 
     /// `done` pixels are done, and this is going on besides.
@@ -57,16 +66,17 @@ impl Progress {
             let rate = done as f64 / secs.max(1e-9);
             let secs_left = (self.total - done) as f64 / rate.max(1e-9);
             let line = serde_json::json!({
-                "done": done, "total": self.total, "pixels_per_sec": rate, "secs_left": secs_left,
+                "done": done, "total": self.total, format!("{}_per_sec", self.unit): rate,
+                "secs_left": secs_left,
             });
             super::tell(&line.to_string());
         }
     }
 }
 
-fn write_rate(state: &ProgressState, out: &mut dyn Write) {
+fn write_rate(state: &ProgressState, out: &mut dyn Write, unit: &str) {
     // The bar's own buffer takes everything.
-    let _ = write!(out, "{} pixels a second", HumanCount(state.per_sec() as u64));
+    let _ = write!(out, "{} {unit} a second", HumanCount(state.per_sec() as u64));
 }
 
 impl Drop for Progress {

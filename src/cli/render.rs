@@ -2,7 +2,6 @@
 
 use std::io::{IsTerminal, stdout};
 use std::path::PathBuf;
-use std::str::FromStr;
 use std::time::Instant;
 
 use clap::Args;
@@ -11,13 +10,14 @@ use flipmap::engine::method::Pace;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Engine, Question, Recipe, Trust};
 use flipmap::output::{Clock, Paths, RenderError, Sinks, render_pass};
-use flipmap::scene::{Document, Grid, PictureTable, Scale, Scene};
+use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{Counts, Work};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
 use super::exit::Exit;
-use super::options::{SceneOptions, number, set};
+use super::options::SceneOptions;
+use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
 use super::run_options::{Plan, RunOptions};
 use super::spread::spread;
@@ -40,6 +40,9 @@ pub struct Options {
     /// Flip times, statuses and doubts to write as an OpenEXR image
     #[arg(long, value_name = "FILE.exr")]
     exr: Option<PathBuf>,
+    /// A picture of how sure each pixel is, when they are checked
+    #[arg(long, value_name = "FILE.png")]
+    trust: Option<PathBuf>,
     /// Keep what has not flipped in this file, and go on from it with a larger --budget
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
@@ -51,42 +54,12 @@ pub struct Options {
     progress: Mode,
 }
 
-#[derive(Args, Debug)]
-#[command(next_help_heading = "Picture")]
-struct PictureOptions {
-    /// Colour table: batlow, viridis, magma, cividis or romao (cyclic)
-    #[arg(long, value_name = "NAME")]
-    palette: Option<String>,
-    /// N × N samples a pixel, whose colours are averaged
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
-    samples: Option<u32>,
-    /// Give early flips the palette's last colour and late ones its first
-    #[arg(long)]
-    reverse: bool,
-    /// Run through the palette so often, 1 to 100 times
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    cycles: Option<String>,
-    /// log: equal ratios of times are equal steps of colour; linear: equal differences are
-    #[arg(long, value_name = "log|linear")]
-    scale: Option<String>,
-    /// Seconds at which equal steps of the palette lie: a first and a last one, or more; view:
-    /// those of the view itself, as for views narrower than 1e-6 rad; budget: the whole budget
-    #[arg(long, value_name = "t1,t2,...|view|budget", allow_hyphen_values = true)]
-    times: Option<String>,
-    /// Leave out the energy curve
-    #[arg(long)]
-    no_curve: bool,
-    /// A picture of how sure each pixel is, when they are checked
-    #[arg(long, value_name = "FILE.png")]
-    trust: Option<PathBuf>,
-}
-
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
-    options.run.check()?;
+    options.run.engine.check()?;
     let mut document = options.scene.document()?;
     let plan = options.run.settle(&mut document)?;
-    apply(&options.picture, &mut document)?;
+    options.picture.apply(&mut document)?;
     check_outputs(options, &document, &plan)?;
     let scene = document.scene();
     let paths = options.paths();
@@ -94,7 +67,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check()?;
     stop::listen()?;
-    let mut wish = options.run.wish(plan.demand);
+    let mut wish = options.run.engine.wish(plan.demand);
     if let Some(continued) = &continued {
         continued.prefer_engine(&mut wish);
     }
@@ -109,7 +82,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     let mut sinks = Sinks::open(&paths, &document, plan.size)?;
     if plan.verify {
-        engine = Box::new(TrustEngine::new(engine, options.run.threads())?);
+        engine = Box::new(TrustEngine::new(engine, options.run.engine.threads())?);
     }
     announce(engine.as_ref(), recipe, plan.verify, &why);
 
@@ -157,7 +130,7 @@ impl Options {
             picture: self.output.clone(),
             raw: self.raw.clone(),
             exr: self.exr.clone(),
-            trust: self.picture.trust.clone(),
+            trust: self.trust.clone(),
         }
     }
 }
@@ -171,43 +144,6 @@ fn announce(engine: &dyn Engine, recipe: Recipe, verify: bool, why: &str) {
         recipe.method.setting(),
         recipe.precision,
     ));
-}
-
-/// Words for `--times`.
-const OF_VIEW: &str = "view";
-const OF_BUDGET: &str = "budget";
-
-impl PictureOptions {
-    /// Whether the colours are to follow the view's own times.
-    fn spreads(&self, document: &Document) -> bool {
-        let deep = document.scene().view.width_rad().hi < PictureTable::SPREAD_BELOW_RAD;
-        match self.times.as_deref() {
-            Some(OF_VIEW) => true,
-            Some(_) => false,
-            None => deep && document.picture.times.is_empty(),
-        }
-    }
-}
-
-fn apply(options: &PictureOptions, document: &mut Document) -> Result<(), Exit> {
-    let picture = &mut document.picture;
-    if let Some(palette) = &options.palette {
-        picture.palette.clone_from(palette);
-    }
-    picture.samples = options.samples.unwrap_or(picture.samples);
-    picture.curve &= !options.no_curve;
-    picture.reverse |= options.reverse;
-    set(&mut picture.scale, "--scale", &options.scale, Scale::from_str)?;
-    set(&mut picture.cycles, "--cycles", &options.cycles, |text| {
-        number(text).ok_or("it must be a number between 1 and 100")
-    })?;
-    set(&mut picture.times, "--times", &options.times, |text| {
-        if [OF_VIEW, OF_BUDGET].contains(&text) {
-            return Ok(Vec::new());
-        }
-        let times: Option<Vec<f64>> = text.split(',').map(number).collect();
-        times.ok_or("it must be numbers of seconds with commas between them, view or budget")
-    })
 }
 
 /// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
@@ -261,7 +197,7 @@ fn check_outputs(options: &Options, document: &Document, plan: &Plan) -> Result<
             return usage(format!("{other} and {option} name the same file; give each its own"));
         }
     }
-    if options.picture.trust.is_some() && !plan.verify {
+    if options.trust.is_some() && !plan.verify {
         let message = "--trust shows what checks found: add --verify, or --accuracy exact";
         return usage(message.to_string());
     }

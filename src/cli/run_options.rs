@@ -35,6 +35,14 @@ pub struct RunOptions {
     /// Check every pixel, whatever the accuracy
     #[arg(long)]
     verify: bool,
+    #[command(flatten)]
+    pub engine: EngineOptions,
+}
+
+/// What to compute it on.
+#[derive(Args, Debug, Default)]
+#[command(next_help_heading = "Run")]
+pub struct EngineOptions {
     /// auto: the fastest of the measured profile
     #[arg(long, value_enum, default_value_t = EngineKind::Auto)]
     engine: EngineKind,
@@ -68,7 +76,7 @@ pub struct Plan {
     pub size: [u32; 2],
 }
 
-impl RunOptions {
+impl EngineOptions {
     /// The engine asked for.
     pub fn wish(&self, demand: Demand) -> Wish {
         Wish {
@@ -82,12 +90,6 @@ impl RunOptions {
             demand,
             ..Wish::default()
         }
-    }
-
-    /// Whether something was said of how to integrate.
-    pub fn says_how(&self) -> bool {
-        let words = [&self.accuracy, &self.method, &self.step, &self.tolerance, &self.precision];
-        self.verify || words.into_iter().any(Option::is_some)
     }
 
     /// Threads of the processor to use.
@@ -107,6 +109,14 @@ impl RunOptions {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl RunOptions {
+    /// Whether something was said of how to integrate.
+    pub fn says_how(&self) -> bool {
+        let words = [&self.accuracy, &self.method, &self.step, &self.tolerance, &self.precision];
+        self.verify || words.into_iter().any(Option::is_some)
     }
 
     /// Fills in the document's run table, so that it says what ran, and gives the same typed.

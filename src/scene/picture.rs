@@ -36,7 +36,7 @@ pub struct PictureTable {
 impl Default for PictureTable {
     fn default() -> Self {
         PictureTable {
-            palette: "batlow".to_string(),
+            palette: Palette::DEFAULT.to_string(),
             curve: true,
             samples: 1,
             reverse: false,
@@ -84,6 +84,8 @@ impl PictureTable {
     /// Views narrower than this have colours over their own times unless a person wants others,
     /// rad.
     pub const SPREAD_BELOW_RAD: f64 = 1e-6;
+    /// And films that zoom through more decades have colours over theirs.
+    pub const SPREAD_FILM_DECADES: f64 = 3.0;
     /// Steps of such colours.
     pub const SPREAD_STEPS: usize = 64;
 

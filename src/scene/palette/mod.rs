@@ -33,6 +33,11 @@ pub const UNFLIPPED: Rgb = [0xff, 0xff, 0xff];
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
 
 impl Palette {
+    /// Where nobody chooses.
+    pub const DEFAULT: &str = "batlow";
+    /// One whose end is its beginning.
+    pub const CYCLIC: &str = "romao";
+
     /// The palette called `name`.
     pub fn named(name: &str) -> Result<Self, SceneError> {
         let found = FILES.iter().find(|(known, _)| *known == name);

@@ -1,0 +1,216 @@
+//! What `video`, `plan`, `run`, `verify` and `merge` have in common.
+
+use std::path::{Path, PathBuf};
+
+use flipmap::engine::choice::{Chosen, Kind, Wish, choose};
+use flipmap::engine::method::Pace;
+use flipmap::engine::trust::TrustEngine;
+use flipmap::engine::{Question, Recipe};
+use flipmap::farm::merge::{self, FilmSink, MergeError};
+use flipmap::farm::{Parts, Plan, RunError, Task, Wanted, run};
+use flipmap::scene::film::Film;
+use flipmap::scene::palette::Palette;
+use flipmap::scene::{Document, Scene};
+
+use super::exit::Exit;
+use super::picture_options::PictureOptions;
+use super::progress::{Mode, Progress};
+use super::stop;
+
+/// Reads a plan and all that follows from it.
+pub fn open(path: &Path) -> Result<Task, Exit> {
+    let refuse = |why: String| Exit::Usage(format!("{} {why}", path.display()));
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| refuse(format!("cannot be read: {error}")))?;
+    let plan = Plan::parse(&text).map_err(|why| refuse(why.to_string()))?;
+    Task::new(plan, path).map_err(|why| refuse(why.to_string()))
+}
+
+/// What is there, damaged files named.
+pub fn scan(task: &Task) -> anyhow::Result<Parts> {
+    let parts = Parts::scan(&task.folder)?;
+    for path in parts.damaged() {
+        super::tell(&format!(
+            "flipmap: {} is cut short or altered; run computes its samples anew",
+            path.display()
+        ));
+    }
+    Ok(parts)
+}
+
+/// The engine that a plan was made for, unless another is asked for.
+pub fn wish_like(plan: &Plan, wish: Wish) -> Wish {
+    match (wish.kind, &wish.adapter, plan.engine.as_str()) {
+        (Kind::Auto, None, "cpu") => Wish { kind: Kind::Cpu, ..wish },
+        (Kind::Auto, None, _) => Wish { kind: Kind::Gpu, adapter: plan.adapter.clone(), ..wish },
+        _ => wish,
+    }
+}
+
+/// Starts an engine.
+pub fn start(wish: &Wish) -> anyhow::Result<Chosen> {
+    Ok(choose(wish, &|text| super::tell(&format!("flipmap: {text}")))?)
+}
+
+/// Refuses steps that are too many for the budget.
+pub fn check_steps(scene: &Scene, recipe: Recipe) -> Result<(), Exit> {
+    let question = Question::from(scene);
+    if question.pendulum.q > 0.0 {
+        Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
+    }
+    Ok(())
+}
+
+/// Computes what is missing of some shards.
+pub fn compute(
+    task: &Task,
+    shards: std::ops::RangeInclusive<u32>,
+    chosen: Chosen,
+    threads: Option<usize>,
+    mode: Mode,
+) -> anyhow::Result<()> {
+    let mut parts = scan(task)?;
+    parts.remove_damaged()?;
+    let pieces: Vec<_> = shards.flat_map(|shard| task.missing(shard, &parts)).collect();
+    drop(parts);
+    let total: u64 = pieces.iter().map(|piece| piece.samples(task)).sum();
+    if total == 0 {
+        super::tell("flipmap: every sample is there already");
+        return Ok(());
+    }
+    let Chosen { mut engine, following, .. } = chosen;
+    if task.plan.verify {
+        engine = Box::new(TrustEngine::new(engine, threads)?);
+    }
+    super::tell(&format!(
+        "flipmap: {total} of {} samples to compute, {} engine, {} {} in {}",
+        task.samples(),
+        engine.name(),
+        task.recipe.method.name(),
+        task.recipe.method.setting(),
+        task.recipe.precision,
+    ));
+    let mut progress = Progress::of(mode, total, "samples");
+    let counts = run(task, pieces, engine.as_mut(), &mut |counts| {
+        progress.set(counts.pixels, following.words());
+        !stop::asked()
+    });
+    drop(progress);
+    let counts = counts.map_err(stopped)?;
+    super::tell(&format!(
+        "flipmap: {} samples, {} of them simulated, in {}",
+        counts.pixels,
+        counts.simulated,
+        task.folder.display()
+    ));
+    Ok(())
+}
+
+fn stopped(error: RunError) -> anyhow::Error {
+    match error {
+        RunError::Stopped => Exit::Again.into(),
+        error => error.into(),
+    }
+}
+
+/// Refuses to join what is not all there.
+pub fn complete(task: &Task, plan: &Path) -> anyhow::Result<Parts> {
+    let parts = scan(task)?;
+    let missing = task.missing_shards(&parts);
+    if missing.is_empty() { Ok(parts) } else { Err(lacks(&missing, task, plan).into()) }
+}
+
+/// Which shards are missing, as a failure.
+pub fn lacks(missing: &[u32], task: &Task, plan: &Path) -> Exit {
+    let some: Vec<String> = missing.iter().take(8).map(ToString::to_string).collect();
+    let more = if missing.len() > some.len() { ", …" } else { "" };
+    Exit::Missing(format!(
+        "{} of {} shards are not complete ({}{more}): flipmap run {} --shard N computes what is \
+         missing of them",
+        missing.len(),
+        task.plan.shards,
+        some.join(", "),
+        plan.display()
+    ))
+}
+
+/// Paints a film from its parts.
+pub fn paint(
+    task: &Task,
+    mut parts: Parts,
+    options: &PictureOptions,
+    output: &Path,
+    mode: Mode,
+) -> anyhow::Result<()> {
+    let Wanted::Film(film, _) = &task.work else { return Ok(()) };
+    let mut document = film.keys[0].scene.clone();
+    options.apply(&mut document)?;
+    if options.spreads_film(&document, decades(film)) {
+        spread(task, film, &mut parts, options, &mut document)?;
+    }
+    document.picture.check()?;
+    let sink = FilmSink::open(output, film, &document)?;
+    let mut progress = Progress::of(mode, u64::from(film.frames), "frames");
+    let mut go_on = |frames| {
+        progress.set(frames, None);
+        !stop::asked()
+    };
+    let painted = merge::film(task, &document.picture, &mut parts, sink, &mut go_on);
+    drop(progress);
+    painted.map_err(|error| match error {
+        MergeError::Stopped => anyhow::Error::from(Exit::Again),
+        error => error.into(),
+    })?;
+    let [width, height] = film.size;
+    super::tell(&format!(
+        "flipmap: {} frames of {width}x{height} at {} a second in {}",
+        film.frames,
+        film.fps,
+        output.display()
+    ));
+    Ok(())
+}
+
+/// How far a film zooms.
+fn decades(film: &Film) -> f64 {
+    let widths = film.keys.iter().map(|key| key.scene.scene().view.width_rad().hi);
+    let (least, most) = widths.fold((f64::MAX, 0f64), |(a, b), w| (a.min(w), b.max(w)));
+    (most / least).log10()
+}
+
+/// Decades of zoom for each run through the palette.
+const DECADES_A_CYCLE: f64 = 2.0;
+
+/// Spreads the colours of a deep film over its own times. Each depth has later ones, so that the
+/// palette is run through again and again; where nobody chose one, it is one without an end.
+fn spread(
+    task: &Task,
+    film: &Film,
+    parts: &mut Parts,
+    options: &PictureOptions,
+    document: &mut Document,
+) -> anyhow::Result<()> {
+    let times = merge::spread(task, parts)?;
+    let [first, .., last] = times[..] else { return Ok(()) };
+    let picture = &mut document.picture;
+    picture.times = times;
+    if !options.says_cycles() && picture.cycles == 1.0 {
+        picture.cycles = (decades(film) / DECADES_A_CYCLE).clamp(1.0, 100.0).round();
+        if options.says_no_palette() && picture.palette == Palette::DEFAULT {
+            picture.palette = Palette::CYCLIC.to_string();
+        }
+    }
+    super::tell(&format!(
+        "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, {} \
+         times through {}; --times budget spreads them over the whole budget",
+        picture.cycles, picture.palette
+    ));
+    Ok(())
+}
+
+/// Where the samples of a film are kept when nobody says.
+pub fn samples_beside(output: &Path) -> PathBuf {
+    let mut name = output.file_name().unwrap_or(output.as_os_str()).to_os_string();
+    name.push(".samples");
+    output.with_file_name(name)
+}

@@ -1,0 +1,227 @@
+//! The options that name a film, and how they become its keys.
+
+use std::path::Path;
+
+use clap::Args;
+use flipmap::output::read_document;
+use flipmap::scene::film::Film;
+use flipmap::scene::keys::{Easing, Key, Keys};
+use flipmap::scene::{Budget, Document, Scene, View};
+
+use super::exit::Exit;
+use super::options::{SceneWords, load, number};
+use super::picture_options::PictureOptions;
+use super::run_options::{Plan, RunOptions};
+
+#[derive(Args, Debug, Default)]
+pub struct FilmOptions {
+    /// A file of keys (.toml), or two or more scenes: .toml, .png that flipmap wrote, or built-in
+    #[arg(value_name = "KEYS.toml|SCENE")]
+    scenes: Vec<String>,
+    /// Zoom to this scene, from home or from the one scene named
+    #[arg(long, value_name = "SCENE")]
+    zoom_to: Option<String>,
+    /// One view in which something changes: time, budget, gravity, masses or lengths, as in
+    /// time=0..30 or masses=1,1..1,5
+    #[arg(long, value_name = "WHAT=FROM..TO", allow_hyphen_values = true)]
+    vary: Option<String>,
+    /// Length of the film (default: the keys', else 1.5 s for a decade of zoom, 10 s in one view)
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    secs: Option<String>,
+    /// Number of frames (default: what the length needs)
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    frames: Option<String>,
+    /// Frames a second (default 30)
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    fps: Option<String>,
+}
+
+/// Seconds of film for a decade of zoom, and for a view that stays.
+const SECS_A_DECADE: f64 = 1.5;
+const SECS_IN_PLACE: f64 = 10.0;
+const LEAST_SECS: f64 = 2.0;
+/// Samples a pixel along each axis where nobody says.
+const SAMPLES: u32 = 2;
+
+impl FilmOptions {
+    /// Whether a film is meant at all.
+    pub fn says_film(&self) -> bool {
+        let one_scene = self.scenes.len() < 2 && !self.scenes.iter().any(|name| is_keys(name));
+        let said = [&self.vary, &self.zoom_to, &self.secs, &self.frames, &self.fps];
+        !one_scene || said.into_iter().any(Option::is_some)
+    }
+
+    /// The scene of a still.
+    pub fn scene(&self) -> Option<String> {
+        self.scenes.first().cloned()
+    }
+
+    /// The film, checked, and how it is computed; colours and run stand in its first key.
+    pub fn film(
+        &self,
+        words: &SceneWords,
+        run: &RunOptions,
+        picture: &PictureOptions,
+    ) -> anyhow::Result<(Film, Plan)> {
+        let mut keys = self.keys()?;
+        for key in &mut keys {
+            key.scene = words.apply(std::mem::take(&mut key.scene))?;
+        }
+        same_sizes(&keys, run)?;
+        let Some(first) = keys.first_mut() else {
+            let message = "the file has no keys; each begins with a line [[key]]";
+            return Err(Exit::Usage(message.to_string()).into());
+        };
+        picture.apply(&mut first.scene)?;
+        if picture.samples.is_none() && first.scene.picture.samples == 1 {
+            first.scene.picture.samples = SAMPLES;
+        }
+        let plan = run.settle(&mut first.scene)?;
+        let how = (first.scene.picture.clone(), first.scene.run.clone());
+        for key in &mut keys {
+            (key.scene.picture, key.scene.run) = how.clone();
+        }
+        let film = self.timed(keys, plan.size)?;
+        film.check().map_err(|why| Exit::Usage(why.to_string()))?;
+        how.0.check_size(film.size)?;
+        Ok((film, plan))
+    }
+
+    fn keys(&self) -> anyhow::Result<Vec<Key>> {
+        let usage = |message: &str| Err(Exit::Usage(message.to_string()).into());
+        match (&self.scenes[..], &self.zoom_to, &self.vary) {
+            (_, Some(_), Some(_)) => usage("--zoom-to and --vary are two films: give one of them"),
+            ([] | [_], Some(to), None) => self.zoom(to),
+            ([] | [_], None, Some(vary)) => varied(self.from()?, vary),
+            ([keys], None, None) if is_keys(keys) => {
+                let text = std::fs::read_to_string(keys).map_err(|error| {
+                    Exit::Usage(format!("cannot read the keys {keys}: {error}"))
+                })?;
+                let read = Keys::parse(&text);
+                Ok(read.map_err(|why| Exit::Usage(format!("{keys}: {why}")))?.keys)
+            }
+            ([_, _, ..], None, None) => {
+                let scenes: anyhow::Result<Vec<Document>> =
+                    self.scenes.iter().map(|name| load(name)).collect();
+                Ok(spaced(scenes?))
+            }
+            _ => usage(
+                "a film needs a file of keys, two scenes or more, --zoom-to SCENE, or --vary \
+                 WHAT=FROM..TO",
+            ),
+        }
+    }
+
+    fn from(&self) -> anyhow::Result<Document> {
+        self.scenes.first().map_or_else(|| Ok(Document::default()), |name| load(name))
+    }
+
+    /// From home, or the scene named, with what is asked there.
+    fn zoom(&self, to: &str) -> anyhow::Result<Vec<Key>> {
+        let mut to = load(to)?;
+        // Those are for the view at the end, not for the way there.
+        to.picture.times.clear();
+        let from = match self.scenes.first() {
+            Some(name) => load(name)?,
+            None => to.clone().with_scene(Scene { view: View::default(), ..to.scene() }),
+        };
+        Ok(spaced(vec![from, to]))
+    }
+
+    /// The keys at their times, and the frames.
+    fn timed(&self, mut keys: Vec<Key>, size: [u32; 2]) -> Result<Film, Exit> {
+        let said = |option: &str, text: &Option<String>, least: f64, most: f64| match text {
+            None => Ok(None),
+            Some(text) => match number(text).filter(|number| (least..=most).contains(number)) {
+                Some(number) => Ok(Some(number)),
+                None => Err(Exit::Usage(format!(
+                    "{option} is '{text}'; it must lie between {least} and {most}"
+                ))),
+            },
+        };
+        let first = keys[0].secs;
+        keys.iter_mut().for_each(|key| key.secs -= first);
+        let last = keys[keys.len() - 1].secs;
+        if let Some(secs) = said("--secs", &self.secs, 0.01, 1e6)? {
+            keys.iter_mut().for_each(|key| key.secs *= secs / last.max(1e-9));
+        }
+        let fps = said("--fps", &self.fps, 0.1, 1000.0)?.unwrap_or(30.0);
+        let frames = said("--frames", &self.frames, 2.0, 1e6)?;
+        if frames.is_some_and(|frames| frames.fract() != 0.0) {
+            return Err(Exit::Usage("--frames must be a whole number".to_string()));
+        }
+        let needed = (keys[keys.len() - 1].secs * fps).round().clamp(2.0, 1e6);
+        let frames = frames.unwrap_or(needed) as u32;
+        Ok(Film { size, frames, fps, keys })
+    }
+}
+
+/// Whether a file holds keys and not a scene.
+fn is_keys(name: &str) -> bool {
+    let path = Path::new(name);
+    let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+    toml && read_document(path).is_err()
+        && std::fs::read_to_string(path).is_ok_and(|text| text.contains("[[key]]"))
+}
+
+/// Scenes one after the other, at one visible speed.
+fn spaced(scenes: Vec<Document>) -> Vec<Key> {
+    let mut secs = 0.0;
+    let mut before: Option<f64> = None;
+    let key = |scene: Document| {
+        let width = scene.scene().view.width_rad().hi;
+        if let Some(before) = before {
+            let decades = (width / before).log10().abs();
+            secs += (SECS_A_DECADE * decades).max(LEAST_SECS);
+        }
+        before = Some(width);
+        Key { secs, easing: Easing::Linear, clock: None, scene }
+    };
+    scenes.into_iter().map(key).collect()
+}
+
+/// One view in which something changes.
+fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
+    let wrong = || {
+        Exit::Usage(format!(
+            "--vary is '{vary}'; it must be time, budget, gravity, masses or lengths and two \
+             values, as in time=0..30 or masses=1,1..1,5"
+        ))
+    };
+    let (word, values) = vary.split_once('=').ok_or_else(wrong)?;
+    let (from, to) = values.split_once("..").ok_or_else(wrong)?;
+    let key = |secs: f64, text: &str| -> anyhow::Result<Key> {
+        let mut key = Key { secs, easing: Easing::Linear, clock: None, scene: scene.clone() };
+        let one = || number(text).ok_or_else(wrong);
+        let two = || {
+            let (first, second) = text.split_once(',').ok_or_else(wrong)?;
+            number(first).zip(number(second)).map(|(a, b)| [a, b]).ok_or_else(wrong)
+        };
+        match word {
+            "time" => key.clock = Some(one()?),
+            "budget" => key.scene.question.budget = Budget::secs(one()?),
+            "gravity" => key.scene.pendulum.gravity = one()?,
+            "masses" => key.scene.pendulum.masses = two()?,
+            "lengths" => key.scene.pendulum.lengths = two()?,
+            _ => return Err(wrong().into()),
+        }
+        key.scene.check()?;
+        Ok(key)
+    };
+    Ok(vec![key(0.0, from)?, key(SECS_IN_PLACE, to)?])
+}
+
+/// Refuses keys that were made at different sizes, unless one is said.
+fn same_sizes(keys: &[Key], run: &RunOptions) -> Result<(), Exit> {
+    let sizes: Vec<[u32; 2]> = keys.iter().filter_map(|key| key.scene.run.size).collect();
+    let other = sizes.iter().position(|size| *size != sizes[0]);
+    match (other, &run.size) {
+        (Some(other), None) => {
+            let ([a, b], [c, d]) = (sizes[0], sizes[other]);
+            Err(Exit::Usage(format!(
+                "the keys have different sizes, {a}x{b} and {c}x{d}; say which with --size"
+            )))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,226 @@
+//! `flipmap plan`, `run`, `verify` and `merge`: work in shards, for any machine or many.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use flipmap::engine::choice::Demand;
+use flipmap::farm::merge::{self, MergeError};
+use flipmap::farm::{Plan, Task, Wanted, What};
+use flipmap::output::Paths;
+use flipmap::scene::Document;
+
+use super::exit::Exit;
+use super::film_options::FilmOptions;
+use super::options::{SceneOptions, SceneWords};
+use super::picture_options::PictureOptions;
+use super::progress::{Mode, Progress};
+use super::run_options::{EngineOptions, RunOptions};
+use super::video::codec_of;
+use super::{farm, stop};
+
+#[derive(Args, Debug)]
+pub struct PlanOptions {
+    #[command(flatten)]
+    film: FilmOptions,
+    #[command(flatten)]
+    words: SceneWords,
+    #[command(flatten)]
+    run: RunOptions,
+    #[command(flatten)]
+    picture: PictureOptions,
+    /// Number of shards
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    shards: u32,
+    /// Compute also what --raw, --exr and --trust need beside a picture of several --samples
+    #[arg(long)]
+    numbers: bool,
+    /// The plan to write; its parts will lie beside it
+    #[arg(short, long, value_name = "PLAN.toml")]
+    output: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct RunShards {
+    /// The plan
+    plan: PathBuf,
+    /// A shard, 1 the first, or a range such as 2-5 (default: all)
+    #[arg(long, value_name = "N|A-B")]
+    shard: Option<String>,
+    #[command(flatten)]
+    engine: EngineOptions,
+    /// How to show progress
+    #[arg(long, value_enum, default_value_t = Mode::Auto)]
+    progress: Mode,
+}
+
+#[derive(Args, Debug)]
+pub struct VerifyOptions {
+    /// The plan
+    plan: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct MergeOptions {
+    /// The plan
+    plan: PathBuf,
+    #[command(flatten)]
+    picture: PictureOptions,
+    /// The picture, or the film: .mp4, .mkv, or a folder for numbered pictures
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Flip times of a still as a NumPy array
+    #[arg(long, value_name = "FILE.npy")]
+    raw: Option<PathBuf>,
+    /// Flip times, statuses and doubts of a still as an OpenEXR image
+    #[arg(long, value_name = "FILE.exr")]
+    exr: Option<PathBuf>,
+    /// A picture of how sure each pixel of a still is
+    #[arg(long, value_name = "FILE.png")]
+    trust: Option<PathBuf>,
+    /// How to show progress
+    #[arg(long, value_enum, default_value_t = Mode::Auto)]
+    progress: Mode,
+}
+
+/// `flipmap plan`.
+pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
+    options.run.engine.check()?;
+    let (what, how) = what(options)?;
+    let chosen = farm::start(&options.run.engine.wish(how.demand))?;
+    let scene = match &what {
+        What::Still(document) => document.scene(),
+        What::Film(film) => film.keys[0].scene.scene(),
+    };
+    farm::check_steps(&scene, chosen.recipe)?;
+    let engine = (chosen.engine.as_ref(), chosen.recipe, how.verify);
+    let plan = Plan::new(what, options.shards, engine, options.numbers);
+    super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
+    let task = Task::new(plan, &options.output)?;
+    super::tell(&format!(
+        "flipmap: {} samples in {} shards; flipmap run {} --shard N, N from 1 to {}",
+        task.samples(),
+        options.shards,
+        options.output.display(),
+        options.shards
+    ));
+    Ok(())
+}
+
+fn what(options: &PlanOptions) -> anyhow::Result<(What, super::run_options::Plan)> {
+    if options.film.says_film() {
+        let (film, how) = options.film.film(&options.words, &options.run, &options.picture)?;
+        return Ok((What::Film(film), how));
+    }
+    let scene = SceneOptions { scene: options.film.scene(), ..SceneOptions::default() };
+    let mut document = options.words.apply(scene.document()?)?;
+    options.picture.apply(&mut document)?;
+    let how = options.run.settle(&mut document)?;
+    document.picture.check()?;
+    document.picture.check_size(how.size)?;
+    Ok((What::Still(document), how))
+}
+
+/// `flipmap run`.
+pub fn run(options: &RunShards) -> anyhow::Result<()> {
+    options.engine.check()?;
+    let task = farm::open(&options.plan)?;
+    let shards = shards(options.shard.as_deref(), task.plan.shards)?;
+    stop::listen()?;
+    let wish = options.engine.wish(Demand::Recipe(task.recipe));
+    let chosen = farm::start(&farm::wish_like(&task.plan, wish))?;
+    farm::compute(&task, shards, chosen, options.engine.threads(), options.progress)
+}
+
+fn shards(text: Option<&str>, count: u32) -> Result<std::ops::RangeInclusive<u32>, Exit> {
+    let Some(text) = text else { return Ok(1..=count) };
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let range = first.parse().ok().zip(last.parse().ok());
+    match range {
+        Some((first, last)) if 1 <= first && first <= last && last <= count => Ok(first..=last),
+        _ => Err(Exit::Usage(format!(
+            "--shard is '{text}'; it must be a number from 1 to {count}, or two with a - between \
+             them"
+        ))),
+    }
+}
+
+/// `flipmap verify`.
+pub fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
+    let task = farm::open(&options.plan)?;
+    let parts = farm::scan(&task)?;
+    let missing = task.missing_shards(&parts);
+    for shard in &missing {
+        super::say(&shard.to_string())?;
+    }
+    if missing.is_empty() {
+        Ok(())
+    } else {
+        Err(farm::lacks(&missing, &task, &options.plan).into())
+    }
+}
+
+/// `flipmap merge`.
+pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
+    let task = farm::open(&options.plan)?;
+    stop::listen()?;
+    match &task.work {
+        Wanted::Film(film, _) => {
+            let only = "a film is merged with -o FILM.mp4, -o FILM.mkv or -o FOLDER alone";
+            let others = [&options.raw, &options.exr, &options.trust];
+            let output = options.output.as_deref().filter(|_| others.iter().all(|o| o.is_none()));
+            let output = output.ok_or_else(|| Exit::Usage(only.to_string()))?;
+            if let Some(codec) = codec_of(output)? {
+                codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
+            }
+            let parts = farm::complete(&task, &options.plan)?;
+            farm::paint(&task, parts, &options.picture, output, options.progress)
+        }
+        Wanted::Still(document, _) => merge_still(&task, document.clone(), options),
+    }
+}
+
+fn merge_still(task: &Task, mut document: Document, options: &MergeOptions) -> anyhow::Result<()> {
+    let Wanted::Still(_, passes) = &task.work else { return Ok(()) };
+    let samples = document.picture.samples;
+    options.picture.apply(&mut document)?;
+    document.picture.check()?;
+    let paths = options.paths();
+    if paths.named().is_empty() {
+        let message = "nothing to write: give -o FILE.png, --raw FILE.npy, --exr FILE.exr or more";
+        return Err(Exit::Usage(message.to_string()).into());
+    }
+    if document.picture.samples != samples {
+        let message = format!("--samples is {samples} in the plan; it cannot change any more");
+        return Err(Exit::Usage(message).into());
+    }
+    let numbers = paths.raw.is_some() || paths.exr.is_some() || paths.trust.is_some();
+    if numbers && !passes.iter().any(|pass| pass.along == 1) {
+        let message = "the plan has several --samples a pixel and no numbers at the pixels' middles; \
+                       plan with --numbers for --raw, --exr and --trust";
+        return Err(Exit::Usage(message.to_string()).into());
+    }
+    paths.check()?;
+    let mut parts = farm::complete(task, &options.plan)?;
+    let total: u64 =
+        passes.iter().map(|pass| u64::from(pass.size[0]) * u64::from(pass.size[1])).sum();
+    let mut progress = Progress::of(options.progress, total, "samples");
+    let mut go_on = |done| {
+        progress.set(done, None);
+        !stop::asked()
+    };
+    merge::still(&document, passes, &mut parts, &paths, &mut go_on).map_err(|error| match error {
+        MergeError::Stopped => anyhow::Error::from(Exit::Again),
+        error => error.into(),
+    })
+}
+
+impl MergeOptions {
+    fn paths(&self) -> Paths {
+        Paths {
+            picture: self.output.clone(),
+            raw: self.raw.clone(),
+            exr: self.exr.clone(),
+            trust: self.trust.clone(),
+        }
+    }
+}

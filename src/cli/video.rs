@@ -1,0 +1,109 @@
+//! `flipmap video`: a film from keys, from scenes, or of a zoom.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use flipmap::engine::choice::Chosen;
+use flipmap::farm::{Plan, Task, What};
+use flipmap::film::ffmpeg::{Codec, arguments};
+use flipmap::scene::film::Film;
+
+use super::exit::Exit;
+use super::film_options::FilmOptions;
+use super::options::SceneWords;
+use super::picture_options::PictureOptions;
+use super::progress::Mode;
+use super::run_options::RunOptions;
+use super::{farm, stop};
+
+#[derive(Args, Debug)]
+pub struct Options {
+    #[command(flatten)]
+    film: FilmOptions,
+    #[command(flatten)]
+    words: SceneWords,
+    #[command(flatten)]
+    run: RunOptions,
+    #[command(flatten)]
+    picture: PictureOptions,
+    /// The film: .mp4 or .mkv (lossless) through ffmpeg, or a folder for numbered pictures
+    #[arg(short, long, value_name = "FILM")]
+    output: PathBuf,
+    /// Where samples are kept, to go on after a stop and for other colours (default: FILM.samples)
+    #[arg(long, value_name = "FOLDER")]
+    cache: Option<PathBuf>,
+    /// Show how ffmpeg is called, and do nothing
+    #[arg(long)]
+    print_ffmpeg: bool,
+    /// How to show progress
+    #[arg(long, value_enum, default_value_t = Mode::Auto)]
+    progress: Mode,
+}
+
+pub fn run(options: &Options) -> anyhow::Result<()> {
+    options.run.engine.check()?;
+    let (film, how) = options.film.film(&options.words, &options.run, &options.picture)?;
+    let codec = codec_of(&options.output)?;
+    if options.print_ffmpeg {
+        return print(codec, &film, &options.output);
+    }
+    if let Some(codec) = codec {
+        codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
+    }
+    let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
+    std::fs::create_dir_all(&cache)
+        .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
+    let path = cache.join("plan.toml");
+    stop::listen()?;
+    let mut wish = options.run.engine.wish(how.demand);
+    // Another engine would give other last digits than the samples that are there.
+    if let Some(earlier) = earlier(&path) {
+        wish = farm::wish_like(&earlier, wish);
+    }
+    let chosen = farm::start(&wish)?;
+    let task = planned(film, how.verify, &chosen, &path)?;
+    let threads = options.run.engine.threads();
+    farm::compute(&task, 1..=1, chosen, threads, options.progress)?;
+    let parts = farm::complete(&task, &path)?;
+    farm::paint(&task, parts, &options.picture, &options.output, options.progress)
+}
+
+/// A plan of one shard, kept beside the samples.
+fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Result<Task> {
+    farm::check_steps(&film.keys[0].scene.scene(), chosen.recipe)?;
+    let engine = (chosen.engine.as_ref(), chosen.recipe, verify);
+    let plan = Plan::new(What::Film(film), 1, engine, false);
+    super::write_whole(path, "--cache", plan.text().as_bytes())?;
+    Ok(Task::new(plan, path)?)
+}
+
+fn earlier(path: &Path) -> Option<Plan> {
+    Plan::parse(&std::fs::read_to_string(path).ok()?).ok()
+}
+
+/// By the name's ending; a folder has none.
+pub fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
+    let codec = Codec::of(output);
+    let ending = output.extension().is_some() && !output.is_dir();
+    if codec.is_none() && (ending || output.as_os_str() == "-") {
+        return Err(Exit::Usage(format!(
+            "-o {}: a film is an .mp4, an .mkv (lossless), or a folder of numbered pictures",
+            output.display()
+        )));
+    }
+    Ok(codec)
+}
+
+fn print(codec: Option<Codec>, film: &Film, output: &Path) -> anyhow::Result<()> {
+    let Some(codec) = codec else {
+        let message = "--print-ffmpeg is for an .mp4 or .mkv; a folder of pictures needs none";
+        return Err(Exit::Usage(message.to_string()).into());
+    };
+    let words = arguments(codec, film, output);
+    let quoted = words.iter().map(|word| {
+        let word = word.to_string_lossy();
+        let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "-_./:=,+".contains(c));
+        if plain { word.into_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    });
+    super::say(&format!("ffmpeg {}", quoted.collect::<Vec<_>>().join(" ")))
+}
