@@ -221,3 +221,83 @@ fn fine_share(sight: &Sight, level: u32) -> f32 {
     let closer = (SLACK * sight.pitch_rad() / pitch_rad(level)).log2();
     (1.0 - closer).clamp(0.0, 1.0) as f32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::View;
+    use crate::tiles::patches::{SAMPLES, patches};
+
+    const SIZE: [u32; 2] = [96, 64];
+    const SAMPLES_ALONG: u32 = 2;
+
+    fn shot(width: f64, rotate: f64) -> Shot {
+        let center = ["-1.66".to_string(), "0.1".to_string()];
+        let view = View { center, width: width.to_string(), rotate, ..View::default() };
+        Shot { scene: Scene { view, ..Scene::default() }, clock_secs: None }
+    }
+
+    /// A mip of waves over the plane, so long (rad), in the first channel.
+    fn waves(shots: &[Shot], wave_rad: f64) -> Mip {
+        let sights: Vec<Sight> =
+            shots.iter().map(|shot| Sight::new(&shot.scene, SIZE, SAMPLES_ALONG)).collect();
+        let cells = patches(&sights);
+        let mut next = cells.iter();
+        let mut light = || {
+            let grid = next.next().expect("a patch").grid(&Scene::default(), SIDE);
+            let numbers = (0..SAMPLES as u32).flat_map(|place| {
+                let angle = grid.angle_from_pixel(place % SIDE, place / SIDE).map(|a| a.hi);
+                [(65535.0 * wave(angle, wave_rad)) as u16, 0, 0]
+            });
+            Ok::<Light, io::Error>(numbers.collect())
+        };
+        let folder = tempfile::tempdir().unwrap();
+        Mip::build(&cells, folder.path(), &mut light).unwrap()
+    }
+
+    fn wave([theta1, theta2]: [f64; 2], wave_rad: f64) -> f64 {
+        0.5 + 0.25 * ((theta1 / wave_rad).sin() + (theta2 / wave_rad).cos())
+    }
+
+    fn painter() -> Painter {
+        let picture =
+            PictureTable { samples: SAMPLES_ALONG, curve: false, ..PictureTable::default() };
+        Painter::new(SIZE, &picture)
+    }
+
+    #[test]
+    fn a_frame_is_the_plane_it_shows() {
+        for rotate in [0.0, 40.0] {
+            let shots = [shot(1.0, rotate), shot(0.4, rotate), shot(0.1, rotate)];
+            let mut mip = waves(&shots, 0.05);
+            for shot in &shots[1..] {
+                let rgb = painter().paint(shot, &mut mip).unwrap();
+                let grid = Grid::new(&shot.scene, SIZE);
+                for (place, rgb) in (0..).zip(rgb.as_chunks::<3>().0) {
+                    let [column, row] = [place % SIZE[0], place / SIZE[0]];
+                    let angle = grid.angle_from_pixel(column, row).map(|a| a.hi);
+                    let expected = encoded(wave(angle, 0.05));
+                    assert!(rgb[0].abs_diff(expected) <= 4, "{column} {row}: {rgb:?} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_pops_where_levels_meet() {
+        let level = |width: f64| Sight::new(&shot(width, 0.0).scene, SIZE, SAMPLES_ALONG).level();
+        // The width at which the levels change, to the last digits.
+        let (mut above, mut below) = (0.6, 0.3);
+        assert_eq!(level(above) + 1, level(below));
+        while above - below > 1e-9 {
+            let middle = 0.5 * (above + below);
+            *(if level(middle) == level(0.6) { &mut above } else { &mut below }) = middle;
+        }
+        // The film goes on, so that the middle is finer still; a wave is three pixels long.
+        let shots = [shot(above, 0.0), shot(below, 0.0), shot(0.02, 0.0)];
+        let mut mip = waves(&shots, 0.5 * above / 96.0);
+        let [a, b] = [0, 1].map(|k: usize| painter().paint(&shots[k], &mut mip).unwrap());
+        let most = a.iter().zip(&b).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(most <= Some(1), "{most:?}");
+    }
+}
