@@ -30,7 +30,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Samples in a part at most.
 const MOST: usize = 1 << 18;
 /// What is finished is kept after this time at the latest …
-const LEAST_WAIT: Duration = Duration::from_secs(1);
+const LEAST_WAIT: Duration = Duration::from_millis(500);
 /// … or after this share of the time gone, so that long runs have fewer and larger parts.
 const WAIT_SHARE: u32 = 60;
 

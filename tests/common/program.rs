@@ -1,0 +1,38 @@
+//! The program as its users run it.
+
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// The program in a folder, with a cache that only tests share.
+pub fn program(folder: &TempDir, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_flipmap"));
+    command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
+    command.args(arguments);
+    command
+}
+
+pub fn flipmap(folder: &TempDir, arguments: &[&str]) -> Output {
+    program(folder, arguments).output().unwrap()
+}
+
+pub fn error_of(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Runs it and insists that it succeeds.
+pub fn done(folder: &TempDir, arguments: &[&str]) -> String {
+    let output = flipmap(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", error_of(&output));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Runs it and insists that it fails with a code; what it says.
+#[allow(dead_code, reason = "not every test refuses something")]
+pub fn refused(folder: &TempDir, code: i32, arguments: &[&str]) -> String {
+    let output = flipmap(folder, arguments);
+    let error = error_of(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
+    assert!(error.lines().filter(|line| line.starts_with("flipmap: ")).count() >= 1, "{error}");
+    error
+}

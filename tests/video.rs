@@ -1,0 +1,225 @@
+//! Films: what they show, what ffmpeg makes of them, and what is refused.
+
+#[path = "common/program.rs"]
+mod program;
+
+use std::fs;
+use std::path::Path;
+
+use program::*;
+use tempfile::TempDir;
+
+const CPU: [&str; 4] = ["--engine", "cpu", "--accuracy", "fast"];
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn video(folder: &TempDir, arguments: &[&str]) -> String {
+    done(folder, &[&["video"], &CPU[..], arguments].concat())
+}
+
+fn pixels(path: &Path) -> image::RgbImage {
+    image::open(path).unwrap().to_rgb8()
+}
+
+/// The mean difference of two pictures, in levels of 255.
+fn difference(a: &image::RgbImage, b: &image::RgbImage) -> f64 {
+    let sum: u64 = a.iter().zip(b.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    sum as f64 / a.len() as f64
+}
+
+const KEYS: &str = "[[key]]\nsecs = 0\n[[key]]\nsecs = 2\neasing = \"linear\"\n\
+                    [key.scene.view]\ncenter = [\"-1.66\", \"0.1\"]\nwidth = \"0.4\"\n";
+
+#[test]
+fn frames_are_what_render_draws_there() {
+    let folder = folder();
+    fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
+    video(&folder, &["keys.toml", "--frames", "5", "--size", "64x48", "-o", "f"]);
+    for frame in [0, 2, 4] {
+        let png = format!("f/00000{frame}.png");
+        // A frame is a scene, and carries its colours.
+        done(&folder, &[&["render", &png, "-o", "r.png"], &CPU[..]].concat());
+        let [film, still] = [&png, "r.png"].map(|name| pixels(&folder.path().join(name)));
+        let apart = difference(&film, &still);
+        let other = pixels(&folder.path().join(format!("f/00000{}.png", (frame + 2) % 5)));
+        let others = difference(&film, &other);
+        assert!(apart < 16.0 && others > 1.5 * apart, "frame {frame}: {apart} and {others}");
+    }
+    let manifest = fs::read_to_string(folder.path().join("f/manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!((&manifest["frames"], &manifest["fps"]), (&5.into(), &30.0.into()));
+    assert_eq!(manifest["pictures"][4]["frame"], 4);
+}
+
+#[test]
+fn other_colours_and_another_time_compute_nothing() {
+    let folder = folder();
+    fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
+    let film = ["keys.toml", "--size", "48x32", "-o", "f", "--frames", "9"];
+    video(&folder, &film);
+    let parts = || fs::read_dir(folder.path().join("f.samples/plan.parts")).unwrap().count();
+    let before = parts();
+    let again = [&["--cache", "f.samples"], &film[..3]].concat();
+    let other = ["-o", "g", "--frames", "5", "--palette", "viridis"];
+    let output = flipmap(&folder, &[&["video"], &CPU[..], &again[..], &other[..]].concat());
+    assert!(error_of(&output).contains("every sample is there already"), "{}", error_of(&output));
+    assert_eq!(parts(), before);
+    assert!(folder.path().join("g/000004.png").exists());
+}
+
+#[test]
+fn pixels_light_up_as_they_flip_and_stay() {
+    let folder = folder();
+    let size = ["--size", "48x36", "--frames", "6"];
+    video(&folder, &[&["--vary", "time=0..30", "-o", "t"], &size[..]].concat());
+    let frames: Vec<_> =
+        (0..6).map(|k| pixels(&folder.path().join(format!("t/00000{k}.png")))).collect();
+    let lit =
+        |frame: &image::RgbImage| frame.pixels().filter(|p| p.0 != [0x16, 0x18, 0x1d]).count();
+    let counts: Vec<usize> = frames.iter().map(lit).collect();
+    assert!(counts.windows(2).all(|two| two[0] <= two[1]) && counts[0] < counts[5], "{counts:?}");
+    // What a growing budget shows at its end is the ordinary map.
+    video(&folder, &[&["--vary", "budget=1..30", "-o", "b"], &size[..]].concat());
+    let render = ["render", "--size", "48x36", "--samples", "2", "-o", "r.png"];
+    done(&folder, &[&render[..], &CPU[..]].concat());
+    let [end, still] = ["b/000005.png", "r.png"].map(|name| pixels(&folder.path().join(name)));
+    assert!(difference(&end, &still) < 16.0);
+}
+
+#[test]
+fn a_pendulum_may_change_from_frame_to_frame() {
+    let folder = folder();
+    let vary = ["--vary", "masses=1,1..1,5", "--size", "40x30", "--frames", "3", "-o", "p"];
+    video(&folder, &vary);
+    let last = fs::read_to_string(folder.path().join("p/000002.json")).unwrap();
+    assert!(last.contains("masses=1,5"), "{last}");
+    let [a, b] = [0, 2].map(|k| pixels(&folder.path().join(format!("p/00000{k}.png"))));
+    assert!(difference(&a, &b) > 10.0);
+}
+
+#[test]
+#[cfg_attr(no_ffmpeg, ignore = "FLIPMAP_NO_FFMPEG=1 declares that there is no ffmpeg")]
+fn films_have_the_frames_that_were_asked_for() {
+    let folder = folder();
+    fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
+    let film = ["keys.toml", "--frames", "24", "--fps", "12", "--size", "64x48"];
+    let cache = ["--cache", "samples"];
+    for output in ["f.mp4", "f.mkv", "f"] {
+        video(&folder, &[&film[..], &cache[..], &["-o", output]].concat());
+    }
+    for film in ["f.mp4", "f.mkv"] {
+        let entries = "stream=nb_read_frames,width,height,r_frame_rate";
+        let words = ["-v", "error", "-count_frames", "-show_entries", entries, "-of", "csv", film];
+        let probed = tool(&folder, "ffprobe", &words);
+        assert_eq!(String::from_utf8_lossy(&probed).trim(), "stream,64,48,12/1,24", "{film}");
+    }
+    // A frame of the lossless film is the picture.
+    let decode = "-v error -i f.mkv -f rawvideo -pix_fmt rgb24 -";
+    let raw = tool(&folder, "ffmpeg", &decode.split(' ').collect::<Vec<_>>());
+    let bytes = 64 * 48 * 3;
+    assert_eq!(raw.len(), 24 * bytes);
+    for frame in [0, 11, 23] {
+        let picture = pixels(&folder.path().join(format!("f/{frame:06}.png")));
+        assert!(raw[frame * bytes..(frame + 1) * bytes] == picture.as_raw()[..], "frame {frame}");
+    }
+    // Equal frames are equal files.
+    for name in ["mp4", "mkv"] {
+        video(&folder, &[&film[..], &cache[..], &["-o", &format!("g.{name}")]].concat());
+        let [f, g] = ["f", "g"].map(|film| fs::read(folder.path().join(format!("{film}.{name}"))));
+        assert!(f.unwrap() == g.unwrap(), "{name}");
+    }
+}
+
+fn tool(folder: &TempDir, name: &str, words: &[&str]) -> Vec<u8> {
+    let output = std::process::Command::new(name).args(words).current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", error_of(&output));
+    output.stdout
+}
+
+/// An ffmpeg that does what a script says.
+#[cfg(unix)]
+fn fake(folder: &TempDir, script: &str) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.path().join("bin");
+    fs::create_dir_all(&path).unwrap();
+    let ffmpeg = path.join("ffmpeg");
+    fs::write(&ffmpeg, format!("#!/bin/sh\n{script}\n")).unwrap();
+    fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();
+    path.display().to_string()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_ffmpeg_that_is_missing_lacks_a_codec_or_fails_is_told_apart() {
+    let folder = folder();
+    fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
+    let film = ["keys.toml", "--frames", "3", "--size", "32x24", "-o", "f.mp4"];
+    let with_path = |path: &str| {
+        let mut command = program(&folder, &[&["video"], &CPU[..], &film[..]].concat());
+        let output = command.env("PATH", path).output().unwrap();
+        (output.status.code(), error_of(&output))
+    };
+    let (code, error) = with_path("/nowhere");
+    assert!(code == Some(2) && error.contains("apt-get install ffmpeg"), "{error}");
+    let (code, error) = with_path(&fake(&folder, "echo ' V..... ffv1  FFmpeg video codec #1'"));
+    assert!(code == Some(2) && error.contains("no encoder libx264"), "{error}");
+    let fails = "case \"$2\" in -encoders) echo libx264;; *) /bin/echo one >&2; /bin/echo 'disk \
+                 quota exceeded' >&2; exit 1;; esac";
+    let (code, error) = with_path(&fake(&folder, fails));
+    assert_eq!(code, Some(1), "{error}");
+    assert!(error.contains("ffmpeg failed: one; disk quota exceeded"), "{error}");
+    assert!(!folder.path().join("f.mp4").exists());
+    let left: Vec<String> = fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| name.starts_with(".flipmap"))
+        .collect();
+    assert!(left.is_empty(), "{left:?}");
+    assert!(folder.path().join("f.mp4.samples/plan.toml").exists(), "samples are kept");
+}
+
+#[test]
+fn what_is_no_film_is_refused_by_name() {
+    let folder = folder();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    file("back.toml", "[[key]]\nsecs = 2\n[[key]]\nsecs = 1\n");
+    file(
+        "sizes.toml",
+        "[[key]]\nsecs = 0\n[key.scene.run]\nsize = [64, 48]\n[[key]]\nsecs = 1\n\
+                        [key.scene.run]\nsize = [32, 24]\n",
+    );
+    file("one.toml", "[[key]]\nsecs = 0\n");
+    let video = |words: &[&str]| refused(&folder, 2, &[&["video"], &CPU[..], words].concat());
+    for (words, expected) in [
+        (&["back.toml", "-o", "f"][..], "back.toml: key 2 is at 1 s; each must be later"),
+        (&["sizes.toml", "-o", "f"], "different sizes, 64x48 and 32x24; say which with --size"),
+        (&["one.toml", "-o", "f"], "a film needs two keys or more, and this one has 1"),
+        (&["-o", "f"], "a film needs a file of keys"),
+        (&["home", "first", "-o", "f"], "key 2 has another rule than the first"),
+        (&["--zoom-to", "deep", "-o", "f.avi"], "a film is an .mp4, an .mkv"),
+        (&["--zoom-to", "deep", "--size", "33x24", "-o", "f.mp4"], "such as 34x24"),
+        (
+            &["--zoom-to", "deep", "--frames", "1", "-o", "f"],
+            "--frames is '1'; it must lie between",
+        ),
+        (&["--zoom-to", "deep", "--fps", "fast", "-o", "f"], "--fps is 'fast'; it must lie"),
+        (&["--vary", "colour=1..2", "-o", "f"], "--vary is 'colour=1..2'; it must be time"),
+        (&["--vary", "masses=1,1..0,1", "-o", "f"], "each mass must lie between"),
+        (&["--zoom-to", "nowhere", "-o", "f"], "no scene 'nowhere'"),
+    ] {
+        let error = video(words);
+        assert!(error.contains(expected), "{words:?}: {error}");
+    }
+    assert!(!folder.path().join("f").exists());
+}
+
+#[test]
+fn the_call_of_ffmpeg_can_be_seen() {
+    let folder = folder();
+    let words = ["--zoom-to", "deep", "--size", "64x48", "--fps", "25", "--print-ffmpeg"];
+    let shown = video(&folder, &[&words[..], &["-o", "it's.mkv"]].concat());
+    assert!(shown.starts_with("ffmpeg -hide_banner") && shown.contains("-video_size 64x48"));
+    assert!(shown.contains("-c:v ffv1") && shown.trim_end().ends_with("'it'\\''s.mkv'"), "{shown}");
+}
