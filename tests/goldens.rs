@@ -2,8 +2,8 @@
 //!
 //! Two tolerances: how far off a channel may be, and how many pixels may be quite wrong. In
 //! chaotic places sound engines differ, so the share is bounded there and the first tolerance is
-//! never widened. A failure leaves `expected | difference | actual` in `target/goldens`; a
-//! missing golden is written there too and fails. `FLIPMAP_UPDATE_GOLDENS=1` replaces them.
+//! never widened. The pictures and their differences lie in `target/goldens`; a missing golden is
+//! written there too and fails. `FLIPMAP_UPDATE_GOLDENS=1` replaces them.
 
 mod common;
 
@@ -12,15 +12,16 @@ use std::path::{Path, PathBuf};
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{Engine, Precision};
+use flipmap::output::compare::{Comparison, Difference, Rows, compare};
 use flipmap::output::{Painter, RowOrder};
 use flipmap::physics::Rule;
 use flipmap::scene::{Budget, Build, Kind, PictureTable, Question, Scene, View};
 use flipmap::tiles::Work;
-use image::{GenericImage, Rgb, RgbImage};
+use image::{Rgb, RgbImage};
 
 const SIZE: [u32; 2] = [120, 96];
 /// A channel may be this far off, of 255.
-const CHANNEL: u8 = 6;
+const CHANNEL: f64 = 6.0;
 
 struct Golden {
     name: &'static str,
@@ -86,34 +87,40 @@ fn paint(golden: &Golden, engine: &mut dyn Engine, precision: Precision) -> RgbI
     RgbImage::from_raw(SIZE[0], SIZE[1], bytes).expect("all rows were painted")
 }
 
-/// The share of pixels of which a channel is further off than allowed.
-fn quite_wrong(expected: &RgbImage, actual: &RgbImage) -> f64 {
-    assert_eq!(expected.dimensions(), actual.dimensions());
-    let off =
-        |(a, b): &(&Rgb<u8>, &Rgb<u8>)| a.0.iter().zip(b.0).any(|(&a, b)| a.abs_diff(b) > CHANNEL);
-    let wrong = expected.pixels().zip(actual.pixels()).filter(off).count();
-    wrong as f64 / (expected.width() * expected.height()) as f64
+/// How two picture files differ, by the same code as `flipmap compare`; a picture of the
+/// differences is left beside the second.
+fn compared(expected: &Path, actual: &Path) -> Comparison {
+    let [a, b] = [expected, actual].map(|path| Rows::open(path).unwrap());
+    let mut difference = RgbImage::new(SIZE[0], SIZE[1]);
+    let mut y = 0;
+    let comparison = compare(a, b, CHANNEL, &mut |row| {
+        for (x, by) in (0..).zip(row) {
+            let Difference::By(by) = by else { unreachable!("colours have no classes") };
+            difference.put_pixel(x, y, Rgb([*by as u8; 3]));
+        }
+        y += 1;
+        Ok(())
+    });
+    difference.save(actual.with_extension("difference.png")).unwrap();
+    comparison.unwrap()
 }
 
-fn compare(golden: &Golden, actual: &RgbImage, engine: &str) {
+fn judge(golden: &Golden, actual: &RgbImage, engine: &str) {
     let path = Path::new("tests/goldens").join(format!("{}.png", golden.name));
     if std::env::var_os("FLIPMAP_UPDATE_GOLDENS").is_some_and(|value| value == "1") {
         actual.save(&path).unwrap();
     }
-    let Ok(expected) = image::open(&path) else {
-        let kept = leave(golden.name, engine, actual);
-        panic!("{} is missing; look at {} first", path.display(), kept.display());
-    };
-    let expected = expected.to_rgb8();
-    let wrong = quite_wrong(&expected, actual);
-    if wrong > golden.wrong {
-        let kept = leave(golden.name, engine, &beside(&expected, actual));
-        panic!(
-            "{} {engine}: {wrong} of the pixels are quite wrong; see {}",
-            golden.name,
-            kept.display()
-        );
-    }
+    let kept = leave(golden.name, engine, actual);
+    assert!(path.exists(), "{} is missing; look at {} first", path.display(), kept.display());
+    let comparison = compared(&path, &kept);
+    assert!(
+        comparison.share() <= golden.wrong,
+        "{} {engine}: {} of {} pixels are quite wrong; see {} and the difference beside it",
+        golden.name,
+        comparison.differing,
+        comparison.pixels,
+        kept.display()
+    );
 }
 
 fn leave(name: &str, engine: &str, picture: &RgbImage) -> PathBuf {
@@ -124,25 +131,11 @@ fn leave(name: &str, engine: &str, picture: &RgbImage) -> PathBuf {
     path
 }
 
-/// Expected, difference and actual in one picture.
-fn beside(expected: &RgbImage, actual: &RgbImage) -> RgbImage {
-    let (width, height) = expected.dimensions();
-    let difference = RgbImage::from_fn(width, height, |x, y| {
-        let (a, b) = (expected.get_pixel(x, y), actual.get_pixel(x, y));
-        Rgb([0, 1, 2].map(|i| a.0[i].abs_diff(b.0[i])))
-    });
-    let mut all = RgbImage::new(3 * width, height);
-    for (i, part) in (0..).zip([expected, &difference, actual]) {
-        all.copy_from(part, i * width, 0).unwrap();
-    }
-    all
-}
-
 #[test]
 fn cpu_pictures_are_as_they_were() {
     for golden in goldens() {
         let mut engine = CpuEngine::new(None).unwrap();
-        compare(&golden, &paint(&golden, &mut engine, Precision::F64), "cpu");
+        judge(&golden, &paint(&golden, &mut engine, Precision::F64), "cpu");
     }
 }
 
@@ -151,7 +144,7 @@ fn cpu_pictures_are_as_they_were() {
 fn gpu_pictures_are_as_they_were() {
     let mut engine = gpu_engine();
     for golden in goldens() {
-        compare(&golden, &paint(&golden, &mut engine, Precision::F32), "gpu");
+        judge(&golden, &paint(&golden, &mut engine, Precision::F32), "gpu");
     }
 }
 
@@ -160,11 +153,14 @@ fn a_wrong_picture_is_found_out() {
     let golden = &goldens()[0];
     let mut engine = CpuEngine::new(None).unwrap();
     let right = paint(golden, &mut engine, Precision::F64);
-    assert_eq!(quite_wrong(&right, &right), 0.0);
-    let moved = RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| *right.get_pixel((x + 3) % SIZE[0], y));
-    assert!(quite_wrong(&right, &moved) > golden.wrong);
+    let right = leave("right", "cpu", &right);
+    assert_eq!(compared(&right, &right).share(), 0.0);
+    let picture = image::open(&right).unwrap().to_rgb8();
+    let moved =
+        RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| *picture.get_pixel((x + 3) % SIZE[0], y));
+    assert!(compared(&right, &leave("moved", "cpu", &moved)).share() > golden.wrong);
     let mut budget = goldens().remove(0);
     budget.scene.question.budget.secs = 20.0;
-    let other = paint(&budget, &mut engine, Precision::F64);
-    assert!(quite_wrong(&right, &other) > golden.wrong);
+    let other = leave("budget", "cpu", &paint(&budget, &mut engine, Precision::F64));
+    assert!(compared(&right, &other).share() > golden.wrong);
 }

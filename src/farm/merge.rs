@@ -216,7 +216,7 @@ pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
     let Wanted::Film(_, reels) = &task.work else { return Ok(Vec::new()) };
     let mut times = Vec::new();
     for reel in reels {
-        for cell in &reel.cells {
+        for cell in reel.cells.iter() {
             let samples = parts.patch(&reel.of, cell)?;
             let step = samples.len() / LOOKED_AT;
             let some = samples.iter().step_by(step.max(1) + 1);

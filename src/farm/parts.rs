@@ -261,3 +261,61 @@ fn failed(verb: &'static str, path: &Path) -> impl FnOnce(io::Error) -> PartErro
     let path = path.to_path_buf();
     move |source| PartError::File { verb, path, source }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Outcome;
+
+    fn samples(count: usize, first: f64) -> Samples {
+        let mut samples = Samples::unflipped(count);
+        (0..count).for_each(|k| samples.set(k, Outcome::flipped(first + k as f64)));
+        samples
+    }
+
+    #[test]
+    fn rows_are_found_whoever_wrote_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = digest("a still");
+        let writer = PartWriter::open(folder.path(), &of).unwrap();
+        // Rows 2 to 4, 4 to 8, and 3 to 5 once more by somebody else.
+        writer.rows(3, 2, samples(6, 200.0)).unwrap();
+        writer.rows(3, 4, samples(12, 400.0)).unwrap();
+        writer.rows(3, 3, samples(6, 300.0)).unwrap();
+        let mut parts = Parts::scan(folder.path()).unwrap();
+        assert_eq!(parts.missing_rows(&of, 0..10), [0..2, 8..10]);
+        assert_eq!(parts.missing_rows(&of, 2..8), []);
+        assert_eq!(parts.missing_rows(&digest("another"), 3..4), [3..4]);
+        let row = |parts: &mut Parts, row| parts.rows(&of, row, 1).unwrap().get(0).time;
+        assert_eq!([row(&mut parts, 2), row(&mut parts, 7)], [200.0, 409.0]);
+        assert_eq!(parts.rows(&of, 5, 100).unwrap().len(), 9, "to the end of the part");
+        assert!(matches!(parts.rows(&of, 8, 1), Err(PartError::Gone)));
+    }
+
+    #[test]
+    fn patches_are_found_and_damage_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = digest("a film");
+        let writer = PartWriter::open(folder.path(), &of).unwrap();
+        let [a, b, c, _] = Cell::WHOLE.children();
+        writer.patches(&[a, b], samples(2 * SAMPLES, 0.0)).unwrap();
+        let mut parts = Parts::scan(folder.path()).unwrap();
+        assert!(parts.has_patch(&of, &a) && !parts.has_patch(&of, &c));
+        assert_eq!(parts.patch(&of, &b).unwrap().get(1).time, SAMPLES as f64 + 1.0);
+        let path = fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
+        let whole = fs::read(&path).unwrap();
+        for (at, xor) in [(0, 1), (MAGIC.len(), 1), (whole.len() / 2, 0x80), (whole.len() - 1, 1)] {
+            let mut altered = whole.clone();
+            altered[at] ^= xor;
+            fs::write(&path, altered).unwrap();
+            let parts = Parts::scan(folder.path()).unwrap();
+            assert_eq!(parts.damaged(), [path.clone()], "byte {at}");
+            assert!(!parts.has_patch(&of, &a));
+        }
+        fs::write(&path, &whole[..whole.len() - 1]).unwrap();
+        let mut parts = Parts::scan(folder.path()).unwrap();
+        assert_eq!(parts.damaged().len(), 1);
+        parts.remove_damaged().unwrap();
+        assert!(!path.exists());
+    }
+}

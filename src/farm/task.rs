@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::plan::digest;
 use super::{Parts, Plan, PlanError, What};
@@ -51,8 +52,8 @@ pub struct Pass {
 pub struct Reel {
     /// Its frames and patches.
     pub sheet: Sheet,
-    /// Patches to compute, in the order in which they are.
-    pub cells: Vec<Cell>,
+    /// Patches to compute, in the order in which they are; shared like those of the sheets.
+    pub cells: Arc<[Cell]>,
     /// What decides its samples.
     pub of: String,
 }
@@ -77,7 +78,7 @@ impl Task {
                 Wanted::Still(document, passes)
             }
             What::Film(film) => {
-                let reels = sheets(&film).into_iter().map(|sheet| reel(sheet, &how)).collect();
+                let reels = reels(sheets(&film), &how);
                 Wanted::Film(film, reels)
             }
         };
@@ -175,16 +176,127 @@ fn passes(document: &Document, numbers: bool, how: &str) -> Vec<Pass> {
     all.into_iter().map(pass).collect()
 }
 
-fn reel(sheet: Sheet, how: &str) -> Reel {
-    let mut cells = canonical(&sheet.patches);
-    // Jobs hold patches of one level; a stable sort keeps neighbours together.
-    cells.sort_by_key(|cell| cell.level);
-    let of = digest(&format!("film {} {how}", what_of(&sheet.scene)));
-    Reel { sheet, cells, of }
+/// The reels of a film's sheets.
+fn reels(sheets: Vec<Sheet>, how: &str) -> Vec<Reel> {
+    let mut reels: Vec<Reel> = Vec::new();
+    for sheet in sheets {
+        let cells = match reels.last() {
+            Some(before) if Arc::ptr_eq(&before.sheet.patches, &sheet.patches) => {
+                before.cells.clone()
+            }
+            _ => {
+                let mut cells = canonical(&sheet.patches);
+                // Jobs hold patches of one level; a stable sort keeps neighbours together.
+                cells.sort_by_key(|cell| cell.level);
+                cells.into()
+            }
+        };
+        let of = digest(&format!("film {} {how}", what_of(&sheet.scene)));
+        reels.push(Reel { sheet, cells, of });
+    }
+    reels
 }
 
 /// All of a scene that decides its samples.
 fn what_of(scene: &Scene) -> String {
     let Scene { build, question, view } = scene;
     format!("{build:?} {} {} {view:?}", question.rule, question.budget.secs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::mock::MockEngine;
+    use crate::engine::{Method, Precision};
+    use crate::scene::keys::{Easing, Key};
+
+    const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+
+    fn task(what: What, shards: u32) -> Task {
+        let plan = Plan::new(what, shards, (&MockEngine::default(), RECIPE, false), true);
+        Task::new(plan, Path::new("plan.toml")).unwrap()
+    }
+
+    fn still(size: [u32; 2], samples: u32) -> What {
+        let mut document = Document::default();
+        document.run.size = Some(size);
+        document.picture.samples = samples;
+        What::Still(document)
+    }
+
+    fn film(change: fn(&mut Document)) -> What {
+        let key = |secs, change: fn(&mut Document)| {
+            let mut scene = Document::default();
+            scene.picture.samples = 2;
+            change(&mut scene);
+            Key { secs, easing: Easing::Linear, clock: None, scene }
+        };
+        let keys = vec![key(0.0, |_| ()), key(1.0, change)];
+        What::Film(Film { size: [64, 64], frames: 5, fps: 5.0, keys })
+    }
+
+    #[test]
+    fn shards_are_all_of_a_still_once() {
+        for (size, samples) in [([7, 5], 1), ([40, 31], 2)] {
+            let task = task(still(size, samples), 3);
+            let parts = Parts::default();
+            let mut rows: Vec<(usize, u32)> = (1..=3)
+                .flat_map(|shard| task.missing(shard, &parts))
+                .flat_map(|piece| match piece {
+                    Piece::Rows(pass, rows) => rows.map(move |row| (pass, row)).collect::<Vec<_>>(),
+                    Piece::Patches(..) => panic!("a still has rows"),
+                })
+                .collect();
+            rows.sort_unstable();
+            let height = |pass: usize| if pass == 0 { size[1] * samples } else { size[1] };
+            let passes = if samples > 1 { 2 } else { 1 };
+            // The home map is its own image: half of the rows, and the middle one.
+            let all: Vec<(usize, u32)> = (0..passes)
+                .flat_map(|pass| (0..height(pass).div_ceil(2)).map(move |row| (pass, row)))
+                .collect();
+            assert_eq!(rows, all);
+        }
+    }
+
+    #[test]
+    fn shards_are_all_of_a_film_once() {
+        let zoom: fn(&mut Document) = |scene| scene.view.width = "0.01".into();
+        let masses: fn(&mut Document) = |scene| scene.pendulum.masses = [1.0, 3.0];
+        for (change, reels) in [(zoom, 1), (masses, 5)] {
+            let task = task(film(change), 3);
+            let parts = Parts::default();
+            let mut dealt: Vec<(usize, Cell)> = (1..=3)
+                .flat_map(|shard| task.missing(shard, &parts))
+                .flat_map(|piece| match piece {
+                    Piece::Patches(reel, cells) => {
+                        cells.into_iter().map(|cell| (reel, cell)).collect::<Vec<_>>()
+                    }
+                    Piece::Rows(..) => panic!("a film has patches"),
+                })
+                .collect();
+            let count = dealt.len();
+            dealt.sort_unstable();
+            dealt.dedup();
+            assert_eq!(dealt.len(), count, "none twice");
+            assert_eq!((count * SAMPLES) as u64, task.samples());
+            let Wanted::Film(_, found) = &task.work else { panic!("a film") };
+            assert_eq!(found.len(), reels);
+            assert!(found.windows(2).all(|two| Arc::ptr_eq(&two[0].cells, &two[1].cells)));
+        }
+    }
+
+    #[test]
+    fn what_decides_samples_has_a_name_of_its_own() {
+        let name = |what: What| match task(what, 1).work {
+            Wanted::Still(_, passes) => passes[0].of.clone(),
+            Wanted::Film(_, reels) => reels[0].of.clone(),
+        };
+        let home = name(still([8, 8], 1));
+        assert_ne!(home, name(still([8, 9], 1)));
+        let What::Still(mut painted) = still([8, 8], 1) else { panic!("a still") };
+        painted.picture.palette = "viridis".to_string();
+        assert_eq!(home, name(What::Still(painted.clone())), "colours decide no samples");
+        painted.question.budget.secs = 31.0;
+        assert_ne!(home, name(What::Still(painted)));
+    }
 }

@@ -16,9 +16,11 @@ pub use frames::{FrameError, Frames};
 pub use mip::{Light, Mip};
 pub use paint::{Painter, WAITING};
 
-use crate::scene::Scene;
+use std::sync::Arc;
+
 use crate::scene::film::{Film, Shot};
 use crate::scene::lattice::Cell;
+use crate::scene::{Scene, View};
 use crate::tiles::patches::{Sight, patches};
 
 /// The frames of one pendulum, and the patches they are painted from.
@@ -28,32 +30,38 @@ pub struct Sheet {
     pub scene: Scene,
     /// The first frame, and the one after the last.
     pub frames: std::ops::Range<u32>,
-    /// In the order of the quarters of quarters.
-    pub patches: Vec<Cell>,
+    /// In the order of the quarters of quarters; shared by sheets that are looked at alike.
+    pub patches: Arc<[Cell]>,
 }
 
 /// The sheets of a film: one, or where the pendulum changes one for every frame.
 pub fn sheets(film: &Film) -> Vec<Sheet> {
     let samples = film.keys[0].scene.picture.samples;
     let shots: Vec<Shot> = (0..film.frames).map(|frame| film.shot(frame)).collect();
-    let mut sheets = Vec::new();
-    let mut first = 0;
+    let mut sheets: Vec<Sheet> = Vec::new();
+    let mut looked: Vec<&View> = Vec::new();
     for same in shots.chunk_by(|a, b| a.scene.build == b.scene.build) {
-        let sights: Vec<Sight> =
-            different_views(same).map(|shot| Sight::new(&shot.scene, film.size, samples)).collect();
-        let mut scene = Scene { view: Default::default(), ..same[0].scene.clone() };
+        let shots = different_views(same);
+        let views: Vec<&View> = shots.iter().map(|shot| &shot.scene.view).collect();
+        let found = match sheets.last() {
+            Some(before) if looked == views => before.patches.clone(),
+            _ => {
+                let sight = |shot: &&Shot| Sight::new(&shot.scene, film.size, samples);
+                patches(&shots.iter().map(sight).collect::<Vec<_>>()).into()
+            }
+        };
+        looked = views;
+        let mut scene = Scene { view: View::default(), ..same[0].scene.clone() };
         scene.question.budget.secs = film.budget_secs();
+        let first = sheets.last().map_or(0, |before| before.frames.end);
         let frames = first..first + same.len() as u32;
-        first = frames.end;
-        sheets.push(Sheet { scene, frames, patches: patches(&sights) });
+        sheets.push(Sheet { scene, frames, patches: found });
     }
     sheets
 }
 
 /// Shots without those that look where the one before did.
-fn different_views(shots: &[Shot]) -> impl Iterator<Item = &Shot> {
-    let first = shots.first().into_iter();
-    first.chain(
-        shots.windows(2).filter(|two| two[0].scene.view != two[1].scene.view).map(|two| &two[1]),
-    )
+fn different_views(shots: &[Shot]) -> Vec<&Shot> {
+    let moved = |two: &&[Shot]| two[0].scene.view != two[1].scene.view;
+    shots.first().into_iter().chain(shots.windows(2).filter(moved).map(|two| &two[1])).collect()
 }

@@ -1,0 +1,88 @@
+//! What a zoom over ten decades costs beside its 600 frames rendered one by one, in one run: the
+//! film's samples and their painting, and every `FLIPMAP_EVERY`th (12th) of the frames as a picture
+//! with as many samples a pixel, which stands for its neighbours.
+
+use std::time::Instant;
+
+use flipmap::engine::Engine;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::depth::DepthEngine;
+use flipmap::engine::level::BALANCED;
+use flipmap::farm::{Parts, Plan, Task, Wanted, What, merge, run};
+use flipmap::scene::film::Film;
+use flipmap::scene::keys::{Easing, Key};
+use flipmap::scene::{BuiltIn, Document};
+use flipmap::tiles::Work;
+use flipmap::tiles::preview::preview;
+
+const FRAMES: u32 = 600;
+const SIZE: [u32; 2] = [96, 72];
+const SAMPLES: u32 = 2;
+
+fn main() {
+    let every = std::env::var("FLIPMAP_EVERY").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
+    let film = film();
+    let (samples, computing, painting) = whole(&film);
+    let frames = (0..FRAMES).step_by(every).collect::<Vec<_>>();
+    let one_by_one: f64 = frames.iter().map(|frame| rendered(&film, *frame)).sum();
+    let one_by_one = one_by_one * f64::from(FRAMES) / frames.len() as f64;
+    let all = f64::from(FRAMES * SIZE[0] * SIZE[1] * SAMPLES * SAMPLES);
+    println!("film: {samples} samples in {computing:.1} s, painted in {painting:.1} s");
+    println!("one by one: {all} samples in {one_by_one:.1} s, from {} frames", frames.len());
+    println!(
+        "the film costs {:.3} of its frames, and has {:.3} of their samples",
+        (computing + painting) / one_by_one,
+        samples as f64 / all
+    );
+}
+
+/// From home down a filament, with the budget of its end.
+fn film() -> Film {
+    let deep = BuiltIn::named("abyss").expect("a place").document();
+    let key = |secs, width: &str, center: [String; 2]| {
+        let mut scene = Document { question: deep.question, ..Document::default() };
+        (scene.view.width, scene.view.center) = (width.to_string(), center);
+        scene.picture.samples = SAMPLES;
+        Key { secs, easing: Easing::Linear, clock: None, scene }
+    };
+    let home = key(0.0, "6.28", ["0".into(), "0".into()]);
+    let end = key(20.0, "6.28e-10", deep.view.center.clone());
+    Film { size: SIZE, frames: FRAMES, fps: 30.0, keys: vec![home, end] }
+}
+
+fn engine() -> DepthEngine<'static> {
+    let processor = Box::new(CpuEngine::new(None).expect("a processor"));
+    DepthEngine::new(processor, None).expect("threads")
+}
+
+/// Samples, and seconds to compute and to paint them.
+fn whole(film: &Film) -> (u64, f64, f64) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut engine = engine();
+    let plan = Plan::new(What::Film(film.clone()), 1, (&engine, BALANCED, false), false);
+    let task = Task::new(plan, &folder.path().join("plan.toml")).expect("a plan");
+    let begun = Instant::now();
+    let pieces = task.missing(1, &Parts::default());
+    run(&task, pieces, &mut engine, &mut |_| true).expect("the engine works");
+    let computing = begun.elapsed().as_secs_f64();
+    let begun = Instant::now();
+    let mut parts = Parts::scan(&task.folder).expect("parts");
+    let Wanted::Film(film, _) = &task.work else { return (0, 0.0, 0.0) };
+    let document = &film.keys[0].scene;
+    let sink = merge::FilmSink::open(&folder.path().join("frames"), film, document);
+    let sink = sink.expect("a folder");
+    merge::film(&task, &document.picture, &mut parts, sink, &mut |_| true).expect("frames");
+    (task.samples(), computing, begun.elapsed().as_secs_f64())
+}
+
+/// Seconds to compute a frame alone.
+fn rendered(film: &Film, frame: u32) -> f64 {
+    let mut scene = film.shot(frame).scene;
+    scene.question.budget.secs = film.budget_secs();
+    let size = SIZE.map(|side| side * SAMPLES);
+    let mut engine = engine();
+    let begun = Instant::now();
+    let mut work = Work::new(&scene, size, BALANCED, engine.job_size());
+    preview(&mut work, size, &mut engine, &|| true).expect("the engine works");
+    begun.elapsed().as_secs_f64()
+}
