@@ -14,6 +14,7 @@ mod render;
 mod rows;
 mod safe;
 mod sinks;
+mod spool;
 mod state;
 mod trust;
 
@@ -27,5 +28,6 @@ pub use render::{Clock, render_pass};
 pub use rows::RowOrder;
 pub use safe::{Destination, SafeFile};
 pub use sinks::{Pass, Paths, Sinks};
+pub use spool::Spool;
 pub use state::{Ran, RenderState, StateError};
 pub use trust::trust_colours;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::failure::{OutputError, is_broken_pipe};
 use super::{
-    Destination, ExrWriter, NpyWriter, Painter, PngError, PngWriter, SafeFile, trust_colours,
+    Destination, ExrWriter, NpyWriter, Painter, PngError, PngWriter, SafeFile, Spool, trust_colours,
 };
 use crate::scene::Document;
 use crate::tiles::Samples;
@@ -54,7 +54,7 @@ pub struct Pass {
 enum Sink {
     Picture(Box<(Painter, PngWriter<SafeFile>)>),
     Raw(NpyWriter<SafeFile>),
-    Exr(ExrWriter<SafeFile>),
+    Exr(ExrWriter<Spool>),
     Trust(PngWriter<SafeFile>),
 }
 
@@ -72,7 +72,7 @@ impl Sink {
                 Sink::Picture(Box::new((painter, PngWriter::new(file, size, document)?)))
             }
             ("--raw", _) => Sink::Raw(NpyWriter::new(file, size)?),
-            ("--exr", _) => Sink::Exr(ExrWriter::new(file, size, document)),
+            ("--exr", _) => Sink::Exr(ExrWriter::new(Spool::new(file)?, size, document)?),
             _ => Sink::Trust(PngWriter::new(file, size, document)?),
         })
     }
@@ -84,7 +84,7 @@ impl Sink {
                 png.write(&painter.paint(samples))?;
             }
             Sink::Raw(npy) => npy.write(samples)?,
-            Sink::Exr(exr) => exr.write(samples),
+            Sink::Exr(exr) => exr.write(samples)?,
             Sink::Trust(png) => png.write(&trust_colours(samples))?,
         }
         Ok(())
@@ -96,7 +96,7 @@ impl Sink {
             Sink::Picture(picture) => picture.1.finish()?,
             Sink::Trust(png) => png.finish()?,
             Sink::Raw(npy) => npy.into_inner(),
-            Sink::Exr(exr) => exr.finish()?,
+            Sink::Exr(exr) => exr.finish()?.into_file()?,
         };
         file.flush()?;
         Ok(file)
