@@ -85,7 +85,7 @@ fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
 }
 
 /// Linear light to sRGB: [`light`] undone.
-fn encoded(linear: f64) -> u8 {
+pub(super) fn encoded(linear: f64) -> u8 {
     let c =
         if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     (c * 255.0).round() as u8
