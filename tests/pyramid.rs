@@ -73,7 +73,7 @@ fn a_pyramid_is_replaced_and_nothing_else_is() {
         (&["--pyramid", "no/map"], 1, "the folder no does not exist"),
         (&["--pyramid", "-"], 2, "--pyramid writes a folder"),
         (&["--pyramid", "map", "-o", "map"], 2, "-o and --pyramid name the same file"),
-        (&["--pyramid", "map", "-o", "map/map.png"], 2, "-o lies in the folder of --pyramid"),
+        (&["--pyramid", "map", "-o", "./map/map.png"], 2, "-o lies in the folder of --pyramid"),
         (&["--pyramid", "map", "--state", "map/s"], 2, "--state lies in the folder of --pyramid"),
     ];
     for (arguments, code, words) in cases {

@@ -283,9 +283,10 @@ fn check_pyramid(options: &Options, named: &[(&str, &Path)]) -> Result<(), Exit>
         let message = "--pyramid writes a folder, not standard output: name one";
         return Err(Exit::Usage(message.to_string()));
     }
+    let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let inside = |path: &Path| path != folder && whole(path).starts_with(whole(folder));
     let state = options.state.iter().map(|path| ("--state", path.as_path()));
-    let mut others = named.iter().copied().chain(state);
-    match others.find(|(_, path)| *path != folder && path.starts_with(folder)) {
+    match named.iter().copied().chain(state).find(|(_, path)| inside(path)) {
         Some((option, _)) => Err(Exit::Usage(format!(
             "{option} lies in the folder of --pyramid, which is replaced as a whole: name a file \
              elsewhere"
