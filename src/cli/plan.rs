@@ -68,6 +68,9 @@ pub struct MergeOptions {
     /// The picture, or the film: .mp4, .mkv, or a folder for numbered pictures
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// The still as tiles in a folder, with a page that shows them
+    #[arg(long, value_name = "FOLDER")]
+    pyramid: Option<PathBuf>,
     /// Flip times of a still as a NumPy array
     #[arg(long, value_name = "FILE.npy")]
     raw: Option<PathBuf>,
@@ -166,7 +169,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     match &task.work {
         Wanted::Film(film, _) => {
             let only = "a film is merged with -o FILM.mp4, -o FILM.mkv or -o FOLDER alone";
-            let others = [&options.raw, &options.exr, &options.trust];
+            let others = [&options.pyramid, &options.raw, &options.exr, &options.trust];
             let output = options.output.as_deref().filter(|_| others.iter().all(|o| o.is_none()));
             let output = output.ok_or_else(|| Exit::Usage(only.to_string()))?;
             if let Some(codec) = codec_of(output)? {
@@ -186,7 +189,8 @@ fn merge_still(task: &Task, mut document: Document, options: &MergeOptions) -> a
     document.picture.check()?;
     let paths = options.paths();
     if paths.named().is_empty() {
-        let message = "nothing to write: give -o FILE.png, --raw FILE.npy, --exr FILE.exr or more";
+        let message =
+            "nothing to write: give -o FILE.png, --pyramid FOLDER, --raw FILE.npy or more";
         return Err(Exit::Usage(message.to_string()).into());
     }
     if document.picture.samples != samples {
@@ -218,6 +222,7 @@ impl MergeOptions {
     fn paths(&self) -> Paths {
         Paths {
             picture: self.output.clone(),
+            pyramid: self.pyramid.clone(),
             raw: self.raw.clone(),
             exr: self.exr.clone(),
             trust: self.trust.clone(),

@@ -1,7 +1,8 @@
-//! `flipmap render`: a scene to a picture, arrays of flip times, a map of trust, or all of them.
+//! `flipmap render`: a scene to a picture, tiles of one, arrays of flip times, a map of trust, or
+//! all of them.
 
 use std::io::{IsTerminal, stdout};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
@@ -34,6 +35,9 @@ pub struct Options {
     /// The picture to write (- for standard output)
     #[arg(short, long, value_name = "FILE.png")]
     output: Option<PathBuf>,
+    /// The picture as tiles in a folder, with a page that shows them
+    #[arg(long, value_name = "FOLDER")]
+    pyramid: Option<PathBuf>,
     /// Flip times to write as a NumPy array (- for standard output)
     #[arg(long, value_name = "FILE.npy")]
     raw: Option<PathBuf>,
@@ -128,6 +132,7 @@ impl Options {
     fn paths(&self) -> Paths {
         Paths {
             picture: self.output.clone(),
+            pyramid: self.pyramid.clone(),
             raw: self.raw.clone(),
             exr: self.exr.clone(),
             trust: self.trust.clone(),
@@ -181,9 +186,11 @@ fn check_outputs(options: &Options, document: &Document, plan: &Plan) -> Result<
     let paths = options.paths();
     let named = paths.named();
     if named.is_empty() {
-        let message = "nothing to write: give -o FILE.png, --raw FILE.npy, --exr FILE.exr or more";
+        let message = "nothing to write: give -o FILE.png, --pyramid FOLDER, --raw FILE.npy, \
+                       --exr FILE.exr or more";
         return usage(message.to_string());
     }
+    check_pyramid(options, &named)?;
     let streams: Vec<&str> =
         named.iter().filter(|(_, path)| path.as_os_str() == "-").map(|(name, _)| *name).collect();
     if streams.len() + usize::from(options.json) > 1 {
@@ -203,6 +210,25 @@ fn check_outputs(options: &Options, document: &Document, plan: &Plan) -> Result<
     }
     check_state(options, document, plan)?;
     check_picture(document, plan.size)
+}
+
+/// A pyramid's folder is one of its own: it is replaced as a whole.
+fn check_pyramid(options: &Options, named: &[(&str, &Path)]) -> Result<(), Exit> {
+    let Some(folder) = options.pyramid.as_deref() else { return Ok(()) };
+    if folder.as_os_str() == "-" {
+        let message = "--pyramid writes a folder, not standard output: name one";
+        return Err(Exit::Usage(message.to_string()));
+    }
+    let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let inside = |path: &Path| path != folder && whole(path).starts_with(whole(folder));
+    let state = options.state.iter().map(|path| ("--state", path.as_path()));
+    match named.iter().copied().chain(state).find(|(_, path)| inside(path)) {
+        Some((option, _)) => Err(Exit::Usage(format!(
+            "{option} lies in the folder of --pyramid, which is replaced as a whole: name a file \
+             elsewhere"
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn check_state(options: &Options, document: &Document, plan: &Plan) -> Result<(), Exit> {

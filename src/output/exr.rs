@@ -2,101 +2,279 @@
 //! for forbidden), `status` (0 unflipped, 1 flipped, 2 forbidden, 3 failed) and `uncertain` (0 or
 //! 1), all f32, row 0 at the top.
 
-use std::io::{self, Cursor, Write};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::slice::from_ref;
 
-use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes};
-use exr::prelude::{SmallVec, Text, WritableImage};
+use exr::block::{BlockIndex, UncompressedBlock};
+use exr::meta::header::{Header, LayerAttributes};
+use exr::meta::{BlockDescription, MetaData, magic_number};
+use exr::prelude::{ChannelDescription, Compression, Error, LineOrder, SampleType, Text, Vec2};
 
 use super::npy::number_of;
 use crate::engine::Trust;
 use crate::scene::Document;
 use crate::tiles::Samples;
 
-/// Collects samples and writes them at the end: the format's offsets come first.
-pub struct ExrWriter<W: Write> {
+/// The channels in the order of a file, which is that of the alphabet.
+const CHANNELS: [&str; 3] = ["status", "time", "uncertain"];
+
+/// Rows up to this many pixels are packed sixteen at a time: longer ones are more than the
+/// compressor looks back over, so that several would only cost memory.
+const SHORT_ROW: u32 = 1 << 14;
+
+/// Writes blocks of rows as the samples come, and at the end where each block lies.
+pub struct ExrWriter<W: Write + Seek> {
     out: W,
-    size: [u32; 2],
-    text: String,
-    /// Time, status, uncertain.
-    channels: [Vec<f32>; 3],
+    header: Header,
+    /// Where the table of the blocks' places lies.
+    table_at: u64,
+    /// Where each block that is written lies.
+    places: Vec<u64>,
+    /// Where the next one will.
+    end: u64,
+    /// The rows of the next one, each channel after channel.
+    block: Vec<u8>,
+    /// The channels of the row that is being filled.
+    row: [Vec<f32>; 3],
+    /// Rows that are filled.
+    rows: usize,
 }
 
-impl<W: Write> ExrWriter<W> {
-    /// Begins a `size` image that carries `document`.
-    pub fn new(out: W, size: [u32; 2], document: &Document) -> Self {
-        ExrWriter { out, size, text: document.text(), channels: Default::default() }
+impl<W: Write + Seek> ExrWriter<W> {
+    /// Begins a `size` image that carries `document`, at the beginning of a file.
+    pub fn new(mut out: W, size: [u32; 2], document: &Document) -> io::Result<Self> {
+        let header = header(size, document);
+        let mut bytes = Vec::new();
+        begin(&mut bytes, &header).map_err(cause)?;
+        let table_at = bytes.len() as u64;
+        // The table's room, until what it holds is known.
+        bytes.resize(bytes.len() + size_of::<u64>() * header.chunk_count, 0);
+        out.write_all(&bytes)?;
+        Ok(ExrWriter {
+            out,
+            header,
+            table_at,
+            places: Vec::new(),
+            end: bytes.len() as u64,
+            block: Vec::new(),
+            row: Default::default(),
+            rows: 0,
+        })
     }
 
-    /// Takes the next samples.
-    pub fn write(&mut self, samples: &Samples) {
-        let [times, statuses, uncertain] = &mut self.channels;
+    /// Writes the next samples.
+    pub fn write(&mut self, samples: &Samples) -> io::Result<()> {
+        let width = self.header.layer_size.width();
         for (index, outcome) in samples.iter().enumerate() {
-            times.push(number_of(outcome) as f32);
-            statuses.push(f32::from(outcome.status as u8));
-            uncertain.push(f32::from(u8::from(samples.trust(index) == Trust::Uncertain)));
+            let uncertain = samples.trust(index) == Trust::Uncertain;
+            self.row[0].push(f32::from(outcome.status as u8));
+            self.row[1].push(number_of(outcome) as f32);
+            self.row[2].push(f32::from(u8::from(uncertain)));
+            if self.row[0].len() == width {
+                self.end_row()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn end_row(&mut self) -> io::Result<()> {
+        for channel in &mut self.row {
+            self.block.extend_from_slice(bytemuck::cast_slice(channel));
+            channel.clear();
+        }
+        self.rows += 1;
+        let rows_a_block = self.header.compression.scan_lines_per_block();
+        let is_full = self.rows.is_multiple_of(rows_a_block);
+        if is_full || self.rows == self.header.layer_size.height() {
+            self.end_block()
+        } else {
+            Ok(())
         }
     }
 
-    /// Writes the image and gives the file back.
+    fn end_block(&mut self) -> io::Result<()> {
+        let data = std::mem::take(&mut self.block);
+        let width = self.header.layer_size.width();
+        let rows = data.len() / (width * self.header.channels.bytes_per_pixel);
+        let index = BlockIndex {
+            layer: 0,
+            pixel_position: Vec2(0, self.rows - rows),
+            pixel_size: Vec2(width, rows),
+            level: Vec2(0, 0),
+        };
+        let block = UncompressedBlock { index, data };
+        let chunk = block.compress_to_chunk(from_ref(&self.header)).map_err(cause)?;
+        let mut bytes = Vec::new();
+        chunk.write(&mut bytes, 1).map_err(cause)?;
+        self.out.write_all(&bytes)?;
+        self.places.push(self.end);
+        self.end += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// Completes the image and gives the file back.
     pub fn finish(mut self) -> io::Result<W> {
-        let [times, statuses, uncertain] = self.channels;
-        let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> =
-            [("time", times), ("status", statuses), ("uncertain", uncertain)]
-                .into_iter()
-                .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)))
-                .collect();
-        let mut attributes = LayerAttributes::named("flipmap");
-        attributes.comments = Some(Text::from(self.text.as_str()));
-        let size = self.size.map(|side| side as usize);
-        let layer = Layer::new(
-            (size[0], size[1]),
-            attributes,
-            Encoding::SMALL_LOSSLESS,
-            AnyChannels::sort(channels),
-        );
-        let mut bytes = Cursor::new(Vec::new());
-        Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(io::Error::other)?;
-        self.out.write_all(bytes.get_ref())?;
+        let height = self.header.layer_size.height();
+        if self.rows < height {
+            let text = format!("only {} of {height} rows have come", self.rows);
+            return Err(io::Error::new(io::ErrorKind::UnexpectedEof, text));
+        }
+        let table: Vec<u8> = self.places.iter().flat_map(|place| place.to_le_bytes()).collect();
+        self.out.seek(SeekFrom::Start(self.table_at))?;
+        self.out.write_all(&table)?;
+        self.out.seek(SeekFrom::Start(self.end))?;
         Ok(self.out)
     }
+}
+
+/// What an image holds, and how.
+fn header(size: [u32; 2], document: &Document) -> Header {
+    let channels = CHANNELS.map(|name| ChannelDescription::named(name, SampleType::F32));
+    let compression = if size[0] <= SHORT_ROW { Compression::ZIP16 } else { Compression::ZIP1 };
+    let mut attributes = LayerAttributes::named("flipmap");
+    attributes.comments = Some(Text::from(document.text().as_str()));
+    let [width, height] = size.map(|side| side as usize);
+    Header::new(Text::from("flipmap"), (width, height), channels.into_iter().collect())
+        .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_attributes(attributes)
+}
+
+/// All that comes before the table of the blocks' places.
+fn begin(bytes: &mut Vec<u8>, header: &Header) -> exr::error::UnitResult {
+    let requirements = MetaData::validate(from_ref(header), true)?;
+    magic_number::write(bytes)?;
+    requirements.write(bytes)?;
+    Header::write_all(from_ref(header), bytes, false)
+}
+
+/// Nothing is written by the encoder itself, so that its own errors are all there are.
+fn cause(error: Error) -> io::Error {
+    io::Error::other(error)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::physics::{Outcome, Status};
-    use exr::prelude::{ReadChannels, ReadLayers, read};
+    use exr::prelude::{AnyChannel, AnyChannels, Blocks, Encoding, FlatImage, FlatSamples};
+    use exr::prelude::{Image, Layer, ReadChannels, ReadLayers, SmallVec, WritableImage, read};
+    use std::io::Cursor;
 
-    #[test]
-    fn the_channels_hold_what_the_samples_do() {
-        let mut samples = Samples::unflipped(6);
-        samples.set(0, Outcome::flipped(1.5));
-        samples.set(4, Outcome::without_time(Status::Forbidden));
-        samples.set_trust(0, Trust::Settled);
-        samples.set_trust(5, Trust::Uncertain);
-        let mut writer = ExrWriter::new(Vec::new(), [3, 2], &Document::default());
-        writer.write(&samples);
-        let bytes = writer.finish().unwrap();
-        let image = read()
+    /// Samples of every kind, no two rows alike.
+    fn samples(count: usize) -> Samples {
+        let mut samples = Samples::unflipped(count);
+        for index in 0..count {
+            match index % 7 {
+                0 | 3 => samples.set(index, Outcome::flipped(1.5 + index as f64)),
+                4 => samples.set(index, Outcome::without_time(Status::Forbidden)),
+                5 => samples.set_trust(index, Trust::Uncertain),
+                _ => {}
+            }
+        }
+        samples
+    }
+
+    /// In parts of so many samples.
+    fn written(size: [u32; 2], samples: &Samples, part: usize) -> Vec<u8> {
+        let out = Cursor::new(Vec::new());
+        let mut writer = ExrWriter::new(out, size, &Document::default()).unwrap();
+        for first in (0..samples.len()).step_by(part) {
+            writer.write(&samples.part(first..samples.len().min(first + part))).unwrap();
+        }
+        writer.finish().unwrap().into_inner()
+    }
+
+    fn image(bytes: Vec<u8>) -> FlatImage {
+        read()
             .no_deep_data()
             .largest_resolution_level()
             .all_channels()
-            .first_valid_layer()
+            .all_layers()
             .all_attributes()
             .from_buffered(Cursor::new(bytes))
-            .unwrap();
-        let layer = &image.layer_data;
+            .unwrap()
+    }
+
+    fn channel(image: &FlatImage, name: &str) -> Vec<f32> {
+        let mut list = image.layer_data[0].channel_data.list.iter();
+        let found = list.find(|channel| channel.name.eq(name)).unwrap();
+        found.sample_data.values_as_f32().collect()
+    }
+
+    /// The same image by the library's own writer, which wants all of it at once.
+    fn by_the_library(size: [u32; 2], samples: &Samples, compression: Compression) -> Vec<u8> {
+        let values = |value: &dyn Fn(usize) -> f32| (0..samples.len()).map(value).collect();
+        let channels: [Vec<f32>; 3] = [
+            values(&|index| f32::from(samples.get(index).status as u8)),
+            values(&|index| number_of(samples.get(index)) as f32),
+            values(&|index| f32::from(u8::from(samples.trust(index) == Trust::Uncertain))),
+        ];
+        let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = CHANNELS
+            .into_iter()
+            .zip(channels)
+            .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)))
+            .collect();
+        let mut attributes = LayerAttributes::named("flipmap");
+        attributes.comments = Some(Text::from(Document::default().text().as_str()));
+        let line_order = LineOrder::Increasing;
+        let encoding = Encoding { compression, blocks: Blocks::ScanLines, line_order };
+        let [width, height] = size.map(|side| side as usize);
+        let layer = Layer::new((width, height), attributes, encoding, AnyChannels::sort(channels));
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn the_channels_hold_what_the_samples_do() {
+        let image = image(written([3, 2], &samples(6), 6));
+        let layer = &image.layer_data[0];
         assert_eq!((layer.size.0, layer.size.1), (3, 2));
-        let channel = |name: &str| -> Vec<f32> {
-            let found = layer.channel_data.list.iter().find(|channel| channel.name.eq(name));
-            found.unwrap().sample_data.values_as_f32().collect()
-        };
-        let times = channel("time");
+        let times = channel(&image, "time");
         assert_eq!((times[0], times[1]), (1.5, f32::INFINITY));
         assert!(times[4].is_nan());
-        assert_eq!(channel("status"), [1.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
-        assert_eq!(channel("uncertain"), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        assert_eq!(channel(&image, "status"), [1.0, 0.0, 0.0, 1.0, 2.0, 0.0]);
+        assert_eq!(channel(&image, "uncertain"), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
         let text = layer.attributes.comments.as_ref().unwrap().to_string();
         assert!(text.contains("[view]"), "{text}");
+    }
+
+    #[test]
+    fn many_blocks_are_the_library_s_own_bytes_however_the_samples_come() {
+        let sizes = [
+            ([5, 1], Compression::ZIP16),
+            ([9, 16], Compression::ZIP16),
+            ([50, 37], Compression::ZIP16),
+            ([SHORT_ROW + 1, 3], Compression::ZIP1),
+        ];
+        for (size, compression) in sizes {
+            let samples = samples(size[0] as usize * size[1] as usize);
+            let bytes = written(size, &samples, 2 * size[0] as usize);
+            assert!(bytes == by_the_library(size, &samples, compression), "{size:?}");
+            assert!(bytes == written(size, &samples, 13), "{size:?}");
+        }
+        let (last, image) = (50 * 37 - 1, image(written([50, 37], &samples(50 * 37), 50)));
+        assert_eq!(channel(&image, "time")[last - 1], 1.5 + (last - 1) as f32);
+    }
+
+    #[test]
+    fn no_more_than_a_block_is_held() {
+        let size = [40, 1000];
+        let out = Cursor::new(Vec::new());
+        let mut writer = ExrWriter::new(out, size, &Document::default()).unwrap();
+        for _ in 0..size[1] {
+            writer.write(&samples(40)).unwrap();
+            assert!(writer.block.capacity() <= 2 * 16 * 40 * 12, "{}", writer.block.capacity());
+        }
+        writer.finish().unwrap();
+    }
+
+    #[test]
+    fn an_image_without_all_its_rows_is_none() {
+        let out = Cursor::new(Vec::new());
+        let mut writer = ExrWriter::new(out, [4, 3], &Document::default()).unwrap();
+        writer.write(&samples(8)).unwrap();
+        let error = writer.finish().err().unwrap().to_string();
+        assert_eq!(error, "only 2 of 3 rows have come");
     }
 }

@@ -1,7 +1,8 @@
 //! Samples to files: pictures, arrays, and the safety of what was there before.
 //!
 //! Every file is written beside its destination and renamed onto it when it is complete, so a
-//! failure or an interruption leaves what was there.
+//! failure or an interruption leaves what was there. All are written as rows of samples come, and
+//! of those only a few are held: pictures can be larger than memory.
 
 pub mod compare;
 mod exr;
@@ -9,11 +10,13 @@ mod failure;
 mod npy;
 mod paint;
 mod png;
+mod pyramid;
 mod read;
 mod render;
 mod rows;
 mod safe;
 mod sinks;
+mod spool;
 mod state;
 mod trust;
 
@@ -22,10 +25,12 @@ pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};
 pub use npy::NpyWriter;
 pub use paint::{Painter, curve_cover, encoded};
 pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
+pub use pyramid::{Pyramid, PyramidFolder, TILE_SIDE};
 pub use read::{ReadError, read_document};
 pub use render::{Clock, render_pass};
 pub use rows::RowOrder;
 pub use safe::{Destination, SafeFile};
 pub use sinks::{Pass, Paths, Sinks};
+pub use spool::Spool;
 pub use state::{Ran, RenderState, StateError};
 pub use trust::trust_colours;

@@ -67,18 +67,9 @@ impl SafeFile {
         }
         // What a link points to is replaced, not the link.
         let path = path.canonicalize().unwrap_or_else(|_| path.clone());
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        if !folder.is_dir() {
-            return Err(io::Error::other(format!(
-                "the folder {} does not exist",
-                folder.display()
-            )));
-        }
+        let folder = existing_folder_of(&path)?;
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".flipmap-");
+        builder.prefix(UNFINISHED);
         #[cfg(unix)]
         builder.permissions(permissions(&path));
         let file = builder.tempfile_in(folder)?;
@@ -112,6 +103,21 @@ impl SafeFile {
             }
         }
     }
+}
+
+/// How the names of what is not finished begin.
+pub(super) const UNFINISHED: &str = ".flipmap-";
+
+/// The folder that a path lies in.
+pub(super) fn existing_folder_of(path: &Path) -> io::Result<&Path> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    if folder.is_dir() {
+        return Ok(folder);
+    }
+    Err(io::Error::other(format!("the folder {} does not exist", folder.display())))
 }
 
 /// The mode of the file that is replaced, or that of any new file (less the umask).

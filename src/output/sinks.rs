@@ -1,11 +1,12 @@
-//! The files that a render writes, as its samples come.
+//! What a render writes, as its samples come.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::failure::{OutputError, is_broken_pipe};
 use super::{
-    Destination, ExrWriter, NpyWriter, Painter, PngError, PngWriter, SafeFile, trust_colours,
+    Destination, ExrWriter, NpyWriter, Painter, PngError, PngWriter, Pyramid, PyramidFolder,
+    SafeFile, Spool, trust_colours,
 };
 use crate::scene::Document;
 use crate::tiles::Samples;
@@ -15,6 +16,8 @@ use crate::tiles::Samples;
 pub struct Paths {
     /// `-o`.
     pub picture: Option<PathBuf>,
+    /// `--pyramid`.
+    pub pyramid: Option<PathBuf>,
     /// `--raw`.
     pub raw: Option<PathBuf>,
     /// `--exr`.
@@ -28,6 +31,7 @@ impl Paths {
     pub fn named(&self) -> Vec<(&'static str, &Path)> {
         let all = [
             ("-o", &self.picture),
+            (PYRAMID, &self.pyramid),
             ("--raw", &self.raw),
             ("--exr", &self.exr),
             ("--trust", &self.trust),
@@ -37,9 +41,19 @@ impl Paths {
 
     /// Refuses what could not be written, long before it is.
     pub fn check(&self) -> Result<(), OutputError> {
-        self.named().into_iter().try_for_each(|(option, path)| create(option, path).map(drop))
+        self.named().into_iter().try_for_each(|(option, path)| {
+            let name = Destination::from(path);
+            let begun = match option {
+                PYRAMID => PyramidFolder::create(path).map(drop),
+                _ => SafeFile::create(&name).map(drop),
+            };
+            begun.map_err(|source| OutputError::Create { option, name, source })
+        })
     }
 }
+
+/// The option whose output is a folder.
+const PYRAMID: &str = "--pyramid";
 
 /// One run over the picture, for the outputs that want its samples.
 pub struct Pass {
@@ -50,87 +64,112 @@ pub struct Pass {
     others: bool,
 }
 
-/// One file being written.
+/// One output being written.
 enum Sink {
-    Picture(Box<(Painter, PngWriter<SafeFile>)>),
+    Picture(PngWriter<SafeFile>),
+    Pyramid(Box<Pyramid>),
     Raw(NpyWriter<SafeFile>),
-    Exr(ExrWriter<SafeFile>),
+    Exr(Box<ExrWriter<Spool>>),
     Trust(PngWriter<SafeFile>),
 }
 
+/// An output with everything in it, not yet in its place.
+enum Complete {
+    File(SafeFile),
+    Folder(PyramidFolder),
+}
+
 impl Sink {
-    /// Begins a file; a picture has its painter.
+    /// Begins an output; refuses at once what cannot be created.
     fn begin(
-        option: &str,
-        file: SafeFile,
-        painter: Option<Painter>,
+        option: &'static str,
+        path: &Path,
         document: &Document,
         size: [u32; 2],
-    ) -> Result<Self, PngError> {
-        Ok(match (option, painter) {
-            (_, Some(painter)) => {
-                Sink::Picture(Box::new((painter, PngWriter::new(file, size, document)?)))
-            }
-            ("--raw", _) => Sink::Raw(NpyWriter::new(file, size)?),
-            ("--exr", _) => Sink::Exr(ExrWriter::new(file, size, document)),
-            _ => Sink::Trust(PngWriter::new(file, size, document)?),
-        })
-    }
-
-    fn write(&mut self, samples: &Samples) -> Result<(), PngError> {
-        match self {
-            Sink::Picture(picture) => {
-                let (painter, png) = picture.as_mut();
-                png.write(&painter.paint(samples))?;
-            }
-            Sink::Raw(npy) => npy.write(samples)?,
-            Sink::Exr(exr) => exr.write(samples),
-            Sink::Trust(png) => png.write(&trust_colours(samples))?,
+    ) -> Result<Self, OutputError> {
+        let name = Destination::from(path);
+        let refused = |source| OutputError::Create { option, name: name.clone(), source };
+        if option == PYRAMID {
+            let begun = Pyramid::create(path, size, document).map_err(refused)?;
+            return Ok(Sink::Pyramid(Box::new(begun)));
         }
-        Ok(())
+        let file = SafeFile::create(&name).map_err(refused)?;
+        let begun = match option {
+            "-o" => PngWriter::new(file, size, document).map(Sink::Picture),
+            "--raw" => NpyWriter::new(file, size).map(Sink::Raw).map_err(PngError::from),
+            "--exr" => Spool::new(file)
+                .and_then(|file| ExrWriter::new(file, size, document))
+                .map(|exr| Sink::Exr(Box::new(exr)))
+                .map_err(PngError::from),
+            _ => PngWriter::new(file, size, document).map(Sink::Trust),
+        };
+        begun.map_err(|source| write_error(&name, source))
     }
 
-    /// The file with everything in it, not yet in its place.
-    fn complete(self) -> Result<SafeFile, PngError> {
+    /// Whether it is made of the picture's colours.
+    fn is_painted(&self) -> bool {
+        matches!(self, Sink::Picture(_) | Sink::Pyramid(_))
+    }
+
+    /// Writes samples, or what was painted of them.
+    fn write(&mut self, samples: &Samples, painted: &[u8]) -> Result<(), PngError> {
+        match self {
+            Sink::Picture(png) => png.write(painted),
+            Sink::Pyramid(pyramid) => pyramid.write(painted),
+            Sink::Raw(npy) => Ok(npy.write(samples)?),
+            Sink::Exr(exr) => Ok(exr.write(samples)?),
+            Sink::Trust(png) => png.write(&trust_colours(samples)),
+        }
+    }
+
+    fn complete(self) -> Result<Complete, PngError> {
         let mut file = match self {
-            Sink::Picture(picture) => picture.1.finish()?,
-            Sink::Trust(png) => png.finish()?,
+            Sink::Pyramid(pyramid) => return Ok(Complete::Folder(pyramid.complete()?)),
+            Sink::Picture(png) | Sink::Trust(png) => png.finish()?,
             Sink::Raw(npy) => npy.into_inner(),
-            Sink::Exr(exr) => exr.finish()?,
+            Sink::Exr(exr) => exr.finish()?.into_file()?,
         };
         file.flush()?;
-        Ok(file)
+        Ok(Complete::File(file))
     }
 }
 
-/// The files being written.
+impl Complete {
+    /// Puts it in its place.
+    fn finish(self) -> std::io::Result<()> {
+        match self {
+            Complete::File(file) => file.finish(),
+            Complete::Folder(folder) => folder.finish(),
+        }
+    }
+}
+
+/// The outputs being written.
 pub struct Sinks {
+    /// Paints once for all that are painted.
+    painter: Option<Painter>,
     open: Vec<(Sink, Destination)>,
 }
 
 impl Sinks {
-    /// Opens every file.
+    /// Opens every output.
     pub fn open(paths: &Paths, document: &Document, size: [u32; 2]) -> Result<Self, OutputError> {
-        let mut open = Vec::new();
-        for (option, path) in paths.named() {
-            let name = Destination::from(path);
-            let file = create(option, path)?;
-            let painter = match option {
-                "-o" => Some(Painter::new(&document.scene(), size, &document.picture)?),
-                _ => None,
-            };
-            let begun = Sink::begin(option, file, painter, document, size);
-            open.push((begun.map_err(|source| write_error(&name, source))?, name));
-        }
-        Ok(Sinks { open })
+        let begin = |(option, path): (&'static str, &Path)| {
+            Ok((Sink::begin(option, path, document, size)?, Destination::from(path)))
+        };
+        let open: Vec<_> =
+            paths.named().into_iter().map(begin).collect::<Result<_, OutputError>>()?;
+        let paint = || Painter::new(&document.scene(), size, &document.picture);
+        let painter = open.iter().any(|(sink, _)| sink.is_painted()).then(paint).transpose()?;
+        Ok(Sinks { painter, open })
     }
 
     /// With several samples a pixel all but the picture still hold the samples at the pixels'
     /// centres, in a pass of their own.
     pub fn passes(&self, along: u32) -> Vec<Pass> {
-        let is_picture = |(sink, _): &(Sink, _)| matches!(sink, Sink::Picture(..));
-        let picture = self.open.iter().any(is_picture);
-        let others = !self.open.iter().all(is_picture);
+        let is_painted = |(sink, _): &(Sink, _)| sink.is_painted();
+        let picture = self.open.iter().any(is_painted);
+        let others = !self.open.iter().all(is_painted);
         if along == 1 || !picture {
             return vec![Pass { along: 1, picture, others }];
         }
@@ -144,14 +183,15 @@ impl Sinks {
     /// Hands samples, rows from the top, to the outputs of a pass. An output whose reader has
     /// left is given up if there is another one.
     pub fn write(&mut self, pass: &Pass, samples: &Samples) -> Result<(), OutputError> {
+        let painted = match &mut self.painter {
+            Some(painter) if pass.picture => painter.paint(samples),
+            _ => Vec::new(),
+        };
         let mut others = self.open.len() - 1;
         let mut kept = Vec::new();
         for (mut sink, name) in std::mem::take(&mut self.open) {
-            let wanted = match sink {
-                Sink::Picture(..) => pass.picture,
-                _ => pass.others,
-            };
-            let written = if wanted { sink.write(samples) } else { Ok(()) };
+            let wanted = if sink.is_painted() { pass.picture } else { pass.others };
+            let written = if wanted { sink.write(samples, &painted) } else { Ok(()) };
             match written.map_err(|source| write_error(&name, source)) {
                 Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
                 Err(error) => return Err(error),
@@ -162,26 +202,21 @@ impl Sinks {
         Ok(())
     }
 
-    /// Completes every file before any takes its place.
+    /// Completes every output before any takes its place.
     pub fn finish(self) -> Result<(), OutputError> {
         let mut others = self.open.len() - 1;
         let mut complete = Vec::new();
         for (sink, name) in self.open {
             match sink.complete().map_err(|source| write_error(&name, source)) {
                 Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
-                file => complete.push((file?, name)),
+                output => complete.push((output?, name)),
             }
         }
-        for (file, name) in complete {
-            file.finish().map_err(|error| write_error(&name, error.into()))?;
+        for (output, name) in complete {
+            output.finish().map_err(|error| write_error(&name, error.into()))?;
         }
         Ok(())
     }
-}
-
-fn create(option: &'static str, path: &Path) -> Result<SafeFile, OutputError> {
-    let name = Destination::from(path);
-    SafeFile::create(&name).map_err(|source| OutputError::Create { option, name, source })
 }
 
 fn write_error(name: &Destination, source: PngError) -> OutputError {

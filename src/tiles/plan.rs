@@ -21,7 +21,7 @@ impl Tile {
 
 /// Bands of whole `rows` of a picture so wide, each of about `tile_pixels` pixels.
 pub fn plan(width: u32, rows: Range<u32>, tile_pixels: usize) -> Vec<Tile> {
-    let height = (tile_pixels as u32 / width).max(1);
+    let height = u32::try_from(tile_pixels / width as usize).unwrap_or(u32::MAX).max(1);
     rows.clone()
         .step_by(height as usize)
         .map(|y| Tile { origin: [0, y], size: [width, height.min(rows.end - y)] })

@@ -35,14 +35,14 @@ pub struct Work {
 }
 
 /// Samples that the mirror image of a picture may hold back before rows come in order.
-const MIRROR_BYTES: usize = 320 << 20;
+const MIRROR_BYTES: u64 = 320 << 20;
 
 impl Work {
     /// The work of a checked scene as a picture of `size` pixels, in tiles of about
     /// `tile_pixels` pixels.
     pub fn new(scene: &Scene, size: [u32; 2], recipe: Recipe, tile_pixels: usize) -> Self {
-        let half = size[0] as usize * size[1] as usize / 2;
-        let mirrored = scene.view.is_symmetric() && half * Samples::BYTES <= MIRROR_BYTES;
+        let half = u64::from(size[0]) * u64::from(size[1]) / 2;
+        let mirrored = scene.view.is_symmetric() && half * Samples::BYTES as u64 <= MIRROR_BYTES;
         let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
         Work { mirrored, ..Work::of_rows(scene, size, recipe, tile_pixels, 0..rows) }
     }
@@ -211,7 +211,7 @@ impl Work {
         if rows == 0 {
             return None;
         }
-        let image = samples.clone().truncated((rows * width) as usize);
+        let image = samples.clone().truncated(rows as usize * width as usize);
         let origin = [0, height - tile.origin[1] - rows];
         let tile = Tile { origin, size: [width, rows] };
         Some(FinishedTile { tile, samples: image.reversed() })
@@ -299,6 +299,29 @@ mod tests {
                 assert_eq!(samples.get(index), samples.get(last - index));
             }
         }
+    }
+
+    #[test]
+    fn the_longest_sides_have_no_overflow_and_no_mirror_that_fills_memory() {
+        let home = scene(["0", "0"]);
+        for (size, mirrored) in [
+            ([1_000_000, 67], true),
+            ([1_000_000, 68], false),
+            ([60_000, 60_000], false),
+            ([1_000_000, 1_000_000], false),
+            ([1_000_000, 8_000_000], false),
+        ] {
+            let mut work = Work::new(&home, size, RECIPE, 1 << 15);
+            assert_eq!(work.mirrored, mirrored, "{size:?}");
+            let finished = work.work(&mut MockEngine::default(), None).unwrap();
+            let tops: Vec<u32> = finished.iter().map(|part| part.tile.origin[1]).collect();
+            assert_eq!(tops, if mirrored { vec![0, size[1] - 1] } else { vec![0] }, "{size:?}");
+            assert_eq!(work.index([size[0] - 1, size[1] - 1]) + 1, pixels(size), "{size:?}");
+        }
+    }
+
+    fn pixels(size: [u32; 2]) -> u64 {
+        u64::from(size[0]) * u64::from(size[1])
     }
 
     #[test]

@@ -1,0 +1,188 @@
+//! The folder of a pyramid, which appears only when it is complete.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::output::safe::{UNFINISHED, existing_folder_of};
+
+/// How large the picture is and how it is cut, for viewers.
+pub const IMAGE: &str = "map.dzi";
+/// The tiles.
+pub const TILES: &str = "map_files";
+/// The page that shows them.
+pub const PAGE: &str = "index.html";
+/// The scene, to be rendered again.
+pub const SCENE: &str = "map.toml";
+
+/// In the temporary folder: the pyramid that is written, and the one that it replaces.
+const NEW: &str = "new";
+const OLD: &str = "old";
+
+/// A pyramid's folder, written beside its destination.
+pub struct PyramidFolder {
+    /// Removed with everything in it.
+    beside: TempDir,
+    path: PathBuf,
+}
+
+impl PyramidFolder {
+    /// Begins a folder; refuses at once what would fail at the end.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        if path.is_symlink() && !path.exists() {
+            return Err(io::Error::other("is a link to nothing: remove it, or name a folder"));
+        }
+        check_replaceable(path)?;
+        // What a link points to is replaced, not the link.
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        let folder = existing_folder_of(&path)?;
+        check_same_disk(&path, folder)?;
+        let beside = tempfile::Builder::new().prefix(UNFINISHED).tempdir_in(folder)?;
+        fs::create_dir(beside.path().join(NEW))?;
+        Ok(PyramidFolder { beside, path })
+    }
+
+    /// Where it is written.
+    pub fn inside(&self) -> PathBuf {
+        self.beside.path().join(NEW)
+    }
+
+    /// Puts it in its place. Where that cannot be, it is kept and the error says where: it may
+    /// have taken hours.
+    pub fn finish(self) -> io::Result<()> {
+        let Err(error) = self.replace() else { return Ok(()) };
+        let kept = self.beside.keep().join(NEW);
+        let text = format!("{error}; the pyramid is complete in {}", kept.display());
+        Err(io::Error::new(error.kind(), text))
+    }
+
+    fn replace(&self) -> io::Result<()> {
+        check_replaceable(&self.path)?;
+        let old = self.beside.path().join(OLD);
+        let replaces = self.path.exists();
+        if replaces {
+            fs::rename(&self.path, &old)?;
+        }
+        fs::rename(self.inside(), &self.path).inspect_err(|_| {
+            if replaces {
+                // Nothing is lost if this fails too: the error says where everything is.
+                let _ = fs::rename(&old, &self.path);
+            }
+        })
+    }
+}
+
+/// Refuses what is there, unless it is empty or a pyramid of ours and nothing else.
+fn check_replaceable(path: &Path) -> io::Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    if !path.is_dir() {
+        return Err(io::Error::other("is a file: name a folder"));
+    }
+    let names = fs::read_dir(path)?.map(|entry| Ok(entry?.file_name()));
+    let names: Vec<_> = names.collect::<io::Result<_>>()?;
+    let holds = |name: &str| names.iter().any(|found| found == name);
+    let ours = [IMAGE, PAGE, SCENE, TILES].map(OsStr::new);
+    let foreign = names.iter().find(|name| !ours.contains(&name.as_os_str()));
+    if names.is_empty() || (holds(IMAGE) && holds(PAGE) && foreign.is_none()) {
+        return Ok(());
+    }
+    let found = foreign.unwrap_or(&names[0]).to_string_lossy();
+    let text = format!("holds {found} and is no pyramid of flipmap's: name a new folder");
+    Err(io::Error::other(text))
+}
+
+/// Refuses a folder where another disk begins: nothing beside it can be renamed onto it.
+fn check_same_disk(path: &Path, folder: &Path) -> io::Result<()> {
+    #[cfg(unix)]
+    if path.exists() {
+        use std::os::unix::fs::MetadataExt;
+        if path.metadata()?.dev() != folder.metadata()?.dev() {
+            let text = "is where another disk is mounted: name a folder in it";
+            return Err(io::Error::other(text));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(folder: &Path, text: &str) -> io::Result<()> {
+        let new = PyramidFolder::create(folder)?;
+        for name in [IMAGE, PAGE, SCENE] {
+            fs::write(new.inside().join(name), text)?;
+        }
+        new.finish()
+    }
+
+    fn refused(folder: &Path) -> String {
+        PyramidFolder::create(folder).err().unwrap().to_string()
+    }
+
+    #[test]
+    fn a_pyramid_replaces_a_pyramid_and_only_at_the_end() {
+        let outside = tempfile::tempdir().unwrap();
+        let path = outside.path().join("map");
+        fs::create_dir(&path).unwrap();
+        for text in ["first", "second"] {
+            write(&path, text).unwrap();
+            assert_eq!(fs::read_to_string(path.join(PAGE)).unwrap(), text);
+        }
+        let unfinished = PyramidFolder::create(&path).unwrap();
+        assert_eq!(fs::read_to_string(path.join(PAGE)).unwrap(), "second");
+        drop(unfinished);
+        assert_eq!(fs::read_dir(outside.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn whatever_else_is_there_is_left_alone() {
+        let outside = tempfile::tempdir().unwrap();
+        let at = |name: &str| outside.path().join(name);
+        fs::write(at("file"), "mine").unwrap();
+        assert!(refused(&at("file")).contains("is a file"));
+        assert!(refused(&at("no/map")).contains("no does not exist"));
+        fs::create_dir(at("full")).unwrap();
+        fs::write(at("full").join(PAGE), "a site").unwrap();
+        assert!(refused(&at("full")).contains("holds index.html and is no pyramid"));
+        write(&at("map"), "ours").unwrap();
+        fs::write(at("map").join("notes.txt"), "mine").unwrap();
+        assert!(refused(&at("map")).contains("holds notes.txt"));
+        if Path::new("/proc/version").exists() {
+            assert!(refused(Path::new("/proc")).contains("holds"));
+        }
+    }
+
+    #[test]
+    fn what_cannot_take_its_place_is_kept() {
+        let outside = tempfile::tempdir().unwrap();
+        let path = outside.path().join("map");
+        let new = PyramidFolder::create(&path).unwrap();
+        fs::write(new.inside().join(PAGE), "hours").unwrap();
+        fs::write(&path, "taken meanwhile").unwrap();
+        let error = new.finish().unwrap_err().to_string();
+        let (why, kept) = error.split_once("; the pyramid is complete in ").unwrap();
+        assert_eq!(why, "is a file: name a folder");
+        assert_eq!(fs::read_to_string(Path::new(kept).join(PAGE)).unwrap(), "hours");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "taken meanwhile");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_links() {
+        let outside = tempfile::tempdir().unwrap();
+        let [path, link, lost] = ["map", "link", "lost"].map(|name| outside.path().join(name));
+        write(&path, "old").unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        write(&link, "new").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(fs::read_to_string(path.join(PAGE)).unwrap(), "new");
+        std::os::unix::fs::symlink(outside.path().join("nothing"), &lost).unwrap();
+        assert!(refused(&lost).contains("a link to nothing"));
+    }
+}

@@ -1,0 +1,78 @@
+//! Pictures half as large: the mean of four pixels in linear light.
+
+use super::RGB;
+use crate::output::paint::encoded;
+use crate::scene::palette::light;
+
+/// Tables for the mean of four channels: light as whole numbers, and what each sum of four is as
+/// a channel. Fine enough that the darkest two channels are twenty steps apart.
+pub struct Halving {
+    light: [u32; 256],
+    channel: Vec<u8>,
+}
+
+/// Full light.
+const WHITE: u32 = u16::MAX as u32;
+
+impl Halving {
+    /// The tables.
+    pub fn new() -> Self {
+        let light =
+            std::array::from_fn(|channel| (light(channel as u8) * f64::from(WHITE)).round() as u32);
+        let mean = |sum| encoded(f64::from(sum) / f64::from(4 * WHITE));
+        Halving { light, channel: (0..=4 * WHITE).map(mean).collect() }
+    }
+
+    /// Rows of `stride` bytes at half their size; at odd edges what is missing is as what is there.
+    pub fn halved(&self, rows: &[u8], stride: usize) -> Vec<u8> {
+        let mut half = Vec::with_capacity(rows.len() / 4 + stride);
+        for pair in rows.chunks(2 * stride) {
+            let upper = &pair[..stride];
+            let lower = if pair.len() > stride { &pair[stride..] } else { upper };
+            for left in (0..stride).step_by(2 * RGB) {
+                let right = if left + RGB < stride { left + RGB } else { left };
+                for channel in 0..RGB {
+                    let at = |row: &[u8], pixel| self.light[usize::from(row[pixel + channel])];
+                    let sum =
+                        at(upper, left) + at(upper, right) + at(lower, left) + at(lower, right);
+                    half.push(self.channel[sum as usize]);
+                }
+            }
+        }
+        half
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_one_colour_stays_it() {
+        let halving = Halving::new();
+        for channel in 0..=255 {
+            assert_eq!(halving.halved(&[channel; 12], 6), [channel; 3]);
+        }
+    }
+
+    #[test]
+    fn means_are_those_of_light() {
+        let halving = Halving::new();
+        let [black, white] = [[0; 3], [255; 3]];
+        let half = halving.halved(&[black, white, white, black].concat(), 6);
+        assert_eq!(half, [188; 3]);
+        for four in [[0, 1, 2, 3], [10, 200, 30, 90], [255, 255, 255, 0], [17, 17, 18, 18]] {
+            let exact = encoded(four.iter().map(|channel| light(*channel)).sum::<f64>() / 4.0);
+            let half = halving.halved(&four.map(|channel| [channel; 3]).concat(), 6);
+            assert!(half[0].abs_diff(exact) <= 1, "{four:?}: {half:?} and {exact}");
+        }
+    }
+
+    #[test]
+    fn odd_edges_are_the_mean_of_what_is_there() {
+        let rows: Vec<u8> =
+            [10, 10, 90, 10, 10, 90, 200, 200, 0].iter().flat_map(|c| [*c; 3]).collect();
+        let half = Halving::new().halved(&rows, 9);
+        assert_eq!(half, [[10; 3], [90; 3], [200; 3], [0; 3]].concat());
+    }
+}

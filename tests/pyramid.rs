@@ -1,0 +1,123 @@
+//! `flipmap render --pyramid`, and images that cannot be written from front to back, as their
+//! users meet them.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// On the processor, so that these tests need no adapter.
+fn render(folder: &TempDir, arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("flipmap").unwrap();
+    command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
+    let options = ["render", "--engine", "cpu", "--size", "300x200", "--budget", "2"];
+    command.args(options).args(arguments).output().unwrap()
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn error_of(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn done(folder: &TempDir, arguments: &[&str]) {
+    let output = render(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", error_of(&output));
+}
+
+/// The pixels of a PNG.
+fn pixels(path: &Path) -> image::RgbImage {
+    image::open(path).unwrap().to_rgb8()
+}
+
+#[test]
+fn a_pyramid_is_the_picture_in_tiles_beside_a_page_and_the_scene() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    done(&folder, &["-o", "map.png", "--pyramid", "map", "--samples", "2", "--raw", "map.npy"]);
+    let whole = pixels(&at("map.png"));
+    for (column, left, width) in [(0, 0, 256), (1, 256, 44)] {
+        let tile = pixels(&at(&format!("map/map_files/9/{column}_0.png")));
+        assert_eq!(tile.dimensions(), (width, 200));
+        assert!(tile.enumerate_pixels().all(|(x, y, pixel)| whole.get_pixel(left + x, y) == pixel));
+    }
+    assert_eq!(pixels(&at("map/map_files/0/0_0.png")).dimensions(), (1, 1));
+    let page = fs::read_to_string(at("map/index.html")).unwrap();
+    assert!(page.contains("300 × 200") && page.contains("[view]"));
+    // The scene beside the page gives the same picture, and the pyramid needs no other output.
+    done(&folder, &["map/map.toml", "-o", "again.png"]);
+    assert!(fs::read(at("map.png")).unwrap() == fs::read(at("again.png")).unwrap());
+    done(&folder, &["map/map.toml", "--pyramid", "alone"]);
+    let tile = |name: &str| fs::read(at(name).join("map_files/9/1_0.png")).unwrap();
+    assert!(tile("map") == tile("alone"));
+}
+
+#[test]
+fn a_pyramid_is_replaced_and_nothing_else_is() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    done(&folder, &["--pyramid", "map"]);
+    let tile = || fs::read(at("map/map_files/9/0_0.png")).unwrap();
+    let before = tile();
+    done(&folder, &["--pyramid", "map", "--palette", "magma"]);
+    assert!(tile() != before);
+    fs::create_dir(at("mine")).unwrap();
+    fs::write(at("mine/notes.txt"), "mine").unwrap();
+    let cases: [(&[&str], i32, &str); 7] = [
+        (&["--pyramid", "mine"], 1, "--pyramid: cannot write mine: holds notes.txt"),
+        (&["--pyramid", "mine/notes.txt"], 1, "is a file: name a folder"),
+        (&["--pyramid", "no/map"], 1, "the folder no does not exist"),
+        (&["--pyramid", "-"], 2, "--pyramid writes a folder"),
+        (&["--pyramid", "map", "-o", "map"], 2, "-o and --pyramid name the same file"),
+        (&["--pyramid", "map", "-o", "./map/map.png"], 2, "-o lies in the folder of --pyramid"),
+        (&["--pyramid", "map", "--state", "map/s"], 2, "--state lies in the folder of --pyramid"),
+    ];
+    for (arguments, code, words) in cases {
+        let output = render(&folder, arguments);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", error_of(&output));
+        assert!(error_of(&output).contains(words), "{arguments:?}: {}", error_of(&output));
+    }
+    assert_eq!(fs::read_to_string(at("mine/notes.txt")).unwrap(), "mine");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 2, "something stray was left");
+}
+
+#[test]
+fn an_exr_image_is_the_same_in_a_pipe() {
+    let folder = folder();
+    done(&folder, &["--exr", "map.exr"]);
+    let output = render(&folder, &["--exr", "-"]);
+    assert!(output.status.success(), "{}", error_of(&output));
+    assert!(output.stdout == fs::read(folder.path().join("map.exr")).unwrap());
+    if Path::new("/dev/full").exists() {
+        let full = render(&folder, &["--exr", "/dev/full"]);
+        assert_eq!(full.status.code(), Some(1));
+        assert!(error_of(&full).contains("cannot write /dev/full"), "{}", error_of(&full));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_leaves_no_half_pyramid() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+    let folder = folder();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_flipmap"))
+        .current_dir(&folder)
+        .args(["render", "--engine", "cpu", "--size", "3000x3000", "--pyramid", "map"])
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while fs::read_dir(&folder).unwrap().count() == 0 && begun.elapsed().as_secs() < 20 {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-s", "INT", &id]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+}
