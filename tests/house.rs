@@ -62,6 +62,41 @@ fn files_are_short() {
     }
 }
 
+/// The pictures that a page shows, from the repository's root.
+fn pictures_of(page: &Path) -> Vec<String> {
+    let text = fs::read_to_string(page).unwrap();
+    let folder = page.parent().unwrap();
+    let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let pictures = links.filter(|link| link.ends_with(".png") && !link.starts_with("http"));
+    pictures.map(|link| folder.join(link).display().to_string()).collect()
+}
+
+#[test]
+fn every_picture_of_the_pages_is_there_and_made_by_the_gallery() {
+    let gallery = fs::read_to_string("scripts/gallery").unwrap();
+    let made = |picture: &str| match picture.strip_prefix("docs/lab/") {
+        Some(figure) => {
+            let name = figure.trim_end_matches(".png");
+            let figures = gallery.lines().find(|line| line.trim_start().starts_with("for name in "));
+            figures.unwrap().split([' ', ';']).any(|word| word == name)
+        }
+        None => gallery.contains(picture),
+    };
+    let mut pages: Vec<PathBuf> = fs::read_dir("docs")
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "md"))
+        .collect();
+    pages.push("README.md".into());
+    let pictures: Vec<String> = pages.iter().flat_map(|page| pictures_of(page)).collect();
+    assert!(pictures.len() > 8, "{pictures:?}");
+    for picture in pictures {
+        assert!(Path::new(&picture).exists(), "{picture} is missing");
+        assert!(made(&picture), "{picture} is not made by scripts/gallery");
+    }
+    assert!(!made("docs/other.png") && !made("docs/lab/other.png"), "the test can fail");
+}
+
 #[test]
 fn every_shader_file_is_glued_on_somewhere() {
     let mut files: Vec<String> = fs::read_dir("shaders")
