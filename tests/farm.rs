@@ -217,6 +217,61 @@ fn a_full_disk_loses_nothing_that_was_finished() {
 }
 
 #[test]
+fn shards_of_a_film_are_the_film() {
+    let folder = folder();
+    let what = ["--zoom-to", "filigree", "--size", "48x36", "--frames", "12"];
+    plan(&folder, "f.toml", "3", &what);
+    for shard in ["3", "1", "2"] {
+        done(&folder, &["run", "f.toml", "--shard", shard]);
+    }
+    done(&folder, &["merge", "f.toml", "-o", "merged"]);
+    done(&folder, &[&["video", "-o", "whole"], &CPU[..], &what[..]].concat());
+    let [merged, whole] = ["merged", "whole"].map(|name| all(&folder.path().join(name)));
+    assert!(merged.len() == 25 && merged == whole);
+    // Other colours at the end.
+    done(&folder, &["merge", "f.toml", "-o", "other", "--palette", "magma"]);
+    assert!(all(&folder.path().join("other")) != whole);
+    let error = refused(&folder, 2, &["merge", "f.toml", "-o", "f.png"]);
+    assert!(error.contains("a film is an .mp4"), "{error}");
+}
+
+/// A job file of docs/farm.
+fn job_file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/farm").join(name)
+}
+
+#[cfg(unix)]
+#[test]
+fn a_plain_shell_runs_a_plan_to_its_end() {
+    let folder = folder();
+    let what = ["home", "--size", "90x70", "--shards", "5"];
+    let output = std::process::Command::new(job_file("shell"))
+        .args(["p.toml", "out.png"].iter().chain(&what).chain(&CPU))
+        .env("FLIPMAP", env!("CARGO_BIN_EXE_flipmap"))
+        .current_dir(&folder)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", error_of(&output));
+    done(&folder, &[&["render", "home", "--size", "90x70", "-o", "r.png"], &CPU[..]].concat());
+    assert!(bytes(&folder, "out.png") == bytes(&folder, "r.png"));
+}
+
+#[cfg(unix)]
+#[test]
+#[cfg_attr(
+    not(farm),
+    ignore = "Slurm and GNU parallel: scripts/test --farm installs and runs them"
+)]
+fn slurm_and_gnu_parallel_run_plans_to_their_ends() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/farm");
+    let farm = std::process::Command::new(script)
+        .env("FLIPMAP", env!("CARGO_BIN_EXE_flipmap"))
+        .status()
+        .unwrap();
+    assert!(farm.success());
+}
+
+#[test]
 fn plans_that_cannot_be_followed_are_refused() {
     let folder = folder();
     plan(&folder, "p.toml", "4", &["filigree", "--size", "48x40"]);

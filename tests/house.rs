@@ -77,7 +77,8 @@ fn every_picture_of_the_pages_is_there_and_made_by_the_gallery() {
     let made = |picture: &str| match picture.strip_prefix("docs/lab/") {
         Some(figure) => {
             let name = figure.trim_end_matches(".png");
-            let figures = gallery.lines().find(|line| line.trim_start().starts_with("for name in "));
+            let figures =
+                gallery.lines().find(|line| line.trim_start().starts_with("for name in "));
             figures.unwrap().split([' ', ';']).any(|word| word == name)
         }
         None => gallery.contains(picture),
