@@ -70,6 +70,21 @@ fn other_colours_and_another_time_compute_nothing() {
 }
 
 #[test]
+fn machines_are_told_of_samples_and_then_of_frames() {
+    let folder = folder();
+    let film = ["--vary", "time=0..30", "--size", "48x36", "--frames", "4", "-o", "f"];
+    let output =
+        flipmap(&folder, &[&["video"], &CPU[..], &film[..], &["--progress", "json"]].concat());
+    let lines: Vec<serde_json::Value> =
+        error_of(&output).lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    let last = |rate: &str| lines.iter().rfind(|line| line[rate].is_number()).cloned().unwrap();
+    let [samples, frames] = ["samples_per_sec", "frames_per_sec"].map(last);
+    assert_eq!(samples["done"], samples["total"]);
+    assert_eq!((&frames["done"], &frames["total"]), (&4.into(), &4.into()));
+    assert!(frames["secs_left"].is_number());
+}
+
+#[test]
 fn pixels_light_up_as_they_flip_and_stay() {
     let folder = folder();
     let size = ["--size", "48x36", "--frames", "6"];

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use flipmap::engine::choice::{Kind, Wish};
+use flipmap::engine::choice::Wish;
 use flipmap::engine::{Engine, Recipe};
 use flipmap::output::{Destination, Ran, RenderState, SafeFile};
 use flipmap::scene::Document;
 use flipmap::tiles::Kept;
 
 use super::exit::Exit;
+use super::run_options::prefer_engine;
 
 /// A state file, what was in it, and what goes into it next.
 pub struct Continued {
@@ -42,15 +43,11 @@ impl Continued {
         })
     }
 
-    /// Where the engine is free, it is the earlier one: another would give other last digits.
-    pub fn prefer_engine(&self, wish: &mut Wish) {
-        if let (Some(earlier), Kind::Auto, None) = (&self.earlier, wish.kind, &wish.adapter) {
-            if earlier.ran.engine == "cpu" {
-                wish.kind = Kind::Cpu;
-            } else {
-                wish.kind = Kind::Gpu;
-                wish.adapter = Some(earlier.ran.adapter.clone());
-            }
+    /// Where the engine is free, it is the earlier one.
+    pub fn prefer_engine(&self, wish: Wish) -> Wish {
+        match &self.earlier {
+            Some(RenderState { ran, .. }) => prefer_engine(wish, &ran.engine, &ran.adapter),
+            None => wish,
         }
     }
 

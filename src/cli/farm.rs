@@ -2,19 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use flipmap::engine::choice::{Chosen, Kind, Wish, choose};
-use flipmap::engine::method::Pace;
+use flipmap::engine::choice::{Chosen, Wish, choose};
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Question, Recipe};
 use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, Wanted, run};
+use flipmap::scene::Document;
 use flipmap::scene::film::Film;
 use flipmap::scene::palette::Palette;
-use flipmap::scene::{Document, Scene};
 
 use super::exit::Exit;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
+use super::run_options::prefer_engine;
 use super::stop;
 
 /// Reads a plan and all that follows from it.
@@ -40,25 +39,12 @@ pub fn scan(task: &Task) -> anyhow::Result<Parts> {
 
 /// The engine that a plan was made for, unless another is asked for.
 pub fn wish_like(plan: &Plan, wish: Wish) -> Wish {
-    match (wish.kind, &wish.adapter, plan.engine.as_str()) {
-        (Kind::Auto, None, "cpu") => Wish { kind: Kind::Cpu, ..wish },
-        (Kind::Auto, None, _) => Wish { kind: Kind::Gpu, adapter: plan.adapter.clone(), ..wish },
-        _ => wish,
-    }
+    prefer_engine(wish, &plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
 /// Starts an engine.
 pub fn start(wish: &Wish) -> anyhow::Result<Chosen> {
     Ok(choose(wish, &|text| super::tell(&format!("flipmap: {text}")))?)
-}
-
-/// Refuses steps that are too many for the budget.
-pub fn check_steps(scene: &Scene, recipe: Recipe) -> Result<(), Exit> {
-    let question = Question::from(scene);
-    if question.pendulum.q > 0.0 {
-        Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
-    }
-    Ok(())
 }
 
 /// Computes what is missing of some shards.
@@ -144,7 +130,9 @@ pub fn paint(
 ) -> anyhow::Result<()> {
     let Wanted::Film(film, _) = &task.work else { return Ok(()) };
     let mut document = film.keys[0].scene.clone();
+    let samples = document.picture.samples;
     options.apply(&mut document)?;
+    check_samples(samples, &document)?;
     if options.spreads_film(&document, decades(film)) {
         spread(task, film, &mut parts, options, &mut document)?;
     }
@@ -169,6 +157,14 @@ pub fn paint(
         output.display()
     ));
     Ok(())
+}
+
+/// Refuses more or fewer samples than were planned.
+pub fn check_samples(planned: u32, document: &Document) -> Result<(), Exit> {
+    if document.picture.samples == planned {
+        return Ok(());
+    }
+    Err(Exit::Usage(format!("--samples is {planned} in the plan; it cannot change any more")))
 }
 
 /// How far a film zooms.

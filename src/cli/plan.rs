@@ -14,7 +14,7 @@ use super::film_options::FilmOptions;
 use super::options::{SceneOptions, SceneWords};
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
-use super::run_options::{EngineOptions, RunOptions};
+use super::run_options::{EngineOptions, RunOptions, check_steps};
 use super::video::codec_of;
 use super::{farm, stop};
 
@@ -94,7 +94,7 @@ pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         What::Still(document) => document.scene(),
         What::Film(film) => film.keys[0].scene.scene(),
     };
-    farm::check_steps(&scene, chosen.recipe)?;
+    check_steps(&scene, chosen.recipe)?;
     let engine = (chosen.engine.as_ref(), chosen.recipe, how.verify);
     let plan = Plan::new(what, options.shards, engine, options.numbers);
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
@@ -120,7 +120,7 @@ fn what(options: &PlanOptions) -> anyhow::Result<(What, super::run_options::Plan
     let how = options.run.settle(&mut document)?;
     document.picture.check()?;
     document.picture.check_size(how.size)?;
-    Ok((What::Still(document), how))
+    Ok((What::Still(Box::new(document)), how))
 }
 
 /// `flipmap run`.
@@ -178,7 +178,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             let parts = farm::complete(&task, &options.plan)?;
             farm::paint(&task, parts, &options.picture, output, options.progress)
         }
-        Wanted::Still(document, _) => merge_still(&task, document.clone(), options),
+        Wanted::Still(document, _) => merge_still(&task, document.as_ref().clone(), options),
     }
 }
 
@@ -193,10 +193,7 @@ fn merge_still(task: &Task, mut document: Document, options: &MergeOptions) -> a
             "nothing to write: give -o FILE.png, --pyramid FOLDER, --raw FILE.npy or more";
         return Err(Exit::Usage(message.to_string()).into());
     }
-    if document.picture.samples != samples {
-        let message = format!("--samples is {samples} in the plan; it cannot change any more");
-        return Err(Exit::Usage(message).into());
-    }
+    farm::check_samples(samples, &document)?;
     let numbers = paths.raw.is_some() || paths.exr.is_some() || paths.trust.is_some();
     if numbers && !passes.iter().any(|pass| pass.along == 1) {
         let message = "the plan has several --samples a pixel and no numbers at the pixels' middles; \

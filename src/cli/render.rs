@@ -7,9 +7,8 @@ use std::time::Instant;
 
 use clap::Args;
 use flipmap::engine::choice::{Chosen, choose};
-use flipmap::engine::method::Pace;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Engine, Question, Recipe, Trust};
+use flipmap::engine::{Engine, Recipe, Trust};
 use flipmap::output::{Clock, Paths, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{Counts, Work};
@@ -20,7 +19,7 @@ use super::exit::Exit;
 use super::options::SceneOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
-use super::run_options::{Plan, RunOptions};
+use super::run_options::{Plan, RunOptions, check_steps};
 use super::spread::spread;
 use super::stop;
 
@@ -73,7 +72,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     stop::listen()?;
     let mut wish = options.run.engine.wish(plan.demand);
     if let Some(continued) = &continued {
-        continued.prefer_engine(&mut wish);
+        wish = continued.prefer_engine(wish);
     }
     let Chosen { mut engine, recipe, why, following } =
         choose(&wish, &|text| super::tell(&format!("flipmap: {text}")))?;
@@ -153,10 +152,7 @@ fn announce(engine: &dyn Engine, recipe: Recipe, verify: bool, why: &str) {
 
 /// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
 fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Exit> {
-    let question = Question::from(scene);
-    if question.pendulum.q > 0.0 {
-        Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
-    }
+    check_steps(scene, recipe)?;
     let pixel = Grid::new(scene, size).pixel_rad();
     let needed = (-pixel.log10()).ceil() as usize;
     let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);

@@ -2,8 +2,9 @@
 
 use clap::{Args, ValueEnum};
 use flipmap::engine::choice::{self, Demand, Wish};
-use flipmap::engine::words;
-use flipmap::scene::{Document, PictureTable, RunTable};
+use flipmap::engine::method::Pace;
+use flipmap::engine::{Question, Recipe, words};
+use flipmap::scene::{Document, PictureTable, RunTable, Scene};
 
 use super::exit::Exit;
 use super::options::set;
@@ -153,6 +154,26 @@ impl RunOptions {
             verify: kept.verify,
         }
     }
+}
+
+/// The engine that ran before, where the choice is free: another would give other last digits.
+pub fn prefer_engine(wish: Wish, engine: &str, adapter: &str) -> Wish {
+    match (wish.kind, &wish.adapter, engine) {
+        (choice::Kind::Auto, None, "cpu") => Wish { kind: choice::Kind::Cpu, ..wish },
+        (choice::Kind::Auto, None, _) => {
+            Wish { kind: choice::Kind::Gpu, adapter: Some(adapter.to_string()), ..wish }
+        }
+        _ => wish,
+    }
+}
+
+/// Refuses steps that are too many for the budget.
+pub fn check_steps(scene: &Scene, recipe: Recipe) -> Result<(), Exit> {
+    let question = Question::from(scene);
+    if question.pendulum.q > 0.0 {
+        Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
+    }
+    Ok(())
 }
 
 const SIZE: &str = "it must be WIDTHxHEIGHT with both between 1 and 1000000 pixels";

@@ -13,7 +13,7 @@ use super::film_options::FilmOptions;
 use super::options::SceneWords;
 use super::picture_options::PictureOptions;
 use super::progress::Mode;
-use super::run_options::RunOptions;
+use super::run_options::{RunOptions, check_steps};
 use super::{farm, stop};
 
 #[derive(Args, Debug)]
@@ -70,7 +70,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
 
 /// A plan of one shard, kept beside the samples.
 fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Result<Task> {
-    farm::check_steps(&film.keys[0].scene.scene(), chosen.recipe)?;
+    check_steps(&film.keys[0].scene.scene(), chosen.recipe)?;
     let engine = (chosen.engine.as_ref(), chosen.recipe, verify);
     let plan = Plan::new(What::Film(film), 1, engine, false);
     super::write_whole(path, "--cache", plan.text().as_bytes())?;

@@ -87,7 +87,7 @@ fn some_rows(pass: &Pass, parts: &mut Parts, row: u32) -> Result<Samples, PartEr
 /// Where a film goes.
 pub enum FilmSink {
     /// A folder of numbered pictures.
-    Frames(Frames),
+    Frames(Box<Frames>),
     /// One file.
     Encoder(Encoder),
 }
@@ -98,7 +98,7 @@ impl FilmSink {
     pub fn open(path: &Path, film: &Film, document: &Document) -> Result<Self, MergeError> {
         Ok(match Codec::of(path) {
             Some(codec) => FilmSink::Encoder(Encoder::start(codec, film, path)?),
-            None => FilmSink::Frames(Frames::open(path, film, document)?),
+            None => FilmSink::Frames(Box::new(Frames::open(path, film, document)?)),
         })
     }
 

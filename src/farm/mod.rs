@@ -1,7 +1,7 @@
 //! Work that is split, stopped and gone on with: large stills and films.
 //!
-//! A [`Plan`] says what is wanted and in how many shards. [`run`] computes what is missing of a
-//! shard into [`Parts`], files of samples that are whole or not there; [`merge`] reads them in
+//! A [`Plan`] says what is wanted and in how many shards. [`run()`] computes what is missing of a
+//! shard into [`Parts`], files of samples that are whole or not there; [`mod@merge`] reads them in
 //! order and writes what was wanted. Shards only say who computes what: the samples of a place are
 //! the same whoever computes it, so any number of machines may work, stop, and begin again.
 

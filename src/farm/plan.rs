@@ -43,7 +43,7 @@ pub struct Plan {
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
     /// One picture.
-    Still(Document),
+    Still(Box<Document>),
     /// Many.
     Film(Film),
 }
@@ -75,7 +75,7 @@ impl Plan {
     ) -> Self {
         let adapter = (engine.name() == "gpu").then(|| engine.adapter());
         let (still, film) = match what {
-            What::Still(document) => (Some(document), None),
+            What::Still(document) => (Some(*document), None),
             What::Film(film) => (None, Some(film)),
         };
         let mut plan = Plan {
@@ -144,7 +144,7 @@ impl Plan {
     pub fn what(&self) -> What {
         match (&self.still, &self.film) {
             (_, Some(film)) => What::Film(with_budgets(film.clone())),
-            (still, None) => What::Still(settled(still.clone().unwrap_or_default())),
+            (still, None) => What::Still(Box::new(settled(still.clone().unwrap_or_default()))),
         }
     }
 
@@ -186,7 +186,7 @@ mod tests {
 
     fn plan() -> Plan {
         let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
-        let what = What::Still(Document::default());
+        let what = What::Still(Box::default());
         Plan::new(what, 8, (&MockEngine::default(), recipe, false), false)
     }
 
@@ -195,7 +195,7 @@ mod tests {
         let plan = plan();
         let again = Plan::parse(&plan.text()).unwrap();
         assert_eq!(again, plan);
-        assert_eq!(again.what(), What::Still(Document::default()));
+        assert_eq!(again.what(), What::Still(Box::default()));
         assert_eq!(again.recipe().unwrap().method, Method::LESSON);
     }
 

@@ -31,7 +31,7 @@ pub struct Task {
 /// What is to be computed.
 pub enum Wanted {
     /// A still: its rows once for every number of samples a pixel.
-    Still(Document, Vec<Pass>),
+    Still(Box<Document>, Vec<Pass>),
     /// A film: the patches of its sheets.
     Film(Film, Vec<Reel>),
 }
@@ -71,7 +71,8 @@ impl Task {
     /// Of a plan whose file is `path`; the parts lie beside it.
     pub fn new(plan: Plan, path: &Path) -> Result<Self, PlanError> {
         let recipe = plan.recipe()?;
-        let how = format!("{recipe:?} {}", plan.verify);
+        // Another version may compute other last digits.
+        let how = format!("{recipe:?} {} {}", plan.verify, env!("CARGO_PKG_VERSION"));
         let work = match plan.what() {
             What::Still(document) => {
                 let passes = passes(&document, plan.numbers, &how);
@@ -221,7 +222,7 @@ mod tests {
         let mut document = Document::default();
         document.run.size = Some(size);
         document.picture.samples = samples;
-        What::Still(document)
+        What::Still(Box::new(document))
     }
 
     fn film(change: fn(&mut Document)) -> What {

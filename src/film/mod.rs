@@ -2,7 +2,7 @@
 //!
 //! A film is computed before it is painted. Its patches (see [`crate::tiles::patches`]) hold every
 //! sample once, whatever frames show it; [`Mip`] keeps their colours and those of everything coarser,
-//! and [`paint`](paint::paint) takes each frame out of it. So other colours and other times compute
+//! and a [`Painter`] takes each frame out of it. So other colours and other times compute
 //! nothing, and no pixel changes its mind between two frames.
 
 mod colours;
