@@ -11,6 +11,7 @@ mod farm;
 mod film_options;
 mod lab;
 mod options;
+mod outputs;
 mod picture_options;
 mod plan;
 mod progress;
@@ -53,7 +54,7 @@ enum Verb {
     Run(plan::RunShards),
     /// Print the shards that are not complete; code 4 if there are any.
     Verify(plan::VerifyOptions),
-    /// Join a plan's shards, when they are complete.
+    /// Join a plan's shards when they are complete: a still's files, or a film (-o FILM.mp4, FOLDER).
     Merge(Box<plan::MergeOptions>),
     /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
     Trace(Box<trace::Options>),

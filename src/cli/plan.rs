@@ -6,12 +6,12 @@ use clap::Args;
 use flipmap::engine::choice::Demand;
 use flipmap::farm::merge::{self, MergeError};
 use flipmap::farm::{Plan, Task, Wanted, What};
-use flipmap::output::Paths;
 use flipmap::scene::Document;
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
 use super::options::{SceneOptions, SceneWords};
+use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
 use super::run_options::{EngineOptions, RunOptions, check_steps};
@@ -65,21 +65,8 @@ pub struct MergeOptions {
     plan: PathBuf,
     #[command(flatten)]
     picture: PictureOptions,
-    /// The picture, or the film: .mp4, .mkv, or a folder for numbered pictures
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// The still as tiles in a folder, with a page that shows them
-    #[arg(long, value_name = "FOLDER")]
-    pyramid: Option<PathBuf>,
-    /// Flip times of a still as a NumPy array
-    #[arg(long, value_name = "FILE.npy")]
-    raw: Option<PathBuf>,
-    /// Flip times, statuses and doubts of a still as an OpenEXR image
-    #[arg(long, value_name = "FILE.exr")]
-    exr: Option<PathBuf>,
-    /// A picture of how sure each pixel of a still is
-    #[arg(long, value_name = "FILE.png")]
-    trust: Option<PathBuf>,
+    #[command(flatten)]
+    outputs: OutputOptions,
     /// How to show progress
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     progress: Mode,
@@ -168,10 +155,11 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     stop::listen()?;
     match &task.work {
         Wanted::Film(film, _) => {
-            let only = "a film is merged with -o FILM.mp4, -o FILM.mkv or -o FOLDER alone";
-            let others = [&options.pyramid, &options.raw, &options.exr, &options.trust];
-            let output = options.output.as_deref().filter(|_| others.iter().all(|o| o.is_none()));
-            let output = output.ok_or_else(|| Exit::Usage(only.to_string()))?;
+            let paths = options.outputs.paths();
+            let [("-o", output)] = paths.named()[..] else {
+                let only = "a film is merged with -o FILM.mp4, -o FILM.mkv or -o FOLDER alone";
+                return Err(Exit::Usage(only.to_string()).into());
+            };
             if let Some(codec) = codec_of(output)? {
                 codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
             }
@@ -187,12 +175,8 @@ fn merge_still(task: &Task, mut document: Document, options: &MergeOptions) -> a
     let samples = document.picture.samples;
     options.picture.apply(&mut document)?;
     document.picture.check()?;
-    let paths = options.paths();
-    if paths.named().is_empty() {
-        let message =
-            "nothing to write: give -o FILE.png, --pyramid FOLDER, --raw FILE.npy or more";
-        return Err(Exit::Usage(message.to_string()).into());
-    }
+    options.outputs.check(false, task.plan.verify, None)?;
+    let paths = options.outputs.paths();
     farm::check_samples(samples, &document)?;
     let numbers = paths.raw.is_some() || paths.exr.is_some() || paths.trust.is_some();
     if numbers && !passes.iter().any(|pass| pass.along == 1) {
@@ -213,16 +197,4 @@ fn merge_still(task: &Task, mut document: Document, options: &MergeOptions) -> a
         MergeError::Stopped => anyhow::Error::from(Exit::Again),
         error => error.into(),
     })
-}
-
-impl MergeOptions {
-    fn paths(&self) -> Paths {
-        Paths {
-            picture: self.output.clone(),
-            pyramid: self.pyramid.clone(),
-            raw: self.raw.clone(),
-            exr: self.exr.clone(),
-            trust: self.trust.clone(),
-        }
-    }
 }

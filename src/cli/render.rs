@@ -1,15 +1,14 @@
 //! `flipmap render`: a scene to a picture, tiles of one, arrays of flip times, a map of trust, or
 //! all of them.
 
-use std::io::{IsTerminal, stdout};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 use flipmap::engine::choice::{Chosen, choose};
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Engine, Recipe, Trust};
-use flipmap::output::{Clock, Paths, RenderError, Sinks, render_pass};
+use flipmap::output::{Clock, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{Counts, Work};
 
@@ -17,6 +16,7 @@ use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
 use super::exit::Exit;
 use super::options::SceneOptions;
+use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
 use super::run_options::{Plan, RunOptions, check_steps};
@@ -31,21 +31,8 @@ pub struct Options {
     run: RunOptions,
     #[command(flatten)]
     picture: PictureOptions,
-    /// The picture to write (- for standard output)
-    #[arg(short, long, value_name = "FILE.png")]
-    output: Option<PathBuf>,
-    /// The picture as tiles in a folder, with a page that shows them
-    #[arg(long, value_name = "FOLDER")]
-    pyramid: Option<PathBuf>,
-    /// Flip times to write as a NumPy array (- for standard output)
-    #[arg(long, value_name = "FILE.npy")]
-    raw: Option<PathBuf>,
-    /// Flip times, statuses and doubts to write as an OpenEXR image
-    #[arg(long, value_name = "FILE.exr")]
-    exr: Option<PathBuf>,
-    /// A picture of how sure each pixel is, when they are checked
-    #[arg(long, value_name = "FILE.png")]
-    trust: Option<PathBuf>,
+    #[command(flatten)]
+    outputs: OutputOptions,
     /// Keep what has not flipped in this file, and go on from it with a larger --budget
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
@@ -65,7 +52,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     options.picture.apply(&mut document)?;
     check_outputs(options, &document, &plan)?;
     let scene = document.scene();
-    let paths = options.paths();
+    let paths = options.outputs.paths();
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check()?;
@@ -127,18 +114,6 @@ fn interrupted(error: RenderError) -> anyhow::Result<()> {
     }
 }
 
-impl Options {
-    fn paths(&self) -> Paths {
-        Paths {
-            picture: self.output.clone(),
-            pyramid: self.pyramid.clone(),
-            raw: self.raw.clone(),
-            exr: self.exr.clone(),
-            trust: self.trust.clone(),
-        }
-    }
-}
-
 fn announce(engine: &dyn Engine, recipe: Recipe, verify: bool, why: &str) {
     let checked = if verify { ", every pixel checked" } else { "" };
     super::tell(&format!(
@@ -178,53 +153,10 @@ fn decimals(text: &str) -> usize {
 
 /// Refuses what cannot be written, before anything is computed.
 fn check_outputs(options: &Options, document: &Document, plan: &Plan) -> Result<(), Exit> {
-    let usage = |message: String| Err(Exit::Usage(message));
-    let paths = options.paths();
-    let named = paths.named();
-    if named.is_empty() {
-        let message = "nothing to write: give -o FILE.png, --pyramid FOLDER, --raw FILE.npy, \
-                       --exr FILE.exr or more";
-        return usage(message.to_string());
-    }
-    check_pyramid(options, &named)?;
-    let streams: Vec<&str> =
-        named.iter().filter(|(_, path)| path.as_os_str() == "-").map(|(name, _)| *name).collect();
-    if streams.len() + usize::from(options.json) > 1 {
-        return usage("only one of the outputs and --json can use standard output".to_string());
-    }
-    if let ([stream], true) = (&streams[..], stdout().is_terminal()) {
-        return usage(format!("{stream} - writes to a terminal here: redirect it, or name a file"));
-    }
-    for (k, (option, path)) in named.iter().enumerate() {
-        if let Some((other, _)) = named[..k].iter().find(|(_, earlier)| earlier == path) {
-            return usage(format!("{other} and {option} name the same file; give each its own"));
-        }
-    }
-    if options.trust.is_some() && !plan.verify {
-        let message = "--trust shows what checks found: add --verify, or --accuracy exact";
-        return usage(message.to_string());
-    }
+    let state = options.state.as_deref();
+    options.outputs.check(options.json, plan.verify, state)?;
     check_state(options, document, plan)?;
     check_picture(document, plan.size)
-}
-
-/// A pyramid's folder is one of its own: it is replaced as a whole.
-fn check_pyramid(options: &Options, named: &[(&str, &Path)]) -> Result<(), Exit> {
-    let Some(folder) = options.pyramid.as_deref() else { return Ok(()) };
-    if folder.as_os_str() == "-" {
-        let message = "--pyramid writes a folder, not standard output: name one";
-        return Err(Exit::Usage(message.to_string()));
-    }
-    let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    let inside = |path: &Path| path != folder && whole(path).starts_with(whole(folder));
-    let state = options.state.iter().map(|path| ("--state", path.as_path()));
-    match named.iter().copied().chain(state).find(|(_, path)| inside(path)) {
-        Some((option, _)) => Err(Exit::Usage(format!(
-            "{option} lies in the folder of --pyramid, which is replaced as a whole: name a file \
-             elsewhere"
-        ))),
-        None => Ok(()),
-    }
 }
 
 fn check_state(options: &Options, document: &Document, plan: &Plan) -> Result<(), Exit> {

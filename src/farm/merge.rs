@@ -1,7 +1,7 @@
 //! From parts to what was wanted: a still's files, or a film's frames.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::task::{Pass, Reel, Wanted};
 use super::{PartError, Parts, Task};
@@ -33,13 +33,8 @@ pub enum MergeError {
     #[error(transparent)]
     Picture(#[from] SceneError),
     /// The colours between parts and frames.
-    #[error("cannot keep colours in {folder}: {source}")]
-    Colours {
-        /// Where.
-        folder: PathBuf,
-        /// Why not.
-        source: io::Error,
-    },
+    #[error("cannot keep colours beside the samples: {0}")]
+    Colours(#[from] io::Error),
     /// It was asked to stop.
     #[error("stopped; what was computed is kept, merge again")]
     Stopped,
@@ -124,6 +119,12 @@ impl FilmSink {
     }
 }
 
+/// Frames of a reel that follow one another and show the same flips.
+struct Alike {
+    shown: Shown,
+    frames: Vec<(u32, Shot)>,
+}
+
 /// Paints a film from its parts; `go_on` hears how many frames are done.
 pub fn film(
     task: &Task,
@@ -137,22 +138,14 @@ pub fn film(
     let colours = Colours::new(Tones::new(picture, unit_secs, film.budget_secs())?);
     let mut painter = Painter::new(film.size, picture);
     for reel in reels {
-        let mut frames = reel.sheet.frames.clone().peekable();
-        while let Some(first) = frames.next() {
-            let shown = Shown::of(&film.shot(first));
-            let alike = |frame: &u32| Shown::of(&film.shot(*frame)) == shown;
-            let last = std::iter::from_fn(|| frames.next_if(alike)).last().unwrap_or(first);
-            let wanted: Vec<(u32, Shot)> = (first..=last)
-                .map(|frame| (frame, film.shot(frame)))
-                .filter(|(frame, shot)| !sink.has(*frame, shot))
-                .collect();
-            if wanted.is_empty() {
+        for Alike { shown, mut frames } in alike(film, reel) {
+            frames.retain(|(frame, shot)| !sink.has(*frame, shot));
+            if frames.is_empty() {
                 continue;
             }
-            let mut mip = coloured(task, reel, parts, &colours, &shown)?;
-            for (frame, shot) in wanted {
-                let rgb =
-                    painter.paint(&shot, &mut mip).map_err(|error| no_colours(task, error))?;
+            let mut mip = coloured(reel, parts, &colours, &shown, &task.folder)?;
+            for (frame, shot) in frames {
+                let rgb = painter.paint(&shot, &mut mip)?;
                 sink.write(frame, &shot, &rgb)?;
                 if !go_on(u64::from(frame) + 1) {
                     return Err(MergeError::Stopped);
@@ -164,47 +157,35 @@ pub fn film(
     sink.finish()
 }
 
-/// The colours of a reel's patches.
+fn alike(film: &Film, reel: &Reel) -> Vec<Alike> {
+    let mut all: Vec<Alike> = Vec::new();
+    for frame in reel.sheet.frames.clone() {
+        let shot = film.shot(frame);
+        let shown = Shown::of(&shot);
+        match all.last_mut() {
+            Some(last) if last.shown == shown => last.frames.push((frame, shot)),
+            _ => all.push(Alike { shown, frames: vec![(frame, shot)] }),
+        }
+    }
+    all
+}
+
+/// The colours of a reel's patches, in a file in `folder`.
 fn coloured(
-    task: &Task,
     reel: &Reel,
     parts: &mut Parts,
     colours: &Colours,
     shown: &Shown,
+    folder: &Path,
 ) -> Result<Mip, MergeError> {
     let mut patches = reel.sheet.patches.iter();
-    let mut light = || -> Result<_, Either> {
+    let mut light = || {
         let (cell, mirrored) = patches.next().ok_or(PartError::Gone)?.canonical();
         let samples = parts.patch(&reel.of, &cell)?;
         let samples = if mirrored { samples.reversed() } else { samples };
         Ok(colours.light(&samples, shown))
     };
-    Mip::build(&reel.sheet.patches, &task.folder, &mut light).map_err(|error| match error {
-        Either::Merge(error) => error,
-        Either::File(error) => no_colours(task, error),
-    })
-}
-
-/// What can go wrong while colours are kept.
-enum Either {
-    Merge(MergeError),
-    File(io::Error),
-}
-
-impl From<io::Error> for Either {
-    fn from(error: io::Error) -> Self {
-        Either::File(error)
-    }
-}
-
-impl From<PartError> for Either {
-    fn from(error: PartError) -> Self {
-        Either::Merge(error.into())
-    }
-}
-
-fn no_colours(task: &Task, source: io::Error) -> MergeError {
-    MergeError::Colours { folder: task.folder.clone(), source }
+    Mip::build(&reel.sheet.patches, folder, &mut light)
 }
 
 /// Samples of each patch that are looked at for the colours.

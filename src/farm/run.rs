@@ -2,11 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use super::task::{Pass, Piece, Reel, Wanted};
+use super::task::{Piece, Wanted};
 use super::{PartError, PartWriter, Task};
 use crate::engine::{Engine, EngineError};
 use crate::output::RowOrder;
-use crate::scene::Document;
 use crate::scene::lattice::Cell;
 use crate::tiles::patch_work::PatchWork;
 use crate::tiles::{Counts, Samples, Work};
@@ -18,10 +17,10 @@ pub enum RunError {
     #[error(transparent)]
     Engine(#[from] EngineError),
     /// A part could not be kept.
-    #[error("{0}; what was finished is kept, run again when there is room")]
+    #[error("{0}; what was finished is kept: mend that, and run again to go on")]
     Part(#[from] PartError),
     /// It was asked to stop.
-    #[error("stopped; what was finished is kept, run again to go on")]
+    #[error("stopped; what was finished is kept: run again to go on")]
     Stopped,
 }
 
@@ -42,96 +41,160 @@ pub fn run(
     engine: &mut dyn Engine,
     go_on: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<Counts, RunError> {
-    let mut run = Run { task, engine, go_on, counts: Counts::default(), begun: Instant::now() };
+    let mut counts = Counts::default();
+    let begun = Instant::now();
     for piece in pieces {
-        match (piece, &task.work) {
-            (Piece::Rows(pass, rows), Wanted::Still(document, passes)) => {
-                run.rows(document, &passes[pass], rows)?;
-            }
-            (Piece::Patches(reel, cells), Wanted::Film(_, reels)) => {
-                run.patches(&reels[reel], cells)?;
-            }
-            _ => {}
-        }
+        let before = counts;
+        let mut go_on = |now: Counts| {
+            counts = before;
+            counts += now;
+            go_on(&counts)
+        };
+        drive(open(task, piece, engine.job_size())?.as_mut(), engine, begun, &mut go_on)?;
     }
-    Ok(run.counts)
+    Ok(counts)
 }
 
-struct Run<'a> {
+/// A piece being computed.
+trait Going {
+    /// Moves on until `deadline` at most.
+    fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError>;
+    /// Whether all is computed.
+    fn is_done(&self) -> bool;
+    /// What has been done.
+    fn counts(&self) -> Counts;
+    /// Samples that are computed and not kept.
+    fn loose(&self) -> usize;
+    /// Keeps them.
+    fn keep(&mut self) -> Result<(), PartError>;
+}
+
+fn open<'a>(
     task: &'a Task,
-    engine: &'a mut dyn Engine,
-    go_on: &'a mut dyn FnMut(&Counts) -> bool,
-    counts: Counts,
-    begun: Instant,
+    piece: Piece,
+    job_size: usize,
+) -> Result<Box<dyn Going + 'a>, PartError> {
+    Ok(match (piece, &task.work) {
+        (Piece::Rows(pass, rows), Wanted::Still(document, passes)) => {
+            let (scene, pass) = (document.scene(), &passes[pass]);
+            Box::new(Rows {
+                writer: PartWriter::open(&task.folder, &pass.of)?,
+                width: pass.size[0],
+                first: rows.start,
+                order: RowOrder::from(rows.start),
+                work: Work::of_rows(&scene, pass.size, task.recipe, job_size, rows),
+                loose: Samples::default(),
+            })
+        }
+        (Piece::Patches(reel, cells), Wanted::Film(_, reels)) => {
+            let reel = &reels[reel];
+            Box::new(Patches {
+                writer: PartWriter::open(&task.folder, &reel.of)?,
+                work: PatchWork::new(&reel.sheet.scene, task.recipe, cells.into_iter()),
+                cells: Vec::new(),
+                loose: Samples::default(),
+            })
+        }
+        _ => return Err(PartError::Gone),
+    })
 }
 
-impl Run<'_> {
-    fn rows(
-        &mut self,
-        document: &Document,
-        pass: &Pass,
-        rows: std::ops::Range<u32>,
-    ) -> Result<(), RunError> {
-        let writer = PartWriter::open(&self.task.folder, &pass.of)?;
-        let before = self.counts;
-        let (width, mut first) = (pass.size[0], rows.start);
-        let tile = self.engine.job_size();
-        let mut order = RowOrder::from(rows.start);
-        let mut work = Work::of_rows(&document.scene(), pass.size, self.task.recipe, tile, rows);
-        let (mut kept, mut last) = (Samples::default(), Instant::now());
-        loop {
-            for tile in work.work(self.engine, Some(Instant::now() + PATIENCE))? {
-                order.push(tile).into_iter().for_each(|samples| kept.append(samples));
-            }
-            self.counts = before;
-            self.counts += work.counts();
-            let go_on = (self.go_on)(&self.counts);
-            if self.is_time(kept.len(), last, work.is_done() || !go_on) {
-                let count = (kept.len() / width as usize) as u32;
-                writer.rows(width, first, std::mem::take(&mut kept))?;
-                (first, last) = (first + count, Instant::now());
-            }
-            if work.is_done() {
-                return Ok(());
-            }
-            if !go_on {
-                self.engine.cancel();
-                return Err(RunError::Stopped);
-            }
+/// Computes a piece to its end or a stop, and keeps what is finished now and then.
+fn drive(
+    piece: &mut dyn Going,
+    engine: &mut dyn Engine,
+    begun: Instant,
+    go_on: &mut dyn FnMut(Counts) -> bool,
+) -> Result<(), RunError> {
+    let mut kept = Instant::now();
+    loop {
+        let worked = piece.work(engine, Instant::now() + PATIENCE);
+        let going = go_on(piece.counts()) && worked.is_ok();
+        let wait = LEAST_WAIT.max(begun.elapsed() / WAIT_SHARE);
+        let full = piece.loose() >= MOST || kept.elapsed() >= wait;
+        if piece.loose() > 0 && (full || piece.is_done() || !going) {
+            piece.keep()?;
+            kept = Instant::now();
+        }
+        worked?;
+        if piece.is_done() {
+            return Ok(());
+        }
+        if !going {
+            engine.cancel();
+            return Err(RunError::Stopped);
         }
     }
+}
 
-    fn patches(&mut self, reel: &Reel, cells: Vec<Cell>) -> Result<(), RunError> {
-        let writer = PartWriter::open(&self.task.folder, &reel.of)?;
-        let before = self.counts;
-        let mut work = PatchWork::new(&reel.sheet.scene, self.task.recipe, cells.into_iter());
-        let (mut kept, mut last) = ((Vec::new(), Samples::default()), Instant::now());
-        loop {
-            for (cell, samples) in work.work(self.engine, Instant::now() + PATIENCE)? {
-                kept.0.push(cell);
-                kept.1.append(samples);
-            }
-            self.counts = before;
-            self.counts += work.counts();
-            let go_on = (self.go_on)(&self.counts);
-            if self.is_time(kept.1.len(), last, work.is_done() || !go_on) {
-                let (cells, samples) = std::mem::take(&mut kept);
-                writer.patches(&cells, samples)?;
-                last = Instant::now();
-            }
-            if work.is_done() {
-                return Ok(());
-            }
-            if !go_on {
-                self.engine.cancel();
-                return Err(RunError::Stopped);
-            }
+struct Rows {
+    writer: PartWriter,
+    width: u32,
+    /// The first that is not kept.
+    first: u32,
+    order: RowOrder,
+    work: Work,
+    loose: Samples,
+}
+
+impl Going for Rows {
+    fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError> {
+        for tile in self.work.work(engine, Some(deadline))? {
+            self.order.push(tile).into_iter().for_each(|samples| self.loose.append(samples));
         }
+        Ok(())
     }
 
-    /// Whether what is finished is to be kept now.
-    fn is_time(&self, samples: usize, last: Instant, ending: bool) -> bool {
-        let wait = LEAST_WAIT.max(self.begun.elapsed() / WAIT_SHARE);
-        samples > 0 && (ending || samples >= MOST || last.elapsed() >= wait)
+    fn is_done(&self) -> bool {
+        self.work.is_done()
+    }
+
+    fn counts(&self) -> Counts {
+        self.work.counts()
+    }
+
+    fn loose(&self) -> usize {
+        self.loose.len()
+    }
+
+    fn keep(&mut self) -> Result<(), PartError> {
+        let count = (self.loose.len() / self.width as usize) as u32;
+        self.writer.rows(self.width, self.first, std::mem::take(&mut self.loose))?;
+        self.first += count;
+        Ok(())
+    }
+}
+
+struct Patches {
+    writer: PartWriter,
+    work: PatchWork,
+    cells: Vec<Cell>,
+    loose: Samples,
+}
+
+impl Going for Patches {
+    fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError> {
+        for (cell, samples) in self.work.work(engine, deadline)? {
+            self.cells.push(cell);
+            self.loose.append(samples);
+        }
+        Ok(())
+    }
+
+    fn is_done(&self) -> bool {
+        self.work.is_done()
+    }
+
+    fn counts(&self) -> Counts {
+        self.work.counts()
+    }
+
+    fn loose(&self) -> usize {
+        self.loose.len()
+    }
+
+    fn keep(&mut self) -> Result<(), PartError> {
+        let cells = std::mem::take(&mut self.cells);
+        self.writer.patches(&cells, std::mem::take(&mut self.loose))
     }
 }
