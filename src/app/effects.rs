@@ -165,7 +165,9 @@ impl Desk {
         match append_keys(path, documents) {
             Ok(keys) => {
                 let name = path.display();
-                self.state.notices.tell(format!("{name} has {keys} film keys now."));
+                self.state.notices.tell(format!(
+                    "{name} has {keys} film keys now; flipmap video {name} -o film.mp4 films them."
+                ));
             }
             Err(error) => self.state.notices.fail(error),
         }

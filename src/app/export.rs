@@ -14,7 +14,7 @@ use crate::engine::{Engine, Question, words};
 use crate::output::{
     Clock, Destination, Pass, Paths, RenderError, SafeFile, Sinks, render_pass, sentence,
 };
-use crate::scene::keys::Keys;
+use crate::scene::keys::{Easing, Keys};
 use crate::scene::{Document, RunTable};
 use crate::tiles::{Counts, Work};
 
@@ -246,7 +246,11 @@ pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String>
     } else {
         Keys::default()
     };
-    documents.iter().for_each(|document| keys.append(document.clone()));
+    for (place, document) in documents.iter().enumerate() {
+        // The views of a way down are passed without a stop.
+        let easing = if place == 0 { Easing::Smooth } else { Easing::Linear };
+        keys.append(document.clone(), easing);
+    }
     let file = Destination::File(path.to_path_buf());
     SafeFile::write_whole(&file, keys.text().as_bytes())
         .map_err(|error| refuse(&format!("cannot be written: {error}")))?;

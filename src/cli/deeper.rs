@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flipmap::engine::choice::choose;
-use flipmap::scene::keys::{Easing, Key, Keys};
+use flipmap::scene::keys::{Easing, Keys};
 use flipmap::scene::{LEAST_WIDTH, Scene, location};
 use flipmap::tiles::descent::{Deeper, Descent};
 
@@ -60,15 +60,12 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         }
     }
     if let Some(file) = &options.output {
-        let keys = path.iter().zip(1..).map(|(scene, second)| Key {
-            secs: f64::from(second - 1),
+        let mut keys = Keys::default();
+        for scene in &path {
             // Without a stop at each view on the way.
-            easing: Easing::Linear,
-            clock: None,
-            scene: document.clone().with_scene(scene.clone()),
-        });
-        let text = Keys { keys: keys.collect(), ..Keys::default() }.text();
-        super::write_whole(file, "-o", text.as_bytes())?;
+            keys.append(document.clone().with_scene(scene.clone()), Easing::Linear);
+        }
+        super::write_whole(file, "-o", keys.text().as_bytes())?;
     }
     if options.output.as_deref() != Some(Path::new("-")) {
         super::say(&location::text(&path[path.len() - 1]))?;

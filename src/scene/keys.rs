@@ -54,8 +54,10 @@ impl Easing {
     }
 }
 
-/// Seconds between a key that is appended and the one before.
-pub const STEP_SECS: f64 = 5.0;
+/// Seconds from the key before to one that is appended: where the camera stops, and where it
+/// passes a view on its way down.
+const STOP_SECS: f64 = 5.0;
+const PASS_SECS: f64 = 1.0;
 
 impl Default for Keys {
     fn default() -> Self {
@@ -101,10 +103,12 @@ impl Keys {
         toml::to_string(self).expect("plain tables are TOML")
     }
 
-    /// Adds a scene [`STEP_SECS`] after the last one, the first at 0.
-    pub fn append(&mut self, scene: Document) {
-        let secs = self.keys.last().map_or(0.0, |last| last.secs + STEP_SECS);
-        self.keys.push(Key { secs, easing: Easing::default(), clock: None, scene });
+    /// Adds a scene after the last one, the first at 0: five seconds later for a smooth stop, one
+    /// for a view that is passed.
+    pub fn append(&mut self, scene: Document, easing: Easing) {
+        let step = if easing == Easing::Smooth { STOP_SECS } else { PASS_SECS };
+        let secs = self.keys.last().map_or(0.0, |last| last.secs + step);
+        self.keys.push(Key { secs, easing, clock: None, scene });
     }
 }
 
@@ -119,11 +123,11 @@ mod tests {
         for width in ["1", "0.5", "0.1"] {
             let mut scene = Document::default();
             scene.view.width = width.to_string();
-            keys.append(scene);
+            keys.append(scene, if width == "0.1" { Easing::Linear } else { Easing::Smooth });
         }
         let again = Keys::parse(&keys.text()).unwrap();
         assert_eq!(again, keys);
-        assert_eq!(again.keys.iter().map(|key| key.secs).collect::<Vec<_>>(), [0.0, 5.0, 10.0]);
+        assert_eq!(again.keys.iter().map(|key| key.secs).collect::<Vec<_>>(), [0.0, 5.0, 6.0]);
         assert_eq!(again.keys[2].scene.view.width, "0.1");
     }
 
