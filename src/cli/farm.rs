@@ -147,6 +147,8 @@ pub fn paint(
     drop(progress);
     painted.map_err(|error| match error {
         MergeError::Stopped => anyhow::Error::from(Exit::Again),
+        // Ctrl-C on a terminal reaches ffmpeg too.
+        MergeError::Ffmpeg(_) if stop::asked() => Exit::Again.into(),
         error => error.into(),
     })?;
     let [width, height] = film.size;

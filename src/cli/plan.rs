@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context;
 use clap::Args;
 use flipmap::engine::choice::Demand;
 use flipmap::farm::merge::{self, MergeError};
@@ -117,7 +118,10 @@ pub fn run(options: &RunShards) -> anyhow::Result<()> {
     let shards = shards(options.shard.as_deref(), task.plan.shards)?;
     stop::listen()?;
     let wish = options.engine.wish(Demand::Recipe(task.recipe));
-    let chosen = farm::start(&farm::wish_like(&task.plan, wish))?;
+    let chosen = farm::start(&farm::wish_like(&task.plan, wish)).with_context(|| {
+        let engine = &task.plan.engine;
+        format!("the plan was made for the {engine} engine; --engine and --adapter choose another")
+    })?;
     farm::compute(&task, shards, chosen, options.engine.threads(), options.progress)
 }
 
