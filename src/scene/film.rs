@@ -107,6 +107,11 @@ impl Film {
         self.keys.iter().map(|key| key.scene.question.budget.secs).fold(0.0, f64::max)
     }
 
+    /// Whether it is of one view.
+    fn stays(&self) -> bool {
+        self.keys.iter().all(|key| key.scene.view == self.keys[0].scene.view)
+    }
+
     /// What a frame shows, 0 the first.
     pub fn shot(&self, frame: u32) -> Shot {
         let [first, last] = [&self.keys[0], &self.keys[self.keys.len() - 1]];
@@ -134,12 +139,11 @@ impl Film {
             lengths: pair(a.build.lengths, b.build.lengths),
             gravity: mix(a.build.gravity, b.build.gravity),
         };
-        // A budget that follows the depth is the film's one.
-        let auto = a.question.budget.auto || b.question.budget.auto;
-        let budget = if auto {
-            self.budget_secs()
-        } else {
+        // Where the camera moves, a film has one budget.
+        let budget = if self.stays() {
             mix(a.question.budget.secs, b.question.budget.secs)
+        } else {
+            self.budget_secs()
         };
         let question = Question { rule: a.question.rule, budget: Budget::secs(budget) };
         let view = between_views(&a.view, &b.view, share);
@@ -260,6 +264,14 @@ mod tests {
         let shot = film.shot(5).scene;
         assert_eq!((shot.build.masses, shot.question.budget.secs), ([1.0, 3.0], 20.0));
         assert_eq!(film.budget_secs(), 30.0);
+    }
+
+    #[test]
+    fn a_film_that_moves_has_one_budget() {
+        let mut film = zoom("1e-3");
+        film.keys[1].scene.question.budget = Budget::secs(60.0);
+        let budgets = (0..11).map(|frame| film.shot(frame).scene.question.budget.secs);
+        assert!(budgets.into_iter().all(|secs| secs == 60.0));
     }
 
     #[test]

@@ -37,6 +37,12 @@ pub struct Work {
 /// Samples that the mirror image of a picture may hold back before rows come in order.
 const MIRROR_BYTES: u64 = 320 << 20;
 
+/// Leaves of a deep picture are about so many rows high, and bands of fewer rows would follow each
+/// of them again and again …
+const LEAF_ROWS: usize = 16;
+/// … but no band of a deep picture has more pixels than this for their sake.
+const MOST_DEEP: usize = 1 << 20;
+
 impl Work {
     /// The work of a checked scene as a picture of `size` pixels, in tiles of about
     /// `tile_pixels` pixels.
@@ -55,8 +61,12 @@ impl Work {
         tile_pixels: usize,
         rows: Range<u32>,
     ) -> Self {
+        let grid = Grid::new(scene, size);
+        let is_deep = grid.pixel_rad() < recipe.deep_below();
+        let leaves = (LEAF_ROWS * size[0] as usize).min(MOST_DEEP);
+        let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
         Work {
-            grid: Grid::new(scene, size),
+            grid,
             question: Question::from(scene),
             recipe,
             mirrored: false,
@@ -322,6 +332,17 @@ mod tests {
 
     fn pixels(size: [u32; 2]) -> u64 {
         u64::from(size[0]) * u64::from(size[1])
+    }
+
+    #[test]
+    fn bands_of_deep_pictures_are_as_high_as_leaves() {
+        let mut deep = scene(["1.186731", "2.044025"]);
+        let rows = |scene: &Scene, width| {
+            Work::new(scene, [width, 64], RECIPE, 1 << 15).waiting[0].size[1]
+        };
+        assert_eq!(rows(&deep, 40_000), 1);
+        deep.view.width = "1e-9".to_string();
+        assert_eq!([1000, 40_000, 500_000].map(|width| rows(&deep, width)), [32, 16, 2]);
     }
 
     #[test]
