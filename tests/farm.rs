@@ -107,6 +107,16 @@ fn a_mirrored_still_is_that_of_render() {
 }
 
 #[test]
+fn a_deep_still_has_the_colours_of_render() {
+    let folder = folder();
+    plan(&folder, "deep.toml", "2", &["abyss", "--size", "40x30"]);
+    done(&folder, &["run", "deep.toml"]);
+    done(&folder, &["merge", "deep.toml", "-o", "merged.png"]);
+    done(&folder, &[&["render", "abyss", "--size", "40x30", "-o", "r.png"], &CPU[..]].concat());
+    assert!(bytes(&folder, "merged.png") == bytes(&folder, "r.png"));
+}
+
+#[test]
 fn a_still_killed_ten_times_is_the_same() {
     let folder = folder();
     let what = ["filigree", "--size", "640x480", "--budget", "60"];
@@ -291,6 +301,10 @@ fn plans_that_cannot_be_followed_are_refused() {
     );
     let error = refused(&folder, 2, &["run", "p.toml", "--shard", "5"]);
     assert!(error.contains("--shard is '5'; it must be a number from 1 to 4"), "{error}");
+    fs::write(folder.path().join("scene.toml"), "[view]\nwidth = \"1\"\n").unwrap();
+    let over = ["plan", "scene.toml", "--shards", "2", "-o", "scene.toml"];
+    let error = refused(&folder, 2, &[&over[..], &CPU[..]].concat());
+    assert!(error.contains("scene.toml is there already and no plan"), "{error}");
     let error = refused(&folder, 2, &["run", "missing.toml"]);
     assert!(error.contains("missing.toml cannot be read"), "{error}");
     let error = refused(&folder, 2, &["merge", "p.toml"]);

@@ -95,6 +95,11 @@ fn pixels_light_up_as_they_flip_and_stay() {
         |frame: &image::RgbImage| frame.pixels().filter(|p| p.0 != [0x16, 0x18, 0x1d]).count();
     let counts: Vec<usize> = frames.iter().map(lit).collect();
     assert!(counts.windows(2).all(|two| two[0] <= two[1]) && counts[0] < counts[5], "{counts:?}");
+    // A shorter film in the same folder leaves nothing of the longer one.
+    video(&folder, &["--vary", "time=0..40", "--size", "48x36", "--frames", "3", "-o", "t"]);
+    assert_eq!(fs::read_dir(folder.path().join("t")).unwrap().count(), 7);
+    let last = fs::read_to_string(folder.path().join("t/000002.json")).unwrap();
+    assert!(last.contains("budget=40"), "it is as long as time runs: {last}");
     // What a growing budget shows at its end is the ordinary map.
     video(&folder, &[&["--vary", "budget=1..30", "-o", "b"], &size[..]].concat());
     let render = ["render", "--size", "48x36", "--samples", "2", "-o", "r.png"];
@@ -185,6 +190,11 @@ fn an_ffmpeg_that_is_missing_lacks_a_codec_or_fails_is_told_apart() {
     let (code, error) = with_path(&fake(&folder, fails));
     assert_eq!(code, Some(1), "{error}");
     assert!(error.contains("ffmpeg failed: one; disk quota exceeded"), "{error}");
+    // On a full disk ffmpeg complains and still ends as if all were well.
+    let lies =
+        "case \"$2\" in -encoders) echo libx264;; *) cat >/dev/null; echo 'no space' >&2;; esac";
+    let (code, error) = with_path(&format!("{}:/usr/bin:/bin", fake(&folder, lies)));
+    assert!(code == Some(1) && error.contains("ffmpeg failed: no space"), "{error}");
     assert!(!folder.path().join("f.mp4").exists());
     let left: Vec<String> = fs::read_dir(&folder)
         .unwrap()
@@ -206,12 +216,24 @@ fn what_is_no_film_is_refused_by_name() {
                         [key.scene.run]\nsize = [32, 24]\n",
     );
     file("one.toml", "[[key]]\nsecs = 0\n");
+    file("none.toml", "format = 1\n");
     let video = |words: &[&str]| refused(&folder, 2, &[&["video"], &CPU[..], words].concat());
     for (words, expected) in [
         (&["back.toml", "-o", "f"][..], "back.toml: key 2 is at 1 s; each must be later"),
         (&["sizes.toml", "-o", "f"], "different sizes, 64x48 and 32x24; say which with --size"),
         (&["one.toml", "-o", "f"], "a film needs two keys or more, and this one has 1"),
         (&["-o", "f"], "a film needs a file of keys"),
+        (&["none.toml", "-o", "f"], "none.toml: there are no keys in it"),
+        (&["nowhere.toml", "-o", "f"], "nowhere.toml: cannot be read"),
+        (&["--zoom-to", "deep", "--size", "1x9", "-o", "f.mkv"], "a film needs 2 pixels a side"),
+        (&["--zoom-to", "deep", "--size", "90000x90000", "-o", "f"], "too much for a film"),
+        (&["--zoom-to", "deep", "--palette", "rainbow", "-o", "f"], "--palette is 'rainbow'"),
+        (&["--zoom-to", "deep", "-o", "missing/f.mp4"], "-o: cannot write missing/f.mp4"),
+        (&["--zoom-to", "deep", "-o", "/"], "a film is an .mp4, an .mkv"),
+        (
+            &["--zoom-to", "deep", "--frames", "60", "--fps", "30", "--secs", "9", "-o", "f"],
+            "--frames 60 at --fps 30 last 2.00 s, and --secs is 9",
+        ),
         (&["home", "first", "-o", "f"], "key 2 has another rule than the first"),
         (&["--zoom-to", "deep", "-o", "f.avi"], "a film is an .mp4, an .mkv"),
         (&["--zoom-to", "deep", "--size", "33x24", "-o", "f.mp4"], "such as 34x24"),

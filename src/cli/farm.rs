@@ -133,10 +133,14 @@ pub fn paint(
     let samples = document.picture.samples;
     options.apply(&mut document)?;
     check_samples(samples, &document)?;
-    if options.spreads_film(&document, decades(film)) {
+    if options.spreads_film(&document, decades(film), deepest_rad(film)) {
         spread(task, film, &mut parts, options, &mut document)?;
     }
     document.picture.check()?;
+    // One scale of colours for all frames: each of them carries it.
+    if document.picture.times.is_empty() {
+        document.picture.times = merge::tones(film, &document.picture)?.range_secs().to_vec();
+    }
     let sink = FilmSink::open(output, film, &document)?;
     let mut progress = Progress::of(mode, u64::from(film.frames), "frames");
     let mut go_on = |frames| {
@@ -176,6 +180,11 @@ fn decades(film: &Film) -> f64 {
     (most / least).log10()
 }
 
+/// The width of the narrowest key.
+fn deepest_rad(film: &Film) -> f64 {
+    film.keys.iter().map(|key| key.scene.scene().view.width_rad().hi).fold(f64::MAX, f64::min)
+}
+
 /// Decades of zoom for each run through the palette.
 const DECADES_A_CYCLE: f64 = 2.0;
 
@@ -199,11 +208,17 @@ fn spread(
         }
     }
     super::tell(&format!(
-        "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, {} \
-         times through {}; --times budget spreads them over the whole budget",
+        "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, {}× \
+         through {}; --times budget spreads them over the whole budget",
         picture.cycles, picture.palette
     ));
     Ok(())
+}
+
+/// Refuses a film that could not be written.
+pub fn check_output(output: &Path) -> Result<(), Exit> {
+    FilmSink::check(output)
+        .map_err(|error| Exit::Usage(format!("-o: cannot write {}: {error}", output.display())))
 }
 
 /// Where the samples of a film are kept when nobody says.

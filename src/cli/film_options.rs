@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use clap::Args;
-use flipmap::output::read_document;
 use flipmap::scene::film::Film;
 use flipmap::scene::keys::{Easing, Key, Keys};
 use flipmap::scene::{Budget, Document, Scene, View};
@@ -40,6 +39,8 @@ pub struct FilmOptions {
 const SECS_A_DECADE: f64 = 1.5;
 const SECS_IN_PLACE: f64 = 10.0;
 const LEAST_SECS: f64 = 2.0;
+/// Frames a second where nobody says.
+const FPS: f64 = 30.0;
 /// Samples a pixel along each axis where nobody says.
 const SAMPLES: u32 = 2;
 
@@ -76,6 +77,7 @@ impl FilmOptions {
         if picture.samples.is_none() && first.scene.picture.samples == 1 {
             first.scene.picture.samples = SAMPLES;
         }
+        first.scene.picture.check()?;
         let plan = run.settle(&mut first.scene)?;
         let how = (first.scene.picture.clone(), first.scene.run.clone());
         for key in &mut keys {
@@ -93,13 +95,7 @@ impl FilmOptions {
             (_, Some(_), Some(_)) => usage("--zoom-to and --vary are two films: give one of them"),
             ([] | [_], Some(to), None) => self.zoom(to),
             ([] | [_], None, Some(vary)) => varied(self.from()?, vary),
-            ([keys], None, None) if is_keys(keys) => {
-                let text = std::fs::read_to_string(keys).map_err(|error| {
-                    Exit::Usage(format!("cannot read the keys {keys}: {error}"))
-                })?;
-                let read = Keys::parse(&text);
-                Ok(read.map_err(|why| Exit::Usage(format!("{keys}: {why}")))?.keys)
-            }
+            ([keys], None, None) if is_toml(keys) => Ok(read_keys(keys)?),
             ([_, _, ..], None, None) => {
                 let scenes: anyhow::Result<Vec<Document>> =
                     self.scenes.iter().map(|name| load(name)).collect();
@@ -145,23 +141,49 @@ impl FilmOptions {
         if let Some(secs) = said("--secs", &self.secs, 0.01, 1e6)? {
             keys.iter_mut().for_each(|key| key.secs *= secs / last.max(1e-9));
         }
-        let fps = said("--fps", &self.fps, 0.1, 1000.0)?.unwrap_or(30.0);
+        let last = keys[keys.len() - 1].secs;
         let frames = said("--frames", &self.frames, 2.0, 1e6)?;
+        let fps = match (said("--fps", &self.fps, 0.1, 1000.0)?, frames, &self.secs) {
+            (Some(fps), Some(frames), Some(_)) if (frames / fps - last).abs() > 1.0 / fps => {
+                return Err(Exit::Usage(format!(
+                    "--frames {frames} at --fps {fps} last {:.2} s, and --secs is {last}: leave one \
+                     of them out",
+                    frames / fps
+                )));
+            }
+            (Some(fps), _, _) => fps,
+            (None, Some(frames), Some(_)) => (frames / last).clamp(0.1, 1000.0),
+            (None, ..) => FPS,
+        };
         if frames.is_some_and(|frames| frames.fract() != 0.0) {
             return Err(Exit::Usage("--frames must be a whole number".to_string()));
         }
-        let needed = (keys[keys.len() - 1].secs * fps).round().clamp(2.0, 1e6);
+        let needed = (last * fps).round().clamp(2.0, 1e6);
         let frames = frames.unwrap_or(needed) as u32;
         Ok(Film { size, frames, fps, keys })
     }
 }
 
+fn is_toml(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
 /// Whether a file holds keys and not a scene.
 fn is_keys(name: &str) -> bool {
-    let path = Path::new(name);
-    let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-    toml && read_document(path).is_err()
-        && std::fs::read_to_string(path).is_ok_and(|text| text.contains("[[key]]"))
+    is_toml(name) && std::fs::read_to_string(name).is_ok_and(|text| text.contains("[[key]]"))
+}
+
+fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {
+    let refuse = |why: &dyn std::fmt::Display| Exit::Usage(format!("{name}: {why}"));
+    let text = std::fs::read_to_string(name)
+        .map_err(|error| refuse(&format!("cannot be read: {error}")))?;
+    if !text.contains("[[key]]") {
+        return Err(refuse(
+            &"there are no keys in it, each of which begins with a line [[key]]; a film of one \
+              scene needs --zoom-to or --vary, a plan needs run and merge",
+        ));
+    }
+    Ok(Keys::parse(&text).map_err(|why| refuse(&why))?.keys)
 }
 
 /// Scenes one after the other, at one visible speed.
@@ -198,7 +220,14 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
             number(first).zip(number(second)).map(|(a, b)| [a, b]).ok_or_else(wrong)
         };
         match word {
-            "time" => key.clock = Some(one()?),
+            "time" => {
+                key.clock = Some(one()?);
+                // As long as time runs there are flips to be seen.
+                let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
+                let budget = &mut key.scene.question.budget;
+                budget.secs = budget.secs.max(latest);
+                budget.auto &= budget.secs > latest;
+            }
             "budget" => key.scene.question.budget = Budget::secs(one()?),
             "gravity" => key.scene.pendulum.gravity = one()?,
             "masses" => key.scene.pendulum.masses = two()?,

@@ -61,14 +61,19 @@ impl PictureOptions {
         }
     }
 
-    /// Likewise the film's own, which zooms through so many decades.
-    pub fn spreads_film(&self, document: &Document, decades: f64) -> bool {
+    /// Likewise the film's own, which zooms through so many decades, down to so small a width.
+    pub fn spreads_film(&self, document: &Document, decades: f64, width_rad: f64) -> bool {
+        let far = decades > PictureTable::SPREAD_FILM_DECADES
+            || width_rad < PictureTable::SPREAD_BELOW_RAD;
         match self.times.as_deref() {
             Some(said) => said == OF_VIEW,
-            None => {
-                decades > PictureTable::SPREAD_FILM_DECADES && document.picture.times.is_empty()
-            }
+            None => far && document.picture.times.is_empty(),
         }
+    }
+
+    /// Whether the colours are said to follow the view's own times.
+    pub fn says_of_view(&self) -> bool {
+        self.times.as_deref() == Some(OF_VIEW)
     }
 
     /// Puts what was said in a document.

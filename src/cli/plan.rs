@@ -1,12 +1,12 @@
 //! `flipmap plan`, `run`, `verify` and `merge`: work in shards, for any machine or many.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
 use flipmap::engine::choice::Demand;
 use flipmap::farm::merge::{self, MergeError};
-use flipmap::farm::{Plan, Task, Wanted, What};
+use flipmap::farm::{Plan, PlanError, Task, Wanted, What};
 use flipmap::scene::Document;
 
 use super::exit::Exit;
@@ -16,6 +16,7 @@ use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
 use super::run_options::{EngineOptions, RunOptions, check_steps};
+use super::spread::spread;
 use super::video::codec_of;
 use super::{farm, stop};
 
@@ -76,13 +77,19 @@ pub struct MergeOptions {
 /// `flipmap plan`.
 pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.run.engine.check()?;
-    let (what, how) = what(options)?;
-    let chosen = farm::start(&options.run.engine.wish(how.demand))?;
+    let (mut what, how) = what(options)?;
+    spares_others(&options.output)?;
+    let mut chosen = farm::start(&options.run.engine.wish(how.demand))?;
     let scene = match &what {
         What::Still(document) => document.scene(),
         What::Film(film) => film.keys[0].scene.scene(),
     };
     check_steps(&scene, chosen.recipe)?;
+    if let What::Still(document) = &mut what
+        && options.picture.spreads(document)
+    {
+        spread(document, how.size, chosen.recipe, chosen.engine.as_mut())?;
+    }
     let engine = (chosen.engine.as_ref(), chosen.recipe, how.verify);
     let plan = Plan::new(what, options.shards, engine, options.numbers);
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
@@ -95,6 +102,17 @@ pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         options.shards
     ));
     Ok(())
+}
+
+/// Refuses to replace a file that is no plan: keys and scenes are TOML too.
+fn spares_others(path: &Path) -> Result<(), Exit> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(()) };
+    match Plan::parse(&text) {
+        Err(PlanError::Syntax(_)) => {
+            Err(Exit::Usage(format!("-o {} is there already and no plan", path.display())))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn what(options: &PlanOptions) -> anyhow::Result<(What, super::run_options::Plan)> {
@@ -167,6 +185,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             if let Some(codec) = codec_of(output)? {
                 codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
             }
+            farm::check_output(output)?;
             let parts = farm::complete(&task, &options.plan)?;
             farm::paint(&task, parts, &options.picture, output, options.progress)
         }
@@ -182,6 +201,11 @@ fn merge_still(task: &Task, mut document: Document, options: &MergeOptions) -> a
     options.outputs.check(false, task.plan.verify, None)?;
     let paths = options.outputs.paths();
     farm::check_samples(samples, &document)?;
+    if options.picture.says_of_view() {
+        let message = "--times view is for plan, which looks at the view; merge takes times in \
+                       seconds";
+        return Err(Exit::Usage(message.to_string()).into());
+    }
     let numbers = paths.raw.is_some() || paths.exr.is_some() || paths.trust.is_some();
     if numbers && !passes.iter().any(|pass| pass.along == 1) {
         let message = "the plan has several --samples a pixel and no numbers at the pixels' middles; \

@@ -50,6 +50,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(codec) = codec {
         codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
     }
+    farm::check_output(&options.output)?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     std::fs::create_dir_all(&cache)
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
@@ -85,7 +86,9 @@ fn earlier(path: &Path) -> Option<Plan> {
 pub fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
     let codec = Codec::of(output);
     let ending = output.extension().is_some() && !output.is_dir();
-    if codec.is_none() && (ending || output.as_os_str() == "-") {
+    // `/` and `..` have no name to keep samples beside.
+    let nameless = output.file_name().is_none();
+    if codec.is_none() && (ending || nameless || output.as_os_str() == "-") {
         return Err(Exit::Usage(format!(
             "-o {}: a film is an .mp4, an .mkv (lossless), or a folder of numbered pictures",
             output.display()

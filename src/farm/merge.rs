@@ -7,7 +7,7 @@ use super::task::{Pass, Reel, Wanted};
 use super::{PartError, Parts, Task};
 use crate::film::ffmpeg::{Codec, Encoder, FfmpegError};
 use crate::film::{Colours, FrameError, Frames, Mip, Painter, Shown};
-use crate::output::{OutputError, Paths, Sinks};
+use crate::output::{Destination, OutputError, Paths, SafeFile, Sinks};
 use crate::physics::Status;
 use crate::scene::film::{Film, Shot};
 use crate::scene::palette::{Tones, equalised};
@@ -33,7 +33,7 @@ pub enum MergeError {
     #[error(transparent)]
     Picture(#[from] SceneError),
     /// The colours between parts and frames.
-    #[error("cannot keep colours beside the samples: {0}")]
+    #[error("cannot keep colours beside the samples, which takes nearly as much room again")]
     Colours(#[from] io::Error),
     /// It was asked to stop.
     #[error("stopped; what was computed is kept, merge again")]
@@ -88,6 +88,15 @@ pub enum FilmSink {
 }
 
 impl FilmSink {
+    /// Refuses what could not be written, before anything is computed.
+    pub fn check(path: &Path) -> io::Result<()> {
+        if Codec::of(path).is_some() {
+            return SafeFile::create(&Destination::from(path)).map(drop);
+        }
+        std::fs::create_dir_all(path)?;
+        tempfile::tempfile_in(path).map(drop)
+    }
+
     /// By its name: a file with a known ending, or else a folder. The document says how the film
     /// is painted.
     pub fn open(path: &Path, film: &Film, document: &Document) -> Result<Self, MergeError> {
@@ -134,8 +143,7 @@ pub fn film(
     go_on: &mut dyn FnMut(u64) -> bool,
 ) -> Result<(), MergeError> {
     let Wanted::Film(film, reels) = &task.work else { return Err(PartError::Gone.into()) };
-    let unit_secs = film.keys[0].scene.pendulum.unit_secs();
-    let colours = Colours::new(Tones::new(picture, unit_secs, film.budget_secs())?);
+    let colours = Colours::new(tones(film, picture)?);
     let mut painter = Painter::new(film.size, picture);
     for reel in reels {
         for Alike { shown, mut frames } in alike(film, reel) {
@@ -155,6 +163,11 @@ pub fn film(
         }
     }
     sink.finish()
+}
+
+/// The one scale of a film's colours.
+pub fn tones(film: &Film, picture: &PictureTable) -> Result<Tones, SceneError> {
+    Tones::new(picture, film.keys[0].scene.pendulum.unit_secs(), film.budget_secs())
 }
 
 fn alike(film: &Film, reel: &Reel) -> Vec<Alike> {

@@ -29,7 +29,7 @@ const AT_HAND: usize = 8 << 20;
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
     /// The folder or a file in it.
-    #[error("cannot {verb} {path}: {source}")]
+    #[error("cannot {verb} {path}")]
     File {
         /// `read` or `write`.
         verb: &'static str,

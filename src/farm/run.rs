@@ -17,7 +17,7 @@ pub enum RunError {
     #[error(transparent)]
     Engine(#[from] EngineError),
     /// A part could not be kept.
-    #[error("{0}; what was finished is kept: mend that, and run again to go on")]
+    #[error("what was finished is kept: mend this, and run again to go on")]
     Part(#[from] PartError),
     /// It was asked to stop.
     #[error("stopped; what was finished is kept: run again to go on")]

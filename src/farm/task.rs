@@ -13,8 +13,10 @@ use crate::scene::lattice::Cell;
 use crate::scene::{Document, Scene};
 use crate::tiles::patches::{SAMPLES, canonical};
 
-/// Patches that are dealt to one shard together.
+/// Patches that are dealt to one shard together, at most …
 const DEALT: usize = 64;
+/// … and so few that every shard gets as many hands, where there are enough.
+const HANDS: usize = 8;
 
 /// A plan with all that follows from it.
 pub struct Task {
@@ -128,13 +130,16 @@ impl Task {
 
     /// A shard's patches: they are dealt like cards, since deep ones take longer.
     fn missing_patches(&self, reels: &[Reel], shard: u32, parts: &Parts) -> Vec<Piece> {
+        let cells: usize = reels.iter().map(|reel| reel.cells.len()).sum();
+        let hand = (cells / (HANDS * self.plan.shards as usize)).clamp(1, DEALT);
         let mut dealt = 0;
         let mut missing = Vec::new();
         for (k, reel) in reels.iter().enumerate() {
             let mut cells = Vec::new();
-            for hand in reel.cells.chunks(DEALT) {
+            for dealt_cells in reel.cells.chunks(hand) {
                 if dealt % self.plan.shards == shard - 1 {
-                    cells.extend(hand.iter().filter(|cell| !parts.has_patch(&reel.of, cell)));
+                    cells
+                        .extend(dealt_cells.iter().filter(|cell| !parts.has_patch(&reel.of, cell)));
                 }
                 dealt += 1;
             }

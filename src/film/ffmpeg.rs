@@ -35,10 +35,13 @@ pub enum FfmpegError {
     Codec(&'static str, &'static str),
     /// The codec takes only even sides.
     #[error(
-        "--size is {}x{}; an .mp4 needs even sides, such as {}x{}; .mkv and folders take any",
+        "--size is {}x{}; an .mp4 needs even sides, such as {}x{}; .mkv takes any",
         .0[0], .0[1], .0[0].next_multiple_of(2), .0[1].next_multiple_of(2)
     )]
     Odd([u32; 2]),
+    /// No codec takes a single row or column.
+    #[error("--size is {}x{}; a film needs 2 pixels a side or more, a folder takes any", .0[0], .0[1])]
+    Thin([u32; 2]),
     /// It gave up.
     #[error("ffmpeg failed: {0}")]
     Failed(String),
@@ -98,6 +101,9 @@ impl Codec {
 
     /// Refuses, before anything is computed, what would fail at the end.
     pub fn check(self, size: [u32; 2]) -> Result<(), FfmpegError> {
+        if size.contains(&1) {
+            return Err(FfmpegError::Thin(size));
+        }
         if self == Codec::H264 && size.iter().any(|side| side % 2 == 1) {
             return Err(FfmpegError::Odd(size));
         }
@@ -171,21 +177,29 @@ impl Encoder {
     pub fn finish(mut self) -> Result<(), FfmpegError> {
         drop(self.child.stdin.take());
         let status = self.child.wait();
-        if !status.is_ok_and(|status| status.success()) {
-            return Err(self.failure());
+        let lines = self.last_lines();
+        // On a full disk it may complain and still end as if all were well.
+        if !lines.is_empty() || !status.is_ok_and(|status| status.success()) {
+            return Err(failed(lines, "it ended early"));
         }
         let file = self.file.take().expect("it is taken only here");
         let path = self.path.clone();
         file.finish().map_err(|source| FfmpegError::File { path, source })
     }
 
+    fn last_lines(&mut self) -> Vec<String> {
+        self.errors.take().and_then(|thread| thread.join().ok()).unwrap_or_default()
+    }
+
     fn failure(&mut self) -> FfmpegError {
         drop(self.child.stdin.take());
-        let ended =
-            self.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
-        let lines = self.errors.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
-        FfmpegError::Failed(if lines.is_empty() { ended } else { lines.join("; ") })
+        let ended = self.child.wait().map_or_else(|error| error.to_string(), |it| it.to_string());
+        failed(self.last_lines(), &ended)
     }
+}
+
+fn failed(lines: Vec<String>, ended: &str) -> FfmpegError {
+    FfmpegError::Failed(if lines.is_empty() { ended.to_string() } else { lines.join("; ") })
 }
 
 impl Drop for Encoder {

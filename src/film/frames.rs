@@ -64,6 +64,11 @@ impl Frames {
         let refused =
             |source: io::Error| FrameError { path: folder.to_path_buf(), source: source.into() };
         fs::create_dir_all(folder).map_err(refused)?;
+        let foreign = folder.join("000000.png").exists() && !folder.join("000000.json").exists();
+        if foreign {
+            let why = "it holds numbered pictures that are no film of flipmap's: name another";
+            return Err(refused(io::Error::other(why)));
+        }
         Ok(Frames {
             folder: folder.to_path_buf(),
             size: film.size,
@@ -114,6 +119,7 @@ impl Frames {
         let frames = done.len() as u32;
         let manifest = Manifest { format: 1, frames, fps, size, pictures: &done };
         let text = serde_json::to_string_pretty(&manifest).expect("plain fields are JSON") + "\n";
+        remove_from(&folder, frames)?;
         let path = folder.join("manifest.json");
         put(&path, text.as_bytes()).map_err(|source| FrameError { path, source })
     }
@@ -136,6 +142,20 @@ impl Frames {
             png_sha256: sha256(picture),
         }
     }
+}
+
+/// Removes frames of an earlier, longer film: what players find in the folder is this one.
+fn remove_from(folder: &Path, frames: u32) -> Result<(), FrameError> {
+    for frame in frames.. {
+        let [png, json] = ["png", "json"].map(|ending| folder.join(format!("{frame:06}.{ending}")));
+        if !(png.exists() && json.exists()) {
+            return Ok(());
+        }
+        for path in [png, json] {
+            fs::remove_file(&path).map_err(|source| FrameError { path, source: source.into() })?;
+        }
+    }
+    Ok(())
 }
 
 fn put(path: &Path, bytes: &[u8]) -> Result<(), PngError> {

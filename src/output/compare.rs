@@ -62,7 +62,7 @@ const BINS_A_DECADE: f64 = 100.0;
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// It cannot be read.
-    #[error("cannot read {path}: {source}")]
+    #[error("cannot read {path}")]
     File {
         /// Which.
         path: PathBuf,
@@ -70,7 +70,7 @@ pub enum CompareError {
         source: io::Error,
     },
     /// The differences could not be handed on.
-    #[error("cannot write the difference picture: {0}")]
+    #[error("cannot write the difference picture")]
     Picture(#[source] io::Error),
     /// It is no result.
     #[error("{path} {why}; compare takes .npy arrays that render --raw wrote, and RGB PNGs")]

@@ -58,6 +58,17 @@ pub enum FilmError {
         /// What the first has.
         first: &'static str,
     },
+    /// More than memory holds while it is planned.
+    #[error(
+        "--size {}x{} with --samples {samples} is too much for a film: at most 500 million samples \
+         fit in a frame", .size[0], .size[1]
+    )]
+    Large {
+        /// Width and height.
+        size: [u32; 2],
+        /// Along each side of a pixel.
+        samples: u32,
+    },
     /// A number out of its range.
     #[error("{option} is {value}; it must lie between {least} and {most}")]
     Range {
@@ -72,6 +83,8 @@ pub enum FilmError {
     },
 }
 
+/// Most samples of a frame.
+const MOST_SAMPLES: u64 = 500_000_000;
 /// Most frames of a film.
 const MOST_FRAMES: u32 = 1_000_000;
 
@@ -85,6 +98,11 @@ impl Film {
         range("--frames", f64::from(self.frames), 2.0, f64::from(MOST_FRAMES))?;
         range("--fps", self.fps, 0.1, 1000.0)?;
         let [first, _, ..] = &self.keys[..] else { return Err(FilmError::Few(self.keys.len())) };
+        let (size, samples) = (self.size, first.scene.picture.samples);
+        let [width, height] = size.map(|side| u64::from(side) * u64::from(samples));
+        if width * height > MOST_SAMPLES {
+            return Err(FilmError::Large { size, samples });
+        }
         for (key, number) in self.keys.iter().zip(1..) {
             let jumps = |what| Err(FilmError::Jumps { number, what });
             if key.scene.question.rule != first.scene.question.rule {
