@@ -1,20 +1,11 @@
 //! `flipmap compare`: what it says of two results, and with which code.
 
+#[path = "common/program.rs"]
+mod program;
+
 use std::fs;
-use std::process::Output;
 
-use assert_cmd::Command;
-use tempfile::TempDir;
-
-fn flipmap(folder: &TempDir, arguments: &[&str]) -> Output {
-    let mut command = Command::cargo_bin("flipmap").unwrap();
-    command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
-    command.args(arguments).output().unwrap()
-}
-
-fn error_of(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use program::*;
 
 #[test]
 fn results_are_compared_and_too_much_difference_is_code_3() {

@@ -1,27 +1,24 @@
 //! `flipmap render --pyramid`, and images that cannot be written from front to back, as their
 //! users meet them.
 
+#[path = "common/program.rs"]
+mod program;
+
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use assert_cmd::Command;
+use program::{error_of, flipmap};
 use tempfile::TempDir;
 
 /// On the processor, so that these tests need no adapter.
 fn render(folder: &TempDir, arguments: &[&str]) -> Output {
-    let mut command = Command::cargo_bin("flipmap").unwrap();
-    command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
     let options = ["render", "--engine", "cpu", "--size", "300x200", "--budget", "2"];
-    command.args(options).args(arguments).output().unwrap()
+    flipmap(folder, &[&options, arguments].concat())
 }
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
-}
-
-fn error_of(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 fn done(folder: &TempDir, arguments: &[&str]) {

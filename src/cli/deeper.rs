@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use flipmap::engine::choice::choose;
 use flipmap::scene::keys::{Easing, Keys};
 use flipmap::scene::{LEAST_WIDTH, Scene, location};
 use flipmap::tiles::descent::{Deeper, Descent};
 
 use super::exit::Exit;
 use super::options::{SceneOptions, number};
-use super::run_options::RunOptions;
+use super::run_options::{RunOptions, start};
 use super::stop;
 
 #[derive(Args, Debug)]
@@ -38,9 +37,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let plan = options.run.settle(&mut document)?;
     let scene = document.scene();
     stop::listen()?;
-    let mut chosen = choose(&options.run.engine.wish(plan.demand), &|text| {
-        super::tell(&format!("flipmap: {text}"))
-    })?;
+    let mut chosen = start(&options.run.engine.wish(plan.demand))?;
     let mut descent = Descent::new(scene.clone(), chosen.recipe, [0.0; 2]);
     let mut path = vec![scene];
     while width(&path[path.len() - 1]) > to {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use flipmap::engine::choice::{Chosen, Wish, choose};
+use flipmap::engine::choice::{Chosen, Wish};
 use flipmap::engine::trust::TrustEngine;
 use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, Wanted, run};
@@ -42,28 +42,23 @@ pub fn wish_like(plan: &Plan, wish: Wish) -> Wish {
     prefer_engine(wish, &plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
-/// Starts an engine.
-pub fn start(wish: &Wish) -> anyhow::Result<Chosen> {
-    Ok(choose(wish, &|text| super::tell(&format!("flipmap: {text}")))?)
-}
-
-/// Computes what is missing of some shards.
+/// Computes what is missing of some shards. Where nothing is, it hands back what is there.
 pub fn compute(
     task: &Task,
     shards: std::ops::RangeInclusive<u32>,
     chosen: Chosen,
     threads: Option<usize>,
     mode: Mode,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Option<Parts>> {
     let mut parts = scan(task)?;
     parts.remove_damaged()?;
     let pieces: Vec<_> = shards.flat_map(|shard| task.missing(shard, &parts)).collect();
-    drop(parts);
     let total: u64 = pieces.iter().map(|piece| piece.samples(task)).sum();
     if total == 0 {
         super::tell("flipmap: every sample is there already");
-        return Ok(());
+        return Ok(Some(parts));
     }
+    drop(parts);
     let Chosen { mut engine, following, .. } = chosen;
     if task.plan.verify {
         engine = Box::new(TrustEngine::new(engine, threads)?);
@@ -89,7 +84,7 @@ pub fn compute(
         counts.simulated,
         task.folder.display()
     ));
-    Ok(())
+    Ok(None)
 }
 
 fn stopped(error: RunError) -> anyhow::Error {
@@ -133,8 +128,9 @@ pub fn paint(
     let samples = document.picture.samples;
     options.apply(&mut document)?;
     check_samples(samples, &document)?;
-    if options.spreads_film(&document, decades(film), deepest_rad(film)) {
-        spread(task, film, &mut parts, options, &mut document)?;
+    let (decades, least_rad) = depth(film);
+    if options.spreads_film(&document, decades, least_rad) {
+        spread(task, decades, &mut parts, options, &mut document)?;
     }
     document.picture.check()?;
     // One scale of colours for all frames: each of them carries it.
@@ -173,16 +169,11 @@ pub fn check_samples(planned: u32, document: &Document) -> Result<(), Exit> {
     Err(Exit::Usage(format!("--samples is {planned} in the plan; it cannot change any more")))
 }
 
-/// How far a film zooms.
-fn decades(film: &Film) -> f64 {
-    let widths = film.keys.iter().map(|key| key.scene.scene().view.width_rad().hi);
+/// How many decades a film zooms through, and the width of its narrowest key in rad.
+fn depth(film: &Film) -> (f64, f64) {
+    let widths = film.keys.iter().map(|key| key.scene.view.width_rad().hi);
     let (least, most) = widths.fold((f64::MAX, 0f64), |(a, b), w| (a.min(w), b.max(w)));
-    (most / least).log10()
-}
-
-/// The width of the narrowest key.
-fn deepest_rad(film: &Film) -> f64 {
-    film.keys.iter().map(|key| key.scene.scene().view.width_rad().hi).fold(f64::MAX, f64::min)
+    ((most / least).log10(), least)
 }
 
 /// Decades of zoom for each run through the palette.
@@ -192,7 +183,7 @@ const DECADES_A_CYCLE: f64 = 2.0;
 /// palette is run through again and again; where nobody chose one, it is one without an end.
 fn spread(
     task: &Task,
-    film: &Film,
+    decades: f64,
     parts: &mut Parts,
     options: &PictureOptions,
     document: &mut Document,
@@ -202,7 +193,7 @@ fn spread(
     let picture = &mut document.picture;
     picture.times = times;
     if !options.says_cycles() && picture.cycles == 1.0 {
-        picture.cycles = (decades(film) / DECADES_A_CYCLE).clamp(1.0, 100.0).round();
+        picture.cycles = (decades / DECADES_A_CYCLE).clamp(1.0, 100.0).round();
         if options.says_no_palette() && picture.palette == Palette::DEFAULT {
             picture.palette = Palette::CYCLIC.to_string();
         }

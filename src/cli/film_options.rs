@@ -33,6 +33,12 @@ pub struct FilmOptions {
     /// Frames a second (default 30)
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     fps: Option<String>,
+    #[command(flatten)]
+    pub words: SceneWords,
+    #[command(flatten)]
+    pub run: RunOptions,
+    #[command(flatten)]
+    pub picture: PictureOptions,
 }
 
 /// Seconds of film for a decade of zoom, and for a view that stays.
@@ -58,27 +64,22 @@ impl FilmOptions {
     }
 
     /// The film, checked, and how it is computed; colours and run stand in its first key.
-    pub fn film(
-        &self,
-        words: &SceneWords,
-        run: &RunOptions,
-        picture: &PictureOptions,
-    ) -> anyhow::Result<(Film, Plan)> {
+    pub fn film(&self) -> anyhow::Result<(Film, Plan)> {
         let mut keys = self.keys()?;
         for key in &mut keys {
-            key.scene = words.apply(std::mem::take(&mut key.scene))?;
+            key.scene = self.words.apply(std::mem::take(&mut key.scene))?;
         }
-        same_sizes(&keys, run)?;
+        same_sizes(&keys, &self.run)?;
         let Some(first) = keys.first_mut() else {
             let message = "the file has no keys; each begins with a line [[key]]";
             return Err(Exit::Usage(message.to_string()).into());
         };
-        picture.apply(&mut first.scene)?;
-        if picture.samples.is_none() && first.scene.picture.samples == 1 {
+        self.picture.apply(&mut first.scene)?;
+        if self.picture.samples.is_none() && first.scene.picture.samples == 1 {
             first.scene.picture.samples = SAMPLES;
         }
         first.scene.picture.check()?;
-        let plan = run.settle(&mut first.scene)?;
+        let plan = self.run.settle(&mut first.scene)?;
         let how = (first.scene.picture.clone(), first.scene.run.clone());
         for key in &mut keys {
             (key.scene.picture, key.scene.run) = how.clone();

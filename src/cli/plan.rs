@@ -6,16 +6,16 @@ use anyhow::Context;
 use clap::Args;
 use flipmap::engine::choice::Demand;
 use flipmap::farm::merge::{self, MergeError};
-use flipmap::farm::{Plan, PlanError, Task, Wanted, What};
+use flipmap::farm::{Pass, Plan, PlanError, Task, Wanted, What};
 use flipmap::scene::Document;
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
-use super::options::{SceneOptions, SceneWords};
+use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
-use super::run_options::{EngineOptions, RunOptions, check_steps};
+use super::run_options::{EngineOptions, check_steps, start};
 use super::spread::spread;
 use super::video::codec_of;
 use super::{farm, stop};
@@ -24,12 +24,6 @@ use super::{farm, stop};
 pub struct PlanOptions {
     #[command(flatten)]
     film: FilmOptions,
-    #[command(flatten)]
-    words: SceneWords,
-    #[command(flatten)]
-    run: RunOptions,
-    #[command(flatten)]
-    picture: PictureOptions,
     /// Number of shards
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shards: u32,
@@ -76,17 +70,17 @@ pub struct MergeOptions {
 
 /// `flipmap plan`.
 pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
-    options.run.engine.check()?;
+    options.film.run.engine.check()?;
     let (mut what, how) = what(options)?;
     spares_others(&options.output)?;
-    let mut chosen = farm::start(&options.run.engine.wish(how.demand))?;
+    let mut chosen = start(&options.film.run.engine.wish(how.demand))?;
     let scene = match &what {
         What::Still(document) => document.scene(),
         What::Film(film) => film.keys[0].scene.scene(),
     };
     check_steps(&scene, chosen.recipe)?;
     if let What::Still(document) = &mut what
-        && options.picture.spreads(document)
+        && options.film.picture.spreads(document)
     {
         spread(document, how.size, chosen.recipe, chosen.engine.as_mut())?;
     }
@@ -117,13 +111,13 @@ fn spares_others(path: &Path) -> Result<(), Exit> {
 
 fn what(options: &PlanOptions) -> anyhow::Result<(What, super::run_options::Plan)> {
     if options.film.says_film() {
-        let (film, how) = options.film.film(&options.words, &options.run, &options.picture)?;
+        let (film, how) = options.film.film()?;
         return Ok((What::Film(film), how));
     }
     let scene = SceneOptions { scene: options.film.scene(), ..SceneOptions::default() };
-    let mut document = options.words.apply(scene.document()?)?;
-    options.picture.apply(&mut document)?;
-    let how = options.run.settle(&mut document)?;
+    let mut document = options.film.words.apply(scene.document()?)?;
+    options.film.picture.apply(&mut document)?;
+    let how = options.film.run.settle(&mut document)?;
     document.picture.check()?;
     document.picture.check_size(how.size)?;
     Ok((What::Still(Box::new(document)), how))
@@ -136,11 +130,12 @@ pub fn run(options: &RunShards) -> anyhow::Result<()> {
     let shards = shards(options.shard.as_deref(), task.plan.shards)?;
     stop::listen()?;
     let wish = options.engine.wish(Demand::Recipe(task.recipe));
-    let chosen = farm::start(&farm::wish_like(&task.plan, wish)).with_context(|| {
+    let chosen = start(&farm::wish_like(&task.plan, wish)).with_context(|| {
         let engine = &task.plan.engine;
         format!("the plan was made for the {engine} engine; --engine and --adapter choose another")
     })?;
-    farm::compute(&task, shards, chosen, options.engine.threads(), options.progress)
+    farm::compute(&task, shards, chosen, options.engine.threads(), options.progress)?;
+    Ok(())
 }
 
 fn shards(text: Option<&str>, count: u32) -> Result<std::ops::RangeInclusive<u32>, Exit> {
@@ -189,12 +184,17 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             let parts = farm::complete(&task, &options.plan)?;
             farm::paint(&task, parts, &options.picture, output, options.progress)
         }
-        Wanted::Still(document, _) => merge_still(&task, document.as_ref().clone(), options),
+        Wanted::Still(document, passes) => merge_still(&task, document, passes, options),
     }
 }
 
-fn merge_still(task: &Task, mut document: Document, options: &MergeOptions) -> anyhow::Result<()> {
-    let Wanted::Still(_, passes) = &task.work else { return Ok(()) };
+fn merge_still(
+    task: &Task,
+    document: &Document,
+    passes: &[Pass],
+    options: &MergeOptions,
+) -> anyhow::Result<()> {
+    let mut document = document.clone();
     let samples = document.picture.samples;
     options.picture.apply(&mut document)?;
     document.picture.check()?;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use flipmap::engine::choice::{Chosen, choose};
+use flipmap::engine::choice::Chosen;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Engine, Recipe, Trust};
 use flipmap::output::{Clock, RenderError, Sinks, render_pass};
@@ -19,7 +19,7 @@ use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
-use super::run_options::{Plan, RunOptions, check_steps};
+use super::run_options::{Plan, RunOptions, check_steps, start};
 use super::spread::spread;
 use super::stop;
 
@@ -61,8 +61,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(continued) = &continued {
         wish = continued.prefer_engine(wish);
     }
-    let Chosen { mut engine, recipe, why, following } =
-        choose(&wish, &|text| super::tell(&format!("flipmap: {text}")))?;
+    let Chosen { mut engine, recipe, why, following } = start(&wish)?;
     check_numbers(&scene, plan.size, recipe)?;
     if let Some(continued) = &mut continued {
         continued.check_ran(engine.as_ref(), recipe)?;

@@ -1,7 +1,7 @@
 //! The options that say how a scene is computed, and how they become a demand.
 
 use clap::{Args, ValueEnum};
-use flipmap::engine::choice::{self, Demand, Wish};
+use flipmap::engine::choice::{self, ChoiceError, Chosen, Demand, Wish, choose};
 use flipmap::engine::method::Pace;
 use flipmap::engine::{Question, Recipe, words};
 use flipmap::scene::{Document, PictureTable, RunTable, Scene};
@@ -154,6 +154,11 @@ impl RunOptions {
             verify: kept.verify,
         }
     }
+}
+
+/// Starts an engine; what takes long is told.
+pub fn start(wish: &Wish) -> Result<Chosen, ChoiceError> {
+    choose(wish, &|text| super::tell(&format!("flipmap: {text}")))
 }
 
 /// The engine that ran before, where the choice is free: another would give other last digits.

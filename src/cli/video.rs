@@ -10,22 +10,14 @@ use flipmap::scene::film::Film;
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
-use super::options::SceneWords;
-use super::picture_options::PictureOptions;
 use super::progress::Mode;
-use super::run_options::{RunOptions, check_steps};
+use super::run_options::{check_steps, start};
 use super::{farm, stop};
 
 #[derive(Args, Debug)]
 pub struct Options {
     #[command(flatten)]
     film: FilmOptions,
-    #[command(flatten)]
-    words: SceneWords,
-    #[command(flatten)]
-    run: RunOptions,
-    #[command(flatten)]
-    picture: PictureOptions,
     /// The film: .mp4 or .mkv (lossless) through ffmpeg, or a folder for numbered pictures
     #[arg(short, long, value_name = "FILM")]
     output: PathBuf,
@@ -41,8 +33,8 @@ pub struct Options {
 }
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
-    options.run.engine.check()?;
-    let (film, how) = options.film.film(&options.words, &options.run, &options.picture)?;
+    options.film.run.engine.check()?;
+    let (film, how) = options.film.film()?;
     let codec = codec_of(&options.output)?;
     if options.print_ffmpeg {
         return print(codec, &film, &options.output);
@@ -56,17 +48,19 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
     let path = cache.join("plan.toml");
     stop::listen()?;
-    let mut wish = options.run.engine.wish(how.demand);
+    let mut wish = options.film.run.engine.wish(how.demand);
     // Another engine would give other last digits than the samples that are there.
     if let Some(earlier) = earlier(&path) {
         wish = farm::wish_like(&earlier, wish);
     }
-    let chosen = farm::start(&wish)?;
+    let chosen = start(&wish)?;
     let task = planned(film, how.verify, &chosen, &path)?;
-    let threads = options.run.engine.threads();
-    farm::compute(&task, 1..=1, chosen, threads, options.progress)?;
-    let parts = farm::complete(&task, &path)?;
-    farm::paint(&task, parts, &options.picture, &options.output, options.progress)
+    let threads = options.film.run.engine.threads();
+    let parts = match farm::compute(&task, 1..=1, chosen, threads, options.progress)? {
+        Some(parts) => parts,
+        None => farm::complete(&task, &path)?,
+    };
+    farm::paint(&task, parts, &options.film.picture, &options.output, options.progress)
 }
 
 /// A plan of one shard, kept beside the samples.

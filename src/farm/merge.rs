@@ -201,8 +201,9 @@ fn coloured(
     Mip::build(&reel.sheet.patches, folder, &mut light)
 }
 
-/// Samples of each patch that are looked at for the colours.
-const LOOKED_AT: usize = 16;
+/// One sample of a patch in so many is looked at for the colours: from row to row in another
+/// column.
+const LOOKED_AT: usize = 65;
 
 /// Times over which a deep film's colours are spread: all its depths alike, and the same in every
 /// frame. Empty where nothing flips.
@@ -212,8 +213,7 @@ pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
     for reel in reels {
         for cell in reel.cells.iter() {
             let samples = parts.patch(&reel.of, cell)?;
-            let step = samples.len() / LOOKED_AT;
-            let some = samples.iter().step_by(step.max(1) + 1);
+            let some = samples.iter().step_by(LOOKED_AT);
             times.extend(some.filter(|o| o.status == Status::Flipped).map(|o| o.time));
         }
     }

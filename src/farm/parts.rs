@@ -13,8 +13,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::digest;
-use crate::output::{Destination, SafeFile};
+use crate::output::{Destination, SafeFile, sha256};
 use crate::physics::Fixed;
 use crate::scene::lattice::Cell;
 use crate::tiles::Samples;
@@ -87,8 +86,11 @@ impl PartWriter {
     pub fn patches(&self, cells: &[Cell], samples: Samples) -> Result<(), PartError> {
         let places: Vec<_> =
             cells.iter().map(|cell| (cell.level, cell.x.limbs(), cell.y.limbs())).collect();
-        let name =
-            format!("patches-{}-{}.part", &self.of[..8], &digest(&format!("{places:?}"))[..16]);
+        let name = format!(
+            "patches-{}-{}.part",
+            &self.of[..8],
+            &sha256(format!("{places:?}").as_bytes())[..16]
+        );
         self.write(&name, Holds::Patches(places), samples)
     }
 
@@ -276,7 +278,7 @@ mod tests {
     #[test]
     fn rows_are_found_whoever_wrote_them() {
         let folder = tempfile::tempdir().unwrap();
-        let of = digest("a still");
+        let of = sha256(b"a still");
         let writer = PartWriter::open(folder.path(), &of).unwrap();
         // Rows 2 to 4, 4 to 8, and 3 to 5 once more by somebody else.
         writer.rows(3, 2, samples(6, 200.0)).unwrap();
@@ -285,7 +287,7 @@ mod tests {
         let mut parts = Parts::scan(folder.path()).unwrap();
         assert_eq!(parts.missing_rows(&of, 0..10), [0..2, 8..10]);
         assert_eq!(parts.missing_rows(&of, 2..8), []);
-        assert_eq!(parts.missing_rows(&digest("another"), 3..4).len(), 1);
+        assert_eq!(parts.missing_rows(&sha256(b"another"), 3..4).len(), 1);
         let row = |parts: &mut Parts, row| parts.rows(&of, row, 1).unwrap().get(0).time;
         assert_eq!([row(&mut parts, 2), row(&mut parts, 7)], [200.0, 409.0]);
         assert_eq!(parts.rows(&of, 5, 100).unwrap().len(), 9, "to the end of the part");
@@ -295,7 +297,7 @@ mod tests {
     #[test]
     fn patches_are_found_and_damage_is_noticed() {
         let folder = tempfile::tempdir().unwrap();
-        let of = digest("a film");
+        let of = sha256(b"a film");
         let writer = PartWriter::open(folder.path(), &of).unwrap();
         let [a, b, c, _] = Cell::WHOLE.children();
         writer.patches(&[a, b], samples(2 * SAMPLES, 0.0)).unwrap();

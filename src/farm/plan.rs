@@ -1,11 +1,13 @@
 //! The file that says what is wanted and how it is split.
 
+use std::mem::take;
+
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::engine::choice::Demand;
 use crate::engine::{Engine, Recipe, words};
-use crate::scene::film::{Film, FilmError};
+use crate::output::sha256;
+use crate::scene::film::Film;
 use crate::scene::{Document, DocumentError, RunTable};
 
 /// The format that this program reads and writes.
@@ -109,21 +111,22 @@ impl Plan {
         if plan.sha256 != plan.digest() || plan.format != FORMAT {
             return Err(PlanError::Changed);
         }
-        plan.check()?;
-        Ok(plan)
+        plan.checked()
     }
 
-    fn check(&self) -> Result<(), PlanError> {
+    fn checked(mut self) -> Result<Self, PlanError> {
         let scene = |error: DocumentError| PlanError::Inside(error.to_string());
-        let film = |error: FilmError| PlanError::Inside(error.to_string());
-        match (&self.still, &self.film) {
-            (Some(document), None) => document.check().map_err(scene),
-            (None, Some(wanted)) => {
-                wanted.keys.iter().try_for_each(|key| key.scene.check()).map_err(scene)?;
-                wanted.check().map_err(film)
+        match (&mut self.still, &mut self.film) {
+            (Some(document), None) => *document = take(document).checked().map_err(scene)?,
+            (None, Some(film)) => {
+                for key in &mut film.keys {
+                    key.scene = take(&mut key.scene).checked().map_err(scene)?;
+                }
+                film.check().map_err(|error| PlanError::Inside(error.to_string()))?;
             }
-            _ => Err(PlanError::Inside("neither a still nor a film, or both".to_string())),
+            _ => return Err(PlanError::Inside("neither a still nor a film, or both".to_string())),
         }
+        Ok(self)
     }
 
     /// The text of its file.
@@ -143,39 +146,20 @@ impl Plan {
     /// What is wanted.
     pub fn what(&self) -> What {
         match (&self.still, &self.film) {
-            (_, Some(film)) => What::Film(with_budgets(film.clone())),
-            (still, None) => What::Still(Box::new(settled(still.clone().unwrap_or_default()))),
+            (_, Some(film)) => What::Film(film.clone()),
+            (still, None) => What::Still(Box::new(still.clone().unwrap_or_default())),
         }
     }
 
     /// Of all but itself.
     fn digest(&self) -> String {
-        digest(&Plan { sha256: String::new(), ..self.clone() }.text())
+        sha256(Plan { sha256: String::new(), ..self.clone() }.text().as_bytes())
     }
-}
-
-/// SHA-256 as text.
-pub fn digest(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[derive(Deserialize)]
 struct Version {
     version: String,
-}
-
-/// A budget that follows the depth is known only with the view.
-fn settled(mut document: Document) -> Document {
-    let Document { pendulum, view, .. } = &document;
-    document.question.budget = document.question.budget.for_view(pendulum, view);
-    document
-}
-
-fn with_budgets(mut film: Film) -> Film {
-    for key in &mut film.keys {
-        key.scene = settled(std::mem::take(&mut key.scene));
-    }
-    film
 }
 
 #[cfg(test)]

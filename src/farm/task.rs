@@ -4,10 +4,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::plan::digest;
 use super::{Parts, Plan, PlanError, What};
 use crate::engine::Recipe;
 use crate::film::{Sheet, sheets};
+use crate::output::sha256;
 use crate::scene::film::Film;
 use crate::scene::lattice::Cell;
 use crate::scene::{Document, Scene};
@@ -176,7 +176,7 @@ fn passes(document: &Document, numbers: bool, how: &str) -> Vec<Pass> {
     let pass = |along: u32| {
         let size = size.map(|side| side * along);
         let rows = if scene.view.is_symmetric() { size[1].div_ceil(2) } else { size[1] };
-        let of = digest(&format!("still {} {size:?} {how}", what_of(&scene)));
+        let of = sha256(format!("still {} {size:?} {how}", what_of(&scene)).as_bytes());
         Pass { along, size, rows, of }
     };
     all.into_iter().map(pass).collect()
@@ -197,7 +197,7 @@ fn reels(sheets: Vec<Sheet>, how: &str) -> Vec<Reel> {
                 cells.into()
             }
         };
-        let of = digest(&format!("film {} {how}", what_of(&sheet.scene)));
+        let of = sha256(format!("film {} {how}", what_of(&sheet.scene)).as_bytes());
         reels.push(Reel { sheet, cells, of });
     }
     reels

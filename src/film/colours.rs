@@ -4,7 +4,7 @@ use super::WAITING;
 use super::mip::Light;
 use crate::physics::{Outcome, Status};
 use crate::scene::film::Shot;
-use crate::scene::palette::{Rgb, Tones, UNFLIPPED, light};
+use crate::scene::palette::{Rgb, Tones, UNFLIPPED, light_table};
 use crate::tiles::Samples;
 
 /// Which flips a frame shows, and what the others look like.
@@ -33,8 +33,7 @@ pub struct Colours {
 impl Colours {
     /// By these tones.
     pub fn new(tones: Tones) -> Self {
-        let linear = |channel: usize| (light(channel as u8) * 65535.0).round() as u16;
-        Colours { tones, light: std::array::from_fn(linear) }
+        Colours { tones, light: light_table() }
     }
 
     /// The light of a patch's samples.

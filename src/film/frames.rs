@@ -6,9 +6,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
-use crate::output::{Destination, PngError, PngWriter, SafeFile};
+use crate::output::{Destination, PngError, PngWriter, SafeFile, sha256};
 use crate::scene::film::{Film, Shot};
 use crate::scene::{Document, location};
 
@@ -160,8 +159,4 @@ fn remove_from(folder: &Path, frames: u32) -> Result<(), FrameError> {
 
 fn put(path: &Path, bytes: &[u8]) -> Result<(), PngError> {
     Ok(SafeFile::write_whole(&Destination::from(path), bytes)?)
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

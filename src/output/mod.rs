@@ -5,6 +5,7 @@
 //! of those only a few are held: pictures can be larger than memory.
 
 pub mod compare;
+mod digest;
 mod exr;
 mod failure;
 mod npy;
@@ -20,6 +21,7 @@ mod spool;
 mod state;
 mod trust;
 
+pub use digest::sha256;
 pub use exr::ExrWriter;
 pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};
 pub use npy::NpyWriter;

@@ -98,11 +98,16 @@ impl Document {
     pub fn parse(text: &str) -> Result<Self, DocumentError> {
         check_format(text)?;
         let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
-        let mut document: Document = toml::from_str(text).map_err(syntax)?;
-        // A budget that follows the depth is known only with the view.
-        document.question = document.scene().checked()?.question;
-        document.picture.check()?;
-        Ok(document)
+        let document: Document = toml::from_str(text).map_err(syntax)?;
+        document.checked()
+    }
+
+    /// Checks every number of the scene and of its picture, and settles a budget that follows the
+    /// depth: it is known only with the view.
+    pub fn checked(mut self) -> Result<Self, DocumentError> {
+        self.question = self.scene().checked()?.question;
+        self.picture.check()?;
+        Ok(self)
     }
 
     /// Checks every number of the scene and of its picture.

@@ -85,14 +85,14 @@ impl Keys {
     /// Reads and checks keys.
     pub fn parse(text: &str) -> Result<Self, KeysError> {
         check_format(text)?;
-        let keys: Keys =
+        let mut keys: Keys =
             toml::from_str(text).map_err(|error| DocumentError::Syntax(one_line(&error, text)))?;
         let mut before = -1.0;
-        for (key, number) in keys.keys.iter().zip(1..) {
+        for (key, number) in keys.keys.iter_mut().zip(1..) {
             if !(0.0..=1e6).contains(&key.secs) || key.secs <= before {
                 return Err(KeysError::Time { number, secs: key.secs });
             }
-            key.scene.check()?;
+            key.scene = std::mem::take(&mut key.scene).checked()?;
             before = key.secs;
         }
         Ok(keys)

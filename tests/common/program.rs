@@ -21,6 +21,7 @@ pub fn error_of(output: &Output) -> String {
 }
 
 /// Runs it and insists that it succeeds.
+#[allow(dead_code, reason = "not every test needs it")]
 pub fn done(folder: &TempDir, arguments: &[&str]) -> String {
     let output = flipmap(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", error_of(&output));
@@ -28,7 +29,7 @@ pub fn done(folder: &TempDir, arguments: &[&str]) -> String {
 }
 
 /// Runs it and insists that it fails with a code; what it says.
-#[allow(dead_code, reason = "not every test refuses something")]
+#[allow(dead_code, reason = "not every test needs it")]
 pub fn refused(folder: &TempDir, code: i32, arguments: &[&str]) -> String {
     let output = flipmap(folder, arguments);
     let error = error_of(&output);

@@ -2,7 +2,7 @@
 
 use super::RGB;
 use crate::output::paint::encoded;
-use crate::scene::palette::light;
+use crate::scene::palette::light_table;
 
 /// Tables for the mean of four channels: light as whole numbers, and what each sum of four is as
 /// a channel. Fine enough that the darkest two channels are twenty steps apart.
@@ -17,8 +17,7 @@ const WHITE: u32 = u16::MAX as u32;
 impl Halving {
     /// The tables.
     pub fn new() -> Self {
-        let light =
-            std::array::from_fn(|channel| (light(channel as u8) * f64::from(WHITE)).round() as u32);
+        let light = light_table().map(u32::from);
         let mean = |sum| encoded(f64::from(sum) / f64::from(4 * WHITE));
         Halving { light, channel: (0..=4 * WHITE).map(mean).collect() }
     }
@@ -46,6 +45,7 @@ impl Halving {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::palette::light;
 
     #[test]
     fn what_is_one_colour_stays_it() {

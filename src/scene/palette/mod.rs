@@ -68,6 +68,11 @@ pub fn light(channel: u8) -> f64 {
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
+/// [`light`] of every channel, with all of it as 65535.
+pub fn light_table() -> [u16; 256] {
+    std::array::from_fn(|channel| (light(channel as u8) * 65535.0).round() as u16)
+}
+
 /// `#rrggbb`; other lines are comments.
 fn parse_colour(line: &str) -> Option<Rgb> {
     let digits = line.strip_prefix('#').filter(|digits| digits.len() == 6)?;
