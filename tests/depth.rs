@@ -58,7 +58,7 @@ fn samples(
 fn truth<const N: usize>(scene: &Scene, size: [u32; 2], pixels: &[usize]) -> Vec<Outcome> {
     let center = scene.view.center_rad();
     let pixel = scene.view.width_rad().to_f64() / f64::from(size[0]);
-    let pendulum: Pendulum<Fixed<N>> = scene.build.pendulum().convert();
+    let pendulum: Pendulum<Fixed<N>> = scene.build.pendulum_in();
     let (rule, budget) = (scene.question.rule, Fixed::from_f64(scene.question.budget.secs));
     let one = |&index: &usize| {
         let [x, y] = [index as u32 % size[0], index as u32 / size[0]].map(f64::from);
@@ -149,7 +149,7 @@ fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
 fn a_grazing_edge_is_one_clean_line_at_every_depth() {
     // Bisected between two starts, one of which flips in its first swing.
     let flips_early = |theta2: Fixed<4>| {
-        let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum().convert();
+        let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
         let angle = [Fixed::<4>::parse("-1.602").unwrap(), theta2];
         let budget = Fixed::from_f64(2.0);
         gold::outcome(&pendulum, angle, flipmap::physics::Rule::Second, budget).status

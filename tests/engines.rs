@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{Accuracy, Engine, Method, Precision, Question, Recipe, Starts};
-use flipmap::physics::{Dd, Outcome, Rule, Status};
+use flipmap::physics::{Dd, Decimal, Outcome, Rule, Status};
 use flipmap::scene::{Budget, Build, Kind, Question as Asked, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
@@ -88,11 +88,11 @@ fn scenes() -> Vec<Scene> {
     };
     let plain = Build::default();
     vec![
-        scene(Build { masses: [1.0, 2.0], lengths: [1.0, 0.6], ..plain }, Rule::Second, 30.0),
+        scene(Build::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81), Rule::Second, 30.0),
         scene(Build { kind: Kind::Rods, ..plain }, Rule::Second, 30.0),
         scene(plain, Rule::First, 30.0),
         scene(plain, Rule::Either, 30.0),
-        scene(Build { gravity: 1.62, ..plain }, Rule::Second, 30.0),
+        scene(Build { gravity: Decimal::from(1.62), ..plain }, Rule::Second, 30.0),
     ]
 }
 
@@ -258,7 +258,7 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
     for (masses, lengths) in
         [([1e-3, 1.0], [1.0, 1.0]), ([1.0, 1e-3], [1.0, 1e-3]), ([1e3, 1.0], [1e-3, 1.0])]
     {
-        let build = Build { masses, lengths, ..Build::default() };
+        let build = Build::new(Kind::Points, masses, lengths, 9.81);
         let asked = Asked { budget: Budget::secs(3.0), ..Asked::default() };
         let scene = Scene { build, question: asked, ..Scene::default() };
         let starts = open_starts(&scene, 24, 1);

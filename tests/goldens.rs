@@ -34,7 +34,7 @@ struct Golden {
 fn goldens() -> Vec<Golden> {
     let question = |rule, secs| Question { rule, budget: Budget::secs(secs) };
     let rods = Build { kind: Kind::Rods, ..Build::default() };
-    let uneven = Build { masses: [1.0, 2.0], lengths: [1.0, 0.6], ..Build::default() };
+    let uneven = Build::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81);
     let turned = View {
         center: ["-2.2".into(), "0.5".into()],
         width: "1.6".into(),

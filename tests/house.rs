@@ -12,8 +12,8 @@ use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
 use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome};
 use flipmap::engine::{Method, Precision, Question, Recipe, Trust};
 use flipmap::physics::{Rule, Status};
-use flipmap::scene::Build;
 use flipmap::scene::lattice::SIDE;
+use flipmap::scene::{Build, Kind};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// Left to right: a module may use those before it.
@@ -113,13 +113,13 @@ fn every_shader_file_is_glued_on_somewhere() {
 }
 
 fn question(build: Build, rule: Rule) -> Question {
-    Question { pendulum: build.pendulum(), rule, budget_secs: 30.0 }
+    Question { build, rule, budget_secs: 30.0 }
 }
 
 /// Every kind of kernel there is.
 fn designs() -> Vec<Design> {
     let mut designs = Vec::new();
-    let builds = [Build::default(), Build { masses: [1.0, 2.0], ..Build::default() }];
+    let builds = [Build::default(), Build::new(Kind::Points, [1.0, 2.0], [1.0; 2], 9.81)];
     for (method, precision) in [
         (Method::LESSON, Precision::F32),
         (Method::LESSON, Precision::F64),

@@ -196,8 +196,7 @@ mod pictures {
     }
 
     pub fn bars_before_their_flip_look_as_they_should() {
-        let build =
-            Build { kind: Kind::Rods, masses: [2.0, 0.5], lengths: [1.0, 0.7], ..Build::default() };
+        let build = Build::new(Kind::Rods, [2.0, 0.5], [1.0, 0.7], 9.81);
         let (mut pins, ids) = flown(&Scene { build, ..Scene::default() }, &[[2.6, -2.0]]);
         pins.tell(ids[0], (Outcome::flipped(20.0), Trust::Uncertain));
         pins.apply(PinAction::Scrub(ids[0], 0.8));

@@ -135,7 +135,7 @@ fn the_scene_follows_what_is_pressed_and_typed() {
     type_over(&mut harness, "Gravity g", "1.62");
     type_over(&mut harness, "Budget", "60");
     let (build, question) = harness.state().state;
-    assert_eq!((build.kind, build.masses, build.gravity), (Kind::Rods, [1.0, 2.5], 1.62));
+    assert_eq!(build, Build::new(Kind::Rods, [1.0, 2.5], build.lengths_m(), 1.62));
     assert_eq!(question, Question { rule: Rule::Either, budget: Budget::secs(60.0) });
     assert_eq!(harness.state().asked.len(), 5, "one answer a change");
     press(&mut harness, "Back to the home pendulum");

@@ -32,7 +32,7 @@ fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
 /// The truth in double-double, from the starts' whole digits.
 fn truth_in_dd(scene: &Scene, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let question = question(scene);
-    let pendulum: Pendulum<Dd> = question.pendulum.map(Dd::new);
+    let pendulum: Pendulum<Dd> = question.build.pendulum_in();
     let budget = Dd::new(question.budget_secs);
     let one = |angle: &[Dd; 2]| {
         let outcome = gold::outcome(&pendulum, *angle, question.rule, budget);

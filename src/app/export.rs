@@ -185,7 +185,7 @@ fn run(
     let Chosen { mut engine, recipe, .. } =
         choose(wish, &|text| set(Stage::Starting(text.to_string())))?;
     let question = Question::from(&scene);
-    if question.pendulum.q > 0.0 {
+    if question.build.gravity.value() > 0.0 {
         Pace::new(&question, &recipe)?;
     }
     if verify {

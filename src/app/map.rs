@@ -137,7 +137,7 @@ fn draw_layers(painter: &egui::Painter, rect: Rect, state: &State) {
     if state.layers.grid {
         overlay::draw_grid(painter, rect, &screen);
     }
-    if state.layers.curve && state.build.gravity > 0.0 {
+    if state.layers.curve && state.build.gravity.value() > 0.0 {
         let lines = overlay::energy_curve(&screen, &state.build, state.question.rule);
         overlay::draw_curve(painter, rect, &lines);
     }

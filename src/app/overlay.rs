@@ -30,17 +30,12 @@ struct Depth {
 
 impl Depth {
     fn new(build: &Build, rule: Rule, center: [Theta; 2]) -> Self {
-        let pendulum = build.pendulum().convert::<Theta>();
-        let (p, q) = (pendulum.p, pendulum.q);
-        let bound = match rule {
-            Rule::Second => p - q,
-            Rule::First => q - p,
-            Rule::Either => (p - q).abs(),
-        };
+        let pendulum = build.pendulum_in::<Theta>();
         let sines = center.map(|theta| theta.sin_cos());
-        let depth = p * sines[0].1 + q * sines[1].1 - bound;
+        let depth = pendulum.depth(sines.map(|(_, cos)| cos)) - pendulum.least_depth(rule);
+        let weights = [pendulum.p, pendulum.q].map(Theta::to_f64);
         let sines = sines.map(|(sin, cos)| [sin.to_f64(), cos.to_f64()]);
-        Depth { center: depth.to_f64(), weights: [p.to_f64(), q.to_f64()], sines }
+        Depth { center: depth.to_f64(), weights, sines }
     }
 
     /// At an offset from the centre, J.

@@ -247,6 +247,7 @@ impl Pins {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::Decimal;
     use crate::physics::Scalar;
     use crate::scene;
 
@@ -335,7 +336,7 @@ mod tests {
         pins.relaunch(&Scene { view, ..Scene::default() }, || ());
         assert!(pins.selected().unwrap().told.is_some());
 
-        let build = Build { gravity: 9.81 * 4.0, ..Build::default() };
+        let build = Build { gravity: Decimal::from(9.81 * 4.0), ..Build::default() };
         pins.relaunch(&Scene { build, ..Scene::default() }, || ());
         assert!(pins.selected().unwrap().told.is_none());
         wait(&mut pins);

@@ -1,8 +1,10 @@
 //! The options that name a film, and how they become its keys.
 
 use std::path::Path;
+use std::str::FromStr;
 
 use clap::Args;
+use flipmap::physics::Decimal;
 use flipmap::scene::film::Film;
 use flipmap::scene::keys::{Easing, Key, Keys};
 use flipmap::scene::{Budget, Document, Scene, View};
@@ -216,9 +218,10 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
     let key = |secs: f64, text: &str| -> anyhow::Result<Key> {
         let mut key = Key { secs, easing: Easing::Linear, clock: None, scene: scene.clone() };
         let one = || number(text).ok_or_else(wrong);
+        let exact = |text: &str| Decimal::from_str(text.trim()).map_err(|()| wrong());
         let two = || {
             let (first, second) = text.split_once(',').ok_or_else(wrong)?;
-            number(first).zip(number(second)).map(|(a, b)| [a, b]).ok_or_else(wrong)
+            Ok::<_, Exit>([exact(first)?, exact(second)?])
         };
         match word {
             "time" => {
@@ -230,7 +233,7 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
                 budget.auto &= budget.secs > latest;
             }
             "budget" => key.scene.question.budget = Budget::secs(one()?),
-            "gravity" => key.scene.pendulum.gravity = one()?,
+            "gravity" => key.scene.pendulum.gravity = exact(text)?,
             "masses" => key.scene.pendulum.masses = two()?,
             "lengths" => key.scene.pendulum.lengths = two()?,
             _ => return Err(wrong().into()),

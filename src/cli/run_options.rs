@@ -175,7 +175,7 @@ pub fn prefer_engine(wish: Wish, engine: &str, adapter: &str) -> Wish {
 /// Refuses steps that are too many for the budget.
 pub fn check_steps(scene: &Scene, recipe: Recipe) -> Result<(), Exit> {
     let question = Question::from(scene);
-    if question.pendulum.q > 0.0 {
+    if question.build.gravity.value() > 0.0 {
         Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
     }
     Ok(())

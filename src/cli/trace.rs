@@ -37,7 +37,7 @@ pub struct Options {
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let scene = options.scene.document()?.scene();
-    let pendulum: Pendulum<Dd> = scene.build.pendulum().convert();
+    let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
     let angle = parse_start(&options.start)?;
     let until = seconds("--until", &options.until, 1e-9..=1e6)?;
     let every = seconds("--every", &options.every, 1e-9..=1e6)?;

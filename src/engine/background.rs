@@ -241,7 +241,8 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision, Question, Starts};
-    use crate::physics::{Dd, Pendulum, Rule};
+    use crate::physics::{Dd, Rule};
+    use crate::scene::Build;
 
     fn chosen(engine: MockEngine) -> Result<Chosen, ChoiceError> {
         let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
@@ -255,10 +256,9 @@ mod tests {
     }
 
     fn job(id: u64) -> Job {
-        let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 9.81);
         Job {
             id,
-            question: Question { pendulum, rule: Rule::Second, budget_secs: 30.0 },
+            question: Question { build: Build::default(), rule: Rule::Second, budget_secs: 30.0 },
             recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
             starts: Starts::Rest(vec![[Dd::new(id as f64); 2]]),
             keep_unfinished: false,

@@ -222,7 +222,7 @@ pub struct Adaptive {
 
 impl Adaptive {
     fn new(question: &Question, control: Control) -> Self {
-        let (reduced, unit_secs) = question.pendulum.reduced();
+        let (reduced, unit_secs) = question.reduced();
         let budget = question.budget_secs / unit_secs;
         // The fastest whip the energy allows takes a hundred steps a turn.
         let most = 1e5 + 20.0 * budget * reduced.greatest_speed();
@@ -270,7 +270,7 @@ impl Steps {
         step_secs: f64,
         precision: Precision,
     ) -> Result<Self, EngineError> {
-        let (_, unit_secs) = question.pendulum.reduced();
+        let (_, unit_secs) = question.reduced();
         let ideal = step_secs / unit_secs;
         let length = match precision {
             Precision::F32 => f64::from(ideal as f32),
@@ -299,7 +299,7 @@ impl Steps {
     /// How the stages of a step find their directions: from the greatest turn that the scene's
     /// energy allows in one step.
     pub fn turning(&self, question: &Question, precision: Precision) -> Turning {
-        let most = question.pendulum.greatest_speed() * self.length_secs;
+        let most = question.build.pendulum().greatest_speed() * self.length_secs;
         Turning::within(most, precision.epsilon())
     }
 }
@@ -310,14 +310,11 @@ const MOST_STEPS: u32 = 1 << 30;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Pendulum, Rule};
+    use crate::physics::Rule;
+    use crate::scene::Build;
 
     fn question(budget_secs: f64) -> Question {
-        Question {
-            pendulum: Pendulum::points([1.0; 2], [1.0; 2], 9.81),
-            rule: Rule::Second,
-            budget_secs,
-        }
+        Question { build: Build::default(), rule: Rule::Second, budget_secs }
     }
 
     #[test]

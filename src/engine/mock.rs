@@ -53,7 +53,7 @@ impl MockEngine {
             10.0 + along
         };
         // Of the home scene, Q is 9.81 J.
-        let secs = home_secs * 9.81 / question.pendulum.q;
+        let secs = home_secs * 9.81 / question.build.gravity.value();
         if secs <= question.budget_secs {
             Outcome::flipped(secs)
         } else {
@@ -65,7 +65,7 @@ impl MockEngine {
     fn pause(question: &Question, angle: [Dd; 2]) -> Paused {
         let mut numbers = [0.0; NUMBERS];
         let [theta1, theta2] = angle;
-        let known = [question.budget_secs, question.pendulum.q];
+        let known = [question.budget_secs, question.build.gravity.value()];
         let angles = [theta1.hi, theta1.lo, theta2.hi, theta2.lo];
         for (number, value) in numbers.iter_mut().zip(known.into_iter().chain(angles)) {
             *number = value;
@@ -89,7 +89,7 @@ impl MockEngine {
     /// The start of a paused pendulum; refused where an engine could not go on.
     fn resumed(question: &Question, state: &Paused) -> Result<[Dd; 2], EngineError> {
         let [budget_secs, q, hi1, lo1, hi2, lo2, ..] = state.numbers;
-        if q != question.pendulum.q || budget_secs >= question.budget_secs {
+        if q != question.build.gravity.value() || budget_secs >= question.budget_secs {
             let text = format!("{q} J after {budget_secs} s is not continued by {question:?}");
             return Err(EngineError::Unsupported(text));
         }

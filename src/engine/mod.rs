@@ -35,9 +35,9 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use crate::physics::phase::Phase;
-use crate::physics::{Dd, Outcome, Pendulum, Rule, Status};
-use crate::scene::Scene;
+use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
 use crate::scene::lattice::Cell;
+use crate::scene::{Build, Scene};
 pub use depth::Depth;
 pub use level::Accuracy;
 use method::Pace;
@@ -47,8 +47,8 @@ pub use trust::Trust;
 /// What is asked about every start of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Question {
-    /// The five numbers, kg m² and J; gravity must pull.
-    pub pendulum: Pendulum<f64>,
+    /// The pendulum; gravity must pull.
+    pub build: Build,
     /// Which bob is watched.
     pub rule: Rule,
     /// Simulated seconds a start may use.
@@ -59,7 +59,7 @@ impl From<&Scene> for Question {
     /// What a checked scene asks.
     fn from(scene: &Scene) -> Self {
         Question {
-            pendulum: scene.build.pendulum(),
+            build: scene.build,
             rule: scene.question.rule,
             budget_secs: scene.question.budget.secs,
         }
@@ -67,9 +67,21 @@ impl From<&Scene> for Question {
 }
 
 impl Question {
+    /// The pendulum in units that make C = Q = 1, to the precision of the number type, and the
+    /// unit of time, s.
+    pub fn reduced_in<T: Scalar>(&self) -> (Pendulum<T>, T) {
+        self.build.reduced_in()
+    }
+
+    /// The same, to the precision of f64.
+    pub fn reduced(&self) -> (Pendulum<f64>, f64) {
+        let (pendulum, unit_secs) = self.reduced_in::<Dd>();
+        (pendulum.to_f64(), unit_secs.to_f64())
+    }
+
     /// The outcome of a pendulum that flips at a reduced `time`: unflipped if that is too late.
     pub fn flipped_at(&self, time: f64) -> Outcome {
-        let (_, unit_secs) = self.pendulum.reduced();
+        let (_, unit_secs) = self.reduced();
         let secs = time * unit_secs;
         if secs <= self.budget_secs {
             Outcome::flipped(secs)

@@ -177,9 +177,10 @@ impl Sample {
                 _ => None,
             })
             .collect();
+        let pendulum = scene.build.pendulum();
         let one = |angle: &[Dd; 2]| {
             let angle = angle.map(|theta| theta.hi);
-            gold::outcome(&question.pendulum, angle, question.rule, question.budget_secs)
+            gold::outcome(&pendulum, angle, question.rule, question.budget_secs)
         };
         let truth = starts.iter().step_by(JUDGED_SHARE).map(one).collect();
         Sample { question, starts, truth }

@@ -10,7 +10,8 @@ use super::gpu::kernel::selfcheck_text;
 use super::gpu::pipeline::{bind, compute_pipeline, layout};
 use super::shared::{from_parts, to_parts};
 use super::{Engine, EngineError, Job, Method, Precision, Question, Recipe, Starts, Wait};
-use crate::physics::{Dd, Outcome, Pendulum, Real, Rule, gold};
+use crate::physics::{Dd, Outcome, Real, Rule, gold};
+use crate::scene::Build;
 
 /// One question put to the device, and how it did.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,13 +102,10 @@ pub fn orbits(
     engine: &mut dyn Engine,
     precisions: &[Precision],
 ) -> Result<Vec<Check>, EngineError> {
-    let question = Question {
-        pendulum: Pendulum::points([1.0, 1.0], [1.0, 1.0], 9.81),
-        rule: Rule::Second,
-        budget_secs: 1.0,
-    };
+    let question = Question { build: Build::default(), rule: Rule::Second, budget_secs: 1.0 };
+    let pendulum = question.build.pendulum();
     let angles = ORBITS.map(|angle| angle.map(Dd::new));
-    let truth = ORBITS.map(|angle| gold::outcome(&question.pendulum, angle, Rule::Second, 1.0));
+    let truth = ORBITS.map(|angle| gold::outcome(&pendulum, angle, Rule::Second, 1.0));
     let mut checks = Vec::new();
     for &precision in precisions {
         let starts = Starts::Rest(angles.to_vec());

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
-use crate::physics::{Dd, Pendulum, Scalar, State, control};
+use crate::physics::{Angle, Dd, Scalar, State, control};
 
 /// What the numbers of a fixed-step state are called.
 pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
@@ -40,7 +40,7 @@ pub fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
 }
 
 /// The state of a pendulum let go at rest at `angle` (rad, within (−π, π]).
-fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
+fn at_rest(recipe: &Recipe, angle: [Dd; 2]) -> Paused {
     let mut numbers = [0.0; NUMBERS];
     if let Method::Rk4 { .. } = recipe.method {
         for i in 0..2 {
@@ -48,7 +48,7 @@ fn at_rest(question: &Question, recipe: &Recipe, angle: [Dd; 2]) -> Paused {
         }
     } else {
         let vectors = match recipe.precision {
-            Precision::Dd => exact_vectors(&question.pendulum, angle),
+            Precision::Dd => angle.map(exact_unit_vector),
             _ => angle.map(unit_vector),
         };
         for (i, value) in vectors.as_flattened().iter().enumerate() {
@@ -64,9 +64,7 @@ pub fn states(job: &Job) -> Result<Vec<Paused>, EngineError> {
     let Job { question, recipe, .. } = job;
     match &job.starts {
         Starts::Paused(paused) => Ok(paused.clone()),
-        Starts::Rest(angles) => {
-            Ok(angles.iter().map(|angle| at_rest(question, recipe, *angle)).collect())
-        }
+        Starts::Rest(angles) => Ok(angles.iter().map(|angle| at_rest(recipe, *angle)).collect()),
         Starts::Moving(moving) => {
             let pace = Pace::new(question, recipe)?;
             Ok(moving.iter().map(|moving| on_its_way(question, recipe, &pace, moving)).collect())
@@ -95,7 +93,7 @@ fn on_its_way(question: &Question, recipe: &Recipe, pace: &Pace, moving: &Moving
             Paused { steps: 0, numbers }
         }
         Pace::Fixed(steps) => {
-            let (reduced, _) = question.pendulum.reduced();
+            let (reduced, _) = question.reduced();
             // Back to the end of the last whole step.
             let count = (moving.time[0] / steps.length).floor();
             let back = count * steps.length - moving.time[0] - moving.time[1];
@@ -123,7 +121,7 @@ pub fn reached(question: &Question, recipe: &Recipe, paused: &Paused) -> Option<
     match Pace::new(question, recipe).ok()? {
         Pace::Adaptive(_) => Some((phase_of(numbers), numbers[TIME] + numbers[TIME_LOW])),
         Pace::Fixed(steps) => {
-            let (reduced, _) = question.pendulum.reduced();
+            let (reduced, _) = question.reduced();
             let angle = [numbers[0] + numbers[4], numbers[1] + numbers[5]];
             let phase = reduced.phase(&State { angle, speed: [numbers[2], numbers[3]] });
             Some((phase, f64::from(paused.steps) * steps.length))
@@ -152,7 +150,11 @@ fn unit_vector(angle: Dd) -> [Dd; 2] {
     [Dd::new(cos - sin * angle.lo), Dd::new(sin + cos * angle.lo)]
 }
 
-fn exact_vectors(pendulum: &Pendulum<f64>, angle: [Dd; 2]) -> [[Dd; 2]; 2] {
-    let [x1, y1, x2, y2, _, _] = pendulum.map(Dd::new).phase(&State::rest(angle));
-    [[x1, y1], [x2, y2]]
+/// The same to the precision of double-double.
+fn exact_unit_vector(angle: Dd) -> [Dd; 2] {
+    if angle.abs() == Dd::PI {
+        return [Dd::new(-1.0), Dd::new(0.0)];
+    }
+    let (sin, cos) = angle.sin_cos();
+    [cos, sin]
 }

@@ -214,6 +214,7 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
+    use crate::physics::Decimal;
     use crate::scene::keys::{Easing, Key};
 
     const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
@@ -267,7 +268,7 @@ mod tests {
     #[test]
     fn shards_are_all_of_a_film_once() {
         let zoom: fn(&mut Document) = |scene| scene.view.width = "0.01".into();
-        let masses: fn(&mut Document) = |scene| scene.pendulum.masses = [1.0, 3.0];
+        let masses: fn(&mut Document) = |scene| scene.pendulum.masses[1] = Decimal::from(3.0);
         for (change, reels) in [(zoom, 1), (masses, 5)] {
             let task = task(film(change), 3);
             let parts = Parts::default();

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use egui::{Color32, Grid, Slider, SliderClamping, Ui};
 
+use crate::physics::Decimal;
 use crate::scene::{Build, Kind};
 
 /// A named number with a slider in a row of a grid; whether it was changed. What is typed outside
@@ -79,6 +80,14 @@ pub fn coloured_row(ui: &mut Ui, name: &str, colour: Color32, value: impl Into<S
     ui.end_row();
 }
 
+/// The same for a number that may have more digits than a slider shows.
+fn decimal(ui: &mut Ui, name: &str, unit: &str, value: &mut Decimal, range: RangeInclusive<f64>) {
+    let mut new = value.value();
+    if number(ui, name, unit, &mut new, range) {
+        *value = new.into();
+    }
+}
+
 /// The masses, lengths, gravity and kind of a double pendulum; whether any was changed.
 pub fn build(ui: &mut Ui, build: &mut Build) -> bool {
     let before = *build;
@@ -87,11 +96,12 @@ pub fn build(ui: &mut Ui, build: &mut Build) -> bool {
         ui.radio_value(&mut build.kind, Kind::Rods, "rods");
     });
     Grid::new("build").num_columns(2).show(ui, |ui| {
-        number(ui, "Mass m1", " kg", &mut build.masses[0], 0.1..=8.0);
-        number(ui, "Mass m2", " kg", &mut build.masses[1], 0.1..=8.0);
-        number(ui, "Length l1", " m", &mut build.lengths[0], 0.1..=3.0);
-        number(ui, "Length l2", " m", &mut build.lengths[1], 0.1..=3.0);
-        number(ui, "Gravity g", " m/s²", &mut build.gravity, 0.1..=30.0);
+        let Build { masses: [m1, m2], lengths: [l1, l2], gravity, .. } = build;
+        decimal(ui, "Mass m1", " kg", m1, 0.1..=8.0);
+        decimal(ui, "Mass m2", " kg", m2, 0.1..=8.0);
+        decimal(ui, "Length l1", " m", l1, 0.1..=3.0);
+        decimal(ui, "Length l2", " m", l2, 0.1..=3.0);
+        decimal(ui, "Gravity g", " m/s²", gravity, 0.1..=30.0);
     });
     *build != before
 }

@@ -24,7 +24,7 @@ impl Toy for Double {
 
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let angle = self.0.now().angle.map(wrapped);
-        let lengths = self.0.build.lengths;
+        let lengths = self.0.build.lengths_m();
         let told = format!("θ1 is {:.3} rad, θ2 is {:.3} rad", angle[0], angle[1]);
         let (stage, response) = Stage::new(ui, size, 1.1 * (lengths[0] + lengths[1]), told);
         let [first, second] = ends(lengths, angle);
@@ -38,7 +38,7 @@ impl Toy for Double {
         let beside = |at, theta: f64| end(at, 1.1 * short, 0.5 * theta);
         stage.label(beside([0.0; 2], angle[0]), "θ1", COLOURS[2]);
         stage.label(beside(first, angle[1]), "θ2", COLOURS[2]);
-        let [m1, m2] = self.0.build.masses;
+        let [m1, m2] = self.0.build.masses_kg();
         let middle = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|i| 0.5 * (from[i] + to[i]));
         stage.label(middle([0.0; 2], first), &format!("l1 = {:.2} m", lengths[0]), INK);
         stage.label(middle(first, second), &format!("l2 = {:.2} m", lengths[1]), INK);

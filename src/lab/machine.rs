@@ -32,7 +32,7 @@ impl Toy for Machine {
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let [theta1, theta2] = self.0.now().angle.map(wrapped);
         let told = format!("θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad");
-        let reach = 1.1 * (self.0.build.lengths[0] + self.0.build.lengths[1]);
+        let reach = 1.1 * self.0.build.lengths_m().iter().sum::<f64>();
         let (stage, response) = Stage::new(ui, size, reach, told);
         self.0.draw(&stage);
         stage.note("Drag either bob to aim it again; let go and it falls from rest.");

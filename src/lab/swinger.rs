@@ -55,7 +55,8 @@ impl Swinger {
 
     /// The start, and what it is made of.
     pub fn set(&self) -> Vec<f64> {
-        let Build { masses, lengths, gravity, .. } = self.build;
+        let gravity = self.build.gravity.value();
+        let (masses, lengths) = (self.build.masses_kg(), self.build.lengths_m());
         [&self.start[..], &masses, &lengths, &[gravity]].concat()
     }
 
@@ -73,7 +74,7 @@ impl Swinger {
         let from = self.clock.taken;
         for k in 0..self.clock.due(elapsed_secs) as u64 {
             if (from + k).is_multiple_of(TRAIL_EVERY) {
-                self.trail.push(ends(self.build.lengths, self.state.angle)[1]);
+                self.trail.push(ends(self.build.lengths_m(), self.state.angle)[1]);
             }
             let change = rk4(&pendulum, &self.state, self.clock.step_secs, Turning::Fresh);
             self.state = self.state.plus(&change);
@@ -101,7 +102,7 @@ impl Swinger {
             return;
         };
         let place = stage.place(at);
-        let [first, second] = ends(self.build.lengths, self.state.angle);
+        let [first, second] = ends(self.build.lengths_m(), self.state.angle);
         let away = |bob: [f64; 2]| (bob[0] - place[0]).hypot(bob[1] - place[1]);
         let bob = *self.held.get_or_insert(usize::from(away(second) < away(first)));
         let mut angle = self.state.angle.map(wrapped);
@@ -111,19 +112,20 @@ impl Swinger {
 
     /// Draws it with its trail.
     pub fn draw(&self, stage: &Stage) {
-        let [first, second] = ends(self.build.lengths, self.now().angle);
+        let [first, second] = ends(self.build.lengths_m(), self.now().angle);
         stage.trail(&self.trail, COLOURS[1]);
         stage.rod([0.0; 2], first, INK);
         stage.rod(first, second, INK);
         stage.pivot();
+        let [m1, m2] = self.build.masses_kg();
         match self.build.kind {
             Kind::Points => {
-                stage.bob(first, self.build.masses[0], COLOURS[0]);
-                stage.bob(second, self.build.masses[1], COLOURS[1]);
+                stage.bob(first, m1, COLOURS[0]);
+                stage.bob(second, m2, COLOURS[1]);
             }
             Kind::Rods => {
-                stage.bar([0.0; 2], first, self.build.masses[0], COLOURS[0]);
-                stage.bar(first, second, self.build.masses[1], COLOURS[1]);
+                stage.bar([0.0; 2], first, m1, COLOURS[0]);
+                stage.bar(first, second, m2, COLOURS[1]);
             }
         }
     }

@@ -202,6 +202,7 @@ impl Toy for Twenty {
 mod tests {
     use super::*;
     use crate::physics::taylor::Orbit;
+    use crate::scene::Build;
 
     #[test]
     fn the_climb_is_that_of_the_tangent_map() {
@@ -211,7 +212,7 @@ mod tests {
         // The growth of a nudge that stays infinitesimal, in another method's double-double,
         // read and fitted as the toy's is.
         let nudge = 1e-22;
-        let orbit = |angle| Orbit::new(pendulum().convert::<Dd>(), State::rest(angle));
+        let orbit = |angle| Orbit::new(Build::default().pendulum_in::<Dd>(), State::rest(angle));
         let start = [2.2, 2.5].map(Dd::new);
         let mut own = orbit(start);
         let mut nudged = orbit([start[0] + Dd::new(nudge), start[1]]);

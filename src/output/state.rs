@@ -152,7 +152,7 @@ mod tests {
         state.check_scene(&later).unwrap();
         type Change = fn(&mut Document);
         let changes: [(&str, Change); 5] = [
-            ("pendulum", |document| document.pendulum.gravity = 1.0),
+            ("pendulum", |document| document.pendulum.gravity = 1.0.into()),
             ("rule", |document| document.question.rule = crate::physics::Rule::First),
             ("view", |document| document.view.width = "1".to_string()),
             ("size", |document| document.run.size = Some([1, 2])),

@@ -12,6 +12,7 @@ use dashu_float::round::mode::HalfEven;
 use dashu_float::{DBig, FBig};
 
 use super::decimal;
+use super::fixed::Theta;
 use super::real::{Angle, Real, Scalar};
 
 /// The sum `hi + lo`, with |lo| at most half a unit in the last place of `hi`.
@@ -221,6 +222,9 @@ impl Scalar for Dd {
         // One Newton step from the f64 root doubles its digits.
         let root = self.hi.sqrt();
         Dd::new(root) + Dd::new((self - Dd::product(root, root)).hi / (2.0 * root))
+    }
+    fn from_theta(value: Theta) -> Self {
+        value.to_dd()
     }
     fn parse(text: &str) -> Option<Self> {
         decimal::parse(text).map(|value| Dd::from_decimal(&value))

@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn fixed_point_of_any_length_flips_when_double_double_does() {
         fn time<T: Scalar>(rule: Rule) -> T {
-            let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0).convert();
+            let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0).map(T::from_f64);
             let angle = ["2.2", "-1.9"].map(|text| T::parse(text).unwrap());
             outcome(&unit, angle, rule, T::from_f64(60.0)).time
         }

@@ -35,6 +35,7 @@ pub mod taylor;
 pub mod trig;
 
 pub use dd::Dd;
+pub use decimal::Decimal;
 pub use fixed::{Fixed, Theta};
 pub use flip::{Outcome, Rule, Status};
 pub use pendulum::{Pendulum, State};

@@ -104,31 +104,36 @@ impl<T: Scalar> Pendulum<T> {
         (4.0 * (p + q) * a.max(b) / least_det).sqrt()
     }
 
-    /// Whether energy conservation proves that a pendulum let go at rest at `angle` can never
-    /// meet `rule`: the watched bob at the top costs more than the start has, even with the
-    /// other one at the bottom. Nothing moves without gravity, so then every start is forbidden.
-    pub fn forbids(&self, rule: Rule, angle: [T; 2]) -> bool {
-        let [cos1, cos2] = angle.map(|theta| theta.sin_cos().1);
-        self.forbids_depth(rule, self.p * cos1 + self.q * cos2)
+    /// How low a start at rest lies: its potential energy turned round, P cos θ1 + Q cos θ2, J,
+    /// from the cosines of its angles.
+    pub fn depth(&self, cos: [T; 2]) -> T {
+        self.p * cos[0] + self.q * cos[1]
     }
 
-    /// The same from `depth` = P cos θ1 + Q cos θ2, the start's energy turned round.
-    pub fn forbids_depth(&self, rule: Rule, depth: T) -> bool {
-        if self.q <= T::zero() {
-            return true;
-        }
-        let second = depth > self.p - self.q;
-        let first = depth > self.q - self.p;
+    /// Starts that lie lower than this cannot meet `rule`, J: the watched bob at the top costs
+    /// more than they have, even with the other one at the bottom.
+    pub fn least_depth(&self, rule: Rule) -> T {
         match rule {
-            Rule::Second => second,
-            Rule::First => first,
-            Rule::Either => first && second,
+            Rule::Second => self.p - self.q,
+            Rule::First => self.q - self.p,
+            Rule::Either => (self.p - self.q).abs(),
         }
     }
 
-    /// The same pendulum in another number type.
-    pub fn convert<U: Scalar>(&self) -> Pendulum<U> {
-        self.map(|x| U::from_f64(x.to_f64()))
+    /// Whether energy conservation proves that a pendulum let go at rest at `angle` can never
+    /// meet `rule`. Nothing moves without gravity, so then every start is forbidden.
+    pub fn forbids(&self, rule: Rule, angle: [T; 2]) -> bool {
+        self.forbids_depth(rule, self.depth(angle.map(|theta| theta.sin_cos().1)))
+    }
+
+    /// The same from [`Pendulum::depth`].
+    pub fn forbids_depth(&self, rule: Rule, depth: T) -> bool {
+        self.q <= T::zero() || depth > self.least_depth(rule)
+    }
+
+    /// The nearest pendulum in f64.
+    pub fn to_f64(&self) -> Pendulum<f64> {
+        self.map(T::to_f64)
     }
 }
 

@@ -3,6 +3,8 @@
 use std::fmt::{Debug, Display};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::fixed::Theta;
+
 /// A number that the equations can be written in: one value, a register of SIMD lanes, or a
 /// symbol that remembers what was done to it.
 ///
@@ -56,6 +58,8 @@ pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     fn sqrt(self) -> Self;
     /// Parses a decimal straight into the type, correctly rounded; `None` if it is not a number.
     fn parse(text: &str) -> Option<Self>;
+    /// The nearest number to a long fixed-point one.
+    fn from_theta(value: Theta) -> Self;
 
     /// Zero.
     fn zero() -> Self {
@@ -112,6 +116,9 @@ macro_rules! native_float {
             }
             fn sqrt(self) -> Self {
                 $float::sqrt(self)
+            }
+            fn from_theta(value: Theta) -> Self {
+                value.to_f64() as $float
             }
             fn parse(text: &str) -> Option<Self> {
                 text.trim().parse().ok().filter(|value: &$float| value.is_finite())

@@ -35,8 +35,9 @@ pub fn digits_for(bits: u32) -> u32 {
     (f64::from(64 * bits.div_ceil(64).clamp(2, 7)) * std::f64::consts::LOG10_2) as u32
 }
 
-/// The trajectory from rest at `angle` (rad) with errors of about 2^−`bits`.
-pub fn reference(pendulum: &Pendulum<f64>, angle: [Theta; 2], bits: u32) -> Box<dyn Reference> {
+/// The trajectory of a pendulum in reduced units from rest at `angle` (rad), with errors of about
+/// 2^−`bits`.
+pub fn reference(pendulum: &Pendulum<Theta>, angle: [Theta; 2], bits: u32) -> Box<dyn Reference> {
     match bits.div_ceil(64) {
         0..=2 => Box::new(Long::<3>::new(pendulum, angle)),
         3 => Box::new(Long::<4>::new(pendulum, angle)),
@@ -48,8 +49,8 @@ pub fn reference(pendulum: &Pendulum<f64>, angle: [Theta; 2], bits: u32) -> Box<
 }
 
 impl<const N: usize> Long<N> {
-    fn new(pendulum: &Pendulum<f64>, angle: [Theta; 2]) -> Self {
-        let (pendulum, _) = pendulum.convert::<Fixed<N>>().reduced();
+    fn new(pendulum: &Pendulum<Theta>, angle: [Theta; 2]) -> Self {
+        let pendulum = pendulum.map(Fixed::resized);
         let mut orbit = Orbit::new(pendulum, State::rest(angle.map(Fixed::resized)));
         let step = orbit.step();
         Long { pendulum, orbit, step, into: Fixed::ZERO }

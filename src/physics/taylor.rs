@@ -139,7 +139,7 @@ fn unit_for(length_secs: f64) -> f64 {
 fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
     let near = State { angle: state.angle.map(T::to_f64), speed: state.speed.map(T::to_f64) };
     let mut series = Series::<f64>::new(order_for::<f64>());
-    series.expand(&pendulum.convert(), &near);
+    series.expand(&pendulum.to_f64(), &near);
     unit_for(series.step_length())
 }
 

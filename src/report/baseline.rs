@@ -11,14 +11,16 @@ pub const STEP_SECS: f64 = 1.0 / 120.0;
 
 /// One pendulum by plain RK4 in f64 at 120 steps a second.
 pub fn outcome(question: &Question, angle: [Dd; 2]) -> Outcome {
+    let pendulum = question.build.pendulum();
     let steps = (question.budget_secs / STEP_SECS).round() as u32;
     let mut state = State::rest(angle.map(|theta| theta.hi));
     for n in 0..steps {
-        let change = integrator::rk4(&question.pendulum, &state, STEP_SECS, Turning::Fresh);
+        let change = integrator::rk4(&pendulum, &state, STEP_SECS, Turning::Fresh);
         let next = state.plus(&change);
-        let passes = question.rule.watched().iter().filter_map(|&bob| {
-            flip::fraction_of_step(&question.pendulum, bob, &state, &next, STEP_SECS)
-        });
+        let passes =
+            question.rule.watched().iter().filter_map(|&bob| {
+                flip::fraction_of_step(&pendulum, bob, &state, &next, STEP_SECS)
+            });
         if let Some(fraction) = passes.reduce(f64::min) {
             return Outcome::flipped((f64::from(n) + fraction) * STEP_SECS);
         }

@@ -102,7 +102,7 @@ impl Place {
         let by = [x + 0.5 - half, half - y - 0.5].map(|by| Theta::from_f64(by * pixel_rad));
         let center = scene.view.center_rad();
         let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<N>());
-        let pendulum: Pendulum<Fixed<N>> = scene.build.pendulum().convert();
+        let pendulum: Pendulum<Fixed<N>> = scene.build.pendulum_in();
         let budget = Fixed::from_f64(scene.question.budget.secs);
         let outcome = gold::outcome(&pendulum, angle, scene.question.rule, budget);
         Outcome { status: outcome.status, time: outcome.time.to_f64() }

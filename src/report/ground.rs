@@ -47,7 +47,7 @@ pub fn open_starts(scene: &Scene, side: u32) -> Vec<[Dd; 2]> {
 
 fn truth(question: &Question, angle: [Dd; 2]) -> Outcome {
     let angle = angle.map(|theta| theta.hi);
-    gold::outcome(&question.pendulum, angle, question.rule, question.budget_secs)
+    gold::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
 }
 
 /// `count` of `all`, evenly spread and in their order.

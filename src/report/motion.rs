@@ -102,7 +102,7 @@ struct Truth {
 impl Truth {
     fn new(pendulum: &Pendulum<f64>, start: [f64; 2], unit_secs: f64) -> Self {
         let last = TIMES_SECS[TIMES_SECS.len() - 1] / unit_secs + LONGEST;
-        let mut orbit = Orbit::new(pendulum.convert::<Dd>(), State::rest(start.map(Dd::new)));
+        let mut orbit = Orbit::new(pendulum.map(Dd::new), State::rest(start.map(Dd::new)));
         let mut steps = Vec::new();
         while orbit.time().to_f64() < last {
             steps.push(orbit.step());
@@ -133,7 +133,7 @@ fn moments<T: Scalar>(
     times: &[f64],
 ) -> Vec<Moment> {
     let exact = pendulum;
-    let pendulum: Pendulum<T> = pendulum.convert();
+    let pendulum: Pendulum<T> = pendulum.map(T::from_f64);
     let state = State::rest(start.map(T::from_f64));
     match method {
         Method::Rk4 { step_secs } => {

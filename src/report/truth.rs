@@ -27,7 +27,7 @@ fn gold<T: Scalar>(
     starts: &[[Dd; 2]],
     as_scalar: fn(Dd) -> T,
 ) -> Vec<Outcome> {
-    let pendulum = question.pendulum.convert();
+    let pendulum = question.build.pendulum_in();
     let one = |start: &[Dd; 2]| {
         let budget = T::from_f64(question.budget_secs);
         let outcome = gold::outcome(&pendulum, start.map(as_scalar), question.rule, budget);

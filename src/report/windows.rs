@@ -20,7 +20,7 @@ pub struct Window {
     /// How wide it is, rad.
     pub width: &'static str,
     /// The pendulum.
-    pub build: Build,
+    pub build: fn() -> Build,
     /// Which bob is watched.
     pub rule: Rule,
     /// Which truth.
@@ -36,14 +36,13 @@ pub enum Judge {
     Finest,
 }
 
-const HOME: Build =
-    Build { kind: Kind::Points, masses: [1.0, 1.0], lengths: [1.0, 1.0], gravity: 9.81 };
+const RODS: fn() -> Build = || Build { kind: Kind::Rods, ..Build::default() };
 
 const WHOLE: Window = Window {
     name: "",
     center: ["0", "0"],
     width: "6.283185307179586",
-    build: HOME,
+    build: Build::default,
     rule: Rule::Second,
     judge: Judge::Gold,
 };
@@ -66,16 +65,20 @@ pub const WINDOWS: [Window; 12] = [
     deep("beside the energy curve, top", ["0.21", "2.88"], "0.1"),
     Window {
         name: "heavier and shorter below",
-        build: Build { masses: [1.0, 2.0], lengths: [1.0, 0.6], ..HOME },
+        build: || Build::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81),
         ..WHOLE
     },
-    Window { name: "rods", build: Build { kind: Kind::Rods, ..HOME }, ..WHOLE },
-    Window { name: "on the moon", build: Build { gravity: 1.62, ..HOME }, ..WHOLE },
+    Window { name: "rods", build: RODS, ..WHOLE },
+    Window {
+        name: "on the moon",
+        build: || Build::new(Kind::Points, [1.0; 2], [1.0; 2], 1.62),
+        ..WHOLE
+    },
     FIRST,
     Window { name: "rule either", rule: Rule::Either, ..WHOLE },
     Window {
         name: "rods, rule first, filigree",
-        build: Build { kind: Kind::Rods, ..HOME },
+        build: RODS,
         rule: Rule::First,
         ..deep("", ["-2.2", "-1.6"], "0.4")
     },
@@ -96,7 +99,7 @@ impl Window {
         let (center, width) = (self.center.map(str::to_string), self.width.to_string());
         let question = Asked { rule: self.rule, ..Asked::default() };
         let view = View { center, width, ..View::default() };
-        Scene { build: self.build, question, view }
+        Scene { build: (self.build)(), question, view }
     }
 
     /// What is asked about its starts.

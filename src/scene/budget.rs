@@ -112,7 +112,7 @@ mod tests {
         let secs = |width| auto.for_width(&Build::default(), width).secs;
         assert_eq!((secs(6.0), secs(1e-7)), (30.0, 30.0));
         assert_eq!((secs(1e-20), secs(1e-50), secs(1e-100)), (70.0, 170.0, 340.0));
-        let moon = Build { gravity: 9.81 / 4.0, ..Build::default() };
+        let moon = Build { gravity: (9.81 / 4.0).into(), ..Build::default() };
         assert_eq!(auto.for_width(&moon, 1.0).secs, 60.0);
         assert_eq!(Budget::secs(7.0).for_width(&moon, 1e-50).secs, 7.0);
     }

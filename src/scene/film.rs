@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::keys::Key;
 use super::{Budget, Build, Question, Scene, View};
-use crate::physics::{Scalar, Theta};
+use crate::physics::{Decimal, Scalar, Theta};
 
 /// Frames of one size along keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -150,12 +150,16 @@ impl Film {
     fn between(&self, from: &Key, to: &Key, share: f64) -> Shot {
         let [a, b] = [from.scene.scene(), to.scene.scene()];
         let mix = |a: f64, b: f64| if a == b { a } else { a + (b - a) * share };
-        let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0]), mix(a[1], b[1])];
+        let exact = |a: Decimal, b: Decimal| match a == b {
+            true => a,
+            false => mix(a.value(), b.value()).into(),
+        };
+        let pair = |a: [Decimal; 2], b: [Decimal; 2]| [exact(a[0], b[0]), exact(a[1], b[1])];
         let build = Build {
             kind: a.build.kind,
             masses: pair(a.build.masses, b.build.masses),
             lengths: pair(a.build.lengths, b.build.lengths),
-            gravity: mix(a.build.gravity, b.build.gravity),
+            gravity: exact(a.build.gravity, b.build.gravity),
         };
         // Where the camera moves, a film has one budget.
         let budget = if self.stays() {
@@ -275,12 +279,12 @@ mod tests {
         let film = film(vec![
             key(0.0, |_| ()),
             key(1.0, |scene| {
-                scene.pendulum.masses = [1.0, 5.0];
+                scene.pendulum.masses[1] = Decimal::from(5.0);
                 scene.question.budget = Budget::secs(10.0);
             }),
         ]);
         let shot = film.shot(5).scene;
-        assert_eq!((shot.build.masses, shot.question.budget.secs), ([1.0, 3.0], 20.0));
+        assert_eq!((shot.build.masses_kg(), shot.question.budget.secs), ([1.0, 3.0], 20.0));
         assert_eq!(film.budget_secs(), 30.0);
     }
 

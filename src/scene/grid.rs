@@ -71,7 +71,7 @@ impl Grid {
             right,
             up,
             pendulum,
-            exact: pendulum.convert(),
+            exact: scene.build.pendulum_in(),
             rule: scene.question.rule,
         }
     }
@@ -131,23 +131,12 @@ impl Grid {
     /// How deep in the forbidden region a start is: P cos θ1 + Q cos θ2 over its bound, J.
     /// Zero on the energy curve.
     fn energy_depth(&self, angle: [f64; 2]) -> f64 {
-        let Pendulum { p, q, .. } = self.pendulum;
-        p * angle[0].cos() + q * angle[1].cos() - self.bound(p, q)
+        self.pendulum.depth(angle.map(f64::cos)) - self.pendulum.least_depth(self.rule)
     }
 
     fn exact_depth(&self, angle: [Dd; 2]) -> Dd {
-        let Pendulum { p, q, .. } = self.exact;
-        let [cos1, cos2] = angle.map(|theta| theta.sin_cos().1);
-        p * cos1 + q * cos2 - self.bound(p, q)
-    }
-
-    /// Starts that are deeper than this are forbidden, J.
-    fn bound<T: Scalar>(&self, p: T, q: T) -> T {
-        match self.rule {
-            Rule::Second => p - q,
-            Rule::First => q - p,
-            Rule::Either => (p - q).abs(),
-        }
+        let cos = angle.map(|theta| theta.sin_cos().1);
+        self.exact.depth(cos) - self.exact.least_depth(self.rule)
     }
 
     /// What is known of a pixel beforehand.
@@ -171,8 +160,7 @@ impl Grid {
         let Pendulum { p, q, .. } = self.pendulum;
         let near = self.energy_depth(angle.map(|theta| theta.hi));
         if near.abs() > 1e-12 * (p + q) {
-            let depth = p * angle[0].hi.cos() + q * angle[1].hi.cos();
-            return self.pendulum.forbids_depth(self.rule, depth);
+            return self.pendulum.q <= 0.0 || near > 0.0;
         }
         self.exact.forbids(self.rule, angle)
     }

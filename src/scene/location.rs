@@ -175,7 +175,7 @@ mod tests {
                 |(masses, lengths, gravity, budget, rule, kind, view, rotate, stretch)| {
                     let (center, width) = view;
                     Scene {
-                        build: Build { kind, masses, lengths, gravity },
+                        build: Build::new(kind, masses, lengths, gravity),
                         question: Question { rule, budget: Budget::secs(budget) },
                         view: View { center, width, rotate, stretch },
                     }

@@ -29,7 +29,7 @@ pub use words::Word;
 
 use serde::{Deserialize, Serialize};
 
-use crate::physics::{Pendulum, Rule};
+use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
 
 /// How a pendulum is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,32 +54,75 @@ pub struct Build {
     /// Bobs or bars.
     pub kind: Kind,
     /// m1, m2 in kg.
-    pub masses: [f64; 2],
+    pub masses: [Decimal; 2],
     /// l1, l2 in m.
-    pub lengths: [f64; 2],
+    pub lengths: [Decimal; 2],
     /// g in m/s².
-    pub gravity: f64,
+    pub gravity: Decimal,
 }
 
 impl Default for Build {
     fn default() -> Self {
-        Build { kind: Kind::Points, masses: [1.0, 1.0], lengths: [1.0, 1.0], gravity: 9.81 }
+        Build::new(Kind::Points, [1.0; 2], [1.0; 2], 9.81)
     }
 }
 
 impl Build {
-    /// The five numbers.
+    /// A pendulum of masses in kg, lengths in m and gravity in m/s².
+    pub fn new(kind: Kind, masses: [f64; 2], lengths: [f64; 2], gravity: f64) -> Self {
+        let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Decimal::from));
+        Build { kind, masses, lengths, gravity: gravity.into() }
+    }
+
+    /// m1 and m2 as the nearest f64.
+    pub fn masses_kg(&self) -> [f64; 2] {
+        self.masses.map(|mass| mass.value())
+    }
+
+    /// l1 and l2 as the nearest f64.
+    pub fn lengths_m(&self) -> [f64; 2] {
+        self.lengths.map(|length| length.value())
+    }
+
+    /// The five numbers to the precision of f64.
     pub fn pendulum(&self) -> Pendulum<f64> {
+        self.pendulum_in::<Dd>().to_f64()
+    }
+
+    /// The five numbers, formed in the number type from the decimals that were given.
+    pub fn pendulum_in<T: Scalar>(&self) -> Pendulum<T> {
+        let [masses, lengths] =
+            [self.masses, self.lengths].map(|pair| pair.map(|x| T::from_theta(x.exact())));
+        let gravity = T::from_theta(self.gravity.exact());
         match self.kind {
-            Kind::Points => Pendulum::points(self.masses, self.lengths, self.gravity),
-            Kind::Rods => Pendulum::rods(self.masses, self.lengths, self.gravity),
+            Kind::Points => Pendulum::points(masses, lengths, gravity),
+            Kind::Rods => Pendulum::rods(masses, lengths, gravity),
         }
+    }
+
+    /// The five numbers in units that make C = Q = 1, and the unit of time, √(C/Q), s. They are
+    /// formed from ratios, so that no product leaves the range of a fixed-point number.
+    pub fn reduced_in<T: Scalar>(&self) -> (Pendulum<T>, T) {
+        let of = |decimal: Decimal| T::from_theta(decimal.exact());
+        let [[m1, m2], [l1, l2]] = [self.masses, self.lengths].map(|pair| pair.map(of));
+        let (mass, length) = (m1 / m2, l1 / l2);
+        let [one, two, three] = [1.0, 2.0, 3.0].map(T::from_f64);
+        let (a, b, p, least_det) = match self.kind {
+            Kind::Points => ((mass + one) * length, l2 / l1, (mass + one) * length, mass),
+            Kind::Rods => (
+                two * (mass / three + one) * length,
+                two * l2 / (three * l1),
+                (mass + two) * length,
+                (T::from_f64(4.0) * mass + three) / T::from_f64(9.0),
+            ),
+        };
+        let unit_secs = (l1 / of(self.gravity)).sqrt();
+        (Pendulum { a, b, c: one, p, q: one, least_det }, unit_secs)
     }
 
     /// The pendulum's natural unit of time; without gravity, when nothing moves, 1 s.
     pub fn unit_secs(&self) -> f64 {
-        let pendulum = self.pendulum();
-        if pendulum.q > 0.0 { pendulum.reduced().1 } else { 1.0 }
+        if self.gravity.value() > 0.0 { self.reduced_in::<Dd>().1.to_f64() } else { 1.0 }
     }
 }
 
@@ -126,25 +169,58 @@ impl Scene {
     /// Checks every number, so that nothing after this needs to.
     pub fn checked(mut self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-        let refuse = |option, value: f64, range| {
+        let refuse = |option, value: &dyn std::fmt::Debug, range| {
             Err(SceneError { option, value: format!("{value:?}"), range })
         };
         let Build { masses, lengths, gravity, .. } = self.build;
-        if let Some(mass) = masses.into_iter().find(|m| !WIDE.contains(m)) {
+        if let Some(mass) = masses.iter().find(|m| !WIDE.contains(&m.value())) {
             return refuse("--masses", mass, "each mass must lie between 1e-9 and 1e9 kg");
         }
-        if let Some(length) = lengths.into_iter().find(|l| !WIDE.contains(l)) {
+        if let Some(length) = lengths.iter().find(|l| !WIDE.contains(&l.value())) {
             return refuse("--lengths", length, "each length must lie between 1e-9 and 1e9 m");
         }
-        if !(gravity == 0.0 || WIDE.contains(&gravity)) {
-            return refuse("--gravity", gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
+        if !(gravity == 0.0 || WIDE.contains(&gravity.value())) {
+            return refuse("--gravity", &gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
         }
         self.view.check()?;
         self.question.budget = self.question.budget.for_view(&self.build, &self.view);
         let budget = self.question.budget.secs;
         if !(1e-9..=1e6).contains(&budget) {
-            return refuse("--budget", budget, "it must lie between 1e-9 and 1e6 s, or be auto");
+            return refuse("--budget", &budget, "it must lie between 1e-9 and 1e6 s, or be auto");
         }
         Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Theta;
+
+    #[test]
+    fn the_five_numbers_are_right_to_the_last_digit_of_every_type() {
+        fn error<T: Scalar>(kind: Kind) -> f64 {
+            let build = Build::new(kind, [0.1, 0.7], [1.0, 0.6], 1.62);
+            let (reduced, unit) = build.reduced_in::<T>();
+            let plain = build.pendulum_in::<T>();
+            let (same, unit_too) = plain.reduced();
+            let off = |a: T, b: T| ((a - b) / b).to_f64().abs();
+            let least = |x: &Pendulum<T>| off(x.least_det, x.a * x.b - x.c * x.c);
+            let pairs = [(reduced.a, same.a), (reduced.b, same.b), (reduced.p, same.p)];
+            let numbers = pairs.map(|(a, b)| off(a, b)).into_iter().fold(0.0, f64::max);
+            numbers.max(least(&reduced)).max(least(&plain)).max(off(unit, unit_too))
+        }
+        for (_, kind) in Kind::ALL {
+            assert!(error::<f64>(kind) < 4e-15, "{kind:?}");
+            assert!(error::<Dd>(kind) < 1e-30, "{kind:?} {:e}", error::<Dd>(kind));
+            assert!(error::<Theta>(kind) < 1e-131, "{kind:?} {:e}", error::<Theta>(kind));
+        }
+    }
+
+    #[test]
+    fn a_pendulum_is_built_from_decimals_and_not_from_floats() {
+        let build = Build::new(Kind::Points, [1.0, 1.0], [1.0, 0.6], 9.81);
+        let tenths = build.pendulum_in::<Dd>().q * Dd::new(1000.0);
+        assert!((tenths - Dd::new(5886.0)).abs().hi < 1e-27, "{tenths}");
     }
 }

@@ -1,7 +1,7 @@
 //! A scene's numbers as words: `--rule either` on the command line, `rule=either` in a location.
 
 use super::{Kind, Scene, SceneError};
-use crate::physics::Rule;
+use crate::physics::{Decimal, Rule};
 
 /// One number of a scene, or a pair of them, that has an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,8 @@ impl Word {
             Word::Masses => build.masses = pair(text).ok_or(WIDE_PAIR)?,
             Word::Lengths => build.lengths = pair(text).ok_or(WIDE_PAIR)?,
             Word::Gravity => {
-                build.gravity = number("it must be 0 or a number between 1e-9 and 1e9 m/s²")?;
+                let range = "it must be 0 or a number between 1e-9 and 1e9 m/s²";
+                build.gravity = text.parse().map_err(|()| range)?;
             }
         }
         Ok(())
@@ -97,7 +98,7 @@ impl Word {
     /// The text that [`Word::set`] makes the same of.
     pub fn text(self, scene: &Scene) -> String {
         let Scene { build, question, view } = scene;
-        let pair = |[first, second]: [f64; 2]| format!("{first},{second}");
+        let pair = |[first, second]: [Decimal; 2]| format!("{first},{second}");
         match self {
             Word::Center => view.center.join(","),
             Word::Width => view.width.clone(),
@@ -117,7 +118,7 @@ fn known<T: Copy>(all: &[(&str, T)], text: &str) -> Option<T> {
     all.iter().find(|(word, _)| *word == text).map(|(_, value)| *value)
 }
 
-fn pair(text: &str) -> Option<[f64; 2]> {
+fn pair(text: &str) -> Option<[Decimal; 2]> {
     let (first, second) = text.split_once(',')?;
     Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
 }

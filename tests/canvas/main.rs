@@ -14,7 +14,7 @@ use flipmap::app::camera::{Camera, Screen};
 use flipmap::app::hover::sample_at;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{Method, Precision, Question, Recipe};
-use flipmap::physics::{Dd, Outcome, Scalar, Status, Theta};
+use flipmap::physics::{Dd, Decimal, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
 use flipmap::scene::{Budget, Build, Fate, Grid, PictureTable, Question as Asked, Scale, Scene};
@@ -303,7 +303,10 @@ mod checks {
         let (screen, home) = (screen(middle(), LEVEL), scene(60.0));
         let mut explorer = explored(&screen, &home);
         let (picture, mut studio) = (&pictures()[1], Studio::new(PLAIN));
-        let moon = Scene { build: Build { gravity: 8.0, ..Build::default() }, ..home.clone() };
+        let moon = Scene {
+            build: Build { gravity: Decimal::from(8.0), ..Build::default() },
+            ..home.clone()
+        };
         explorer.aim(aim(&screen, &moon));
         let paint = Paint { picture, scene: &moon, trust: false };
         let pixels = studio.draw(&screen, &mut explorer, &paint);

@@ -76,7 +76,7 @@ pub fn finished(
 pub fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let one = |angle: &[Dd; 2]| {
         let angle = angle.map(|theta| theta.hi);
-        gold::outcome(&question.pendulum, angle, question.rule, question.budget_secs)
+        gold::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
     };
     starts.par_iter().map(one).collect()
 }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{Job, Method, Precision, Question, Recipe};
-use flipmap::physics::{Outcome, Rule, Scalar, Status, Theta};
+use flipmap::physics::{Decimal, Outcome, Rule, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
 use flipmap::scene::{Budget, Build, Fate, Question as Asked, Scene};
 use flipmap::tiles::aim::{Aim, Physics};
@@ -17,7 +17,7 @@ pub const ROOMY: usize = 4000 * TILE_BYTES;
 
 pub fn physics(gravity: f64) -> Physics {
     Physics {
-        build: Build { gravity, ..Build::default() },
+        build: Build { gravity: Decimal::from(gravity), ..Build::default() },
         rule: Rule::Second,
         recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
         verified: false,

@@ -39,7 +39,7 @@ pub struct Ledger {
 }
 
 fn name(question: &Question, [theta1, theta2]: [Dd; 2]) -> Name {
-    [theta1.hi, theta1.lo, theta2.hi, theta2.lo, question.pendulum.q].map(f64::to_bits)
+    [theta1.hi, theta1.lo, theta2.hi, theta2.lo, question.build.gravity.value()].map(f64::to_bits)
 }
 
 /// The time that a job gives its pendulums; of one pendulum in eight, so that the ledger stays

@@ -57,7 +57,7 @@ impl Flight {
         if let Err(error) = std::thread::Builder::new().name("flight".into()).spawn(fly) {
             log::error!("no thread for a flight: {error}");
         }
-        let exact: Pendulum<Dd> = question.pendulum.convert();
+        let exact: Pendulum<Dd> = question.build.pendulum_in();
         let forbidden = [start, neighbour].map(|angle| exact.forbids(question.rule, angle));
         Flight { question, forbidden, record: Record::default(), incoming }
     }
@@ -121,6 +121,7 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use super::*;
+    use crate::physics::Decimal;
     use crate::physics::{Rule, State, gold, taylor::Orbit};
     use crate::scene::{Build, Scene};
 
@@ -150,7 +151,7 @@ mod tests {
     }
 
     fn gold_of(question: &Question, start: [Dd; 2]) -> Outcome<Dd> {
-        let pendulum: Pendulum<Dd> = question.pendulum.convert();
+        let pendulum: Pendulum<Dd> = question.build.pendulum_in();
         gold::outcome(&pendulum, start, question.rule, Dd::new(question.budget_secs))
     }
 
@@ -188,7 +189,7 @@ mod tests {
         let flight = complete(question(Rule::Second, 5.0), pair([2.2, 1.4].map(Dd::new)));
         let record = flight.record();
         assert_eq!((record.ending, record.end_secs()), (Some(Ending::Complete), LEAST_SECS));
-        let pendulum: Pendulum<Dd> = flight.question().pendulum.convert();
+        let pendulum: Pendulum<Dd> = flight.question().build.pendulum_in();
         let mut orbit = Orbit::new(pendulum, State::rest([2.2, 1.4].map(Dd::new)));
         for i in 0..=300 {
             let secs = f64::from(i) / 10.0;
@@ -218,8 +219,8 @@ mod tests {
 
     #[test]
     fn without_gravity_and_in_balance_nothing_moves() {
-        let weightless = Build { gravity: 0.0, ..Build::default() }.pendulum();
-        let floating = Question { pendulum: weightless, ..question(Rule::Second, 40.0) };
+        let weightless = Build { gravity: Decimal::from(0.0), ..Build::default() };
+        let floating = Question { build: weightless, ..question(Rule::Second, 40.0) };
         for (question, start, status) in [
             (floating, [2.2, 1.4].map(Dd::new), Status::Forbidden),
             (question(Rule::Second, 40.0), [Dd::PI, Dd::PI], Status::Unflipped),
@@ -243,8 +244,8 @@ mod tests {
 
     #[test]
     fn a_huge_budget_ends_where_memory_does_and_a_dropped_flight_stops() {
-        let fast = Build { gravity: 1e6, ..Build::default() }.pendulum();
-        let long = Question { pendulum: fast, ..question(Rule::Second, 1e6) };
+        let fast = Build { gravity: Decimal::from(1e6), ..Build::default() };
+        let long = Question { build: fast, ..question(Rule::Second, 1e6) };
         let start = [0.3, 0.2].map(Dd::new);
         let flight = complete(long, pair(start));
         assert_eq!(flight.record().ending, Some(Ending::Full));

@@ -86,11 +86,11 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Pendulum;
     use crate::physics::taylor::Orbit;
+    use crate::scene::Build;
 
     fn recorded(angle: [f64; 2], until_secs: f64) -> (Orbit<Dd>, Motion) {
-        let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 9.81).convert();
+        let pendulum = Build::default().pendulum_in::<Dd>();
         let start = State::rest(angle.map(Dd::new));
         let (mut orbit, mut motion) = (Orbit::new(pendulum, start), Motion::default());
         while orbit.time().hi < until_secs {

@@ -94,7 +94,7 @@ struct Pair {
 
 impl Pair {
     fn new(question: &Question, starts: [[Dd; 2]; 2], until_secs: f64) -> Self {
-        let pendulum: Pendulum<Dd> = question.pendulum.convert();
+        let pendulum: Pendulum<Dd> = question.build.pendulum_in();
         let [own, ghost] = starts.map(|angle| Flyer::new(pendulum, angle, question.rule));
         Pair {
             energy: pendulum.energy(own.orbit.state()),
@@ -103,7 +103,7 @@ impl Pair {
             ghost_step: None,
             until: Dd::new(until_secs),
             pendulum,
-            ruler: Ruler::new(&question.pendulum),
+            ruler: Ruler::new(&question.build.pendulum()),
         }
     }
 

@@ -3,7 +3,7 @@
 use egui::{Grid, Ui};
 
 use super::field::number;
-use crate::physics::Rule;
+use crate::physics::{Decimal, Rule};
 use crate::scene::{Budget, Build, Kind, Question, Scene};
 
 /// What a mass or a length can be, kg or m.
@@ -41,17 +41,17 @@ fn built(ui: &mut Ui, build: &mut Build) {
     ui.end_row();
     pair(ui, ["Mass m1", "Mass m2"], " kg", &mut build.masses);
     pair(ui, ["Length l1", "Length l2"], " m", &mut build.lengths);
-    if let Some(gravity) = number(ui, "Gravity g", " m/s²", build.gravity, 0.0..=1e9) {
+    if let Some(gravity) = number(ui, "Gravity g", " m/s²", build.gravity.value(), 0.0..=1e9) {
         // Less than the smallest gravity is none.
-        build.gravity = if gravity < 1e-9 { 0.0 } else { gravity };
+        build.gravity = if gravity < 1e-9 { 0.0 } else { gravity }.into();
     }
     ui.end_row();
 }
 
-fn pair(ui: &mut Ui, names: [&str; 2], unit: &str, values: &mut [f64; 2]) {
+fn pair(ui: &mut Ui, names: [&str; 2], unit: &str, values: &mut [Decimal; 2]) {
     for (name, value) in names.into_iter().zip(values) {
-        if let Some(new) = number(ui, name, unit, *value, WIDE) {
-            *value = new;
+        if let Some(new) = number(ui, name, unit, value.value(), WIDE) {
+            *value = new.into();
         }
         ui.end_row();
     }

@@ -53,7 +53,7 @@ pub fn run<N: Number, P: Pair>(
     chunk: &Chunk,
     adaptive: Adaptive,
 ) -> Option<Answer> {
-    let (reduced, _) = chunk.question.pendulum.reduced();
+    let (reduced, _) = chunk.question.reduced();
     let scale = reduced.momentum_scale();
     let one = <N::Leading as Lanes>::splat(set, 1.0);
     let number = N::exactly(one);

@@ -18,7 +18,7 @@ pub fn run<L: Lanes, const TERMS: usize>(
 ) -> Option<Answer> {
     let turning = if TERMS == 0 { Turning::Fresh } else { Turning::Small(TERMS) };
     let compensated = chunk.recipe.precision == Precision::F32;
-    let (reduced, _) = chunk.question.pendulum.reduced();
+    let (reduced, _) = chunk.question.reduced();
     let pendulum = reduced.map(|number| L::splat(set, number));
     let step = L::splat(set, steps.length);
     let mut fixed = Fixed { flock: Flock::new(chunk, L::COUNT, [0.0; NUMBERS]), reduced, steps };

@@ -12,7 +12,7 @@ use crate::physics::embedded::plus;
 use crate::physics::gold::passage_of_top;
 use crate::physics::phase::Phase;
 use crate::physics::series::Series;
-use crate::physics::{Real, Scalar};
+use crate::physics::{Dd, Real, Scalar};
 
 /// Runs a chunk in lanes of `N`, with expansions of `M` coefficients; one lane's numbers are
 /// of type `T`, made from the two parts they are stored in.
@@ -23,10 +23,10 @@ pub fn run<N: Number, T: Scalar, const M: usize>(
     adaptive: Adaptive,
     from_parts: fn(f64, f64) -> T,
 ) -> Option<Answer> {
-    let (reduced, _) = chunk.question.pendulum.reduced();
-    let number = N::exactly(<N::Leading as Lanes>::splat(set, 1.0));
-    let pendulum = reduced.map(|value| number.lit(value));
-    let inverse_scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
+    let (reduced, _) = chunk.question.reduced_in::<Dd>();
+    let lanes = |value: f64| [value; MOST_LANES];
+    let pendulum = reduced.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
+    let inverse_scale = reduced.to_f64().momentum_scale().map(|scale| 1.0 / scale);
     let mut flock = Flock::new(chunk, <N::Leading as Lanes>::COUNT, idle());
     finish_those_over(&mut flock, &adaptive);
     while flock.is_busy() {

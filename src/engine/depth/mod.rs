@@ -178,7 +178,7 @@ fn followed(
         return None;
     };
     let question = job.question;
-    let (_, unit_secs) = question.pendulum.reduced();
+    let (_, unit_secs) = question.reduced();
     let level = deep.leaves.first().map_or(0, |leaf| leaf.cell.level);
     let wanted = Wanted { level, budget: question.budget_secs / unit_secs, cancelled, told };
     let cells: Vec<Cell> = deep.leaves.iter().map(|leaf| leaf.cell).collect();

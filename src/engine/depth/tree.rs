@@ -17,6 +17,7 @@ use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, digits_for, reference};
 use crate::physics::sheet::{End, Law, Sheet};
 use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
+use crate::scene::Build;
 use crate::scene::lattice::{Cell, side_rad};
 
 /// Anchors lie on every so many levels.
@@ -41,7 +42,7 @@ const SLICE: f64 = 1.0;
 /// The charts of one pendulum and rule.
 pub struct Tree {
     pub law: Law,
-    pendulum: Pendulum<f64>,
+    build: Build,
     rule: Rule,
     strict: bool,
     anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
@@ -87,8 +88,8 @@ fn bits(anchor: u32) -> u32 {
 impl Tree {
     pub fn new(question: &Question, strict: bool) -> Self {
         Tree {
-            law: Law::new(&question.pendulum, question.rule),
-            pendulum: question.pendulum,
+            law: Law::new(question.reduced().0, question.rule),
+            build: question.build,
             rule: question.rule,
             strict,
             anchors: Mutex::default(),
@@ -96,7 +97,7 @@ impl Tree {
     }
 
     pub fn is_of(&self, question: &Question, strict: bool) -> bool {
-        self.pendulum == question.pendulum && self.rule == question.rule && self.strict == strict
+        self.build == question.build && self.rule == question.rule && self.strict == strict
     }
 
     /// The charts of leaves of one level, in any order; none once that is cancelled.
@@ -141,7 +142,8 @@ impl Tree {
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
         let holds = node.sheet.holds(&self.law, self.tolerance(DEEPEST_BELOW));
-        let reference = holds.then(|| reference(&self.pendulum, cell.center(), bits(cell.level)));
+        let reference =
+            holds.then(|| reference(&self.build.reduced_in().0, cell.center(), bits(cell.level)));
         let end = (!holds).then_some(End::Spread);
         Anchor { node, reference, end }
     }
@@ -155,24 +157,14 @@ impl Tree {
         Node { sheet, edge: Some(edge) }
     }
 
-    /// How deep in the forbidden region starts at rest are, J.
+    /// How deep in the forbidden region starts at rest are, reduced.
     fn edge(&self, sheet: &Sheet, cos: [Theta; 2]) -> Jet {
-        let [p, q] = [self.pendulum.p, self.pendulum.q];
-        let bound = match self.rule {
-            Rule::Second => p - q,
-            Rule::First => q - p,
-            Rule::Either => (p - q).abs(),
-        };
-        let exact = [p, q].map(Theta::from_f64);
-        let middle = exact[0] * cos[0] + exact[1] * cos[1];
-        let bound = match self.rule {
-            Rule::Either if bound == p - q => exact[0] - exact[1],
-            Rule::Second => exact[0] - exact[1],
-            _ => exact[1] - exact[0],
-        };
+        let (exact, _) = self.build.reduced_in::<Theta>();
+        let middle = exact.depth(cos) - exact.least_depth(self.rule);
         let [x1, _, x2, ..] = sheet.phase;
+        let Pendulum { p, q, .. } = self.law.pendulum;
         let depth = x1 * Jet::constant(p) + x2 * Jet::constant(q);
-        depth.with_middle((middle - bound).to_f64())
+        depth.with_middle(middle.to_f64())
     }
 
     /// Follows an anchor as far as is wanted: its end there, or nothing where all of it is
@@ -182,7 +174,7 @@ impl Tree {
             return Some(None);
         }
         let tolerance = self.tolerance(DEEPEST_BELOW);
-        let (_, unit_secs) = self.pendulum.reduced();
+        let unit_secs = self.build.unit_secs();
         loop {
             if let Some(end) = &anchor.end {
                 return Some(Some(end.clone()));

@@ -65,7 +65,7 @@ impl Design {
             }
             (scheme, _) => scheme,
         };
-        let scene = Some((question.pendulum.reduced().0, question.rule));
+        let scene = Some((question.reduced().0, question.rule));
         Ok(Design { scheme, scene, ..self })
     }
 

@@ -103,7 +103,7 @@ impl Slot {
     }
 
     fn write_scene(&self, gpu: &Gpu) {
-        let (pendulum, _) = self.job.question.pendulum.reduced();
+        let (pendulum, _) = self.job.question.reduced();
         let scene = JobScene {
             watched: self.job.question.rule.watched().iter().map(|bob| 1 << bob).sum(),
             padding: 0,

@@ -228,7 +228,7 @@ const CATCH_UP: f64 = 0.05;
 
 /// The distance of two states, the earlier one moved on to the time of the later.
 fn distance(question: &Question, a: (Phase<f64>, f64), b: (Phase<f64>, f64)) -> f64 {
-    let (pendulum, _) = question.pendulum.reduced();
+    let (pendulum, _) = question.reduced();
     let scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
     let ((mut phase, from), (late, to)) = if a.1 <= b.1 { (a, b) } else { (b, a) };
     let steps = ((to - from) / CATCH_UP).ceil();

@@ -283,6 +283,10 @@ impl<const N: usize> Scalar for Fixed<N> {
         root
     }
 
+    fn from_theta(value: Theta) -> Self {
+        value.resized()
+    }
+
     fn parse(text: &str) -> Option<Self> {
         let value = decimal::read(text, Self::BITS as usize)?;
         let bytes = value.to_le_bytes();

@@ -85,9 +85,8 @@ const SHORTEST: f64 = 1e-7;
 const GRAZE_WITHIN: f64 = 1.0;
 
 impl Law {
-    /// Of a pendulum in any units.
-    pub fn new(pendulum: &Pendulum<f64>, rule: Rule) -> Self {
-        let (pendulum, _) = pendulum.reduced();
+    /// The motion of a pendulum in reduced units.
+    pub fn new(pendulum: Pendulum<f64>, rule: Rule) -> Self {
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         Law { pendulum, rule, jets: pendulum.map(Jet::constant), inverse_scale }
     }

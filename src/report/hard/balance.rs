@@ -28,7 +28,7 @@ pub const CASES: &[Case] = &[
 
 fn rims(bench: &mut Bench) -> Result<Finding, EngineError> {
     let question = home(Rule::Second, 20.0);
-    let Pendulum { p, q, .. } = question.pendulum;
+    let Pendulum { p, q, .. } = question.build.pendulum();
     // The start at θ1 whose energy is `excess` P above the bound.
     let rim = |theta1: f64, excess: f64| {
         let cos2 = (p - q - excess * p - p * theta1.cos()) / q;
@@ -110,7 +110,7 @@ fn upright(bench: &mut Bench) -> Result<Finding, EngineError> {
         let starts = OFFSETS.map(start);
         let truth = gold_dd(&question, &starts);
         let worst = bench.worst(&question, &starts, &truth)?;
-        let lambda = growth_rate(&question.pendulum, equilibrium);
+        let lambda = growth_rate(&question.build.pendulum(), equilibrium);
         let growth = (truth[4].time - truth[2].time) / 1e6f64.ln() * lambda;
         let expected = f64::from(u8::from(inward));
         held &= count(&truth, Status::Flipped) == OFFSETS.len()

@@ -2,7 +2,7 @@
 
 use super::{BALANCED, Bench, Case, Finding, Of, apart, count, gold_f64, home};
 use crate::engine::{EngineError, Question};
-use crate::physics::{Dd, Rule, Status};
+use crate::physics::{Dd, Decimal, Pendulum, Rule, Status};
 use crate::scene::{Build, Kind};
 
 pub const CASES: &[Case] = &[
@@ -41,7 +41,8 @@ pub fn scattered(question: &Question, count: u32) -> Vec<[Dd; 2]> {
             Dd::new((x / f64::from(count)).fract() * std::f64::consts::TAU - std::f64::consts::PI)
         })
     };
-    let open = |start: &[Dd; 2]| !question.pendulum.forbids(question.rule, start.map(|x| x.hi));
+    let pendulum = question.build.pendulum();
+    let open = |start: &[Dd; 2]| !pendulum.forbids(question.rule, start.map(|x| x.hi));
     (0..count).map(at).filter(open).collect()
 }
 
@@ -86,7 +87,7 @@ impl Tally {
 }
 
 fn question(build: Build, budget_secs: f64) -> Question {
-    Question { pendulum: build.pendulum(), rule: Rule::Second, budget_secs }
+    Question { build, rule: Rule::Second, budget_secs }
 }
 
 fn whips(bench: &mut Bench) -> Result<Finding, EngineError> {
@@ -97,7 +98,7 @@ fn whips(bench: &mut Bench) -> Result<Finding, EngineError> {
         (Kind::Points, [0.02, 1.0], [0.1, 1.0]),
         (Kind::Rods, [1.0, 0.05], [1.0, 0.1]),
     ] {
-        let build = Build { kind, masses, lengths, ..Build::default() };
+        let build = Build::new(kind, masses, lengths, 9.81);
         tally.add(bench, &question(build, 5.0), 40)?;
     }
     let share = tally.right as f64 / tally.starts as f64;
@@ -109,10 +110,11 @@ fn ratios(bench: &mut Bench) -> Result<Finding, EngineError> {
     for kind in [Kind::Points, Kind::Rods] {
         for masses in [[1.0, 1e-3], [1e-3, 1.0], [1.0, 1.0]] {
             for lengths in [[1.0, 1e-3], [1e-3, 1.0], [1.0, 1.0]] {
-                let build = Build { kind, masses, lengths, ..Build::default() };
+                let build = Build::new(kind, masses, lengths, 9.81);
                 // Light and short first rods leave few starts open, so more are tried.
                 let asked = question(build, 1.0);
-                let few = asked.pendulum.p < 0.1 * asked.pendulum.q;
+                let Pendulum { p, q, .. } = build.pendulum();
+                let few = p < 0.1 * q;
                 tally.add(bench, &asked, if few { 1000 } else { 16 })?;
             }
         }
@@ -121,12 +123,12 @@ fn ratios(bench: &mut Bench) -> Result<Finding, EngineError> {
 }
 
 fn gravity(bench: &mut Bench) -> Result<Finding, EngineError> {
-    let weightless = Build { gravity: 0.0, ..Build::default() };
-    let none = scattered(&question(weightless, 1.0), 1000).len();
+    let pulled = |gravity| Build { gravity: Decimal::from(gravity), ..Build::default() };
+    let none = scattered(&question(pulled(0.0), 1.0), 1000).len();
     let starts = scattered(&home(Rule::Second, 1.0), 200);
     let mut scaled = Vec::new();
     for gravity in [1e-6, 1e-3, 1.0, 9.81, 1e3f64] {
-        let asked = question(Build { gravity, ..Build::default() }, 20.0 / gravity.sqrt());
+        let asked = question(pulled(gravity), 20.0 / gravity.sqrt());
         let mut answers = bench.answers(&asked, BALANCED, &starts)?;
         answers.iter_mut().for_each(|outcome| outcome.time *= gravity.sqrt());
         scaled.push(answers);

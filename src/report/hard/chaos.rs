@@ -6,6 +6,7 @@ use super::tangent::spectrum;
 use super::{BALANCED, Bench, Case, Finding, Of, TAYLOR, apart, builds, home};
 use crate::engine::{EngineError, Question};
 use crate::physics::{Dd, Pendulum, Rule, Status};
+use crate::scene::{Build, Kind};
 
 pub const CASES: &[Case] = &[
     Case {
@@ -30,7 +31,8 @@ pub const CASES: &[Case] = &[
 
 fn lyapunov(_: &mut Bench) -> Result<Finding, EngineError> {
     let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
-    let asked = Question { pendulum: unit, rule: Rule::Second, budget_secs: 1.0 };
+    let build = Build::new(Kind::Points, [1.0; 2], [1.0; 2], 1.0);
+    let asked = Question { build, rule: Rule::Second, budget_secs: 1.0 };
     let long = spectrum(&unit, [2.0, 2.0], 500.0);
     let sum: f64 = long.iter().sum();
     let pair = long[0] + long[3];

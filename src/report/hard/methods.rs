@@ -45,7 +45,7 @@ const LONG: [[f64; 2]; 2] = [[0.5, -0.3], [0.2, 2.8]];
 
 fn energy(bench: &mut Bench) -> Result<Finding, EngineError> {
     let question = home(Rule::Second, 100.0);
-    let (reduced, _) = question.pendulum.reduced();
+    let (reduced, _) = question.reduced();
     let start = |angles: [f64; 2]| angles.map(Dd::new);
     let mut parts = Vec::new();
     let mut held = true;
@@ -132,7 +132,7 @@ fn turned_round(paused: &Paused) -> Paused {
 
 /// How far `back` is from where a pendulum let go at `start` is `beyond` (reduced) later.
 fn miss(question: &Question, start: &[Dd; 2], back: &Paused, beyond: Dd) -> f64 {
-    let reduced = question.pendulum.convert::<Dd>().reduced().0;
+    let reduced = question.reduced_in::<Dd>().0;
     // From rest the motion is the same both ways in time.
     let truth = Orbit::new(reduced, State::rest(*start)).state_at(beyond.abs());
     let truth = reduced.phase(&truth);

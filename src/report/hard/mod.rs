@@ -20,7 +20,8 @@ pub use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{
     Engine, EngineError, Finished, Job, Method, Precision, Question, Recipe, Starts, Wait,
 };
-use crate::physics::{Dd, Outcome, Pendulum, Rule, Status};
+use crate::physics::{Dd, Outcome, Rule, Status};
+use crate::scene::Build;
 
 /// One claim and the way to refute it.
 #[derive(Clone, Copy)]
@@ -170,7 +171,7 @@ impl<'a> Bench<'a> {
 
 /// A question about the pendulum of the home map.
 fn home(rule: Rule, budget_secs: f64) -> Question {
-    Question { pendulum: Pendulum::points([1.0; 2], [1.0; 2], 9.81), rule, budget_secs }
+    Question { build: Build::default(), rule, budget_secs }
 }
 
 /// How far apart two outcomes are in seconds; infinitely where their statuses differ.

@@ -138,7 +138,7 @@ fn at_the_top(bench: &mut Bench) -> Result<Finding, EngineError> {
                     .clone()
                     .map(move |other| if top == 0 { [Dd::PI, other] } else { [other, Dd::PI] })
             })
-            .filter(|&start| !question.pendulum.convert().forbids(rule, start))
+            .filter(|&start| !question.build.pendulum_in().forbids(rule, start))
             .collect();
         let truth = gold_dd(&question, &starts);
         let there = bench.answers(&question, BALANCED, &settled(&question, &starts))?;
@@ -166,7 +166,7 @@ fn other_side(theta: Dd) -> Dd {
 
 /// Starts as a grid gives them: at the top on the side the first motion leads to.
 fn settled(question: &Question, starts: &[[Dd; 2]]) -> Vec<[Dd; 2]> {
-    let pendulum = question.pendulum.convert();
+    let pendulum = question.build.pendulum_in();
     let one = |&start: &[Dd; 2]| {
         let alpha = pendulum.acceleration(&State::rest(start));
         [0, 1].map(|i| settle_at_top(start[i], alpha[i]))

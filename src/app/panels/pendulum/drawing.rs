@@ -74,9 +74,10 @@ impl<'a> Stage<'a> {
 
     /// The ends of both rods, for angles from the downward vertical, anticlockwise.
     fn ends(&self, angle: [f64; 2]) -> [Pos2; 2] {
-        let reach = self.build.lengths[0] + self.build.lengths[1];
+        let lengths = self.build.lengths_m();
+        let reach = lengths[0] + lengths[1];
         let rod = |i: usize| {
-            let length = (self.build.lengths[i] / reach) as f32 * self.half_side * FILLED;
+            let length = (lengths[i] / reach) as f32 * self.half_side * FILLED;
             let (sin, cos) = angle[i].sin_cos();
             vec2(sin as f32, cos as f32) * length
         };
@@ -86,7 +87,7 @@ impl<'a> Stage<'a> {
 
     /// Radii of bobs, their areas in the ratio of their masses as far as both can be seen.
     fn radii(&self) -> [f32; 2] {
-        let [m1, m2] = self.build.masses;
+        let [m1, m2] = self.build.masses_kg();
         let heaviest = m1.max(m2);
         [m1, m2].map(|mass| (self.half_side * HEAVIEST * (mass / heaviest).sqrt() as f32).max(3.0))
     }
@@ -127,7 +128,7 @@ impl<'a> Stage<'a> {
 
     /// Where the second bob has been, fading with age.
     fn trail(&self, painter: &Painter, pin: &Pin, secs: f64) {
-        let length_secs = TRAIL_UNITS * natural_secs(&pin.flight.question().pendulum);
+        let length_secs = TRAIL_UNITS * natural_secs(&pin.flight.question().build.pendulum());
         let motion = &pin.flight.record().own.motion;
         let place = |point: usize| {
             let age = (TRAIL_POINTS - point) as f64 / TRAIL_POINTS as f64;
