@@ -79,10 +79,8 @@ impl Question {
         (pendulum.to_f64(), unit_secs.to_f64())
     }
 
-    /// The outcome of a pendulum that flips at a reduced `time`: unflipped if that is too late.
-    pub fn flipped_at(&self, time: f64) -> Outcome {
-        let (_, unit_secs) = self.reduced();
-        let secs = time * unit_secs;
+    /// The outcome of a pendulum that flips after `secs`: unflipped if that is too late.
+    pub fn flipped_at(&self, secs: f64) -> Outcome {
         if secs <= self.budget_secs {
             Outcome::flipped(secs)
         } else {

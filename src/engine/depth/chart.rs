@@ -45,19 +45,21 @@ pub enum Begun {
 }
 
 impl Chart {
-    /// What becomes of the start at a point of the leaf, in [−1, 1]².
-    pub fn start(&self, law: &Law, question: &Question, at: [f64; 2]) -> Begun {
+    /// What becomes of the start at a point of the leaf, in [−1, 1]², in reduced units of
+    /// `unit_secs`.
+    pub fn start(&self, law: &Law, question: &Question, unit_secs: f64, at: [f64; 2]) -> Begun {
         match self {
             Chart::Forbidden => Begun::Known(Outcome::without_time(Status::Forbidden)),
             Chart::Part { ended, middle, half } => {
-                ended.start(law, question, [0, 1].map(|i| middle[i] + half * at[i]))
+                let at = [0, 1].map(|i| middle[i] + half * at[i]);
+                ended.start(law, question, unit_secs, at)
             }
         }
     }
 }
 
 impl Ended {
-    fn start(&self, law: &Law, question: &Question, at: [f64; 2]) -> Begun {
+    fn start(&self, law: &Law, question: &Question, unit_secs: f64, at: [f64; 2]) -> Begun {
         if self.edge.is_some_and(|edge| edge.at(at) > 0.0) {
             return Begun::Known(Outcome::without_time(Status::Forbidden));
         }
@@ -68,7 +70,7 @@ impl Ended {
         };
         let flips = grazed.chain(passed).reduce(f64::min);
         match (flips, &self.end) {
-            (Some(time), _) => Begun::Known(question.flipped_at(time)),
+            (Some(time), _) => Begun::Known(question.flipped_at(time * unit_secs)),
             (None, End::Spread | End::Unclear) => Begun::Moving(self.moving(at)),
             (None, _) => Begun::Known(Outcome::without_time(Status::Unflipped)),
         }

@@ -188,7 +188,7 @@ fn followed(
     for Leaf { cell, points } in &deep.leaves {
         let before = moving.len();
         for &at in points {
-            match charts[cell].start(&tree.law, &question, at) {
+            match charts[cell].start(&tree.law, &question, unit_secs, at) {
                 Begun::Known(outcome) => outcomes.push(outcome),
                 Begun::Moving(state) => {
                     moving.push((outcomes.len(), state));
