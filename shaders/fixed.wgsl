@@ -84,7 +84,8 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let flipped = fraction >= 0;
     let broken = !finite(w1_next) || !finite(w2_next);
     if flipped {
-        outcomes[pixel] = Outcome(looks | FLIPPED, steps - 1u, to_parts(fraction));
+        outcomes[pixel].status = looks | FLIPPED;
+        outcomes[pixel].moment = to_parts(fraction);
     } else {
 {% for name in state %}
         states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_next;

@@ -22,12 +22,38 @@ fn negative(f: Quintic) -> Quintic {
     return Quintic(-f.c0, -f.c1, -f.c2, -f.c3, -f.c4, -f.c5);
 }
 
-// The root in [0, upper] of f, negative at 0 and not at upper: Newton's steps kept inside a
-// shrinking bracket, until they no longer move.
-fn rise_before(f: Quintic, slope: Quintic, upper: Real) -> Real {
+// f as it goes on from `low`, in units of `span`.
+fn part_of(f: Quintic, low: Real, span: Real) -> Quintic {
+    var c = array<Real, 6>(f.c0, f.c1, f.c2, f.c3, f.c4, f.c5);
+    for (var first = 0; first < 5; first++) {
+        for (var k = 4; k >= first; k--) {
+            c[k] += c[k + 1] * low;
+        }
+    }
+    var power = span;
+    for (var k = 1; k < 6; k++) {
+        c[k] *= power;
+        power *= span;
+    }
+    return Quintic(c[0], c[1], c[2], c[3], c[4], c[5]);
+}
+
+// The greatest of f's control points over [0, 1] but for the first: f is below it.
+fn highest(f: Quintic) -> Real {
+    let b1 = f.c0 + f.c1 / 5;
+    let b2 = f.c0 + (2 * f.c1) / 5 + f.c2 / 10;
+    let b3 = f.c0 + (3 * f.c1) / 5 + (3 * f.c2) / 10 + f.c3 / 10;
+    let b4 = f.c0 + (4 * f.c1) / 5 + (3 * f.c2) / 5 + (2 * f.c3) / 5 + f.c4 / 5;
+    return max(max(b1, b2), max(max(b3, b4), value(f, Real(1))));
+}
+
+// Where f, negative at 0 and not at 1, is zero: Newton's steps kept inside a shrinking bracket,
+// until they no longer move.
+fn only_rise(f: Quintic) -> Real {
+    let slope = derivative(f);
     var low = Real(0);
-    var high = upper;
-    var x = Real(0.5) * upper;
+    var high = Real(1);
+    var x = Real(0.5);
     for (var i = 0; i < 60; i++) {
         let y = value(f, x);
         if y < 0 {
@@ -47,22 +73,37 @@ fn rise_before(f: Quintic, slope: Quintic, upper: Real) -> Real {
     return x;
 }
 
-// The first x in (0, 1] at which f, negative at 0, rises to zero; -1 if nowhere.
-fn first_rise(f: Quintic) -> Real {
-    let slope = derivative(f);
-    let end_slope = value(slope, Real(1));
-    if value(f, Real(1)) >= 0 {
-        if end_slope > 0 || f.c0 < 0 {
-            return rise_before(f, slope, Real(1));
+// The first x in (0, 1] at which f, which begins below zero, rises to it; -1 if nowhere. Decided by
+// the control points of ever smaller parts.
+fn first_rise(whole: Quintic) -> Real {
+    var f = whole;
+    if f.c0 >= 0 {
+        if f.c1 > 0 {
+            return Real(0);
         }
-        return Real(-1);
+        // Only a start at zero itself is above it, by a rounding.
+        f.c0 = Real(0);
     }
-    if f.c1 <= 0 || end_slope >= 0 {
-        return Real(-1);
-    }
-    let peak = rise_before(negative(slope), negative(derivative(slope)), Real(1));
-    if value(f, peak) >= 0 {
-        return rise_before(f, slope, peak);
+    var low = Real(0);
+    var span = Real(1);
+    for (var parts = 0; parts < 200; parts++) {
+        let part = part_of(f, low, span);
+        let below = highest(part) < 0;
+        let end = value(part, Real(1));
+        // It rises all the way where its slope does not vanish.
+        let rises = highest(negative(derivative(part))) < 0 && part.c1 > 0;
+        if !below && !rises && span > Real(1e-6) {
+            span *= Real(0.5);
+            continue;
+        }
+        if !below && end >= 0 && part.c0 < 0 {
+            return low + span * only_rise(part);
+        }
+        low += span;
+        if low >= Real(1) {
+            break;
+        }
+        span = min(Real(2) * span, Real(1) - low);
     }
     return Real(-1);
 }

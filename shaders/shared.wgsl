@@ -40,6 +40,9 @@ struct Outcome {
     // When the flip is, in two parts: of fixed steps the fraction of the next one, of adaptive
     // ones the reduced time.
     moment: vec2<f32>,
+    // How far from the top the bob in question has stayed before, as a sine; only adaptive steps
+    // say.
+    clearance: f32,
 }
 
 // Lengths of the lists of pendulums: two of those that still run, packed together, read and

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::{Accuracy, Engine, Method, Precision, Question, Recipe, Starts};
+use flipmap::engine::{Accuracy, Engine, Keep, Method, Precision, Question, Recipe, Starts};
 use flipmap::physics::{Dd, Decimal, Outcome, Rule, Status};
 use flipmap::scene::{Budget, Build, Kind, Question as Asked, Scene, View};
 
@@ -288,7 +288,7 @@ fn cancelled_jobs_never_come_back(make: Make) {
     let mut engine = make();
     let id = u64::from(IDS.fetch_add(1, Ordering::Relaxed));
     let recipe = lesson(Precision::F32);
-    let job = Job { id, question, recipe, starts, keep_unfinished: false };
+    let job = Job { id, question, recipe, starts, keep: Keep::Nothing };
     engine.submit(job).unwrap();
     engine.cancel();
     assert!(engine.poll(Wait::UntilFinished).unwrap().is_empty());

@@ -12,7 +12,7 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device::Gpu;
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
-    Accuracy, Engine, EngineError, Job, Precision, Question, Recipe, Starts, Wait,
+    Accuracy, Engine, EngineError, Job, Keep, Precision, Question, Recipe, Starts, Wait,
 };
 use flipmap::physics::Rule;
 use flipmap::scene::Scene;
@@ -103,7 +103,7 @@ mod checks {
         let mut engine = gpu_engine();
         for id in [1, 2] {
             let starts = Starts::Rest(starts.clone());
-            engine.submit(Job { id, question, recipe, starts, keep_unfinished: false }).unwrap();
+            engine.submit(Job { id, question, recipe, starts, keep: Keep::Nothing }).unwrap();
         }
         engine.gpu().device.destroy();
         let mut finished = Vec::new();
@@ -142,7 +142,7 @@ mod checks {
             question: question(&Scene::default()),
             recipe: lesson(Precision::F64),
             starts: Starts::Rest(open_starts(&Scene::default(), 4, 1)),
-            keep_unfinished: false,
+            keep: Keep::Nothing,
         });
         let message = error.unwrap_err().to_string();
         assert!(message.contains("--precision f64") && message.contains("sines"), "{message}");

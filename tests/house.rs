@@ -201,6 +201,7 @@ fn structs_have_the_same_offsets_on_both_sides() {
         ("status", offset_of!(RawOutcome, status)),
         ("steps", offset_of!(RawOutcome, steps)),
         ("moment", offset_of!(RawOutcome, moment)),
+        ("clearance", offset_of!(RawOutcome, clearance)),
     ];
     let queue = [("turn", offset_of!(Queue, turn)), ("lengths", offset_of!(Queue, lengths))];
     for (name, twin) in [("Job", &job[..]), ("Outcome", &outcome[..]), ("Queue", &queue[..])] {

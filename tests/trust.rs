@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Accuracy, Engine, Method, Precision, Recipe, Starts, Trust};
+use flipmap::engine::{Accuracy, Engine, Keep, Method, Precision, Recipe, Starts, Trust};
 use flipmap::physics::{Dd, Outcome, Pendulum, Status, gold};
 use flipmap::scene::{Budget, Question as Asked, Scene, View};
 use rayon::prelude::*;
@@ -115,7 +115,7 @@ fn a_paused_pendulum_cannot_be_checked() {
         question,
         recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
         starts: Starts::Paused(Vec::new()),
-        keep_unfinished: false,
+        keep: Keep::Nothing,
     };
     assert!(engine.submit(job).unwrap_err().to_string().contains("release"));
 }

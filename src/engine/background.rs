@@ -240,7 +240,7 @@ impl Engine for Background {
 mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
-    use crate::engine::{Method, Precision, Question, Starts};
+    use crate::engine::{Keep, Method, Precision, Question, Starts};
     use crate::physics::{Dd, Rule};
     use crate::scene::Build;
 
@@ -261,7 +261,7 @@ mod tests {
             question: Question { build: Build::default(), rule: Rule::Second, budget_secs: 30.0 },
             recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
             starts: Starts::Rest(vec![[Dd::new(id as f64); 2]]),
-            keep_unfinished: false,
+            keep: Keep::Nothing,
         }
     }
 

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Effort, Engine, EngineError, Finished, Job, Leaf, Moving, NUMBERS, Paused};
+use super::{Effort, End, Engine, EngineError, Finished, Job, Keep, Leaf, Moving, NUMBERS, Paused};
 use super::{Question, Recipe, Starts, Wait};
 use crate::physics::{Dd, Outcome, Status};
 use crate::scene::lattice::side_rad;
@@ -110,7 +110,7 @@ impl Engine for MockEngine {
 
     fn poll(&mut self, _: Wait) -> Result<Vec<Finished>, EngineError> {
         let job = if self.backwards { self.queue.pop_back() } else { self.queue.pop_front() };
-        let Some(Job { id, question, starts, keep_unfinished, .. }) = job else {
+        let Some(Job { id, question, starts, keep, .. }) = job else {
             return Ok(Vec::new());
         };
         let angles = match starts {
@@ -125,11 +125,14 @@ impl Engine for MockEngine {
         self.answered += angles.len();
         let outcomes: Vec<_> = angles.iter().map(|a| Self::answer(&question, *a)).collect();
         let unfinished = (0..angles.len())
-            .filter(|k| keep_unfinished && outcomes[*k].status == Status::Unflipped)
+            .filter(|k| keep == Keep::Unfinished && outcomes[*k].status == Status::Unflipped)
             .map(|k| (k, Self::pause(&question, angles[k])))
             .collect();
         let effort = Effort { rhs_evaluations: angles.len() as u64, ..Effort::default() };
-        Ok(vec![Finished { id, outcomes, unfinished, trusts: Vec::new(), effort }])
+        let end = |outcome: &Outcome| End { time: outcome.time, ..End::NOWHERE };
+        let ended = outcomes.iter().filter(|_| keep == Keep::Ends);
+        let ends: Vec<End> = ended.map(end).collect();
+        Ok(vec![Finished { id, outcomes, unfinished, ends, effort, ..Finished::default() }])
     }
 
     fn cancel(&mut self) {

@@ -34,6 +34,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use crate::physics::passage;
 use crate::physics::phase::Phase;
 use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
 use crate::scene::lattice::Cell;
@@ -139,6 +140,8 @@ pub struct Moving {
     pub phase: Phase<f64>,
     /// A step that is not too long.
     pub step: f64,
+    /// See [`End::clearance`].
+    pub clearance: f64,
 }
 
 impl Starts {
@@ -182,8 +185,37 @@ pub struct Job {
     pub recipe: Recipe,
     /// The pendulums.
     pub starts: Starts,
-    /// Whether to hand back the states of those unflipped at the end of the budget.
-    pub keep_unfinished: bool,
+    /// What to hand back beside the outcomes.
+    pub keep: Keep,
+}
+
+/// What a job hands back of its pendulums' states.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keep {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// Those of pendulums unflipped at the end of the budget, so that they can be continued.
+    Unfinished,
+    /// Where each of them ended, so that answers can be compared.
+    Ends,
+}
+
+/// Where a pendulum's integration ended: at its flip, or at the end of the budget; reduced units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// Since the release.
+    pub time: f64,
+    /// Unit vectors and momenta.
+    pub phase: Phase<f64>,
+    /// How near a watched bob came to the top before, and turned round: at least this far from it
+    /// (as a sine). Methods that cannot say have [`passage::FAR`].
+    pub clearance: f64,
+}
+
+impl End {
+    /// Of a pendulum that has not been anywhere.
+    pub const NOWHERE: End = End { time: 0.0, phase: [0.0; 6], clearance: passage::FAR };
 }
 
 impl Job {
@@ -213,6 +245,8 @@ pub struct Finished {
     pub outcomes: Vec<Outcome>,
     /// For each start still unflipped, its index and state, if they were to be kept.
     pub unfinished: Vec<(usize, Paused)>,
+    /// Where each start ended, if that was to be kept.
+    pub ends: Vec<End>,
     /// How sure each outcome is; empty where nobody looked.
     pub trusts: Vec<Trust>,
     /// What it took.

@@ -15,7 +15,7 @@ use super::choice::open_checked;
 use super::cpu::{CpuEngine, instruction_set};
 use super::gpu::device::{adapters, describe, is_software};
 use super::{
-    Accuracy, Engine, Finished, Job, Precision, Question, Recipe, Starts, Wait, selfcheck,
+    Accuracy, Engine, Finished, Job, Keep, Precision, Question, Recipe, Starts, Wait, selfcheck,
 };
 use crate::physics::{Dd, Outcome, Status, gold};
 use crate::scene::{Fate, Grid, Scene};
@@ -220,7 +220,7 @@ impl Sample {
     ) -> Result<Finished, super::EngineError> {
         let starts = Starts::Rest(starts.to_vec());
         let question = self.question;
-        engine.submit(Job { id: 0, question, recipe, starts, keep_unfinished: false })?;
+        engine.submit(Job { id: 0, question, recipe, starts, keep: Keep::Nothing })?;
         let mut finished = engine.poll(Wait::UntilFinished)?;
         finished
             .pop()

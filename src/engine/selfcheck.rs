@@ -9,7 +9,7 @@ use super::gpu::device::Gpu;
 use super::gpu::kernel::selfcheck_text;
 use super::gpu::pipeline::{bind, compute_pipeline, layout};
 use super::shared::{from_parts, to_parts};
-use super::{Engine, EngineError, Job, Method, Precision, Question, Recipe, Starts, Wait};
+use super::{Engine, EngineError, Job, Keep, Method, Precision, Question, Recipe, Starts, Wait};
 use crate::physics::{Dd, Outcome, Real, Rule, gold};
 use crate::scene::Build;
 
@@ -114,7 +114,7 @@ pub fn orbits(
             _ => Method::LESSON,
         };
         let recipe = Recipe { method, precision };
-        let job = Job { id: 0, question, recipe, starts, keep_unfinished: false };
+        let job = Job { id: 0, question, recipe, starts, keep: Keep::Nothing };
         // A refused precision has its failed checks already.
         let Ok(()) = engine.submit(job) else { continue };
         let finished = engine.poll(Wait::UntilFinished)?;

@@ -59,6 +59,10 @@ pub struct RawOutcome {
     /// When the flip is, in two parts: of fixed steps the fraction of the next one, of adaptive
     /// ones the reduced time.
     pub moment: [f32; 2],
+    /// How far from the top the watched bobs have stayed before, as a sine.
+    pub clearance: f32,
+    /// WGSL aligns the next one to 8 bytes.
+    pub padding: f32,
 }
 
 /// Lengths of the lists of pendulums.

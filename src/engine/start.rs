@@ -5,11 +5,11 @@
 
 use super::method::Pace;
 use super::{
-    EngineError, Job, Method, Moving, NUMBERS, Paused, Precision, Question, Recipe, Starts,
+    End, EngineError, Job, Method, Moving, NUMBERS, Paused, Precision, Question, Recipe, Starts,
 };
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
-use crate::physics::{Angle, Dd, Scalar, State, control};
+use crate::physics::{Angle, Dd, Pendulum, Scalar, State, control};
 
 /// What the numbers of a fixed-step state are called.
 pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
@@ -115,18 +115,32 @@ pub fn phase_of(numbers: &[f64; NUMBERS]) -> Phase<f64> {
     std::array::from_fn(|i| numbers[i] + numbers[6 + i])
 }
 
-/// The state a paused pendulum has reached, as unit vectors and momenta, and its reduced time.
-pub fn reached(question: &Question, recipe: &Recipe, paused: &Paused) -> Option<(Phase<f64>, f64)> {
-    let numbers = &paused.numbers;
-    match Pace::new(question, recipe).ok()? {
-        Pace::Adaptive(_) => Some((phase_of(numbers), numbers[TIME] + numbers[TIME_LOW])),
+/// Where a pendulum ended that was left in a state: there, or at a flip in the step that follows
+/// it (of fixed steps the fraction of it, of adaptive ones the reduced time).
+pub fn end(
+    reduced: &Pendulum<f64>,
+    pace: &Pace,
+    left: &Paused,
+    flipped: Option<f64>,
+    clearance: f64,
+) -> End {
+    let numbers = &left.numbers;
+    let (begin, from) = match pace {
+        Pace::Adaptive(_) => (phase_of(numbers), numbers[TIME] + numbers[TIME_LOW]),
         Pace::Fixed(steps) => {
-            let (reduced, _) = question.reduced();
             let angle = [numbers[0] + numbers[4], numbers[1] + numbers[5]];
             let phase = reduced.phase(&State { angle, speed: [numbers[2], numbers[3]] });
-            Some((phase, f64::from(paused.steps) * steps.length))
+            (phase, f64::from(left.steps) * steps.length)
         }
-    }
+    };
+    let time = match (pace, flipped) {
+        (_, None) => from,
+        (Pace::Adaptive(_), Some(time)) => time,
+        (Pace::Fixed(steps), Some(fraction)) => from + fraction * steps.length,
+    };
+    let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
+    let change = dop853(reduced, scale, &begin, time - from).change;
+    End { time, phase: plus(&begin, &change), clearance }
 }
 
 /// `value` as the number type holds it, and what that leaves.

@@ -14,6 +14,9 @@ pub struct Trial<T> {
     pub change: Phase<T>,
     /// The square of its error: root mean square over the six, momenta in units of their scale.
     pub error_squared: T,
+    /// What [`quartic`] needs to know of the way of y1 and of y2 between the ends; 0 for a pair
+    /// that says nothing of it.
+    pub bow: [T; 2],
 }
 
 /// Dormand and Prince's pair of orders 8 and 5 with 3 (Hairer, Nørsett and Wanner, *Solving
@@ -157,7 +160,11 @@ pub fn dop853<T: Real>(
     let third = square(&third, inverse_scale);
     let both = third.mul_add(step.lit(0.01), fifth) + step.lit(TINY);
     let error = fifth * step;
-    Trial { change: scaled(&rate, step), error_squared: error * error / (both * step.lit(6.0)) }
+    Trial {
+        change: scaled(&rate, step),
+        error_squared: error * error / (both * step.lit(6.0)),
+        bow: [step.lit(0.0); 2],
+    }
 }
 
 /// Keeps a resting pendulum's error from being 0/0.
@@ -211,7 +218,37 @@ pub fn dopri5<T: Real>(
         ],
     );
     let error = square(&error, inverse_scale) * (step * step) * step.lit(1.0 / 6.0);
-    Trial { change, error_squared: error }
+    let bow = sum(
+        [&k1, &k3, &k4, &k5, &k6, &k7],
+        [
+            -12715105075.0 / 11282082432.0,
+            87487479700.0 / 32700410799.0,
+            -10690763975.0 / 1880347072.0,
+            701980252875.0 / 199316789632.0,
+            -1453857185.0 / 822651844.0,
+            69997945.0 / 29380423.0,
+        ],
+    );
+    Trial { change, error_squared: error, bow: [bow[1] * step, bow[3] * step] }
+}
+
+/// The control points of the quartic that [`dopri5`] gives for a value over its step (Hairer,
+/// Nørsett and Wanner, II.6), from the value and its rate of change times the step at both ends.
+#[inline(always)]
+pub fn quartic<T: Real>([y0, y1]: [T; 2], [rise0, rise1]: [T; 2], bow: T) -> [T; 5] {
+    let lit = |value| y0.lit(value);
+    let whole = y1 - y0;
+    let early = rise0 - whole;
+    let late = whole - rise1 - early;
+    let quarter = lit(0.25) * (whole + early);
+    let sixth = lit(1.0 / 6.0);
+    [
+        y0,
+        y0 + quarter,
+        y0 + lit(0.5) * whole + lit(1.0 / 3.0) * early + sixth * (late + bow),
+        y1 - lit(0.25) * (whole - early - late),
+        y1,
+    ]
 }
 
 /// `phase + step · Σ weightⱼ kⱼ`.
@@ -286,4 +323,38 @@ fn square<T: Real>(rate: &Phase<T>, inverse_scale: [T; 2]) -> T {
         total = value.mul_add(*value, total);
     }
     total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::State;
+
+    /// The value at `x` of the polynomial with these control points.
+    fn value(control: [f64; 5], x: f64) -> f64 {
+        let binomial = [1.0, 4.0, 6.0, 4.0, 1.0];
+        let term = |k: i32| binomial[k as usize] * x.powi(k) * (1.0 - x).powi(4 - k);
+        (0..5).map(|k| control[k as usize] * term(k)).sum()
+    }
+
+    #[test]
+    fn the_quartic_is_the_motion_to_the_order_of_its_method() {
+        let unit = Pendulum::points([1.0, 2.0], [1.0, 0.6], 1.0);
+        let scale = unit.momentum_scale().map(|scale| 1.0 / scale);
+        let start = unit.phase(&State { angle: [1.0, 2.6], speed: [0.5, 1.5] });
+        let error = |step: f64| {
+            let trial = dopri5(&unit, scale, &start, step);
+            let end = plus(&start, &trial.change);
+            let (rate, rate_after) = (unit.flow(&start), unit.flow(&end));
+            let rises = [rate[3] * step, rate_after[3] * step];
+            let control = quartic([start[3], end[3]], rises, trial.bow[1]);
+            let off = |share: f64| {
+                let truth = dop853(&unit, scale, &start, step * share).change[3] + start[3];
+                (value(control, share) - truth).abs()
+            };
+            (1..10).map(|k| off(f64::from(k) / 10.0)).fold(0.0, f64::max)
+        };
+        let order = (error(0.1) / error(0.05)).log2();
+        assert!((order - 5.0).abs() < 0.3 && error(0.1) < 2e-5, "{order} {}", error(0.1));
+    }
 }

@@ -130,7 +130,8 @@ pub fn fraction_of_step<T: Scalar>(
 /// within a step's travel of it.
 #[inline(always)]
 pub fn may_pass<T: Scalar>(before: &State<T>, after: &State<T>, bob: usize, step: T) -> bool {
-    let turned = before.speed[bob] * after.speed[bob] < T::zero();
+    // A bob let go at rest may turn round at once.
+    let turned = before.speed[bob] * after.speed[bob] <= T::zero();
     let far = before.angle[bob].abs().max(after.angle[bob].abs());
     let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());
     after.angle[bob].abs() >= T::pi() || (turned && far + travel >= T::pi())

@@ -104,25 +104,6 @@ fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
         .reduce(|a, b| if b < a { b } else { a })
 }
 
-/// The first moment in (0, length] at which the point with the polynomials `x` and `y` on the unit
-/// circle passes the top, (−1, 0): the same proof without angles.
-pub fn passage_of_top<T: Scalar>(x: &[T], y: &[T], length: T) -> Option<T> {
-    let first = y.iter().find(|&&c| c != T::zero())?;
-    let mut side = if *first > T::zero() { -T::from_f64(1.0) } else { T::from_f64(1.0) };
-    let mut from = T::zero();
-    // Near the top `y` keeps its leading digits, however small it is: unlike an angle there.
-    let least = resolved::<T>() * (y[0].abs() + reach(y, length));
-    loop {
-        let inward: Vec<T> = y.iter().map(|&c| c * side).collect();
-        let time = first_rise(&inward, [from, length], least, MOST_HALVINGS)?;
-        if evaluate(x, time) < T::zero() {
-            return Some(time);
-        }
-        // Through the bottom; beyond it the sides change.
-        (from, side) = (time, -side);
-    }
-}
-
 /// Angles that move by less than 8 epsilons are at rest as far as anyone can tell.
 fn resolved<T: Scalar>() -> T {
     T::from_f64(8.0 * T::EPSILON)
@@ -191,14 +172,6 @@ mod tests {
 
     fn rise(f: &[f64], to: f64) -> Option<f64> {
         first_rise(f, [0.0, to], resolved(), MOST_HALVINGS)
-    }
-
-    #[test]
-    fn without_angles_a_pass_is_seen_however_near_the_top_it_begins() {
-        for size in [1e-3, 1e-15, 1e-30] {
-            let pass = passage_of_top(&[-1.0, 0.0], &[-0.9 * size, size], 1.0);
-            assert!((pass.expect("beyond the top") - 0.9f64).abs() < 1e-12, "{size} {pass:?}");
-        }
     }
 
     #[test]

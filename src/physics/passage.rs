@@ -1,8 +1,9 @@
 //! Where inside an adaptive step a bob passes the top, without angles.
 //!
 //! The bob is at the top where `y` changes its sign while `x` is negative. Steps are long, so
-//! interpolation is only the first guess: every value that decides anything comes from a step of
-//! the method itself, shortened to end there.
+//! interpolation only says where to look: every value that decides anything comes from a step of
+//! the method itself, shortened to end there. DOPRI5 has another test, on the polynomial that it
+//! gives over its step (see [`super::embedded::quartic`]); so one can check the other.
 
 use super::phase::Phase;
 use super::real::Scalar;
@@ -29,68 +30,129 @@ impl<T: Scalar> Moment<T> {
     }
 }
 
-/// A bob that turns round farther than this many times its travel from the top did not reach it.
-pub const REACH: f64 = 1.5;
+/// How a bob's way over an interval lies to the top, judged by the cubic that has `y` and its rate
+/// of change at both ends. Its control points enclose it, and the two in the middle are set back
+/// by [`SLACK`] for what the cubic does not know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach<T> {
+    /// The bob stays at least this far from the top (as a sine); not positive where it may not.
+    pub clearance: T,
+    /// It passes the top exactly once.
+    pub crosses: bool,
+}
 
-/// Whether `bob` can have been at the top in a step of length `step` (twins in the engines).
-pub fn may_pass<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usize, step: T) -> bool {
-    let zero = T::zero();
+/// Share of how far the cubic's middle control points are off its chord by which they are set
+/// back (twins in the engines).
+pub const SLACK: f64 = 0.2;
+/// The clearance of a bob that is below its pivot.
+pub const FAR: f64 = 2.0;
+
+/// The approach of `bob` between two moments `length` apart.
+pub fn approach<T: Scalar>(
+    before: &Moment<T>,
+    after: &Moment<T>,
+    bob: usize,
+    length: T,
+) -> Approach<T> {
+    let (zero, third) = (T::zero(), T::from_f64(1.0 / 3.0));
     if before.x(bob) >= zero && after.x(bob) >= zero {
-        return false;
+        return Approach { clearance: T::from_f64(FAR), crosses: false };
     }
-    crosses(before, after, bob) || may_graze(before, after, bob, step)
+    let [y0, y1] = [before.y(bob), after.y(bob)];
+    let [rise0, rise1] = [before.rise(bob) * length, after.rise(bob) * length];
+    let (first, second) = (y0 + rise0 * third, y1 - rise1 * third);
+    let chord = (y1 - y0) * third;
+    let bend = (first - y0 - chord).abs().max((y1 - second - chord).abs());
+    let side = if y0 < zero || (y0 == zero && second < zero) { -1.0 } else { 1.0 };
+    let inward = |y: T| y * T::from_f64(side);
+    let mut least = inward(second);
+    // A start exactly at the top has not passed it.
+    for y in [first, y1] {
+        if inward(y) < least && !(y0 == zero && y == zero) {
+            least = inward(y);
+        }
+    }
+    let falls = inward(rise0) < zero && inward(second - first) < zero && inward(rise1) < zero;
+    Approach {
+        clearance: least - bend * T::from_f64(SLACK),
+        crosses: falls && inward(y1) <= zero && y0 != zero,
+    }
 }
 
-pub(super) fn crosses<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usize) -> bool {
-    let (y0, y1, zero) = (before.y(bob), after.y(bob), T::zero());
-    (y0 > zero && y1 <= zero) || (y0 < zero && y1 >= zero)
+/// What became of a bob in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passed<T> {
+    /// The fraction in (0, 1] of the step at which it first passed the top.
+    pub fraction: Option<T>,
+    /// How near the top it came before, and did not pass it.
+    pub clearance: T,
 }
 
-fn may_graze<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usize, step: T) -> bool {
-    let (y0, y1) = (before.y(bob).abs(), after.y(bob).abs());
-    let (w0, w1) = (before.speed[bob], after.speed[bob]);
-    let nearest = if y0 < y1 { y0 } else { y1 };
-    let travel = T::from_f64(REACH) * step * w0.abs().max(w1.abs());
-    w0 * w1 < T::zero() && nearest <= travel
-}
-
-/// The fraction in (0, 1] of a step of length `step` at which `bob` first passes the top; `at`
-/// gives the moment after a fraction of the step.
+/// What became of `bob` in a step of length `step`; `at` gives the moment after a fraction of it.
+///
+/// Parts of the step are decided one after the other by their [`Approach`], and halved until it
+/// is plain: so neither a pass that falls back at once is missed, nor two that follow each other.
 pub fn within<T: Scalar>(
     at: impl Fn(T) -> Moment<T>,
     bob: usize,
     before: &Moment<T>,
     after: &Moment<T>,
     step: T,
-) -> Option<T> {
-    if !may_pass(before, after, bob, step) {
-        return None;
-    }
-    let one = T::from_f64(1.0);
-    let end = if crosses(before, after, bob) {
-        (one, *after)
-    } else {
-        let turn = turning_point(&at, bob, before, after);
-        if !crosses(before, &turn.1, bob) {
-            return None;
+) -> Passed<T> {
+    let (zero, one) = (T::zero(), T::from_f64(1.0));
+    let (mut low, mut high) = ((zero, *before), (one, *after));
+    let mut clearance = T::from_f64(FAR);
+    for _ in 0..MOST_PARTS {
+        let length = high.0 - low.0;
+        let part = approach(&low.1, &high.1, bob, length * step);
+        let plain = part.crosses || part.clearance > zero;
+        if !plain && length.to_f64() > SHORTEST_PART {
+            let middle = low.0 + length * T::from_f64(0.5);
+            high = (middle, at(middle));
+            continue;
         }
-        turn
-    };
-    let (fraction, moment) = crossing(&at, bob, before, end, step);
-    (moment.x(bob) < T::zero()).then_some(fraction)
+        if part.crosses || (!plain && crosses(&low.1, &high.1, bob)) {
+            let (fraction, moment) = crossing(&at, bob, low, high, step);
+            if moment.x(bob) < zero {
+                return Passed { fraction: Some(fraction), clearance };
+            }
+        }
+        let nearest = if plain { part.clearance } else { high.1.y(bob).abs() };
+        if nearest < clearance && !part.crosses {
+            clearance = nearest;
+        }
+        if high.0 >= one {
+            break;
+        }
+        low = high;
+        let end = low.0 + length + length;
+        high = if end < one { (end, at(end)) } else { (one, *after) };
+    }
+    Passed { fraction: None, clearance }
 }
 
-/// Where `y` is zero between the beginning of the step and `end`: Newton's steps from the cubic
-/// through both ends, kept inside a shrinking bracket.
+/// What is shorter than this share of a step is no pass that anyone could tell from none.
+const SHORTEST_PART: f64 = 1e-7;
+/// Parts that a step is decided in; a graze takes some sixty.
+const MOST_PARTS: usize = 400;
+
+pub(super) fn crosses<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usize) -> bool {
+    let (y0, y1, zero) = (before.y(bob), after.y(bob), T::zero());
+    (y0 > zero && y1 <= zero) || (y0 < zero && y1 >= zero)
+}
+
+/// Where `y` is zero between two moments, given with their fractions of a step: Newton's steps
+/// from the cubic through both, kept inside a shrinking bracket.
 pub(super) fn crossing<T: Scalar>(
     at: &impl Fn(T) -> Moment<T>,
     bob: usize,
-    before: &Moment<T>,
+    begin: (T, Moment<T>),
     end: (T, Moment<T>),
     step: T,
 ) -> (T, Moment<T>) {
     let half = T::from_f64(0.5);
-    let (mut low, mut high) = ((T::zero(), *before), end);
+    let (mut low, mut high) = (begin, end);
+    let before = begin.1;
     let mut fraction = inverse_cubic(bob, &low, &high, step);
     for _ in 0..MOST_STEPS {
         if !(fraction > low.0 && fraction < high.0) {
@@ -103,7 +165,7 @@ pub(super) fn crossing<T: Scalar>(
         if moved < T::EPSILON.sqrt() && newton >= low.0 && newton <= high.0 {
             return (newton, moment);
         }
-        if crosses(before, &moment, bob) {
+        if crosses(&before, &moment, bob) {
             high = (fraction, moment);
         } else {
             low = (fraction, moment);
@@ -174,9 +236,10 @@ mod tests {
         }
     }
 
-    fn found(at: impl Fn(f64) -> Moment<f64>) -> Option<f64> {
+    fn found(at: impl Fn(f64) -> Moment<f64>) -> Passed<f64> {
         let (before, after) = (at(0.0), at(1.0));
-        assert!(!may_pass(&before, &after, 0, 1.0), "the first bob hangs");
+        let first = approach(&before, &after, 0, 1.0);
+        assert!(first.clearance == FAR && !first.crosses, "the first bob hangs");
         within(&at, 1, &before, &after, 1.0)
     }
 
@@ -184,19 +247,48 @@ mod tests {
     fn a_crossing_is_found_to_the_last_digits() {
         for height in [0.3, 0.05, 1e-4] {
             let peak = 1.0 + 0.5 * (height / 0.9f64).sqrt();
-            let root = found(swing(height, 0.9, peak)).unwrap();
+            let root = found(swing(height, 0.9, peak)).fraction.unwrap();
             assert!((root - (2.0 - peak)).abs() < 1e-13, "{height} {root}");
         }
     }
 
     #[test]
-    fn a_pass_that_falls_back_inside_the_step_is_found_and_a_near_miss_is_not() {
+    fn a_pass_that_falls_back_inside_the_step_is_found_and_a_near_miss_is_told() {
         for height in [1e-2, 1e-6, 1e-9, 1e-12] {
-            let root = found(swing(height, 0.7, 0.43)).expect("just over the top");
+            let root = found(swing(height, 0.7, 0.43)).fraction.expect("just over the top");
             let truth = 0.43 - (height / 0.7f64).sqrt();
             assert!((root - truth).abs() < 1e-15 / height.sqrt() + 1e-13, "{height}");
-            assert_eq!(found(swing(-height, 0.7, 0.43)), None, "{height} under the top");
+            let Passed { fraction, clearance } = found(swing(-height, 0.7, 0.43));
+            assert_eq!(fraction, None, "{height} under the top");
+            assert!(clearance <= height.sin() + 4e-16 && clearance > 0.1 * height, "{height}");
         }
+    }
+
+    #[test]
+    fn a_pass_from_rest_is_found_in_the_first_step() {
+        // θ2 = π − 1e-14 + t²/2 − 600 t⁴: beyond the top from 1.4e-7 to 0.03.
+        let at = |t: f64| {
+            let above = -1e-14 + 0.5 * t * t - 600.0 * t.powi(4);
+            let speed = t - 2400.0 * t.powi(3);
+            let phase = [1.0, 0.0, -above.cos(), -above.sin(), 0.0, 0.0];
+            Moment { phase, speed: [0.0, speed] }
+        };
+        let root = found(at).fraction.expect("beyond the top");
+        assert!((root - 2e-14f64.sqrt()).abs() < 1e-9, "{root:e}");
+    }
+
+    #[test]
+    fn two_turns_in_a_step_hide_no_pass() {
+        // Up to 1e-3 beyond the top, back, and up again, but not as far.
+        let at = |t: f64| {
+            let above = 1e-3 - 8.0 * (t - 0.3).powi(2) * (1.1 - t);
+            let speed = -16.0 * (t - 0.3) * (1.1 - t) + 8.0 * (t - 0.3).powi(2);
+            let phase = [1.0, 0.0, -above.cos(), -above.sin(), 0.0, 0.0];
+            Moment { phase, speed: [0.0, speed] }
+        };
+        assert!(at(0.0).speed[1] * at(1.0).speed[1] > 0.0);
+        let root = found(at).fraction.expect("beyond the top");
+        assert!((0.28..0.3).contains(&root), "{root}");
     }
 
     #[test]
@@ -205,7 +297,7 @@ mod tests {
             let (y, x) = (1.5 - 3.0 * t).sin_cos();
             Moment { phase: [1.0, 0.0, x, y, 0.0, 0.0], speed: [0.0, -3.0] }
         };
-        assert_eq!(found(at), None);
+        assert_eq!(found(at).fraction, None);
     }
 
     #[test]
@@ -214,6 +306,6 @@ mod tests {
             let (y, x) = if t == 0.0 { (0.0, -1.0) } else { (std::f64::consts::PI - t).sin_cos() };
             Moment { phase: [1.0, 0.0, x, y, 0.0, 0.0], speed: [0.0, -1.0] }
         };
-        assert_eq!(found(at), None);
+        assert_eq!(found(at).fraction, None);
     }
 }

@@ -28,35 +28,125 @@ pub fn quintic_hermite<T: Real>(at0: [T; 3], at1: [T; 3]) -> [T; 6] {
     ]
 }
 
-/// The derivative's coefficients, in place of the value's; the last becomes zero.
-fn derivative<T: Scalar, const N: usize>(coefficients: &[T; N]) -> [T; N] {
-    std::array::from_fn(|k| match coefficients.get(k + 1) {
-        Some(&c) => c * T::from_f64((k + 1) as f64),
-        None => T::zero(),
+/// The first x in (0, 1] at which a polynomial that begins below zero rises to it, however
+/// briefly; 0 where it begins at zero and rises.
+#[inline]
+pub fn first_rise<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Option<T> {
+    let mut coefficients = *coefficients;
+    if coefficients[0] >= T::zero() {
+        if coefficients[1] > T::zero() {
+            return Some(T::zero());
+        }
+        // Only a start at zero itself is above it, by a rounding.
+        coefficients[0] = T::zero();
+    }
+    course(&bernstein(&coefficients), -T::from_f64(1.0)).change
+}
+
+/// The control points of the polynomial with these coefficients over [0, 1]: it begins at the
+/// first, ends at the last, and lies between the least and the greatest (Bernstein 1912).
+pub fn bernstein<T: Scalar, const N: usize>(coefficients: &[T; N]) -> [T; N] {
+    std::array::from_fn(|k| {
+        let mut share = T::from_f64(1.0);
+        (0..=k).fold(T::zero(), |sum, j| {
+            if j > 0 {
+                // C(k, j) / C(N − 1, j).
+                share = share * T::from_f64((k + 1 - j) as f64) / T::from_f64((N - j) as f64);
+            }
+            sum + coefficients[j] * share
+        })
     })
 }
 
-/// The first x in (0, 1] at which the polynomial, negative at 0, rises to zero: before its end
-/// if it ends above zero, before its highest turning point if that is above zero.
-#[inline]
-pub fn first_rise<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Option<T> {
-    let one = T::from_f64(1.0);
-    let slope = derivative(coefficients);
-    let (start, end) = (coefficients[0], evaluate(coefficients, one));
-    if end >= T::zero() {
-        return (evaluate(&slope, one) > T::zero() || start < T::zero())
-            .then(|| rise_before(coefficients, &slope, one));
-    }
-    if slope[0] <= T::zero() || evaluate(&slope, one) >= T::zero() {
-        return None;
-    }
-    let peak = rise_before(&slope.map(|c| -c), &derivative(&slope).map(|c| -c), one);
-    (evaluate(coefficients, peak) >= T::zero()).then(|| rise_before(coefficients, &slope, peak))
+/// How a polynomial over [0, 1] that begins on one side of zero goes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course<T> {
+    /// The first x in (0, 1] at which it is no longer on that side.
+    pub change: Option<T>,
+    /// It stays at least this far from zero before it falls to it for good.
+    pub clearance: T,
 }
 
-/// The root in [0, upper] of a polynomial that is negative at 0 and not at `upper`.
-fn rise_before<T: Scalar, const N: usize>(f: &[T; N], slope: &[T; N], upper: T) -> T {
-    root_between(f, slope, T::zero(), upper)
+/// The course of the polynomial with these control points, which begins on `side` of zero (1 or
+/// −1), or at zero. Decided by the control points of ever smaller parts: all on the side, so
+/// nothing happens; all falling, so once at most.
+pub fn course<T: Scalar, const N: usize>(control: &[T; N], side: T) -> Course<T> {
+    let clearance = control.iter().fold(T::zero(), |most, &c| most.max(c.abs()));
+    let mut search = Search { side, parts: MOST_PARTS, clearance };
+    let change = search.change(control, [T::zero(), T::from_f64(1.0)]);
+    Course { change, clearance: search.clearance }
+}
+
+/// Parts into which a polynomial is cut at most: a pass takes some sixty, one that is noise
+/// around zero any number.
+const MOST_PARTS: u32 = 400;
+
+struct Search<T> {
+    side: T,
+    parts: u32,
+    clearance: T,
+}
+
+impl<T: Scalar> Search<T> {
+    fn change<const N: usize>(&mut self, control: &[T; N], [from, to]: [T; 2]) -> Option<T> {
+        self.parts = self.parts.saturating_sub(1);
+        let least = control[1..].iter().map(|&point| self.side * point).reduce(least)?;
+        if least > T::zero() {
+            self.clearance = self::least(self.clearance, least);
+            return None;
+        }
+        let end = self.side * control[N - 1];
+        if control.windows(2).all(|pair| self.side * (pair[1] - pair[0]) < T::zero()) {
+            return (end <= T::zero()).then(|| from + (to - from) * only_zero(control, self.side));
+        }
+        let middle = (from + to) * T::from_f64(0.5);
+        // What is shorter is no pass that anyone could tell from none.
+        if self.parts == 0 || (to - from).to_f64() < T::EPSILON.sqrt() {
+            self.clearance = self::least(self.clearance, end.abs());
+            return (end < T::zero()).then_some(to);
+        }
+        let [first, second] = halves(control, T::from_f64(0.5));
+        self.change(&first, [from, middle]).or_else(|| self.change(&second, [middle, to]))
+    }
+}
+
+fn least<T: Scalar>(a: T, b: T) -> T {
+    if b < a { b } else { a }
+}
+
+/// The control points before and after `x` (de Casteljau 1959).
+pub fn halves<T: Scalar, const N: usize>(control: &[T; N], x: T) -> [[T; N]; 2] {
+    let (mut first, mut second) = (*control, *control);
+    for k in 1..N {
+        for j in 0..N - k {
+            second[j] = second[j] + (second[j + 1] - second[j]) * x;
+        }
+        first[k] = second[0];
+    }
+    [first, second]
+}
+
+/// Where a polynomial that falls from `side` to beyond zero is zero: the false position, with
+/// Illinois' halving of the end that stays.
+fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
+    let (half, zero) = (T::from_f64(0.5), T::zero());
+    let (mut low, mut high) = (zero, T::from_f64(1.0));
+    let (mut at_low, mut at_high) = (side * control[0], side * control[N - 1]);
+    let mut x = high;
+    for _ in 0..ROOT_STEPS {
+        let next = (low * at_high - high * at_low) / (at_high - at_low);
+        if !(next > low && next < high) || (next - x).abs().to_f64() <= T::EPSILON {
+            break;
+        }
+        x = next;
+        let value = side * halves(control, x)[0][N - 1];
+        if value > zero {
+            (low, at_low, at_high) = (x, value, at_high * half);
+        } else {
+            (high, at_high, at_low) = (x, value, at_low * half);
+        }
+    }
+    high
 }
 
 /// The root between `low`, where `f` is negative, and `high`, where it is not: Newton's steps
@@ -89,6 +179,10 @@ const ROOT_STEPS: usize = 120;
 mod tests {
     use super::*;
 
+    fn derivative(f: &[f64; 6]) -> [f64; 6] {
+        std::array::from_fn(|k| f.get(k + 1).map_or(0.0, |&c| c * (k + 1) as f64))
+    }
+
     #[test]
     fn the_quintic_meets_both_ends() {
         let (at0, at1) = ([1.0, -2.0, 0.5], [0.25, 3.0, -1.5]);
@@ -113,6 +207,28 @@ mod tests {
         let root: f64 = first_rise(&[1e-4 - 0.25, 1.0, -1.0]).unwrap();
         assert!((root - 0.49).abs() < 1e-12);
         assert_eq!(first_rise(&[-1e-4 - 0.25, 1.0, -1.0]), None);
+    }
+
+    #[test]
+    fn a_pass_between_two_turns_is_found() {
+        // Up over zero and down again, and up: both ends fall back, neither shows it.
+        for over in [1e-2, 1e-5, 1e-9] {
+            let f = |x: f64| over - 8.0 * (x - 0.3).powi(2) * (1.1 - x);
+            let fit: [f64; 4] = [over - 0.792, 6.0, -13.6, 8.0];
+            assert!((evaluate(&fit, 0.7) - f(0.7)).abs() < 1e-12);
+            let root = first_rise(&fit).expect("over the top");
+            assert!(f(root).abs() < 1e-9 && root < 0.3, "{over}: {root}");
+            let below: [f64; 4] = [-over - 0.792, 6.0, -13.6, 8.0];
+            assert_eq!(first_rise(&below), None, "{over}");
+        }
+    }
+
+    #[test]
+    fn a_rise_from_rest_is_found_in_the_first_step() {
+        // t² − 1e-12 − 4t⁴: over the top from 1e-6 on, and back before the end.
+        let root: f64 = first_rise(&[-1e-12, 0.0, 1.0, 0.0, -4.0]).unwrap();
+        assert!((root - 1e-6).abs() < 1e-12, "{root:e}");
+        assert_eq!(first_rise(&[-1e-12, 0.0, -1.0, 0.0, 0.9]), None);
     }
 
     #[test]

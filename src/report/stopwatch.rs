@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::{ReportError, StopTest};
 use crate::engine::{
-    Effort, Engine, EngineError, Finished, Job, Question, Recipe, Starts, Trust, Wait,
+    Effort, Engine, EngineError, Finished, Job, Keep, Question, Recipe, Starts, Trust, Wait,
 };
 use crate::physics::{Dd, Outcome};
 
@@ -75,7 +75,7 @@ fn answers(
             let Some((id, starts)) = jobs.next() else { break };
             let starts = Starts::Rest(starts.to_vec());
             let question = *question;
-            engine.submit(Job { id, question, recipe, starts, keep_unfinished: false })?;
+            engine.submit(Job { id, question, recipe, starts, keep: Keep::Nothing })?;
             flying += 1;
         }
         if flying == 0 {

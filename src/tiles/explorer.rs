@@ -14,7 +14,7 @@ use super::flights::{Flights, Landed, Open};
 use super::kept;
 use super::order;
 use super::samples::{Counts, Samples};
-use crate::engine::{Depth, Engine, EngineError, Paused, Trust, Wait};
+use crate::engine::{Depth, Engine, EngineError, Keep, Paused, Trust, Wait};
 use crate::physics::{Outcome, Status};
 use crate::scene::Grouped;
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
@@ -221,7 +221,7 @@ impl Explorer {
         }
         let asked = (aim.question(), aim.physics.recipe);
         // Checks begin at the release, so checked pixels cannot be continued.
-        let keep = !aim.physics.verified;
+        let keep = if aim.physics.verified { Keep::Nothing } else { Keep::Unfinished };
         let sent = self.flights.submit(engine, batch, open, asked, keep);
         if sent.is_err() {
             // The batch is gone from the queue, and nobody computes it.

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use super::kept::Known;
 use super::samples::Samples;
-use crate::engine::{Deep, Leaf, Trust, Wait};
+use crate::engine::{Deep, Keep, Leaf, Trust, Wait};
 use crate::engine::{Effort, Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts};
 use crate::physics::{Outcome, Status};
 use crate::scene::{Fate, Grouped};
@@ -140,14 +140,14 @@ impl<T> Flights<T> {
         tile: T,
         open: Open,
         (question, recipe): (Question, Recipe),
-        keep_unfinished: bool,
+        keep: Keep,
     ) -> Result<(), EngineError> {
         let Open { samples, places, starts } = open;
         // A pendulum that begins at the end of its cell's way is no state of its start's alone.
-        let keep_unfinished = keep_unfinished && !matches!(starts, Starts::Deep(_));
+        let keep = if let Starts::Deep(_) = starts { Keep::Nothing } else { keep };
         let id = self.next_id;
         self.next_id += 1;
-        engine.submit(Job { id, question, recipe, starts, keep_unfinished })?;
+        engine.submit(Job { id, question, recipe, starts, keep })?;
         self.flying.insert(id, (tile, samples, places));
         Ok(())
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::flights::{Flights, Open};
 use super::patches::{SAMPLES, SIDE, pitch_rad};
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, Question, Recipe, Wait};
+use crate::engine::{Engine, EngineError, Keep, Question, Recipe, Wait};
 use crate::scene::lattice::Cell;
 use crate::scene::{Grouped, Scene};
 
@@ -82,7 +82,13 @@ impl PatchWork {
                 self.finish(cells, &open.into_samples(), finished);
                 return Ok(());
             }
-            self.flights.submit(engine, cells, open, (self.question, self.recipe), false)?;
+            self.flights.submit(
+                engine,
+                cells,
+                open,
+                (self.question, self.recipe),
+                Keep::Nothing,
+            )?;
         }
         Ok(())
     }

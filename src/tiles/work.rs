@@ -8,7 +8,7 @@ use super::flights::{Flights, Landed, Open};
 use super::kept::{Kept, Known};
 use super::plan::{Tile, plan};
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, Question, Recipe, Trust, Wait};
+use crate::engine::{Engine, EngineError, Keep, Question, Recipe, Trust, Wait};
 use crate::physics::Status;
 use crate::scene::{Grid, Scene};
 
@@ -150,7 +150,8 @@ impl Work {
                 return Ok(());
             }
             let asked = (self.question, self.recipe);
-            self.flights.submit(engine, tile, open, asked, self.kept.is_some())?;
+            let keep = if self.kept.is_some() { Keep::Unfinished } else { Keep::Nothing };
+            self.flights.submit(engine, tile, open, asked, keep)?;
         }
         Ok(())
     }

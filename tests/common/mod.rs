@@ -4,7 +4,9 @@
 
 use flipmap::engine::choice::open_checked;
 use flipmap::engine::gpu::{GpuEngine, device};
-use flipmap::engine::{Engine, Finished, Job, Method, Precision, Question, Recipe, Starts, Wait};
+use flipmap::engine::{
+    Engine, Finished, Job, Keep, Method, Precision, Question, Recipe, Starts, Wait,
+};
 use flipmap::physics::{Dd, Outcome, Status, gold};
 use flipmap::report::baseline;
 use flipmap::scene::{Fate, Grid, Scene};
@@ -65,7 +67,7 @@ pub fn finished(
     recipe: Recipe,
     starts: Starts,
 ) -> Finished {
-    let job = Job { id: 7, question: *question, recipe, starts, keep_unfinished: true };
+    let job = Job { id: 7, question: *question, recipe, starts, keep: Keep::Unfinished };
     engine.submit(job).expect("the job is taken");
     let mut finished = engine.poll(Wait::UntilFinished).expect("the engine works");
     assert_eq!(finished.len(), 1);

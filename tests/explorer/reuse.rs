@@ -3,6 +3,7 @@
 
 use std::collections::HashSet;
 
+use flipmap::engine::Keep;
 use flipmap::physics::{Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
 use flipmap::tiles::aim::{Aim, Physics};
@@ -52,7 +53,7 @@ fn a_larger_budget_continues_what_did_not_flip() {
         let small = Aim { physics, ..lively(5) };
         let mut engine = Ledger::default();
         let mut explorer = explored(small, &mut engine);
-        assert!(engine.jobs.iter().all(|job| job.keep_unfinished != verified));
+        assert!(engine.jobs.iter().all(|job| (job.keep == Keep::Unfinished) != verified));
         let left = unflipped(&mut explorer, &small);
         assert!(left > 10_000, "{left}");
         let (simulated, sent) = (explorer.counts().simulated, engine.sent);

@@ -4,47 +4,14 @@
 use super::flock::{Answer, Chunk, Flock, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
+use super::pair::{Pair, Step};
 use crate::engine::method::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
-use crate::engine::{NUMBERS, Question};
+use crate::engine::{End, NUMBERS, Question};
 use crate::physics::control::{GROW, LONGEST, SHRINK};
-use crate::physics::embedded::{Trial, dop853, dopri5, plus};
-use crate::physics::passage::{self, Moment, REACH};
+use crate::physics::passage::{FAR, Moment};
 use crate::physics::phase::Phase;
 use crate::physics::{Outcome, Pendulum, Real, Status};
-
-/// An embedded pair, for every number type.
-pub trait Pair {
-    /// A step that may be taken.
-    fn trial<T: Real>(
-        pendulum: &Pendulum<T>,
-        inverse_scale: [T; 2],
-        phase: &Phase<T>,
-        step: T,
-    ) -> Trial<T>;
-}
-
-macro_rules! pair {
-    ($name:ident $function:ident) => {
-        #[doc = concat!("[`", stringify!($function), "`].")]
-        pub struct $name;
-
-        impl Pair for $name {
-            #[inline(always)]
-            fn trial<T: Real>(
-                pendulum: &Pendulum<T>,
-                inverse_scale: [T; 2],
-                phase: &Phase<T>,
-                step: T,
-            ) -> Trial<T> {
-                $function(pendulum, inverse_scale, phase, step)
-            }
-        }
-    };
-}
-
-pair!(Fifth dopri5);
-pair!(Eighth dop853);
 
 /// Runs a chunk in lanes of `N`.
 #[inline(always)]
@@ -72,16 +39,17 @@ pub fn run<N: Number, P: Pair>(
             let trial = P::trial(&pendulum, inverse_scale, &herd.phase, N::exactly(herd.step));
             let next = N::changed(&herd.phase, &trial.change);
             let excess = herd.excess(&adaptive, trial.error_squared.leading());
-            let suspicion =
-                suspicion(chunk.question, &pendulum, &herd, &next).max(excess).smallest();
+            let clearance = herd.clearance::<P>(chunk.question, &pendulum, &next, &trial.bow);
+            let suspicion = clearance.max(excess).smallest();
             taken += 1;
-            if suspicion < 0.0 {
+            if suspicion <= 0.0 {
                 let before = herd;
                 herd.advance(&adaptive, &next, excess);
-                field.decide::<N, P>([&before, &herd], taken);
+                field.decide::<N, P>([&before, &herd], clearance, taken);
                 break;
             }
             herd.advance(&adaptive, &next, excess);
+            herd.clearance = Lanes::select(herd.clearance.min(clearance), excess, herd.clearance);
             if taken == PATIENCE || herd.time.largest() >= adaptive.budget {
                 herd.store(&mut field.flock, taken);
                 break;
@@ -106,6 +74,8 @@ struct Herd<N: Number> {
     time: N::Leading,
     time_low: N::Leading,
     step: N::Leading,
+    /// How far from the top the watched bobs have stayed.
+    clearance: N::Leading,
 }
 
 impl<N: Number> Herd<N> {
@@ -118,12 +88,14 @@ impl<N: Number> Herd<N> {
             time: lanes(TIME),
             time_low: lanes(TIME_LOW),
             step: lanes(STEP),
+            clearance: <N::Leading as Lanes>::load(set, &flock.clearance),
         }
     }
 
     #[inline(always)]
     fn store(&self, flock: &mut Flock, taken: u32) {
         self.store_rows(&mut flock.rows);
+        self.clearance.store(&mut flock.clearance);
         flock.count_steps(taken);
     }
 
@@ -145,6 +117,31 @@ impl<N: Number> Herd<N> {
         error_squared.rough_log2() - limit.min(lit(control.ceiling))
     }
 
+    /// How far from the top the watched bobs stay in the step to `next`; not positive in lanes
+    /// where one may have passed.
+    #[inline(always)]
+    fn clearance<P: Pair>(
+        &self,
+        question: &Question,
+        pendulum: &Pendulum<N>,
+        next: &Phase<N>,
+        bow: &[N; 2],
+    ) -> N::Leading {
+        let (before, after) = (pendulum.speeds(&self.phase), pendulum.speeds(next));
+        let mut least = self.time.lit(FAR);
+        for &bob in question.rule.watched() {
+            let part = |phase: &Phase<N>| [phase[2 * bob].leading(), phase[2 * bob + 1].leading()];
+            let ([x0, y0], [x1, y1]) = (part(&self.phase), part(next));
+            let rise = [before[bob].leading() * x0, after[bob].leading() * x1];
+            let rise = rise.map(|rise| rise * self.step);
+            let clearance = P::clearance([y0, y1], rise, bow[bob].leading());
+            // Below its pivot a bob is far from the top.
+            let below = x0.min(x1);
+            least = least.min(Lanes::select(clearance, below, least));
+        }
+        least
+    }
+
     /// Takes the step where `excess` is negative, and chooses the next one's length everywhere.
     #[inline(always)]
     fn advance(&mut self, adaptive: &Adaptive, next: &Phase<N>, excess: N::Leading) {
@@ -163,31 +160,6 @@ impl<N: Number> Herd<N> {
     }
 }
 
-/// Negative in lanes where a watched bob can have been at the top (twin: `passage::may_pass`).
-#[inline(always)]
-fn suspicion<N: Number>(
-    question: &Question,
-    pendulum: &Pendulum<N>,
-    herd: &Herd<N>,
-    next: &Phase<N>,
-) -> N::Leading {
-    let before = pendulum.speeds(&herd.phase);
-    let after = pendulum.speeds(next);
-    let lit = |value| herd.time.lit(value);
-    let mut least = lit(1.0);
-    for &bob in question.rule.watched() {
-        let lowest = herd.phase[2 * bob].leading().min(next[2 * bob].leading());
-        let (y0, y1) = (herd.phase[2 * bob + 1].leading(), next[2 * bob + 1].leading());
-        let (w0, w1) = (before[bob].leading(), after[bob].leading());
-        // Ends exactly at the top count: 0 is below the smallest product that matters.
-        let crosses = y0 * y1 - lit(1e-37);
-        let travel = lit(REACH) * herd.step * w0.abs().max(w1.abs());
-        let grazes = (w0 * w1).max(y0.abs().min(y1.abs()) - travel);
-        least = least.min(lowest.max(crosses.min(grazes)));
-    }
-    least
-}
-
 /// A flock in adaptive steps. Its rows are those of [`crate::engine::start::PHASE`].
 struct Field<'a> {
     flock: Flock<'a>,
@@ -196,10 +168,17 @@ struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// After a step in which some lane's bob may have been at the top: looks for the pass, and
-    /// finishes those that made it.
+    /// After a step in which some lane's bob may have been at the top, by its `clearance`: looks
+    /// for the pass, and finishes those that made it.
     #[inline(always)]
-    fn decide<N: Number, P: Pair>(&mut self, [before, after]: [&Herd<N>; 2], taken: u32) {
+    fn decide<N: Number, P: Pair>(
+        &mut self,
+        [before, after]: [&Herd<N>; 2],
+        clearance: N::Leading,
+        taken: u32,
+    ) {
+        let mut bounds = [0.0; MOST_LANES];
+        clearance.store(&mut bounds);
         let mut rows = self.flock.rows;
         before.store_rows(&mut rows);
         after.store(&mut self.flock, taken);
@@ -207,37 +186,46 @@ impl Field<'_> {
             let numbers = rows.map(|row| row[lane]);
             let moved = self.flock.rows[TIME][lane] != numbers[TIME]
                 || self.flock.rows[TIME_LOW][lane] != numbers[TIME_LOW];
-            if let (true, Some(fraction)) = (moved, self.fraction_of_step::<P>(lane, &numbers)) {
-                let step = numbers[STEP] * fraction;
-                let time = numbers[TIME] + (numbers[TIME_LOW] + step);
-                // A paused pendulum continues from before the step it flips in.
-                self.flock.put(lane, numbers);
-                self.flock.finish(lane, self.adaptive.outcome_of_pass(time));
+            if moved && bounds[lane] > 0.0 {
+                self.flock.clearance[lane] = self.flock.clearance[lane].min(bounds[lane]);
+            } else if moved {
+                self.look::<P>(lane, &numbers);
             }
         }
     }
 
-    /// Where in the step that a lane took from `numbers` the rule is first met.
-    fn fraction_of_step<P: Pair>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) -> Option<f64> {
-        let (before, after) =
-            (start::phase_of(numbers), start::phase_of(&self.flock.numbers(lane)));
-        let moment = |phase| Moment { phase, speed: self.reduced.speeds(&phase) };
-        let (before, after) = (moment(before), moment(after));
-        let step = numbers[STEP];
-        let scale = self.reduced.momentum_scale().map(|scale| 1.0 / scale);
-        let evaluations = std::cell::Cell::new(0);
-        let at = |fraction: f64| {
-            evaluations.set(evaluations.get() + 1);
-            let trial = P::trial(&self.reduced, scale, &before.phase, step * fraction);
-            moment(plus(&before.phase, &trial.change))
+    /// Decides the step that a lane took from `numbers`.
+    fn look<P: Pair>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
+        let moment = |numbers: &[f64; NUMBERS]| {
+            let phase = start::phase_of(numbers);
+            Moment { phase, speed: self.reduced.speeds(&phase) }
         };
-        let watched = self.flock.chunk.question.rule.watched().iter();
-        let found = watched
-            .filter_map(|&bob| passage::within(at, bob, &before, &after, step))
-            .reduce(f64::min);
-        let rhs = self.flock.chunk.recipe.method.rhs_per_step(self.flock.chunk.recipe.precision);
-        self.flock.answer.effort.rhs_evaluations += rhs * evaluations.get();
-        found
+        let step = Step {
+            pendulum: &self.reduced,
+            inverse_scale: self.reduced.momentum_scale().map(|scale| 1.0 / scale),
+            before: moment(numbers),
+            after: moment(&self.flock.numbers(lane)),
+            length: numbers[STEP],
+        };
+        let mut fraction: Option<f64> = None;
+        let clearance = &mut self.flock.clearance[lane];
+        for &bob in self.flock.chunk.question.rule.watched() {
+            let passed = P::look(&step, bob);
+            fraction = [fraction, passed.fraction].into_iter().flatten().reduce(f64::min);
+            *clearance = clearance.min(passed.clearance);
+        }
+        let recipe = self.flock.chunk.recipe;
+        self.flock.answer.effort.rhs_evaluations += recipe.method.rhs_per_step(recipe.precision);
+        let Some(fraction) = fraction else { return };
+        let time = numbers[TIME] + (numbers[TIME_LOW] + numbers[STEP] * fraction);
+        let end = End {
+            time,
+            phase: step.shortened::<P>(fraction).phase,
+            clearance: self.flock.clearance[lane],
+        };
+        // A paused pendulum continues from before the step it flips in.
+        self.flock.put(lane, *numbers);
+        self.flock.finish(lane, self.adaptive.outcome_of_pass(time), end);
     }
 }
 
@@ -250,7 +238,8 @@ pub fn finish_those_over(flock: &mut Flock, adaptive: &Adaptive) {
             let failed = flock.taken[lane] >= adaptive.most_steps;
             if failed || flock.rows[TIME][lane] >= adaptive.budget {
                 let status = if failed { Status::Failed } else { Status::Unflipped };
-                flock.finish(lane, Outcome::without_time(status));
+                let end = flock.end_of_phase(lane);
+                flock.finish(lane, Outcome::without_time(status), end);
                 finished = true;
             }
         }

@@ -3,7 +3,7 @@
 use super::flock::{Answer, Chunk, Flock, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use crate::engine::method::Steps;
-use crate::engine::{NUMBERS, Precision, Question};
+use crate::engine::{End, NUMBERS, Precision, Question};
 use crate::physics::flip::{fraction_of_step, may_pass};
 use crate::physics::integrator::rk4;
 use crate::physics::trig::Turning;
@@ -70,7 +70,8 @@ fn nearest_pass<L: Lanes>(
         let end = after.angle[bob].abs();
         let far = before.angle[bob].abs().max(end);
         let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());
-        let turned = before.speed[bob] * after.speed[bob];
+        // 0 is below the smallest product that matters: at rest a bob may turn round at once.
+        let turned = before.speed[bob] * after.speed[bob] - nearest.lit(1e-37);
         nearest = nearest.max(end).max((far + travel).where_negative(turned));
     }
     nearest.largest()
@@ -141,7 +142,9 @@ impl Fixed<'_> {
             return;
         };
         let steps = self.flock.taken[lane];
-        self.flock.finish(lane, self.steps.outcome_of_pass(steps, fraction));
+        let change = rk4(&self.reduced, &before, step * fraction, Turning::Fresh);
+        let end = self.end(f64::from(steps) + fraction, &before.plus(&change));
+        self.flock.finish(lane, self.steps.outcome_of_pass(steps, fraction), end);
     }
 
     /// Frees the lanes whose budget is used, until every lane has work or none is left.
@@ -154,7 +157,9 @@ impl Fixed<'_> {
                 let sound = speeds.iter().all(|speed| speed.is_finite());
                 if !sound || self.flock.taken[lane] >= self.steps.count {
                     let status = if sound { Status::Unflipped } else { Status::Failed };
-                    self.flock.finish(lane, Outcome::without_time(status));
+                    let state = exact_state(&self.flock.numbers(lane));
+                    let end = self.end(f64::from(self.flock.taken[lane]), &state);
+                    self.flock.finish(lane, Outcome::without_time(status), end);
                     finished = true;
                 }
             }
@@ -162,6 +167,11 @@ impl Fixed<'_> {
                 return;
             }
         }
+    }
+
+    fn end(&self, steps: f64, state: &State<f64>) -> End {
+        let phase = self.reduced.phase(state);
+        End { time: steps * self.steps.length, phase, ..End::NOWHERE }
     }
 
     /// Steps until the first lane's budget is used.

@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::lanes::MOST_LANES;
 use crate::engine::method::Pace;
-use crate::engine::{Effort, NUMBERS, Paused, Question, Recipe};
+use crate::engine::start::{TIME, TIME_LOW, phase_of};
+use crate::engine::{Effort, End, NUMBERS, Paused, Question, Recipe};
+use crate::physics::passage::FAR;
 use crate::physics::{Outcome, Status};
 
 /// What one chunk of a job needs.
@@ -29,6 +31,8 @@ pub struct Answer {
     pub outcomes: Vec<Outcome>,
     /// Likewise; of flipped ones the state at the beginning of the step in which they did.
     pub states: Vec<Paused>,
+    /// Likewise, where each ended.
+    pub ends: Vec<End>,
     /// What it took.
     pub effort: Effort,
 }
@@ -44,6 +48,8 @@ pub struct Flock<'a> {
     pub rows: [[f64; MOST_LANES]; NUMBERS],
     /// Steps each lane's pendulum has taken.
     pub taken: [u32; MOST_LANES],
+    /// How far from the top the watched bobs of each lane's pendulum have stayed.
+    pub clearance: [f64; MOST_LANES],
     /// What became of those that are done.
     pub answer: Answer,
     lanes: usize,
@@ -63,12 +69,14 @@ impl<'a> Flock<'a> {
         let answer = Answer {
             outcomes: vec![Outcome::without_time(Status::Unflipped); chunk.starts.len()],
             states: chunk.starts.to_vec(),
+            ends: vec![End::NOWHERE; chunk.starts.len()],
             effort: Effort::default(),
         };
         let mut flock = Flock {
             chunk,
             rows: [[0.0; MOST_LANES]; NUMBERS],
             taken: [0; MOST_LANES],
+            clearance: [FAR; MOST_LANES],
             answer,
             lanes,
             start: [IDLE; MOST_LANES],
@@ -98,6 +106,7 @@ impl<'a> Flock<'a> {
                 let start = self.chunk.starts[self.next_start];
                 self.put(lane, start.numbers);
                 (self.start[lane], self.taken[lane]) = (self.next_start, start.steps);
+                self.clearance[lane] = FAR;
                 self.next_start += 1;
                 self.busy += 1;
             }
@@ -133,10 +142,21 @@ impl<'a> Flock<'a> {
         self.answer.effort.lane_steps += u64::from(steps) * self.lanes as u64;
     }
 
-    /// Keeps a lane's outcome and state, and leaves the lane idle.
-    pub fn finish(&mut self, lane: usize, outcome: Outcome) {
+    /// Where the pendulum in a lane is, if its numbers are unit vectors and momenta.
+    pub fn end_of_phase(&self, lane: usize) -> End {
+        let numbers = self.numbers(lane);
+        End {
+            time: numbers[TIME] + numbers[TIME_LOW],
+            phase: phase_of(&numbers),
+            clearance: self.clearance[lane],
+        }
+    }
+
+    /// Keeps a lane's outcome, state and end, and leaves the lane idle.
+    pub fn finish(&mut self, lane: usize, outcome: Outcome, end: End) {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;
+        self.answer.ends[start] = end;
         self.answer.states[start] = Paused { steps: self.taken[lane], numbers: self.numbers(lane) };
         self.put(lane, self.idle);
         self.busy -= 1;

@@ -9,6 +9,7 @@ mod fixed;
 mod flock;
 mod lanes;
 mod number;
+mod pair;
 mod taylor;
 
 use std::collections::HashMap;
@@ -19,12 +20,14 @@ use std::time::Instant;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use self::adaptive::{Eighth, Fifth};
 use self::flock::{Answer, Chunk};
 use self::lanes::{F32Lanes, F64Lanes};
 use self::number::{Kept, Two};
+use self::pair::{Eighth, Fifth};
 use super::method::{Adaptive, Pace, Steps};
-use super::{Effort, Engine, EngineError, Finished, Job, Method, Precision, Recipe, Wait, start};
+use super::{
+    End, Engine, EngineError, Finished, Job, Keep, Method, Precision, Recipe, Wait, start,
+};
 use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, Outcome, Status};
@@ -32,7 +35,7 @@ use crate::physics::{Dd, Outcome, Status};
 /// Starts in a chunk: long enough to keep lanes full, short enough to share out evenly.
 const CHUNK: usize = 512;
 /// The same in double-double, where a few pendulums take as long.
-const DD_CHUNK: usize = 32;
+const DD_CHUNK: usize = 8;
 const JOB_SIZE: usize = 1 << 15;
 
 /// The processor computing jobs.
@@ -47,7 +50,7 @@ pub struct CpuEngine {
 /// A job whose chunks have not all come back.
 struct Flying {
     chunks_left: usize,
-    keep_unfinished: bool,
+    keep: Keep,
     finished: Finished,
 }
 
@@ -91,9 +94,17 @@ impl CpuEngine {
         let flying = self.flying.get_mut(&landed.job)?;
         let Landed { first, answer, job } = landed;
         let count = answer.outcomes.len();
-        if flying.keep_unfinished {
-            let kept = (0..count).filter(|&i| answer.outcomes[i].status == Status::Unflipped);
-            flying.finished.unfinished.extend(kept.map(|i| (first + i, answer.states[i])));
+        match flying.keep {
+            Keep::Nothing => {}
+            Keep::Unfinished => {
+                let kept = (0..count).filter(|&i| answer.outcomes[i].status == Status::Unflipped);
+                flying.finished.unfinished.extend(kept.map(|i| (first + i, answer.states[i])));
+            }
+            Keep::Ends => {
+                let ends = &mut flying.finished.ends;
+                ends.resize(flying.finished.outcomes.len(), End::NOWHERE);
+                ends[first..first + count].copy_from_slice(&answer.ends);
+            }
         }
         flying.finished.outcomes[first..first + count].copy_from_slice(&answer.outcomes);
         flying.finished.effort += answer.effort;
@@ -117,13 +128,11 @@ impl Engine for CpuEngine {
         let size = if dd { DD_CHUNK } else { CHUNK };
         let flying = Flying {
             chunks_left: count.div_ceil(size).max(1),
-            keep_unfinished: job.keep_unfinished,
+            keep: job.keep,
             finished: Finished {
                 id: job.id,
                 outcomes: vec![Outcome::without_time(Status::Unflipped); count],
-                unfinished: Vec::new(),
-                trusts: Vec::new(),
-                effort: Effort::default(),
+                ..Finished::default()
             },
         };
         self.flying.insert(job.id, flying);

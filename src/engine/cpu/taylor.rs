@@ -5,12 +5,14 @@ use super::adaptive::{finish_those_over, idle};
 use super::flock::{Answer, Chunk, Flock, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
+use crate::engine::End;
 use crate::engine::method::Adaptive;
 use crate::engine::start::{TIME, TIME_LOW};
 use crate::physics::control::LONGEST;
 use crate::physics::embedded::plus;
-use crate::physics::gold::passage_of_top;
+use crate::physics::passage::FAR;
 use crate::physics::phase::Phase;
+use crate::physics::polynomial::{bernstein, course, evaluate, halves};
 use crate::physics::series::Series;
 use crate::physics::{Dd, Real, Scalar};
 
@@ -39,14 +41,16 @@ pub fn run<N: Number, T: Scalar, const M: usize>(
             let series = Series::<N, M>::expand(&pendulum, &herd.phase);
             let length = step_length(&series, inverse_scale, adaptive.control.start * 0.5);
             let next = plus(&herd.phase, &series.change(N::exactly(length)));
-            let suspicion = suspicion(chunk, &series, &next, length);
+            let clearance = clearance(chunk, &series, &next, length);
             taken += 1;
-            if suspicion.smallest() < 0.0 {
-                let flips = flips_in_step(&mut flock, &series, length, suspicion, from_parts);
+            if clearance.smallest() <= 0.0 {
+                let flips = flips_in_step(&mut flock, &series, length, clearance, from_parts);
                 if flips.iter().any(Option::is_some) {
                     herd.finish_step(&mut flock, next, length, taken, flips, &adaptive);
                     break;
                 }
+            } else {
+                keep_least(&mut flock, clearance);
             }
             herd.advance(next, length);
             if taken == PATIENCE || herd.time.largest() >= adaptive.budget {
@@ -83,24 +87,28 @@ fn step_length<N: Number, const M: usize>(
     log2_length.max(lit(-90.0)).rough_exp2()
 }
 
-/// Negative in lanes where a watched bob may have been at the top: its `y` can vanish, its `x`
-/// be negative, and it ends on the other side or can have turned round, all by bounds.
+/// How far from the top the watched bobs stay in a step, by bounds; not positive in lanes where
+/// one may pass: its `y` can vanish, its `x` be negative, and it ends on the other side or can
+/// turn round.
 #[inline(always)]
-fn suspicion<N: Number, const M: usize>(
+fn clearance<N: Number, const M: usize>(
     chunk: &Chunk,
     series: &Series<N, M>,
     next: &Phase<N>,
     length: N::Leading,
 ) -> N::Leading {
-    let mut least = length.lit(1.0);
+    let mut least = length.lit(FAR);
     for &bob in chunk.question.rule.watched() {
         let (x, y) = (&series.phase[2 * bob], &series.phase[2 * bob + 1]);
+        let (y0, y1) = (y[0].leading(), next[2 * bob + 1].leading());
         let lowest = x[0].leading() - reach(x, length);
-        let nearest = y[0].leading().abs() - reach(y, length);
-        let crosses = y[0].leading() * next[2 * bob + 1].leading() - length.lit(1e-37);
+        let nearest = y0.abs() - reach(y, length);
+        let crosses = y0 * y1 - length.lit(1e-37);
         let speed = &series.speed[bob];
         let turns = speed[0].leading().abs() - reach(speed, length);
-        least = least.min(lowest.max(nearest).max(crosses.min(turns)));
+        let ends = y0.abs().min(y1.abs());
+        let one_way = Lanes::select(length.lit(-1.0), crosses.min(turns), ends);
+        least = least.min(Lanes::select(nearest.max(one_way), lowest, least));
     }
     least
 }
@@ -115,33 +123,91 @@ fn reach<N: Number, const M: usize>(series: &[N; M], length: N::Leading) -> N::L
     sum * length
 }
 
-type Flips = [Option<f64>; MOST_LANES];
+/// For each lane that flips the reduced time into the step, and the state then.
+type Flips = [Option<(f64, Phase<f64>)>; MOST_LANES];
 
-/// For each suspicious lane the reduced time into the step at which the rule is first met.
+/// Looks for passes in the lanes that may have made one.
 #[inline(always)]
 fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     flock: &mut Flock,
     series: &Series<N, M>,
     length: N::Leading,
-    suspicion: N::Leading,
+    clearance: N::Leading,
     from_parts: fn(f64, f64) -> T,
 ) -> Flips {
-    let (mut suspicions, mut lengths) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
-    suspicion.store(&mut suspicions);
+    let (mut bounds, mut lengths) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+    clearance.store(&mut bounds);
     length.store(&mut lengths);
+    let all = [0, 1, 2, 3, 4, 5].map(|i| rows(&series.phase[i]));
     let mut flips = [None; MOST_LANES];
-    for &bob in flock.chunk.question.rule.watched() {
-        let (x, y) = (rows(&series.phase[2 * bob]), rows(&series.phase[2 * bob + 1]));
-        for lane in flock.running().filter(|&lane| suspicions[lane] < 0.0) {
-            let one = |rows: &Rows<M>| -> [T; M] {
-                std::array::from_fn(|k| from_parts(rows[k][0][lane], rows[k][1][lane]))
-            };
-            let found = passage_of_top(&one(&x), &one(&y), T::from_f64(lengths[lane]));
-            let found = found.map(|time| time.to_f64());
-            flips[lane] = [flips[lane], found].into_iter().flatten().reduce(f64::min);
+    for lane in flock.running() {
+        if bounds[lane] > 0.0 {
+            flock.clearance[lane] = flock.clearance[lane].min(bounds[lane]);
+            continue;
         }
+        let length = T::from_f64(lengths[lane]);
+        let one = |i: usize| -> [T; M] {
+            std::array::from_fn(|k| from_parts(all[i][k][0][lane], all[i][k][1][lane]))
+        };
+        let mut first: Option<T> = None;
+        for &bob in flock.chunk.question.rule.watched() {
+            let (passed, nearest) = passage_of_top(&one(2 * bob), &one(2 * bob + 1), length);
+            flock.clearance[lane] = flock.clearance[lane].min(nearest);
+            first = [first, passed].into_iter().flatten().reduce(|a, b| if b < a { b } else { a });
+        }
+        flips[lane] = first.map(|time| {
+            let phase = [0, 1, 2, 3, 4, 5].map(|i| evaluate(&one(i), time).to_f64());
+            (time.to_f64(), phase)
+        });
     }
     flips
+}
+
+/// The first moment in (0, length] at which the point with the polynomials `x` and `y` on the unit
+/// circle passes the top, (−1, 0), and how near it comes without passing. Near the top `y` keeps
+/// its leading digits, however small it is.
+fn passage_of_top<T: Scalar, const M: usize>(
+    x: &[T; M],
+    y: &[T; M],
+    length: T,
+) -> (Option<T>, f64) {
+    let mut power = T::from_f64(1.0);
+    let scaled = y.map(|c| {
+        let term = c * power;
+        power = power * length;
+        term
+    });
+    let (mut control, mut from) = (bernstein(&scaled), T::zero());
+    let Some(first) = control.iter().find(|&&c| c != T::zero()) else { return (None, FAR) };
+    let mut side = if *first > T::zero() { T::from_f64(1.0) } else { -T::from_f64(1.0) };
+    let mut nearest = FAR;
+    loop {
+        let found = course(&control, side);
+        if evaluate(x, from * length) < T::zero() {
+            nearest = nearest.min(found.clearance.to_f64());
+        }
+        let Some(change) = found.change else { return (None, nearest) };
+        let share = from + (T::from_f64(1.0) - from) * change;
+        if evaluate(x, share * length) < T::zero() {
+            return (Some(share * length), nearest);
+        }
+        // Through the bottom; beyond it the sides change.
+        if share >= T::from_f64(1.0) {
+            return (None, nearest);
+        }
+        (control, from, side) = (halves(&control, change)[1], share, -side);
+        control[0] = T::zero();
+    }
+}
+
+/// Keeps how near the lanes came to the top.
+#[inline(always)]
+fn keep_least<L: Lanes>(flock: &mut Flock, clearance: L) {
+    let mut bounds = [FAR; MOST_LANES];
+    clearance.store(&mut bounds);
+    for (kept, bound) in flock.clearance.iter_mut().zip(bounds) {
+        *kept = kept.min(bound);
+    }
 }
 
 /// The two parts of every coefficient, lane by lane.
@@ -207,12 +273,37 @@ impl<N: Number> Herd<N> {
         self.store(&mut flock.rows);
         flock.count_steps(taken);
         for lane in flock.running() {
-            if let Some(into_step) = flips[lane] {
+            if let Some((into_step, phase)) = flips[lane] {
                 let numbers = before.map(|row| row[lane]);
                 flock.put(lane, numbers);
                 let time = numbers[TIME] + (numbers[TIME_LOW] + into_step);
-                flock.finish(lane, adaptive.outcome_of_pass(time));
+                let end = End { time, phase, clearance: flock.clearance[lane] };
+                flock.finish(lane, adaptive.outcome_of_pass(time), end);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pass_is_seen_however_near_the_top_it_begins() {
+        for size in [1e-3, 1e-15, 1e-30] {
+            let (pass, _) = passage_of_top(&[-1.0, 0.0], &[-0.9 * size, size], 1.0);
+            assert!((pass.expect("beyond the top") - 0.9f64).abs() < 1e-12, "{size} {pass:?}");
+        }
+    }
+
+    #[test]
+    fn a_miss_says_how_near_it_was() {
+        let y = |height: f64| [height - 0.25, 1.0, -1.0, 0.0];
+        let (pass, nearest) = passage_of_top(&[-1.0, 0.0, 0.0, 0.0], &y(-1e-9), 1.0);
+        assert!(pass.is_none() && (0.1e-9..1.0001e-9).contains(&nearest), "{nearest:e}");
+        let (pass, _) = passage_of_top(&[-1.0, 0.0, 0.0, 0.0], &y(1e-9), 1.0);
+        assert!((pass.expect("over it") - (0.5 - 1e-9f64.sqrt())).abs() < 1e-11);
+        let (pass, nearest) = passage_of_top(&[1.0, 0.0, 0.0, 0.0], &y(1e-9), 1.0);
+        assert_eq!((pass, nearest), (None, FAR), "the bottom is no top");
     }
 }

@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use crate::engine::{Moving, Question};
+use crate::engine::{End, Moving, Question};
 use crate::physics::jet::Jet;
-use crate::physics::sheet::{End, Law, Sheet};
+use crate::physics::sheet::{End as WayEnd, Law, Sheet};
 use crate::physics::{Outcome, Status};
 
 /// A sheet that has come to its end.
@@ -14,7 +14,7 @@ pub struct Ended {
     /// The sheet, where it ended.
     pub sheet: Sheet,
     /// How.
-    pub end: End,
+    pub way: WayEnd,
     /// How deep in the forbidden region its starts are, if the region's edge crosses it.
     pub edge: Option<Jet>,
 }
@@ -38,8 +38,8 @@ pub enum Chart {
 /// A start, as far as it is known without its own integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Begun {
-    /// All of it.
-    Known(Outcome),
+    /// All of it, and where it ends.
+    Known(Outcome, End),
     /// Up to this moment.
     Moving(Moving),
 }
@@ -49,7 +49,7 @@ impl Chart {
     /// `unit_secs`.
     pub fn start(&self, law: &Law, question: &Question, unit_secs: f64, at: [f64; 2]) -> Begun {
         match self {
-            Chart::Forbidden => Begun::Known(Outcome::without_time(Status::Forbidden)),
+            Chart::Forbidden => FORBIDDEN,
             Chart::Part { ended, middle, half } => {
                 let at = [0, 1].map(|i| middle[i] + half * at[i]);
                 ended.start(law, question, unit_secs, at)
@@ -61,27 +61,34 @@ impl Chart {
 impl Ended {
     fn start(&self, law: &Law, question: &Question, unit_secs: f64, at: [f64; 2]) -> Begun {
         if self.edge.is_some_and(|edge| edge.at(at) > 0.0) {
-            return Begun::Known(Outcome::without_time(Status::Forbidden));
+            return FORBIDDEN;
         }
         let grazed = self.sheet.grazes.iter().filter_map(|graze| graze.flip(law, at));
-        let passed = match &self.end {
-            End::Passed(pass) => Some(pass.time + pass.shift.at(at)),
+        let passed = match &self.way {
+            WayEnd::Passed(pass) => Some(pass.flip(at)),
             _ => None,
         };
-        let flips = grazed.chain(passed).reduce(f64::min);
-        match (flips, &self.end) {
-            (Some(time), _) => Begun::Known(question.flipped_at(time * unit_secs)),
-            (None, End::Spread | End::Unclear) => Begun::Moving(self.moving(at)),
-            (None, _) => Begun::Known(Outcome::without_time(Status::Unflipped)),
-        }
-    }
-
-    fn moving(&self, at: [f64; 2]) -> Moving {
+        let first = |a: (f64, _), b: (f64, _)| if b.0 < a.0 { b } else { a };
+        let clearance = self.sheet.clearance(at);
         let (high, low) = self.sheet.time;
-        Moving {
-            time: [high, low],
-            phase: self.sheet.phase.map(|jet| jet.at(at)),
-            step: self.sheet.step,
+        let phase = self.sheet.phase.map(|jet| jet.at(at));
+        match (grazed.chain(passed).reduce(first), &self.way) {
+            (Some((time, phase)), _) => {
+                let end = End { time, phase, clearance };
+                Begun::Known(question.flipped_at(time * unit_secs), end)
+            }
+            (None, WayEnd::Spread | WayEnd::Unclear) => {
+                let step = self.sheet.step;
+                Begun::Moving(Moving { time: [high, low], phase, step, clearance })
+            }
+            (None, _) => {
+                let end = End { time: high + low, phase, clearance };
+                Begun::Known(Outcome::without_time(Status::Unflipped), end)
+            }
         }
     }
 }
+
+/// Of starts that energy forbids to flip.
+const FORBIDDEN: Begun =
+    Begun::Known(Outcome { status: Status::Forbidden, time: 0.0 }, End::NOWHERE);

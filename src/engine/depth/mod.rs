@@ -21,7 +21,8 @@ pub use self::facts::Depth;
 pub use self::following::Following;
 use self::tree::{Tree, Wanted};
 use super::{
-    Deep, Effort, Engine, EngineError, Finished, Job, Leaf, Moving, Question, Recipe, Starts, Wait,
+    Deep, Effort, End, Engine, EngineError, Finished, Job, Keep, Leaf, Moving, Question, Recipe,
+    Starts, Wait,
 };
 use crate::physics::{Outcome, Status};
 use crate::scene::lattice::{Cell, side_rad};
@@ -53,8 +54,9 @@ const MOST_TREES: usize = 4;
 #[derive(Default)]
 struct Awaited {
     outcomes: Vec<Outcome>,
-    /// Which of them the wrapped engine answers.
-    moving: Vec<usize>,
+    ends: Vec<End>,
+    /// Which of them the wrapped engine answers, and how near the top they came before.
+    moving: Vec<(usize, f64)>,
     effort: Effort,
 }
 
@@ -62,6 +64,7 @@ struct Awaited {
 struct Followed {
     job: Job,
     outcomes: Vec<Outcome>,
+    ends: Vec<End>,
     moving: Vec<(usize, Moving)>,
     effort: Effort,
 }
@@ -117,13 +120,15 @@ impl<'a> DepthEngine<'a> {
     /// Passes on what has to be integrated; a job of which all is known is finished.
     fn take_followed(&mut self, followed: Followed) -> Option<Finished> {
         self.following -= 1;
-        let Followed { job, outcomes, moving, effort } = followed;
+        let Followed { job, outcomes, ends, moving, effort } = followed;
         if moving.is_empty() {
             self.deep.remove(&job.id);
-            return Some(Finished { id: job.id, outcomes, effort, ..Finished::default() });
+            let ends = if job.keep == Keep::Ends { ends } else { Vec::new() };
+            return Some(Finished { id: job.id, outcomes, ends, effort, ..Finished::default() });
         }
-        let (places, states) = moving.into_iter().unzip();
-        self.deep.insert(job.id, Awaited { outcomes, moving: places, effort });
+        let begun = |(place, state): (usize, Moving)| ((place, state.clearance), state);
+        let (places, states) = moving.into_iter().map(begun).unzip();
+        self.deep.insert(job.id, Awaited { outcomes, ends, moving: places, effort });
         self.waiting.push_back(Job { starts: Starts::Moving(states), ..job });
         None
     }
@@ -131,16 +136,23 @@ impl<'a> DepthEngine<'a> {
     /// An answer of the wrapped engine, put where it belongs.
     fn take_finished(&mut self, finished: Finished) -> Finished {
         self.flying -= 1;
-        let Some(Awaited { mut outcomes, moving, mut effort }) = self.deep.remove(&finished.id)
+        let Some(Awaited { mut outcomes, mut ends, moving, mut effort }) =
+            self.deep.remove(&finished.id)
         else {
             return finished;
         };
-        for (&place, outcome) in moving.iter().zip(&finished.outcomes) {
+        for (&(place, _), outcome) in moving.iter().zip(&finished.outcomes) {
             outcomes[place] = *outcome;
         }
-        let unfinished = finished.unfinished.into_iter().map(|(k, state)| (moving[k], state));
+        for (&(place, clearance), end) in moving.iter().zip(&finished.ends) {
+            ends[place] = End { clearance: end.clearance.min(clearance), ..*end };
+        }
+        if finished.ends.is_empty() {
+            ends.clear();
+        }
+        let unfinished = finished.unfinished.into_iter().map(|(k, state)| (moving[k].0, state));
         effort += finished.effort;
-        Finished { outcomes, unfinished: unfinished.collect(), effort, ..finished }
+        Finished { outcomes, ends, unfinished: unfinished.collect(), effort, ..finished }
     }
 
     /// Keeps the wrapped engine's slots full.
@@ -183,16 +195,20 @@ fn followed(
     let wanted = Wanted { level, budget: question.budget_secs / unit_secs, cancelled, told };
     let cells: Vec<Cell> = deep.leaves.iter().map(|leaf| leaf.cell).collect();
     let charts = tree.charts(&cells, wanted)?;
-    let (mut outcomes, mut moving) = (Vec::new(), Vec::new());
+    let (mut outcomes, mut ends, mut moving) = (Vec::new(), Vec::new(), Vec::new());
     let mut depth = Depth::NOTHING;
     for Leaf { cell, points } in &deep.leaves {
         let before = moving.len();
         for &at in points {
             match charts[cell].start(&tree.law, &question, unit_secs, at) {
-                Begun::Known(outcome) => outcomes.push(outcome),
+                Begun::Known(outcome, end) => {
+                    outcomes.push(outcome);
+                    ends.push(end);
+                }
                 Begun::Moving(state) => {
                     moving.push((outcomes.len(), state));
                     outcomes.push(Outcome::without_time(Status::Unflipped));
+                    ends.push(End::NOWHERE);
                 }
             }
         }
@@ -213,7 +229,7 @@ fn followed(
         }
     }
     let effort = Effort { depth: Some(depth), ..Effort::default() };
-    Some(Followed { job, outcomes, moving, effort })
+    Some(Followed { job, outcomes, ends, moving, effort })
 }
 
 impl Deep {

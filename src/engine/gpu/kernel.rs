@@ -12,12 +12,12 @@ use crate::engine::method::Pace;
 use crate::engine::start::{ANGLES, PHASE};
 use crate::engine::{EngineError, Method, Precision, Question, Recipe};
 use crate::physics::control::{Control, GROW, LONGEST, SHRINK};
-use crate::physics::passage::REACH;
+use crate::physics::passage::{FAR, SLACK};
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// Every shader file, by name.
-pub const FILES: [(&str, &str); 10] = [
+pub const FILES: [(&str, &str); 11] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
@@ -26,6 +26,7 @@ pub const FILES: [(&str, &str); 10] = [
     ("general.wgsl", include_str!("../../../shaders/general.wgsl")),
     ("fixed.wgsl", include_str!("../../../shaders/fixed.wgsl")),
     ("adaptive.wgsl", include_str!("../../../shaders/adaptive.wgsl")),
+    ("look.wgsl", include_str!("../../../shaders/look.wgsl")),
     ("turn.wgsl", include_str!("../../../shaders/turn.wgsl")),
     ("selfcheck.wgsl", include_str!("../../../shaders/selfcheck.wgsl")),
 ];
@@ -120,7 +121,7 @@ impl Design {
         let mut maths = BTreeMap::from([("step".to_string(), self.step())]);
         if self.is_adaptive() {
             return glue(
-                &["shared.wgsl", number, "adaptive.wgsl", "turn.wgsl"],
+                &["shared.wgsl", number, "adaptive.wgsl", "look.wgsl", "turn.wgsl"],
                 &self.values(maths, String::new()),
             );
         }
@@ -166,10 +167,23 @@ impl Design {
             shrink: number(SHRINK),
             grow: number(GROW),
             longest: number(LONGEST),
-            reach: number(REACH),
+            quartic: self.scheme == Scheme::Fifth,
+            bows: self.bows(),
+            far: number(FAR),
+            slack: number(SLACK),
             maths,
             may_pass,
         }
+    }
+
+    /// What DOPRI5 says of the watched bobs' ways between the ends of a step.
+    fn bows(&self) -> Vec<String> {
+        let bow = |bob: &usize| format!("rough(bow{bob})");
+        let known = self.watched();
+        let mut bows: Vec<String> =
+            if self.scheme == Scheme::Fifth { known.iter().map(bow).collect() } else { Vec::new() };
+        bows.resize(2, "0.0".to_string());
+        bows
     }
 
     /// The reduced time of a flip `flip + flip_rest` into the step, in two parts.
@@ -211,7 +225,10 @@ struct Values {
     shrink: String,
     grow: String,
     longest: String,
-    reach: String,
+    quartic: bool,
+    bows: Vec<String>,
+    far: String,
+    slack: String,
     maths: BTreeMap<String, String>,
     may_pass: String,
 }

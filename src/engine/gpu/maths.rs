@@ -99,6 +99,9 @@ impl Design {
             for bob in self.watched() {
                 results.push((format!("w{bob}"), before[bob - 1]));
                 results.push((format!("w{bob}_next"), after[bob - 1]));
+                if self.scheme == Scheme::Fifth {
+                    results.push((format!("bow{bob}"), trial.bow[bob - 1]));
+                }
             }
             results
         })

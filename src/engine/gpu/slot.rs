@@ -1,19 +1,22 @@
 //! One job in flight on a device: its buffers, its slices, its answer.
 
+mod answer;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Instant;
 
-use bytemuck::{Pod, bytes_of, cast_slice};
+use bytemuck::{bytes_of, cast_slice};
+use rayon::prelude::*;
 use wgpu::BufferUsages as Usage;
 
 use super::device::Gpu;
 use super::pipeline::Kernel;
 use crate::engine::method::Pace;
-use crate::engine::shared::{JobHead, JobScene, Queue, RawOutcome, from_parts, to_parts};
+use crate::engine::shared::{JobHead, JobScene, Queue, RawOutcome, to_parts};
 use crate::engine::start::{self, places};
-use crate::engine::{Effort, EngineError, Finished, Job, NUMBERS, Paused, Precision, Starts};
-use crate::physics::{Outcome, Status};
+use crate::engine::{EngineError, Finished, Job, Keep, Paused, Precision, Starts};
+use crate::physics::passage::FAR;
 
 /// A job on the device. Slices are submitted one at a time; each leaves behind how many
 /// pendulums still run, and the last one is followed by the outcomes.
@@ -148,7 +151,7 @@ impl Slot {
         }
         gpu.queue.write_buffer(&self.buffers.states, 0, &bytes);
         let outcomes: Vec<RawOutcome> =
-            paused.iter().map(|p| RawOutcome { steps: p.steps, ..Default::default() }).collect();
+            paused.iter().map(|p| RawOutcome { steps: p.steps, ..UNBEGUN }).collect();
         gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
     }
 
@@ -183,7 +186,7 @@ impl Slot {
         let Buffers { answer, states, .. } = &self.buffers;
         encoder.copy_buffer_to_buffer(&self.buffers.outcomes, 0, answer, 0, outcomes);
         let kept = answer.size() - outcomes;
-        if self.job.keep_unfinished {
+        if self.job.keep != Keep::Nothing {
             encoder.copy_buffer_to_buffer(states, 0, answer, outcomes, kept);
         }
         self.fly(gpu, encoder, true);
@@ -229,8 +232,8 @@ impl Slot {
         if flight.answer {
             return self.read_answer().map_or(Landed::Failed, Landed::Answer);
         }
-        let Some(queue) =
-            read::<Queue>(&self.buffers.progress, 0, 1).and_then(|read| read.first().copied())
+        let Some(queue) = answer::read::<Queue>(&self.buffers.progress, 0, 1)
+            .and_then(|read| read.first().copied())
         else {
             return Landed::Failed;
         };
@@ -244,86 +247,6 @@ impl Slot {
         }
         self.submit_answer(gpu);
         Landed::Complete(ran)
-    }
-
-    fn read_answer(&self) -> Option<Finished> {
-        let count = self.head.count as usize;
-        let raw: Vec<RawOutcome> = read(&self.buffers.answer, 0, count)?;
-        let outcomes: Vec<Outcome> = raw.iter().map(|raw| self.outcome(raw)).collect();
-        let unfinished = if self.job.keep_unfinished {
-            self.read_unfinished(&raw, &outcomes)?
-        } else {
-            Vec::new()
-        };
-        let effort = self.effort(&raw);
-        self.buffers.answer.unmap();
-        Some(Finished { id: self.job.id, outcomes, unfinished, trusts: Vec::new(), effort })
-    }
-
-    fn effort(&self, raw: &[RawOutcome]) -> Effort {
-        let before: u64 = match &self.job.starts {
-            Starts::Paused(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
-            Starts::Rest(_) => 0,
-            _ => start::states(&self.job).iter().flatten().map(|p| u64::from(p.steps)).sum(),
-        };
-        let steps: u64 = raw.iter().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
-        let looks: u64 = raw.iter().map(|raw| u64::from(raw.status >> 8)).sum();
-        let Job { recipe, question, .. } = &self.job;
-        let rhs = recipe.method.rhs_per_step(recipe.precision);
-        let per_look = match self.pace {
-            // A look repeats its step and takes both ends' accelerations for each bob.
-            Pace::Fixed(_) => rhs + 2 * question.rule.watched().len() as u64,
-            Pace::Adaptive(_) => rhs,
-        };
-        Effort {
-            depth: None,
-            rhs_evaluations: rhs * steps + looks * per_look,
-            steps,
-            lane_steps: self.lane_steps + looks,
-        }
-    }
-
-    fn outcome(&self, raw: &RawOutcome) -> Outcome {
-        let moment = from_parts(raw.moment);
-        match (raw.status & 255, self.pace) {
-            (1, Pace::Fixed(steps)) => steps.outcome_of_pass(raw.steps, moment),
-            (1, Pace::Adaptive(adaptive)) => adaptive.outcome_of_pass(moment),
-            (3, _) => Outcome::without_time(Status::Failed),
-            _ => Outcome::without_time(Status::Unflipped),
-        }
-    }
-
-    fn read_unfinished(
-        &self,
-        raw: &[RawOutcome],
-        outcomes: &[Outcome],
-    ) -> Option<Vec<(usize, Paused)>> {
-        let (count, offset) = (raw.len() * self.places.len(), self.outcome_bytes());
-        let answer = &self.buffers.answer;
-        // For each number of each pendulum its value and, of two f32, its rest.
-        let states: Vec<[f64; 2]> = match self.job.recipe.precision {
-            Precision::F32 => {
-                read::<f32>(answer, offset, count)?.iter().map(|&x| [f64::from(x), 0.0]).collect()
-            }
-            Precision::Df32 => read::<[f32; 2]>(answer, offset, count)?
-                .iter()
-                .map(|parts| parts.map(f64::from))
-                .collect(),
-            _ => read::<f64>(answer, offset, count)?.iter().map(|&x| [x, 0.0]).collect(),
-        };
-        let paused = |i: usize| {
-            let mut numbers = [0.0; NUMBERS];
-            for (k, places) in self.places.iter().enumerate() {
-                for (place, value) in places.iter().zip(states[k * raw.len() + i]) {
-                    if let Some(place) = place {
-                        numbers[*place] = value;
-                    }
-                }
-            }
-            Paused { steps: raw[i].steps, numbers }
-        };
-        let unflipped = (0..raw.len()).filter(|&i| outcomes[i].status == Status::Unflipped);
-        Some(unflipped.map(|i| (i, paused(i))).collect())
     }
 }
 
@@ -345,17 +268,14 @@ fn head(job: &Job, pace: &Pace) -> JobHead {
     }
 }
 
+/// What is known of a pendulum that has not begun.
+const UNBEGUN: RawOutcome =
+    RawOutcome { status: 0, steps: 0, moment: [0.0; 2], clearance: FAR as f32, padding: 0.0 };
+
 // How far a read-back is.
 const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const REFUSED: u8 = 2;
-
-/// `count` values of a mapped buffer; none if the device was lost after it was mapped.
-fn read<T: Pod>(buffer: &wgpu::Buffer, offset: u64, count: usize) -> Option<Vec<T>> {
-    let bytes = offset..offset + (count * size_of::<T>()) as u64;
-    let view = buffer.slice(bytes).get_mapped_range().ok()?;
-    Some(bytemuck::pod_collect_to_vec(&view))
-}
 
 fn make_buffers(
     gpu: &Gpu,
@@ -370,7 +290,7 @@ fn make_buffers(
     let storage = Usage::STORAGE | Usage::COPY_DST;
     let both = storage | Usage::COPY_SRC;
     let back = Usage::MAP_READ | Usage::COPY_DST;
-    let kept = if job.keep_unfinished { state_bytes } else { 0 };
+    let kept = if job.keep == Keep::Nothing { 0 } else { state_bytes };
     let head = (size_of::<JobHead>() + size_of::<JobScene>()) as u64;
     let buffers = Buffers {
         job: gpu.buffer("a job's head", head, storage)?,

@@ -1,241 +1,140 @@
-//! One job on its way through the checks.
+//! One job on its way up the ladder.
+
+use rayon::prelude::*;
 
 use super::Trust;
-use crate::engine::level::{BALANCED, FAST};
-use crate::engine::{Effort, Finished, Job, Method, Precision, Question, Recipe, Starts, start};
-use crate::physics::embedded::{dop853, plus};
-use crate::physics::phase::Phase;
-use crate::physics::{Outcome, Status};
+use super::judge::{Answer, Judge};
+use super::ladder::{CHEAP, IN_F64, Run, rungs};
+use crate::engine::{Effort, Finished, Job, Keep, Starts};
+use crate::physics::Outcome;
 
-/// Up to this tolerance a recipe is fine.
-const FINE: f64 = 1e-11;
-/// The check of what the probe leaves open.
-const CHECK: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-14 }, precision: Precision::F64 };
-/// The last word.
-const LAST: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-26 }, precision: Precision::Dd };
-/// What the last word is checked by where growth was large.
-const LAST_CHECK: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-23 }, precision: Precision::Dd };
-
-/// How close two answers must be. The later one of each pair has errors at least thirty times
-/// smaller than the earlier one, so what is kept is right to far less than these.
-const PROBE_SECS: f64 = 2e-2;
-/// A coarse answer is only right if it is as close as right means.
-const FINE_PROBE_SECS: f64 = 5e-4;
-/// See [`PROBE_SECS`].
-const CHECK_SECS: f64 = 5e-3;
-/// The two in double-double.
-const LAST_SECS: f64 = 1e-4;
-/// How close the states of two unflipped pendulums must be, in unit vectors and momenta.
-const STATE_DISTANCE: f64 = 1e-2;
-
-/// A job on its way through the checks.
+/// A job on its way up the ladder.
 pub struct Case {
-    pub job: Job,
-    /// What each stage answered, for the starts it was given.
-    first: Option<Finished>,
-    probe: Option<Finished>,
-    /// Starts that the stage under way runs.
+    job: Job,
+    rungs: Vec<Vec<Run>>,
+    /// The rung that is being computed, from 0.
+    rung: usize,
+    /// Starts that are not sure, in order: what the rung computes.
     open: Vec<usize>,
-    /// The best answer to each open start so far, its state if unflipped.
-    best: Vec<Answer>,
+    /// What has been computed.
+    done: Vec<Done>,
+    /// The finest answer so far to each start.
+    outcomes: Vec<Outcome>,
     trusts: Vec<Trust>,
     effort: Effort,
 }
 
-/// An outcome, and of unflipped pendulums the state they reached and when, in reduced units.
-#[derive(Clone, Copy, Debug)]
-struct Answer {
-    outcome: Outcome,
-    reached: Option<(Phase<f64>, f64)>,
+/// A run and its answers to some of the starts.
+struct Done {
+    run: Run,
+    /// Which, in order.
+    starts: Vec<usize>,
+    answers: Vec<Answer>,
 }
 
-/// Stages of a case, and of the names of its jobs: the recipe asked for,
-pub const FIRST: u64 = 0;
-/// its probe,
-pub const PROBED: u64 = 1;
-/// Taylor expansions,
-const CHECKED: u64 = 2;
-/// those in double-double,
-const LAST_WORD: u64 = 3;
-/// and those again with other steps.
-const LAST_CHECKED: u64 = 4;
-/// Room for them in a job's name.
-pub const STAGES: u64 = 8;
-
-/// The stage that comes next; after the last there is none.
-#[derive(Clone, Copy)]
-pub struct Next(u64);
-
-impl Next {
-    /// The recipe it runs.
-    pub fn recipe(self) -> Option<Recipe> {
-        match self.0 {
-            CHECKED => Some(CHECK),
-            LAST_WORD => Some(LAST),
-            LAST_CHECKED => Some(LAST_CHECK),
-            _ => None,
-        }
-    }
-}
+/// Room for a job's runs in the names of its jobs.
+pub const RUNS: u64 = 32;
 
 impl Case {
-    /// A case of which nothing is known.
-    pub fn new(job: Job) -> Self {
-        Case {
-            first: None,
-            probe: None,
-            open: Vec::new(),
-            best: Vec::new(),
-            trusts: vec![Trust::Unchecked; job.starts.len()],
+    /// A case of which nothing is known, and its first jobs.
+    pub fn new(job: Job) -> (Self, Vec<Job>) {
+        let count = job.starts.len();
+        let case = Case {
+            rungs: rungs(&job.recipe, matches!(job.starts, Starts::Deep(_))),
+            rung: 0,
+            open: (0..count).collect(),
+            done: Vec::new(),
+            outcomes: vec![Outcome::without_time(crate::physics::Status::Unflipped); count],
+            trusts: vec![Trust::Unchecked; count],
             effort: Effort::default(),
             job,
-        }
+        };
+        let jobs = case.jobs();
+        (case, jobs)
     }
 
-    /// The job of the next stage: the open starts by its recipe.
-    pub fn job_of(&self, next: Next, recipe: Recipe) -> Job {
-        Job {
-            id: self.job.id * STAGES + next.0,
-            recipe,
-            starts: self.open_starts(next),
-            keep_unfinished: true,
+    /// The jobs of the rung that comes next.
+    fn jobs(&self) -> Vec<Job> {
+        let before: usize = self.rungs[..self.rung].iter().map(Vec::len).sum();
+        let one = |(index, run): (usize, &Run)| Job {
+            id: self.job.id * RUNS + (before + index) as u64,
+            recipe: run.recipe,
+            starts: self.starts_of(run),
+            keep: Keep::Ends,
             ..self.job
-        }
+        };
+        self.rungs[self.rung].iter().enumerate().map(one).collect()
     }
 
-    fn is_deep(&self) -> bool {
-        matches!(self.job.starts, Starts::Deep(_))
-    }
-
-    /// The open starts. Deep ones are followed anew with other cuts, so that the start map is
-    /// checked as well as what comes after it; what double-double gives on one of the two is
-    /// checked by what it gives on the other.
-    fn open_starts(&self, next: Next) -> Starts {
+    fn starts_of(&self, run: &Run) -> Starts {
         match &self.job.starts {
             Starts::Rest(angles) => {
-                Starts::Rest(self.open.iter().map(|&start| angles[start]).collect())
+                Starts::Rest(self.open.iter().map(|&start| run.start(angles[start])).collect())
             }
-            Starts::Deep(deep) => Starts::Deep(deep.some(&self.open, next.0 != LAST_CHECKED)),
+            Starts::Deep(deep) => Starts::Deep(deep.some(&self.open, run.strict)),
             Starts::Paused(_) | Starts::Moving(_) => unreachable!("refused when submitted"),
         }
     }
 
-    /// Takes a stage's answer; says what to do next once the stage is complete.
-    pub fn take(&mut self, stage: u64, finished: Finished) -> Option<Next> {
+    /// Takes a run's answers. Once a rung is complete it says what to compute next: nothing, when
+    /// every start is sure or the ladder ends.
+    pub fn take(&mut self, run: u64, finished: Finished) -> Option<Vec<Job>> {
         self.effort += finished.effort;
-        match stage {
-            FIRST => self.first = Some(finished),
-            PROBED => self.probe = Some(finished),
-            CHECKED => return Some(self.decide(stage, &self.answers(&finished, &CHECK))),
-            _ => return Some(self.decide(stage, &self.answers(&finished, &LAST))),
+        let answer = |(&outcome, &end)| Answer { outcome, end };
+        let answers: Vec<Answer> =
+            finished.outcomes.iter().zip(&finished.ends).map(answer).collect();
+        let run = *self.rungs.iter().flatten().nth(run as usize)?;
+        self.done.push(Done { run, starts: self.open.clone(), answers });
+        let through: usize = self.rungs[..=self.rung].iter().map(Vec::len).sum();
+        if self.done.len() < through {
+            return None;
         }
-        let first = self.answers(self.first.as_ref()?, &self.job.recipe);
-        let probe = self.answers(self.probe.as_ref()?, &probe_of(&self.job.recipe));
-        self.best = first;
-        self.open = (0..self.best.len()).collect();
-        Some(self.decide(PROBED, &probe))
+        self.decide();
+        self.rung += 1;
+        let over = self.open.is_empty() || self.rung == self.rungs.len();
+        Some(if over { Vec::new() } else { self.jobs() })
     }
 
-    /// Compares a stage's answers with the best so far. What agrees is decided; the rest stays
-    /// open for the stage that follows.
-    fn decide(&mut self, stage: u64, answers: &[Answer]) -> Next {
-        let fine = is_fine(&self.job.recipe);
-        let (secs, trust) = match stage {
-            // Another start map is no finer than the one it checks.
-            PROBED if fine && !self.is_deep() => (PROBE_SECS, Trust::Agreed),
-            PROBED => (FINE_PROBE_SECS, Trust::Agreed),
-            CHECKED => (CHECK_SECS, Trust::Confirmed),
-            LAST_WORD => (CHECK_SECS, Trust::Settled),
-            _ if self.is_deep() => (FINE_PROBE_SECS, Trust::Settled),
-            _ => (LAST_SECS, Trust::Settled),
+    /// Sorts the open starts into those that are sure by now, and those that stay open.
+    fn decide(&mut self) {
+        // In the order of their errors, whichever came first.
+        self.done.sort_by(|a, b| a.run.error_scale().total_cmp(&b.run.error_scale()));
+        let judge = Judge::new(&self.job.question);
+        let verdicts: Vec<(Outcome, bool)> =
+            self.open.par_iter().map(|&start| self.verdict(&judge, start)).collect();
+        let trust = match self.rung + 1 {
+            rung if rung <= CHEAP => Trust::Agreed,
+            rung if rung <= IN_F64 => Trust::Confirmed,
+            _ => Trust::Settled,
         };
-        let open = std::mem::take(&mut self.open);
-        for (&start, answer) in open.iter().zip(answers) {
-            // Two answers from one start map share its errors.
-            let apart = stage != LAST_WORD || !self.is_deep();
-            let close = apart && are_close(&self.job.question, &self.best[start], answer, secs);
-            // A coarse probe and the last check are coarser than what they check.
-            let better = match stage {
-                PROBED => !fine && !close,
-                CHECKED => self.job.recipe.precision != Precision::Dd,
-                LAST_CHECKED => false,
-                _ => true,
-            };
-            if better {
-                self.best[start] = *answer;
-            }
-            if close {
-                self.trusts[start] = trust;
-            } else if stage == LAST_CHECKED {
-                self.trusts[start] = Trust::Uncertain;
-            } else {
+        for (start, (outcome, sure)) in std::mem::take(&mut self.open).into_iter().zip(verdicts) {
+            self.outcomes[start] = outcome;
+            self.trusts[start] = if sure { trust } else { Trust::Uncertain };
+            if !sure {
                 self.open.push(start);
             }
         }
-        Next(if self.open.is_empty() { STAGES } else { stage + 1 })
     }
 
-    /// Each outcome with the state it reached, if that was kept.
-    fn answers(&self, finished: &Finished, recipe: &Recipe) -> Vec<Answer> {
-        let unreached = |&outcome: &Outcome| Answer { outcome, reached: None };
-        let mut answers: Vec<Answer> = finished.outcomes.iter().map(unreached).collect();
-        for (index, paused) in &finished.unfinished {
-            answers[*index].reached = start::reached(&self.job.question, recipe, paused);
-        }
-        answers
+    /// The finest answer to a start, and whether it is sure.
+    fn verdict(&self, judge: &Judge, start: usize) -> (Outcome, bool) {
+        let answer = |done: &Done| {
+            let place = done.starts.binary_search(&start).ok()?;
+            Some((done.run, done.answers[place]))
+        };
+        let answers: Vec<(Run, Answer)> = self.done.iter().filter_map(answer).collect();
+        let (finest, others) = answers.split_first().expect("the first rung has all starts");
+        (finest.1.outcome, judge.is_sure(finest, others))
     }
 
     /// The answer.
     pub fn finish(self) -> Finished {
-        let outcomes: Vec<Outcome> = self.best.iter().map(|answer| answer.outcome).collect();
         Finished {
             id: self.job.id,
-            outcomes,
-            unfinished: Vec::new(),
+            outcomes: self.outcomes,
             trusts: self.trusts,
             effort: self.effort,
+            ..Finished::default()
         }
     }
-}
-
-/// Whether a recipe's errors are far below those of the coarse probe.
-fn is_fine(recipe: &Recipe) -> bool {
-    recipe.precision != Precision::F32 && recipe.method.tolerance().is_some_and(|t| t <= FINE)
-}
-
-/// What a recipe is probed by: a fine one by `fast`, a coarse one by `balanced`.
-pub fn probe_of(recipe: &Recipe) -> Recipe {
-    if is_fine(recipe) { FAST } else { BALANCED }
-}
-
-/// Whether two answers are the same: flips within `secs`, or unflipped in nearly one state.
-fn are_close(question: &Question, a: &Answer, b: &Answer, secs: f64) -> bool {
-    match (a.outcome.status, b.outcome.status) {
-        (Status::Flipped, Status::Flipped) => (a.outcome.time - b.outcome.time).abs() <= secs,
-        (Status::Unflipped, Status::Unflipped) => match (a.reached, b.reached) {
-            (Some(a), Some(b)) => distance(question, a, b) <= STATE_DISTANCE,
-            _ => false,
-        },
-        _ => false,
-    }
-}
-
-/// Longest step by which one state is brought to the time of the other, reduced units.
-const CATCH_UP: f64 = 0.05;
-
-/// The distance of two states, the earlier one moved on to the time of the later.
-fn distance(question: &Question, a: (Phase<f64>, f64), b: (Phase<f64>, f64)) -> f64 {
-    let (pendulum, _) = question.reduced();
-    let scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
-    let ((mut phase, from), (late, to)) = if a.1 <= b.1 { (a, b) } else { (b, a) };
-    let steps = ((to - from) / CATCH_UP).ceil();
-    for _ in 0..steps as usize {
-        let trial = dop853(&pendulum, scale, &phase, (to - from) / steps);
-        phase = plus(&phase, &trial.change);
-    }
-    let unit = |i: usize| if i < 4 { 1.0 } else { scale[i - 4] };
-    (0..6).map(|i| (phase[i] - late[i]).abs() * unit(i)).fold(0.0, f64::max)
 }

@@ -28,19 +28,27 @@ impl Graze {
         self.height.middle() > self.height.spread()
     }
 
-    /// When the start at a point of the cell flips, reduced, if it does in this graze.
-    pub fn flip(&self, law: &Law, at: [f64; 2]) -> Option<f64> {
+    /// When the start at a point of the cell flips, reduced, if it does in this graze, and its
+    /// state then.
+    pub fn flip(&self, law: &Law, at: [f64; 2]) -> Option<(f64, Phase<f64>)> {
         let height = self.height.at(at);
         if height < 0.0 {
             return None;
         }
         let phase = self.phase.map(|jet| jet.at(at));
         let turn = self.time + self.shift.at(at);
-        Some(turn - self.rise(law, phase, height))
+        let (rise, then) = self.rise(law, phase, height);
+        Some((turn - rise, then))
     }
 
-    /// How long before its turn a bob that rises `height` beyond the top has passed it.
-    fn rise(&self, law: &Law, mut phase: Phase<f64>, height: f64) -> f64 {
+    /// How far from the top the start at a point of the cell turns round, as a sine.
+    pub(super) fn clearance(&self, at: [f64; 2]) -> f64 {
+        self.height.at(at).abs()
+    }
+
+    /// How long before its turn a bob that rises `height` beyond the top has passed it, and the
+    /// state then.
+    fn rise(&self, law: &Law, mut phase: Phase<f64>, height: f64) -> (f64, Phase<f64>) {
         let (x, y) = (2 * self.bob, 2 * self.bob + 1);
         // As high as its own polynomial says, which knows it to more digits.
         phase[y] = -self.side * height;
@@ -48,14 +56,15 @@ impl Graze {
         let speed = law.pendulum.speeds(&phase);
         let pull = law.pendulum.acceleration_towards([(y1, x1), (y2, x2)], speed)[self.bob];
         let mut back = (2.0 * height / pull.abs()).sqrt();
+        let mut then = phase;
         for _ in 0..6 {
-            let (then, _) = law.moved(&phase, -back);
+            (then, _) = law.moved(&phase, -back);
             let rate = law.pendulum.speeds(&then)[self.bob] * then[x];
             if rate == 0.0 {
                 break;
             }
             back += then[y] / rate;
         }
-        back
+        (back, then)
     }
 }

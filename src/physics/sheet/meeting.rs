@@ -17,6 +17,8 @@ const TIME_TOLERANCE: f64 = 1e-6;
 /// What a leap meets at the top.
 pub(super) enum Meeting {
     Nothing,
+    /// A turn too far from the top to be a graze: so far, at least.
+    FarTurn(f64),
     /// Two things at once.
     TooMuch,
     Unclear,
@@ -57,8 +59,14 @@ impl Sheet {
                 meetings.push(self.pass(law, leap, bob, tolerance));
             }
         }
+        let far = |meeting: &Meeting| match meeting {
+            Meeting::FarTurn(clearance) => Some(*clearance),
+            _ => None,
+        };
+        let least = meetings.iter().filter_map(far).reduce(f64::min);
+        meetings.retain(|meeting| far(meeting).is_none());
         match meetings.len() {
-            0 => Meeting::Nothing,
+            0 => least.map_or(Meeting::Nothing, Meeting::FarTurn),
             1 => meetings.remove(0),
             _ if leap.length > SHORTEST => Meeting::TooMuch,
             _ => Meeting::Unclear,
@@ -89,7 +97,9 @@ impl Sheet {
         };
         if there.phase[2 * bob] >= 0.0 || sine.abs() > NEAR * spread {
             // A pass that was nearly a graze, and turned round far beyond.
-            return self.beyond[bob].then_some(Meeting::Unclear);
+            let far =
+                || (there.phase[2 * bob] < 0.0).then_some(Meeting::FarTurn(sine.abs() - spread));
+            return if self.beyond[bob] { Some(Meeting::Unclear) } else { far() };
         }
         let (shift, phase) = law.turn_of_all(&self.phase, tau, bob);
         // The side it came from: its own, or the other one if it has just passed.
@@ -118,7 +128,7 @@ impl Sheet {
         let start = middle(&self.phase);
         let at = |fraction: f64| law.moment(law.moved(&start, leap.length * fraction).0);
         let (before, after) = (at(0.0), law.moment(middle(&leap.after)));
-        let (fraction, there) = crossing(&at, bob, &before, (1.0, after), leap.length);
+        let (fraction, there) = crossing(&at, bob, (0.0, before), (1.0, after), leap.length);
         if there.phase[2 * bob] >= 0.0 {
             return Meeting::Nothing;
         }
@@ -131,7 +141,8 @@ impl Sheet {
         let clear = shift.tail() <= TIME_TOLERANCE.min(tolerance.sqrt())
             && speed.spread() < 0.5 * speed.middle().abs();
         if clear {
-            Meeting::Pass(Box::new(Pass { time: self.time.0 + (self.time.1 + tau), shift }))
+            let time = self.time.0 + (self.time.1 + tau);
+            Meeting::Pass(Box::new(Pass { time, shift, phase }))
         } else {
             Meeting::NearlyGraze(bob)
         }

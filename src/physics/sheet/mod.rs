@@ -18,7 +18,7 @@ pub use graze::Graze;
 use super::embedded::{dop853, plus};
 use super::flip::Rule;
 use super::jet::Jet;
-use super::passage::Moment;
+use super::passage::{FAR, Moment};
 use super::phase::Phase;
 use super::reference::Reference;
 use super::{Pendulum, Real};
@@ -44,6 +44,8 @@ pub struct Sheet {
     pub phase: Phase<Jet>,
     /// The next step to try.
     pub step: f64,
+    /// How far from the top the watched bobs turned round that are not in `grazes`, as a sine.
+    far_turns: f64,
     /// Turns near the top at which some of the cell flipped, in order.
     pub grazes: Vec<Graze>,
     /// Whether the middle is beyond the top with each bob, in a graze; never where its way ends.
@@ -72,6 +74,15 @@ pub struct Pass {
     pub time: f64,
     /// How much later the others do.
     pub shift: Jet,
+    /// The states then.
+    pub phase: Phase<Jet>,
+}
+
+impl Pass {
+    /// When the start at a point of the cell flips, reduced, and its state then.
+    pub fn flip(&self, at: [f64; 2]) -> (f64, Phase<f64>) {
+        (self.time + self.shift.at(at), self.phase.map(|jet| jet.at(at)))
+    }
 }
 
 /// Error allowed in a step of the middle. The polynomials' own errors are about as many times
@@ -129,6 +140,7 @@ impl Sheet {
             time: (0.0, 0.0),
             phase,
             step: super::control::FIRST,
+            far_turns: FAR,
             grazes: Vec::new(),
             beyond: [false; 2],
         }
@@ -150,6 +162,11 @@ impl Sheet {
         };
         let grazes = self.grazes.iter().map(graze).filter(Graze::concerns_any).collect();
         Sheet { phase: self.phase.map(|jet| jet.part(middle, half)), grazes, ..*self }
+    }
+
+    /// How far from the top the watched bobs of the start at a point have stayed.
+    pub fn clearance(&self, at: [f64; 2]) -> f64 {
+        self.grazes.iter().map(|graze| graze.clearance(at)).fold(self.far_turns, f64::min)
     }
 
     /// Whether all of it has flipped.
@@ -196,6 +213,7 @@ impl Sheet {
             }
             match self.meet(law, &leap, tolerance, reference.as_deref()) {
                 Meeting::Nothing => {}
+                Meeting::FarTurn(clearance) => self.far_turns = self.far_turns.min(clearance),
                 Meeting::TooMuch => {
                     self.step = leap.length * 0.5;
                     continue;

@@ -18,7 +18,7 @@ use serde::Serialize;
 use super::truth::{gold_dd, gold_f64};
 pub use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{
-    Engine, EngineError, Finished, Job, Method, Precision, Question, Recipe, Starts, Wait,
+    Engine, EngineError, Finished, Job, Keep, Method, Precision, Question, Recipe, Starts, Wait,
 };
 use crate::physics::{Dd, Outcome, Rule, Status};
 use crate::scene::Build;
@@ -162,7 +162,7 @@ impl<'a> Bench<'a> {
         recipe: Recipe,
         starts: Starts,
     ) -> Result<Finished, EngineError> {
-        let job = Job { id: 1, question: *question, recipe, starts, keep_unfinished: true };
+        let job = Job { id: 1, question: *question, recipe, starts, keep: Keep::Unfinished };
         self.engine.submit(job)?;
         let finished = self.engine.poll(Wait::UntilFinished)?.pop();
         finished.ok_or_else(|| EngineError::Unsupported("the engine gave no answer".to_string()))

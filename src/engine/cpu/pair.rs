@@ -1,0 +1,113 @@
+//! The embedded pairs on lanes, each with a test of its own for passes of the top: so that one can
+//! check the other.
+
+use super::lanes::Lanes;
+use crate::physics::embedded::{Trial, dop853, dopri5, plus, quartic};
+use crate::physics::passage::{FAR, Moment, Passed, SLACK, within};
+use crate::physics::phase::Phase;
+use crate::physics::polynomial::course;
+use crate::physics::{Pendulum, Real};
+
+/// An embedded pair, for every number type.
+pub trait Pair {
+    /// A step that may be taken.
+    fn trial<T: Real>(
+        pendulum: &Pendulum<T>,
+        inverse_scale: [T; 2],
+        phase: &Phase<T>,
+        step: T,
+    ) -> Trial<T>;
+
+    /// How far from the top a bob stays over a step, from its sine and the rate of that times the
+    /// step at both ends; not positive where it may pass.
+    fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L;
+
+    /// What became of a bob in a step of one pendulum.
+    fn look(step: &Step, bob: usize) -> Passed<f64>;
+}
+
+/// One pendulum's step, in f64.
+pub struct Step<'a> {
+    pub pendulum: &'a Pendulum<f64>,
+    pub inverse_scale: [f64; 2],
+    pub before: Moment<f64>,
+    pub after: Moment<f64>,
+    pub length: f64,
+}
+
+impl Step<'_> {
+    /// The moment after a step from the same beginning that is shorter.
+    pub fn shortened<P: Pair>(&self, fraction: f64) -> Moment<f64> {
+        let begin = &self.before.phase;
+        let trial = P::trial(self.pendulum, self.inverse_scale, begin, self.length * fraction);
+        let phase = plus(begin, &trial.change);
+        Moment { phase, speed: self.pendulum.speeds(&phase) }
+    }
+}
+
+/// DOPRI5, and the top on the quartic that it gives over its step.
+pub struct Fifth;
+
+impl Pair for Fifth {
+    #[inline(always)]
+    fn trial<T: Real>(
+        pendulum: &Pendulum<T>,
+        inverse_scale: [T; 2],
+        phase: &Phase<T>,
+        step: T,
+    ) -> Trial<T> {
+        dopri5(pendulum, inverse_scale, phase, step)
+    }
+
+    #[inline(always)]
+    fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L {
+        let [y0, y1, y2, y3, y4] = quartic(y, rise, bow);
+        let inward = |y: L| Lanes::select(-y, y0, y);
+        inward(y1).min(inward(y2)).min(inward(y3)).min(inward(y4))
+    }
+
+    fn look(step: &Step, bob: usize) -> Passed<f64> {
+        let Step { before, after, length, .. } = step;
+        let trial = dopri5(step.pendulum, step.inverse_scale, &before.phase, *length);
+        let (x, y) = (2 * bob, 2 * bob + 1);
+        let rise = |moment: &Moment<f64>| moment.speed[bob] * moment.phase[x] * length;
+        let ends = [before.phase[y], after.phase[y]];
+        let control = quartic(ends, [rise(before), rise(after)], trial.bow[bob]);
+        let side = control.iter().find(|&&y| y != 0.0).map_or(1.0, |y| y.signum());
+        let at = |fraction: f64| before.phase[x] + (after.phase[x] - before.phase[x]) * fraction;
+        let fraction = course(&control, side).change.filter(|&fraction| at(fraction) < 0.0);
+        Passed { fraction, clearance: FAR }
+    }
+}
+
+/// DOP853, and the top by shorter and shorter steps.
+pub struct Eighth;
+
+impl Pair for Eighth {
+    #[inline(always)]
+    fn trial<T: Real>(
+        pendulum: &Pendulum<T>,
+        inverse_scale: [T; 2],
+        phase: &Phase<T>,
+        step: T,
+    ) -> Trial<T> {
+        dop853(pendulum, inverse_scale, phase, step)
+    }
+
+    /// Twin: `passage::approach`.
+    #[inline(always)]
+    fn clearance<L: Lanes>([y0, y1]: [L; 2], [rise0, rise1]: [L; 2], _: L) -> L {
+        let third = y0.lit(1.0 / 3.0);
+        let (first, second) = (rise0.mul_add(third, y0), (-rise1).mul_add(third, y1));
+        let chord = (y1 - y0) * third;
+        let bend = (first - y0 - chord).abs().max((y1 - second - chord).abs());
+        let inward = |y: L| Lanes::select(-y, y0, y);
+        let least = inward(first).min(inward(second)).min(inward(y1));
+        least - bend * y0.lit(SLACK)
+    }
+
+    fn look(step: &Step, bob: usize) -> Passed<f64> {
+        let at = |fraction| step.shortened::<Eighth>(fraction);
+        within(at, bob, &step.before, &step.after, step.length)
+    }
+}

@@ -1,0 +1,111 @@
+//! What is read back when all pendulums of a job are done.
+
+use bytemuck::Pod;
+use rayon::prelude::*;
+
+use super::Slot;
+use crate::engine::method::Pace;
+use crate::engine::shared::{RawOutcome, from_parts};
+use crate::engine::{Effort, End, Finished, Job, Keep, NUMBERS, Paused, Precision, Starts, start};
+use crate::physics::{Outcome, Status};
+
+impl Slot {
+    /// The answer, once it has been mapped; none if the device was lost after that.
+    pub(super) fn read_answer(&self) -> Option<Finished> {
+        let count = self.head.count as usize;
+        let raw: Vec<RawOutcome> = read(&self.buffers.answer, 0, count)?;
+        let outcomes: Vec<Outcome> = raw.iter().map(|raw| self.outcome(raw)).collect();
+        let mut finished =
+            Finished { id: self.job.id, effort: self.effort(&raw), ..Default::default() };
+        match self.job.keep {
+            Keep::Nothing => {}
+            Keep::Unfinished => {
+                let states = self.read_states(&raw)?.into_iter().enumerate();
+                let left = states.filter(|(i, _)| outcomes[*i].status == Status::Unflipped);
+                finished.unfinished = left.collect();
+            }
+            Keep::Ends => finished.ends = self.ends(&raw, &self.read_states(&raw)?),
+        }
+        self.buffers.answer.unmap();
+        Some(Finished { outcomes, ..finished })
+    }
+
+    /// Where each pendulum ended: a flip is in the step that follows its state.
+    fn ends(&self, raw: &[RawOutcome], states: &[Paused]) -> Vec<End> {
+        let (reduced, _) = self.job.question.reduced();
+        let one = |(raw, state): (&RawOutcome, &Paused)| {
+            let flipped = (raw.status & 255 == 1).then(|| from_parts(raw.moment));
+            let clearance = f64::from(raw.clearance);
+            start::end(&reduced, &self.pace, state, flipped, clearance)
+        };
+        raw.par_iter().zip(states).map(one).collect()
+    }
+
+    fn effort(&self, raw: &[RawOutcome]) -> Effort {
+        let before: u64 = match &self.job.starts {
+            Starts::Paused(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
+            Starts::Rest(_) => 0,
+            _ => start::states(&self.job).iter().flatten().map(|p| u64::from(p.steps)).sum(),
+        };
+        let steps: u64 = raw.iter().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
+        let looks: u64 = raw.iter().map(|raw| u64::from(raw.status >> 8)).sum();
+        let Job { recipe, question, .. } = &self.job;
+        let rhs = recipe.method.rhs_per_step(recipe.precision);
+        let per_look = match self.pace {
+            // A look repeats its step and takes both ends' accelerations for each bob.
+            Pace::Fixed(_) => rhs + 2 * question.rule.watched().len() as u64,
+            Pace::Adaptive(_) => rhs,
+        };
+        Effort {
+            depth: None,
+            rhs_evaluations: rhs * steps + looks * per_look,
+            steps,
+            lane_steps: self.lane_steps + looks,
+        }
+    }
+
+    fn outcome(&self, raw: &RawOutcome) -> Outcome {
+        let moment = from_parts(raw.moment);
+        match (raw.status & 255, self.pace) {
+            (1, Pace::Fixed(steps)) => steps.outcome_of_pass(raw.steps, moment),
+            (1, Pace::Adaptive(adaptive)) => adaptive.outcome_of_pass(moment),
+            (3, _) => Outcome::without_time(Status::Failed),
+            _ => Outcome::without_time(Status::Unflipped),
+        }
+    }
+
+    fn read_states(&self, raw: &[RawOutcome]) -> Option<Vec<Paused>> {
+        let (count, offset) = (raw.len() * self.places.len(), self.outcome_bytes());
+        let answer = &self.buffers.answer;
+        // For each number of each pendulum its value and, of two f32, its rest.
+        let states: Vec<[f64; 2]> = match self.job.recipe.precision {
+            Precision::F32 => {
+                read::<f32>(answer, offset, count)?.iter().map(|&x| [f64::from(x), 0.0]).collect()
+            }
+            Precision::Df32 => read::<[f32; 2]>(answer, offset, count)?
+                .iter()
+                .map(|parts| parts.map(f64::from))
+                .collect(),
+            _ => read::<f64>(answer, offset, count)?.iter().map(|&x| [x, 0.0]).collect(),
+        };
+        let paused = |i: usize| {
+            let mut numbers = [0.0; NUMBERS];
+            for (k, places) in self.places.iter().enumerate() {
+                for (place, value) in places.iter().zip(states[k * raw.len() + i]) {
+                    if let Some(place) = place {
+                        numbers[*place] = value;
+                    }
+                }
+            }
+            Paused { steps: raw[i].steps, numbers }
+        };
+        Some((0..raw.len()).map(paused).collect())
+    }
+}
+
+/// `count` values of a mapped buffer; none if the device was lost after it was mapped.
+pub(super) fn read<T: Pod>(buffer: &wgpu::Buffer, offset: u64, count: usize) -> Option<Vec<T>> {
+    let bytes = offset..offset + (count * size_of::<T>()) as u64;
+    let view = buffer.slice(bytes).get_mapped_range().ok()?;
+    Some(bytemuck::pod_collect_to_vec(&view))
+}
