@@ -75,7 +75,7 @@ pub enum Action {
     /// Play or pause the pendulum that is shown.
     PlayPause,
     /// Another pendulum or question.
-    Scene(Build, Question),
+    Scene(Box<Build>, Question),
     /// Other colours.
     Picture(PictureTable),
     /// Another accuracy.

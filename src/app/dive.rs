@@ -163,7 +163,7 @@ fn dive(
     let mut descent = Descent::new(scene, chosen.recipe, wish);
     let go_on = || !stop.load(Ordering::Relaxed);
     while let Deeper::Scene(scene) = descent.next(chosen.engine.as_mut(), &go_on)? {
-        if sender.send(Dived::To(Box::new(scene))).is_err() {
+        if sender.send(Dived::To(scene)).is_err() {
             break;
         }
         wake();

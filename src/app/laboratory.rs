@@ -87,7 +87,7 @@ impl Desk {
             ui.label(Figure::Map.sentence());
             if let Some(kind) = explain(ui, &self.state.build, &seen) {
                 let build = Build { kind, ..self.state.build };
-                actions.push(Action::Scene(build, self.state.question));
+                actions.push(Action::Scene(Box::new(build), self.state.question));
             }
         });
         actions

@@ -40,7 +40,9 @@ impl Desk {
             });
             CollapsingHeader::new("Scene").show(ui, |ui| {
                 let changed = scene_panel(ui, &self.state.build, &self.state.question);
-                actions.extend(changed.map(|(build, question)| Action::Scene(build, question)));
+                actions.extend(
+                    changed.map(|(build, question)| Action::Scene(Box::new(build), question)),
+                );
             });
             CollapsingHeader::new("Accuracy").show(ui, |ui| {
                 actions.extend(accuracy_panel(ui, &self.computing()));

@@ -260,7 +260,7 @@ impl State {
             Action::Pins(action) => self.pins.apply(action),
             Action::PlayPause => self.play_or_pause(),
             Action::Scene(build, question) => {
-                (self.build, self.question) = (build, question);
+                (self.build, self.question) = (*build, question);
                 return Some(Effect::Relaunch);
             }
             Action::Picture(picture) => {
@@ -512,7 +512,10 @@ pub(super) mod tests {
         state.apply(Action::Layers(Layers { grid: true, ..state.layers }));
         assert_eq!(state.aim(recipe), before);
         let question = Question { budget: Budget::secs(60.0), ..state.question };
-        assert_eq!(state.apply(Action::Scene(state.build, question)), Some(Effect::Relaunch));
+        assert_eq!(
+            state.apply(Action::Scene(Box::new(state.build), question)),
+            Some(Effect::Relaunch)
+        );
         assert_ne!(state.aim(recipe), before);
     }
 }

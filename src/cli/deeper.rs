@@ -47,7 +47,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
                     "flipmap: {} rad, budget {} s",
                     scene.view.width, scene.question.budget.secs
                 ));
-                path.push(scene);
+                path.push(*scene);
             }
             Deeper::Stopped => break,
             Deeper::End => {

@@ -9,6 +9,7 @@ pub mod exit;
 mod explore;
 mod farm;
 mod film_options;
+mod hunt;
 mod lab;
 mod options;
 mod outputs;

@@ -227,7 +227,7 @@ fn report(
     if verified {
         let [_, agreed, confirmed, settled, uncertain] = counts.trusts;
         super::tell(&format!(
-            "flipmap: checked: {agreed} agreed at once, {confirmed} confirmed by Taylor expansions, \
+            "flipmap: checked: {agreed} agreed at once, {confirmed} confirmed in more digits, \
              {settled} settled in double-double, {uncertain} uncertain"
         ));
     }

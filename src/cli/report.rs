@@ -5,10 +5,12 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
+use flipmap::engine::{Accuracy, choice};
 use flipmap::report::{Field, Folder, ReportError, Session, Thoroughness};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::exit::Exit;
+use super::hunt;
 use super::progress::Mode;
 use super::run_options::EngineKind;
 use super::stop;
@@ -36,10 +38,34 @@ pub struct Options {
     /// How to show progress
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     progress: Mode,
+    /// Instead of measuring, look for wrong pixels of --accuracy exact that are not marked, in
+    /// random scenes, for so many minutes; what is found is told as commands and in hunt.json
+    #[arg(long, value_name = "MINUTES", value_parser = minutes)]
+    hunt: Option<f64>,
+    /// What the scenes of a hunt are drawn from
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "hunt")]
+    seed: u64,
+}
+
+fn minutes(text: &str) -> Result<f64, String> {
+    let minutes = text.parse().ok().filter(|minutes| (0.01..=1e5).contains(minutes));
+    minutes.ok_or_else(|| "it must be minutes between 0.01 and 1e5".to_string())
 }
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let field = field(options)?;
+    if let Some(minutes) = options.hunt {
+        let kind = match options.engine {
+            EngineKind::Auto => choice::Kind::Auto,
+            EngineKind::Cpu => choice::Kind::Cpu,
+            EngineKind::Gpu => choice::Kind::Gpu,
+        };
+        let demand = choice::Demand::Level(Accuracy::Exact);
+        let adapter = options.adapter.clone();
+        let wish =
+            choice::Wish { kind, adapter, threads: field.threads, demand, ..Default::default() };
+        return hunt::run(minutes, options.seed, &options.output, &wish);
+    }
     let folder = Folder::create(&options.output).context("-o")?;
     stop::listen()?;
     let care = care(options);

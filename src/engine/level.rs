@@ -117,6 +117,7 @@ impl Method {
             Method::Dopri5 { .. } => Some(Method::Dopri5 { tolerance }),
             Method::Dop853 { .. } => Some(Method::Dop853 { tolerance }),
             Method::Taylor { .. } => Some(Method::Taylor { tolerance }),
+            Method::Extrapolation { .. } => Some(Method::Extrapolation { tolerance }),
         }
     }
 
@@ -126,7 +127,8 @@ impl Method {
             Method::Rk4 { .. } => None,
             Method::Dopri5 { tolerance }
             | Method::Dop853 { tolerance }
-            | Method::Taylor { tolerance } => Some(tolerance),
+            | Method::Taylor { tolerance }
+            | Method::Extrapolation { tolerance } => Some(tolerance),
         }
     }
 }

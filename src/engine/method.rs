@@ -6,7 +6,7 @@ use std::str::FromStr;
 use super::{EngineError, Question, Recipe};
 use crate::physics::control::Control;
 use crate::physics::trig::Turning;
-use crate::physics::{Outcome, Status, series};
+use crate::physics::{Outcome, Status, extrapolation, series};
 
 /// How a pixel is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +31,11 @@ pub enum Method {
         /// Of one step, whenever.
         tolerance: f64,
     },
+    /// Extrapolated midpoint rules: what checks expansions in `dd`. Nobody asks for it by name.
+    Extrapolation {
+        /// Of one step, whenever, if the last of its rules were left out.
+        tolerance: f64,
+    },
 }
 
 impl Method {
@@ -47,6 +52,7 @@ impl Method {
             Method::Dopri5 { .. } => "dopri5",
             Method::Dop853 { .. } => "dop853",
             Method::Taylor { .. } => "taylor",
+            Method::Extrapolation { .. } => "extrapolation",
         }
     }
 
@@ -63,7 +69,8 @@ impl Method {
             }
             Method::Dopri5 { tolerance }
             | Method::Dop853 { tolerance }
-            | Method::Taylor { tolerance } => format!("tolerance {tolerance:e}"),
+            | Method::Taylor { tolerance }
+            | Method::Extrapolation { tolerance } => format!("tolerance {tolerance:e}"),
         }
     }
 
@@ -75,6 +82,7 @@ impl Method {
             Method::Dop853 { .. } => 12,
             Method::Taylor { .. } if precision == Precision::Dd => series::ORDER_DD as u64,
             Method::Taylor { .. } => series::ORDER_F64 as u64,
+            Method::Extrapolation { .. } => extrapolation::rhs_per_step(COLUMNS) as u64,
         }
     }
 
@@ -83,6 +91,9 @@ impl Method {
         match (self, precision) {
             (Method::Rk4 { .. } | Method::Dopri5 { .. } | Method::Dop853 { .. }, Precision::Dd)
             | (Method::Taylor { .. }, Precision::F32 | Precision::Df32) => None,
+            (Method::Extrapolation { .. }, precision) => {
+                (precision == Precision::Dd).then_some(1e-27)
+            }
             (Method::Rk4 { .. }, _) => (precision != Precision::Df32).then_some(0.0),
             (_, Precision::F32) => Some(1e-8),
             (_, Precision::Df32) => Some(1e-13),
@@ -110,6 +121,10 @@ impl Recipe {
 
 /// The distance of starts from which on polynomials save more than they cost, rad (measured).
 const DEEP_BELOW: f64 = 1e-4;
+
+/// Midpoint rules that an extrapolation combines (measured: the fewest right-hand sides for what
+/// double-double is asked for).
+pub const COLUMNS: usize = 9;
 
 /// The number type a pixel is integrated in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -186,6 +201,10 @@ impl Pace {
             Method::Dopri5 { tolerance } => adaptive(tolerance, 5),
             Method::Dop853 { tolerance } => adaptive(tolerance, 8),
             Method::Taylor { tolerance } => adaptive(tolerance, series::ORDER_F64 as u32),
+            Method::Extrapolation { tolerance } => {
+                let control = Control::new(tolerance, 2 * COLUMNS as u32 - 1).steady();
+                Ok(Pace::Adaptive(Adaptive::new(question, control)))
+            }
         }
     }
 

@@ -223,8 +223,8 @@ impl Job {
     pub fn pace(&self) -> Result<Pace, EngineError> {
         let pace = Pace::new(&self.question, &self.recipe)?;
         Ok(match (pace, self.recipe.method, &self.starts) {
-            // Expansions keep their one tolerance.
-            (_, Method::Taylor { .. }, _) => pace,
+            // These keep their one tolerance.
+            (_, Method::Taylor { .. } | Method::Extrapolation { .. }, _) => pace,
             (Pace::Adaptive(adaptive), _, Starts::Moving(_)) => {
                 // Measured on filaments 1e-3 to 1e-22 rad wide.
                 let finer = if self.recipe.precision == Precision::F32 { 200.0 } else { 1000.0 };

@@ -60,6 +60,11 @@ impl Control {
         Control { start: ceiling, rise: 0.0, ceiling, ..self }
     }
 
+    /// The same with one tolerance all the time.
+    pub fn steady(self) -> Self {
+        Control { rise: 0.0, ceiling: self.start, ..self }
+    }
+
     /// log₂ of the squared tolerance at `time`.
     pub fn limit(&self, time: f64) -> f64 {
         (self.start + self.rise * time).min(self.ceiling)

@@ -316,7 +316,7 @@ pub fn plus<T: Real>(phase: &Phase<T>, change: &Phase<T>) -> Phase<T> {
 
 /// The sum of squares, momenta in units of their scale.
 #[inline(always)]
-fn square<T: Real>(rate: &Phase<T>, inverse_scale: [T; 2]) -> T {
+pub fn square<T: Real>(rate: &Phase<T>, inverse_scale: [T; 2]) -> T {
     let (p1, p2) = (rate[4] * inverse_scale[0], rate[5] * inverse_scale[1]);
     let mut total = p1.mul_add(p1, p2 * p2);
     for value in &rate[..4] {

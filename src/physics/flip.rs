@@ -69,6 +69,15 @@ pub enum Status {
     Failed = 3,
 }
 
+/// The default pendulum's unit of time, √(1 m / 9.81 m/s²), s.
+const DEFAULT_UNIT_SECS: f64 = 0.319_275_428_540_718_2;
+
+/// How far off a flip time may be and still be right, s: 1 ms, or the same share of its unit of
+/// time for a pendulum that is faster than the default one.
+pub fn right_secs(unit_secs: f64) -> f64 {
+    1e-3 * (unit_secs / DEFAULT_UNIT_SECS).min(1.0)
+}
+
 /// What a pixel remembers: its status and, if flipped, when (s; otherwise 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome<T = f64> {

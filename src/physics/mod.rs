@@ -16,6 +16,7 @@ pub mod control;
 pub mod dd;
 mod decimal;
 pub mod embedded;
+pub mod extrapolation;
 pub mod fixed;
 pub mod flip;
 pub mod gold;

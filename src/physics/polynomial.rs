@@ -117,11 +117,11 @@ fn least<T: Scalar>(a: T, b: T) -> T {
 /// The control points before and after `x` (de Casteljau 1959).
 pub fn halves<T: Scalar, const N: usize>(control: &[T; N], x: T) -> [[T; N]; 2] {
     let (mut first, mut second) = (*control, *control);
-    for k in 1..N {
+    for (k, first) in first.iter_mut().enumerate().skip(1) {
         for j in 0..N - k {
             second[j] = second[j] + (second[j + 1] - second[j]) * x;
         }
-        first[k] = second[0];
+        *first = second[0];
     }
     [first, second]
 }

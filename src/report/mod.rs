@@ -16,6 +16,7 @@ mod folder;
 mod ground;
 pub mod hard;
 mod html;
+pub mod hunt;
 mod levels;
 mod machine;
 #[cfg(test)]

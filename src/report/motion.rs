@@ -153,6 +153,7 @@ fn moments<T: Scalar>(
             let mut step = |phase: &Phase<T>, _| expanded(&pendulum, scale, phase, tolerance);
             free(&pendulum, exact, &state, times, &mut step)
         }
+        Method::Extrapolation { .. } => unreachable!("only methods with names are charted"),
     }
 }
 

@@ -130,6 +130,7 @@ fn colour(method: Method) -> RGBColor {
         Method::Dopri5 { .. } => RGBColor(230, 159, 0),
         Method::Dop853 { .. } => RGBColor(0, 114, 178),
         Method::Taylor { .. } => RGBColor(0, 158, 115),
+        Method::Extrapolation { .. } => RGBColor(204, 121, 167),
     }
 }
 

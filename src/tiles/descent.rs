@@ -33,7 +33,7 @@ pub struct Descent {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Deeper {
     /// It has structure.
-    Scene(Scene),
+    Scene(Box<Scene>),
     /// Nothing near is left to see.
     End,
     /// Nobody waits for it any more.
@@ -76,7 +76,7 @@ impl Descent {
         self.wish = [0.0; 2];
         let Scene { build, question, view } = &mut self.scene;
         question.budget = question.budget.for_view(build, view);
-        Ok(Deeper::Scene(self.scene.clone()))
+        Ok(Deeper::Scene(Box::new(self.scene.clone())))
     }
 
     /// The pixel among the most different neighbours, in pixels from the middle; those near the

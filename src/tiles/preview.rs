@@ -23,7 +23,9 @@ pub fn preview(
         }
         for part in work.work(engine, Some(Instant::now() + PATIENCE))? {
             for (k, [x, y]) in part.tile.pixels().enumerate() {
-                all.set((y * size[0] + x) as usize, part.samples.get(k));
+                let place = (y * size[0] + x) as usize;
+                all.set(place, part.samples.get(k));
+                all.set_trust(place, part.samples.trust(k));
             }
         }
     }

@@ -11,7 +11,7 @@ use crate::engine::{End, NUMBERS, Question};
 use crate::physics::control::{GROW, LONGEST, SHRINK};
 use crate::physics::passage::{FAR, Moment};
 use crate::physics::phase::Phase;
-use crate::physics::{Outcome, Pendulum, Real, Status};
+use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
 
 /// Runs a chunk in lanes of `N`.
 #[inline(always)]
@@ -20,11 +20,12 @@ pub fn run<N: Number, P: Pair>(
     chunk: &Chunk,
     adaptive: Adaptive,
 ) -> Option<Answer> {
-    let (reduced, _) = chunk.question.reduced();
+    let (exact, _) = chunk.question.reduced_in::<Dd>();
+    let reduced = exact.to_f64();
     let scale = reduced.momentum_scale();
-    let one = <N::Leading as Lanes>::splat(set, 1.0);
-    let number = N::exactly(one);
-    let pendulum = reduced.map(|value| number.lit(value));
+    let number = N::exactly(<N::Leading as Lanes>::splat(set, 1.0));
+    let lanes = |value: f64| [value; MOST_LANES];
+    let pendulum = exact.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
     let inverse_scale = [number.lit(1.0 / scale[0]), number.lit(1.0 / scale[1])];
     let mut field =
         Field { flock: Flock::new(chunk, <N::Leading as Lanes>::COUNT, idle()), reduced, adaptive };

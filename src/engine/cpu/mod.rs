@@ -23,7 +23,7 @@ use pulp::{Arch, Simd, WithSimd};
 use self::flock::{Answer, Chunk};
 use self::lanes::{F32Lanes, F64Lanes};
 use self::number::{Kept, Two};
-use self::pair::{Eighth, Fifth};
+use self::pair::{Eighth, Fifth, Midpoints};
 use super::method::{Adaptive, Pace, Steps};
 use super::{
     End, Engine, EngineError, Finished, Job, Keep, Method, Precision, Recipe, Wait, start,
@@ -279,6 +279,9 @@ impl Flight<'_> {
                 adaptive::run::<Kept<F32Lanes<S>>, Fifth>(set, chunk, pace)
             }
             (Method::Dopri5 { .. }, _) => adaptive::run::<F64Lanes<S>, Fifth>(set, chunk, pace),
+            (Method::Extrapolation { .. }, _) => {
+                adaptive::run::<Two<F64Lanes<S>>, Midpoints>(set, chunk, pace)
+            }
             (Method::Taylor { .. }, Precision::Dd) => {
                 let dd = |hi, lo| Dd { hi, lo };
                 taylor::run::<Two<F64Lanes<S>>, Dd, { ORDER_DD + 1 }>(set, chunk, pace, dd)

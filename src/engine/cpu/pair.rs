@@ -1,12 +1,16 @@
 //! The embedded pairs on lanes, each with a test of its own for passes of the top: so that one can
 //! check the other.
 
+use std::sync::LazyLock;
+
 use super::lanes::Lanes;
-use crate::physics::embedded::{Trial, dop853, dopri5, plus, quartic};
+use crate::engine::method::COLUMNS;
+use crate::physics::embedded::{Trial, dop853, dopri5, plus, quartic, square};
+use crate::physics::extrapolation::{self, Weights};
 use crate::physics::passage::{FAR, Moment, Passed, SLACK, within};
 use crate::physics::phase::Phase;
 use crate::physics::polynomial::course;
-use crate::physics::{Pendulum, Real};
+use crate::physics::{Dd, Pendulum, Real};
 
 /// An embedded pair, for every number type.
 pub trait Pair {
@@ -77,6 +81,37 @@ impl Pair for Fifth {
         let at = |fraction: f64| before.phase[x] + (after.phase[x] - before.phase[x]) * fraction;
         let fraction = course(&control, side).change.filter(|&fraction| at(fraction) < 0.0);
         Passed { fraction, clearance: FAR }
+    }
+}
+
+/// Extrapolated midpoint rules, and the top as for DOP853.
+pub struct Midpoints;
+
+static WEIGHTS: LazyLock<Weights<Dd, COLUMNS>> = LazyLock::new(Weights::new);
+
+impl Pair for Midpoints {
+    #[inline(always)]
+    fn trial<T: Real>(
+        pendulum: &Pendulum<T>,
+        inverse_scale: [T; 2],
+        phase: &Phase<T>,
+        step: T,
+    ) -> Trial<T> {
+        let both = |Dd { hi, lo }: Dd| step.lit(hi) + step.lit(lo);
+        let weights = Weights { all: WEIGHTS.all.map(both), error: WEIGHTS.error.map(both) };
+        let [change, error] = extrapolation::trial(pendulum, &weights, phase, step);
+        let error_squared = square(&error, inverse_scale) * step.lit(1.0 / 6.0);
+        Trial { change, error_squared, bow: [step.lit(0.0); 2] }
+    }
+
+    #[inline(always)]
+    fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L {
+        Eighth::clearance(y, rise, bow)
+    }
+
+    fn look(step: &Step, bob: usize) -> Passed<f64> {
+        let at = |fraction| step.shortened::<Midpoints>(fraction);
+        within(at, bob, &step.before, &step.after, step.length)
     }
 }
 

@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Instant;
 
 use bytemuck::{bytes_of, cast_slice};
-use rayon::prelude::*;
 use wgpu::BufferUsages as Usage;
 
 use super::device::Gpu;

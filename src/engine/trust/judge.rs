@@ -20,6 +20,7 @@
 use super::ladder::Run;
 use crate::engine::{End, Question};
 use crate::physics::embedded::{dop853, plus};
+use crate::physics::flip::right_secs;
 use crate::physics::phase::Phase;
 use crate::physics::{Outcome, Pendulum, Status};
 
@@ -30,11 +31,6 @@ pub struct Answer {
     pub end: End,
 }
 
-/// What is right within, s, of a pendulum that is as slow as the default one or slower. Faster
-/// ones are right within the same share of their unit of time.
-const RIGHT_SECS: f64 = 1e-3;
-/// The default pendulum's unit of time, √(1 m / 9.81 m/s²), s.
-const DEFAULT_UNIT_SECS: f64 = 0.319_275_428_540_718_2;
 /// Share of what is allowed that errors may use, for what the argument leaves out.
 const SAFETY: f64 = 0.25;
 /// Likewise of the height by which a turn missed the top.
@@ -60,8 +56,8 @@ impl Judge {
     pub fn new(question: &Question) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
-        let right_secs = RIGHT_SECS * (unit_secs / DEFAULT_UNIT_SECS).min(1.0);
-        Judge { pendulum, inverse_scale, tolerance: SAFETY * right_secs / unit_secs }
+        let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;
+        Judge { pendulum, inverse_scale, tolerance }
     }
 
     /// Whether the first of these answers, the finest, is sure by what the others are.

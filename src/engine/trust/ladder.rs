@@ -56,6 +56,7 @@ fn error_scale(recipe: &Recipe) -> f64 {
             Method::Dopri5 { tolerance } => 2.5 * tolerance,
             Method::Dop853 { tolerance } => 0.7 * tolerance,
             Method::Taylor { tolerance } => 0.5 * tolerance,
+            Method::Extrapolation { tolerance } => 0.1 * tolerance,
         }
 }
 
@@ -64,6 +65,9 @@ const FINE: f64 = 1e-11;
 
 const fn f64_run(method: Method) -> Recipe {
     Recipe { method, precision: Precision::F64 }
+}
+const fn extrapolated(tolerance: f64) -> Recipe {
+    Recipe { method: Method::Extrapolation { tolerance }, precision: Precision::Dd }
 }
 const fn dd_run(tolerance: f64) -> Recipe {
     Recipe { method: Method::Taylor { tolerance }, precision: Precision::Dd }
@@ -101,8 +105,8 @@ pub fn rungs(recipe: &Recipe, deep: bool) -> Vec<Vec<Run>> {
             Run::nudged(NUDGED, [-0.6e-12, 0.8e-12]),
             Run::nudged(NUDGED, [0.28e-12, -0.96e-12]),
         ],
-        vec![Run::plain(dd_run(1e-22))],
-        vec![Run::plain(dd_run(1e-26))],
+        vec![Run::plain(extrapolated(1e-20))],
+        vec![Run::plain(dd_run(1e-28)), Run::plain(extrapolated(1e-25))],
     ]
 }
 

@@ -1,0 +1,58 @@
+//! `flipmap report --hunt`: random scenes in which `exact` is put to the test.
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::Context;
+use flipmap::engine::choice::Wish;
+use flipmap::output::{Destination, SafeFile};
+use flipmap::report::hunt::{Hunt, Wrong};
+
+use super::exit::Exit;
+use super::stop;
+
+/// Hunts, and keeps what was found in `hunt.json` after every window.
+pub fn run(minutes: f64, seed: u64, folder: &Path, wish: &Wish) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("-o: cannot make {}", folder.display()))?;
+    let path = folder.join("hunt.json");
+    write(&path, &Hunt { seed, ..Hunt::default() })?;
+    stop::listen()?;
+    let (mut known, mut failed) = (0, None);
+    let hunt = Hunt::run(minutes, seed, wish, &stop::asked, &mut |hunt| {
+        hunt.wrong[known..].iter().for_each(tell);
+        known = hunt.wrong.len();
+        failed = write(&path, hunt).err();
+    })?;
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    let Hunt { windows, simulated, marked, judged, untold, .. } = hunt;
+    super::tell(&format!(
+        "flipmap: hunted with seed {seed} through {windows} windows, {simulated} simulated pixels: {marked} \
+         marked, {judged} judged ({untold} that nobody can tell), {known} wrong and not marked; \
+         {} has them",
+        path.display()
+    ));
+    if known > 0 {
+        return Err(Exit::Differs(format!("{known} pixels are wrong and not marked")).into());
+    }
+    Ok(())
+}
+
+fn tell(wrong: &Wrong) {
+    let [column, row] = wrong.pixel;
+    let Wrong { given, truth, command, .. } = wrong;
+    super::tell(&format!(
+        "flipmap: pixel ({column}, {row}) says {given}, true is {truth}: {command}"
+    ));
+}
+
+fn write(path: &Path, hunt: &Hunt) -> anyhow::Result<()> {
+    let text = serde_json::to_string_pretty(hunt)? + "\n";
+    let written = SafeFile::create(&Destination::from(path)).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        file.finish()
+    });
+    written.with_context(|| format!("cannot write {}", path.display()))
+}

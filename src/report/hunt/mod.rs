@@ -1,0 +1,265 @@
+//! An enemy in the house: random scenes rendered with `exact`, and every pixel that says it is
+//! sure compared with a referee that shares nothing with the engines but the right-hand side.
+
+mod referee;
+mod scenes;
+
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use self::referee::Referee;
+use self::scenes::{Scenes, start};
+use super::{ReportError, StopTest};
+use crate::engine::choice::{Chosen, Wish, choose};
+use crate::engine::trust::TrustEngine;
+use crate::engine::{Engine, EngineError, Recipe, Trust};
+use crate::physics::flip::right_secs;
+use crate::physics::{Angle, Fixed, Outcome, Scalar, Status, Theta};
+use crate::scene::{Scene, View, Word};
+use crate::tiles::preview::preview;
+use crate::tiles::{Samples, Work};
+
+/// Pixels along each side of a window.
+const SIDE: u32 = 32;
+/// Pixels of a deep window that are judged: each takes a long solution of its own.
+const DEEP_SAMPLE: usize = 16;
+
+/// What a hunt has come to.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Hunt {
+    /// What the scenes were drawn from.
+    pub seed: u64,
+    /// Windows rendered.
+    pub windows: usize,
+    /// Simulated pixels of them.
+    pub simulated: usize,
+    /// Pixels that were marked.
+    pub marked: usize,
+    /// Windows in which more than one simulated pixel in twenty was marked.
+    pub windows_mostly_marked: usize,
+    /// Unmarked pixels that were judged,
+    pub judged: usize,
+    /// and those among them that the referee could not tell.
+    pub untold: usize,
+    /// Unmarked pixels that are wrong.
+    pub wrong: Vec<Wrong>,
+}
+
+/// An unmarked pixel that is wrong.
+#[derive(Clone, Debug, Serialize)]
+pub struct Wrong {
+    /// Makes the picture that it is in.
+    pub command: String,
+    /// What the scene was to lure out.
+    pub lure: String,
+    /// Its column and row.
+    pub pixel: [u32; 2],
+    /// What it says: seconds, or a status.
+    pub given: String,
+    /// What is true.
+    pub truth: String,
+    /// How sure it said it was.
+    pub trust: Trust,
+}
+
+impl Hunt {
+    /// Hunts for some time, or until it is stopped; `told` hears of every window.
+    pub fn run(
+        minutes: f64,
+        seed: u64,
+        wish: &Wish,
+        stop: StopTest,
+        told: &mut dyn FnMut(&Hunt),
+    ) -> Result<Hunt, ReportError> {
+        let until = Instant::now() + Duration::from_secs_f64(60.0 * minutes);
+        let mut hunt = Hunt { seed, ..Hunt::default() };
+        let mut scenes = Scenes::new(seed);
+        let Chosen { mut engine, recipe, .. } = choose(wish, &|_| {})?;
+        let mut exact = TrustEngine::new(choose(wish, &|_| {})?.engine, wish.threads)?;
+        while Instant::now() < until && !stop() {
+            let go_on = || !stop();
+            let (scene, lure) = scenes.next(engine.as_mut(), recipe, &go_on)?;
+            let picks = scenes.seed();
+            // What was drawn out of range is no scene.
+            let Ok(scene) = scene.checked() else { continue };
+            log::debug!("{lure:?}: {}", command(&scene));
+            let Some(samples) = picture(&scene, recipe, &mut exact, &go_on)? else { break };
+            log::debug!("judging");
+            hunt.judge(&scene, &format!("{lure:?}"), &samples, picks, stop);
+            told(&hunt);
+        }
+        Ok(hunt)
+    }
+
+    /// Judges a window, unless that is stopped half-way.
+    fn judge(&mut self, scene: &Scene, lure: &str, samples: &Samples, picks: u64, stop: StopTest) {
+        let all = 0..samples.len();
+        let is_simulated = |k: &usize| samples.get(*k).status != Status::Forbidden;
+        let marked = |k: &usize| samples.trust(*k) == Trust::Uncertain;
+        let simulated = all.clone().filter(is_simulated).count();
+        let count = all.clone().filter(marked).count();
+        let mut unmarked: Vec<usize> = all.filter(|k| !marked(k)).collect();
+        let deep = is_deep(&scene.view);
+        if deep {
+            fastrand::Rng::with_seed(picks).shuffle(&mut unmarked);
+            unmarked.truncate(DEEP_SAMPLE);
+        }
+        let verdicts: Vec<(usize, Verdict)> = unmarked
+            .into_par_iter()
+            .take_any_while(|_| !stop())
+            .map(|k| (k, verdict(scene, pixel(k), &samples.get(k), deep)))
+            .collect();
+        if stop() {
+            return;
+        }
+        self.judged += verdicts.len();
+        self.windows += 1;
+        self.simulated += simulated;
+        self.marked += count;
+        self.windows_mostly_marked += usize::from(count * 20 > simulated);
+        for (k, verdict) in verdicts {
+            match verdict {
+                Verdict::Right => {}
+                Verdict::Untold => self.untold += 1,
+                Verdict::Wrong(truth) => self.wrong.push(Wrong {
+                    command: command(scene),
+                    lure: lure.to_string(),
+                    pixel: pixel(k),
+                    given: words(&samples.get(k)),
+                    truth: words(&truth),
+                    trust: samples.trust(k),
+                }),
+            }
+        }
+    }
+}
+
+fn pixel(place: usize) -> [u32; 2] {
+    [place as u32 % SIDE, place as u32 / SIDE]
+}
+
+fn words(outcome: &Outcome) -> String {
+    match outcome.status {
+        Status::Flipped => format!("{:?} s", outcome.time),
+        status => format!("{status:?}").to_lowercase(),
+    }
+}
+
+/// The command that makes the picture again.
+fn command(scene: &Scene) -> String {
+    let options: Vec<String> =
+        Word::ALL.iter().map(|(option, word)| format!("{option}={}", word.text(scene))).collect();
+    format!(
+        "flipmap render --accuracy exact --engine cpu --size {SIDE}x{SIDE} {} -o hunted.png",
+        options.join(" ")
+    )
+}
+
+/// Whether f64 cannot tell the pixels of a view apart well enough to judge them.
+fn is_deep(view: &View) -> bool {
+    view.width_rad().to_f64() / view.stretch.max(1.0) < 1e-9
+}
+
+fn picture(
+    scene: &Scene,
+    recipe: Recipe,
+    engine: &mut dyn Engine,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Option<Samples>, EngineError> {
+    let mut work = Work::new(scene, [SIDE; 2], recipe, (SIDE * SIDE) as usize);
+    preview(&mut work, [SIDE; 2], engine, go_on)
+}
+
+/// A view an eighth as wide around the two neighbours, in a row through the middle, that differ
+/// most; none where all are alike.
+fn edge(
+    scene: &Scene,
+    engine: &mut dyn Engine,
+    recipe: Recipe,
+    unit_secs: f64,
+) -> Result<Option<Scene>, EngineError> {
+    const ALONG: u32 = 16;
+    let mut work = Work::new(scene, [ALONG, 1], recipe, ALONG as usize);
+    let Some(row) = preview(&mut work, [ALONG, 1], engine, &|| true)? else { return Ok(None) };
+    let differ = |k: usize| match (row.get(k), row.get(k + 1)) {
+        (a, b) if a.status == Status::Forbidden || b.status == Status::Forbidden => 0.0,
+        (a, b) if a.status != b.status => 1e9,
+        (a, b) => (a.time - b.time).abs() / unit_secs,
+    };
+    let most = (0..ALONG as usize - 1).max_by(|&a, &b| differ(a).total_cmp(&differ(b)));
+    let Some(place) = most.filter(|&k| differ(k) > 1e-3) else { return Ok(None) };
+    let width = scene.view.width_rad().to_f64();
+    let by = width * ((place as f64 + 1.0) / f64::from(ALONG) - 0.5);
+    let digits = (14.0 - width.log10()).ceil().max(12.0) as usize;
+    let [across, above] = scene.view.center_rad();
+    let center = [across + Theta::from_f64(by), above].map(|theta| theta.decimal(digits));
+    let view = View { center, width: format!("{:.2e}", width / 8.0), ..scene.view.clone() };
+    Ok(Some(Scene { view, ..scene.clone() }))
+}
+
+/// What the referee says of an answer.
+enum Verdict {
+    Right,
+    Wrong(Outcome),
+    Untold,
+}
+
+fn verdict(scene: &Scene, pixel: [u32; 2], given: &Outcome, deep: bool) -> Verdict {
+    let angle = start(scene, SIDE, pixel);
+    let judge = |truth: Option<Outcome>, other: Option<Outcome>| match (truth, other) {
+        (Some(truth), Some(other)) if is_same(scene, &truth, &other, 0.01) => {
+            let right = is_same(scene, given, &truth, 1.0);
+            Some(if right { Verdict::Right } else { Verdict::Wrong(truth) })
+        }
+        _ => None,
+    };
+    if !deep {
+        let near = truth::<f64>(scene, angle, 8, 5e-14);
+        if near.is_some_and(|truth| is_same(scene, given, &truth, 0.2)) {
+            return Verdict::Right;
+        }
+        let short = truth::<Fixed<3>>(scene, angle, 13, 1e-33);
+        let long = truth::<Fixed<4>>(scene, angle, 16, 1e-50);
+        if let Some(verdict) = judge(long, short) {
+            return verdict;
+        }
+    }
+    let long = truth::<Fixed<6>>(scene, angle, 22, 1e-85);
+    let longest = truth::<Fixed<8>>(scene, angle, 28, 1e-120);
+    judge(longest, long).unwrap_or(Verdict::Untold)
+}
+
+/// Whether two outcomes are of one class and, if flipped, within a share of what is right.
+fn is_same(scene: &Scene, a: &Outcome, b: &Outcome, share: f64) -> bool {
+    let within = share * right_secs(scene.build.unit_secs());
+    a.status == b.status && (a.time - b.time).abs() <= within
+}
+
+/// The outcome of a start in the digits of a number type.
+fn truth<T: Scalar + Angle>(
+    scene: &Scene,
+    angle: [Theta; 2],
+    columns: usize,
+    tolerance: f64,
+) -> Option<Outcome> {
+    let (exact, unit_secs) = scene.build.reduced_in::<Theta>();
+    let circles = angle.map(Angle::sin_cos);
+    let depth = exact.depth(circles.map(|(_, cos)| cos));
+    if exact.forbids_depth(scene.question.rule, depth) {
+        return Some(Outcome::without_time(Status::Forbidden));
+    }
+    let budget = Theta::from_f64(scene.question.budget.secs) / unit_secs;
+    let referee = Referee {
+        pendulum: exact.map(T::from_theta),
+        rule: scene.question.rule,
+        budget: T::from_theta(budget),
+        columns,
+        tolerance,
+    };
+    let [(y1, x1), (y2, x2)] = circles;
+    let outcome = referee.outcome([x1, y1, x2, y2].map(T::from_theta))?;
+    let time = outcome.time.to_f64() * unit_secs.to_f64();
+    Some(Outcome { status: outcome.status, time })
+}

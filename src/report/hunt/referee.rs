@@ -1,0 +1,254 @@
+//! The referee of a hunt: a solver that shares nothing with the engines but the right-hand side.
+//!
+//! Steps are extrapolations of Gragg's midpoint rule (Bulirsch and Stoer 1966; Hairer, Nørsett and
+//! Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.9) to an order and a length
+//! that the number type's digits ask for. A step is only taken if no watched bob can have been at
+//! the top in it, or if it passed the top exactly once; otherwise it is halved. What bounds a
+//! bob's way is its acceleration at both ends, with room to spare.
+
+use crate::physics::phase::Phase;
+use crate::physics::{Outcome, Pendulum, Rule, Scalar, Status};
+
+/// What a referee decides about.
+pub struct Referee<T> {
+    /// In reduced units.
+    pub pendulum: Pendulum<T>,
+    pub rule: Rule,
+    /// Reduced.
+    pub budget: T,
+    /// Columns of the extrapolation.
+    pub columns: usize,
+    /// Error allowed in a step, in unit vectors and scaled momenta.
+    pub tolerance: f64,
+}
+
+/// What became of a bob in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    Clear,
+    Passes,
+    Unclear,
+}
+
+/// No step is longer, reduced.
+const LONGEST: f64 = 0.25;
+/// Where steps as short as this are not precise enough, digits are missing.
+const LEAST_FOR_ERRORS: f64 = 1e-6;
+/// Steps shorter than this decide nothing any more.
+const SHORTEST: f64 = 1e-40;
+const MOST_STEPS: usize = 2_000_000;
+/// How much larger than at the ends of a step a bob's acceleration may be in it.
+const ROOM: f64 = 4.0;
+
+impl<T: Scalar> Referee<T> {
+    /// The outcome of letting go at rest with these unit vectors, its time reduced; none where it
+    /// cannot be told in these digits.
+    pub fn outcome(&self, vectors: [T; 4]) -> Option<Outcome<T>> {
+        let zero = T::zero();
+        let [x1, y1, x2, y2] = vectors;
+        let mut phase = [x1, y1, x2, y2, zero, zero];
+        let (mut time, mut step) = (zero, T::from_f64(1e-2));
+        for _ in 0..MOST_STEPS {
+            if time >= self.budget {
+                return Some(Outcome::without_time(Status::Unflipped));
+            }
+            let (next, error) = self.step(&phase, step);
+            if error.is_nan() || error > self.tolerance {
+                if step.to_f64() < LEAST_FOR_ERRORS {
+                    return None;
+                }
+                step = step * T::from_f64(0.5);
+                continue;
+            }
+            match self.way(&phase, &next, step) {
+                Way::Clear => {
+                    (phase, time) = (next, time + step);
+                    // The error of the last column falls with a high power of the step.
+                    let power = 1.0 / (2 * self.columns - 1) as f64;
+                    let factor = 0.7 * (self.tolerance / error.max(1e-300)).powf(power);
+                    let longer = step * T::from_f64(factor.clamp(0.3, 2.0));
+                    step =
+                        if longer > T::from_f64(LONGEST) { T::from_f64(LONGEST) } else { longer };
+                }
+                Way::Passes => {
+                    let flip = time + self.passage(&phase, step)?;
+                    let late = flip > self.budget;
+                    let unflipped = Outcome::without_time(Status::Unflipped);
+                    return Some(if late { unflipped } else { Outcome::flipped(flip) });
+                }
+                Way::Unclear if step.to_f64() < SHORTEST => return None,
+                Way::Unclear => step = step * T::from_f64(0.5),
+            }
+        }
+        None
+    }
+
+    /// A step, and how far its last two columns are apart.
+    fn step(&self, phase: &Phase<T>, step: T) -> (Phase<T>, f64) {
+        let [p1, p2] = self.pendulum.momentum_scale().map(|scale| 1.0 / scale.to_f64());
+        let unit = [1.0, 1.0, 1.0, 1.0, p1, p2];
+        let mut row: Vec<Phase<T>> = Vec::with_capacity(self.columns);
+        let mut error = f64::INFINITY;
+        for j in 0..self.columns {
+            let mut entry = self.midpoints(phase, step, 2 * (j + 1));
+            for (k, row) in row.iter_mut().enumerate() {
+                // Of h² to zero: (n_j / n_{j−k−1})² − 1 = above / below.
+                let (n, m) = ((j + 1) as f64, (j - k) as f64);
+                let (above, below) = (T::from_f64(n * n - m * m), T::from_f64(m * m));
+                let before = std::mem::replace(row, entry);
+                entry = std::array::from_fn(|i| entry[i] + (entry[i] - before[i]) * below / above);
+            }
+            if j > 0 {
+                let off = |i: usize| (entry[i] - row[j - 1][i]).to_f64().abs() * unit[i];
+                error = (0..6).map(off).fold(0.0, f64::max);
+            }
+            row.push(entry);
+        }
+        (row[self.columns - 1], error)
+    }
+
+    /// Gragg's rule with `count` midpoints.
+    fn midpoints(&self, phase: &Phase<T>, step: T, count: usize) -> Phase<T> {
+        let length = step / T::from_f64(count as f64);
+        let twice = length + length;
+        let moved = |from: &Phase<T>, rate: &Phase<T>, by: T| -> Phase<T> {
+            std::array::from_fn(|i| from[i] + rate[i] * by)
+        };
+        let mut before = *phase;
+        let mut now = moved(phase, &self.pendulum.flow(phase), length);
+        for _ in 1..count {
+            let next = moved(&before, &self.pendulum.flow(&now), twice);
+            (before, now) = (now, next);
+        }
+        let end = moved(&before, &self.pendulum.flow(&now), length);
+        std::array::from_fn(|i| (now[i] + end[i]) * T::from_f64(0.5))
+    }
+
+    /// What the watched bobs did in a step.
+    fn way(&self, from: &Phase<T>, to: &Phase<T>, step: T) -> Way {
+        let ways = self.rule.watched().iter().map(|&bob| self.way_of(bob, from, to, step));
+        let mut all = Way::Clear;
+        for way in ways {
+            // Two passes at once are told apart in shorter steps.
+            all = match (all, way) {
+                (Way::Clear, way) => way,
+                (way, Way::Clear) => way,
+                _ => Way::Unclear,
+            };
+        }
+        all
+    }
+
+    fn way_of(&self, bob: usize, from: &Phase<T>, to: &Phase<T>, step: T) -> Way {
+        let ends = [from, to].map(|phase| self.motion(bob, phase));
+        let h = step.to_f64();
+        let turn = ends.iter().map(|end| end.speed.abs()).fold(0.0, f64::max) * h;
+        if turn > 1.0 {
+            return Way::Unclear;
+        }
+        if ends[0].x > 0.0 && ends[1].x > 0.0 {
+            return Way::Clear;
+        }
+        let bend = ROOM * ends.iter().map(|end| end.bend.abs()).fold(0.0, f64::max);
+        let [y0, y1] = [ends[0].y, ends[1].y];
+        if y0 * y1 < 0.0 || y1 == 0.0 {
+            // The rate keeps its sign all the way.
+            let steady = |rate: f64| rate.abs() > bend * h && rate * y0 < 0.0;
+            let passes = steady(ends[0].rate) && steady(ends[1].rate);
+            return match (passes, ends[0].x < 0.0 && ends[1].x < 0.0) {
+                (true, true) => Way::Passes,
+                (true, false) if ends[0].x > 0.0 || ends[1].x > 0.0 => Way::Unclear,
+                _ => Way::Unclear,
+            };
+        }
+        // From each end over half of the step.
+        let half = 0.5 * h;
+        let least =
+            |y: f64, towards: f64| y.abs() - towards.max(0.0) * half - 0.5 * bend * half * half;
+        let clear = least(y0, -ends[0].rate * y0.signum()) > 0.0
+            && least(y1, ends[1].rate * y1.signum()) > 0.0;
+        if clear { Way::Clear } else { Way::Unclear }
+    }
+
+    fn motion(&self, bob: usize, phase: &Phase<T>) -> Motion {
+        let [x1, y1, x2, y2, ..] = *phase;
+        let speed = self.pendulum.speeds(phase);
+        let pull = self.pendulum.acceleration_towards([(y1, x1), (y2, x2)], speed)[bob];
+        let (x, y) = (phase[2 * bob], phase[2 * bob + 1]);
+        let rate = speed[bob] * x;
+        let bend = pull * x - speed[bob] * speed[bob] * y;
+        let [x, y, rate, bend, speed] = [x, y, rate, bend, speed[bob]].map(T::to_f64);
+        Motion { x, y, rate, bend, speed }
+    }
+
+    /// How long into a step the top is passed.
+    fn passage(&self, from: &Phase<T>, step: T) -> Option<T> {
+        let (mut low, mut high) = (T::zero(), step);
+        let mut at = step * T::from_f64(0.5);
+        for _ in 0..200 {
+            let (phase, _) = self.step(from, at);
+            let bobs = self.rule.watched().iter();
+            let bob = *bobs.min_by(|a, b| {
+                let height = |bob: usize| self.motion(bob, &phase).y.abs();
+                height(**a).total_cmp(&height(**b))
+            })?;
+            let begin = from[2 * bob + 1];
+            let y = phase[2 * bob + 1];
+            if y * begin > T::zero() {
+                low = at;
+            } else {
+                high = at;
+            }
+            let rate = self.pendulum.speeds(&phase)[bob] * phase[2 * bob];
+            let newton = at - y / rate;
+            // Newton's error is about the square of its step.
+            let near = (newton - at).abs().to_f64() < self.tolerance.sqrt();
+            if near {
+                return Some(newton);
+            }
+            at = if newton > low && newton < high {
+                newton
+            } else {
+                (low + high) * T::from_f64(0.5)
+            };
+        }
+        None
+    }
+}
+
+/// A bob at one moment: its place on the circle, the rate of its sine and the rate of that.
+struct Motion {
+    x: f64,
+    y: f64,
+    rate: f64,
+    bend: f64,
+    speed: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{Angle, Fixed};
+
+    fn flip<T: Scalar + Angle>(angle: [&str; 2], rule: Rule, columns: usize, tolerance: f64) -> T {
+        let one = T::from_f64(1.0);
+        let pendulum = Pendulum::points([one; 2], [one; 2], one);
+        let referee = Referee { pendulum, rule, budget: T::from_f64(60.0), columns, tolerance };
+        let [(y1, x1), (y2, x2)] = angle.map(|text| T::parse(text).unwrap().sin_cos());
+        let outcome = referee.outcome([x1, y1, x2, y2]).expect("plain");
+        assert_eq!(outcome.status, Status::Flipped);
+        outcome.time
+    }
+
+    #[test]
+    fn it_meets_the_exact_targets() {
+        let exact = "5.7004778507307246850926008522389852";
+        let time: f64 = flip(["2.2", "-1.9"], Rule::Second, 8, 1e-13);
+        assert!((time - 5.700_477_850_730_725).abs() < 1e-10, "{time}");
+        let time: Fixed<4> = flip(["2.2", "-1.9"], Rule::Second, 14, 1e-36);
+        let error = (time - Fixed::parse(exact).unwrap()).to_f64();
+        assert!(error.abs() < 1e-31, "{error:e}");
+        let first: f64 = flip(["-2", "3"], Rule::Either, 8, 1e-13);
+        assert!((first - 1.507_470_599_679_628).abs() < 1e-11, "{first}");
+    }
+}
