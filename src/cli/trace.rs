@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use flipmap::output::{Destination, SafeFile};
-use flipmap::physics::flip::settle_at_top;
+use flipmap::physics::opening::settled;
 use flipmap::physics::taylor::{Orbit, Step};
 use flipmap::physics::{Dd, Pendulum, Scalar, State, gold};
 
@@ -63,8 +63,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         None => SafeFile::Stdout(std::io::BufWriter::new(std::io::stdout())),
     };
     stop::listen()?;
-    let alpha = pendulum.acceleration(&State::rest(angle));
-    let start = State::rest([0, 1].map(|i| settle_at_top(angle[i], alpha[i])));
+    let start = State::rest(settled(&pendulum, angle));
     let flips = follow(&pendulum, start, until, every, &mut out).map_err(|error| {
         match error.is::<std::io::Error>() {
             true => error.context(format!("cannot write {destination}")),

@@ -100,13 +100,6 @@ impl<T: Scalar> Outcome<T> {
     }
 }
 
-/// `angle`, within [−π, π], where a start exactly at the top is put on the side from which its
-/// first motion (with acceleration `alpha`) leads inward.
-pub fn settle_at_top<T: Scalar>(angle: T, alpha: T) -> T {
-    let outward = alpha * angle > T::zero();
-    if angle.abs() >= T::pi() && outward { -angle } else { angle }
-}
-
 /// The fraction in (0, 1] of a step at which `bob` first reaches the top moving outward, from
 /// the motion at both ends of the step of `step` seconds: the root of the quintic that has the
 /// angle, speed and acceleration of both ends. Finds passes that fall back inside the step.
@@ -157,14 +150,5 @@ mod tests {
             assert_eq!(rule.to_string(), word);
         }
         assert!("third".parse::<Rule>().unwrap_err().contains("second, first, either"));
-    }
-
-    #[test]
-    fn a_start_at_the_top_is_taken_on_its_inner_side() {
-        let pi = std::f64::consts::PI;
-        assert_eq!(settle_at_top(pi, -1.0), pi);
-        assert_eq!(settle_at_top(pi, 1.0), -pi);
-        assert_eq!(settle_at_top(pi, 0.0), pi);
-        assert_eq!(settle_at_top(3.0, 1.0), 3.0);
     }
 }

@@ -5,7 +5,8 @@
 //! too short to matter. So a pass that just touches the top is seen, and one that just misses
 //! it is not.
 
-use super::flip::{Outcome, Rule, Status, settle_at_top};
+use super::flip::{Outcome, Rule, Status};
+use super::opening::settled;
 use super::pendulum::{Pendulum, State};
 use super::polynomial::{evaluate, root_between};
 use super::real::Scalar;
@@ -25,9 +26,7 @@ pub fn outcome<T: Scalar>(
     if is_balanced(angle) {
         return Outcome::without_time(Status::Unflipped);
     }
-    let alpha = pendulum.acceleration(&State::rest(angle));
-    let angle = [0, 1].map(|i| settle_at_top(angle[i], alpha[i]));
-    let mut orbit = Orbit::new(*pendulum, State::rest(angle));
+    let mut orbit = Orbit::new(*pendulum, State::rest(settled(pendulum, angle)));
     while orbit.time() <= budget {
         let step = orbit.step();
         if !orbit.state().speed[1].is_finite() {

@@ -22,6 +22,7 @@ pub mod flip;
 pub mod gold;
 pub mod integrator;
 pub mod jet;
+pub mod opening;
 pub mod passage;
 pub mod pendulum;
 pub mod phase;

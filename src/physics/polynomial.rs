@@ -135,10 +135,13 @@ fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
     let mut x = high;
     for _ in 0..ROOT_STEPS {
         let next = (low * at_high - high * at_low) / (at_high - at_low);
-        if !(next > low && next < high) || (next - x).abs().to_f64() <= T::EPSILON {
+        // Roots near zero keep their own digits.
+        let size = if T::FLOATING { next.to_f64() } else { 1.0 };
+        let still = (next - x).abs().to_f64() <= T::EPSILON * size;
+        x = next;
+        if still || !(next > low && next < high) {
             break;
         }
-        x = next;
         let value = side * halves(control, x)[0][N - 1];
         if value > zero {
             (low, at_low, at_high) = (x, value, at_high * half);
@@ -146,7 +149,7 @@ fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
             (high, at_high, at_low) = (x, value, at_low * half);
         }
     }
-    high
+    x.max(low)
 }
 
 /// The root between `low`, where `f` is negative, and `high`, where it is not: Newton's steps

@@ -51,6 +51,7 @@ impl BuiltIn {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::{Outcome, Status};
     use crate::physics::{Scalar, Theta};
     use crate::scene::{Fate, Grid};
 
@@ -74,8 +75,9 @@ mod tests {
         let forbidden = |name: &str| {
             let scene = BuiltIn::named(name).unwrap().document().scene();
             let grid = Grid::new(&scene, [60, 60]);
+            let forbidden = Fate::Known(Outcome::without_time(Status::Forbidden));
             let pixels = (0..3600).map(|k| grid.fate(k % 60, k / 60));
-            pixels.filter(|fate| *fate == Fate::Forbidden).count()
+            pixels.filter(|fate| *fate == forbidden).count()
         };
         assert!(forbidden("heavy") < forbidden("home") && forbidden("home") < forbidden("first"));
         assert_eq!(forbidden("island"), 0, "all have the energy");

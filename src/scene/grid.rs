@@ -2,14 +2,15 @@
 
 use super::Scene;
 use super::spots::{Grouped, Spots};
-use crate::physics::flip::settle_at_top;
-use crate::physics::{Angle, Dd, Pendulum, Rule, Scalar, State, Theta, gold};
+use crate::physics::opening::{Begin, Opening, from_top};
+use crate::physics::{Angle, Dd, Outcome, Pendulum, Rule, Scalar, Status, Theta, gold};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]
 pub struct Grid {
     size: [u32; 2],
     center: [Dd; 2],
+    exact_center: [Theta; 2],
     spots: Spots,
     /// What one pixel to the right, and one up, adds to θ1 and θ2.
     right: [Dd; 2],
@@ -17,18 +18,23 @@ pub struct Grid {
     pendulum: Pendulum<f64>,
     exact: Pendulum<Dd>,
     rule: Rule,
+    opening: Opening,
+    unit_secs: f64,
+    budget_secs: f64,
 }
 
 /// What becomes of a pixel before any step is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
-    /// Energy conservation forbids the flip.
-    Forbidden,
-    /// Balanced exactly upright, or hanging: it never moves.
-    Balanced,
+    /// All of it is known: energy conservation forbids the flip, it is balanced for ever, or passes
+    /// the top in its first moments.
+    Known(Outcome),
     /// It has to be simulated from these angles, within (−π, π].
     Open([Dd; 2]),
 }
+
+/// Nearer to the top than this, double-double does not tell its sides apart, rad.
+const INDISTINCT_RAD: f64 = 1e-29;
 
 impl Grid {
     /// The grid of a checked scene for a picture of `size` pixels.
@@ -67,12 +73,16 @@ impl Grid {
         Grid {
             size,
             center: center.map(Theta::to_dd),
+            exact_center: center,
             spots: Spots::new(center, right, up),
             right,
             up,
             pendulum,
             exact: scene.build.pendulum_in(),
             rule: scene.question.rule,
+            opening: Opening::new(&scene.build.reduced_in().0, scene.question.rule),
+            unit_secs: scene.build.unit_secs(),
+            budget_secs: scene.question.budget.secs,
         }
     }
 
@@ -105,13 +115,26 @@ impl Grid {
 
     /// θ1 and θ2 of pixel (`column`, `row`), row 0 at the top, in (−π, π].
     pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
-        let x = Dd::new(f64::from(column) + 0.5 - f64::from(self.size[0]) / 2.0);
-        let y = Dd::new(f64::from(self.size[1]) / 2.0 - f64::from(row) - 0.5);
+        let [x, y] = self.pixels_from_center(column, row).map(Dd::new);
         [0, 1].map(|i| {
             let angle = self.center[i] + (x * self.right[i] + y * self.up[i]);
             // Inside a turn there is nothing to take out, and no rounding to fear.
             if angle <= Dd::PI && angle > -Dd::PI { angle } else { angle.wrapped() }
         })
+    }
+
+    /// The same to all digits.
+    fn exact_angle_from_pixel(&self, column: u32, row: u32) -> [Theta; 2] {
+        let [x, y] = self.pixels_from_center(column, row).map(Theta::from_f64);
+        let along = |by: [Dd; 2]| by.map(Theta::from_dd);
+        let (right, up) = (along(self.right), along(self.up));
+        [0, 1].map(|i| (self.exact_center[i] + (x * right[i] + y * up[i])).wrapped())
+    }
+
+    /// How far a pixel's middle is to the right of the centre and above it, in pixels.
+    fn pixels_from_center(&self, column: u32, row: u32) -> [f64; 2] {
+        let [width, height] = self.size.map(f64::from);
+        [f64::from(column) + 0.5 - width / 2.0, height / 2.0 - f64::from(row) - 0.5]
     }
 
     /// How many pixels the middle of a pixel is from the energy curve, to first order: the
@@ -143,16 +166,43 @@ impl Grid {
     pub fn fate(&self, column: u32, row: u32) -> Fate {
         let angle = self.angle_from_pixel(column, row);
         if self.is_forbidden(angle) {
-            return Fate::Forbidden;
+            return Fate::Known(Outcome::without_time(Status::Forbidden));
         }
         if gold::is_balanced(angle) {
-            return Fate::Balanced;
+            return Fate::Known(Outcome::without_time(Status::Unflipped));
         }
-        if angle.iter().all(|theta| theta.abs() < Dd::PI) {
-            return Fate::Open(angle);
+        match self.opening(column, row) {
+            Some(outcome) => Fate::Known(outcome),
+            None => Fate::Open(self.kept_inside(angle, column, row)),
         }
-        let alpha = self.exact.acceleration(&State::rest(angle));
-        Fate::Open([0, 1].map(|i| settle_at_top(angle[i], alpha[i])))
+    }
+
+    /// The outcome of a pixel that passes the top in its first moments.
+    pub fn opening(&self, column: u32, row: u32) -> Option<Outcome> {
+        let near = self.angle_from_pixel(column, row).map(|theta| theta.hi);
+        if !self.opening.concerns(near) {
+            return None;
+        }
+        match self.opening.begin(self.exact_angle_from_pixel(column, row)) {
+            Begin::Stays => None,
+            Begin::Passes(time) if time * self.unit_secs <= self.budget_secs => {
+                Some(Outcome::flipped(time * self.unit_secs))
+            }
+            Begin::Passes(_) => Some(Outcome::without_time(Status::Unflipped)),
+        }
+    }
+
+    /// A start that stays on its side of the top at first, where double-double cannot tell the
+    /// sides apart.
+    fn kept_inside(&self, angle: [Dd; 2], column: u32, row: u32) -> [Dd; 2] {
+        if angle.iter().all(|&theta| from_top(theta).abs().hi > INDISTINCT_RAD) {
+            return angle;
+        }
+        let exact = self.opening.settled(self.exact_angle_from_pixel(column, row));
+        [0, 1].map(|i| {
+            let top = if exact[i] > Theta::ZERO { Dd::PI } else { -Dd::PI };
+            if from_top(exact[i]).abs().to_f64() > INDISTINCT_RAD { angle[i] } else { top }
+        })
     }
 
     /// The energy test in f64, and in double-double where f64 cannot tell.
@@ -235,12 +285,16 @@ mod tests {
             let scene = Scene { view, question, ..Scene::default() };
             Grid::new(&scene, [1, 1]).fate(0, 0)
         };
-        assert_eq!(fate(["0", "0"], Rule::Second), Fate::Forbidden);
-        assert_eq!(fate([pi, pi], Rule::Second), Fate::Balanced);
+        let known = |status| Fate::Known(Outcome::without_time(status));
+        assert_eq!(fate(["0", "0"], Rule::Second), known(Status::Forbidden));
         assert!(matches!(fate(["3", "3"], Rule::Second), Fate::Open(_)));
-        // At the top with θ1 = 2: the second bob is pushed towards larger angles, so it starts at −π.
-        let Fate::Open([_, theta2]) = fate(["2", pi], Rule::Second) else { panic!() };
-        let alpha = Scene::default().build.pendulum().acceleration(&State::rest([2.0, theta2.hi]));
-        assert!(alpha[1] * theta2.hi < 0.0);
+        // Just before the top with θ1 = 2: the second bob is pushed over it, with θ1 = −2 away.
+        let Fate::Known(Outcome { status: Status::Flipped, time }) = fate(["2", pi], Rule::Second)
+        else {
+            panic!()
+        };
+        assert!(time > 0.0 && time < 1e-15);
+        let Fate::Open([_, theta2]) = fate(["-2", pi], Rule::Second) else { panic!() };
+        assert_eq!(theta2, Dd::PI);
     }
 }

@@ -16,8 +16,8 @@ use super::order;
 use super::samples::{Counts, Samples};
 use crate::engine::{Depth, Engine, EngineError, Keep, Paused, Trust, Wait};
 use crate::physics::{Outcome, Status};
-use crate::scene::Grouped;
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
+use crate::scene::{Grid, Grouped, Scene};
 
 /// How far the newest aim is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -245,7 +245,7 @@ impl Explorer {
     /// What is known of the cells beforehand.
     fn open(&self, aim: &Aim, batch: &Batch) -> Open {
         if batch.cells.first().is_some_and(|cell| aim.is_deep_at(cell.level)) {
-            return self.open_deep(batch);
+            return self.open_deep(&aim.scene(), batch);
         }
         let scene = aim.scene();
         Open::new(batch.cells.iter().flat_map(|cell| {
@@ -261,7 +261,8 @@ impl Explorer {
     }
 
     /// Likewise of cells too deep for angles in any number type of an engine's.
-    fn open_deep(&self, batch: &Batch) -> Open {
+    fn open_deep(&self, scene: &Scene, batch: &Batch) -> Open {
+        let grids: Vec<Grid> = batch.cells.iter().map(|cell| cell.grid(scene, SIDE)).collect();
         let mut groups = Grouped::new();
         for (k, cell) in (0..).zip(&batch.cells) {
             let moved = |(place, point)| (k * SAMPLES as u32 + place, point);
@@ -272,10 +273,13 @@ impl Explorer {
             );
         }
         let known = |place: u32| {
-            let cell = batch.cells[place as usize / SAMPLES];
-            let known = self.cache.peek(batch.physics, cell)?;
-            let (outcome, trust) = known.at(place as usize % SAMPLES);
-            (outcome.status != Status::Unflipped).then_some((outcome, trust))
+            let (k, place) = (place as usize / SAMPLES, place % SAMPLES as u32);
+            let before = self.cache.peek(batch.physics, batch.cells[k]);
+            let before = before.map(|known| known.at(place as usize));
+            before.filter(|(outcome, _)| outcome.status != Status::Unflipped).or_else(|| {
+                let outcome = grids[k].opening(place % SIDE, place / SIDE)?;
+                Some((outcome, Trust::Agreed))
+            })
         };
         Open::deep(batch.cells.len() * SAMPLES, groups, known)
     }

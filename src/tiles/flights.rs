@@ -9,7 +9,7 @@ use super::kept::Known;
 use super::samples::Samples;
 use crate::engine::{Deep, Keep, Leaf, Trust, Wait};
 use crate::engine::{Effort, Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts};
-use crate::physics::{Outcome, Status};
+use crate::physics::Outcome;
 use crate::scene::{Fate, Grouped};
 
 /// A tile before its job: what is known of it, and the starts of the rest.
@@ -30,10 +30,10 @@ impl Open {
         for (place, (fate, known)) in (0..).zip(pixels) {
             let at = place as usize;
             match (fate, known) {
-                (Fate::Forbidden, _) => {
-                    samples.set(at, Outcome::without_time(Status::Forbidden));
+                (Fate::Known(outcome), _) => {
+                    samples.set(at, outcome);
+                    samples.set_trust(at, Trust::of_proved(&outcome));
                 }
-                (Fate::Balanced, _) => {}
                 (Fate::Open(_), Some((Known::Over(outcome), trust))) => {
                     samples.set(at, outcome);
                     samples.set_trust(at, trust);

@@ -6,9 +6,9 @@ use std::time::Instant;
 use super::flights::{Flights, Open};
 use super::patches::{SAMPLES, SIDE, pitch_rad};
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, Keep, Question, Recipe, Wait};
+use crate::engine::{Engine, EngineError, Keep, Question, Recipe, Trust, Wait};
 use crate::scene::lattice::Cell;
-use crate::scene::{Grouped, Scene};
+use crate::scene::{Grid, Grouped, Scene};
 
 /// Patches in a job at most.
 const MOST_IN_JOB: usize = 256;
@@ -77,7 +77,11 @@ impl PatchWork {
         while self.flights.len() < engine.slots() {
             let cells = self.next_cells(most);
             let Some(first) = cells.first() else { return Ok(()) };
-            let open = if self.is_deep_at(first.level) { deep(&cells) } else { self.open(&cells) };
+            let open = if self.is_deep_at(first.level) {
+                deep(&self.scene, &cells)
+            } else {
+                self.open(&cells)
+            };
             if open.is_settled() {
                 self.finish(cells, &open.into_samples(), finished);
                 return Ok(());
@@ -122,7 +126,8 @@ impl PatchWork {
 }
 
 /// Patches whose samples no number type of an engine's tells apart.
-fn deep(cells: &[Cell]) -> Open {
+fn deep(scene: &Scene, cells: &[Cell]) -> Open {
+    let grids: Vec<Grid> = cells.iter().map(|cell| cell.grid(scene, SIDE)).collect();
     let mut groups = Grouped::new();
     for (k, cell) in (0..).zip(cells) {
         let moved = |(place, point)| (k * SAMPLES as u32 + place, point);
@@ -131,7 +136,10 @@ fn deep(cells: &[Cell]) -> Open {
             leaves.map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect::<Vec<_>>())),
         );
     }
-    Open::deep(cells.len() * SAMPLES, groups, |_| None)
+    Open::deep(cells.len() * SAMPLES, groups, |place| {
+        let (grid, place) = (&grids[place as usize / SAMPLES], place % SAMPLES as u32);
+        grid.opening(place % SIDE, place / SIDE).map(|outcome| (outcome, Trust::Agreed))
+    })
 }
 
 #[cfg(test)]
@@ -139,8 +147,6 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
-    use crate::physics::Outcome;
-    use crate::physics::Status;
     use crate::scene::Fate;
 
     const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
@@ -160,8 +166,7 @@ mod tests {
                     for place in 0..SAMPLES as u32 {
                         let expected = match grid.fate(place % SIDE, place / SIDE) {
                             Fate::Open(angle) => MockEngine::answer(&Question::from(&scene), angle),
-                            Fate::Forbidden => Outcome::without_time(Status::Forbidden),
-                            Fate::Balanced => Outcome::without_time(Status::Unflipped),
+                            Fate::Known(outcome) => outcome,
                         };
                         assert_eq!(samples.get(place as usize), expected);
                     }

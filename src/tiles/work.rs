@@ -162,10 +162,11 @@ impl Work {
             let pixels: Vec<_> = tile.pixels().collect();
             let groups = self.grid.grouped(tile.pixels());
             return Open::deep(pixels.len(), groups, |place| {
-                match self.known(pixels[place as usize]) {
+                let [column, row] = pixels[place as usize];
+                match self.known([column, row]) {
                     Some(Known::Over(outcome)) => Some((outcome, Trust::Unchecked)),
                     // A pendulum on its way keeps no state: a larger budget begins it anew.
-                    _ => None,
+                    _ => self.grid.opening(column, row).map(|outcome| (outcome, Trust::Agreed)),
                 }
             });
         }
@@ -234,7 +235,6 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
-    use crate::physics::Outcome;
     use crate::scene::{Fate, View};
 
     const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
@@ -273,8 +273,7 @@ mod tests {
             for x in 0..size[0] {
                 let outcome = match grid.fate(x, y) {
                     Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
-                    Fate::Forbidden => Outcome::without_time(Status::Forbidden),
-                    Fate::Balanced => Outcome::without_time(Status::Unflipped),
+                    Fate::Known(outcome) => outcome,
                 };
                 samples.set((y * size[0] + x) as usize, outcome);
             }

@@ -91,8 +91,7 @@ fn grid(screen: &Screen, scene: &Scene) -> Grid {
 
 fn outcome(fate: Fate, scene: &Scene) -> Outcome {
     match fate {
-        Fate::Forbidden => Outcome::without_time(Status::Forbidden),
-        Fate::Balanced => Outcome::without_time(Status::Unflipped),
+        Fate::Known(outcome) => outcome,
         Fate::Open(angle) if fails(angle) => Outcome::without_time(Status::Failed),
         Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
     }

@@ -96,8 +96,7 @@ pub fn wrong(explorer: &mut Explorer, aim: &Aim, cell: Cell) -> Option<usize> {
     let (scene, question) = (scene(aim), Question::from(&scene(aim)));
     let grid = cell.grid(&scene, SIDE);
     let truth = (0..SIDE * SIDE).map(|place| match grid.fate(place % SIDE, place / SIDE) {
-        Fate::Forbidden => Outcome::without_time(Status::Forbidden),
-        Fate::Balanced => Outcome::without_time(Status::Unflipped),
+        Fate::Known(outcome) => outcome,
         Fate::Open(angle) => MockEngine::answer(&question, angle),
     });
     let mut samples: Vec<Outcome> = known.samples.iter().collect();

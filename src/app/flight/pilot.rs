@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::record::{Ending, Flip, Record, Track};
 use crate::engine::Question;
-use crate::physics::flip::settle_at_top;
+use crate::physics::opening::settled;
 use crate::physics::separation::{Reading, Ruler};
 use crate::physics::taylor::{Orbit, Step};
 use crate::physics::{Dd, Pendulum, Rule, Scalar, State, gold};
@@ -49,10 +49,12 @@ struct Flyer {
 impl Flyer {
     /// At rest at `angle`, exactly as the gold standard releases it.
     fn new(pendulum: Pendulum<Dd>, angle: [Dd; 2], rule: Rule) -> Self {
-        let alpha = pendulum.acceleration(&State::rest(angle));
-        let settled = [0, 1].map(|i| settle_at_top(angle[i], alpha[i]));
         let rule = (!pendulum.forbids(rule, angle)).then_some(rule);
-        Flyer { orbit: Orbit::new(pendulum, State::rest(settled)), rule, steps: 0 }
+        Flyer {
+            orbit: Orbit::new(pendulum, State::rest(settled(&pendulum, angle))),
+            rule,
+            steps: 0,
+        }
     }
 
     /// One step further, kept in `track` up to `until`; none where the numbers stop being finite.

@@ -27,6 +27,7 @@ use self::case::{Case, RUNS};
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
 use super::{Engine, EngineError, Finished, Job, Recipe, Starts, Wait};
+use crate::physics::{Outcome, Status};
 
 /// How sure an answer is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -54,6 +55,11 @@ impl Trust {
         ("settled", Trust::Settled),
         ("uncertain", Trust::Uncertain),
     ];
+
+    /// Of an outcome that is proved before anything is computed. Nobody asks about forbidden ones.
+    pub fn of_proved(outcome: &Outcome) -> Trust {
+        if outcome.status == Status::Forbidden { Trust::Unchecked } else { Trust::Agreed }
+    }
 }
 
 /// The engine of recipes and probes, and the processor for what comes after.

@@ -18,6 +18,7 @@ pub use graze::Graze;
 use super::embedded::{dop853, plus};
 use super::flip::Rule;
 use super::jet::Jet;
+use super::opening;
 use super::passage::{FAR, Moment};
 use super::phase::Phase;
 use super::reference::Reference;
@@ -31,6 +32,8 @@ pub struct Law {
     pub pendulum: Pendulum<f64>,
     /// Which bob is watched.
     pub rule: Rule,
+    /// How long nothing is looked for at the top, reduced: who passes it so soon is known beforehand.
+    pub opening: f64,
     jets: Pendulum<Jet>,
     inverse_scale: [f64; 2],
 }
@@ -99,7 +102,13 @@ impl Law {
     /// The motion of a pendulum in reduced units.
     pub fn new(pendulum: Pendulum<f64>, rule: Rule) -> Self {
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
-        Law { pendulum, rule, jets: pendulum.map(Jet::constant), inverse_scale }
+        Law {
+            pendulum,
+            rule,
+            opening: opening::length(&pendulum),
+            jets: pendulum.map(Jet::constant),
+            inverse_scale,
+        }
     }
 
     fn moment(&self, phase: Phase<f64>) -> Moment<f64> {
@@ -211,7 +220,11 @@ impl Sheet {
             if tail.is_nan() || tail > tolerance {
                 break End::Spread;
             }
-            match self.meet(law, &leap, tolerance, reference.as_deref()) {
+            let meeting = match self.left_of_opening(law) {
+                Some(_) => Meeting::Nothing,
+                None => self.meet(law, &leap, tolerance, reference.as_deref()),
+            };
+            match meeting {
                 Meeting::Nothing => {}
                 Meeting::FarTurn(clearance) => self.far_turns = self.far_turns.min(clearance),
                 Meeting::TooMuch => {
@@ -245,10 +258,17 @@ impl Sheet {
         })
     }
 
+    /// What is left of the first moments, in which the top is no matter.
+    fn left_of_opening(&self, law: &Law) -> Option<f64> {
+        let left = law.opening - self.time.0;
+        (left > 1e-9 * law.opening).then_some(left)
+    }
+
     /// The next step, as long as the middle allows it.
     fn leap(&self, law: &Law, reference: Option<&mut (dyn Reference + 'static)>) -> Leap {
         let start = middle(&self.phase);
         let (mut length, mut next) = (self.step.min(LONGEST), self.step);
+        length = length.min(self.left_of_opening(law).unwrap_or(length));
         let mut reference = reference;
         if let Some(reference) = &mut reference {
             length = length.min(reference.reach());

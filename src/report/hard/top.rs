@@ -2,8 +2,8 @@
 
 use super::{BALANCED, Bench, Case, Finding, Of, apart, farthest, gold_dd, gold_f64, home};
 use crate::engine::{EngineError, Question};
-use crate::physics::flip::settle_at_top;
-use crate::physics::{Dd, Outcome, Rule, State, Status};
+use crate::physics::opening;
+use crate::physics::{Dd, Outcome, Rule, Status};
 
 pub const CASES: &[Case] = &[
     Case {
@@ -167,9 +167,5 @@ fn other_side(theta: Dd) -> Dd {
 /// Starts as a grid gives them: at the top on the side the first motion leads to.
 fn settled(question: &Question, starts: &[[Dd; 2]]) -> Vec<[Dd; 2]> {
     let pendulum = question.build.pendulum_in();
-    let one = |&start: &[Dd; 2]| {
-        let alpha = pendulum.acceleration(&State::rest(start));
-        [0, 1].map(|i| settle_at_top(start[i], alpha[i]))
-    };
-    starts.iter().map(one).collect()
+    starts.iter().map(|&start| opening::settled(&pendulum, start)).collect()
 }

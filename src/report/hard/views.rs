@@ -43,8 +43,7 @@ fn picture(bench: &mut Bench, scene: &Scene) -> Result<Vec<Outcome>, EngineError
     let mut answers = bench.answers(&question, BALANCED, &starts)?.into_iter();
     let outcome = |fate: Fate| match fate {
         Fate::Open(_) => answers.next().unwrap_or(Outcome::without_time(Status::Failed)),
-        Fate::Balanced => Outcome::without_time(Status::Unflipped),
-        Fate::Forbidden => Outcome::without_time(Status::Forbidden),
+        Fate::Known(outcome) => outcome,
     };
     Ok(fates.into_iter().map(outcome).collect())
 }

@@ -1,0 +1,295 @@
+//! The first moments after a release: which bobs that are let go near the top pass it at once.
+//!
+//! From rest every angle is an even function of time, so that its way is a polynomial in the
+//! square of time, whose lowest coefficients follow from the equations of motion ([`Series`]). Near the top
+//! the distance to it, the acceleration there and even the next derivative can all be as small as
+//! one likes, and their signs decide: so the answer is computed in more and more digits until
+//! coefficients moved by more than their rounding give the same one.
+
+use super::pendulum::Pendulum;
+use super::polynomial::first_rise;
+use super::real::Scalar;
+use super::series::Series;
+use super::{Dd, Rule, Theta};
+
+/// Coefficients of the expansions in time; every second one of them vanishes.
+const ORDER: usize = 14;
+/// Of their polynomials in the square of time.
+const COUNT: usize = ORDER / 2;
+/// How far the fastest bob turns in an opening, about, rad. Each power of the square of time
+/// contributes less than the one before by the square of this.
+const TURN: f64 = 0.03;
+/// Roundings of a coefficient, of the largest that it can be.
+const ROUNDINGS: f64 = 256.0;
+/// Moments of a pass that differ by less are the same, in openings.
+const SAME: f64 = 1e-9;
+
+/// The first moments of one pendulum, in reduced units.
+#[derive(Clone, Debug)]
+pub struct Opening {
+    /// In units of its length: the exact numbers, and rounded.
+    exact: Pendulum<Theta>,
+    rounded: Pendulum<Dd>,
+    rule: Rule,
+    length: f64,
+    near_rad: f64,
+}
+
+/// How a start near the top begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Begin {
+    /// A watched bob passes the top, at this reduced time.
+    Passes(f64),
+    /// None does within the opening.
+    Stays,
+}
+
+/// How long nothing but the opening can pass the top, reduced: no bob farther from it than
+/// [`near_rad`] comes there so soon.
+///
+/// At rest |α| ≤ (B P + C Q) / (AB − C²) and its mirror; speeds that have grown meanwhile add less
+/// than a thousandth of it.
+pub fn length(pendulum: &Pendulum<f64>) -> f64 {
+    TURN / greatest_pull(pendulum).max(1.0)
+}
+
+/// See [`length`].
+pub fn near_rad(pendulum: &Pendulum<f64>) -> f64 {
+    greatest_pull(pendulum) * length(pendulum).powi(2)
+}
+
+fn greatest_pull(Pendulum { a, b, c, p, q, least_det }: &Pendulum<f64>) -> f64 {
+    (b * p + c * q).max(a * q + c * p) / least_det
+}
+
+/// An angle's distance to the top, rad: positive just beyond the seam, negative just before it.
+pub fn from_top<T: Scalar>(angle: T) -> T {
+    if angle < T::zero() { angle + T::pi() } else { angle - T::pi() }
+}
+
+impl Opening {
+    /// Of a pendulum in reduced units.
+    pub fn new(pendulum: &Pendulum<Theta>, rule: Rule) -> Self {
+        let near = pendulum.to_f64();
+        let length = length(&near);
+        Opening {
+            exact: in_units(pendulum, length),
+            rounded: in_units(&pendulum.map(Theta::to_dd), length),
+            rule,
+            length,
+            near_rad: near_rad(&near),
+        }
+    }
+
+    /// Whether a watched bob is let go so near the top that [`Opening::begin`] has to be asked;
+    /// `angle` within [−π, π].
+    pub fn concerns(&self, angle: [f64; 2]) -> bool {
+        self.rule.watched().iter().any(|&bob| from_top(angle[bob]).abs() <= 1.01 * self.near_rad)
+    }
+
+    /// How a release at rest begins; `angle` within (−π, π].
+    pub fn begin(&self, angle: [Theta; 2]) -> Begin {
+        let from_top = angle.map(from_top);
+        let plain = self.rounded.to_f64();
+        self.told(&plain, angle.map(Theta::to_f64), from_top.map(Theta::to_f64))
+            .or_else(|| {
+                self.told(&self.rounded, angle.map(Theta::to_dd), from_top.map(Theta::to_dd))
+            })
+            .or_else(|| self.told(&self.exact, angle, from_top))
+            .unwrap_or(Begin::Stays)
+    }
+
+    /// See [`settled`].
+    pub fn settled(&self, angle: [Theta; 2]) -> [Theta; 2] {
+        settled(&self.exact, angle)
+    }
+
+    /// How it begins as far as the digits of a number type can tell.
+    fn told<T: Scalar>(
+        &self,
+        pendulum: &Pendulum<T>,
+        angle: [T; 2],
+        from_top: [T; 2],
+    ) -> Option<Begin> {
+        if T::FLOATING && from_top.iter().any(|distance| *distance == T::zero()) {
+            // Which of all the digits that are not here decide?
+            return None;
+        }
+        let ways = ways(pendulum, angle, from_top);
+        let doubt = T::from_f64(ROUNDINGS * T::EPSILON * self.near_rad);
+        let mut first: Option<f64> = None;
+        for &bob in self.rule.watched() {
+            if from_top[bob].to_f64().abs() > self.near_rad {
+                continue;
+            }
+            let [early, late] =
+                [-doubt, doubt].map(|by| pass(&ways[bob], by).map(|square| square.to_f64().sqrt()));
+            let time = match (early, late) {
+                (None, None) => continue,
+                (Some(early), Some(late)) if (early - late).abs() < SAME => 0.5 * (early + late),
+                _ => return None,
+            };
+            first = Some(first.map_or(time, |first| first.min(time)));
+        }
+        Some(first.map_or(Begin::Stays, |time| Begin::Passes(time * self.length)))
+    }
+}
+
+/// `angle` (rad, within [−π, π]), where a bob let go exactly at the top is put on the side to which
+/// its first motion leads, whichever derivative that is.
+pub fn settled<T: Scalar>(pendulum: &Pendulum<T>, angle: [T; 2]) -> [T; 2] {
+    if angle.iter().all(|theta| theta.abs() < T::pi()) {
+        return angle;
+    }
+    let near = pendulum.to_f64();
+    let ways = ways(&in_units(pendulum, length(&near)), angle, angle.map(from_top));
+    let doubt = T::from_f64(ROUNDINGS * T::EPSILON * near_rad(&near));
+    [0, 1].map(|bob| match first_motion(&ways[bob], doubt) {
+        Some(motion) if angle[bob].abs() >= T::pi() => {
+            if motion > T::zero() {
+                -T::pi()
+            } else {
+                T::pi()
+            }
+        }
+        _ => angle[bob],
+    })
+}
+
+/// A pendulum of reduced units in which `length` is the unit of time.
+fn in_units<T: Scalar>(pendulum: &Pendulum<T>, length: f64) -> Pendulum<T> {
+    let square = T::from_f64(length) * T::from_f64(length);
+    Pendulum { p: pendulum.p * square, q: pendulum.q * square, ..*pendulum }
+}
+
+/// Both bobs' distances to the top as polynomials in the square of time.
+fn ways<T: Scalar>(pendulum: &Pendulum<T>, angle: [T; 2], from_top: [T; 2]) -> [[T; COUNT]; 2] {
+    let zero = T::zero();
+    let vectors = [0, 1].map(|bob| {
+        // Near the top its distance has more digits than the angle.
+        if from_top[bob].to_f64().abs() < 0.5 {
+            let (sin, cos) = from_top[bob].sin_cos();
+            [-cos, -sin]
+        } else {
+            let (sin, cos) = angle[bob].sin_cos();
+            [cos, sin]
+        }
+    });
+    let [[x1, y1], [x2, y2]] = vectors;
+    let series = Series::<T, ORDER>::expand(pendulum, &[x1, y1, x2, y2, zero, zero]);
+    [0, 1].map(|bob| {
+        std::array::from_fn(|k| match k {
+            0 => from_top[bob],
+            _ => series.speed[bob][2 * k - 1] / T::from_f64(2.0 * k as f64),
+        })
+    })
+}
+
+/// The first coefficient that moves a bob.
+fn first_motion<T: Scalar>(way: &[T; COUNT], doubt: T) -> Option<T> {
+    way[1..].iter().copied().find(|coefficient| coefficient.abs() > doubt)
+}
+
+/// The square of the time at which a bob is first beyond the top, if the first coefficient is off
+/// `by` so much.
+fn pass<T: Scalar>(way: &[T; COUNT], by: T) -> Option<T> {
+    let mut way = *way;
+    // A start exactly at the top is on the side to which it moves.
+    let side = if way[0] == T::zero() { first_motion(&way, by.abs())? } else { way[0] };
+    if way[0] == T::zero() {
+        way.iter_mut().filter(|c| c.abs() <= by.abs()).for_each(|c| *c = T::zero());
+    } else {
+        way[1] = way[1] + by;
+    }
+    first_rise(&if side > T::zero() { way.map(|c| -c) } else { way })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{Fixed, Status, gold};
+    use crate::scene::{Build, Kind};
+
+    /// Starts around a point where bobs are at the top, at all distances from it.
+    fn around(corner: [f64; 2]) -> Vec<[Theta; 2]> {
+        let quarter = Theta::pi().halved(1);
+        let mut starts = Vec::new();
+        for exponent in [-4, -6, -9, -14, -20, -30] {
+            let far = 10f64.powi(exponent);
+            for (x, y) in
+                [(1.0, 0.3), (-0.7, 1.0), (0.02, -1.0), (-1.0, -1e-3), (0.0, -1.0), (0.4, 1e-9)]
+            {
+                let by = [x * far, y * far];
+                starts.push([0, 1].map(|i| {
+                    let corner = if corner[i] == 2.0 {
+                        Theta::pi()
+                    } else {
+                        quarter * Theta::from_f64(corner[i])
+                    };
+                    (corner + Theta::from_f64(by[i])).wrapped()
+                }));
+            }
+        }
+        starts
+    }
+
+    fn check(build: &Build, corner: [f64; 2], rule: Rule) -> usize {
+        let (pendulum, _) = build.reduced_in::<Theta>();
+        let opening = Opening::new(&pendulum, rule);
+        let short = pendulum.map(Fixed::<4>::from_theta);
+        let budget = Fixed::from_f64(opening.length);
+        let mut passed = 0;
+        for start in around(corner) {
+            if !opening.concerns(start.map(Theta::to_f64)) {
+                continue;
+            }
+            let truth = gold::outcome(&short, start.map(Fixed::from_theta), rule, budget);
+            let words = format!("{build:?} {rule} {:?}", start.map(|theta| theta.decimal(40)));
+            match opening.begin(start) {
+                Begin::Stays => assert_ne!(truth.status, Status::Flipped, "{words}"),
+                Begin::Passes(time) => {
+                    passed += 1;
+                    assert_eq!(truth.status, Status::Flipped, "{words}");
+                    let truth = truth.time.to_f64();
+                    assert!(
+                        (time - truth).abs() < 1e-7 * opening.length,
+                        "{words} {time:e} {truth:e}"
+                    );
+                }
+            }
+        }
+        passed
+    }
+
+    #[test]
+    fn openings_are_those_of_the_gold_standard_down_to_1e_30_from_the_top() {
+        let light = Build::new(Kind::Points, [0.02, 1.0], [1.0, 0.3], 9.81);
+        let rods = Build { kind: Kind::Rods, ..Build::default() };
+        let corners =
+            [[0.0, 2.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [-1.0, 2.0], [2.0, 1.0], [0.6, 2.0]];
+        for build in [Build::default(), rods, light] {
+            for (_, rule) in Rule::ALL {
+                let passed: usize = corners.iter().map(|corner| check(&build, *corner, rule)).sum();
+                assert!(passed >= 8, "{build:?} {rule} {passed}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_start_exactly_at_the_top_is_put_where_it_moves() {
+        let (pendulum, _) = Build::default().reduced_in::<Theta>();
+        let quarter = Theta::pi().halved(1);
+        // Without acceleration the next derivative decides: released there, it stays on one side.
+        for start in
+            [[quarter, Theta::pi()], [-quarter, Theta::pi()], [Theta::from_f64(2.0), Theta::pi()]]
+        {
+            assert_eq!(Opening::new(&pendulum, Rule::Second).begin(start), Begin::Stays);
+            let [_, side] = settled(&pendulum, start);
+            let [_, mirrored] = settled(&pendulum, start.map(|theta| -theta));
+            assert_eq!(side.abs(), Theta::pi());
+            assert_eq!(side, -mirrored);
+        }
+        let [_, side] = settled(&pendulum.to_f64(), [2.0, std::f64::consts::PI]);
+        assert_eq!(side, -std::f64::consts::PI, "pushed towards larger angles");
+    }
+}
