@@ -142,6 +142,8 @@ pub struct Moving {
     pub step: f64,
     /// See [`End::clearance`].
     pub clearance: f64,
+    /// See [`End::grown`].
+    pub grown: f64,
 }
 
 impl Starts {
@@ -211,11 +213,15 @@ pub struct End {
     /// How near a watched bob came to the top before, and turned round: at least this far from it
     /// (as a sine). Methods that cannot say have [`passage::FAR`].
     pub clearance: f64,
+    /// How many times farther apart neighbours were when its own integration began than when they
+    /// were let go: 1 where that was at rest, infinite where all was known without one.
+    pub grown: f64,
 }
 
 impl End {
     /// Of a pendulum that has not been anywhere.
-    pub const NOWHERE: End = End { time: 0.0, phase: [0.0; 6], clearance: passage::FAR };
+    pub const NOWHERE: End =
+        End { time: 0.0, phase: [0.0; 6], clearance: passage::FAR, grown: 1.0 };
 }
 
 impl Job {

@@ -140,7 +140,7 @@ pub fn end(
     };
     let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
     let change = dop853(reduced, scale, &begin, time - from).change;
-    End { time, phase: plus(&begin, &change), clearance }
+    End { time, phase: plus(&begin, &change), clearance, ..End::NOWHERE }
 }
 
 /// `value` as the number type holds it, and what that leaves.

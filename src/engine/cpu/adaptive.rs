@@ -223,6 +223,7 @@ impl Field<'_> {
             time,
             phase: step.shortened::<P>(fraction).phase,
             clearance: self.flock.clearance[lane],
+            ..End::NOWHERE
         };
         // A paused pendulum continues from before the step it flips in.
         self.flock.put(lane, *numbers);

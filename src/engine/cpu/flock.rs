@@ -149,6 +149,7 @@ impl<'a> Flock<'a> {
             time: numbers[TIME] + numbers[TIME_LOW],
             phase: phase_of(&numbers),
             clearance: self.clearance[lane],
+            ..End::NOWHERE
         }
     }
 

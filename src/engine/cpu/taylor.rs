@@ -277,7 +277,7 @@ impl<N: Number> Herd<N> {
                 let numbers = before.map(|row| row[lane]);
                 flock.put(lane, numbers);
                 let time = numbers[TIME] + (numbers[TIME_LOW] + into_step);
-                let end = End { time, phase, clearance: flock.clearance[lane] };
+                let end = End { time, phase, clearance: flock.clearance[lane], ..End::NOWHERE };
                 flock.finish(lane, adaptive.outcome_of_pass(time), end);
             }
         }

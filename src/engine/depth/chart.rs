@@ -17,6 +17,8 @@ pub struct Ended {
     pub way: WayEnd,
     /// How deep in the forbidden region its starts are, if the region's edge crosses it.
     pub edge: Option<Jet>,
+    /// Half the side of its cell, rad.
+    pub half_rad: f64,
 }
 
 /// A leaf's part of an ended sheet.
@@ -59,6 +61,13 @@ impl Chart {
 }
 
 impl Ended {
+    /// How fast neighbours moved apart on the way, decades a second; 0 where they did not.
+    pub fn decades_a_second(&self, law: &Law, secs: f64) -> f64 {
+        let decades = (self.sheet.spread(law) / self.half_rad).log10();
+        // A way no longer than the first moments says nothing.
+        if self.sheet.time.0 > 10.0 * law.opening { decades.max(0.0) / secs } else { 0.0 }
+    }
+
     fn start(&self, law: &Law, question: &Question, unit_secs: f64, at: [f64; 2]) -> Begun {
         if self.edge.is_some_and(|edge| edge.at(at) > 0.0) {
             return FORBIDDEN;
@@ -74,15 +83,16 @@ impl Ended {
         let phase = self.sheet.phase.map(|jet| jet.at(at));
         match (grazed.chain(passed).reduce(first), &self.way) {
             (Some((time, phase)), _) => {
-                let end = End { time, phase, clearance };
+                let end = End { time, phase, clearance, grown: f64::INFINITY };
                 Begun::Known(question.flipped_at(time * unit_secs), end)
             }
             (None, WayEnd::Spread | WayEnd::Unclear) => {
                 let step = self.sheet.step;
-                Begun::Moving(Moving { time: [high, low], phase, step, clearance })
+                let grown = self.sheet.spread(law) / self.half_rad;
+                Begun::Moving(Moving { time: [high, low], phase, step, clearance, grown })
             }
             (None, _) => {
-                let end = End { time: high + low, phase, clearance };
+                let end = End { time: high + low, phase, clearance, grown: f64::INFINITY };
                 Begun::Known(Outcome::without_time(Status::Unflipped), end)
             }
         }

@@ -42,8 +42,11 @@ impl Depth {
     }
 
     /// Until when answers can be trusted, s: from the begin of the last integration on, until
-    /// roundings have grown to a thousandth of a radian.
+    /// roundings have grown to a thousandth of a radian; infinite where nothing grows.
     pub fn horizon_secs(&self, precision: Precision) -> f64 {
+        if self.decades_a_second <= 0.0 {
+            return f64::INFINITY;
+        }
         let decades = -3.0 - (4.0 * precision.epsilon()).log10();
         self.begins_secs[1] + decades / self.decades_a_second
     }

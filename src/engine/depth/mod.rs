@@ -24,7 +24,7 @@ use super::{
     Deep, Effort, End, Engine, EngineError, Finished, Job, Keep, Leaf, Moving, Question, Recipe,
     Starts, Wait,
 };
-use crate::physics::{Outcome, Status};
+use crate::physics::{Dd, Outcome, Scalar, Status, Theta};
 use crate::scene::lattice::{Cell, side_rad};
 
 /// The wrapped engine, and what follows deep starts for it.
@@ -55,8 +55,8 @@ const MOST_TREES: usize = 4;
 struct Awaited {
     outcomes: Vec<Outcome>,
     ends: Vec<End>,
-    /// Which of them the wrapped engine answers, and how near the top they came before.
-    moving: Vec<(usize, f64)>,
+    /// Which of them the wrapped engine answers, from where.
+    moving: Vec<(usize, Moving)>,
     effort: Effort,
 }
 
@@ -126,9 +126,8 @@ impl<'a> DepthEngine<'a> {
             let ends = if job.keep == Keep::Ends { ends } else { Vec::new() };
             return Some(Finished { id: job.id, outcomes, ends, effort, ..Finished::default() });
         }
-        let begun = |(place, state): (usize, Moving)| ((place, state.clearance), state);
-        let (places, states) = moving.into_iter().map(begun).unzip();
-        self.deep.insert(job.id, Awaited { outcomes, ends, moving: places, effort });
+        let states = moving.iter().map(|(_, state)| *state).collect();
+        self.deep.insert(job.id, Awaited { outcomes, ends, moving, effort });
         self.waiting.push_back(Job { starts: Starts::Moving(states), ..job });
         None
     }
@@ -144,8 +143,9 @@ impl<'a> DepthEngine<'a> {
         for (&(place, _), outcome) in moving.iter().zip(&finished.outcomes) {
             outcomes[place] = *outcome;
         }
-        for (&(place, clearance), end) in moving.iter().zip(&finished.ends) {
-            ends[place] = End { clearance: end.clearance.min(clearance), ..*end };
+        for ((place, begun), end) in moving.iter().zip(&finished.ends) {
+            let clearance = end.clearance.min(begun.clearance);
+            ends[*place] = End { clearance, grown: begun.grown, ..*end };
         }
         if finished.ends.is_empty() {
             ends.clear();
@@ -212,8 +212,7 @@ fn followed(
                 }
             }
         }
-        if let Chart::Part { ended, half, .. } = &charts[cell] {
-            let half_rad = side_rad(cell.level + 1) / half;
+        if let Chart::Part { ended, .. } = &charts[cell] {
             let secs = ended.sheet.time.0 * unit_secs;
             depth = depth.and(Depth {
                 digits: tree.digits(level),
@@ -223,8 +222,7 @@ fn followed(
                 } else {
                     Depth::NOTHING.begins_secs
                 },
-                decades_a_second: (ended.sheet.spread(&tree.law) / half_rad).log10()
-                    / secs.max(1e-9),
+                decades_a_second: ended.decades_a_second(&tree.law, secs),
             });
         }
     }
@@ -233,15 +231,16 @@ fn followed(
 }
 
 impl Deep {
-    /// Some of the starts, by their places among all, in order.
-    pub fn some(&self, places: &[usize], strict: bool) -> Deep {
+    /// Some of the starts, by their places among all, in order; moved by a share of half their leaf.
+    pub fn some(&self, places: &[usize], strict: bool, by: [f64; 2]) -> Deep {
         let mut wanted = places.iter().copied().peekable();
         let (mut leaves, mut first) = (Vec::new(), 0);
         for leaf in &self.leaves {
             let end = first + leaf.points.len();
             let mut points = Vec::new();
             while let Some(place) = wanted.next_if(|place| *place < end) {
-                points.push(leaf.points[place - first]);
+                let [x, y] = leaf.points[place - first];
+                points.push([x + by[0], y + by[1]]);
             }
             if !points.is_empty() {
                 leaves.push(Leaf { cell: leaf.cell, points });
@@ -249,6 +248,21 @@ impl Deep {
             first = end;
         }
         Deep { leaves, strict }
+    }
+
+    /// Half the side of its leaves, rad.
+    pub fn half_rad(&self) -> f64 {
+        self.leaves.first().map_or(0.0, |leaf| side_rad(leaf.cell.level + 1))
+    }
+
+    /// The same starts as angles, rad, to the digits of double-double.
+    pub fn angles(&self) -> Vec<[Dd; 2]> {
+        let half = Theta::from_f64(self.half_rad());
+        let angle = |leaf: &Leaf, at: &[f64; 2]| {
+            let center = leaf.cell.center();
+            [0, 1].map(|i| (center[i] + Theta::from_f64(at[i]) * half).wrapped().to_dd())
+        };
+        self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| angle(leaf, at))).collect()
     }
 }
 

@@ -211,7 +211,8 @@ impl Tree {
         if cut && !wanted.cancelled.load(Ordering::Relaxed) {
             return self.quartered(&node, cell, leaves, wanted);
         }
-        let ended = Arc::new(Ended { sheet: node.sheet, way: end, edge: node.edge });
+        let half_rad = side_rad(cell.level + 1);
+        let ended = Arc::new(Ended { sheet: node.sheet, way: end, edge: node.edge, half_rad });
         let part = |leaf: &Cell| {
             let half = 0.5f64.powi((leaf.level - cell.level) as i32);
             let middle = leaf.index_in(&cell).map(|index| (2.0 * index + 1.0) * half - 1.0);

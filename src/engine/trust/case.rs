@@ -4,14 +4,16 @@ use rayon::prelude::*;
 
 use super::Trust;
 use super::judge::{Answer, Judge};
-use super::ladder::{CHEAP, IN_F64, Run, rungs};
+use super::ladder::{From, Run, Rung, rungs};
 use crate::engine::{Effort, Finished, Job, Keep, Starts};
-use crate::physics::Outcome;
+use crate::physics::{Dd, Outcome};
 
 /// A job on its way up the ladder.
 pub struct Case {
     job: Job,
-    rungs: Vec<Vec<Run>>,
+    rungs: Vec<Rung>,
+    /// Half the side of the leaves of deep starts, rad.
+    leaf_half_rad: Option<f64>,
     /// The rung that is being computed, from 0.
     rung: usize,
     /// Starts that are not sure, in order: what the rung computes.
@@ -26,6 +28,8 @@ pub struct Case {
 
 /// A run and its answers to some of the starts.
 struct Done {
+    /// Its place among all runs.
+    index: u64,
     run: Run,
     /// Which, in order.
     starts: Vec<usize>,
@@ -39,8 +43,13 @@ impl Case {
     /// A case of which nothing is known, and its first jobs.
     pub fn new(job: Job) -> (Self, Vec<Job>) {
         let count = job.starts.len();
+        let leaf_half_rad = match &job.starts {
+            Starts::Deep(deep) => Some(deep.half_rad()),
+            _ => None,
+        };
         let case = Case {
-            rungs: rungs(&job.recipe, matches!(job.starts, Starts::Deep(_))),
+            rungs: rungs(&job.recipe, leaf_half_rad),
+            leaf_half_rad,
             rung: 0,
             open: (0..count).collect(),
             done: Vec::new(),
@@ -55,7 +64,7 @@ impl Case {
 
     /// The jobs of the rung that comes next.
     fn jobs(&self) -> Vec<Job> {
-        let before: usize = self.rungs[..self.rung].iter().map(Vec::len).sum();
+        let before = self.runs_up_to(self.rung);
         let one = |(index, run): (usize, &Run)| Job {
             id: self.job.id * RUNS + (before + index) as u64,
             recipe: run.recipe,
@@ -63,30 +72,44 @@ impl Case {
             keep: Keep::Ends,
             ..self.job
         };
-        self.rungs[self.rung].iter().enumerate().map(one).collect()
+        self.rungs[self.rung].runs.iter().enumerate().map(one).collect()
+    }
+
+    /// Runs of so many rungs.
+    fn runs_up_to(&self, rungs: usize) -> usize {
+        self.rungs[..rungs].iter().map(|rung| rung.runs.len()).sum()
     }
 
     fn starts_of(&self, run: &Run) -> Starts {
         match &self.job.starts {
             Starts::Rest(angles) => {
-                Starts::Rest(self.open.iter().map(|&start| run.start(angles[start])).collect())
+                let by = run.nudge.map(Dd::new);
+                let moved = |&start: &usize| [0, 1].map(|i| angles[start][i] + by[i]);
+                Starts::Rest(self.open.iter().map(moved).collect())
             }
-            Starts::Deep(deep) => Starts::Deep(deep.some(&self.open, run.strict)),
+            Starts::Deep(deep) => {
+                let strict = run.from == From::StrictMap;
+                let some = deep.some(&self.open, strict, run.nudge);
+                if run.from == From::Rest {
+                    Starts::Rest(some.angles())
+                } else {
+                    Starts::Deep(some)
+                }
+            }
             Starts::Paused(_) | Starts::Moving(_) => unreachable!("refused when submitted"),
         }
     }
 
     /// Takes a run's answers. Once a rung is complete it says what to compute next: nothing, when
     /// every start is sure or the ladder ends.
-    pub fn take(&mut self, run: u64, finished: Finished) -> Option<Vec<Job>> {
+    pub fn take(&mut self, index: u64, finished: Finished) -> Option<Vec<Job>> {
         self.effort += finished.effort;
         let answer = |(&outcome, &end)| Answer { outcome, end };
         let answers: Vec<Answer> =
             finished.outcomes.iter().zip(&finished.ends).map(answer).collect();
-        let run = *self.rungs.iter().flatten().nth(run as usize)?;
-        self.done.push(Done { run, starts: self.open.clone(), answers });
-        let through: usize = self.rungs[..=self.rung].iter().map(Vec::len).sum();
-        if self.done.len() < through {
+        let run = *self.rungs.iter().flat_map(|rung| &rung.runs).nth(index as usize)?;
+        self.done.push(Done { index, run, starts: self.open.clone(), answers });
+        if self.done.len() < self.runs_up_to(self.rung + 1) {
             return None;
         }
         self.decide();
@@ -97,16 +120,12 @@ impl Case {
 
     /// Sorts the open starts into those that are sure by now, and those that stay open.
     fn decide(&mut self) {
-        // In the order of their errors, whichever came first.
-        self.done.sort_by(|a, b| a.run.error_scale().total_cmp(&b.run.error_scale()));
-        let judge = Judge::new(&self.job.question);
+        // Whichever came first.
+        self.done.sort_by_key(|done| done.index);
+        let judge = Judge::new(&self.job.question, self.leaf_half_rad.unwrap_or(0.0));
         let verdicts: Vec<(Outcome, bool)> =
-            self.open.par_iter().map(|&start| self.verdict(&judge, start)).collect();
-        let trust = match self.rung + 1 {
-            rung if rung <= CHEAP => Trust::Agreed,
-            rung if rung <= IN_F64 => Trust::Confirmed,
-            _ => Trust::Settled,
-        };
+            self.open.par_iter().map(|&start| judge.verdict(&self.answers(start))).collect();
+        let trust = self.rungs[self.rung].trust;
         for (start, (outcome, sure)) in std::mem::take(&mut self.open).into_iter().zip(verdicts) {
             self.outcomes[start] = outcome;
             self.trusts[start] = if sure { trust } else { Trust::Uncertain };
@@ -116,15 +135,13 @@ impl Case {
         }
     }
 
-    /// The finest answer to a start, and whether it is sure.
-    fn verdict(&self, judge: &Judge, start: usize) -> (Outcome, bool) {
+    /// All answers to a start.
+    fn answers(&self, start: usize) -> Vec<(Run, Answer)> {
         let answer = |done: &Done| {
             let place = done.starts.binary_search(&start).ok()?;
             Some((done.run, done.answers[place]))
         };
-        let answers: Vec<(Run, Answer)> = self.done.iter().filter_map(answer).collect();
-        let (finest, others) = answers.split_first().expect("the first rung has all starts");
-        (finest.1.outcome, judge.is_sure(finest, others))
+        self.done.iter().filter_map(answer).collect()
     }
 
     /// The answer.

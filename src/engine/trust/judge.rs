@@ -44,29 +44,47 @@ const UNLIKELY: f64 = 1e3;
 /// How probable it may be that an answer which is called right is wrong, if the finest run is.
 const MOST_CHANCE: f64 = 1e-6;
 
+/// An answer with its error scale.
+type Scaled<'a> = (f64, &'a (Run, Answer));
+
 /// What answers to a question are judged by.
 pub struct Judge {
     pendulum: Pendulum<f64>,
     inverse_scale: [f64; 2],
     /// Errors in a flip's time that are no matter, reduced.
     tolerance: f64,
+    /// Half the side of the leaves of start maps, rad.
+    leaf_half_rad: f64,
 }
 
 impl Judge {
-    pub fn new(question: &Question) -> Self {
+    /// Of deep starts with the sides of their leaves halved, rad; of others that does not matter.
+    pub fn new(question: &Question, leaf_half_rad: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;
-        Judge { pendulum, inverse_scale, tolerance }
+        Judge { pendulum, inverse_scale, tolerance, leaf_half_rad }
     }
 
-    /// Whether the first of these answers, the finest, is sure by what the others are.
-    pub fn is_sure(&self, finest: &(Run, Answer), others: &[(Run, Answer)]) -> bool {
-        let (run, answer) = finest;
+    /// The finest of some answers, and whether it is sure by what the others are.
+    pub fn verdict(&self, answers: &[(Run, Answer)]) -> (Outcome, bool) {
+        let scale =
+            |(run, answer): &(Run, Answer)| run.error_scale(&answer.end, self.leaf_half_rad);
+        let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
+        scaled.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (finest, others) = scaled.split_first().expect("the first rung has all starts");
+        (finest.1.1.outcome, self.is_sure(finest, others))
+    }
+
+    /// Whether the first of these answers with their error scales, the finest, is sure by what the
+    /// others are.
+    fn is_sure(&self, finest: &Scaled, others: &[Scaled]) -> bool {
+        let (finest_scale, (run, answer)) = finest;
         match answer.outcome.status {
             // Proved, of deep starts on two maps.
             Status::Forbidden => {
-                return others.iter().all(|(_, other)| other.outcome.status == Status::Forbidden);
+                let forbidden = |other: &Answer| other.outcome.status == Status::Forbidden;
+                return others.iter().all(|(_, (_, other))| forbidden(other));
             }
             Status::Failed => return false,
             Status::Flipped | Status::Unflipped => {}
@@ -74,19 +92,17 @@ impl Judge {
         let allowed = self.allowed(answer);
         let (mut chance, mut independent) = (1.0, false);
         let (mut growth, mut finest_far) = (0f64, f64::INFINITY);
-        for (other, theirs) in others {
-            let scale = other.error_scale();
+        for (scale, (other, theirs)) in others {
             let apart = self.distance(answer, theirs);
             if apart > LINEAR {
-                finest_far = finest_far.min(scale);
+                finest_far = finest_far.min(*scale);
                 continue;
             }
             growth = growth.max(apart / scale);
-            let ratio = scale / run.error_scale();
-            chance *= (apart.max(scale) / (ratio * allowed)).min(1.0);
-            independent |= other.recipe.method.name() != run.recipe.method.name();
+            chance *= (apart.max(*scale) * finest_scale / (scale * allowed)).min(1.0);
+            independent |= other.is_independent_of(run);
         }
-        let explained = finest_far * growth * UNLIKELY > LINEAR;
+        let explained = finest_far.is_infinite() || finest_far * growth * UNLIKELY > LINEAR;
         independent && chance <= MOST_CHANCE && explained
     }
 

@@ -3,54 +3,84 @@
 //! Each has an *error scale*: about how far off (in unit vectors and scaled momenta) it is, taken
 //! back to the release, so that the growth of errors from there to the end gives its error at
 //! the end. Only ratios of scales are ever used. They were measured against the gold standard on
-//! the home map and on random scenes; `docs/accuracy.md` has the figures.
+//! the home map, on random scenes and on deep views; `docs/accuracy.md` has the figures.
 
+use super::Trust;
 use crate::engine::level::{BALANCED, FAST};
-use crate::engine::{Method, Precision, Recipe};
-use crate::physics::Dd;
+use crate::engine::{End, Method, Precision, Recipe};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
     /// How it is integrated.
     pub recipe: Recipe,
-    /// How far its start is moved, rad: what growth makes of so small and known a displacement,
-    /// it has made of errors.
-    pub nudge_rad: [f64; 2],
-    /// Of deep starts whether they are followed on start maps with other cuts and smaller errors.
-    pub strict: bool,
+    /// From where.
+    pub from: From,
+    /// How far its start is moved, rad, or as a share of half a leaf of a start map: what growth makes
+    /// of so small and known a displacement, it has made of errors.
+    pub nudge: [f64; 2],
+}
+
+/// Where a run's own integration begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum From {
+    /// At the release.
+    Rest,
+    /// Where a start map ends.
+    Map,
+    /// Where another one ends, which has other cuts and smaller errors.
+    StrictMap,
+}
+
+/// Runs on the starts that are left, and how sure those are that get sure by them.
+#[derive(Clone, Debug)]
+pub struct Rung {
+    pub runs: Vec<Run>,
+    pub trust: Trust,
 }
 
 impl Run {
-    const fn plain(recipe: Recipe) -> Self {
-        Run { recipe, nudge_rad: [0.0; 2], strict: false }
+    const fn new(recipe: Recipe, from: From) -> Self {
+        Run { recipe, from, nudge: [0.0; 2] }
     }
 
-    const fn nudged(recipe: Recipe, nudge_rad: [f64; 2]) -> Self {
-        Run { recipe, nudge_rad, strict: false }
+    const fn nudged(self, nudge: [f64; 2]) -> Self {
+        Run { nudge, ..self }
     }
 
-    /// The start of a run from a start at rest.
-    pub fn start(&self, angle: [Dd; 2]) -> [Dd; 2] {
-        [0, 1].map(|i| angle[i] + Dd::new(self.nudge_rad[i]))
+    /// Whether it shares neither the method nor the start map with another one.
+    pub fn is_independent_of(&self, other: &Run) -> bool {
+        let other_way = self.from != other.from || self.from == From::Rest;
+        other_way && self.recipe.method.name() != other.recipe.method.name()
     }
 
-    /// Its error scale.
-    pub fn error_scale(&self) -> f64 {
-        let [first, second] = self.nudge_rad;
-        error_scale(&self.recipe).max(first.hypot(second))
+    /// The error scale, rad, of its answer that ended so; `leaf_half_rad` is half the side of the
+    /// leaves of start maps.
+    pub fn error_scale(&self, end: &End, leaf_half_rad: f64) -> f64 {
+        let nudge = self.nudge[0].hypot(self.nudge[1]);
+        match self.from {
+            From::Rest => error_scale(&self.recipe).max(nudge),
+            From::Map | From::StrictMap => {
+                let own = error_scale_after_a_map(&self.recipe) / end.grown;
+                own + leaf_half_rad * nudge.max(OF_MAPS)
+            }
+        }
     }
 }
 
-/// About how far off a recipe is, taken back to the release.
-fn error_scale(recipe: &Recipe) -> f64 {
-    let rounding = match recipe.precision {
+/// Of an error that rounding leaves, whatever the method.
+fn rounding(precision: Precision) -> f64 {
+    match precision {
         Precision::F32 => 2e-7,
         Precision::Df32 => 1e-13,
         Precision::F64 => 1e-15,
         Precision::Dd => 1e-29,
-    };
-    rounding
+    }
+}
+
+/// About how far off a recipe is that begins at the release.
+fn error_scale(recipe: &Recipe) -> f64 {
+    rounding(recipe.precision)
         + match recipe.method {
             Method::Rk4 { .. } => 1e-3,
             Method::Dopri5 { tolerance } => 2.5 * tolerance,
@@ -60,34 +90,51 @@ fn error_scale(recipe: &Recipe) -> f64 {
         }
 }
 
+/// About how far off a recipe is in the state it begins with after a start map.
+fn error_scale_after_a_map(recipe: &Recipe) -> f64 {
+    rounding(recipe.precision)
+        + match recipe.method {
+            Method::Rk4 { .. } => 1e-3,
+            Method::Dopri5 { tolerance } => 10.0 * tolerance,
+            Method::Dop853 { tolerance } => 100.0 * tolerance,
+            Method::Taylor { tolerance } | Method::Extrapolation { tolerance } => tolerance,
+        }
+}
+
+/// About how far off start maps are, as a share of half a leaf.
+const OF_MAPS: f64 = 5e-11;
+
 /// A recipe whose errors are this far below those of a probe in f32 needs no finer first run.
 const FINE: f64 = 1e-11;
 
 const fn f64_run(method: Method) -> Recipe {
     Recipe { method, precision: Precision::F64 }
 }
-const fn extrapolated(tolerance: f64) -> Recipe {
-    Recipe { method: Method::Extrapolation { tolerance }, precision: Precision::Dd }
-}
-const fn dd_run(tolerance: f64) -> Recipe {
-    Recipe { method: Method::Taylor { tolerance }, precision: Precision::Dd }
+const fn dd_run(method: Method) -> Recipe {
+    Recipe { method, precision: Precision::Dd }
 }
 
 /// Finer than `balanced`, and a coarser one of another method.
 const FINER: Recipe = f64_run(Method::Dop853 { tolerance: 1e-14 });
 const OTHER: Recipe = f64_run(Method::Dopri5 { tolerance: 1e-10 });
-/// The finest in f64, and one whose errors are far below its nudge.
+/// The finest in f64.
 const FINEST: Recipe = f64_run(Method::Taylor { tolerance: 1e-15 });
-const NUDGED: Recipe = f64_run(Method::Dop853 { tolerance: 1e-14 });
+/// In double-double: one that is far finer than f64, the finest, and one that checks that.
+const BEYOND: Recipe = dd_run(Method::Extrapolation { tolerance: 1e-20 });
+const LAST: Recipe = dd_run(Method::Taylor { tolerance: 1e-28 });
+const CHECK: Recipe = dd_run(Method::Extrapolation { tolerance: 1e-25 });
 
-/// The runs that are made one after the other, as long as a start is not sure: all of a rung, on
-/// the starts that are left. The first rung begins with the finest it has.
-pub fn rungs(recipe: &Recipe, deep: bool) -> Vec<Vec<Run>> {
-    let fine = error_scale(recipe) <= FINE;
-    let first = if fine { *recipe } else { BALANCED };
-    if deep {
-        return deep_rungs(first);
+/// The rungs that are climbed one after the other, as long as a start is not sure; deep starts lie
+/// in leaves with half such a side. The first rung begins with the finest it has.
+pub fn rungs(recipe: &Recipe, leaf_half_rad: Option<f64>) -> Vec<Rung> {
+    match leaf_half_rad {
+        Some(half) => deep_rungs(half),
+        None => rungs_from_rest(recipe),
     }
+}
+
+fn rungs_from_rest(recipe: &Recipe) -> Vec<Rung> {
+    let first = if error_scale(recipe) <= FINE { *recipe } else { BALANCED };
     let probe = match first.method {
         // Another method than the first one's, with another test for passes.
         Method::Dopri5 { tolerance: _ } => {
@@ -95,31 +142,48 @@ pub fn rungs(recipe: &Recipe, deep: bool) -> Vec<Vec<Run>> {
         }
         _ => FAST,
     };
+    let rest = |recipe| Run::new(recipe, From::Rest);
+    let rung = |trust, runs| Rung { runs, trust };
     vec![
-        vec![Run::plain(first), Run::plain(probe)],
-        vec![Run::nudged(probe, [2.4e-7, 1.8e-7])],
-        vec![Run::plain(FINER), Run::nudged(OTHER, [-0.6e-10, 0.8e-10])],
-        vec![
-            Run::plain(FINEST),
-            Run::nudged(NUDGED, [0.8e-12, 0.6e-12]),
-            Run::nudged(NUDGED, [-0.6e-12, 0.8e-12]),
-            Run::nudged(NUDGED, [0.28e-12, -0.96e-12]),
-        ],
-        vec![Run::plain(extrapolated(1e-20))],
-        vec![Run::plain(dd_run(1e-28)), Run::plain(extrapolated(1e-25))],
+        rung(Trust::Agreed, vec![rest(first), rest(probe)]),
+        rung(Trust::Agreed, vec![rest(probe).nudged([2.4e-7, 1.8e-7])]),
+        rung(Trust::Confirmed, vec![rest(FINER), rest(OTHER).nudged([-0.6e-10, 0.8e-10])]),
+        rung(
+            Trust::Confirmed,
+            vec![
+                rest(FINEST),
+                rest(FINER).nudged([0.8e-12, 0.6e-12]),
+                rest(FINER).nudged([-0.6e-12, 0.8e-12]),
+                rest(FINER).nudged([0.28e-12, -0.96e-12]),
+            ],
+        ),
+        rung(Trust::Settled, vec![rest(BEYOND)]),
+        rung(Trust::Settled, vec![rest(LAST), rest(CHECK)]),
     ]
 }
 
-fn deep_rungs(first: Recipe) -> Vec<Vec<Run>> {
-    let strict = |recipe| Run { strict: true, ..Run::plain(recipe) };
-    vec![
-        vec![strict(first), Run::plain(FAST)],
-        vec![Run::plain(OTHER)],
-        vec![strict(dd_run(1e-26)), Run::plain(dd_run(1e-23))],
-    ]
-}
+/// Leaves with sides not shorter than this are told apart in double-double from the release, rad.
+const LEAST_FOR_DD: f64 = 1e-22;
 
-/// Rungs up to this one are cheap,
-pub const CHEAP: usize = 2;
-/// and up to this one in f64.
-pub const IN_F64: usize = 4;
+fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
+    let map = |recipe| Run::new(recipe, From::Map);
+    let strict = |recipe| Run::new(recipe, From::StrictMap);
+    let rung = |trust, runs| Rung { runs, trust };
+    let mut rungs = vec![
+        rung(Trust::Agreed, vec![strict(FINER), map(FAST)]),
+        rung(Trust::Agreed, vec![map(OTHER).nudged([-0.6e-6, 0.8e-6])]),
+        rung(
+            Trust::Confirmed,
+            vec![
+                map(FINEST),
+                map(FINER).nudged([0.8e-7, 0.6e-7]),
+                strict(FINER).nudged([0.28e-7, -0.96e-7]),
+            ],
+        ),
+    ];
+    if leaf_half_rad >= LEAST_FOR_DD {
+        let rest = |recipe| Run::new(recipe, From::Rest);
+        rungs.push(rung(Trust::Settled, vec![rest(LAST), rest(CHECK)]));
+    }
+    rungs
+}
