@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use flipmap::engine::choice::Chosen;
-use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Engine, Recipe, Trust};
+use flipmap::engine::choice::{Chosen, Demand};
+use flipmap::engine::trust::{Outlook, TrustEngine};
+use flipmap::engine::{Accuracy, Engine, Recipe, Trust};
 use flipmap::output::{Clock, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
-use flipmap::tiles::{Counts, Work};
+use flipmap::tiles::{self, Counts, Work};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
@@ -95,6 +95,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             continued.put(kept);
         }
     }
+    let outlook = outlook(&plan, &scene, recipe, engine.as_mut())?;
     let finishing = Instant::now();
     sinks.finish()?;
     if let Some(continued) = continued {
@@ -102,7 +103,30 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     clock.output += finishing.elapsed();
     let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
-    report(options, engine.as_ref(), recipe, plan.verify, &scene, &counts, seconds)
+    let ran = Ran { engine: engine.as_ref(), recipe, verified: plan.verify, outlook };
+    report(options, &ran, &scene, &counts, seconds)
+}
+
+/// What to expect of a picture that `balanced` made.
+fn outlook(
+    plan: &Plan,
+    scene: &Scene,
+    recipe: Recipe,
+    engine: &mut dyn Engine,
+) -> anyhow::Result<Option<Outlook>> {
+    if plan.demand != Demand::Level(Accuracy::Balanced) || plan.verify {
+        return Ok(None);
+    }
+    let outlook = tiles::outlook(scene, plan.size, recipe, engine, &|| !stop::asked())?;
+    Ok(Some(outlook.ok_or(Exit::Interrupted)?))
+}
+
+/// What a picture was made by.
+struct Ran<'a> {
+    engine: &'a dyn Engine,
+    recipe: Recipe,
+    verified: bool,
+    outlook: Option<Outlook>,
 }
 
 /// A stop has an exit code of its own.
@@ -182,13 +206,12 @@ fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
 
 fn report(
     options: &Options,
-    engine: &dyn Engine,
-    recipe: Recipe,
-    verified: bool,
+    ran: &Ran,
     scene: &Scene,
     counts: &Counts,
     seconds: [f64; 3],
 ) -> anyhow::Result<()> {
+    let Ran { engine, recipe, verified, outlook } = *ran;
     let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
     let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
         .iter()
@@ -210,6 +233,11 @@ fn report(
             "uncertain": counts.uncertain(),
             "failed": failed,
             "trust": trust,
+            "outlook": outlook.map(|outlook| serde_json::json!({
+                "sampled": outlook.sampled,
+                "expected_right": outlook.expected_right(),
+                "beyond_horizon": 1.0 - outlook.expected_right(),
+            })),
             "depth": counts.effort.depth.map(|depth| depth_object(depth, recipe, scene)),
             "rhs_evaluations": counts.effort.rhs_evaluations,
             "seconds": { "setup": seconds[0], "compute": seconds[1], "output": seconds[2] },
@@ -223,6 +251,9 @@ fn report(
     ));
     if let Some(depth) = counts.effort.depth {
         tell_depth(depth, recipe, scene, counts);
+    }
+    if let Some(warning) = outlook.and_then(|outlook| outlook.warning()) {
+        super::tell(&format!("flipmap: warning: {warning}"));
     }
     if verified {
         let [_, agreed, confirmed, settled, uncertain] = counts.trusts;

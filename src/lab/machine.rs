@@ -111,12 +111,33 @@ pub fn motion(swinger: &Swinger, secs: f64) -> String {
     let energy = pendulum.energy(&toy.state);
     let mut text = "t,theta1,theta2,omega1,omega2,energy_error\n".to_string();
     for k in 0..=(secs * 100.0) as u32 {
-        let (angle, speed) = (toy.state.angle, toy.state.speed);
-        let error = (pendulum.energy(&toy.state) - energy) / (pendulum.p + pendulum.q);
+        let state = toy.now();
+        let (angle, speed) = (state.angle, state.speed);
+        let error = (pendulum.energy(&state) - energy) / (pendulum.p + pendulum.q);
         let t = f64::from(k) / 100.0;
         let line = format!("{t},{},{},{},{},{error}\n", angle[0], angle[1], speed[0], speed[1]);
         text.push_str(&line);
         toy.advance(0.01);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::taylor::Orbit;
+    use crate::physics::{Dd, Scalar, State};
+
+    #[test]
+    fn rows_are_states_at_their_moments() {
+        let swinger = Swinger::from([2.0, -1.0]);
+        let start = State::rest(swinger.start.map(Dd::new));
+        let mut orbit = Orbit::new(swinger.pendulum().map(Dd::new), start);
+        for line in motion(&swinger, 0.5).lines().skip(2) {
+            let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+            let truth = orbit.state_at(Dd::new(row[0]));
+            let off = (row[1] - truth.angle[0].to_f64()).abs();
+            assert!(off < 1e-8, "{line}: {off:e}");
+        }
+    }
 }

@@ -63,15 +63,36 @@ impl Toy for Single {
     }
 
     fn csv(&self, secs: f64) -> String {
-        let mut toy = Swinging::from(self.0.amplitude);
+        let simple = self.0.simple;
+        let mut toy = Swinging { simple, ..Swinging::from(self.0.amplitude) };
         let mut text = "t,angle,speed,acceleration\n".to_string();
         for k in 0..=(secs * 100.0) as u32 {
-            let swing = toy.swing;
-            let pull = toy.simple.acceleration(swing.angle);
+            let swing = toy.now();
+            let pull = simple.acceleration(swing.angle);
             let line = format!("{},{},{},{pull}\n", f64::from(k) / 100.0, swing.angle, swing.speed);
             text.push_str(&line);
             toy.advance(0.01);
         }
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_states_at_their_moments() {
+        let text = Single(Swinging::from(2.5)).csv(0.1);
+        // What a tenth of a thousandth of a second's steps come to.
+        let simple = Swinging::from(2.5).simple;
+        let mut swing = Swinging::from(2.5).swing;
+        for (k, line) in text.lines().skip(1).enumerate() {
+            let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+            assert!((row[0] - 0.01 * k as f64).abs() < 1e-12);
+            let [angle, speed] = [row[1] - swing.angle, row[2] - swing.speed].map(f64::abs);
+            assert!(angle < 1e-9 && speed < 1e-8, "{line}: {angle:e} {speed:e}");
+            (0..100).for_each(|_| swing = simple.step(swing, 1e-4));
+        }
     }
 }

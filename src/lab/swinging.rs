@@ -64,10 +64,14 @@ impl Swinging {
         }
     }
 
-    /// The angle now, between two steps.
+    /// The state now, between two steps.
+    pub fn now(&self) -> Swing {
+        self.simple.step(self.swing, self.clock.share() * self.clock.step_secs)
+    }
+
+    /// The angle now.
     pub fn angle(&self) -> f64 {
-        let next = self.simple.step(self.swing, self.clock.step_secs);
-        self.swing.angle + self.clock.share() * (next.angle - self.swing.angle)
+        self.now().angle
     }
 
     /// Seconds since it was let go.

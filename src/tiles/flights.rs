@@ -83,6 +83,11 @@ impl Open {
         self.places.is_empty()
     }
 
+    /// What has to be computed.
+    pub fn into_starts(self) -> Starts {
+        self.starts
+    }
+
     /// What is known without computing; the rest is unflipped.
     pub fn into_samples(self) -> Samples {
         self.samples

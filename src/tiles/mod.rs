@@ -15,6 +15,7 @@ pub mod explorer;
 mod flights;
 mod kept;
 mod order;
+mod outlook;
 pub mod patch_work;
 pub mod patches;
 mod plan;
@@ -23,6 +24,7 @@ mod samples;
 mod work;
 
 pub use kept::{Kept, Known};
+pub use outlook::outlook;
 pub use plan::{Tile, plan};
 pub use samples::{Counts, Samples};
 pub use work::{FinishedTile, Work};

@@ -40,12 +40,17 @@ pub struct Rung {
 }
 
 impl Run {
-    const fn new(recipe: Recipe, from: From) -> Self {
+    pub const fn new(recipe: Recipe, from: From) -> Self {
         Run { recipe, from, nudge: [0.0; 2] }
     }
 
-    const fn nudged(self, nudge: [f64; 2]) -> Self {
+    pub const fn nudged(self, nudge: [f64; 2]) -> Self {
         Run { nudge, ..self }
+    }
+
+    /// About how far off its recipe is that begins at the release, rad.
+    pub fn scale_from_rest(&self) -> f64 {
+        error_scale(&self.recipe)
     }
 
     /// Whether it shares neither the method nor the start map with another one.

@@ -22,8 +22,10 @@ use serde::{Deserialize, Serialize};
 mod case;
 mod judge;
 mod ladder;
+mod outlook;
 
 use self::case::{Case, RUNS};
+pub use self::outlook::Outlook;
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
 use super::{Engine, EngineError, Finished, Job, Recipe, Starts, Wait};

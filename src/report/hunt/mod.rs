@@ -26,6 +26,11 @@ const SIDE: u32 = 32;
 /// Pixels of a deep window that are judged: each takes a long solution of its own.
 const DEEP_SAMPLE: usize = 16;
 
+/// A window is judged no longer than this, in pixels drawn by chance,
+const WINDOW_PATIENCE: Duration = Duration::from_secs(40);
+/// and one of its pixels no longer than this.
+const PIXEL_PATIENCE: Duration = Duration::from_secs(10);
+
 /// What a hunt has come to.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Hunt {
@@ -102,15 +107,19 @@ impl Hunt {
         let count = all.clone().filter(marked).count();
         let mut unmarked: Vec<usize> = all.filter(|k| !marked(k)).collect();
         let deep = is_deep(&scene.view);
+        fastrand::Rng::with_seed(picks).shuffle(&mut unmarked);
         if deep {
-            fastrand::Rng::with_seed(picks).shuffle(&mut unmarked);
             unmarked.truncate(DEEP_SAMPLE);
         }
-        let verdicts: Vec<(usize, Verdict)> = unmarked
-            .into_par_iter()
-            .take_any_while(|_| !stop())
-            .map(|k| (k, verdict(scene, pixel(k), &samples.get(k), deep)))
-            .collect();
+        let until = Instant::now() + WINDOW_PATIENCE;
+        let is_over = || stop() || Instant::now() > until;
+        let one = |k: usize| {
+            let begun = Instant::now();
+            let give_up = || is_over() || begun.elapsed() > PIXEL_PATIENCE;
+            (k, verdict(scene, pixel(k), &samples.get(k), deep, &give_up))
+        };
+        let verdicts: Vec<(usize, Verdict)> =
+            unmarked.into_par_iter().take_any_while(|_| !is_over()).map(one).collect();
         if stop() {
             return;
         }
@@ -199,6 +208,9 @@ fn edge(
     Ok(Some(Scene { view, ..scene.clone() }))
 }
 
+/// Says when to give up.
+type GiveUp<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// What the referee says of an answer.
 enum Verdict {
     Right,
@@ -206,7 +218,13 @@ enum Verdict {
     Untold,
 }
 
-fn verdict(scene: &Scene, pixel: [u32; 2], given: &Outcome, deep: bool) -> Verdict {
+fn verdict(
+    scene: &Scene,
+    pixel: [u32; 2],
+    given: &Outcome,
+    deep: bool,
+    give_up: GiveUp,
+) -> Verdict {
     let angle = start(scene, SIDE, pixel);
     let judge = |truth: Option<Outcome>, other: Option<Outcome>| match (truth, other) {
         (Some(truth), Some(other)) if is_same(scene, &truth, &other, 0.01) => {
@@ -216,18 +234,18 @@ fn verdict(scene: &Scene, pixel: [u32; 2], given: &Outcome, deep: bool) -> Verdi
         _ => None,
     };
     if !deep {
-        let near = truth::<f64>(scene, angle, 8, 5e-14);
+        let near = truth::<f64>(scene, angle, 8, 5e-14, give_up);
         if near.is_some_and(|truth| is_same(scene, given, &truth, 0.2)) {
             return Verdict::Right;
         }
-        let short = truth::<Fixed<3>>(scene, angle, 13, 1e-33);
-        let long = truth::<Fixed<4>>(scene, angle, 16, 1e-50);
+        let short = truth::<Fixed<3>>(scene, angle, 13, 1e-33, give_up);
+        let long = truth::<Fixed<4>>(scene, angle, 16, 1e-50, give_up);
         if let Some(verdict) = judge(long, short) {
             return verdict;
         }
     }
-    let long = truth::<Fixed<6>>(scene, angle, 22, 1e-85);
-    let longest = truth::<Fixed<8>>(scene, angle, 28, 1e-120);
+    let long = truth::<Fixed<6>>(scene, angle, 22, 1e-85, give_up);
+    let longest = truth::<Fixed<8>>(scene, angle, 28, 1e-120, give_up);
     judge(longest, long).unwrap_or(Verdict::Untold)
 }
 
@@ -243,6 +261,7 @@ fn truth<T: Scalar + Angle>(
     angle: [Theta; 2],
     columns: usize,
     tolerance: f64,
+    give_up: GiveUp,
 ) -> Option<Outcome> {
     let (exact, unit_secs) = scene.build.reduced_in::<Theta>();
     let circles = angle.map(Angle::sin_cos);
@@ -257,6 +276,7 @@ fn truth<T: Scalar + Angle>(
         budget: T::from_theta(budget),
         columns,
         tolerance,
+        give_up,
     };
     let [(y1, x1), (y2, x2)] = circles;
     let outcome = referee.outcome([x1, y1, x2, y2].map(T::from_theta))?;

@@ -10,7 +10,7 @@ use crate::physics::phase::Phase;
 use crate::physics::{Outcome, Pendulum, Rule, Scalar, Status};
 
 /// What a referee decides about.
-pub struct Referee<T> {
+pub struct Referee<'a, T> {
     /// In reduced units.
     pub pendulum: Pendulum<T>,
     pub rule: Rule,
@@ -20,6 +20,8 @@ pub struct Referee<T> {
     pub columns: usize,
     /// Error allowed in a step, in unit vectors and scaled momenta.
     pub tolerance: f64,
+    /// Whether it has taken too long.
+    pub give_up: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// What became of a bob in a step.
@@ -40,7 +42,7 @@ const MOST_STEPS: usize = 2_000_000;
 /// How much larger than at the ends of a step a bob's acceleration may be in it.
 const ROOM: f64 = 4.0;
 
-impl<T: Scalar> Referee<T> {
+impl<T: Scalar> Referee<'_, T> {
     /// The outcome of letting go at rest with these unit vectors, its time reduced; none where it
     /// cannot be told in these digits.
     pub fn outcome(&self, vectors: [T; 4]) -> Option<Outcome<T>> {
@@ -51,6 +53,9 @@ impl<T: Scalar> Referee<T> {
         for _ in 0..MOST_STEPS {
             if time >= self.budget {
                 return Some(Outcome::without_time(Status::Unflipped));
+            }
+            if (self.give_up)() {
+                return None;
             }
             let (next, error) = self.step(&phase, step);
             if error.is_nan() || error > self.tolerance {
@@ -233,7 +238,14 @@ mod tests {
     fn flip<T: Scalar + Angle>(angle: [&str; 2], rule: Rule, columns: usize, tolerance: f64) -> T {
         let one = T::from_f64(1.0);
         let pendulum = Pendulum::points([one; 2], [one; 2], one);
-        let referee = Referee { pendulum, rule, budget: T::from_f64(60.0), columns, tolerance };
+        let referee = Referee {
+            pendulum,
+            rule,
+            budget: T::from_f64(60.0),
+            columns,
+            tolerance,
+            give_up: &|| false,
+        };
         let [(y1, x1), (y2, x2)] = angle.map(|text| T::parse(text).unwrap().sin_cos());
         let outcome = referee.outcome([x1, y1, x2, y2]).expect("plain");
         assert_eq!(outcome.status, Status::Flipped);

@@ -1,0 +1,134 @@
+//! What to expect of answers that nobody checks: how many of a sample of starts grow errors beyond
+//! what is right.
+//!
+//! Every start is computed twice, the second time from a place moved by many times the recipe's
+//! error scale. How far that moves its answer is its growth, and so its error.
+
+use std::time::{Duration, Instant};
+
+use super::judge::{Answer, Judge};
+use super::ladder::{From, Run};
+use crate::engine::{Engine, EngineError, Job, Keep, Question, Recipe, Starts, Wait};
+use crate::physics::Dd;
+
+/// What to expect of a picture, by a sample of its starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outlook {
+    /// Starts in the sample.
+    pub sampled: usize,
+    /// Those whose errors have grown too large.
+    pub beyond: usize,
+}
+
+/// A picture of which fewer pixels are expected to be right deserves a warning.
+const ENOUGH: f64 = 0.99;
+/// By how many error scales starts are moved.
+const NUDGE: f64 = 30.0;
+/// The share of half a leaf by which deep starts are moved.
+const DEEP_NUDGE: f64 = 1e-8;
+/// How often a stop is looked for.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+impl Outlook {
+    /// Of these starts; none once `go_on` says no.
+    pub fn of(
+        engine: &mut dyn Engine,
+        question: Question,
+        recipe: Recipe,
+        starts: &Starts,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<Outlook>, EngineError> {
+        let (from, nudge, leaf_half_rad) = match starts {
+            Starts::Deep(deep) => (From::Map, DEEP_NUDGE, deep.half_rad()),
+            _ => (From::Rest, NUDGE * Run::new(recipe, From::Rest).scale_from_rest(), 0.0),
+        };
+        let run = Run::new(recipe, from);
+        let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
+        let mut ask = |starts| answers(engine, question, recipe, starts, go_on);
+        let Some(plain) = ask(starts.clone())? else { return Ok(None) };
+        let Some(nudged) = ask(moved_by(starts, moved.nudge))? else { return Ok(None) };
+        let judge = Judge::new(&question, leaf_half_rad);
+        let is_beyond = |(plain, nudged): &(&Answer, &Answer)| {
+            let scale = |run: &Run| run.error_scale(&plain.end, leaf_half_rad);
+            let apart = judge.distance(plain, nudged);
+            apart.is_nan() || apart * scale(&run) / scale(&moved) > judge.allowed(plain)
+        };
+        let beyond = plain.iter().zip(&nudged).filter(is_beyond).count();
+        Ok(Some(Outlook { sampled: plain.len(), beyond }))
+    }
+
+    /// The share of pixels that is expected to be right.
+    pub fn expected_right(&self) -> f64 {
+        1.0 - self.beyond as f64 / self.sampled.max(1) as f64
+    }
+
+    /// A warning, where it is needed.
+    pub fn warning(&self) -> Option<String> {
+        (self.expected_right() < ENOUGH).then(|| {
+            format!(
+                "about {:.0} % of the simulated pixels are beyond the horizon, where errors have \
+                 grown too large: --accuracy exact decides or marks them, a smaller budget leaves \
+                 them out",
+                100.0 * (1.0 - self.expected_right())
+            )
+        })
+    }
+}
+
+fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
+    match starts {
+        Starts::Deep(deep) => {
+            let all: Vec<usize> = (0..starts.len()).collect();
+            Starts::Deep(deep.some(&all, deep.strict, by))
+        }
+        Starts::Rest(angles) => {
+            let moved = |angle: &[Dd; 2]| [0, 1].map(|i| angle[i] + Dd::new(by[i]));
+            Starts::Rest(angles.iter().map(moved).collect())
+        }
+        other => other.clone(),
+    }
+}
+
+/// An engine's answers to a job of its own.
+fn answers(
+    engine: &mut dyn Engine,
+    question: Question,
+    recipe: Recipe,
+    starts: Starts,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Option<Vec<Answer>>, EngineError> {
+    engine.submit(Job { id: u64::MAX, question, recipe, starts, keep: Keep::Ends })?;
+    while go_on() {
+        if let Some(finished) = engine.poll(Wait::Until(Instant::now() + PATIENCE))?.pop() {
+            let answer = |(&outcome, &end)| Answer { outcome, end };
+            return Ok(Some(finished.outcomes.iter().zip(&finished.ends).map(answer).collect()));
+        }
+    }
+    engine.cancel();
+    Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::cpu::CpuEngine;
+    use crate::engine::level::BALANCED;
+    use crate::physics::Rule;
+    use crate::scene::Build;
+
+    fn outlook(budget_secs: f64) -> Outlook {
+        let mut engine = CpuEngine::new(Some(2)).unwrap();
+        let question = Question { build: Build::default(), rule: Rule::Second, budget_secs };
+        let angle = |k: u32| [2.0 + 0.004 * f64::from(k), 1.0 + 0.007 * f64::from(k)];
+        let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
+        Outlook::of(&mut engine, question, BALANCED, &starts, &|| true).unwrap().unwrap()
+    }
+
+    #[test]
+    fn long_budgets_lie_beyond_the_horizon_and_short_ones_do_not() {
+        let (short, long) = (outlook(10.0), outlook(300.0));
+        assert_eq!((short.sampled, short.beyond, short.warning()), (200, 0, None));
+        assert!(long.beyond > 3, "{long:?}");
+        assert!(long.warning().unwrap().contains("beyond the horizon"));
+    }
+}

@@ -1,0 +1,49 @@
+//! What to expect of a picture that nobody checks, by a sample of its pixels.
+
+use super::flights::Open;
+use crate::engine::trust::Outlook;
+use crate::engine::{Engine, EngineError, Question, Recipe};
+use crate::scene::{Grid, Scene};
+
+/// Pixels that are looked at.
+const SAMPLE: u32 = 256;
+
+/// The outlook of a picture of `size` pixels; none once `go_on` says no.
+pub fn outlook(
+    scene: &Scene,
+    size: [u32; 2],
+    recipe: Recipe,
+    engine: &mut dyn Engine,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Option<Outlook>, EngineError> {
+    let grid = Grid::new(scene, size);
+    let open = if grid.pixel_rad() < recipe.deep_below() {
+        let opening = |place: u32| {
+            let [column, row] = pixel(size, place);
+            grid.opening(column, row).map(|outcome| (outcome, crate::engine::Trust::Agreed))
+        };
+        let groups = grid.grouped((0..SAMPLE).map(|place| pixel(size, place)));
+        Open::deep(SAMPLE as usize, groups, opening)
+    } else {
+        let fate = |place| {
+            let [column, row] = pixel(size, place);
+            (grid.fate(column, row), None)
+        };
+        Open::new((0..SAMPLE).map(fate))
+    };
+    if open.is_settled() {
+        return Ok(Some(Outlook::default()));
+    }
+    Outlook::of(engine, Question::from(scene), recipe, &open.into_starts(), go_on)
+}
+
+/// Pixels that fill a picture evenly, however many are taken: steps along both sides by powers of
+/// the inverse of the plastic number (Roberts 2018, *The unreasonable effectiveness of quasirandom
+/// sequences*).
+fn pixel(size: [u32; 2], place: u32) -> [u32; 2] {
+    const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
+    [0, 1].map(|axis| {
+        let share = (0.5 + STEPS[axis] * f64::from(place)).fract();
+        ((share * f64::from(size[axis])) as u32).min(size[axis] - 1)
+    })
+}
