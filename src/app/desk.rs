@@ -20,6 +20,7 @@ use super::folders::Folders;
 use super::hover;
 use super::map::{Hovered, map};
 use super::meter::Meter;
+use super::outlook::Forecast;
 use super::panels::export::ExportForm;
 use super::panels::places::{PlaceForm, Thumbnails};
 use super::panels::status::{Status, depth_words, status_line};
@@ -74,6 +75,7 @@ pub struct Desk {
     pub(super) export_form: ExportForm,
     pub(super) asking: Option<Asking>,
     pub(super) way: Way,
+    pub(super) forecast: Forecast,
     /// The figures of the lesson.
     pub lab: Lab,
     pub(super) wish: Wish,
@@ -138,6 +140,7 @@ impl Desk {
             export_form: ExportForm::default(),
             asking: None,
             way: Way::default(),
+            forecast: Forecast::default(),
             lab: Lab::new(Figure::Machine),
             wish,
             wake,
@@ -167,7 +170,8 @@ impl Desk {
         }
         let spread = self.spread_colours();
         let dived = self.follow_dive();
-        turn.news || spread || dived
+        let foreseen = self.foresee();
+        turn.news || spread || dived || foreseen
     }
 
     /// Spreads the palette over the times of a deep view, once it is whole at a coarse level and
@@ -343,7 +347,8 @@ impl Desk {
         let width_rad = self.state.camera.width_rad;
         let diving = self.way.dive.is_some().then(|| "going deeper, Esc stops".to_string());
         let doing = self.room.following().or(diving);
-        Status { progress, width_rad, rate, simulated, engine, depth, doing }
+        let warning = self.forecast.warning();
+        Status { progress, width_rad, rate, simulated, engine, depth, doing, warning }
     }
 
     /// Keeps how the window was left.

@@ -26,6 +26,7 @@ mod laboratory;
 pub mod map;
 pub mod meter;
 pub mod notices;
+mod outlook;
 pub mod overlay;
 pub mod panels;
 pub mod pins;

@@ -19,7 +19,7 @@ pub fn run(minutes: f64, seed: u64, folder: &Path, wish: &Wish) -> anyhow::Resul
     write(&path, &Hunt { seed, ..Hunt::default() })?;
     stop::listen()?;
     let (mut known, mut failed) = (0, None);
-    let hunt = Hunt::run(minutes, seed, wish, &stop::asked, &mut |hunt| {
+    let hunt = Hunt::run(minutes, usize::MAX, seed, wish, &stop::asked, &mut |hunt| {
         hunt.wrong[known..].iter().for_each(tell);
         known = hunt.wrong.len();
         failed = write(&path, hunt).err();

@@ -18,6 +18,8 @@ pub struct Status {
     pub simulated: u64,
     /// What is known of a deep view's depth: a short word on it, and all of it.
     pub depth: Option<(String, String)>,
+    /// What is not to be expected of it: a short word on it, and all of it.
+    pub warning: Option<(String, String)>,
     /// What goes on that takes longer.
     pub doing: Option<String>,
     /// The engine with its recipe, or what is happening to it.
@@ -38,6 +40,10 @@ pub fn status_line(ui: &mut Ui, status: &Status) {
         if let Some((short, whole)) = &status.depth {
             ui.separator();
             ui.label(short).on_hover_text(whole);
+        }
+        if let Some((short, whole)) = &status.warning {
+            ui.separator();
+            ui.colored_label(ui.visuals().warn_fg_color, short).on_hover_text(whole);
         }
         if let Some(doing) = &status.doing {
             ui.separator();

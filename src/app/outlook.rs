@@ -1,0 +1,144 @@
+//! What the window expects of a view that nobody checks, found in the background once the view is
+//! computed.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, mpsc::TryRecvError};
+
+use super::desk::Desk;
+use super::engine_room::Wake;
+use crate::engine::choice::Demand;
+use crate::engine::cpu::CpuEngine;
+use crate::engine::depth::DepthEngine;
+use crate::engine::trust::Outlook;
+use crate::engine::{Accuracy, EngineError, Recipe};
+use crate::scene::Scene;
+use crate::tiles::outlook;
+
+/// Pixels of the picture that stands for the view.
+const SIZE: [u32; 2] = [64, 64];
+
+/// The outlook of the newest view.
+#[derive(Default)]
+pub struct Forecast {
+    asked: Option<(Scene, Recipe)>,
+    flying: Option<Flying>,
+    known: Option<Outlook>,
+}
+
+/// A thread that looks at a sample of starts.
+struct Flying {
+    answer: Receiver<Outlook>,
+    stopped: Arc<AtomicBool>,
+}
+
+impl Forecast {
+    /// Asks about another view, unless it was asked about already.
+    pub fn ask(&mut self, scene: Scene, recipe: Recipe, wake: &Wake) {
+        let asked = Some((scene, recipe));
+        if self.asked == asked {
+            return;
+        }
+        self.asked.clone_from(&asked);
+        self.known = None;
+        let (sender, answer) = channel();
+        let (stopped, wake) = (Arc::new(AtomicBool::new(false)), Arc::clone(wake));
+        self.flying = Some(Flying { answer, stopped: Arc::clone(&stopped) });
+        let Some((scene, recipe)) = asked else { return };
+        std::thread::spawn(move || match look(&scene, recipe, &stopped) {
+            Ok(Some(outlook)) => {
+                // Nobody listens once another view is asked about.
+                let _ = sender.send(outlook);
+                wake();
+            }
+            Ok(None) => {}
+            Err(error) => log::warn!("no outlook on this view: {error}"),
+        });
+    }
+
+    /// Forgets everything: what is shown is checked, or of no level.
+    pub fn forget(&mut self) {
+        *self = Forecast::default();
+    }
+
+    /// Takes what has been found; whether that is news.
+    pub fn listen(&mut self) -> bool {
+        if let Some(flying) = &self.flying {
+            match flying.answer.try_recv() {
+                Ok(outlook) => (self.known, self.flying) = (Some(outlook), None),
+                Err(TryRecvError::Disconnected) => self.flying = None,
+                Err(TryRecvError::Empty) => return false,
+            }
+            return true;
+        }
+        false
+    }
+
+    /// A warning about the newest view, if it needs one: a short one, and all of it.
+    pub fn warning(&self) -> Option<(String, String)> {
+        let outlook = self.known?;
+        let percent = 100.0 * (1.0 - outlook.expected_right());
+        Some((format!("{percent:.0} % beyond the horizon"), outlook.warning()?))
+    }
+}
+
+impl Desk {
+    /// Looks ahead for a view that `balanced` has computed; says whether anything is new.
+    pub(super) fn foresee(&mut self) -> bool {
+        let unchecked =
+            self.state.demand == Demand::Level(Accuracy::Balanced) && !self.state.verify;
+        if !unchecked {
+            self.forecast.forget();
+            return false;
+        }
+        let progress = self.progress();
+        if progress.idle && progress.wanted > 0 && self.state.moving.is_none() {
+            let scene = self.state.document().scene();
+            if let Some(recipe) = self.room.recipe() {
+                self.forecast.ask(scene, recipe, &self.wake);
+            }
+        }
+        self.forecast.listen()
+    }
+}
+
+impl Drop for Flying {
+    fn drop(&mut self) {
+        self.stopped.store(true, Ordering::Relaxed);
+    }
+}
+
+fn look(scene: &Scene, recipe: Recipe, stop: &AtomicBool) -> Result<Option<Outlook>, EngineError> {
+    let mut engine = DepthEngine::new(Box::new(CpuEngine::new(Some(1))?), Some(1))?;
+    outlook(scene, SIZE, recipe, &mut engine, &|| !stop.load(Ordering::Relaxed))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::level::BALANCED;
+    use crate::scene::{Budget, Question};
+    use std::time::Duration;
+
+    #[test]
+    fn a_view_beyond_the_horizon_is_warned_of() {
+        let (sender, woken) = channel();
+        let wake: Wake = Arc::new(move || {
+            let _ = sender.send(());
+        });
+        let mut forecast = Forecast::default();
+        let mut warning_after = |secs: f64| {
+            let question = Question { budget: Budget::secs(secs), ..Question::default() };
+            let scene = Scene { question, ..Scene::default() }.checked().unwrap();
+            forecast.ask(scene.clone(), BALANCED, &wake);
+            woken.recv_timeout(Duration::from_secs(60)).unwrap();
+            assert!(forecast.listen());
+            let warning = forecast.warning();
+            forecast.ask(scene, BALANCED, &wake);
+            assert_eq!(forecast.warning(), warning, "asked twice, known once");
+            warning
+        };
+        assert_eq!(warning_after(10.0), None);
+        assert!(warning_after(200.0).unwrap().1.contains("beyond the horizon"));
+    }
+}
