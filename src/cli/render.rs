@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use flipmap::engine::choice::{Chosen, Demand};
-use flipmap::engine::trust::{Outlook, TrustEngine};
+use flipmap::engine::trust::{Opinion, Outlook, TrustEngine};
 use flipmap::engine::{Accuracy, Engine, Recipe, Trust};
 use flipmap::output::{Clock, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
@@ -70,8 +70,15 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         spread(&mut document, plan.size, recipe, engine.as_mut())?;
     }
     let mut sinks = Sinks::open(&paths, &document, plan.size)?;
+    let mut opinion = None;
     if plan.verify {
-        engine = Box::new(TrustEngine::new(engine, options.run.engine.threads())?);
+        let mut checking = TrustEngine::new(engine, options.run.engine.threads())?;
+        let go_on = || !stop::asked();
+        opinion = tiles::opinion(&scene, plan.size, recipe, &mut checking, &go_on)?;
+        if opinion.is_some_and(|opinion| opinion.contradicted > 0) {
+            checking.distrust();
+        }
+        engine = Box::new(checking);
     }
     announce(engine.as_ref(), recipe, plan.verify, &why);
 
@@ -103,7 +110,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     clock.output += finishing.elapsed();
     let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
-    let ran = Ran { engine: engine.as_ref(), recipe, verified: plan.verify, outlook };
+    let ran = Ran { engine: engine.as_ref(), recipe, verified: plan.verify, outlook, opinion };
     report(options, &ran, &scene, &counts, seconds)
 }
 
@@ -127,6 +134,7 @@ struct Ran<'a> {
     recipe: Recipe,
     verified: bool,
     outlook: Option<Outlook>,
+    opinion: Option<Opinion>,
 }
 
 /// A stop has an exit code of its own.
@@ -211,7 +219,7 @@ fn report(
     counts: &Counts,
     seconds: [f64; 3],
 ) -> anyhow::Result<()> {
-    let Ran { engine, recipe, verified, outlook } = *ran;
+    let Ran { engine, recipe, verified, outlook, opinion } = *ran;
     let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
     let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
         .iter()
@@ -238,6 +246,10 @@ fn report(
                 "expected_right": outlook.expected_right(),
                 "beyond_horizon": 1.0 - outlook.expected_right(),
             })),
+            "integrated_directly": opinion.map(|opinion| serde_json::json!({
+                "pixels": opinion.asked,
+                "contradicted": opinion.contradicted,
+            })),
             "depth": counts.effort.depth.map(|depth| depth_object(depth, recipe, scene)),
             "rhs_evaluations": counts.effort.rhs_evaluations,
             "seconds": { "setup": seconds[0], "compute": seconds[1], "output": seconds[2] },
@@ -252,7 +264,11 @@ fn report(
     if let Some(depth) = counts.effort.depth {
         tell_depth(depth, recipe, scene, counts);
     }
-    if let Some(warning) = outlook.and_then(|outlook| outlook.warning()) {
+    let warnings = [
+        outlook.and_then(|outlook| outlook.warning()),
+        opinion.and_then(|opinion| opinion.warning()),
+    ];
+    for warning in warnings.into_iter().flatten() {
         super::tell(&format!("flipmap: warning: {warning}"));
     }
     if verified {

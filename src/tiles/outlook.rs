@@ -1,9 +1,9 @@
 //! What to expect of a picture that nobody checks, by a sample of its pixels.
 
-use super::flights::Open;
+use super::sample;
 use crate::engine::trust::Outlook;
 use crate::engine::{Engine, EngineError, Question, Recipe};
-use crate::scene::{Grid, Scene};
+use crate::scene::Scene;
 
 /// Pixels that are looked at.
 const SAMPLE: u32 = 256;
@@ -16,21 +16,8 @@ pub fn outlook(
     engine: &mut dyn Engine,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Outlook>, EngineError> {
-    let grid = Grid::new(scene, size);
-    let open = if grid.pixel_rad() < recipe.deep_below() {
-        let opening = |place: u32| {
-            let [column, row] = pixel(size, place);
-            grid.opening(column, row).map(|outcome| (outcome, crate::engine::Trust::Agreed))
-        };
-        let groups = grid.grouped((0..SAMPLE).map(|place| pixel(size, place)));
-        Open::deep(SAMPLE as usize, groups, opening)
-    } else {
-        let fate = |place| {
-            let [column, row] = pixel(size, place);
-            (grid.fate(column, row), None)
-        };
-        Open::new((0..SAMPLE).map(fate))
-    };
+    let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place)).collect();
+    let open = sample::open(scene, size, recipe, &pixels);
     if open.is_settled() {
         return Ok(Some(Outlook::default()));
     }

@@ -24,7 +24,7 @@ use super::{
     Deep, Effort, End, Engine, EngineError, Finished, Job, Keep, Leaf, Moving, Question, Recipe,
     Starts, Wait,
 };
-use crate::physics::{Dd, Outcome, Scalar, Status, Theta};
+use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::lattice::{Cell, side_rad};
 
 /// The wrapped engine, and what follows deep starts for it.
@@ -255,12 +255,12 @@ impl Deep {
         self.leaves.first().map_or(0.0, |leaf| side_rad(leaf.cell.level + 1))
     }
 
-    /// The same starts as angles, rad, to the digits of double-double.
-    pub fn angles(&self) -> Vec<[Dd; 2]> {
+    /// The same starts as angles, rad.
+    pub fn exact_angles(&self) -> Vec<[Theta; 2]> {
         let half = Theta::from_f64(self.half_rad());
         let angle = |leaf: &Leaf, at: &[f64; 2]| {
             let center = leaf.cell.center();
-            [0, 1].map(|i| (center[i] + Theta::from_f64(at[i]) * half).wrapped().to_dd())
+            [0, 1].map(|i| (center[i] + Theta::from_f64(at[i]) * half).wrapped())
         };
         self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| angle(leaf, at))).collect()
     }

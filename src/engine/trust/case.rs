@@ -6,7 +6,7 @@ use super::Trust;
 use super::judge::{Answer, Judge};
 use super::ladder::{From, Run, Rung, rungs};
 use crate::engine::{Effort, Finished, Job, Keep, Starts};
-use crate::physics::{Dd, Outcome};
+use crate::physics::{Dd, Outcome, Theta};
 
 /// A job on its way up the ladder.
 pub struct Case {
@@ -91,7 +91,8 @@ impl Case {
                 let strict = run.from == From::StrictMap;
                 let some = deep.some(&self.open, strict, run.nudge);
                 if run.from == From::Rest {
-                    Starts::Rest(some.angles())
+                    let near = |angle: [Theta; 2]| angle.map(Theta::to_dd);
+                    Starts::Rest(some.exact_angles().into_iter().map(near).collect())
                 } else {
                     Starts::Deep(some)
                 }

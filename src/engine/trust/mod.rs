@@ -22,9 +22,11 @@ use serde::{Deserialize, Serialize};
 mod case;
 mod judge;
 mod ladder;
+mod opinion;
 mod outlook;
 
 use self::case::{Case, RUNS};
+pub use self::opinion::Opinion;
 pub use self::outlook::Outlook;
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
@@ -72,6 +74,8 @@ pub struct TrustEngine<'a> {
     waiting: [VecDeque<Job>; 2],
     flying: [usize; 2],
     cases: HashMap<u64, Case>,
+    /// Whether nothing it finds sure is to be called so.
+    distrusts: bool,
 }
 
 /// How long one engine is waited for before the other is looked at.
@@ -91,7 +95,13 @@ impl<'a> TrustEngine<'a> {
             waiting: Default::default(),
             flying: [0; 2],
             cases: HashMap::new(),
+            distrusts: false,
         })
+    }
+
+    /// From now on marks every answer, for one that was sure has been contradicted.
+    pub fn distrust(&mut self) {
+        self.distrusts = true;
     }
 
     /// 0 for the wrapped engine, 1 for the processor beside it.
@@ -143,7 +153,11 @@ impl<'a> TrustEngine<'a> {
         let (id, run) = (finished.id / RUNS, finished.id % RUNS);
         let jobs = self.cases.get_mut(&id)?.take(run, finished)?;
         if jobs.is_empty() {
-            return self.cases.remove(&id).map(Case::finish);
+            let mut finished = self.cases.remove(&id).map(Case::finish)?;
+            if self.distrusts {
+                finished.trusts.fill(Trust::Uncertain);
+            }
+            return Some(finished);
         }
         jobs.into_iter().for_each(|job| self.send(job));
         None

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::judge::{Answer, Judge};
 use super::ladder::{From, Run};
-use crate::engine::{Engine, EngineError, Job, Keep, Question, Recipe, Starts, Wait};
+use crate::engine::{Engine, EngineError, Finished, Job, Keep, Question, Recipe, Starts, Wait};
 use crate::physics::Dd;
 
 /// What to expect of a picture, by a sample of its starts.
@@ -26,6 +26,8 @@ const ENOUGH: f64 = 0.99;
 const NUDGE: f64 = 30.0;
 /// The share of half a leaf by which deep starts are moved.
 const DEEP_NUDGE: f64 = 1e-8;
+/// The name of a job while no others are at work.
+const JOB: u64 = 0;
 /// How often a stop is looked for.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -44,9 +46,14 @@ impl Outlook {
         };
         let run = Run::new(recipe, from);
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
-        let mut ask = |starts| answers(engine, question, recipe, starts, go_on);
-        let Some(plain) = ask(starts.clone())? else { return Ok(None) };
-        let Some(nudged) = ask(moved_by(starts, moved.nudge))? else { return Ok(None) };
+        let mut answers = |starts| {
+            let finished = ask(engine, question, recipe, starts, Keep::Ends, go_on)?;
+            let answer = |(outcome, end)| Answer { outcome, end };
+            let all = |f: Finished| f.outcomes.into_iter().zip(f.ends).map(answer).collect();
+            Ok::<Option<Vec<Answer>>, EngineError>(finished.map(all))
+        };
+        let Some(plain) = answers(starts.clone())? else { return Ok(None) };
+        let Some(nudged) = answers(moved_by(starts, moved.nudge))? else { return Ok(None) };
         let judge = Judge::new(&question, leaf_half_rad);
         let is_beyond = |(plain, nudged): &(&Answer, &Answer)| {
             let scale = |run: &Run| run.error_scale(&plain.end, leaf_half_rad);
@@ -89,19 +96,19 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
     }
 }
 
-/// An engine's answers to a job of its own.
-fn answers(
+/// An engine's answer to a job of its own.
+pub fn ask(
     engine: &mut dyn Engine,
     question: Question,
     recipe: Recipe,
     starts: Starts,
+    keep: Keep,
     go_on: &dyn Fn() -> bool,
-) -> Result<Option<Vec<Answer>>, EngineError> {
-    engine.submit(Job { id: u64::MAX, question, recipe, starts, keep: Keep::Ends })?;
+) -> Result<Option<Finished>, EngineError> {
+    engine.submit(Job { id: JOB, question, recipe, starts, keep })?;
     while go_on() {
         if let Some(finished) = engine.poll(Wait::Until(Instant::now() + PATIENCE))?.pop() {
-            let answer = |(&outcome, &end)| Answer { outcome, end };
-            return Ok(Some(finished.outcomes.iter().zip(&finished.ends).map(answer).collect()));
+            return Ok(Some(finished));
         }
     }
     engine.cancel();

@@ -26,6 +26,8 @@ const SIDE: u32 = 32;
 /// Pixels of a deep window that are judged: each takes a long solution of its own.
 const DEEP_SAMPLE: usize = 16;
 
+/// A window that takes longer to render is left alone.
+const RENDER_PATIENCE: Duration = Duration::from_secs(60);
 /// A window is judged no longer than this, in pixels drawn by chance,
 const WINDOW_PATIENCE: Duration = Duration::from_secs(40);
 /// and one of its pixels no longer than this.
@@ -38,6 +40,8 @@ pub struct Hunt {
     pub seed: u64,
     /// Windows rendered.
     pub windows: usize,
+    /// Windows that took too long to render, and were left alone.
+    pub too_slow: usize,
     /// Simulated pixels of them.
     pub simulated: usize,
     /// Pixels that were marked.
@@ -92,7 +96,12 @@ impl Hunt {
             // What was drawn out of range is no scene.
             let Ok(scene) = scene.checked() else { continue };
             log::debug!("{lure:?}: {}", command(&scene));
-            let Some(samples) = picture(&scene, recipe, &mut exact, &go_on)? else { break };
+            let begun = Instant::now();
+            let in_time = || go_on() && begun.elapsed() < RENDER_PATIENCE;
+            let Some(samples) = picture(&scene, recipe, &mut exact, &in_time)? else {
+                hunt.too_slow += 1;
+                continue;
+            };
             log::debug!("judging");
             hunt.judge(&scene, &format!("{lure:?}"), &samples, picks, stop);
             told(&hunt);

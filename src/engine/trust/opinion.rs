@@ -1,0 +1,156 @@
+//! The second opinion on deep answers: some starts integrated directly from their release, in as
+//! many digits as that takes, by the gold standard. It shares no start map, no polynomials in the place
+//! of a start, no method and no event test with the engines.
+
+use rayon::prelude::*;
+
+use super::Trust;
+use super::outlook::ask;
+use crate::engine::{Deep, Engine, EngineError, Keep, Question, Recipe, Starts};
+use crate::physics::flip::right_secs;
+use crate::physics::{Fixed, Outcome, Scalar, Status, Theta, gold};
+
+/// What direct integration says of a view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Opinion {
+    /// Starts that were integrated directly.
+    pub asked: usize,
+    /// Those among them whose answers were wrong and not marked.
+    pub contradicted: usize,
+}
+
+/// Neighbours move apart by at most about so many decades in a unit of time.
+const DECADES_A_UNIT: f64 = 0.16;
+/// Digits that are to be right at the end, and guard digits.
+const DIGITS_AT_END: f64 = 12.0;
+
+impl Opinion {
+    /// On some deep starts, at most `most` of those that `engine`, which checks, is sure of; none once
+    /// `go_on` says no.
+    pub fn on(
+        engine: &mut dyn Engine,
+        (question, recipe): (Question, Recipe),
+        deep: &Deep,
+        most: usize,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Opinion>, EngineError> {
+        let starts = Starts::Deep(deep.clone());
+        let Some(answer) = ask(engine, question, recipe, starts, Keep::Nothing, go_on)? else {
+            return Ok(None);
+        };
+        let is_sure = |k: &usize| {
+            let trust = answer.trusts.get(*k).copied().unwrap_or(Trust::Uncertain);
+            trust != Trust::Uncertain && answer.outcomes[*k].status != Status::Forbidden
+        };
+        let angles = deep.exact_angles();
+        let sure: Vec<usize> = (0..angles.len()).filter(is_sure).take(most).collect();
+        let wrong = |k: &usize| go_on() && differs(&question, angles[*k], &answer.outcomes[*k]);
+        let contradicted = sure.par_iter().filter(|k| wrong(k)).count();
+        Ok(go_on().then_some(Opinion { asked: sure.len(), contradicted }))
+    }
+
+    /// A warning, where one is due.
+    pub fn warning(&self) -> Option<String> {
+        (self.contradicted > 0).then(|| {
+            format!(
+                "{} of {} pixels that were integrated directly contradict the start maps: all \
+                 pixels are marked as uncertain; please report this view",
+                self.contradicted, self.asked
+            )
+        })
+    }
+}
+
+fn differs(question: &Question, angle: [Theta; 2], given: &Outcome) -> bool {
+    let (_, unit_secs) = question.reduced();
+    let decades = DIGITS_AT_END + DECADES_A_UNIT * question.budget_secs / unit_secs;
+    let limbs = 1 + (decades * std::f64::consts::LOG2_10 / 64.0).ceil() as usize;
+    let truth = match limbs {
+        0..=3 => direct::<3>(question, angle),
+        4 => direct::<4>(question, angle),
+        5 => direct::<5>(question, angle),
+        6 => direct::<6>(question, angle),
+        7 => direct::<7>(question, angle),
+        _ => direct::<8>(question, angle),
+    };
+    truth.status != given.status || (truth.time - given.time).abs() > right_secs(unit_secs)
+}
+
+/// The outcome of a start in `N` limbs.
+fn direct<const N: usize>(question: &Question, angle: [Theta; 2]) -> Outcome {
+    let (pendulum, unit_secs) = question.reduced_in::<Fixed<N>>();
+    let budget = Fixed::from_f64(question.budget_secs) / unit_secs;
+    let outcome = gold::outcome(&pendulum, angle.map(Fixed::from_theta), question.rule, budget);
+    Outcome { status: outcome.status, time: (outcome.time * unit_secs).to_f64() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::cpu::CpuEngine;
+    use crate::engine::depth::DepthEngine;
+    use crate::engine::level::BALANCED;
+    use crate::engine::mock::MockEngine;
+    use crate::engine::trust::TrustEngine;
+    use crate::engine::{Finished, Job, Leaf, Wait};
+    use crate::physics::Rule;
+    use crate::scene::Build;
+    use crate::scene::lattice::Cell;
+
+    fn starts() -> (Question, Deep) {
+        let question = Question { build: Build::default(), rule: Rule::Second, budget_secs: 8.0 };
+        let cell = Cell::around([2.2, -1.9].map(Theta::from_f64), 80);
+        let points = (0..4).map(|k| [0.2 * f64::from(k), -0.3]).collect();
+        (question, Deep { leaves: vec![Leaf { cell, points }], strict: false })
+    }
+
+    #[test]
+    fn what_start_maps_say_is_what_direct_integration_says() {
+        let inner = DepthEngine::new(Box::new(CpuEngine::new(Some(2)).unwrap()), Some(2)).unwrap();
+        let mut engine = TrustEngine::new(Box::new(inner), Some(2)).unwrap();
+        let (question, deep) = starts();
+        let opinion = Opinion::on(&mut engine, (question, BALANCED), &deep, 3, &|| true).unwrap();
+        assert_eq!(opinion, Some(Opinion { asked: 3, contradicted: 0 }));
+        assert_eq!(opinion.and_then(|opinion| opinion.warning()), None);
+    }
+
+    /// Sure, and wrong by 2 ms.
+    struct Wrong(MockEngine, Option<Finished>);
+
+    impl Engine for Wrong {
+        fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+            let outcomes = vec![Outcome::flipped(5.700_478 + 2e-3); job.starts.len()];
+            let trusts = vec![Trust::Agreed; outcomes.len()];
+            self.1 = Some(Finished { id: job.id, outcomes, trusts, ..Finished::default() });
+            Ok(())
+        }
+        fn poll(&mut self, _: Wait) -> Result<Vec<Finished>, EngineError> {
+            Ok(self.1.take().into_iter().collect())
+        }
+        fn cancel(&mut self) {}
+        fn slots(&self) -> usize {
+            1
+        }
+        fn job_size(&self) -> usize {
+            1
+        }
+        fn name(&self) -> &'static str {
+            "wrong"
+        }
+        fn adapter(&self) -> String {
+            self.0.adapter()
+        }
+        fn offers(&self, _: &Recipe) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn a_wrong_start_map_is_contradicted() {
+        let (question, deep) = starts();
+        let mut engine = Wrong(MockEngine::default(), None);
+        let opinion = Opinion::on(&mut engine, (question, BALANCED), &deep, 8, &|| true).unwrap();
+        assert_eq!(opinion, Some(Opinion { asked: 4, contradicted: 4 }));
+        assert!(opinion.unwrap().warning().unwrap().contains("4 of 4"));
+    }
+}
