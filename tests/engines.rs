@@ -237,7 +237,7 @@ fn the_budget_ends_where_it_says(make: Make) {
 
 fn starts_at_the_top_begin_inside(make: Make) {
     let pi = "3.14159265358979323846264338327950288";
-    let view = View { center: ["2".into(), pi.into()], width: "1e-9".into(), ..View::default() };
+    let view = View { center: ["-2".into(), pi.into()], width: "1e-9".into(), ..View::default() };
     let scene = Scene { view, ..Scene::default() };
     let starts = open_starts(&scene, 1, 1);
     let question = question(&scene);

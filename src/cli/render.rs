@@ -75,9 +75,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         let mut checking = TrustEngine::new(engine, options.run.engine.threads())?;
         let go_on = || !stop::asked();
         opinion = tiles::opinion(&scene, plan.size, recipe, &mut checking, &go_on)?;
-        if opinion.is_some_and(|opinion| opinion.contradicted > 0) {
-            checking.distrust();
-        }
+        checking.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
         engine = Box::new(checking);
     }
     announce(engine.as_ref(), recipe, plan.verify, &why);

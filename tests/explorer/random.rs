@@ -87,7 +87,8 @@ impl Session {
                     [0, 1].map(|i| (center[i] + Theta::from_f64(by[i] * side)).wrapped());
             }),
             Action::Zoom(by) => {
-                self.look(|aim| aim.level = aim.level.saturating_add_signed(by).min(90));
+                // Deeper ones are followed as cells, which keep no states.
+                self.look(|aim| aim.level = aim.level.saturating_add_signed(by).min(16));
             }
             Action::Jump(to, level) => self.look(|aim| {
                 (aim.region.center, aim.level) = (to.map(Theta::from_f64), level);

@@ -2,17 +2,19 @@
 //! its answer is sure.
 //!
 //! ```text
-//!  all starts     the recipe asked for, and DOPRI5 in f32          [ladder]
-//!                 └ sure? ── the finest run against the others      [judge]
+//!  all starts     the recipe asked for, and DOPRI5 in f32            [ladder]
+//!                 └ sure? ── the finest run against the others        [judge]
 //!  those left     the same in f32 from a start a millionth aside
 //!                 DOP853 and DOPRI5 in f64
 //!                 Taylor expansions in f64, DOP853 from starts 1e-12 aside
-//!                 Taylor expansions in double-double …
+//!                 extrapolated midpoint rules in double-double
+//!                 Taylor expansions in double-double, midpoint rules again
 //!  what is left   is uncertain
 //! ```
 //!
 //! Nine in ten starts of the home map leave after the first rung. The engine here wraps another
-//! one and adds a [`Trust`] to each of its answers.
+//! one and adds a [`Trust`] to each of its answers. Deep starts climb a ladder of their own, and a few
+//! of them are integrated directly ([`Opinion`]); pictures that nobody checks have an [`Outlook`].
 
 use std::collections::{HashMap, VecDeque};
 use std::time::{Duration, Instant};
@@ -99,9 +101,9 @@ impl<'a> TrustEngine<'a> {
         })
     }
 
-    /// From now on marks every answer, for one that was sure has been contradicted.
-    pub fn distrust(&mut self) {
-        self.distrusts = true;
+    /// Whether from now on every answer is marked, for one that was sure has been contradicted.
+    pub fn distrust(&mut self, distrusts: bool) {
+        self.distrusts = distrusts;
     }
 
     /// 0 for the wrapped engine, 1 for the processor beside it.

@@ -126,14 +126,14 @@ mod tests {
     fn outlook(budget_secs: f64) -> Outlook {
         let mut engine = CpuEngine::new(Some(2)).unwrap();
         let question = Question { build: Build::default(), rule: Rule::Second, budget_secs };
-        let angle = |k: u32| [2.0 + 0.004 * f64::from(k), 1.0 + 0.007 * f64::from(k)];
+        let angle = |k: u32| [-1.7 + 4e-4 * f64::from(k), 0.06 + 3e-4 * f64::from(k)];
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
         Outlook::of(&mut engine, question, BALANCED, &starts, &|| true).unwrap().unwrap()
     }
 
     #[test]
     fn long_budgets_lie_beyond_the_horizon_and_short_ones_do_not() {
-        let (short, long) = (outlook(10.0), outlook(300.0));
+        let (short, long) = (outlook(10.0), outlook(100.0));
         assert_eq!((short.sampled, short.beyond, short.warning()), (200, 0, None));
         assert!(long.beyond > 3, "{long:?}");
         assert!(long.warning().unwrap().contains("beyond the horizon"));

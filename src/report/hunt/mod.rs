@@ -13,13 +13,12 @@ use self::referee::Referee;
 use self::scenes::{Scenes, start};
 use super::{ReportError, StopTest};
 use crate::engine::choice::{Chosen, Wish, choose};
-use crate::engine::trust::TrustEngine;
 use crate::engine::{Engine, EngineError, Recipe, Trust};
 use crate::physics::flip::right_secs;
 use crate::physics::{Angle, Dd, Fixed, Outcome, Scalar, Status, Theta};
 use crate::scene::{Scene, View, Word};
 use crate::tiles::preview::preview;
-use crate::tiles::{Samples, Work};
+use crate::tiles::{Renderer, Samples, Work};
 
 /// Pixels along each side of a window.
 const SIDE: u32 = 32;
@@ -88,7 +87,7 @@ impl Hunt {
         let mut hunt = Hunt { seed, ..Hunt::default() };
         let mut scenes = Scenes::new(seed);
         let Chosen { mut engine, recipe, .. } = choose(wish, &|_| {})?;
-        let mut exact = TrustEngine::new(choose(wish, &|_| {})?.engine, wish.threads)?;
+        let mut exact = Renderer::with_checks(wish, true)?;
         while Instant::now() < until && hunt.windows < most_windows && !stop() {
             let go_on = || !stop();
             let (scene, lure) = scenes.next(engine.as_mut(), recipe, &go_on)?;
@@ -98,7 +97,7 @@ impl Hunt {
             log::debug!("{lure:?}: {}", command(&scene));
             let begun = Instant::now();
             let in_time = || go_on() && begun.elapsed() < RENDER_PATIENCE;
-            let Some(samples) = picture(&scene, recipe, &mut exact, &in_time)? else {
+            let Some(samples) = exact.render_while(&scene, [SIDE; 2], &in_time)? else {
                 hunt.too_slow += 1;
                 continue;
             };
@@ -180,16 +179,6 @@ fn command(scene: &Scene) -> String {
 /// Whether f64 cannot tell the pixels of a view apart well enough to judge them.
 fn is_deep(view: &View) -> bool {
     view.width_rad().to_f64() / view.stretch.max(1.0) < 1e-9
-}
-
-fn picture(
-    scene: &Scene,
-    recipe: Recipe,
-    engine: &mut dyn Engine,
-    go_on: &dyn Fn() -> bool,
-) -> Result<Option<Samples>, EngineError> {
-    let mut work = Work::new(scene, [SIDE; 2], recipe, (SIDE * SIDE) as usize);
-    preview(&mut work, [SIDE; 2], engine, go_on)
 }
 
 /// A view an eighth as wide around the two neighbours, in a row through the middle, that differ

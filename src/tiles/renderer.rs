@@ -1,0 +1,79 @@
+//! The library's front door: a scene in, samples out.
+
+use super::preview::preview;
+use super::{Samples, Work, opinion};
+use crate::engine::choice::{ChoiceError, Chosen, Demand, Wish, choose};
+use crate::engine::trust::TrustEngine;
+use crate::engine::{Accuracy, Engine, EngineError, Recipe};
+use crate::scene::Scene;
+
+/// Renders scenes to arrays of samples, one engine for all of them.
+///
+/// ```
+/// use flipmap::engine::choice::{Kind, Wish};
+/// use flipmap::scene::Scene;
+/// use flipmap::tiles::Renderer;
+///
+/// let mut renderer = Renderer::new(&Wish { kind: Kind::Cpu, ..Wish::default() })?;
+/// let samples = renderer.render(&Scene::default(), [16, 16])?;
+/// assert_eq!(samples.len(), 256);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Renderer {
+    engine: Maker,
+    recipe: Recipe,
+}
+
+/// The engine, with checks or without.
+enum Maker {
+    Unchecked(Box<dyn Engine>),
+    Checked(Box<TrustEngine<'static>>),
+}
+
+impl Renderer {
+    /// Chooses and starts the engine that is asked for. Pixels are checked where `exact` is.
+    pub fn new(wish: &Wish) -> Result<Self, ChoiceError> {
+        Renderer::with_checks(wish, wish.demand == Demand::Level(Accuracy::Exact))
+    }
+
+    /// The same with checks of every pixel, or without.
+    pub fn with_checks(wish: &Wish, verify: bool) -> Result<Self, ChoiceError> {
+        let Chosen { engine, recipe, .. } = choose(wish, &|_| {})?;
+        let engine = if verify {
+            Maker::Checked(Box::new(TrustEngine::new(engine, wish.threads)?))
+        } else {
+            Maker::Unchecked(engine)
+        };
+        Ok(Renderer { engine, recipe })
+    }
+
+    /// How pixels are integrated.
+    pub fn recipe(&self) -> Recipe {
+        self.recipe
+    }
+
+    /// The samples of a checked scene in `size` pixels, by rows from the top.
+    pub fn render(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Samples, EngineError> {
+        let samples = self.render_while(scene, size, &|| true)?;
+        Ok(samples.expect("nobody says stop"))
+    }
+
+    /// The same; nothing once `go_on` says no.
+    pub fn render_while(
+        &mut self,
+        scene: &Scene,
+        size: [u32; 2],
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Samples>, EngineError> {
+        if let Maker::Checked(engine) = &mut self.engine {
+            let opinion = opinion(scene, size, self.recipe, engine.as_mut(), go_on)?;
+            engine.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
+        }
+        let engine: &mut dyn Engine = match &mut self.engine {
+            Maker::Unchecked(engine) => engine.as_mut(),
+            Maker::Checked(engine) => engine.as_mut(),
+        };
+        let mut work = Work::new(scene, size, self.recipe, engine.job_size());
+        preview(&mut work, size, engine, go_on)
+    }
+}
