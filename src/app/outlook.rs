@@ -92,7 +92,9 @@ impl Desk {
             return false;
         }
         let progress = self.progress();
-        if progress.idle && progress.wanted > 0 && self.state.moving.is_none() {
+        // Views on the way down are left before anybody reads of them.
+        let stays = self.state.moving.is_none() && self.way.dive.is_none();
+        if progress.idle && progress.wanted > 0 && stays {
             let scene = self.state.document().scene();
             if let Some(recipe) = self.room.recipe() {
                 self.forecast.ask(scene, recipe, &self.wake);
