@@ -3,10 +3,12 @@
 use super::sample;
 use crate::engine::trust::Outlook;
 use crate::engine::{Engine, EngineError, Question, Recipe};
-use crate::scene::Scene;
+use crate::scene::{Grid, Scene};
 
-/// Pixels that are looked at.
+/// Pixels that are looked at,
 const SAMPLE: u32 = 256;
+/// of deep pictures so many close together, for they share the leaves that have to be followed.
+const TOGETHER: u32 = 16;
 
 /// The outlook of a picture of `size` pixels; none once `go_on` says no.
 pub fn outlook(
@@ -16,7 +18,9 @@ pub fn outlook(
     engine: &mut dyn Engine,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Outlook>, EngineError> {
-    let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place)).collect();
+    let together =
+        if Grid::new(scene, size).pixel_rad() < recipe.deep_below() { TOGETHER } else { 1 };
+    let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place, together)).collect();
     let open = sample::open(scene, size, recipe, &pixels);
     if open.is_settled() {
         return Ok(Some(Outlook::default()));
@@ -24,13 +28,39 @@ pub fn outlook(
     Outlook::of(engine, Question::from(scene), recipe, &open.into_starts(), go_on)
 }
 
-/// Pixels that fill a picture evenly, however many are taken: steps along both sides by powers of
-/// the inverse of the plastic number (Roberts 2018, *The unreasonable effectiveness of quasirandom
-/// sequences*).
-fn pixel(size: [u32; 2], place: u32) -> [u32; 2] {
+/// Pixels that fill a picture evenly, however many are taken, or groups of them that do: steps along
+/// both sides by powers of the inverse of the plastic number (Roberts 2018, *The unreasonable
+/// effectiveness of quasirandom sequences*).
+fn pixel(size: [u32; 2], place: u32, together: u32) -> [u32; 2] {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
+    let (group, member) = (place / together, place % together);
+    let aside = [member % 4, member / 4].map(|by| 3 * by);
     [0, 1].map(|axis| {
-        let share = (0.5 + STEPS[axis] * f64::from(place)).fract();
-        ((share * f64::from(size[axis])) as u32).min(size[axis] - 1)
+        let share = (0.5 + STEPS[axis] * f64::from(group)).fract();
+        ((share * f64::from(size[axis])) as u32 + aside[axis]) % size[axis]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_fill_a_picture_and_groups_share_leaves() {
+        for together in [1, TOGETHER] {
+            let all: Vec<[u32; 2]> =
+                (0..SAMPLE).map(|place| pixel([300, 200], place, together)).collect();
+            let quarter = |x: u32, y: u32| {
+                let inside = |p: &&[u32; 2]| p[0] / 150 == x && p[1] / 100 == y;
+                all.iter().filter(inside).count()
+            };
+            for [x, y] in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+                assert!((40..=90).contains(&quarter(x, y)), "{together}: {}", quarter(x, y));
+            }
+            let mut distinct = all.clone();
+            distinct.sort();
+            distinct.dedup();
+            assert!(distinct.len() > 240);
+        }
+    }
 }

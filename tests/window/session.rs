@@ -161,14 +161,18 @@ impl Session {
                 && holds(told)
         };
         let begun = Instant::now();
-        while begun.elapsed() < Duration::from_secs(60) {
+        while begun.elapsed() < Duration::from_secs(150) {
             if let Some(told) = self.told().filter(holds) {
                 return told;
             }
             self.check_alive();
             sleep(Duration::from_millis(20));
         }
-        panic!("no {what} in a minute; it last told {:?} and said {}", self.told(), self.log())
+        panic!(
+            "no {what} in two minutes and a half; it last told {:?} and said {}",
+            self.told(),
+            self.log()
+        )
     }
 
     /// Fails if the program has ended by itself.
