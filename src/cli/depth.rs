@@ -32,10 +32,10 @@ pub fn tell_depth(depth: Depth, recipe: Recipe, scene: &Scene, counts: &Counts) 
         let [first, last] = depth.begins_secs;
         super::tell(&format!(
             "flipmap: depth: followed in {} digits to {first:.1} to {last:.1} s, from there in {}; \
-             trusted up to {:.0} s; a budget of {} s{follows} shows structure down to widths of {:.0e}",
+             trusted {}; a budget of {} s{follows} shows structure down to widths of {:.0e}",
             depth.digits,
             recipe.precision,
-            depth.horizon_secs(recipe.precision),
+            depth.horizon_words(recipe.precision),
             budget.secs,
             depth.structure_ends_at(budget.secs),
         ));

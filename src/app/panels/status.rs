@@ -66,11 +66,11 @@ pub fn depth_words(depth: &Depth, precision: Precision, budget_secs: f64) -> (St
     let began = if depth.integrated == 0 {
         "All of it is known from polynomials.".to_string()
     } else {
-        let horizon = depth.horizon_secs(precision);
+        let horizon = depth.horizon_words(precision);
         let ends = depth.structure_ends_at(budget_secs);
         format!(
             "Cells are followed as polynomials to {first:.1} to {last:.1} s, and their pixels from \
-             there in {precision}: to be trusted up to {horizon:.0} s. Neighbours move apart by \
+             there in {precision}: to be trusted {horizon}. Neighbours move apart by \
              {:.2} decades a second, so within {budget_secs:.0} s there is structure down to widths \
              of {ends:.0e} rad.",
             depth.decades_a_second

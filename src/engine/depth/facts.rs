@@ -51,6 +51,16 @@ impl Depth {
         self.begins_secs[1] + decades / self.decades_a_second
     }
 
+    /// The same in words.
+    pub fn horizon_words(&self, precision: Precision) -> String {
+        let horizon_secs = self.horizon_secs(precision);
+        if horizon_secs.is_finite() {
+            format!("up to {horizon_secs:.0} s")
+        } else {
+            "throughout".to_string()
+        }
+    }
+
     /// The width (rad) at which neighbours no longer move apart within the budget, so that
     /// nothing is left to see below.
     pub fn structure_ends_at(&self, budget_secs: f64) -> f64 {
