@@ -91,6 +91,17 @@ fn buttons_do_what_their_names_say() {
 }
 
 #[test]
+fn a_flip_is_drawn_in_any_size() {
+    let (mut pins, ids) = flown(&Scene::default(), &[[3.0, 3.0]]);
+    pins.apply(PinAction::Scrub(ids[0], 10.0));
+    let mut harness = harness(pins, Theme::Dark);
+    for size in [[340.0, 704.0], [340.0, 90.0], [60.0, 60.0], [12.0, 12.0], [1.0, 1.0]] {
+        harness.set_size(size.into());
+        harness.run_steps(3);
+    }
+}
+
+#[test]
 fn the_scrubber_goes_where_it_is_dragged() {
     let (mut harness, [a, _]) = two();
     let rail = harness.get_by_role_and_label(Role::Slider, "Time").rect();

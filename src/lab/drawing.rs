@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, Vec2,
     WidgetInfo, pos2, vec2,
 };
 
@@ -34,18 +34,18 @@ pub struct Stage {
 impl Stage {
     /// A stage of `size` points on which `reach_m` metres around the pivot are seen; `told` is
     /// what a screen reader says of it. What is on it can be dragged.
-    pub fn new(ui: &mut Ui, size: egui::Vec2, reach_m: f64, told: String) -> (Stage, Response) {
+    pub fn new(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> (Stage, Response) {
         Stage::sensing(ui, size, reach_m, told, Sense::click_and_drag())
     }
 
     /// A stage that is only looked at.
-    pub fn seen(ui: &mut Ui, size: egui::Vec2, reach_m: f64, told: String) -> Stage {
+    pub fn seen(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> Stage {
         Stage::sensing(ui, size, reach_m, told, Sense::hover()).0
     }
 
     fn sensing(
         ui: &mut Ui,
-        size: egui::Vec2,
+        size: Vec2,
         reach_m: f64,
         told: String,
         sense: Sense,
@@ -127,8 +127,7 @@ impl Stage {
         let galley = self.painter.layout_no_wrap(words.to_string(), font, colour);
         let inside = self.rect.shrink(6.0);
         let corner = at - vec2(0.0, galley.size().y / 2.0);
-        let most = inside.max - galley.size();
-        let corner = pos2(corner.x.min(most.x), corner.y.clamp(inside.top(), most.y));
+        let corner = corner_inside(inside, galley.size(), corner);
         self.painter.galley(corner, galley, colour);
     }
 
@@ -164,6 +163,12 @@ pub fn end(from: [f64; 2], length: f64, angle: f64) -> [f64; 2] {
     [from[0] + length * sin, from[1] - length * cos]
 }
 
+/// The upper left corner of a box of a `size` that was wanted at `corner`, moved into an `area`.
+/// In an area too small for the box, as in a window of a few points, its upper left part is seen.
+pub fn corner_inside(area: Rect, size: Vec2, corner: Pos2) -> Pos2 {
+    corner.min(area.max - size).max(area.min)
+}
+
 /// The angle of a rod from one place towards another, rad.
 pub fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).atan2(from[1] - to[1])
@@ -179,6 +184,17 @@ pub fn wrapped(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_box_stays_inside_and_an_area_too_small_shows_its_beginning() {
+        let area = Rect::from_min_max(pos2(10.0, 10.0), pos2(110.0, 60.0));
+        let size = vec2(40.0, 20.0);
+        assert_eq!(corner_inside(area, size, pos2(50.0, 30.0)), pos2(50.0, 30.0));
+        assert_eq!(corner_inside(area, size, pos2(-5.0, 90.0)), pos2(10.0, 40.0));
+        assert_eq!(corner_inside(area, size, pos2(105.0, 0.0)), pos2(70.0, 10.0));
+        let sliver = Rect::from_min_max(pos2(10.0, 10.0), pos2(12.0, 5.0));
+        assert_eq!(corner_inside(sliver, size, pos2(50.0, 30.0)), pos2(10.0, 10.0));
+    }
 
     #[test]
     fn a_rod_points_where_its_angle_says() {

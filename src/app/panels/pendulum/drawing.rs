@@ -7,6 +7,7 @@ use egui::{
 
 use super::{CANVAS, FAINT, INK};
 use crate::app::pins::Pin;
+use crate::lab::drawing::corner_inside;
 use crate::physics::State;
 use crate::physics::separation::natural_secs;
 use crate::scene::{Build, Kind};
@@ -156,9 +157,8 @@ impl<'a> Stage<'a> {
         let text = format!("flip at {:.3} s{note}", flip.secs.hi);
         let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), INK);
         // Above the ring, but inside the canvas.
-        let area = painter.clip_rect().shrink2(galley.size() / 2.0 + vec2(4.0, 4.0));
-        let above = place - vec2(0.0, radius + galley.size().y / 2.0 + 2.0);
-        let corner = area.clamp(above) - galley.size() / 2.0;
+        let above = place - vec2(galley.size().x / 2.0, radius + galley.size().y + 2.0);
+        let corner = corner_inside(painter.clip_rect().shrink(4.0), galley.size(), above);
         painter.add(TextShape::new(corner, galley, INK));
     }
 }
