@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_PI_2;
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, Vec2,
-    WidgetInfo, pos2, vec2,
+    WidgetInfo, vec2,
 };
 
 /// The stage is dark in the light theme too.
@@ -183,6 +183,8 @@ pub fn wrapped(angle: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use egui::pos2;
+
     use super::*;
 
     #[test]
