@@ -7,7 +7,7 @@
 use flipmap::engine::choice::open_checked;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device;
-use flipmap::engine::{Engine, Method, Precision, Question, Recipe};
+use flipmap::engine::{Engine, IntegratorConfig, Method, Precision, Question};
 use flipmap::physics::Dd;
 use flipmap::report::{baseline, stopwatch};
 use flipmap::scene::{Fate, Grid, Scene};
@@ -28,7 +28,7 @@ fn main() {
         })
         .collect();
     let some: Vec<[Dd; 2]> = starts.iter().step_by(SCALAR_SHARE).copied().collect();
-    let mut rows = contenders();
+    let mut rows = backends();
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); rows.len() + 1];
     // The first round compiles kernels and warms caches.
     for round in 0..=ROUNDS {
@@ -36,8 +36,8 @@ fn main() {
         let others: Vec<f64> = rows
             .iter_mut()
             .map(|(_, engine, precision)| {
-                let recipe = Recipe { method: Method::LESSON, precision: *precision };
-                let ran = stopwatch::run(engine.as_mut(), &question, recipe, &starts, &|| false);
+                let config = IntegratorConfig { method: Method::LESSON, precision: *precision };
+                let ran = stopwatch::run(engine.as_mut(), &question, config, &starts, &|| false);
                 ran.expect("the engine works").us_per_pixel
             })
             .collect();
@@ -64,7 +64,7 @@ fn main() {
 
 type Contender = (&'static str, Box<dyn Engine>, Precision);
 
-fn contenders() -> Vec<Contender> {
+fn backends() -> Vec<Contender> {
     let mut rows: Vec<Contender> = Vec::new();
     let gpu = |specialised: bool| {
         let adapter = device::adapters().into_iter().next()?;

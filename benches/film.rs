@@ -8,7 +8,7 @@ use flipmap::engine::Engine;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::BALANCED;
-use flipmap::farm::{Parts, Plan, Task, Wanted, What, merge, run};
+use flipmap::farm::{Parts, Plan, PlannedOutput, Task, TaskKind, merge, run};
 use flipmap::scene::film::Film;
 use flipmap::scene::keys::{Easing, Key};
 use flipmap::scene::{BuiltIn, Document};
@@ -59,7 +59,7 @@ fn engine() -> DepthEngine<'static> {
 fn whole(film: &Film) -> (u64, f64, f64) {
     let folder = tempfile::tempdir().expect("a folder");
     let mut engine = engine();
-    let plan = Plan::new(What::Film(film.clone()), 1, (&engine, BALANCED, false), false);
+    let plan = Plan::new(PlannedOutput::Film(film.clone()), 1, (&engine, BALANCED, false), false);
     let task = Task::new(plan, &folder.path().join("plan.toml")).expect("a plan");
     let begun = Instant::now();
     let pieces = task.missing(1, &Parts::default());
@@ -67,7 +67,7 @@ fn whole(film: &Film) -> (u64, f64, f64) {
     let computing = begun.elapsed().as_secs_f64();
     let begun = Instant::now();
     let mut parts = Parts::scan(&task.folder).expect("parts");
-    let Wanted::Film(film, _) = &task.work else { return (0, 0.0, 0.0) };
+    let TaskKind::Film(film, _) = &task.work else { return (0, 0.0, 0.0) };
     let document = &film.keys[0].scene;
     let sink = merge::FilmSink::open(&folder.path().join("frames"), film, document);
     let sink = sink.expect("a folder");

@@ -5,8 +5,8 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Engine, Precision, Recipe, Trust};
-use flipmap::physics::{Fixed, Outcome, Pendulum, Scalar, Status, Theta, gold};
+use flipmap::engine::{Engine, IntegratorConfig, Precision, Trust};
+use flipmap::physics::{Fixed, Outcome, Pendulum, Scalar, Status, Theta, oracle};
 use flipmap::scene::{Budget, Scene, View};
 use flipmap::tiles::{Samples, Work};
 
@@ -34,11 +34,11 @@ fn scene(center: [&str; 2], width: &str) -> Scene {
 fn samples(
     scene: &Scene,
     size: [u32; 2],
-    recipe: Recipe,
+    config: IntegratorConfig,
     engine: &mut dyn Engine,
     tile_pixels: usize,
 ) -> Samples {
-    let mut work = Work::new(scene, size, recipe, tile_pixels);
+    let mut work = Work::new(scene, size, config, tile_pixels);
     let mut all = Samples::unflipped((size[0] * size[1]) as usize);
     loop {
         let finished = work.work(engine, None).unwrap();
@@ -65,7 +65,7 @@ fn truth<const N: usize>(scene: &Scene, size: [u32; 2], pixels: &[usize]) -> Vec
         let [w, h] = size.map(f64::from);
         let by = [x + 0.5 - w / 2.0, h / 2.0 - y - 0.5].map(|by| Theta::from_f64(by * pixel));
         let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<N>());
-        let Outcome { status, time } = gold::outcome(&pendulum, angle, rule, budget);
+        let Outcome { status, time } = oracle::outcome(&pendulum, angle, rule, budget);
         Outcome { status, time: time.to_f64() }
     };
     let (a, b) = pixels.split_at(pixels.len() / 2);
@@ -97,10 +97,10 @@ fn deep_pixels_are_those_of_pendulums_integrated_in_long_numbers() {
         let spread = flips.iter().fold(0.0, |most, t| f64::max(most, (t - flips[0]).abs()));
         assert!(flips.len() > 12 && spread > 0.5, "no structure at {width}: {spread}");
         // Of 24 pixels one is 0.04.
-        for (recipe, least) in [(BALANCED, 0.95), (FAST, 0.83)] {
-            let samples = samples(&scene, size, recipe, &mut engine(), 4096);
+        for (config, least) in [(BALANCED, 0.95), (FAST, 0.83)] {
+            let samples = samples(&scene, size, config, &mut engine(), 4096);
             let share = share_right(&samples, &pixels, &truth);
-            assert!(share >= least, "{share} of {width} in {}", recipe.precision);
+            assert!(share >= least, "{share} of {width} in {}", config.precision);
         }
         let other = scene_beside(&scene);
         let wrong = samples(&other, size, BALANCED, &mut engine(), 4096);
@@ -136,7 +136,7 @@ fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
         let scene = scene(["2.2", "-1.9"], width);
         let cells = samples(&scene, [16, 16], BALANCED, &mut engine(), 256);
         let direct = flipmap::engine::Method::named("taylor", Precision::Dd).unwrap();
-        let direct = Recipe { method: direct, precision: Precision::Dd };
+        let direct = IntegratorConfig { method: direct, precision: Precision::Dd };
         let alone = samples(&scene, [16, 16], direct, &mut engine(), 256);
         for k in 0..256 {
             let (a, b) = (cells.get(k), alone.get(k));
@@ -152,7 +152,7 @@ fn a_grazing_edge_is_one_clean_line_at_every_depth() {
         let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
         let angle = [Fixed::<4>::parse("-1.602").unwrap(), theta2];
         let budget = Fixed::from_f64(2.0);
-        gold::outcome(&pendulum, angle, flipmap::physics::Rule::Second, budget).status
+        oracle::outcome(&pendulum, angle, flipmap::physics::Rule::Second, budget).status
             == Status::Flipped
     };
     let mut ends = ["1.8", "2.1"].map(|text| Fixed::<4>::parse(text).unwrap());

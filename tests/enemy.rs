@@ -5,16 +5,16 @@
 mod adapter;
 mod common;
 
-use flipmap::engine::choice::{Demand, Kind, Wish};
+use flipmap::engine::choice::{EngineKind, EngineRequest, IntegrationSetting};
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::BALANCED;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Accuracy, Engine, Method, Precision, Recipe, Trust};
+use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Method, Precision, Trust};
 use flipmap::physics::flip::right_secs;
-use flipmap::physics::{Dd, Outcome, Rule, Scalar, Status, gold};
+use flipmap::physics::{Dd, Outcome, Rule, Scalar, Status, oracle};
 use flipmap::report::hunt::Hunt;
-use flipmap::scene::{Budget, Build, Grid, Kind as Sort, Question, Scene, View};
+use flipmap::scene::{Budget, Build, FlipQuestion, Grid, Kind as Sort, Scene, View};
 use flipmap::tiles::preview::preview;
 use flipmap::tiles::{Samples, Work};
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ fn rods() -> Build {
 
 /// A window's scene.
 fn scene(build: Build, rule: Rule, budget_secs: f64, view: View) -> Scene {
-    let question = Question { rule, budget: Budget::secs(budget_secs) };
+    let question = FlipQuestion { rule, budget: Budget::secs(budget_secs) };
     Scene { build, question, view }.checked().expect("a scene")
 }
 
@@ -38,15 +38,20 @@ fn view(center: [&str; 2], width: &str) -> View {
 }
 
 /// A checked picture by an engine, or by the processor.
-fn checked_by(engine: Box<dyn Engine>, scene: &Scene, side: u32, recipe: Recipe) -> Samples {
+fn checked_by(
+    engine: Box<dyn Engine>,
+    scene: &Scene,
+    side: u32,
+    config: IntegratorConfig,
+) -> Samples {
     let inner = DepthEngine::new(engine, None).unwrap();
     let mut engine = TrustEngine::new(Box::new(inner), None).unwrap();
-    let mut work = Work::new(scene, [side; 2], recipe, 512);
+    let mut work = Work::new(scene, [side; 2], config, 512);
     preview(&mut work, [side; 2], &mut engine, &|| true).unwrap().unwrap()
 }
 
-fn checked(scene: &Scene, side: u32, recipe: Recipe) -> Samples {
-    checked_by(Box::new(CpuEngine::new(None).unwrap()), scene, side, recipe)
+fn checked(scene: &Scene, side: u32, config: IntegratorConfig) -> Samples {
+    checked_by(Box::new(CpuEngine::new(None).unwrap()), scene, side, config)
 }
 
 /// What is true of every `every`-th pixel, by the gold standard in double-double.
@@ -56,7 +61,7 @@ fn truths(scene: &Scene, side: u32, every: usize) -> Vec<(usize, Outcome)> {
     let grid = Grid::new(scene, [side; 2]);
     let truth = |place: usize| {
         let angle = grid.angle_from_pixel(place as u32 % side, place as u32 / side);
-        let truth = gold::outcome(&pendulum, angle, scene.question.rule, budget);
+        let truth = oracle::outcome(&pendulum, angle, scene.question.rule, budget);
         (place, Outcome { status: truth.status, time: (truth.time * unit_secs).to_f64() })
     };
     let places: Vec<usize> = (0..(side * side) as usize).step_by(every).collect();
@@ -136,7 +141,7 @@ fn deep_pixels_that_polynomials_know_are_no_doubts() {
     assert_right(&scene(points(), Rule::Second, 40.0, view(center, "7.1054274e-17")), 24, 16, 0);
 }
 
-/// Every recipe that an engine offers, checked.
+/// Every config that an engine offers, checked.
 fn every_recipe_is_checked(engine: &dyn Fn() -> Box<dyn Engine>) {
     let scene = scene(rods(), Rule::First, 30.0, View::default());
     let truths = truths(&scene, 24, 1);
@@ -153,14 +158,14 @@ fn every_recipe_is_checked(engine: &dyn Fn() -> Box<dyn Engine>) {
         (taylor(1e-15), Precision::F64),
         (taylor(1e-25), Precision::Dd),
     ];
-    let recipes = all.map(|(method, precision)| Recipe { method, precision });
-    let offered: Vec<Recipe> =
-        recipes.into_iter().filter(|recipe| engine().offers(recipe)).collect();
+    let configs = all.map(|(method, precision)| IntegratorConfig { method, precision });
+    let offered: Vec<IntegratorConfig> =
+        configs.into_iter().filter(|config| engine().offers(config)).collect();
     assert!(offered.len() >= 4, "{offered:?}");
-    for recipe in offered {
-        let samples = checked_by(engine(), &scene, 24, recipe);
+    for config in offered {
+        let samples = checked_by(engine(), &scene, 24, config);
         let (wrong, marked) = judged(&scene, &samples, &truths);
-        assert!(wrong.is_empty() && marked <= 4, "{recipe:?}: {marked} marked, {wrong:#?}");
+        assert!(wrong.is_empty() && marked <= 4, "{config:?}: {marked} marked, {wrong:#?}");
     }
 }
 
@@ -179,9 +184,9 @@ needs_adapter!(gpu: every_recipe_of_a_graphics_card_is_checked);
 
 #[test]
 fn a_small_hunt_comes_home_with_nothing() {
-    let demand = Demand::Level(Accuracy::Exact);
-    let wish = Wish { kind: Kind::Cpu, demand, ..Wish::default() };
-    let hunt = Hunt::run(30.0, 5, 11, &wish, &|| false, &mut |_| {}).unwrap();
+    let setting = IntegrationSetting::Accuracy(Accuracy::Exact);
+    let request = EngineRequest { kind: EngineKind::Cpu, setting, ..EngineRequest::default() };
+    let hunt = Hunt::run(30.0, 5, 11, &request, &|| false, &mut |_| {}).unwrap();
     assert_eq!(hunt.windows, 5);
     assert!(hunt.judged > 1000 && hunt.wrong.is_empty(), "{hunt:#?}");
 }

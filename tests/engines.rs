@@ -6,23 +6,25 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::{Accuracy, Engine, Keep, Method, Precision, Question, Recipe, Starts};
+use flipmap::engine::{
+    Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Question, Starts,
+};
 use flipmap::physics::{Dd, Decimal, Outcome, Rule, Status};
-use flipmap::scene::{Budget, Build, Kind, Question as Asked, Scene, View};
+use flipmap::scene::{Budget, Build, FlipQuestion as Asked, Kind, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
 /// What an engine is used for: both precisions of the lesson, and the adaptive methods where they
 /// are at home.
-fn recipes(engine: &dyn Engine) -> Vec<Recipe> {
-    let recipe = |method, precision| Recipe { method, precision };
-    let mut recipes = PRECISIONS.map(lesson).to_vec();
-    recipes.push(recipe(Method::Dopri5 { tolerance: 1e-7 }, Precision::F32));
-    recipes.push(recipe(Method::Dop853 { tolerance: 1e-12 }, Precision::F64));
+fn configs(engine: &dyn Engine) -> Vec<IntegratorConfig> {
+    let config = |method, precision| IntegratorConfig { method, precision };
+    let mut configs = PRECISIONS.map(lesson).to_vec();
+    configs.push(config(Method::Dopri5 { tolerance: 1e-7 }, Precision::F32));
+    configs.push(config(Method::Dop853 { tolerance: 1e-12 }, Precision::F64));
     if engine.name() == "cpu" {
-        recipes.push(recipe(Method::Taylor { tolerance: 1e-15 }, Precision::F64));
+        configs.push(config(Method::Taylor { tolerance: 1e-15 }, Precision::F64));
     }
-    recipes
+    configs
 }
 
 macro_rules! on_every_engine {
@@ -117,8 +119,8 @@ fn the_levels_keep_their_promises(make: Make) {
     let starts = open_starts(&home, 512, 6);
     let truth = truth(&question(&home), &starts);
     for (level, least) in [(Accuracy::Fast, 0.925), (Accuracy::Balanced, 0.998)] {
-        let recipe = level.recipes()[0];
-        let answers = answers(engine.as_mut(), &question(&home), recipe, &starts);
+        let config = level.configs()[0];
+        let answers = answers(engine.as_mut(), &question(&home), config, &starts);
         let right = share_within(1e-3, &answers, &truth);
         assert!(right >= least, "{level}: {right} of {}", starts.len());
     }
@@ -134,8 +136,8 @@ fn balanced_is_right_for_other_pendulums_and_rules(make: Make) {
         }
         let starts = open_starts(&scene, 48, 1);
         let truth = truth(&question(&scene), &starts);
-        let recipe = Accuracy::Balanced.recipes()[0];
-        let answers = answers(engine.as_mut(), &question(&scene), recipe, &starts);
+        let config = Accuracy::Balanced.configs()[0];
+        let answers = answers(engine.as_mut(), &question(&scene), config, &starts);
         let right = share_within(1e-3, &answers, &truth);
         assert!(right >= 0.99, "{scene:?}: {right} of {}", starts.len());
     }
@@ -147,10 +149,10 @@ fn mirrored_starts_have_mirrored_fates(make: Make) {
     let mut engine = make();
     for rule in [Rule::Second, Rule::Either] {
         let question = Question { rule, ..question(&Scene::default()) };
-        for recipe in recipes(engine.as_ref()) {
-            let there = answers(engine.as_mut(), &question, recipe, &starts);
-            let back = answers(engine.as_mut(), &question, recipe, &mirrored);
-            assert_eq!(there, back, "{rule} {recipe:?}");
+        for config in configs(engine.as_ref()) {
+            let there = answers(engine.as_mut(), &question, config, &starts);
+            let back = answers(engine.as_mut(), &question, config, &mirrored);
+            assert_eq!(there, back, "{rule} {config:?}");
         }
     }
 }
@@ -164,12 +166,12 @@ fn a_whole_turn_away_is_the_same_pendulum(make: Make) {
     let [here, there] = [moved(["2", "1"]), moved(["8.283185307179586", "-5.283185307179586"])];
     let question = question(&here);
     let mut engine = make();
-    for recipe in recipes(engine.as_ref()) {
+    for config in configs(engine.as_ref()) {
         let [near, far] = [&here, &there]
-            .map(|scene| answers(engine.as_mut(), &question, recipe, &open_starts(scene, 64, 1)));
+            .map(|scene| answers(engine.as_mut(), &question, config, &open_starts(scene, 64, 1)));
         let (far, near) = flips_before(5.0, &far, &near);
         let same = share_within(1e-3, &far, &near);
-        assert!(same >= 0.999, "{recipe:?}: {same}");
+        assert!(same >= 0.999, "{config:?}: {same}");
     }
 }
 
@@ -177,13 +179,13 @@ fn splitting_a_job_changes_nothing(make: Make) {
     let question = question(&Scene::default());
     let starts = open_starts(&Scene::default(), 48, 1);
     let mut engine = make();
-    for recipe in recipes(engine.as_ref()) {
-        let whole = answers(engine.as_mut(), &question, recipe, &starts);
+    for config in configs(engine.as_ref()) {
+        let whole = answers(engine.as_mut(), &question, config, &starts);
         let parts: Vec<Outcome> = starts
             .chunks(97)
-            .flat_map(|part| answers(engine.as_mut(), &question, recipe, part))
+            .flat_map(|part| answers(engine.as_mut(), &question, config, part))
             .collect();
-        assert_eq!(whole, parts, "{recipe:?}");
+        assert_eq!(whole, parts, "{config:?}");
     }
 }
 
@@ -191,8 +193,8 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
     let question = question(&Scene::default());
     let starts = open_starts(&Scene::default(), 48, 1);
     let mut engine = make();
-    for recipe in recipes(engine.as_ref()) {
-        let whole = finished(engine.as_mut(), &question, recipe, Starts::Rest(starts.clone()));
+    for config in configs(engine.as_ref()) {
+        let whole = finished(engine.as_mut(), &question, config, Starts::Rest(starts.clone()));
         let mut outcomes = vec![None; starts.len()];
         let mut open: Vec<usize> = (0..starts.len()).collect();
         let mut next = Starts::Rest(starts.clone());
@@ -200,20 +202,20 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
         // Stops between steps, inside steps, and almost at once.
         for budget_secs in [0.001, 1.0, 3.3333, 7.0, 30.0] {
             let question = Question { budget_secs, ..question };
-            let part = finished(engine.as_mut(), &question, recipe, next);
+            let part = finished(engine.as_mut(), &question, config, next);
             for (&start, &outcome) in open.iter().zip(&part.outcomes) {
                 outcomes[start] = Some(outcome);
             }
             evaluations += part.effort.rhs_evaluations;
             let (left, states): (Vec<usize>, Vec<_>) = part.unfinished.into_iter().unzip();
             open = left.into_iter().map(|index| open[index]).collect();
-            next = Starts::Paused(states);
+            next = Starts::Resumed(states);
         }
         let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
-        assert_eq!(outcomes, whole.outcomes, "{recipe:?}");
+        assert_eq!(outcomes, whole.outcomes, "{config:?}");
         // What is done twice is at most the step around each stop.
         let most = whole.effort.rhs_evaluations + 5 * 40 * starts.len() as u64;
-        assert!((whole.effort.rhs_evaluations..=most).contains(&evaluations), "{recipe:?}");
+        assert!((whole.effort.rhs_evaluations..=most).contains(&evaluations), "{config:?}");
     }
 }
 
@@ -244,11 +246,11 @@ fn starts_at_the_top_begin_inside(make: Make) {
     let truth = truth(&question, &starts);
     assert!(truth[0].time > 0.1, "{truth:?}");
     let mut engine = make();
-    for recipe in recipes(engine.as_ref()) {
-        let answers = answers(engine.as_mut(), &question, recipe, &starts);
+    for config in configs(engine.as_ref()) {
+        let answers = answers(engine.as_mut(), &question, config, &starts);
         assert!(
             (answers[0].time - truth[0].time).abs() < 1e-2,
-            "{recipe:?}: {answers:?} {truth:?}"
+            "{config:?}: {answers:?} {truth:?}"
         );
     }
 }
@@ -262,8 +264,8 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
         let asked = Asked { budget: Budget::secs(3.0), ..Asked::default() };
         let scene = Scene { build, question: asked, ..Scene::default() };
         let starts = open_starts(&scene, 24, 1);
-        for recipe in recipes(engine.as_ref()) {
-            let answers = answers(engine.as_mut(), &question(&scene), recipe, &starts);
+        for config in configs(engine.as_ref()) {
+            let answers = answers(engine.as_mut(), &question(&scene), config, &starts);
             for outcome in &answers {
                 let sound = outcome.time.is_finite() && (0.0..=3.0).contains(&outcome.time);
                 assert!(sound && outcome.status != Status::Forbidden, "{build:?}: {outcome:?}");
@@ -274,8 +276,8 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
 
 fn a_job_without_starts_is_done_at_once(make: Make) {
     let mut engine = make();
-    for recipe in recipes(engine.as_ref()) {
-        let none = answers(engine.as_mut(), &question(&Scene::default()), recipe, &[]);
+    for config in configs(engine.as_ref()) {
+        let none = answers(engine.as_mut(), &question(&Scene::default()), config, &[]);
         assert!(none.is_empty());
     }
 }
@@ -287,11 +289,11 @@ fn cancelled_jobs_never_come_back(make: Make) {
     let starts = Starts::Rest(open_starts(&Scene::default(), 64, 1));
     let mut engine = make();
     let id = u64::from(IDS.fetch_add(1, Ordering::Relaxed));
-    let recipe = lesson(Precision::F32);
-    let job = Job { id, question, recipe, starts, keep: Keep::Nothing };
+    let config = lesson(Precision::F32);
+    let job = Job { id, question, config, starts, keep: Keep::Nothing };
     engine.submit(job).unwrap();
     engine.cancel();
     assert!(engine.poll(Wait::UntilFinished).unwrap().is_empty());
-    let again = answers(engine.as_mut(), &question, recipe, &open_starts(&Scene::default(), 8, 1));
+    let again = answers(engine.as_mut(), &question, config, &open_starts(&Scene::default(), 8, 1));
     assert!(!again.is_empty());
 }

@@ -6,12 +6,13 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{Method, Precision, Recipe};
-use flipmap::output::{Clock, Paths, Sinks, render_pass};
+use flipmap::engine::{IntegratorConfig, Method, Precision};
+use flipmap::output::{Paths, RenderClock, Sinks, render_pass};
 use flipmap::scene::Document;
 use flipmap::tiles::{Counts, Work};
 
-const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+const RECIPE: IntegratorConfig =
+    IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 /// As wide as posters are.
 const WIDTH: u32 = 60_000;
 /// Rows of the largest picture of that width whose lower half is the mirror image of its upper
@@ -46,7 +47,7 @@ fn render(size: [u32; 2], paths: &Paths) -> Counts {
     let mut counts = Counts::default();
     for pass in sinks.passes(1) {
         let mut work = Work::new(&document.scene(), size, RECIPE, engine.job_size);
-        let (clock, go_on) = (&mut Clock::default(), &mut |_: &Counts| true);
+        let (clock, go_on) = (&mut RenderClock::default(), &mut |_: &Counts| true);
         render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, go_on).unwrap();
         counts += work.counts();
     }

@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{Engine, Precision};
-use flipmap::output::compare::{Comparison, Difference, Rows, compare};
-use flipmap::output::{Painter, RowOrder};
+use flipmap::output::compare::{Comparison, Difference, ResultRows, compare};
+use flipmap::output::{RowOrder, RowPainter};
 use flipmap::physics::Rule;
-use flipmap::scene::{Budget, Build, Kind, PictureTable, Question, Scene, View};
+use flipmap::scene::{Budget, Build, FlipQuestion, Kind, PictureTable, Scene, View};
 use flipmap::tiles::Work;
 use image::{Rgb, RgbImage};
 
@@ -32,7 +32,7 @@ struct Golden {
 }
 
 fn goldens() -> Vec<Golden> {
-    let question = |rule, secs| Question { rule, budget: Budget::secs(secs) };
+    let question = |rule, secs| FlipQuestion { rule, budget: Budget::secs(secs) };
     let rods = Build { kind: Kind::Rods, ..Build::default() };
     let uneven = Build::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81);
     let turned = View {
@@ -77,7 +77,7 @@ fn paint(golden: &Golden, engine: &mut dyn Engine, precision: Precision) -> RgbI
     let along = golden.picture.samples;
     let fine = SIZE.map(|side| side * along);
     let mut work = Work::new(&golden.scene, fine, lesson(precision), 4096);
-    let mut painter = Painter::new(&golden.scene, SIZE, &golden.picture).unwrap();
+    let mut painter = RowPainter::new(&golden.scene, SIZE, &golden.picture).unwrap();
     let (mut rows, mut bytes) = (RowOrder::default(), Vec::new());
     while !work.is_done() {
         for tile in work.work(engine, None).unwrap() {
@@ -90,7 +90,7 @@ fn paint(golden: &Golden, engine: &mut dyn Engine, precision: Precision) -> RgbI
 /// How two picture files differ, by the same code as `flipmap compare`; a picture of the
 /// differences is left beside the second.
 fn compared(expected: &Path, actual: &Path) -> Comparison {
-    let [a, b] = [expected, actual].map(|path| Rows::open(path).unwrap());
+    let [a, b] = [expected, actual].map(|path| ResultRows::open(path).unwrap());
     let mut difference = RgbImage::new(SIZE[0], SIZE[1]);
     let mut y = 0;
     let comparison = compare(a, b, CHANNEL, &mut |row| {

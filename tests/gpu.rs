@@ -12,14 +12,14 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device::Gpu;
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
-    Accuracy, Engine, EngineError, Job, Keep, Precision, Question, Recipe, Starts, Wait,
+    Accuracy, Engine, EngineError, IntegratorConfig, Job, Keep, Precision, Question, Starts, Wait,
 };
 use flipmap::physics::Rule;
 use flipmap::scene::Scene;
 
-/// The lesson in both precisions, and the recipes of `fast` and `balanced`.
-fn recipes() -> Vec<Recipe> {
-    let levels = [Accuracy::Fast, Accuracy::Balanced].map(|level| level.recipes()[0]);
+/// The lesson in both precisions, and the configs of `fast` and `balanced`.
+fn configs() -> Vec<IntegratorConfig> {
+    let levels = [Accuracy::Fast, Accuracy::Balanced].map(|level| level.configs()[0]);
     [lesson(Precision::F32), lesson(Precision::F64)].into_iter().chain(levels).collect()
 }
 
@@ -43,25 +43,25 @@ mod checks {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 512, 4);
         let (mut gpu, mut cpu) = (gpu_engine(), CpuEngine::new(None).unwrap());
-        for recipe in recipes() {
-            let gpu = answers(&mut gpu, &question, recipe, &starts);
-            let cpu = answers(&mut cpu, &question, recipe, &starts);
+        for config in configs() {
+            let gpu = answers(&mut gpu, &question, config, &starts);
+            let cpu = answers(&mut cpu, &question, config, &starts);
             let (gpu, cpu) = flips_before(2.0, &gpu, &cpu);
             let agree = share_within(1e-5, &gpu, &cpu);
-            assert!(agree >= 0.99, "{recipe:?}: {agree} of {}", cpu.len());
+            assert!(agree >= 0.99, "{config:?}: {agree} of {}", cpu.len());
         }
     }
 
     pub fn the_length_of_slices_changes_nothing() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 40, 1);
-        for recipe in recipes() {
+        for config in configs() {
             let outcomes = [1, 20_000].map(|pace| {
                 let mut engine = gpu_engine();
                 engine.set_pace(Duration::from_micros(pace));
-                answers(&mut engine, &question, recipe, &starts)
+                answers(&mut engine, &question, config, &starts)
             });
-            assert_eq!(outcomes[0], outcomes[1], "{recipe:?}");
+            assert_eq!(outcomes[0], outcomes[1], "{config:?}");
         }
     }
 
@@ -70,14 +70,14 @@ mod checks {
         for rule in [Rule::Second, Rule::Either] {
             let question = Question { rule, ..question(&Scene::default()) };
             let truth = truth(&question, &starts);
-            for recipe in &recipes()[1..] {
+            for config in &configs()[1..] {
                 let right = [true, false].map(|specialised| {
                     let mut engine = gpu_engine();
                     engine.set_specialised(specialised);
-                    let answers = answers(&mut engine, &question, *recipe, &starts);
+                    let answers = answers(&mut engine, &question, *config, &starts);
                     share_within(1e-3, &answers, &truth)
                 });
-                assert!((right[0] - right[1]).abs() < 0.01, "{rule} {recipe:?}: {right:?}");
+                assert!((right[0] - right[1]).abs() < 0.01, "{rule} {config:?}: {right:?}");
             }
         }
     }
@@ -85,7 +85,7 @@ mod checks {
     pub fn two_f32_are_nearly_as_right_as_f64() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 512, 16);
-        let df32 = Accuracy::Balanced.recipes()[1];
+        let df32 = Accuracy::Balanced.configs()[1];
         assert_eq!(df32.precision, Precision::Df32);
         let mut engine = gpu_engine();
         let orbits = selfcheck::orbits(&mut engine, &[Precision::Df32]).unwrap();
@@ -98,12 +98,12 @@ mod checks {
     pub fn a_lost_device_is_replaced_and_its_jobs_done_again() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 64, 1);
-        let recipe = lesson(Precision::F32);
-        let expected = answers(&mut gpu_engine(), &question, recipe, &starts);
+        let config = lesson(Precision::F32);
+        let expected = answers(&mut gpu_engine(), &question, config, &starts);
         let mut engine = gpu_engine();
         for id in [1, 2] {
             let starts = Starts::Rest(starts.clone());
-            engine.submit(Job { id, question, recipe, starts, keep: Keep::Nothing }).unwrap();
+            engine.submit(Job { id, question, config, starts, keep: Keep::Nothing }).unwrap();
         }
         engine.gpu().device.destroy();
         let mut finished = Vec::new();
@@ -140,7 +140,7 @@ mod checks {
         let error = engine.submit(Job {
             id: 0,
             question: question(&Scene::default()),
-            recipe: lesson(Precision::F64),
+            config: lesson(Precision::F64),
             starts: Starts::Rest(open_starts(&Scene::default(), 4, 1)),
             keep: Keep::Nothing,
         });

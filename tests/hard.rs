@@ -8,10 +8,10 @@ use assert_cmd::Command;
 use common::gpu_engine;
 use flipmap::engine::Engine;
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::report::hard::{Bench, cases};
+use flipmap::report::hard::{HardBench, cases};
 
 fn all_hold(engine: Box<dyn Engine>) {
-    let (name, mut bench) = (engine.name(), Bench::new(engine));
+    let (name, mut bench) = (engine.name(), HardBench::new(engine));
     let mut broken = Vec::new();
     for case in cases().into_iter().filter(|case| case.is_for(name)) {
         let begun = std::time::Instant::now();

@@ -8,14 +8,14 @@ use egui::{Event, Key, Modifiers, PointerButton, Role, Theme, pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use flipmap::lab::home::home_map;
-use flipmap::lab::{Asked, Figure, Lab, flips};
+use flipmap::lab::{Figure, FigureRequest, Lab, flips};
 use flipmap::scene::{Build, Kind};
 
 const SIZE: [f32; 2] = [1100.0, 680.0];
 
 struct Shown {
     lab: Lab,
-    asked: Vec<Asked>,
+    asked: Vec<FigureRequest>,
 }
 
 /// A figure `secs` after its start, that does not move on by itself.
@@ -78,7 +78,7 @@ fn a_start_goes_to_the_map_and_comes_from_it() {
         assert_eq!(harness.state().lab.set()[..2], [1.25, -0.5]);
         harness.get_by_label("Show this start on the map").click();
         harness.run_steps(2);
-        assert_eq!(harness.state().asked, [Asked::ToMap([1.25, -0.5])], "{which:?}");
+        assert_eq!(harness.state().asked, [FigureRequest::ToMap([1.25, -0.5])], "{which:?}");
     }
 }
 

@@ -8,17 +8,19 @@ mod adapter;
 use egui::{Key, Role, Theme, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use flipmap::app::export::Stage;
+use flipmap::app::export::ExportStage;
 use flipmap::app::folders::Folders;
 use flipmap::app::panels::colours::{ColourAction, colours_panel};
-use flipmap::app::panels::export::{ExportAction, ExportForm, ExportStatus, What, export_panel};
+use flipmap::app::panels::export::{
+    ExportAction, ExportForm, ExportStatus, ExportSubject, export_panel,
+};
 use flipmap::app::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_panel};
 use flipmap::app::panels::scene::scene_panel;
 use flipmap::app::places::Places;
 use flipmap::output::Picture;
 use flipmap::physics::Rule;
 use flipmap::scene::{
-    Budget, Build, BuiltIn, Document, Kind, PictureTable, Question, Scale, Scene,
+    Budget, Build, BuiltIn, Document, FlipQuestion, Kind, PictureTable, Scale, Scene,
 };
 
 /// A panel's state, and all that was asked of it so far.
@@ -48,7 +50,7 @@ fn harness<S: 'static, A: Clone + 'static>(
     harness
 }
 
-type Asked = (Build, Question);
+type Asked = (Build, FlipQuestion);
 
 fn scene() -> Harness<'static, Shown<Asked, Asked>> {
     let home = Scene::default();
@@ -136,10 +138,10 @@ fn the_scene_follows_what_is_pressed_and_typed() {
     type_over(&mut harness, "Budget", "60");
     let (build, question) = harness.state().state;
     assert_eq!(build, Build::new(Kind::Rods, [1.0, 2.5], build.lengths_m(), 1.62));
-    assert_eq!(question, Question { rule: Rule::Either, budget: Budget::secs(60.0) });
+    assert_eq!(question, FlipQuestion { rule: Rule::Either, budget: Budget::secs(60.0) });
     assert_eq!(harness.state().asked.len(), 5, "one answer a change");
     press(&mut harness, "Back to the home pendulum");
-    assert_eq!(harness.state().state, (Build::default(), Question::default()));
+    assert_eq!(harness.state().state, (Build::default(), FlipQuestion::default()));
 }
 
 #[test]
@@ -204,9 +206,9 @@ fn the_legend_is_told_in_words() {
 
 #[test]
 fn exports_begin_and_stop_by_name() {
-    let running = Stage::Running { share: 0.5, pixels_per_sec: 1e6 };
+    let running = ExportStage::Running { share: 0.5, pixels_per_sec: 1e6 };
     let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage };
-    let exports = vec![of("a.png", running), of("b.png", Stage::Done { secs: 2.0 })];
+    let exports = vec![of("a.png", running), of("b.png", ExportStage::Done { secs: 2.0 })];
     let mut harness = export(exports);
     press(&mut harness, "raw numbers");
     assert_eq!(harness.state().state.path, "no/such/folder/map.npy");
@@ -221,7 +223,7 @@ fn exports_begin_and_stop_by_name() {
     use ExportAction::{Browse, Cancel, Dismiss, Start};
     assert_eq!(last, [Browse, Start, Cancel(0), Dismiss(1)]);
     press(&mut harness, "film key");
-    assert_eq!(harness.state().state.what, What::Key);
+    assert_eq!(harness.state().state.what, ExportSubject::Key);
     harness.get_by_label("Add this view to the film");
     assert!(harness.query_by_label("Width").is_none());
 }
@@ -308,9 +310,9 @@ mod pictures {
 
     pub fn exports_look_as_they_should() {
         let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage };
-        let running = Stage::Running { share: 0.42, pixels_per_sec: 1_234_567.0 };
+        let running = ExportStage::Running { share: 0.42, pixels_per_sec: 1_234_567.0 };
         let why = "cannot write late.png: no storage space".to_string();
-        export(vec![of("map.png", running), of("late.png", Stage::Failed(why))])
+        export(vec![of("map.png", running), of("late.png", ExportStage::Failed(why))])
             .snapshot("side_export");
     }
 

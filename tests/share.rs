@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
-use flipmap::app::export::{Export, ExportKind, ExportRequest, Stage};
-use flipmap::engine::choice::{Kind, Wish};
+use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
+use flipmap::engine::choice::{EngineKind, EngineRequest};
 use flipmap::output::document_in_png;
 use flipmap::scene::{BUILT_IN, BuiltIn, Document, Scale};
 
@@ -24,9 +24,9 @@ fn render(folder: &Path, arguments: &[&str]) -> String {
 fn export(mut document: Document, path: &Path, kind: ExportKind) {
     document.run.accuracy = Some("fast".to_string());
     let request = ExportRequest { document, size: [48, 32], path: path.to_path_buf(), kind };
-    let wish = Wish { kind: Kind::Cpu, ..Wish::default() };
-    let stage = Export::start(request, wish, || ()).wait();
-    assert!(matches!(stage, Stage::Done { .. }), "{stage:?}");
+    let engine_request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+    let stage = Export::start(request, engine_request, || ()).wait();
+    assert!(matches!(stage, ExportStage::Done { .. }), "{stage:?}");
 }
 
 fn document(path: &Path) -> Document {

@@ -5,17 +5,17 @@ mod common;
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Accuracy, Engine, Keep, Method, Precision, Recipe, Starts, Trust};
-use flipmap::physics::{Dd, Outcome, Pendulum, Status, gold};
-use flipmap::scene::{Budget, Question as Asked, Scene, View};
+use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};
+use flipmap::physics::{Dd, Outcome, Pendulum, Status, oracle};
+use flipmap::scene::{Budget, FlipQuestion as Asked, Scene, View};
 use rayon::prelude::*;
 
 fn exact() -> TrustEngine<'static> {
     TrustEngine::new(Box::new(CpuEngine::new(None).unwrap()), None).unwrap()
 }
 
-fn balanced() -> Recipe {
-    Accuracy::Exact.recipes()[0]
+fn balanced() -> IntegratorConfig {
+    Accuracy::Exact.configs()[0]
 }
 
 /// A window beside the energy curve, where flips come late, or in the filigree.
@@ -35,7 +35,7 @@ fn truth_in_dd(scene: &Scene, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let pendulum: Pendulum<Dd> = question.build.pendulum_in();
     let budget = Dd::new(question.budget_secs);
     let one = |angle: &[Dd; 2]| {
-        let outcome = gold::outcome(&pendulum, *angle, question.rule, budget);
+        let outcome = oracle::outcome(&pendulum, *angle, question.rule, budget);
         Outcome { status: outcome.status, time: outcome.time.hi }
     };
     starts.par_iter().map(one).collect()
@@ -113,8 +113,8 @@ fn a_paused_pendulum_cannot_be_checked() {
     let job = flipmap::engine::Job {
         id: 1,
         question,
-        recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
-        starts: Starts::Paused(Vec::new()),
+        config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },
+        starts: Starts::Resumed(Vec::new()),
         keep: Keep::Nothing,
     };
     assert!(engine.submit(job).unwrap_err().to_string().contains("release"));
@@ -126,8 +126,9 @@ fn double_double_answers_every_start_of_a_long_job() {
     scene.question.budget.secs = 2.0;
     let starts = open_starts(&scene, 12, 1);
     assert!(starts.len() > 80);
-    let recipe = Recipe { method: Method::Taylor { tolerance: 1e-25 }, precision: Precision::Dd };
+    let config =
+        IntegratorConfig { method: Method::Taylor { tolerance: 1e-25 }, precision: Precision::Dd };
     let mut engine = CpuEngine::new(None).unwrap();
-    let answers = answers(&mut engine, &question(&scene), recipe, &starts);
+    let answers = answers(&mut engine, &question(&scene), config, &starts);
     assert_eq!(share_within(1e-12, &answers, &truth_in_dd(&scene, &starts)), 1.0);
 }

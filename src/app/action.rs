@@ -9,10 +9,10 @@ use super::pins::PinAction;
 use super::settings::{Layers, Theme};
 use super::state::Dialog;
 use crate::engine::Accuracy;
-use crate::engine::choice::Kind;
+use crate::engine::choice::EngineKind;
 use crate::lab::Figure;
 use crate::physics::Theta;
-use crate::scene::{Build, Document, PictureTable, Question};
+use crate::scene::{Build, Document, FlipQuestion, PictureTable};
 
 /// Moving about. Points are from the canvas' middle, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,13 +75,13 @@ pub enum Action {
     /// Play or pause the pendulum that is shown.
     PlayPause,
     /// Another pendulum or question.
-    Scene(Box<Build>, Question),
+    Scene(Box<Build>, FlipQuestion),
     /// Other colours.
     Picture(PictureTable),
     /// Another accuracy.
     Accuracy(Accuracy),
     /// Another kind of engine.
-    Engine(Kind),
+    Engine(EngineKind),
     /// Open the engine anew after a failure.
     TryAgain,
     /// Show or hide layers.

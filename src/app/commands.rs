@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::action::{Action, Look};
 use super::settings::{Layers, Theme};
-use super::state::{Dialog, State};
+use super::state::{AppState, Dialog};
 use crate::engine::Accuracy;
 use crate::lab::Figure;
 
@@ -32,7 +32,7 @@ fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 }
 
 /// Every command, as it would act on a state.
-pub fn commands(state: &State) -> Vec<Command> {
+pub fn commands(state: &AppState) -> Vec<Command> {
     let mut commands = moving();
     commands.extend(showing(&state.layers));
     commands.extend(doing(state));
@@ -95,7 +95,7 @@ fn showing(layers: &Layers) -> Vec<Command> {
     ]
 }
 
-fn doing(state: &State) -> Vec<Command> {
+fn doing(state: &AppState) -> Vec<Command> {
     let accuracy = |accuracy| Action::Accuracy(accuracy);
     let scale = |factor: f32| Action::UiScale(state.ui_scale * factor);
     let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
@@ -131,7 +131,7 @@ fn doing(state: &State) -> Vec<Command> {
 
 /// Takes the keys of commands out of the input and returns what they ask for. With `typing`,
 /// only those that no text field wants.
-pub fn pressed(input: &mut egui::InputState, state: &State, typing: bool) -> Vec<Action> {
+pub fn pressed(input: &mut egui::InputState, state: &AppState, typing: bool) -> Vec<Action> {
     let mut actions = Vec::new();
     let mut known: Vec<(KeyboardShortcut, Action)> = commands(state)
         .into_iter()

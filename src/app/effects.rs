@@ -4,15 +4,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::action::Action;
-use super::desk::{Asking, Desk};
 use super::dialog::FileDialog;
 use super::export::{Export, ExportKind, ExportRequest, append_keys};
 use super::hover;
+use super::model::{AppModel, Asking};
 use super::panels::colours::ColourAction;
-use super::panels::export::{ExportAction, What};
+use super::panels::export::{ExportAction, ExportSubject};
 use super::panels::places::PlaceAction;
-use super::seen;
 use super::state::Effect;
+use super::view_samples;
 use crate::output::Picture;
 use crate::physics::Theta;
 use crate::scene::palette::{Tones, equalised};
@@ -21,10 +21,10 @@ use crate::scene::{Document, PictureTable, Scale};
 /// Steps of an equalised palette.
 const EQUAL_STEPS: usize = 32;
 
-impl Desk {
+impl AppModel {
     /// Does actions in their order; returns what only the window can do.
     pub(super) fn act(&mut self, actions: Vec<Action>) -> Vec<Effect> {
-        actions.iter().for_each(|action| self.stop_dive_for(action));
+        actions.iter().for_each(|action| self.stop_descent_for(action));
         let effects: Vec<Effect> =
             actions.into_iter().filter_map(|action| self.state.apply(action)).collect();
         effects.into_iter().filter_map(|effect| self.affect(effect)).collect()
@@ -34,16 +34,16 @@ impl Desk {
     pub(super) fn affect(&mut self, effect: Effect) -> Option<Effect> {
         match effect {
             Effect::Pin(starts) => self.pin(*starts),
-            Effect::GoDeeper => self.toggle_dive(),
+            Effect::GoDeeper => self.toggle_descent(),
             Effect::Lab(figure) => self.show_figure(figure),
             Effect::OpenInLab(figure, start) => self.open_in_lab(figure, start),
             Effect::FromLab(start) => self.aimed_in_lab(start),
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
                 self.relaunch();
-                self.wish.kind = self.state.kind;
-                self.wish.demand = self.state.demand;
-                self.room.reopen(self.state.kind, self.state.demand, self.state.verify);
+                self.request.kind = self.state.kind;
+                self.request.setting = self.state.setting;
+                self.compute.reopen(self.state.kind, self.state.setting, self.state.verify);
             }
             Effect::Open(path) => self.open(&path),
             Effect::AskForFile => {
@@ -64,7 +64,7 @@ impl Desk {
     fn pin(&mut self, starts: [[Theta; 2]; 2]) {
         let level = self.state.screen().level();
         let budget_secs = self.state.question.budget.secs;
-        let told = hover::outcome_at(&mut self.room.explorer, starts[0], level, budget_secs);
+        let told = hover::outcome_at(&mut self.compute.explorer, starts[0], level, budget_secs);
         let wake = Arc::clone(&self.wake);
         match self.state.pins.add(starts, told, move || wake()) {
             Ok(id) => {
@@ -96,7 +96,7 @@ impl Desk {
             ColourAction::Paint(picture) => Some(Action::Picture(picture)),
             ColourAction::Equalise => {
                 let screen = self.state.screen();
-                let times = seen::times(&screen, &mut self.room.explorer);
+                let times = view_samples::known_times(&screen, &mut self.compute.explorer);
                 let times = equalised(times.into_iter(), EQUAL_STEPS);
                 if times.len() < 2 {
                     self.state.notices.tell("Too few flips are in view to spread colours over.");
@@ -131,8 +131,9 @@ impl Desk {
         let (screen, scene) = (self.state.screen(), document.scene());
         let tones =
             Tones::new(&document.picture, scene.build.unit_secs(), scene.question.budget.secs).ok();
-        let rgb = tones.map(|tones| seen::thumbnail(&screen, &mut self.room.explorer, &tones));
-        let size = seen::THUMBNAIL;
+        let rgb =
+            tones.map(|tones| view_samples::thumbnail(&screen, &mut self.compute.explorer, &tones));
+        let size = view_samples::THUMBNAIL;
         let rgb = rgb.unwrap_or_else(|| vec![0x80; (3 * size[0] * size[1]) as usize]);
         self.places.add(name, Picture { document, size, rgb })
     }
@@ -177,15 +178,15 @@ impl Desk {
         let form = self.export_form.clone();
         let (document, path) = (self.state.document(), std::path::PathBuf::from(&form.path));
         let kind = match form.what {
-            What::Png => ExportKind::Png,
-            What::Raw => ExportKind::Raw,
-            What::Key => {
+            ExportSubject::Png => ExportKind::Png,
+            ExportSubject::Raw => ExportKind::Raw,
+            ExportSubject::Key => {
                 self.add_keys(&path, &[document]);
                 return;
             }
         };
         let request = ExportRequest { document, size: form.size, path, kind };
         let wake = Arc::clone(&self.wake);
-        self.exports.push(Export::start(request, self.wish.clone(), move || wake()));
+        self.exports.push(Export::start(request, self.request.clone(), move || wake()));
     }
 }

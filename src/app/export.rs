@@ -7,12 +7,12 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::engine::choice::{Chosen, Wish, choose};
+use crate::engine::choice::{Chosen, EngineRequest, choose};
 use crate::engine::method::Pace;
 use crate::engine::trust::TrustEngine;
-use crate::engine::{Engine, Question, words};
+use crate::engine::{Engine, Question, run_settings};
 use crate::output::{
-    Clock, Destination, Pass, Paths, RenderError, SafeFile, Sinks, render_pass, sentence,
+    Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, render_pass, sentence,
 };
 use crate::scene::keys::{Easing, Keys};
 use crate::scene::{Document, RunTable};
@@ -43,7 +43,7 @@ pub struct ExportRequest {
 
 /// How far an export is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Stage {
+pub enum ExportStage {
     /// An engine is being started; what it says.
     Starting(String),
     /// It runs.
@@ -74,12 +74,12 @@ pub struct Export {
 
 #[derive(Debug)]
 struct Shared {
-    stage: Mutex<Stage>,
+    stage: Mutex<ExportStage>,
     cancelled: AtomicBool,
 }
 
 impl Shared {
-    fn stage(&self) -> MutexGuard<'_, Stage> {
+    fn stage(&self) -> MutexGuard<'_, ExportStage> {
         // A stage is replaced whole: whoever panicked left a good one.
         self.stage.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
@@ -87,8 +87,12 @@ impl Shared {
 
 impl Export {
     /// Begins; `wake` is called whenever the stage has changed.
-    pub fn start(request: ExportRequest, wish: Wish, wake: impl Fn() + Send + 'static) -> Self {
-        let stage = Mutex::new(Stage::Starting("starting an engine".to_string()));
+    pub fn start(
+        request: ExportRequest,
+        engine_request: EngineRequest,
+        wake: impl Fn() + Send + 'static,
+    ) -> Self {
+        let stage = Mutex::new(ExportStage::Starting("starting an engine".to_string()));
         let shared = Arc::new(Shared { stage, cancelled: AtomicBool::new(false) });
         let (path, reporter) = (request.path.clone(), Arc::clone(&shared));
         let thread = std::thread::spawn(move || {
@@ -98,10 +102,10 @@ impl Export {
             };
             let begun = Instant::now();
             let stopped = || reporter.cancelled.load(Ordering::Relaxed);
-            set(match run(&request, &wish, &set, &stopped) {
-                Ok(()) => Stage::Done { secs: begun.elapsed().as_secs_f64() },
-                Err(Failure::Render(RenderError::Stopped)) => Stage::Cancelled,
-                Err(failure) => Stage::Failed(sentence(&failure)),
+            set(match run(&request, &engine_request, &set, &stopped) {
+                Ok(()) => ExportStage::Done { secs: begun.elapsed().as_secs_f64() },
+                Err(Failure::Render(RenderError::Stopped)) => ExportStage::Cancelled,
+                Err(failure) => ExportStage::Failed(sentence(&failure)),
             });
         });
         Export { path, shared, thread: Some(thread) }
@@ -113,7 +117,7 @@ impl Export {
     }
 
     /// How far it is.
-    pub fn stage(&self) -> Stage {
+    pub fn stage(&self) -> ExportStage {
         self.shared.stage().clone()
     }
 
@@ -123,7 +127,7 @@ impl Export {
     }
 
     /// Waits until it is over, and says how.
-    pub fn wait(mut self) -> Stage {
+    pub fn wait(mut self) -> ExportStage {
         self.join();
         self.stage()
     }
@@ -131,7 +135,7 @@ impl Export {
     fn join(&mut self) {
         if self.thread.take().is_some_and(|thread| thread.join().is_err()) {
             let lost = "the export ended unexpectedly; see the log, and try again";
-            *self.shared.stage() = Stage::Failed(lost.to_string());
+            *self.shared.stage() = ExportStage::Failed(lost.to_string());
         }
     }
 }
@@ -150,7 +154,7 @@ enum Failure {
     #[error(transparent)]
     Scene(#[from] crate::scene::DocumentError),
     #[error(transparent)]
-    Words(#[from] words::WordsError),
+    Words(#[from] run_settings::RunSettingsError),
     #[error(transparent)]
     Choice(#[from] crate::engine::choice::ChoiceError),
     #[error(transparent)]
@@ -168,32 +172,32 @@ const TICK: Duration = Duration::from_millis(100);
 
 fn run(
     request: &ExportRequest,
-    wish: &Wish,
-    set: &dyn Fn(Stage),
+    engine_request: &EngineRequest,
+    set: &dyn Fn(ExportStage),
     stopped: &dyn Fn() -> bool,
 ) -> Result<(), Failure> {
     let words = RunTable { size: Some(request.size), ..request.document.run.clone() };
-    let (demand, run) = words::settle(words)?;
-    let verify = words::verifies(demand, &run);
-    let wish = &Wish { demand, ..wish.clone() };
+    let (setting, run) = run_settings::resolve(words)?;
+    let verify = run_settings::verifies(setting, &run);
+    let engine_request = &EngineRequest { setting, ..engine_request.clone() };
     let document = Document { run, ..request.document.clone() };
     document.check()?;
     document.picture.check_size(request.size).map_err(crate::scene::DocumentError::from)?;
     let scene = document.scene();
     let mut sinks =
         Sinks::open(&request.paths(), &document, request.size).map_err(RenderError::from)?;
-    let Chosen { mut engine, recipe, .. } =
-        choose(wish, &|text| set(Stage::Starting(text.to_string())))?;
+    let Chosen { mut engine, config, .. } =
+        choose(engine_request, &|text| set(ExportStage::Starting(text.to_string())))?;
     let question = Question::from(&scene);
     if question.build.gravity.value() > 0.0 {
-        Pace::new(&question, &recipe)?;
+        Pace::new(&question, &config)?;
     }
     if verify {
-        engine = Box::new(TrustEngine::new(engine, wish.threads)?);
+        engine = Box::new(TrustEngine::new(engine, engine_request.threads)?);
     }
     for pass in sinks.passes(document.picture.samples) {
         let size = request.size.map(|side| side * pass.along);
-        let mut work = Work::new(&scene, size, recipe, engine.job_size());
+        let mut work = Work::new(&scene, size, config, engine.job_size());
         run_pass(&mut work, size, engine.as_mut(), &mut sinks, &pass, (set, stopped))?;
     }
     Ok(sinks.finish().map_err(RenderError::from)?)
@@ -204,8 +208,8 @@ fn run_pass(
     size: [u32; 2],
     engine: &mut dyn Engine,
     sinks: &mut Sinks,
-    pass: &Pass,
-    (set, stopped): (&dyn Fn(Stage), &dyn Fn() -> bool),
+    pass: &SinkPass,
+    (set, stopped): (&dyn Fn(ExportStage), &dyn Fn() -> bool),
 ) -> Result<(), RenderError> {
     let total = f64::from(size[0]) * f64::from(size[1]);
     let begun = Instant::now();
@@ -214,11 +218,11 @@ fn run_pass(
         if told.is_none_or(|told| told.elapsed() >= TICK) {
             told = Some(Instant::now());
             let pixels_per_sec = counts.pixels as f64 / begun.elapsed().as_secs_f64().max(1e-3);
-            set(Stage::Running { share: counts.pixels as f64 / total, pixels_per_sec });
+            set(ExportStage::Running { share: counts.pixels as f64 / total, pixels_per_sec });
         }
         !stopped()
     };
-    render_pass(work, engine, sinks, pass, &mut Clock::default(), &mut go_on)
+    render_pass(work, engine, sinks, pass, &mut RenderClock::default(), &mut go_on)
 }
 
 impl ExportRequest {
@@ -260,7 +264,7 @@ pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::choice::Kind;
+    use crate::engine::choice::EngineKind;
     use crate::scene::BuiltIn;
 
     fn request(path: PathBuf) -> ExportRequest {
@@ -269,8 +273,8 @@ mod tests {
         ExportRequest { document, size: [48, 32], path, kind: ExportKind::Png }
     }
 
-    fn fast() -> Wish {
-        Wish { kind: Kind::Cpu, ..Wish::default() }
+    fn fast() -> EngineRequest {
+        EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() }
     }
 
     #[test]
@@ -282,7 +286,7 @@ mod tests {
             let _ = sender.send(());
         });
         woken.recv().unwrap();
-        assert!(matches!(export.wait(), Stage::Done { .. }));
+        assert!(matches!(export.wait(), ExportStage::Done { .. }));
         let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
         let picture = crate::output::picture_in_png(file, 99).unwrap();
         assert_eq!(picture.size, [48, 32]);
@@ -295,7 +299,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("map.npy");
         let request = ExportRequest { kind: ExportKind::Raw, ..request(path.clone()) };
-        assert!(matches!(Export::start(request, fast(), || ()).wait(), Stage::Done { .. }));
+        assert!(matches!(Export::start(request, fast(), || ()).wait(), ExportStage::Done { .. }));
         assert_eq!(std::fs::read(path).unwrap().len(), 128 + 8 * 48 * 32);
     }
 
@@ -316,7 +320,7 @@ mod tests {
             (large, "2000000"),
         ] {
             let stage = Export::start(request, fast(), || ()).wait();
-            assert!(matches!(&stage, Stage::Failed(why) if why.contains(words)), "{stage:?}");
+            assert!(matches!(&stage, ExportStage::Failed(why) if why.contains(words)), "{stage:?}");
         }
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
@@ -329,7 +333,7 @@ mod tests {
         request.size = [8000, 8000];
         let export = Export::start(request.clone(), fast(), || ());
         export.cancel();
-        assert_eq!(export.wait(), Stage::Cancelled);
+        assert_eq!(export.wait(), ExportStage::Cancelled);
         drop(Export::start(request, fast(), || ()));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }

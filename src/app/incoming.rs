@@ -1,11 +1,11 @@
 //! Scenes that come in: from files, places, and pasted locations.
 
 use super::camera::Camera;
-use super::state::{Effect, State, following};
-use crate::engine::words;
+use super::state::{AppState, Effect, following};
+use crate::engine::run_settings;
 use crate::scene::{Document, RunTable, location};
 
-impl State {
+impl AppState {
     /// Shows a document: its pendulum, its view, its colours, and as right as it was, if it says.
     pub(super) fn show(&mut self, document: &Document) -> Option<Effect> {
         let scene = document.scene();
@@ -28,11 +28,11 @@ impl State {
         if words == RunTable::default() {
             return false;
         }
-        match words::settle(words) {
-            Ok((demand, run)) => {
-                let verify = words::verifies(demand, &run);
-                let other = (demand, verify) != (self.demand, self.verify);
-                (self.demand, self.verify, self.run) = (demand, verify, run);
+        match run_settings::resolve(words) {
+            Ok((setting, run)) => {
+                let verify = run_settings::verifies(setting, &run);
+                let other = (setting, verify) != (self.setting, self.verify);
+                (self.setting, self.verify, self.run) = (setting, verify, run);
                 other
             }
             Err(error) => {

@@ -4,18 +4,18 @@ use egui::{Align2, Ui, vec2};
 
 use super::action::{Action, Look};
 use super::camera::Camera;
-use super::desk::Desk;
 use super::hover;
+use super::model::AppModel;
 use super::state::Effect;
 use crate::lab::flips::{Seen, explain};
-use crate::lab::{Asked, Figure};
+use crate::lab::{Figure, FigureRequest};
 use crate::physics::{Scalar, Theta};
 use crate::scene::{Build, View};
 
 /// How much of the home view a start from the lab is shown in.
 const PART: f64 = 1.0 / 16.0;
 
-impl Desk {
+impl AppModel {
     /// Whether a figure stands where the map was.
     pub(super) fn lab_hides_map(&self) -> bool {
         self.state.shown.lab && self.lab.figure != Figure::Map
@@ -31,7 +31,7 @@ impl Desk {
         self.state.shown.lab = figure.is_some();
         self.lab.figure = figure.unwrap_or(self.lab.figure);
         if self.lab_hides_map() {
-            self.room.rest();
+            self.compute.rest();
         }
     }
 
@@ -67,7 +67,7 @@ impl Desk {
         ui.ctx().request_repaint();
         let mut actions = self.figure_tabs(ui);
         ui.separator();
-        if let Some(Asked::ToMap(start)) = self.lab.show(ui) {
+        if let Some(FigureRequest::ToMap(start)) = self.lab.show(ui) {
             actions.push(Action::FromLab(start.map(Theta::from_f64)));
         }
         actions
@@ -75,7 +75,7 @@ impl Desk {
 
     /// The map explained, beside it.
     pub(super) fn explanation(&mut self, ctx: &egui::Context) -> Vec<Action> {
-        let counts = self.room.explorer.counts();
+        let counts = self.compute.explorer.counts();
         let seen = Seen {
             pixels: counts.pixels,
             forbidden: counts.forbidden,

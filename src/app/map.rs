@@ -4,10 +4,10 @@ use egui::{Align2, Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind,
 use glam::DVec2;
 
 use super::action::Action;
-use super::canvas::pipeline::Frame;
+use super::canvas::pipeline::MapFrame;
 use super::gesture::Gesture;
 use super::overlay::{self, position};
-use super::state::State;
+use super::state::AppState;
 use crate::engine::Trust;
 use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::lattice::pitch_rad;
@@ -22,7 +22,12 @@ pub struct Hovered {
 }
 
 /// Shows the map and returns what was done to it.
-pub fn map(ui: &mut Ui, state: &State, frame: Frame, hovered: Option<Hovered>) -> Vec<Action> {
+pub fn map(
+    ui: &mut Ui,
+    state: &AppState,
+    frame: MapFrame,
+    hovered: Option<Hovered>,
+) -> Vec<Action> {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     let name = spoken(state, hovered);
@@ -129,7 +134,7 @@ fn pinch(input: &egui::InputState) -> f64 {
     touch.unwrap_or_else(|| input.events.iter().map(of).product())
 }
 
-fn draw_layers(painter: &egui::Painter, rect: Rect, state: &State) {
+fn draw_layers(painter: &egui::Painter, rect: Rect, state: &AppState) {
     let screen = state.screen();
     if state.layers.borders {
         overlay::draw_tiles(painter, rect, &screen);
@@ -144,7 +149,7 @@ fn draw_layers(painter: &egui::Painter, rect: Rect, state: &State) {
 }
 
 /// A ring with a letter for every pin in view.
-fn draw_pins(painter: &egui::Painter, rect: Rect, state: &State) {
+fn draw_pins(painter: &egui::Painter, rect: Rect, state: &AppState) {
     let screen = state.screen();
     for pin in state.pins.iter() {
         let point = screen.point_of(screen.camera.offset_of(pin.start));
@@ -195,7 +200,7 @@ fn plain(theta: Theta, digits: usize) -> String {
 }
 
 /// What a screen reader says of the map.
-fn spoken(state: &State, hovered: Option<Hovered>) -> String {
+fn spoken(state: &AppState, hovered: Option<Hovered>) -> String {
     let width = state.camera.width_rad;
     let [theta1, theta2] = state.camera.center.map(Theta::to_f64);
     let here = hovered.map(|hovered| words_of(&hovered, state.screen().level()));

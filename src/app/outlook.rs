@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, mpsc::TryRecvError};
 
-use super::desk::Desk;
-use super::engine_room::Wake;
-use crate::engine::choice::Demand;
+use super::compute_service::Wake;
+use super::model::AppModel;
+use crate::engine::choice::IntegrationSetting;
 use crate::engine::cpu::CpuEngine;
 use crate::engine::depth::DepthEngine;
 use crate::engine::trust::Outlook;
-use crate::engine::{Accuracy, EngineError, Recipe};
+use crate::engine::{Accuracy, EngineError, IntegratorConfig};
 use crate::scene::Scene;
 use crate::tiles::outlook;
 
@@ -21,21 +21,21 @@ const SIZE: [u32; 2] = [64, 64];
 /// The outlook of the newest view.
 #[derive(Default)]
 pub struct Forecast {
-    asked: Option<(Scene, Recipe)>,
-    flying: Option<Flying>,
+    asked: Option<(Scene, IntegratorConfig)>,
+    flying: Option<OutlookThread>,
     known: Option<Outlook>,
 }
 
 /// A thread that looks at a sample of starts.
-struct Flying {
+struct OutlookThread {
     answer: Receiver<Outlook>,
     stopped: Arc<AtomicBool>,
 }
 
 impl Forecast {
     /// Asks about another view, unless it was asked about already.
-    pub fn ask(&mut self, scene: Scene, recipe: Recipe, wake: &Wake) {
-        let asked = Some((scene, recipe));
+    pub fn ask(&mut self, scene: Scene, config: IntegratorConfig, wake: &Wake) {
+        let asked = Some((scene, config));
         if self.asked == asked {
             return;
         }
@@ -43,9 +43,9 @@ impl Forecast {
         self.known = None;
         let (sender, answer) = channel();
         let (stopped, wake) = (Arc::new(AtomicBool::new(false)), Arc::clone(wake));
-        self.flying = Some(Flying { answer, stopped: Arc::clone(&stopped) });
-        let Some((scene, recipe)) = asked else { return };
-        std::thread::spawn(move || match look(&scene, recipe, &stopped) {
+        self.flying = Some(OutlookThread { answer, stopped: Arc::clone(&stopped) });
+        let Some((scene, config)) = asked else { return };
+        std::thread::spawn(move || match look(&scene, config, &stopped) {
             Ok(Some(outlook)) => {
                 // Nobody listens once another view is asked about.
                 let _ = sender.send(outlook);
@@ -82,44 +82,48 @@ impl Forecast {
     }
 }
 
-impl Desk {
+impl AppModel {
     /// Looks ahead for a view that `balanced` has computed; says whether anything is new.
     pub(super) fn foresee(&mut self) -> bool {
-        let unchecked =
-            self.state.demand == Demand::Level(Accuracy::Balanced) && !self.state.verify;
+        let unchecked = self.state.setting == IntegrationSetting::Accuracy(Accuracy::Balanced)
+            && !self.state.verify;
         if !unchecked {
             self.forecast.forget();
             return false;
         }
         let progress = self.progress();
         // Views on the way down are left before anybody reads of them.
-        let stays = self.state.moving.is_none() && self.way.dive.is_none();
+        let stays = self.state.moving.is_none() && self.descent.running.is_none();
         if progress.idle && progress.wanted > 0 && stays {
             let scene = self.state.document().scene();
-            if let Some(recipe) = self.room.recipe() {
-                self.forecast.ask(scene, recipe, &self.wake);
+            if let Some(config) = self.compute.config() {
+                self.forecast.ask(scene, config, &self.wake);
             }
         }
         self.forecast.listen()
     }
 }
 
-impl Drop for Flying {
+impl Drop for OutlookThread {
     fn drop(&mut self) {
         self.stopped.store(true, Ordering::Relaxed);
     }
 }
 
-fn look(scene: &Scene, recipe: Recipe, stop: &AtomicBool) -> Result<Option<Outlook>, EngineError> {
+fn look(
+    scene: &Scene,
+    config: IntegratorConfig,
+    stop: &AtomicBool,
+) -> Result<Option<Outlook>, EngineError> {
     let mut engine = DepthEngine::new(Box::new(CpuEngine::new(Some(1))?), Some(1))?;
-    outlook(scene, SIZE, recipe, &mut engine, &|| !stop.load(Ordering::Relaxed))
+    outlook(scene, SIZE, config, &mut engine, &|| !stop.load(Ordering::Relaxed))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::engine::level::BALANCED;
-    use crate::scene::{Budget, Question};
+    use crate::scene::{Budget, FlipQuestion};
     use std::time::Duration;
 
     #[test]
@@ -130,7 +134,7 @@ mod tests {
         });
         let mut forecast = Forecast::default();
         let mut warning_after = |secs: f64| {
-            let question = Question { budget: Budget::secs(secs), ..Question::default() };
+            let question = FlipQuestion { budget: Budget::secs(secs), ..FlipQuestion::default() };
             let scene = Scene { question, ..Scene::default() }.checked().unwrap();
             forecast.ask(scene.clone(), BALANCED, &wake);
             woken.recv_timeout(Duration::from_secs(60)).unwrap();

@@ -20,7 +20,7 @@ pub fn position(rect: Rect, point: DVec2) -> Pos2 {
 /// The energy of starts near a centre, over the bound above which they can never flip.
 /// Differences are kept apart from the centre's own depth, so that no digit is lost however
 /// small the view.
-struct Depth {
+struct EnergyDepth {
     /// At the centre, J.
     center: f64,
     /// P and Q, J, and sine and cosine of the centre's angles.
@@ -28,14 +28,14 @@ struct Depth {
     sines: [[f64; 2]; 2],
 }
 
-impl Depth {
+impl EnergyDepth {
     fn new(build: &Build, rule: Rule, center: [Theta; 2]) -> Self {
         let pendulum = build.pendulum_in::<Theta>();
         let sines = center.map(|theta| theta.sin_cos());
         let depth = pendulum.depth(sines.map(|(_, cos)| cos)) - pendulum.least_depth(rule);
         let weights = [pendulum.p, pendulum.q].map(Theta::to_f64);
         let sines = sines.map(|(sin, cos)| [sin.to_f64(), cos.to_f64()]);
-        Depth { center: depth.to_f64(), weights, sines }
+        EnergyDepth { center: depth.to_f64(), weights, sines }
     }
 
     /// At an offset from the centre, J.
@@ -51,7 +51,7 @@ impl Depth {
 
 /// The energy curve as short lines, in points from the canvas' middle.
 pub fn energy_curve(screen: &Screen, build: &Build, rule: Rule) -> Vec<[DVec2; 2]> {
-    let depth = Depth::new(build, rule, screen.camera.center);
+    let depth = EnergyDepth::new(build, rule, screen.camera.center);
     let columns = (screen.size.x / CURVE_NODE).ceil() as usize;
     let rows = (screen.size.y / CURVE_NODE).ceil() as usize;
     let node = |column: usize, row: usize| {

@@ -10,12 +10,12 @@ use super::history::History;
 use super::notices::Notices;
 use super::pins::{PinAction, PinId, Pins};
 use super::settings::{Layers, Settings, Theme};
-use crate::engine::choice::{Demand, Kind};
-use crate::engine::{Accuracy, Recipe};
+use crate::engine::choice::{EngineKind, IntegrationSetting};
+use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
 use crate::physics::Theta;
-use crate::scene::{Budget, Build, Document, PictureTable, Question, RunTable, Scene, View};
-use crate::tiles::aim::{Aim, Physics};
+use crate::scene::{Budget, Build, Document, FlipQuestion, PictureTable, RunTable, Scene, View};
+use crate::tiles::view_target::{Physics, ViewTarget};
 
 /// What opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub enum Dialog {
 
 /// Which dialogs are open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shown {
+pub struct OpenDialogs {
     /// The panels at the side.
     pub side: bool,
     /// The list of keys.
@@ -58,7 +58,7 @@ pub enum Effect {
     AskForFile,
     /// Read a file and show what is in it.
     Open(PathBuf),
-    /// Open an engine for the demand.
+    /// Open an engine for the setting.
     Reopen,
     /// Launch a flight for the pixel of these starts: itself and its neighbour.
     Pin(Box<[[Theta; 2]; 2]>),
@@ -78,11 +78,11 @@ pub enum Effect {
 
 /// What the window shows.
 #[derive(Debug)]
-pub struct State {
+pub struct AppState {
     /// The pendulum.
     pub build: Build,
     /// What is asked about it.
-    pub question: Question,
+    pub question: FlipQuestion,
     /// How it is painted.
     pub picture: PictureTable,
     /// Whether the times of its colours follow a deep view.
@@ -90,11 +90,11 @@ pub struct State {
     /// How it is computed, as a scene's file says it.
     pub run: RunTable,
     /// The same, for the engines.
-    pub demand: Demand,
+    pub setting: IntegrationSetting,
     /// Whether every pixel is checked.
     pub verify: bool,
     /// Which kind of engine is wanted.
-    pub kind: Kind,
+    pub kind: EngineKind,
     /// Where the window looks now.
     pub camera: Camera,
     /// Where it is moving.
@@ -114,7 +114,7 @@ pub struct State {
     /// What is drawn over the colours.
     pub layers: Layers,
     /// Which dialogs are open.
-    pub shown: Shown,
+    pub shown: OpenDialogs,
     /// What the window has to say.
     pub notices: Notices,
     /// The pinned pixels.
@@ -132,27 +132,27 @@ pub struct State {
 }
 
 /// What a scene asks. A budget that is no other than the automatic one follows the depth.
-pub(super) fn following(scene: &Scene) -> Question {
+pub(super) fn following(scene: &Scene) -> FlipQuestion {
     let budget = scene.question.budget;
     let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view);
     let same = auto.secs == budget.secs;
-    Question { budget: if budget.auto || same { auto } else { budget }, ..scene.question }
+    FlipQuestion { budget: if budget.auto || same { auto } else { budget }, ..scene.question }
 }
 
-impl State {
+impl AppState {
     /// Shows a document, computed as its run table says, which is settled.
-    pub fn new(document: &Document, demand: Demand, verify: bool) -> Self {
+    pub fn new(document: &Document, setting: IntegrationSetting, verify: bool) -> Self {
         let scene = document.scene();
         let camera = Camera::from_view(&scene.view);
-        State {
+        AppState {
             build: scene.build,
             question: following(&scene),
             picture: document.picture.clone(),
             spreads: document.picture.times.is_empty(),
             run: document.run.clone(),
-            demand,
+            setting,
             verify,
-            kind: Kind::Auto,
+            kind: EngineKind::Auto,
             camera,
             moving: None,
             dragging: false,
@@ -162,7 +162,13 @@ impl State {
             pointer: None,
             drawing: None,
             layers: Layers { curve: document.picture.curve, ..Layers::default() },
-            shown: Shown { side: true, help: false, commands: false, debug: false, lab: false },
+            shown: OpenDialogs {
+                side: true,
+                help: false,
+                commands: false,
+                debug: false,
+                lab: false,
+            },
             notices: Notices::default(),
             pins: Pins::new(&scene),
             clicked: None,
@@ -211,14 +217,14 @@ impl State {
     }
 
     /// What the scheduler is to compute: of a move, where it ends.
-    pub fn aim(&self, recipe: Recipe) -> Aim {
+    pub fn view_target(&self, config: IntegratorConfig) -> ViewTarget {
         let screen = self.through(self.target());
         let pointer = self.pointer.map(|point| screen.offset_at(point).to_array());
         let physics =
-            Physics { build: self.build, rule: self.question.rule, recipe, verified: self.verify };
+            Physics { build: self.build, rule: self.question.rule, config, verified: self.verify };
         let width_rad = screen.camera.width_rad;
         let budget_secs = self.question.budget.for_width(&self.build, width_rad).secs;
-        Aim { physics, budget_secs, region: screen.region(), level: screen.level(), pointer }
+        ViewTarget { physics, budget_secs, region: screen.region(), level: screen.level(), pointer }
     }
 
     /// Moves on to a moment of the window's clock. Says whether anything is in motion.
@@ -368,7 +374,7 @@ impl State {
     }
 
     fn set_accuracy(&mut self, accuracy: Accuracy) {
-        self.demand = Demand::Level(accuracy);
+        self.setting = IntegrationSetting::Accuracy(accuracy);
         self.verify = accuracy.verifies();
         self.run = RunTable { accuracy: Some(accuracy.to_string()), ..RunTable::default() };
     }
@@ -387,7 +393,7 @@ impl State {
         self.drawing = None;
         let dialogs = self.shown.help || self.shown.commands;
         let lab = self.shown.lab && dialogs;
-        self.shown = Shown { help: false, commands: false, lab, ..self.shown };
+        self.shown = OpenDialogs { help: false, commands: false, lab, ..self.shown };
     }
 }
 
@@ -398,11 +404,11 @@ pub(super) mod tests {
     use crate::physics::Scalar;
 
     /// The home scene in a window.
-    pub fn state() -> State {
-        State::new(&Document::default(), Demand::Level(Accuracy::Balanced), false)
+    pub fn state() -> AppState {
+        AppState::new(&Document::default(), IntegrationSetting::Accuracy(Accuracy::Balanced), false)
     }
 
-    fn look(state: &mut State, look: Look) {
+    fn look(state: &mut AppState, look: Look) {
         assert_eq!(state.apply(Action::Look(look)), None);
     }
 
@@ -481,8 +487,10 @@ pub(super) mod tests {
         document.run.method = Some("rk4".to_string());
         let shown = state.apply(Action::Show(Box::new(document.clone())));
         assert_eq!(shown, Some(Effect::Reopen));
-        let Demand::Recipe(recipe) = state.demand else { panic!("{:?}", state.demand) };
-        assert_eq!(recipe.method, Method::LESSON);
+        let IntegrationSetting::Explicit(config) = state.setting else {
+            panic!("{:?}", state.setting)
+        };
+        assert_eq!(config.method, Method::LESSON);
         assert_eq!(state.document().run.step.as_deref(), Some("1/120"));
         document.run.tolerance = Some("much".to_string());
         assert_eq!(state.apply(Action::Show(Box::new(document))), None);
@@ -505,17 +513,17 @@ pub(super) mod tests {
     #[test]
     fn palettes_and_layers_are_not_part_of_the_aim() {
         let mut state = state();
-        let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
-        let before = state.aim(recipe);
+        let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+        let before = state.view_target(config);
         let picture = PictureTable { palette: "magma".to_string(), ..state.picture.clone() };
         state.apply(Action::Picture(picture));
         state.apply(Action::Layers(Layers { grid: true, ..state.layers }));
-        assert_eq!(state.aim(recipe), before);
-        let question = Question { budget: Budget::secs(60.0), ..state.question };
+        assert_eq!(state.view_target(config), before);
+        let question = FlipQuestion { budget: Budget::secs(60.0), ..state.question };
         assert_eq!(
             state.apply(Action::Scene(Box::new(state.build), question)),
             Some(Effect::Relaunch)
         );
-        assert_ne!(state.aim(recipe), before);
+        assert_ne!(state.view_target(config), before);
     }
 }

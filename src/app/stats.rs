@@ -5,11 +5,11 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::desk::Desk;
+use super::model::AppModel;
 use crate::output::{Destination, SafeFile};
 use crate::physics::Scalar;
 use crate::scene::location;
-use crate::tiles::explorer::Progress;
+use crate::tiles::explorer::ViewProgress;
 
 /// Measurements since the window was opened.
 #[derive(Debug)]
@@ -101,7 +101,7 @@ pub struct Holdings {
 
 /// Everything measured, as it is written.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Report {
+pub struct StatsReport {
     /// What the window shows and holds now.
     #[serde(flatten)]
     pub holdings: Holdings,
@@ -131,9 +131,9 @@ pub struct Report {
 }
 
 impl Holdings {
-    /// Those of a desk.
-    pub fn of(desk: &Desk) -> Self {
-        let (state, explorer) = (&desk.state, &desk.room.explorer);
+    /// Those of a model.
+    pub fn of(model: &AppModel) -> Self {
+        let (state, explorer) = (&model.state, &model.compute.explorer);
         let (progress, counts) = (explorer.progress(), explorer.counts());
         Holdings {
             location: location::text(&state.document().scene()),
@@ -144,8 +144,8 @@ impl Holdings {
             pins: state.pins.iter().map(|pin| pin.start.map(Scalar::to_f64)).collect(),
             flown: state.pins.iter().filter(|p| p.flight.record().ending.is_some()).count(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
-            figure: desk.figure_shown(),
-            figure_set: desk.lab.set(),
+            figure: model.figure_shown(),
+            figure_set: model.lab.set(),
             simulated: counts.simulated,
             rhs_evaluations: counts.effort.rhs_evaluations,
             cache_bytes: explorer.bytes(),
@@ -165,7 +165,7 @@ impl Stats {
     }
 
     /// A frame was presented that began at `began`, and shows this much.
-    pub fn frame(&mut self, began: Instant, progress: &Progress, dragging: bool) {
+    pub fn frame(&mut self, began: Instant, progress: &ViewProgress, dragging: bool) {
         let now = Instant::now();
         let secs = (now - self.begun).as_secs_f64();
         self.window_secs.get_or_insert(secs);
@@ -188,8 +188,8 @@ impl Stats {
     }
 
     /// What was measured so far.
-    pub fn report(&self, holdings: Holdings) -> Report {
-        Report {
+    pub fn report(&self, holdings: Holdings) -> StatsReport {
+        StatsReport {
             holdings,
             window_secs: self.window_secs,
             first_coarse_secs: self.first_coarse_secs,
@@ -220,7 +220,7 @@ impl Stretch {
     }
 }
 
-impl Report {
+impl StatsReport {
     /// Lines for people.
     pub fn lines(&self) -> Vec<String> {
         let secs = |name: &str, secs: Option<f64>| secs.map(|secs| format!("{name} {secs:.2} s"));
@@ -282,8 +282,8 @@ fn peak_bytes() -> Option<u64> {
 mod tests {
     use super::*;
 
-    fn progress(done: usize, covered: bool) -> Progress {
-        Progress { level: 3, wanted: 10, done, covered, idle: done == 10 }
+    fn progress(done: usize, covered: bool) -> ViewProgress {
+        ViewProgress { level: 3, wanted: 10, done, covered, idle: done == 10 }
     }
 
     #[test]

@@ -9,8 +9,8 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
-use super::desk::{Desk, Options};
-use super::host::{Host, HostError};
+use super::egui_host::{EguiHost, HostError};
+use super::model::{AppModel, WindowOptions};
 use super::settings::Theme;
 use super::state::Effect;
 use super::stats::{Holdings, Stats};
@@ -53,17 +53,17 @@ const MOST_LOSSES: usize = 5;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
 /// What is there once the system has given a window: the window, its device, and what it shows.
-struct Open {
+struct OpenWindow {
     window: Arc<Window>,
-    host: Host,
-    desk: Desk,
+    host: EguiHost,
+    model: AppModel,
 }
 
 /// A window being run.
 struct Runner {
-    options: Options,
+    options: WindowOptions,
     proxy: EventLoopProxy<Woken>,
-    open: Option<Open>,
+    open: Option<OpenWindow>,
     stats: Stats,
     begun: Instant,
     redraw_at: Option<Instant>,
@@ -83,7 +83,7 @@ pub type Closer = Box<dyn Fn() + Send>;
 /// Opens a window and runs it until it is closed. `begun` is when the program started; `hand_out`
 /// gets what closes the window from outside.
 pub fn run(
-    options: Options,
+    options: WindowOptions,
     begun: Instant,
     hand_out: impl FnOnce(Closer),
 ) -> Result<(), WindowError> {
@@ -113,9 +113,9 @@ pub fn run(
 
 impl Runner {
     /// Opens the window, its engine first: that takes longest and has a thread of its own.
-    fn open(&self, event_loop: &ActiveEventLoop) -> Result<Open, WindowError> {
+    fn open(&self, event_loop: &ActiveEventLoop) -> Result<OpenWindow, WindowError> {
         let proxy = self.proxy.clone();
-        let desk = Desk::new(
+        let model = AppModel::new(
             &self.options,
             Arc::new(move || {
                 // Once the loop has ended there is nobody to wake.
@@ -129,9 +129,9 @@ impl Runner {
             .with_inner_size(LogicalSize::new(1280.0, 800.0))
             .with_min_inner_size(LogicalSize::new(320.0, 240.0));
         let window = Arc::new(event_loop.create_window(attributes)?);
-        let host = Host::new(event_loop, &window, &self.proxy, None)?;
+        let host = EguiHost::new(event_loop, &window, &self.proxy, None)?;
         window.set_visible(true);
-        Ok(Open { window, host, desk })
+        Ok(OpenWindow { window, host, model })
     }
 
     /// Draws at a moment, or as soon as frames may follow each other.
@@ -146,24 +146,25 @@ impl Runner {
         self.last_frame = began;
         self.redraw_at = None;
         self.told = false;
-        let moving = open.desk.state.tick((began - self.begun).as_secs_f64());
+        let moving = open.model.state.tick((began - self.begun).as_secs_f64());
         apply_looks(open);
         let mut effects = Vec::new();
-        let Open { host, desk, .. } = open;
-        let again = host.frame(event_loop, |ui| effects.extend(desk.show(ui)));
-        self.stats.frame(began, &desk.progress(), desk.state.dragging);
-        self.stats.figure(desk.figure_shown().is_some());
-        if desk.state.shown.debug {
-            desk.measured = self.stats.report(Holdings::of(desk)).lines();
+        let OpenWindow { host, model, .. } = open;
+        let again = host.frame(event_loop, |ui| effects.extend(model.show(ui)));
+        self.stats.frame(began, &model.progress(), model.state.dragging);
+        self.stats.figure(model.figure_shown().is_some());
+        if model.state.shown.debug {
+            model.measured = self.stats.report(Holdings::of(model)).lines();
         }
         if let Some(complaint) = host.complaint() {
-            desk.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
+            model.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
         }
-        desk.save_sometimes();
+        model.save_sometimes();
         // Only now is it known what is looked at.
-        let news = if desk.work() { NEWS } else { Duration::MAX };
-        let moving = moving || desk.state.moving.is_some();
-        let again = if moving || desk.room.explorer.is_waiting() { Duration::ZERO } else { again };
+        let news = if model.work() { NEWS } else { Duration::MAX };
+        let moving = moving || model.state.moving.is_some();
+        let again =
+            if moving || model.compute.explorer.is_waiting() { Duration::ZERO } else { again };
         let again = again.min(news);
         if again < Duration::from_secs(3600) {
             self.draw_at(Instant::now() + again);
@@ -185,7 +186,7 @@ impl Runner {
             }
             Effect::Copy(text) => open.host.ctx.copy_text(text),
             Effect::LoseDevice => open.host.lose_device(),
-            // The desk does the others.
+            // The model does the others.
             _ => {}
         }
         self.draw_at(Instant::now());
@@ -198,25 +199,25 @@ impl Runner {
         self.losses.push(Instant::now());
         // The old surface must be gone before the window can have another one.
         let remains = open.host.into_remains();
-        match Host::new(event_loop, &open.window, &self.proxy, Some(remains)) {
+        match EguiHost::new(event_loop, &open.window, &self.proxy, Some(remains)) {
             Ok(host) if self.losses.len() <= MOST_LOSSES => {
-                open.desk.forget_card();
-                open.desk
+                open.model.forget_card();
+                open.model
                     .state
                     .notices
                     .tell("The graphics device was lost and opened again; the map is as it was.");
-                let Open { window, desk, .. } = open;
-                self.open = Some(Open { window, host, desk });
+                let OpenWindow { window, model, .. } = open;
+                self.open = Some(OpenWindow { window, host, model });
                 self.draw_at(Instant::now());
             }
-            Ok(_) => self.give_up(event_loop, &mut open.desk, WindowError::Lost),
-            Err(error) => self.give_up(event_loop, &mut open.desk, error.into()),
+            Ok(_) => self.give_up(event_loop, &mut open.model, WindowError::Lost),
+            Err(error) => self.give_up(event_loop, &mut open.model, error.into()),
         }
     }
 
     /// Nothing can be drawn any more: what the person had is kept, and the program says why.
-    fn give_up(&mut self, event_loop: &ActiveEventLoop, desk: &mut Desk, why: WindowError) {
-        desk.save();
+    fn give_up(&mut self, event_loop: &ActiveEventLoop, model: &mut AppModel, why: WindowError) {
+        model.save();
         self.failure = Some(why);
         event_loop.exit();
     }
@@ -224,7 +225,7 @@ impl Runner {
     /// A thread has news: jobs are handed on at once, pictures a little later.
     fn news(&mut self) {
         let Some(open) = &mut self.open else { return };
-        open.desk.work();
+        open.model.work();
         // If it was no tile, then a flight, an export or a dialog: the panels tell.
         self.draw_at(self.last_frame + NEWS);
     }
@@ -233,19 +234,19 @@ impl Runner {
     /// disturbing it.
     fn rest(&mut self) {
         let (Some(open), Some(path)) = (&self.open, &self.options.stats) else { return };
-        let progress = open.desk.progress();
-        let still = !open.desk.state.dragging && progress.done == progress.wanted;
+        let progress = open.model.progress();
+        let still = !open.model.state.dragging && progress.done == progress.wanted;
         if still && !std::mem::replace(&mut self.told, true) {
             // A file that cannot be written is complained about when the window closes.
-            let _ = self.stats.report(Holdings::of(&open.desk)).write(path);
+            let _ = self.stats.report(Holdings::of(&open.model)).write(path);
         }
     }
 
     fn close(&mut self) {
         let Some(mut open) = self.open.take() else { return };
-        open.desk.save();
+        open.model.save();
         if let Some(path) = &self.options.stats
-            && let Err(source) = self.stats.report(Holdings::of(&open.desk)).write(path)
+            && let Err(source) = self.stats.report(Holdings::of(&open.model)).write(path)
         {
             let path = path.display().to_string();
             self.failure = Some(WindowError::Stats { path, source });
@@ -254,8 +255,8 @@ impl Runner {
 }
 
 /// Puts the chosen theme and scale into effect.
-fn apply_looks(open: &Open) {
-    let state = &open.desk.state;
+fn apply_looks(open: &OpenWindow) {
+    let state = &open.model.state;
     let theme = match state.theme {
         Theme::System => egui::ThemePreference::System,
         Theme::Dark => egui::ThemePreference::Dark,

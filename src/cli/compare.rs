@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::output::compare::{Comparison, Difference, Rows, compare};
+use flipmap::output::compare::{Comparison, Difference, ResultRows, compare};
 use flipmap::output::{Destination, PngWriter, SafeFile};
 
 use super::exit::Exit;
@@ -36,7 +36,7 @@ pub struct Options {
 const TOLERANCE_SECS: f64 = 1e-3;
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
-    let (a, b) = (Rows::open(&options.a)?, Rows::open(&options.b)?);
+    let (a, b) = (ResultRows::open(&options.a)?, ResultRows::open(&options.b)?);
     let times = a.has_times();
     let tolerance = match &options.tolerance {
         Some(text) => number(text).filter(|t| (0.0..=1e6).contains(t)).ok_or_else(|| {
@@ -67,7 +67,12 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
 }
 
 /// Compares and draws the differences as they come.
-fn pictured(a: Rows, b: Rows, tolerance: f64, to: &Destination) -> anyhow::Result<Comparison> {
+fn pictured(
+    a: ResultRows,
+    b: ResultRows,
+    tolerance: f64,
+    to: &Destination,
+) -> anyhow::Result<Comparison> {
     let cannot = || format!("-o: cannot write {to}");
     let file = SafeFile::create(to).with_context(cannot)?;
     let mut picture = PngWriter::without_scene(file, a.size()).with_context(cannot)?;

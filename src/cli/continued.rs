@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use flipmap::engine::choice::Wish;
-use flipmap::engine::{Engine, Recipe};
-use flipmap::output::{Destination, Ran, RenderState, SafeFile};
+use flipmap::engine::choice::EngineRequest;
+use flipmap::engine::{Engine, IntegratorConfig};
+use flipmap::output::{Destination, RenderState, RunRecord, SafeFile};
 use flipmap::scene::Document;
-use flipmap::tiles::Kept;
+use flipmap::tiles::SavedPixels;
 
 use super::exit::Exit;
 use super::run_options::prefer_engine;
@@ -18,8 +18,8 @@ pub struct Continued {
     file: SafeFile,
     earlier: Option<RenderState>,
     document: Document,
-    ran: Option<Ran>,
-    kept: Kept,
+    ran: Option<RunRecord>,
+    kept: SavedPixels,
 }
 
 impl Continued {
@@ -39,21 +39,25 @@ impl Continued {
             earlier,
             document,
             ran: None,
-            kept: Kept::default(),
+            kept: SavedPixels::default(),
         })
     }
 
     /// Where the engine is free, it is the earlier one.
-    pub fn prefer_engine(&self, wish: Wish) -> Wish {
+    pub fn prefer_engine(&self, request: EngineRequest) -> EngineRequest {
         match &self.earlier {
-            Some(RenderState { ran, .. }) => prefer_engine(wish, &ran.engine, &ran.adapter),
-            None => wish,
+            Some(RenderState { ran, .. }) => prefer_engine(request, &ran.engine, &ran.adapter),
+            None => request,
         }
     }
 
-    /// Refuses to go on with another engine or recipe, and takes what is known.
-    pub fn check_ran(&mut self, engine: &dyn Engine, recipe: Recipe) -> anyhow::Result<()> {
-        let ran = ran(engine, recipe);
+    /// Refuses to go on with another engine or config, and takes what is known.
+    pub fn check_ran(
+        &mut self,
+        engine: &dyn Engine,
+        config: IntegratorConfig,
+    ) -> anyhow::Result<()> {
+        let ran = ran(engine, config);
         if let Some(earlier) = self.earlier.take() {
             earlier
                 .check_ran(&ran)
@@ -70,12 +74,12 @@ impl Continued {
     }
 
     /// What is known so far, to be put back when the work is done.
-    pub fn take(&mut self) -> Kept {
+    pub fn take(&mut self) -> SavedPixels {
         std::mem::take(&mut self.kept)
     }
 
     /// What is known now.
-    pub fn put(&mut self, kept: Kept) {
+    pub fn put(&mut self, kept: SavedPixels) {
         self.kept = kept;
     }
 
@@ -98,18 +102,18 @@ fn read(path: &Path, document: &Document) -> Result<RenderState, Exit> {
     Ok(state)
 }
 
-fn ran(engine: &dyn Engine, recipe: Recipe) -> Ran {
+fn ran(engine: &dyn Engine, config: IntegratorConfig) -> RunRecord {
     let adapter = engine.adapter();
     // Of the processor "2 threads, AVX2" only the second part matters.
     let adapter = match (engine.name(), adapter.split_once(", ")) {
         ("cpu", Some((_, set))) => set.to_string(),
         _ => adapter,
     };
-    Ran {
+    RunRecord {
         engine: engine.name().to_string(),
         adapter,
-        method: recipe.method.name().to_string(),
-        setting: recipe.method.setting(),
-        precision: recipe.precision.to_string(),
+        method: config.method.name().to_string(),
+        setting: config.method.setting(),
+        precision: config.precision.to_string(),
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use flipmap::scene::keys::{Easing, Keys};
 use flipmap::scene::{LEAST_WIDTH, Scene, location};
-use flipmap::tiles::descent::{Deeper, Descent};
+use flipmap::tiles::descent::{Descent, DescentStep};
 
 use super::exit::Exit;
 use super::options::{SceneOptions, number};
@@ -37,20 +37,20 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let plan = options.run.settle(&mut document)?;
     let scene = document.scene();
     stop::listen()?;
-    let mut chosen = start(&options.run.engine.wish(plan.demand))?;
-    let mut descent = Descent::new(scene.clone(), chosen.recipe, [0.0; 2]);
+    let mut chosen = start(&options.run.engine.request(plan.setting))?;
+    let mut descent = Descent::new(scene.clone(), chosen.config, [0.0; 2]);
     let mut path = vec![scene];
     while width(&path[path.len() - 1]) > to {
         match descent.next(chosen.engine.as_mut(), &|| !stop::asked())? {
-            Deeper::Scene(scene) => {
+            DescentStep::Scene(scene) => {
                 super::tell(&format!(
                     "flipmap: {} rad, budget {} s",
                     scene.view.width, scene.question.budget.secs
                 ));
                 path.push(*scene);
             }
-            Deeper::Stopped => break,
-            Deeper::End => {
+            DescentStep::Stopped => break,
+            DescentStep::End => {
                 super::tell("flipmap: nothing near is left to see; the path ends here");
                 break;
             }

@@ -1,24 +1,28 @@
 //! What a deep picture rests on: digits, horizon, and where structure ends.
 
-use flipmap::engine::{Depth, Recipe};
+use flipmap::engine::{DepthStats, IntegratorConfig};
 use flipmap::scene::{Budget, Scene};
 use flipmap::tiles::Counts;
 
 /// What following deep pixels has shown, for machines.
-pub fn depth_object(depth: Depth, recipe: Recipe, scene: &Scene) -> serde_json::Value {
+pub fn depth_object(
+    depth: DepthStats,
+    config: IntegratorConfig,
+    scene: &Scene,
+) -> serde_json::Value {
     serde_json::json!({
         "digits": depth.digits,
         "integrated": depth.integrated,
         "begins_secs": depth.begins_secs,
         "decades_a_second": depth.decades_a_second,
-        "horizon_secs": depth.horizon_secs(recipe.precision),
+        "horizon_secs": depth.horizon_secs(config.precision),
         "structure_ends_at": depth.structure_ends_at(scene.question.budget.secs),
         "budget_secs": scene.question.budget.secs,
     })
 }
 
 /// The same for people, and what to do where nothing is left to see.
-pub fn tell_depth(depth: Depth, recipe: Recipe, scene: &Scene, counts: &Counts) {
+pub fn tell_depth(depth: DepthStats, config: IntegratorConfig, scene: &Scene, counts: &Counts) {
     let budget = scene.question.budget;
     let follows = if budget.auto { ", which follows the depth" } else { "" };
     if depth.digits == 0 && depth.integrated == 0 {
@@ -34,8 +38,8 @@ pub fn tell_depth(depth: Depth, recipe: Recipe, scene: &Scene, counts: &Counts) 
             "flipmap: depth: followed in {} digits to {first:.1} to {last:.1} s, from there in {}; \
              trusted {}; a budget of {} s{follows} shows structure down to widths of {:.0e}",
             depth.digits,
-            recipe.precision,
-            depth.horizon_words(recipe.precision),
+            config.precision,
+            depth.horizon_words(config.precision),
             budget.secs,
             depth.structure_ends_at(budget.secs),
         ));

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use clap::Args;
-use flipmap::engine::choice::{INSTALL_HINT, Wish, choose, open_checked};
+use flipmap::engine::choice::{EngineRequest, INSTALL_HINT, choose, open_checked};
 use flipmap::engine::gpu::device::{adapters, describe};
 use flipmap::engine::profile::Profile;
 use flipmap::engine::selfcheck::Verdict;
@@ -20,15 +20,15 @@ pub struct Options {
 }
 
 /// What was found out about one adapter.
-struct Finding {
+struct AdapterFinding {
     adapter: wgpu::Adapter,
     verdict: Result<Verdict, String>,
 }
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
-    let findings: Vec<Finding> = adapters()
+    let findings: Vec<AdapterFinding> = adapters()
         .into_iter()
-        .map(|adapter| Finding {
+        .map(|adapter| AdapterFinding {
             verdict: open_checked(adapter.clone())
                 .map(|engine| engine.verdict().clone())
                 .map_err(|error| error.to_string()),
@@ -43,7 +43,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     let tell = |text: &str| super::tell(&format!("flipmap: {text}"));
     let profile = Profile::get(None, &tell);
-    let chosen = choose(&Wish::default(), &tell)?;
+    let chosen = choose(&EngineRequest::default(), &tell)?;
     let used = format!("{} ({})", chosen.engine.name(), chosen.engine.adapter());
     if options.json {
         let object = json!({
@@ -67,7 +67,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     super::say(&text)
 }
 
-fn describe_finding(text: &mut String, finding: &Finding) -> anyhow::Result<()> {
+fn describe_finding(text: &mut String, finding: &AdapterFinding) -> anyhow::Result<()> {
     let limits = finding.adapter.limits();
     let features = finding.adapter.features();
     let has = |feature| if features.contains(feature) { "yes" } else { "no" };
@@ -132,7 +132,7 @@ fn describe_profile(text: &mut String, profile: &Profile) -> anyhow::Result<()> 
     Ok(())
 }
 
-fn as_json(finding: &Finding) -> Value {
+fn as_json(finding: &AdapterFinding) -> Value {
     let limits = finding.adapter.limits();
     let checks = |verdict: &Verdict| -> Vec<Value> {
         verdict

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use flipmap::app::desk;
 use flipmap::app::folders::Folders;
+use flipmap::app::model;
 use flipmap::app::window;
 
 use super::options::SceneOptions;
@@ -32,10 +32,10 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let mut document = options.scene.document()?;
     let plan = options.run.settle(&mut document)?;
     let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
-    let options = desk::Options {
+    let options = model::WindowOptions {
         run: options.run.says_how().then(|| document.run.clone()),
         document: options.scene.says_something().then_some(document),
-        wish: options.run.engine.wish(plan.demand),
+        request: options.run.engine.request(plan.setting),
         folders,
         stats: options.stats.clone(),
     };

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use flipmap::engine::choice::{Chosen, Wish};
+use flipmap::engine::choice::{Chosen, EngineRequest};
 use flipmap::engine::trust::TrustEngine;
 use flipmap::farm::merge::{self, FilmSink, MergeError};
-use flipmap::farm::{Parts, Plan, RunError, Task, Wanted, run};
+use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, run};
 use flipmap::scene::Document;
 use flipmap::scene::film::Film;
 use flipmap::scene::palette::Palette;
@@ -38,8 +38,8 @@ pub fn scan(task: &Task) -> anyhow::Result<Parts> {
 }
 
 /// The engine that a plan was made for, unless another is asked for.
-pub fn wish_like(plan: &Plan, wish: Wish) -> Wish {
-    prefer_engine(wish, &plan.engine, plan.adapter.as_deref().unwrap_or_default())
+pub fn wish_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
+    prefer_engine(request, &plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
 /// Computes what is missing of some shards. Where nothing is, it hands back what is there.
@@ -67,9 +67,9 @@ pub fn compute(
         "flipmap: {total} of {} samples to compute, {} engine, {} {} in {}",
         task.samples(),
         engine.name(),
-        task.recipe.method.name(),
-        task.recipe.method.setting(),
-        task.recipe.precision,
+        task.config.method.name(),
+        task.config.method.setting(),
+        task.config.precision,
     ));
     let mut progress = Progress::of(mode, total, "samples");
     let counts = run(task, pieces, engine.as_mut(), &mut |counts| {
@@ -123,7 +123,7 @@ pub fn paint(
     output: &Path,
     mode: Mode,
 ) -> anyhow::Result<()> {
-    let Wanted::Film(film, _) = &task.work else { return Ok(()) };
+    let TaskKind::Film(film, _) = &task.work else { return Ok(()) };
     let mut document = film.keys[0].scene.clone();
     let samples = document.picture.samples;
     options.apply(&mut document)?;

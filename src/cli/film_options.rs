@@ -12,7 +12,7 @@ use flipmap::scene::{Budget, Document, Scene, View};
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};
 use super::picture_options::PictureOptions;
-use super::run_options::{Plan, RunOptions};
+use super::run_options::{RunOptions, RunSpec};
 
 #[derive(Args, Debug, Default)]
 pub struct FilmOptions {
@@ -66,7 +66,7 @@ impl FilmOptions {
     }
 
     /// The film, checked, and how it is computed; colours and run stand in its first key.
-    pub fn film(&self) -> anyhow::Result<(Film, Plan)> {
+    pub fn film(&self) -> anyhow::Result<(Film, RunSpec)> {
         let mut keys = self.keys()?;
         for key in &mut keys {
             key.scene = self.words.apply(std::mem::take(&mut key.scene))?;

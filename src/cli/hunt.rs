@@ -4,22 +4,22 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
-use flipmap::engine::choice::Wish;
+use flipmap::engine::choice::EngineRequest;
 use flipmap::output::{Destination, SafeFile};
-use flipmap::report::hunt::{Hunt, Wrong};
+use flipmap::report::hunt::{Hunt, WrongPixel};
 
 use super::exit::Exit;
 use super::stop;
 
 /// Hunts, and keeps what was found in `hunt.json` after every window.
-pub fn run(minutes: f64, seed: u64, folder: &Path, wish: &Wish) -> anyhow::Result<()> {
+pub fn run(minutes: f64, seed: u64, folder: &Path, request: &EngineRequest) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("-o: cannot make {}", folder.display()))?;
     let path = folder.join("hunt.json");
     write(&path, &Hunt { seed, ..Hunt::default() })?;
     stop::listen()?;
     let (mut known, mut failed) = (0, None);
-    let hunt = Hunt::run(minutes, usize::MAX, seed, wish, &stop::asked, &mut |hunt| {
+    let hunt = Hunt::run(minutes, usize::MAX, seed, request, &stop::asked, &mut |hunt| {
         hunt.wrong[known..].iter().for_each(tell);
         known = hunt.wrong.len();
         failed = write(&path, hunt).err();
@@ -40,9 +40,9 @@ pub fn run(minutes: f64, seed: u64, folder: &Path, wish: &Wish) -> anyhow::Resul
     Ok(())
 }
 
-fn tell(wrong: &Wrong) {
+fn tell(wrong: &WrongPixel) {
     let [column, row] = wrong.pixel;
-    let Wrong { given, truth, command, .. } = wrong;
+    let WrongPixel { given, truth, command, .. } = wrong;
     super::tell(&format!(
         "flipmap: pixel ({column}, {row}) says {given}, true is {truth}: {command}"
     ));

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::engine::choice::Demand;
+use flipmap::engine::choice::IntegrationSetting;
 use flipmap::farm::merge::{self, MergeError};
-use flipmap::farm::{Pass, Plan, PlanError, Task, Wanted, What};
+use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
 use flipmap::scene::Document;
 
 use super::exit::Exit;
@@ -73,18 +73,18 @@ pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (mut what, how) = what(options)?;
     spares_others(&options.output)?;
-    let mut chosen = start(&options.film.run.engine.wish(how.demand))?;
+    let mut chosen = start(&options.film.run.engine.request(how.setting))?;
     let scene = match &what {
-        What::Still(document) => document.scene(),
-        What::Film(film) => film.keys[0].scene.scene(),
+        PlannedOutput::Still(document) => document.scene(),
+        PlannedOutput::Film(film) => film.keys[0].scene.scene(),
     };
-    check_steps(&scene, chosen.recipe)?;
-    if let What::Still(document) = &mut what
+    check_steps(&scene, chosen.config)?;
+    if let PlannedOutput::Still(document) = &mut what
         && options.film.picture.spreads(document)
     {
-        spread(document, how.size, chosen.recipe, chosen.engine.as_mut())?;
+        spread(document, how.size, chosen.config, chosen.engine.as_mut())?;
     }
-    let engine = (chosen.engine.as_ref(), chosen.recipe, how.verify);
+    let engine = (chosen.engine.as_ref(), chosen.config, how.verify);
     let plan = Plan::new(what, options.shards, engine, options.numbers);
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
     let task = Task::new(plan, &options.output)?;
@@ -109,10 +109,10 @@ fn spares_others(path: &Path) -> Result<(), Exit> {
     }
 }
 
-fn what(options: &PlanOptions) -> anyhow::Result<(What, super::run_options::Plan)> {
+fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, super::run_options::RunSpec)> {
     if options.film.says_film() {
         let (film, how) = options.film.film()?;
-        return Ok((What::Film(film), how));
+        return Ok((PlannedOutput::Film(film), how));
     }
     let scene = SceneOptions { scene: options.film.scene(), ..SceneOptions::default() };
     let mut document = options.film.words.apply(scene.document()?)?;
@@ -120,7 +120,7 @@ fn what(options: &PlanOptions) -> anyhow::Result<(What, super::run_options::Plan
     let how = options.film.run.settle(&mut document)?;
     document.picture.check()?;
     document.picture.check_size(how.size)?;
-    Ok((What::Still(Box::new(document)), how))
+    Ok((PlannedOutput::Still(Box::new(document)), how))
 }
 
 /// `flipmap run`.
@@ -129,8 +129,8 @@ pub fn run(options: &RunShards) -> anyhow::Result<()> {
     let task = farm::open(&options.plan)?;
     let shards = shards(options.shard.as_deref(), task.plan.shards)?;
     stop::listen()?;
-    let wish = options.engine.wish(Demand::Recipe(task.recipe));
-    let chosen = start(&farm::wish_like(&task.plan, wish)).with_context(|| {
+    let request = options.engine.request(IntegrationSetting::Explicit(task.config));
+    let chosen = start(&farm::wish_like(&task.plan, request)).with_context(|| {
         let engine = &task.plan.engine;
         format!("the plan was made for the {engine} engine; --engine and --adapter choose another")
     })?;
@@ -171,7 +171,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     let task = farm::open(&options.plan)?;
     stop::listen()?;
     match &task.work {
-        Wanted::Film(film, _) => {
+        TaskKind::Film(film, _) => {
             let paths = options.outputs.paths();
             let [("-o", output)] = paths.named()[..] else {
                 let only = "a film is merged with -o FILM.mp4, -o FILM.mkv or -o FOLDER alone";
@@ -184,14 +184,14 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             let parts = farm::complete(&task, &options.plan)?;
             farm::paint(&task, parts, &options.picture, output, options.progress)
         }
-        Wanted::Still(document, passes) => merge_still(&task, document, passes, options),
+        TaskKind::Still(document, passes) => merge_still(&task, document, passes, options),
     }
 }
 
 fn merge_still(
     task: &Task,
     document: &Document,
-    passes: &[Pass],
+    passes: &[StillPass],
     options: &MergeOptions,
 ) -> anyhow::Result<()> {
     let mut document = document.clone();

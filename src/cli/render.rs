@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use flipmap::engine::choice::{Chosen, Demand};
+use flipmap::engine::choice::{Chosen, IntegrationSetting};
 use flipmap::engine::trust::{Opinion, Outlook, TrustEngine};
-use flipmap::engine::{Accuracy, Engine, Recipe, Trust};
-use flipmap::output::{Clock, RenderError, Sinks, render_pass};
+use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Trust};
+use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{self, Counts, Work};
 
@@ -19,7 +19,7 @@ use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
-use super::run_options::{Plan, RunOptions, check_steps, start};
+use super::run_options::{RunOptions, RunSpec, check_steps, start};
 use super::spread::spread;
 use super::stop;
 
@@ -57,34 +57,34 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check()?;
     stop::listen()?;
-    let mut wish = options.run.engine.wish(plan.demand);
+    let mut request = options.run.engine.request(plan.setting);
     if let Some(continued) = &continued {
-        wish = continued.prefer_engine(wish);
+        request = continued.prefer_engine(request);
     }
-    let Chosen { mut engine, recipe, why, following } = start(&wish)?;
-    check_numbers(&scene, plan.size, recipe)?;
+    let Chosen { mut engine, config, why, following } = start(&request)?;
+    check_numbers(&scene, plan.size, config)?;
     if let Some(continued) = &mut continued {
-        continued.check_ran(engine.as_ref(), recipe)?;
+        continued.check_ran(engine.as_ref(), config)?;
     }
     if options.picture.spreads(&document) {
-        spread(&mut document, plan.size, recipe, engine.as_mut())?;
+        spread(&mut document, plan.size, config, engine.as_mut())?;
     }
     let mut sinks = Sinks::open(&paths, &document, plan.size)?;
     let mut opinion = None;
     if plan.verify {
         let mut checking = TrustEngine::new(engine, options.run.engine.threads())?;
         let go_on = || !stop::asked();
-        opinion = tiles::opinion(&scene, plan.size, recipe, &mut checking, &go_on)?;
+        opinion = tiles::opinion(&scene, plan.size, config, &mut checking, &go_on)?;
         checking.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
         engine = Box::new(checking);
     }
-    announce(engine.as_ref(), recipe, plan.verify, &why);
+    announce(engine.as_ref(), config, plan.verify, &why);
 
-    let (setup, mut clock) = (begun.elapsed(), Clock::default());
+    let (setup, mut clock) = (begun.elapsed(), RenderClock::default());
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let size = plan.size.map(|side| side * pass.along);
-        let mut work = Work::new(&scene, size, recipe, engine.job_size());
+        let mut work = Work::new(&scene, size, config, engine.job_size());
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
@@ -100,7 +100,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             continued.put(kept);
         }
     }
-    let outlook = outlook(&plan, &scene, recipe, engine.as_mut())?;
+    let outlook = outlook(&plan, &scene, config, engine.as_mut())?;
     let finishing = Instant::now();
     sinks.finish()?;
     if let Some(continued) = continued {
@@ -108,28 +108,29 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     }
     clock.output += finishing.elapsed();
     let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
-    let ran = Ran { engine: engine.as_ref(), recipe, verified: plan.verify, outlook, opinion };
+    let ran =
+        RunSummary { engine: engine.as_ref(), config, verified: plan.verify, outlook, opinion };
     report(options, &ran, &scene, &counts, seconds)
 }
 
 /// What to expect of a picture that `balanced` made.
 fn outlook(
-    plan: &Plan,
+    plan: &RunSpec,
     scene: &Scene,
-    recipe: Recipe,
+    config: IntegratorConfig,
     engine: &mut dyn Engine,
 ) -> anyhow::Result<Option<Outlook>> {
-    if plan.demand != Demand::Level(Accuracy::Balanced) || plan.verify {
+    if plan.setting != IntegrationSetting::Accuracy(Accuracy::Balanced) || plan.verify {
         return Ok(None);
     }
-    let outlook = tiles::outlook(scene, plan.size, recipe, engine, &|| !stop::asked())?;
+    let outlook = tiles::outlook(scene, plan.size, config, engine, &|| !stop::asked())?;
     Ok(Some(outlook.ok_or(Exit::Interrupted)?))
 }
 
 /// What a picture was made by.
-struct Ran<'a> {
+struct RunSummary<'a> {
     engine: &'a dyn Engine,
-    recipe: Recipe,
+    config: IntegratorConfig,
     verified: bool,
     outlook: Option<Outlook>,
     opinion: Option<Opinion>,
@@ -143,20 +144,20 @@ fn interrupted(error: RenderError) -> anyhow::Result<()> {
     }
 }
 
-fn announce(engine: &dyn Engine, recipe: Recipe, verify: bool, why: &str) {
+fn announce(engine: &dyn Engine, config: IntegratorConfig, verify: bool, why: &str) {
     let checked = if verify { ", every pixel checked" } else { "" };
     super::tell(&format!(
         "flipmap: {} engine, {} {} in {}{checked}; {why}",
         engine.name(),
-        recipe.method.name(),
-        recipe.method.setting(),
-        recipe.precision,
+        config.method.name(),
+        config.method.setting(),
+        config.precision,
     ));
 }
 
 /// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
-fn check_numbers(scene: &Scene, size: [u32; 2], recipe: Recipe) -> Result<(), Exit> {
-    check_steps(scene, recipe)?;
+fn check_numbers(scene: &Scene, size: [u32; 2], config: IntegratorConfig) -> Result<(), Exit> {
+    check_steps(scene, config)?;
     let pixel = Grid::new(scene, size).pixel_rad();
     let needed = (-pixel.log10()).ceil() as usize;
     let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);
@@ -181,14 +182,14 @@ fn decimals(text: &str) -> usize {
 }
 
 /// Refuses what cannot be written, before anything is computed.
-fn check_outputs(options: &Options, document: &Document, plan: &Plan) -> Result<(), Exit> {
+fn check_outputs(options: &Options, document: &Document, plan: &RunSpec) -> Result<(), Exit> {
     let state = options.state.as_deref();
     options.outputs.check(options.json, plan.verify, state)?;
     check_state(options, document, plan)?;
     check_picture(document, plan.size)
 }
 
-fn check_state(options: &Options, document: &Document, plan: &Plan) -> Result<(), Exit> {
+fn check_state(options: &Options, document: &Document, plan: &RunSpec) -> Result<(), Exit> {
     if options.state.is_none() {
         return Ok(());
     }
@@ -212,12 +213,12 @@ fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
 
 fn report(
     options: &Options,
-    ran: &Ran,
+    ran: &RunSummary,
     scene: &Scene,
     counts: &Counts,
     seconds: [f64; 3],
 ) -> anyhow::Result<()> {
-    let Ran { engine, recipe, verified, outlook, opinion } = *ran;
+    let RunSummary { engine, config, verified, outlook, opinion } = *ran;
     let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
     let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
         .iter()
@@ -227,9 +228,9 @@ fn report(
         let object = serde_json::json!({
             "engine": engine.name(),
             "adapter": engine.adapter(),
-            "method": recipe.method.name(),
-            "precision": recipe.precision.to_string(),
-            "setting": recipe.method.setting(),
+            "method": config.method.name(),
+            "precision": config.precision.to_string(),
+            "setting": config.method.setting(),
             "verified": verified,
             "pixels": pixels,
             "simulated": simulated,
@@ -248,7 +249,7 @@ fn report(
                 "pixels": opinion.asked,
                 "contradicted": opinion.contradicted,
             })),
-            "depth": counts.effort.depth.map(|depth| depth_object(depth, recipe, scene)),
+            "depth": counts.effort.depth.map(|depth| depth_object(depth, config, scene)),
             "rhs_evaluations": counts.effort.rhs_evaluations,
             "seconds": { "setup": seconds[0], "compute": seconds[1], "output": seconds[2] },
         });
@@ -260,7 +261,7 @@ fn report(
         seconds[1], seconds[0], seconds[2]
     ));
     if let Some(depth) = counts.effort.depth {
-        tell_depth(depth, recipe, scene, counts);
+        tell_depth(depth, config, scene, counts);
     }
     let warnings = [
         outlook.and_then(|outlook| outlook.warning()),

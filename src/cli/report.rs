@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use flipmap::engine::{Accuracy, choice};
-use flipmap::report::{Field, Folder, ReportError, Session, Thoroughness};
+use flipmap::report::{BackendFilter, Folder, ReportError, Session, Thoroughness};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::exit::Exit;
 use super::hunt;
 use super::progress::Mode;
-use super::run_options::EngineKind;
+use super::run_options::EngineOption;
 use super::stop;
 
 #[derive(Args, Debug)]
@@ -24,8 +24,8 @@ pub struct Options {
     #[arg(long)]
     quick: bool,
     /// auto: every adapter and the processor
-    #[arg(long, value_enum, default_value_t = EngineKind::Auto)]
-    engine: EngineKind,
+    #[arg(long, value_enum, default_value_t = EngineOption::Auto)]
+    engine: EngineOption,
     /// Part of the names of the adapters to measure
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -56,22 +56,27 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let field = field(options)?;
     if let Some(minutes) = options.hunt {
         let kind = match options.engine {
-            EngineKind::Auto => choice::Kind::Auto,
-            EngineKind::Cpu => choice::Kind::Cpu,
-            EngineKind::Gpu => choice::Kind::Gpu,
+            EngineOption::Auto => choice::EngineKind::Auto,
+            EngineOption::Cpu => choice::EngineKind::Cpu,
+            EngineOption::Gpu => choice::EngineKind::Gpu,
         };
-        let demand = choice::Demand::Level(Accuracy::Exact);
+        let setting = choice::IntegrationSetting::Accuracy(Accuracy::Exact);
         let adapter = options.adapter.clone();
-        let wish =
-            choice::Wish { kind, adapter, threads: field.threads, demand, ..Default::default() };
-        return hunt::run(minutes, options.seed, &options.output, &wish);
+        let request = choice::EngineRequest {
+            kind,
+            adapter,
+            threads: field.threads,
+            setting,
+            ..Default::default()
+        };
+        return hunt::run(minutes, options.seed, &options.output, &request);
     }
     let folder = Folder::create(&options.output).context("-o")?;
     stop::listen()?;
     let care = care(options);
     let mut session = Session::open(&field, care, &stop::asked)
         .map_err(|error| explained(error, &folder, None))?;
-    let progress = Progress::new(options.progress, session.len());
+    let progress = ReportProgress::new(options.progress, session.len());
     while let Some(name) = session.next_name() {
         progress.begin(session.done(), name);
         session.advance(&stop::asked).map_err(|error| explained(error, &folder, Some(&session)))?;
@@ -83,10 +88,10 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn field(options: &Options) -> Result<Field, Exit> {
-    let field = Field {
-        only_gpu: options.engine == EngineKind::Gpu,
-        only_cpu: options.engine == EngineKind::Cpu,
+fn field(options: &Options) -> Result<BackendFilter, Exit> {
+    let field = BackendFilter {
+        only_gpu: options.engine == EngineOption::Gpu,
+        only_cpu: options.engine == EngineOption::Cpu,
         adapter: options.adapter.clone(),
         threads: options.threads.map(|threads| threads as usize),
     };
@@ -124,13 +129,13 @@ fn explained(error: ReportError, folder: &Folder, session: Option<&Session>) -> 
 }
 
 /// Measurements done of all: a bar on a terminal, or a JSON object for each.
-struct Progress {
+struct ReportProgress {
     bar: ProgressBar,
     json: bool,
     total: usize,
 }
 
-impl Progress {
+impl ReportProgress {
     fn new(mode: Mode, total: usize) -> Self {
         let shown = mode == Mode::Auto && stderr().is_terminal();
         let target =
@@ -138,7 +143,7 @@ impl Progress {
         let bar = ProgressBar::with_draw_target(Some(total as u64), target);
         let style = "{bar:30} {pos} of {len} · {eta} left · {wide_msg}";
         bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
-        Progress { bar, json: mode == Mode::Json, total }
+        ReportProgress { bar, json: mode == Mode::Json, total }
     }
 
     fn begin(&self, done: usize, name: &str) {
@@ -164,7 +169,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for ReportProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

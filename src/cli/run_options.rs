@@ -1,9 +1,11 @@
-//! The options that say how a scene is computed, and how they become a demand.
+//! The options that say how a scene is computed, and how they become a setting.
 
 use clap::{Args, ValueEnum};
-use flipmap::engine::choice::{self, ChoiceError, Chosen, Demand, Wish, choose};
+use flipmap::engine::choice::{
+    self, ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose,
+};
 use flipmap::engine::method::Pace;
-use flipmap::engine::{Question, Recipe, words};
+use flipmap::engine::{IntegratorConfig, Question, run_settings};
 use flipmap::scene::{Document, PictureTable, RunTable, Scene};
 
 use super::exit::Exit;
@@ -45,8 +47,8 @@ pub struct RunOptions {
 #[command(next_help_heading = "Run")]
 pub struct EngineOptions {
     /// auto: the fastest of the measured profile
-    #[arg(long, value_enum, default_value_t = EngineKind::Auto)]
-    engine: EngineKind,
+    #[arg(long, value_enum, default_value_t = EngineOption::Auto)]
+    engine: EngineOption,
     /// Part of the name of the adapter to use
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -56,7 +58,7 @@ pub struct EngineOptions {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum EngineKind {
+pub enum EngineOption {
     #[default]
     Auto,
     Gpu,
@@ -68,9 +70,9 @@ const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
 
 /// What is to be run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
-    /// A level or a recipe.
-    pub demand: Demand,
+pub struct RunSpec {
+    /// A level or a config.
+    pub setting: IntegrationSetting,
     /// Whether every pixel is checked.
     pub verify: bool,
     /// Pixels.
@@ -79,17 +81,17 @@ pub struct Plan {
 
 impl EngineOptions {
     /// The engine asked for.
-    pub fn wish(&self, demand: Demand) -> Wish {
-        Wish {
+    pub fn request(&self, setting: IntegrationSetting) -> EngineRequest {
+        EngineRequest {
             kind: match self.engine {
-                EngineKind::Auto => choice::Kind::Auto,
-                EngineKind::Gpu => choice::Kind::Gpu,
-                EngineKind::Cpu => choice::Kind::Cpu,
+                EngineOption::Auto => choice::EngineKind::Auto,
+                EngineOption::Gpu => choice::EngineKind::Gpu,
+                EngineOption::Cpu => choice::EngineKind::Cpu,
             },
             adapter: self.adapter.clone(),
             threads: self.threads(),
-            demand,
-            ..Wish::default()
+            setting,
+            ..EngineRequest::default()
         }
     }
 
@@ -102,10 +104,10 @@ impl EngineOptions {
     pub fn check(&self) -> Result<(), Exit> {
         let usage = |message: &str| Err(Exit::Usage(message.to_string()));
         match self.engine {
-            EngineKind::Cpu if self.adapter.is_some() => {
+            EngineOption::Cpu if self.adapter.is_some() => {
                 usage("--adapter names a graphics adapter; leave it out with --engine cpu")
             }
-            EngineKind::Gpu if self.threads.is_some() => {
+            EngineOption::Gpu if self.threads.is_some() => {
                 usage("--threads is for the processor; leave it out with --engine gpu")
             }
             _ => Ok(()),
@@ -121,7 +123,7 @@ impl RunOptions {
     }
 
     /// Fills in the document's run table, so that it says what ran, and gives the same typed.
-    pub fn settle(&self, document: &mut Document) -> Result<Plan, Exit> {
+    pub fn settle(&self, document: &mut Document) -> Result<RunSpec, Exit> {
         let mut size = document.run.size.unwrap_or(DEFAULT_SIZE);
         set(&mut size, "--size", &self.size, parse_size)?;
         if size.iter().any(|side| !(1..=PictureTable::LONGEST_SIDE).contains(side)) {
@@ -129,16 +131,16 @@ impl RunOptions {
             return Err(Exit::Usage(format!("--size is '{text}'; {SIZE}")));
         }
         let kept = std::mem::take(&mut document.run);
-        let (demand, run) = words::settle(self.words_over(&kept))
+        let (setting, run) = run_settings::resolve(self.words_over(&kept))
             .map_err(|error| Exit::Usage(error.to_string()))?;
         let run = RunTable { size: Some(size), verify: run.verify || self.verify, ..run };
-        let verify = words::verifies(demand, &run);
+        let verify = run_settings::verifies(setting, &run);
         document.run = run;
-        Ok(Plan { demand, verify, size })
+        Ok(RunSpec { setting, verify, size })
     }
 
     /// What is said on the command line, over what the scene's file kept: a level there replaces
-    /// any recipe in the file, a method there its step or tolerance.
+    /// any config in the file, a method there its step or tolerance.
     fn words_over(&self, kept: &RunTable) -> RunTable {
         let kept = if self.accuracy.is_some() { RunTable::default() } else { kept.clone() };
         let method = self.method.clone().or(kept.method.clone());
@@ -157,26 +159,30 @@ impl RunOptions {
 }
 
 /// Starts an engine; what takes long is told.
-pub fn start(wish: &Wish) -> Result<Chosen, ChoiceError> {
-    choose(wish, &|text| super::tell(&format!("flipmap: {text}")))
+pub fn start(request: &EngineRequest) -> Result<Chosen, ChoiceError> {
+    choose(request, &|text| super::tell(&format!("flipmap: {text}")))
 }
 
 /// The engine that ran before, where the choice is free: another would give other last digits.
-pub fn prefer_engine(wish: Wish, engine: &str, adapter: &str) -> Wish {
-    match (wish.kind, &wish.adapter, engine) {
-        (choice::Kind::Auto, None, "cpu") => Wish { kind: choice::Kind::Cpu, ..wish },
-        (choice::Kind::Auto, None, _) => {
-            Wish { kind: choice::Kind::Gpu, adapter: Some(adapter.to_string()), ..wish }
+pub fn prefer_engine(request: EngineRequest, engine: &str, adapter: &str) -> EngineRequest {
+    match (request.kind, &request.adapter, engine) {
+        (choice::EngineKind::Auto, None, "cpu") => {
+            EngineRequest { kind: choice::EngineKind::Cpu, ..request }
         }
-        _ => wish,
+        (choice::EngineKind::Auto, None, _) => EngineRequest {
+            kind: choice::EngineKind::Gpu,
+            adapter: Some(adapter.to_string()),
+            ..request
+        },
+        _ => request,
     }
 }
 
 /// Refuses steps that are too many for the budget.
-pub fn check_steps(scene: &Scene, recipe: Recipe) -> Result<(), Exit> {
+pub fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> {
     let question = Question::from(scene);
     if question.build.gravity.value() > 0.0 {
-        Pace::new(&question, &recipe).map_err(|error| Exit::Usage(error.to_string()))?;
+        Pace::new(&question, &config).map_err(|error| Exit::Usage(error.to_string()))?;
     }
     Ok(())
 }
@@ -205,11 +211,14 @@ mod tests {
         let made = lesson.settle(&mut document).unwrap();
         assert_eq!(RunOptions::default().settle(&mut document).unwrap(), made);
         let other = RunOptions { method: Some("dop853".to_string()), ..RunOptions::default() };
-        let Demand::Recipe(other) = other.settle(&mut document).unwrap().demand else { panic!() };
+        let IntegrationSetting::Explicit(other) = other.settle(&mut document).unwrap().setting
+        else {
+            panic!()
+        };
         assert_eq!((other.precision, other.method.tolerance()), (Precision::F64, Some(3e-13)));
         let level = RunOptions { accuracy: Some("exact".to_string()), ..RunOptions::default() };
         let plan = level.settle(&mut document).unwrap();
-        assert!(plan.verify && plan.demand == Demand::Level(Accuracy::Exact));
+        assert!(plan.verify && plan.setting == IntegrationSetting::Accuracy(Accuracy::Exact));
         assert_eq!(RunOptions::default().settle(&mut document).unwrap(), plan);
     }
 }

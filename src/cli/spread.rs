@@ -1,7 +1,7 @@
 //! Colours over a view's own times: at depth they lie so close together that a palette over the
 //! whole budget would show one colour.
 
-use flipmap::engine::{Engine, Recipe};
+use flipmap::engine::{Engine, IntegratorConfig};
 use flipmap::physics::Status;
 use flipmap::scene::palette::equalised;
 use flipmap::scene::{Document, PictureTable};
@@ -19,7 +19,7 @@ const LONGEST: u32 = 64;
 pub fn spread(
     document: &mut Document,
     size: [u32; 2],
-    recipe: Recipe,
+    config: IntegratorConfig,
     engine: &mut dyn Engine,
 ) -> anyhow::Result<()> {
     let longest = size[0].max(size[1]);
@@ -27,7 +27,7 @@ pub fn spread(
     let few = if longest > LONGEST { size.map(|side| small(side).max(1)) } else { size };
     let scene = document.scene();
     let count = (few[0] * few[1]) as usize;
-    let mut work = Work::new(&scene, few, recipe, count).before(&scene, size);
+    let mut work = Work::new(&scene, few, config, count).before(&scene, size);
     let samples = preview(&mut work, few, engine, &|| !stop::asked())?;
     let samples = samples.ok_or(Exit::Interrupted)?;
     let flipped = samples.iter().filter(|outcome| outcome.status == Status::Flipped);

@@ -7,8 +7,8 @@ use anyhow::Context;
 use clap::Args;
 use flipmap::output::{Destination, SafeFile};
 use flipmap::physics::opening::settled;
-use flipmap::physics::taylor::{Orbit, Step};
-use flipmap::physics::{Dd, Pendulum, Scalar, State, gold};
+use flipmap::physics::taylor::{Orbit, TaylorStep};
+use flipmap::physics::{Dd, Pendulum, Scalar, State, oracle};
 
 use super::exit::Exit;
 use super::options::SceneOptions;
@@ -78,7 +78,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
 const MOST_ROWS: f64 = 1e8;
 
 /// One passing of the top.
-struct Passage {
+struct CrossingRow {
     bob: usize,
     time: Dd,
 }
@@ -90,7 +90,7 @@ fn follow(
     until: Dd,
     every: Dd,
     out: &mut SafeFile,
-) -> anyhow::Result<Vec<Passage>> {
+) -> anyhow::Result<Vec<CrossingRow>> {
     writeln!(out, "t,theta1,theta2,omega1,omega2,energy_error")?;
     let energy = pendulum.energy(&start);
     let scale = pendulum.p + pendulum.q;
@@ -123,19 +123,19 @@ fn write_row(out: &mut SafeFile, time: Dd, state: &State<Dd>, error: f64) -> std
     writeln!(out, "{},{theta1},{theta2},{omega1},{omega2},{error:e}", time.hi)
 }
 
-fn passages_in(step: &Step<Dd>) -> Vec<Passage> {
-    let mut passages: Vec<Passage> = (0..2)
+fn passages_in(step: &TaylorStep<Dd>) -> Vec<CrossingRow> {
+    let mut passages: Vec<CrossingRow> = (0..2)
         .flat_map(|bob| {
-            gold::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau))
+            oracle::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau))
         })
-        .map(|(bob, tau)| Passage { bob: bob + 1, time: step.start + tau })
+        .map(|(bob, tau)| CrossingRow { bob: bob + 1, time: step.start + tau })
         .collect();
     passages.sort_by(|a, b| a.time.hi.total_cmp(&b.time.hi));
     passages
 }
 
 /// Lists the passages: the first of each bob is its flip.
-fn tell(options: &Options, passages: &[Passage]) -> anyhow::Result<()> {
+fn tell(options: &Options, passages: &[CrossingRow]) -> anyhow::Result<()> {
     let first = |bob| passages.iter().find(|p| p.bob == bob).map(|p| p.time.hi);
     if options.json {
         let list: Vec<_> = passages
@@ -153,7 +153,7 @@ fn tell(options: &Options, passages: &[Passage]) -> anyhow::Result<()> {
             None => super::tell(&format!("flipmap: the {name} bob does not flip")),
         }
     }
-    for Passage { bob, time } in passages {
+    for CrossingRow { bob, time } in passages {
         super::tell(&format!("flipmap: bob {bob} passes the top at {:.12} s", time.hi));
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flipmap::engine::choice::Chosen;
-use flipmap::farm::{Plan, Task, What};
+use flipmap::farm::{Plan, PlannedOutput, Task};
 use flipmap::film::ffmpeg::{Codec, arguments};
 use flipmap::scene::film::Film;
 
@@ -48,12 +48,12 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
     let path = cache.join("plan.toml");
     stop::listen()?;
-    let mut wish = options.film.run.engine.wish(how.demand);
+    let mut request = options.film.run.engine.request(how.setting);
     // Another engine would give other last digits than the samples that are there.
     if let Some(earlier) = earlier(&path) {
-        wish = farm::wish_like(&earlier, wish);
+        request = farm::wish_like(&earlier, request);
     }
-    let chosen = start(&wish)?;
+    let chosen = start(&request)?;
     let task = planned(film, how.verify, &chosen, &path)?;
     let threads = options.film.run.engine.threads();
     let parts = match farm::compute(&task, 1..=1, chosen, threads, options.progress)? {
@@ -65,9 +65,9 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
 
 /// A plan of one shard, kept beside the samples.
 fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Result<Task> {
-    check_steps(&film.keys[0].scene.scene(), chosen.recipe)?;
-    let engine = (chosen.engine.as_ref(), chosen.recipe, verify);
-    let plan = Plan::new(What::Film(film), 1, engine, false);
+    check_steps(&film.keys[0].scene.scene(), chosen.config)?;
+    let engine = (chosen.engine.as_ref(), chosen.config, verify);
+    let plan = Plan::new(PlannedOutput::Film(film), 1, engine, false);
     super::write_whole(path, "--cache", plan.text().as_bytes())?;
     Ok(Task::new(plan, path)?)
 }

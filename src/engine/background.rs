@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::choice::{ChoiceError, Chosen};
 use super::depth::Following;
-use super::{Engine, EngineError, Finished, Job, Recipe, Wait};
+use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Wait};
 
 /// How long the thread computes before it looks for new jobs again.
 const TURN: Duration = Duration::from_millis(4);
@@ -24,10 +24,10 @@ enum Order {
 }
 
 /// What the thread says, with the number of the last cancellation it knew.
-type Answer = (u64, Result<Finished, EngineError>);
+type Reply = (u64, Result<JobResult, EngineError>);
 
 /// An engine that is being opened.
-pub struct Opening {
+pub struct PendingEngine {
     receiver: Receiver<Result<Background, ChoiceError>>,
 }
 
@@ -36,11 +36,11 @@ pub struct Background {
     /// Why it was chosen, for people.
     pub why: String,
     /// What it was opened for.
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// How far it follows the middle of a deep view.
     pub following: Following,
     orders: Sender<Order>,
-    answers: Receiver<Answer>,
+    answers: Receiver<Reply>,
     cancellations: u64,
     in_flight: usize,
     slots: usize,
@@ -53,7 +53,7 @@ pub struct Background {
 pub fn open(
     choose: impl FnOnce() -> Result<Chosen, ChoiceError> + Send + 'static,
     wake: impl Fn() + Send + 'static,
-) -> std::io::Result<Opening> {
+) -> std::io::Result<PendingEngine> {
     let (sender, receiver) = channel();
     std::thread::Builder::new().name("engine".to_string()).spawn(move || {
         match choose() {
@@ -71,10 +71,10 @@ pub fn open(
             }
         }
     })?;
-    Ok(Opening { receiver })
+    Ok(PendingEngine { receiver })
 }
 
-impl Opening {
+impl PendingEngine {
     /// The engine or why there is none, once that is known.
     pub fn poll(&self) -> Option<Result<Background, ChoiceError>> {
         self.receiver.try_recv().ok()
@@ -86,13 +86,13 @@ impl Opening {
     }
 }
 
-fn beside(chosen: &Chosen) -> (Background, Receiver<Order>, Sender<Answer>) {
+fn beside(chosen: &Chosen) -> (Background, Receiver<Order>, Sender<Reply>) {
     let (orders, taken) = channel();
     let (given, answers) = channel();
     let engine = &chosen.engine;
     let background = Background {
         why: chosen.why.clone(),
-        recipe: chosen.recipe,
+        config: chosen.config,
         following: chosen.following.clone(),
         orders,
         answers,
@@ -110,7 +110,7 @@ fn beside(chosen: &Chosen) -> (Background, Receiver<Order>, Sender<Answer>) {
 fn serve(
     mut engine: Box<dyn Engine>,
     orders: &Receiver<Order>,
-    answers: &Sender<Answer>,
+    answers: &Sender<Reply>,
     wake: &dyn Fn(),
 ) {
     let (mut number, mut in_flight) = (0, 0usize);
@@ -134,7 +134,7 @@ fn serve(
             Err(TryRecvError::Empty) => engine.poll(Wait::Until(Instant::now() + TURN)),
             Err(TryRecvError::Disconnected) => return,
         };
-        let news: Vec<Result<Finished, EngineError>> = match answered {
+        let news: Vec<Result<JobResult, EngineError>> = match answered {
             Ok(finished) => {
                 in_flight -= finished.len();
                 finished.into_iter().map(Ok).collect()
@@ -160,7 +160,7 @@ fn serve(
 
 impl Background {
     /// Takes an answer, unless it is of something that was cancelled.
-    fn take(&mut self, (number, answer): Answer) -> Option<Result<Finished, EngineError>> {
+    fn take(&mut self, (number, answer): Reply) -> Option<Result<JobResult, EngineError>> {
         if number != self.cancellations {
             return None;
         }
@@ -179,7 +179,7 @@ impl Engine for Background {
         self.orders.send(Order::Submit(Box::new(job))).map_err(|_| Self::gone())
     }
 
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         let mut finished = Vec::new();
         while self.in_flight > 0 {
             match self.answers.try_recv() {
@@ -231,8 +231,8 @@ impl Engine for Background {
         self.adapter.clone()
     }
 
-    fn offers(&self, recipe: &Recipe) -> bool {
-        *recipe == self.recipe
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        *config == self.config
     }
 }
 
@@ -245,9 +245,9 @@ mod tests {
     use crate::scene::Build;
 
     fn chosen(engine: MockEngine) -> Result<Chosen, ChoiceError> {
-        let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+        let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
         let (why, following) = ("a test".to_string(), Following::default());
-        Ok(Chosen { engine: Box::new(engine), recipe, why, following })
+        Ok(Chosen { engine: Box::new(engine), config, why, following })
     }
 
     fn background(engine: fn() -> MockEngine) -> Background {
@@ -259,7 +259,7 @@ mod tests {
         Job {
             id,
             question: Question { build: Build::default(), rule: Rule::Second, budget_secs: 30.0 },
-            recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
+            config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },
             starts: Starts::Rest(vec![[Dd::new(id as f64); 2]]),
             keep: Keep::Nothing,
         }

@@ -1,4 +1,4 @@
-//! Which engine runs, and which recipe: what was asked for, what there is, and why the one was
+//! Which engine runs, and which config: what was asked for, what there is, and why the one was
 //! chosen.
 
 use std::time::Duration;
@@ -7,59 +7,65 @@ use super::cpu::CpuEngine;
 use super::depth::{DepthEngine, Following};
 use super::gpu::device::{Gpu, adapters, describe};
 use super::gpu::{GpuEngine, HEADLESS_PACE};
-use super::profile::{Profile, Row};
-use super::{Accuracy, Engine, EngineError, Precision, Recipe, selfcheck};
+use super::profile::{Profile, ProfileRow};
+use super::{Accuracy, Engine, EngineError, IntegratorConfig, Precision, selfcheck};
 
 /// What the user asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+pub struct EngineRequest {
     /// Which kind of engine.
-    pub kind: Kind,
+    pub kind: EngineKind,
     /// Part of the adapter's name.
     pub adapter: Option<String>,
     /// Threads of the CPU engine.
     pub threads: Option<usize>,
     /// What is to be computed with it.
-    pub demand: Demand,
+    pub setting: IntegrationSetting,
     /// How long a slice may run on an adapter.
     pub pace: Duration,
 }
 
-impl Default for Wish {
+impl Default for EngineRequest {
     fn default() -> Self {
-        let demand = Demand::Level(Accuracy::default());
-        Wish { kind: Kind::Auto, adapter: None, threads: None, demand, pace: HEADLESS_PACE }
+        let setting = IntegrationSetting::Accuracy(Accuracy::default());
+        EngineRequest {
+            kind: EngineKind::Auto,
+            adapter: None,
+            threads: None,
+            setting,
+            pace: HEADLESS_PACE,
+        }
     }
 }
 
-/// How right the answers must be, or by what recipe they must come.
+/// How right the answers must be, or by what config they must come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Demand {
+pub enum IntegrationSetting {
     /// Whatever keeps the level's promise.
-    Level(Accuracy),
+    Accuracy(Accuracy),
     /// Exactly this.
-    Recipe(Recipe),
+    Explicit(IntegratorConfig),
 }
 
-impl Default for Demand {
+impl Default for IntegrationSetting {
     fn default() -> Self {
-        Demand::Level(Accuracy::default())
+        IntegrationSetting::Accuracy(Accuracy::default())
     }
 }
 
-impl Demand {
-    /// The recipes that meet it, the preferred one first.
-    fn recipes(self) -> Vec<Recipe> {
+impl IntegrationSetting {
+    /// The configs that meet it, the preferred one first.
+    fn configs(self) -> Vec<IntegratorConfig> {
         match self {
-            Demand::Level(accuracy) => accuracy.recipes(),
-            Demand::Recipe(recipe) => vec![recipe],
+            IntegrationSetting::Accuracy(accuracy) => accuracy.configs(),
+            IntegrationSetting::Explicit(config) => vec![config],
         }
     }
 }
 
 /// `--engine`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kind {
+pub enum EngineKind {
     /// The fastest of the measured profile.
     #[default]
     Auto,
@@ -69,7 +75,7 @@ pub enum Kind {
     Cpu,
 }
 
-/// No engine fits the wish.
+/// No engine fits the request.
 #[derive(Debug, thiserror::Error)]
 pub enum ChoiceError {
     /// No adapter, or none that is sound, and the processor was not allowed.
@@ -88,12 +94,12 @@ pub enum ChoiceError {
     Engine(#[from] EngineError),
 }
 
-/// The engine, the recipe, and one sentence on why.
+/// The engine, the config, and one sentence on why.
 pub struct Chosen {
     /// Ready to run.
     pub engine: Box<dyn Engine>,
     /// What to run on it.
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// For people.
     pub why: String,
     /// How far it follows the middle of a deep view.
@@ -105,59 +111,62 @@ pub const INSTALL_HINT: &str = "no Vulkan adapter was found; on Debian or Ubuntu
      apt-get install libvulkan1 mesa-vulkan-drivers";
 
 /// Chooses and starts an engine; `tell` hears of anything that takes long.
-pub fn choose(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
-    let chosen = match (wish.kind, &wish.adapter) {
-        (Kind::Cpu, _) => cpu(wish, "asked for".to_string())?,
-        (Kind::Gpu, _) | (Kind::Auto, Some(_)) => first_sound(wish)?
+pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
+    let chosen = match (request.kind, &request.adapter) {
+        (EngineKind::Cpu, _) => cpu(request, "asked for".to_string())?,
+        (EngineKind::Gpu, _) | (EngineKind::Auto, Some(_)) => first_sound(request)?
             .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use --engine cpu")))?,
-        (Kind::Auto, None) => automatic(wish, tell)?,
+        (EngineKind::Auto, None) => automatic(request, tell)?,
     };
-    let engine = DepthEngine::new(chosen.engine, wish.threads)?.telling(chosen.following.clone());
+    let engine =
+        DepthEngine::new(chosen.engine, request.threads)?.telling(chosen.following.clone());
     Ok(Chosen { engine: Box::new(engine), ..chosen })
 }
 
 /// The fastest engine of the profile. Adapters are not even opened where only the processor has
 /// the method.
-fn automatic(wish: &Wish, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
-    let recipes = wish.demand.recipes();
-    let on_cpu = recipes.iter().any(CpuEngine::offers);
-    if on_cpu && !recipes.iter().any(GpuEngine::has) {
-        return cpu(wish, "only the processor has this method and precision".to_string());
+fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
+    let configs = request.setting.configs();
+    let on_cpu = configs.iter().any(CpuEngine::offers);
+    if on_cpu && !configs.iter().any(GpuEngine::has) {
+        return cpu(request, "only the processor has this method and precision".to_string());
     }
-    let profile = Profile::get(wish.threads, tell);
-    let Some(row) = fastest(&profile, wish.demand) else {
-        return first_sound(wish)?.or_else(|why| cpu(wish, why));
+    let profile = Profile::get(request.threads, tell);
+    let Some(row) = fastest(&profile, request.setting) else {
+        return first_sound(request)?.or_else(|why| cpu(request, why));
     };
     let why =
         format!("{:.1} µs a pixel on this machine, the fastest of its profile", row.us_per_pixel);
     if row.engine == "cpu" {
-        return cpu(wish, why);
+        return cpu(request, why);
     }
-    let demand = match wish.demand {
-        Demand::Level(_) => row.recipe().map_or(wish.demand, Demand::Recipe),
-        recipe => recipe,
+    let setting = match request.setting {
+        IntegrationSetting::Accuracy(_) => {
+            row.config().map_or(request.setting, IntegrationSetting::Explicit)
+        }
+        config => config,
     };
-    let wish = Wish { adapter: Some(row.adapter.clone()), demand, ..wish.clone() };
-    match first_sound(&wish)? {
+    let request = EngineRequest { adapter: Some(row.adapter.clone()), setting, ..request.clone() };
+    match first_sound(&request)? {
         Ok(chosen) => Ok(Chosen { why, ..chosen }),
-        Err(why) => cpu(&wish, why),
+        Err(why) => cpu(&request, why),
     }
 }
 
 /// The fastest row that can do what is demanded: of the level's own, or of the level whose
-/// recipes are most like the one demanded.
-fn fastest(profile: &Profile, demand: Demand) -> Option<&Row> {
-    match demand {
-        Demand::Level(accuracy) => profile.fastest(accuracy, |_| true),
-        Demand::Recipe(recipe) => {
-            let offers = |row: &Row| row.engine == "gpu" || CpuEngine::offers(&recipe);
+/// configs are most like the one demanded.
+fn fastest(profile: &Profile, setting: IntegrationSetting) -> Option<&ProfileRow> {
+    match setting {
+        IntegrationSetting::Accuracy(accuracy) => profile.fastest(accuracy, |_| true),
+        IntegrationSetting::Explicit(config) => {
+            let offers = |row: &ProfileRow| row.engine == "gpu" || CpuEngine::offers(&config);
             let like = Accuracy::ALL.iter().map(|(_, accuracy)| *accuracy).find(|accuracy| {
-                accuracy.recipes().iter().any(|other| {
-                    other.precision == recipe.precision
-                        && other.method.name() == recipe.method.name()
+                accuracy.configs().iter().any(|other| {
+                    other.precision == config.precision
+                        && other.method.name() == config.method.name()
                 })
             });
-            let like = like.unwrap_or(match recipe.precision {
+            let like = like.unwrap_or(match config.precision {
                 Precision::F32 => Accuracy::Fast,
                 _ => Accuracy::Balanced,
             });
@@ -166,17 +175,17 @@ fn fastest(profile: &Profile, demand: Demand) -> Option<&Row> {
     }
 }
 
-fn cpu(wish: &Wish, why: String) -> Result<Chosen, ChoiceError> {
-    let recipes = wish.demand.recipes();
-    let recipe = recipes.iter().find(|recipe| CpuEngine::offers(recipe)).unwrap_or(&recipes[0]);
-    CpuEngine::require(recipe)?;
-    let engine = Box::new(CpuEngine::new(wish.threads)?);
-    Ok(Chosen { engine, recipe: *recipe, why, following: Following::default() })
+fn cpu(request: &EngineRequest, why: String) -> Result<Chosen, ChoiceError> {
+    let configs = request.setting.configs();
+    let config = configs.iter().find(|config| CpuEngine::offers(config)).unwrap_or(&configs[0]);
+    CpuEngine::require(config)?;
+    let engine = Box::new(CpuEngine::new(request.threads)?);
+    Ok(Chosen { engine, config: *config, why, following: Following::default() })
 }
 
 /// The first adapter that matches and is trusted with what is demanded; otherwise what was wrong.
-fn first_sound(wish: &Wish) -> Result<Result<Chosen, String>, ChoiceError> {
-    let name = wish.adapter.as_deref();
+fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, ChoiceError> {
+    let name = request.adapter.as_deref();
     let all = adapters();
     if all.is_empty() {
         return Ok(Err(INSTALL_HINT.to_string()));
@@ -190,15 +199,15 @@ fn first_sound(wish: &Wish) -> Result<Result<Chosen, String>, ChoiceError> {
         let found = others.iter().map(describe).collect::<Vec<_>>().join(", ");
         return Err(ChoiceError::UnknownAdapter { wanted: wanted.to_string(), found });
     }
-    let profile = Profile::kept(wish.threads);
+    let profile = Profile::kept(request.threads);
     let mut failures = Vec::new();
     for adapter in fitting {
-        match sound(&adapter, recipes_on(&adapter, wish.demand, profile.as_ref())) {
-            Ok((mut engine, recipe)) => {
-                engine.set_pace(wish.pace);
+        match sound(&adapter, recipes_on(&adapter, request.setting, profile.as_ref())) {
+            Ok((mut engine, config)) => {
+                engine.set_pace(request.pace);
                 let why = format!("{} passed the self-check", engine.adapter());
                 let (engine, following) = (Box::new(engine), Following::default());
-                return Ok(Ok(Chosen { engine, recipe, why, following }));
+                return Ok(Ok(Chosen { engine, config, why, following }));
             }
             Err(why) => failures.push(format!("{}: {why}", describe(&adapter))),
         }
@@ -206,32 +215,39 @@ fn first_sound(wish: &Wish) -> Result<Result<Chosen, String>, ChoiceError> {
     Ok(Err(failures.join("; ")))
 }
 
-/// The recipes that meet a demand, the one that is fastest on the adapter first if that is known.
-fn recipes_on(adapter: &wgpu::Adapter, demand: Demand, profile: Option<&Profile>) -> Vec<Recipe> {
-    let mut recipes = demand.recipes();
-    if let (Demand::Level(accuracy), Some(profile)) = (demand, profile) {
+/// The configs that meet a setting, the one that is fastest on the adapter first if that is known.
+fn recipes_on(
+    adapter: &wgpu::Adapter,
+    setting: IntegrationSetting,
+    profile: Option<&Profile>,
+) -> Vec<IntegratorConfig> {
+    let mut configs = setting.configs();
+    if let (IntegrationSetting::Accuracy(accuracy), Some(profile)) = (setting, profile) {
         let name = describe(adapter);
         let fastest = profile.fastest(accuracy, |row| row.adapter == name);
-        if let Some(recipe) = fastest.and_then(Row::recipe) {
-            recipes.retain(|other| *other != recipe);
-            recipes.insert(0, recipe);
+        if let Some(config) = fastest.and_then(ProfileRow::config) {
+            configs.retain(|other| *other != config);
+            configs.insert(0, config);
         }
     }
-    recipes
+    configs
 }
 
-/// An engine on the adapter and the first recipe it is trusted with.
-fn sound(adapter: &wgpu::Adapter, recipes: Vec<Recipe>) -> Result<(GpuEngine, Recipe), String> {
+/// An engine on the adapter and the first config it is trusted with.
+fn sound(
+    adapter: &wgpu::Adapter,
+    configs: Vec<IntegratorConfig>,
+) -> Result<(GpuEngine, IntegratorConfig), String> {
     let mut engine = open_checked(adapter.clone()).map_err(|error| error.to_string())?;
     let mut refusals = Vec::new();
-    for recipe in recipes {
-        if recipe.precision == Precision::Df32 {
+    for config in configs {
+        if config.precision == Precision::Df32 {
             // Its orbits are run only here: the kernel takes long to compile.
             let checks = selfcheck::orbits(&mut engine, &[Precision::Df32]);
             engine.judge_by(checks.map_err(|error| error.to_string())?);
         }
-        match engine.require(&recipe) {
-            Ok(()) => return Ok((engine, recipe)),
+        match engine.require(&config) {
+            Ok(()) => return Ok((engine, config)),
             Err(why) => refusals.push(why.to_string()),
         }
     }

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Method, Precision, Recipe};
+use super::{IntegratorConfig, Method, Precision};
 
 /// How right a picture must be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -23,16 +23,17 @@ pub enum Accuracy {
 }
 
 /// `lesson`.
-pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+pub const LESSON: IntegratorConfig =
+    IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 /// `fast`.
-pub const FAST: Recipe =
-    Recipe { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
+pub const FAST: IntegratorConfig =
+    IntegratorConfig { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
 /// `balanced`, where f64 is trusted.
-pub const BALANCED: Recipe =
-    Recipe { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
+pub const BALANCED: IntegratorConfig =
+    IntegratorConfig { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
 /// `balanced`, where it is not, or slower.
-pub const BALANCED_DF32: Recipe =
-    Recipe { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
+pub const BALANCED_DF32: IntegratorConfig =
+    IntegratorConfig { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
 
 impl Accuracy {
     /// Every level with its word.
@@ -43,9 +44,9 @@ impl Accuracy {
         ("exact", Accuracy::Exact),
     ];
 
-    /// The recipes that keep the level's promise, in order of preference where nothing is
+    /// The configs that keep the level's promise, in order of preference where nothing is
     /// measured; which of them is the fastest depends on the adapter.
-    pub fn recipes(self) -> Vec<Recipe> {
+    pub fn configs(self) -> Vec<IntegratorConfig> {
         match self {
             Accuracy::Lesson => vec![LESSON],
             Accuracy::Fast => vec![FAST],
@@ -142,9 +143,9 @@ mod tests {
         for (word, level) in Accuracy::ALL {
             assert_eq!(word.parse::<Accuracy>().unwrap(), level);
             assert_eq!(level.to_string(), word);
-            for recipe in level.recipes() {
-                let least = recipe.method.least_tolerance(recipe.precision).unwrap();
-                assert!(recipe.method.tolerance().is_none_or(|t| t >= least), "{recipe:?}");
+            for config in level.configs() {
+                let least = config.method.least_tolerance(config.precision).unwrap();
+                assert!(config.method.tolerance().is_none_or(|t| t >= least), "{config:?}");
             }
         }
     }

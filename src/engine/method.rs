@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{EngineError, Question, Recipe};
+use super::{EngineError, IntegratorConfig, Question};
 use crate::physics::control::Control;
 use crate::physics::trig::Turning;
 use crate::physics::{Outcome, Status, extrapolation, series};
@@ -103,7 +103,7 @@ impl Method {
     }
 }
 
-impl Recipe {
+impl IntegratorConfig {
     /// Starts this close to each other (rad) are followed as cells, and integrated from where the
     /// cells end. Adaptive methods gain by it early; explicit ones stay what they are as long as
     /// their number type can tell the starts apart.
@@ -189,14 +189,14 @@ pub enum Pace {
 }
 
 impl Pace {
-    /// The pace of a recipe over a question's budget.
-    pub fn new(question: &Question, recipe: &Recipe) -> Result<Self, EngineError> {
+    /// The pace of a config over a question's budget.
+    pub fn new(question: &Question, config: &IntegratorConfig) -> Result<Self, EngineError> {
         let adaptive = |tolerance: f64, order: u32| {
             Ok(Pace::Adaptive(Adaptive::new(question, Control::new(tolerance, order))))
         };
-        match recipe.method {
+        match config.method {
             Method::Rk4 { step_secs } => {
-                Steps::new(question, step_secs, recipe.precision).map(Pace::Fixed)
+                Steps::new(question, step_secs, config.precision).map(Pace::Fixed)
             }
             Method::Dopri5 { tolerance } => adaptive(tolerance, 5),
             Method::Dop853 { tolerance } => adaptive(tolerance, 8),

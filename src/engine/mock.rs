@@ -3,8 +3,10 @@
 
 use std::collections::VecDeque;
 
-use super::{Effort, End, Engine, EngineError, Finished, Job, Keep, Leaf, Moving, NUMBERS, Paused};
-use super::{Question, Recipe, Starts, Wait};
+use super::{
+    Effort, End, Engine, EngineError, IntegratorState, Job, JobResult, Keep, Leaf, Moving, NUMBERS,
+};
+use super::{IntegratorConfig, Question, Starts, Wait};
 use crate::physics::{Dd, Outcome, Status};
 use crate::scene::lattice::side_rad;
 
@@ -62,7 +64,7 @@ impl MockEngine {
     }
 
     /// The state of a start that did not flip within the question's budget.
-    fn pause(question: &Question, angle: [Dd; 2]) -> Paused {
+    fn pause(question: &Question, angle: [Dd; 2]) -> IntegratorState {
         let mut numbers = [0.0; NUMBERS];
         let [theta1, theta2] = angle;
         let known = [question.budget_secs, question.build.gravity.value()];
@@ -70,7 +72,7 @@ impl MockEngine {
         for (number, value) in numbers.iter_mut().zip(known.into_iter().chain(angles)) {
             *number = value;
         }
-        Paused { steps: 1, numbers }
+        IntegratorState { steps: 1, numbers }
     }
 
     /// The angles that a pendulum on its way is at.
@@ -87,7 +89,7 @@ impl MockEngine {
     }
 
     /// The start of a paused pendulum; refused where an engine could not go on.
-    fn resumed(question: &Question, state: &Paused) -> Result<[Dd; 2], EngineError> {
+    fn resumed(question: &Question, state: &IntegratorState) -> Result<[Dd; 2], EngineError> {
         let [budget_secs, q, hi1, lo1, hi2, lo2, ..] = state.numbers;
         if q != question.build.gravity.value() || budget_secs >= question.budget_secs {
             let text = format!("{q} J after {budget_secs} s is not continued by {question:?}");
@@ -108,14 +110,14 @@ impl Engine for MockEngine {
         Ok(())
     }
 
-    fn poll(&mut self, _: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, _: Wait) -> Result<Vec<JobResult>, EngineError> {
         let job = if self.backwards { self.queue.pop_back() } else { self.queue.pop_front() };
         let Some(Job { id, question, starts, keep, .. }) = job else {
             return Ok(Vec::new());
         };
         let angles = match starts {
             Starts::Rest(angles) => angles,
-            Starts::Paused(states) => states
+            Starts::Resumed(states) => states
                 .iter()
                 .map(|state| Self::resumed(&question, state))
                 .collect::<Result<_, _>>()?,
@@ -132,7 +134,7 @@ impl Engine for MockEngine {
         let end = |outcome: &Outcome| End { time: outcome.time, ..End::NOWHERE };
         let ended = outcomes.iter().filter(|_| keep == Keep::Ends);
         let ends: Vec<End> = ended.map(end).collect();
-        Ok(vec![Finished { id, outcomes, unfinished, ends, effort, ..Finished::default() }])
+        Ok(vec![JobResult { id, outcomes, unfinished, ends, effort, ..JobResult::default() }])
     }
 
     fn cancel(&mut self) {
@@ -147,7 +149,7 @@ impl Engine for MockEngine {
         self.job_size
     }
 
-    fn offers(&self, _: &Recipe) -> bool {
+    fn offers(&self, _: &IntegratorConfig) -> bool {
         true
     }
 

@@ -12,7 +12,7 @@
 //! * [`mock`] answers at once, for tests of everything above;
 //! * [`trust`] checks the answers of another engine until two methods agree;
 //! * [`selfcheck`] decides which arithmetic of an adapter is believed, [`profile`] what its
-//!   recipes cost, [`choice`] which engine runs which of them, [`words`] what a person asked for.
+//!   configs cost, [`choice`] which engine runs which of them, [`words`] what a person asked for.
 
 pub mod background;
 pub mod choice;
@@ -23,23 +23,23 @@ pub mod level;
 pub mod method;
 pub mod mock;
 pub mod profile;
+pub mod run_settings;
 pub mod selfcheck;
 pub mod shared;
 pub mod start;
 pub mod symbol;
 pub mod trust;
-pub mod words;
 
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::physics::passage;
+use crate::physics::crossing;
 use crate::physics::phase::Phase;
 use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
 use crate::scene::lattice::Cell;
 use crate::scene::{Build, Scene};
-pub use depth::Depth;
+pub use depth::DepthStats;
 pub use level::Accuracy;
 use method::Pace;
 pub use method::{Method, Precision};
@@ -92,7 +92,7 @@ impl Question {
 
 /// How it is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Recipe {
+pub struct IntegratorConfig {
     /// The method with its step.
     pub method: Method,
     /// The number type.
@@ -104,8 +104,8 @@ pub struct Recipe {
 pub enum Starts {
     /// Let go at rest at these angles (rad), each within (−π, π].
     Rest(Vec<[Dd; 2]>),
-    /// Continued from where an earlier job of the same question and recipe paused them.
-    Paused(Vec<Paused>),
+    /// Continued from where an earlier job of the same question and config paused them.
+    Resumed(Vec<IntegratorState>),
     /// On their way already: what became of those of [`Starts::Deep`] in the meantime.
     Moving(Vec<Moving>),
     /// Let go at rest at places too close together for any number type of an engine's; only
@@ -151,7 +151,7 @@ impl Starts {
     pub fn len(&self) -> usize {
         match self {
             Starts::Rest(angles) => angles.len(),
-            Starts::Paused(states) => states.len(),
+            Starts::Resumed(states) => states.len(),
             Starts::Moving(states) => states.len(),
             Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
         }
@@ -168,7 +168,7 @@ pub const NUMBERS: usize = 15;
 
 /// An unfinished pendulum between two jobs, exactly as the kernel left it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Paused {
+pub struct IntegratorState {
     /// Steps done; of adaptive methods those tried.
     pub steps: u32,
     /// The state in the kernel's units and in the order that [`start`] gives; exact for every
@@ -184,7 +184,7 @@ pub struct Job {
     /// What is asked.
     pub question: Question,
     /// How it is computed.
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// The pendulums.
     pub starts: Starts,
     /// What to hand back beside the outcomes.
@@ -221,19 +221,19 @@ pub struct End {
 impl End {
     /// Of a pendulum that has not been anywhere.
     pub const NOWHERE: End =
-        End { time: 0.0, phase: [0.0; 6], clearance: passage::FAR, grown: 1.0 };
+        End { time: 0.0, phase: [0.0; 6], clearance: crossing::FAR, grown: 1.0 };
 }
 
 impl Job {
     /// How long its steps are.
     pub fn pace(&self) -> Result<Pace, EngineError> {
-        let pace = Pace::new(&self.question, &self.recipe)?;
-        Ok(match (pace, self.recipe.method, &self.starts) {
+        let pace = Pace::new(&self.question, &self.config)?;
+        Ok(match (pace, self.config.method, &self.starts) {
             // These keep their one tolerance.
             (_, Method::Taylor { .. } | Method::Extrapolation { .. }, _) => pace,
             (Pace::Adaptive(adaptive), _, Starts::Moving(_)) => {
                 // Measured on filaments 1e-3 to 1e-22 rad wide.
-                let finer = if self.recipe.precision == Precision::F32 { 200.0 } else { 1000.0 };
+                let finer = if self.config.precision == Precision::F32 { 200.0 } else { 1000.0 };
                 let control = adaptive.control.after_a_cell(finer);
                 Pace::Adaptive(method::Adaptive { control, ..adaptive })
             }
@@ -244,13 +244,13 @@ impl Job {
 
 /// The answer to a job.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Finished {
+pub struct JobResult {
     /// The job's name.
     pub id: u64,
     /// One for each start, in the order of the starts.
     pub outcomes: Vec<Outcome>,
     /// For each start still unflipped, its index and state, if they were to be kept.
-    pub unfinished: Vec<(usize, Paused)>,
+    pub unfinished: Vec<(usize, IntegratorState)>,
     /// Where each start ended, if that was to be kept.
     pub ends: Vec<End>,
     /// How sure each outcome is; empty where nobody looked.
@@ -263,7 +263,7 @@ pub struct Finished {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
     /// What following deep starts has shown.
-    pub depth: Option<Depth>,
+    pub depth: Option<DepthStats>,
     /// Right-hand sides evaluated, those for locating flips included; an expansion to order N
     /// counts as N.
     pub rhs_evaluations: u64,
@@ -313,7 +313,7 @@ pub enum EngineError {
         /// The adapter's limit.
         allowed: u64,
     },
-    /// The recipe is not for this engine or adapter.
+    /// The config is not for this engine or adapter.
     #[error("{0}")]
     Unsupported(String),
     /// The device is gone and could not be had again.
@@ -329,7 +329,7 @@ pub trait Engine {
     /// Takes a job. The caller keeps at most [`Engine::slots`] of them in flight.
     fn submit(&mut self, job: Job) -> Result<(), EngineError>;
     /// Moves the work on and returns what has finished, in any order.
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError>;
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError>;
     /// Forgets all jobs in flight; their answers will not come.
     fn cancel(&mut self);
     /// How many jobs in flight keep the engine busy.
@@ -340,8 +340,8 @@ pub trait Engine {
     fn name(&self) -> &'static str;
     /// The adapter's name, or the processor's SIMD width and threads.
     fn adapter(&self) -> String;
-    /// Whether it has the recipe and can be trusted with it.
-    fn offers(&self, recipe: &Recipe) -> bool;
+    /// Whether it has the config and can be trusted with it.
+    fn offers(&self, config: &IntegratorConfig) -> bool;
 }
 
 /// An engine lent out.
@@ -350,7 +350,7 @@ impl<E: Engine + ?Sized> Engine for &mut E {
         (**self).submit(job)
     }
 
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         (**self).poll(wait)
     }
 
@@ -374,7 +374,7 @@ impl<E: Engine + ?Sized> Engine for &mut E {
         (**self).adapter()
     }
 
-    fn offers(&self, recipe: &Recipe) -> bool {
-        (**self).offers(recipe)
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        (**self).offers(config)
     }
 }

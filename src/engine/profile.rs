@@ -1,4 +1,4 @@
-//! What the engines here can do: each level's recipes, timed and judged once on every engine,
+//! What the engines here can do: each level's configs, timed and judged once on every engine,
 //! and kept for the next time.
 //!
 //! A profile belongs to the adapters with their drivers, the threads and the version of the
@@ -15,9 +15,10 @@ use super::choice::open_checked;
 use super::cpu::{CpuEngine, instruction_set};
 use super::gpu::device::{adapters, describe, is_software};
 use super::{
-    Accuracy, Engine, Finished, Job, Keep, Precision, Question, Recipe, Starts, Wait, selfcheck,
+    Accuracy, Engine, IntegratorConfig, Job, JobResult, Keep, Precision, Question, Starts, Wait,
+    selfcheck,
 };
-use crate::physics::{Dd, Outcome, Status, gold};
+use crate::physics::{Dd, Outcome, Status, oracle};
 use crate::scene::{Fate, Grid, Scene};
 
 /// The engines of this machine, measured.
@@ -26,15 +27,15 @@ pub struct Profile {
     /// What it was measured on.
     pub key: String,
     /// What was measured.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ProfileRow>,
     /// What an engine does not offer, and why.
     pub refused: Vec<String>,
 }
 
-/// One recipe on one engine.
+/// One config on one engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
-    /// The level whose recipe it is.
+pub struct ProfileRow {
+    /// The level whose config it is.
     pub accuracy: Accuracy,
     /// `gpu` or `cpu`.
     pub engine: String,
@@ -52,12 +53,12 @@ pub struct Row {
     pub right: f64,
 }
 
-/// Side of the picture whose open starts are timed, and how many of them a slow recipe gets.
+/// Side of the picture whose open starts are timed, and how many of them a slow config gets.
 const SIDE: u32 = 160;
 const FEW: usize = 512;
 /// Every so many starts are compared with the gold standard.
 const JUDGED_SHARE: usize = 41;
-/// A recipe slower than this is not timed any longer.
+/// A config slower than this is not timed any longer.
 const SLOW_US: f64 = 50.0;
 
 impl Profile {
@@ -114,18 +115,18 @@ impl Profile {
 
     fn add(&mut self, engine: &mut dyn Engine, adapter: &str, pairs: bool, sample: &Sample) {
         for accuracy in [Accuracy::Lesson, Accuracy::Fast, Accuracy::Balanced] {
-            for recipe in accuracy.recipes() {
-                if recipe.precision == Precision::Df32 && !pairs {
+            for config in accuracy.configs() {
+                if config.precision == Precision::Df32 && !pairs {
                     continue;
                 }
-                match sample.time(engine, recipe) {
-                    Ok((us_per_pixel, right)) => self.rows.push(Row {
+                match sample.time(engine, config) {
+                    Ok((us_per_pixel, right)) => self.rows.push(ProfileRow {
                         accuracy,
                         engine: engine.name().to_string(),
                         adapter: adapter.to_string(),
-                        method: recipe.method.name().to_string(),
-                        setting: recipe.method.setting(),
-                        precision: recipe.precision.to_string(),
+                        method: config.method.name().to_string(),
+                        setting: config.method.setting(),
+                        precision: config.precision.to_string(),
                         us_per_pixel,
                         right,
                     }),
@@ -139,7 +140,11 @@ impl Profile {
 
     /// The fastest row for a level (an exact picture is first a balanced one) among those that
     /// `allows` lets pass.
-    pub fn fastest(&self, accuracy: Accuracy, allows: impl Fn(&Row) -> bool) -> Option<&Row> {
+    pub fn fastest(
+        &self,
+        accuracy: Accuracy,
+        allows: impl Fn(&ProfileRow) -> bool,
+    ) -> Option<&ProfileRow> {
         let measured = if accuracy == Accuracy::Exact { Accuracy::Balanced } else { accuracy };
         self.rows
             .iter()
@@ -148,15 +153,15 @@ impl Profile {
     }
 }
 
-impl Row {
-    /// The recipe of its level that this row timed.
-    pub fn recipe(&self) -> Option<Recipe> {
-        let is = |recipe: &Recipe| {
-            recipe.precision.to_string() == self.precision
-                && recipe.method.name() == self.method
-                && recipe.method.setting() == self.setting
+impl ProfileRow {
+    /// The config of its level that this row timed.
+    pub fn config(&self) -> Option<IntegratorConfig> {
+        let is = |config: &IntegratorConfig| {
+            config.precision.to_string() == self.precision
+                && config.method.name() == self.method
+                && config.method.setting() == self.setting
         };
-        self.accuracy.recipes().into_iter().find(is)
+        self.accuracy.configs().into_iter().find(is)
     }
 }
 
@@ -180,7 +185,7 @@ impl Sample {
         let pendulum = scene.build.pendulum();
         let one = |angle: &[Dd; 2]| {
             let angle = angle.map(|theta| theta.hi);
-            gold::outcome(&pendulum, angle, question.rule, question.budget_secs)
+            oracle::outcome(&pendulum, angle, question.rule, question.budget_secs)
         };
         let truth = starts.iter().step_by(JUDGED_SHARE).map(one).collect();
         Sample { question, starts, truth }
@@ -190,11 +195,11 @@ impl Sample {
     fn time(
         &self,
         engine: &mut dyn Engine,
-        recipe: Recipe,
+        config: IntegratorConfig,
     ) -> Result<(f64, f64), super::EngineError> {
         // The judged starts are the warm-up: kernels are compiled for them.
         let judged: Vec<[Dd; 2]> = self.starts.iter().step_by(JUDGED_SHARE).copied().collect();
-        let answers = self.run(engine, recipe, &judged)?.outcomes;
+        let answers = self.run(engine, config, &judged)?.outcomes;
         let close = |(answer, truth): &(&Outcome, &Outcome)| {
             answer.status == truth.status
                 && (answer.status != Status::Flipped || (answer.time - truth.time).abs() <= 1e-3)
@@ -202,7 +207,7 @@ impl Sample {
         let right = answers.iter().zip(&self.truth).filter(close).count();
         let mut timed = |starts: &[[Dd; 2]]| {
             let begun = Instant::now();
-            self.run(engine, recipe, starts)?;
+            self.run(engine, config, starts)?;
             Ok(begun.elapsed().as_secs_f64() * 1e6 / starts.len() as f64)
         };
         let mut us_per_pixel = timed(&judged[..judged.len().min(FEW)])?;
@@ -215,12 +220,12 @@ impl Sample {
     fn run(
         &self,
         engine: &mut dyn Engine,
-        recipe: Recipe,
+        config: IntegratorConfig,
         starts: &[[Dd; 2]],
-    ) -> Result<Finished, super::EngineError> {
+    ) -> Result<JobResult, super::EngineError> {
         let starts = Starts::Rest(starts.to_vec());
         let question = self.question;
-        engine.submit(Job { id: 0, question, recipe, starts, keep: Keep::Nothing })?;
+        engine.submit(Job { id: 0, question, config, starts, keep: Keep::Nothing })?;
         let mut finished = engine.poll(Wait::UntilFinished)?;
         finished
             .pop()
@@ -266,15 +271,15 @@ fn write(path: &Path, profile: &Profile) -> std::io::Result<()> {
 mod tests {
     use super::*;
 
-    fn row(accuracy: Accuracy, engine: &str, us_per_pixel: f64) -> Row {
-        let recipe = accuracy.recipes()[0];
-        Row {
+    fn row(accuracy: Accuracy, engine: &str, us_per_pixel: f64) -> ProfileRow {
+        let config = accuracy.configs()[0];
+        ProfileRow {
             accuracy,
             engine: engine.to_string(),
             adapter: String::new(),
-            method: recipe.method.name().to_string(),
-            setting: recipe.method.setting(),
-            precision: recipe.precision.to_string(),
+            method: config.method.name().to_string(),
+            setting: config.method.setting(),
+            precision: config.precision.to_string(),
             us_per_pixel,
             right: 1.0,
         }
@@ -294,7 +299,7 @@ mod tests {
         assert_eq!(fastest(Accuracy::Exact, "gpu").unwrap().us_per_pixel, 5.0);
         assert_eq!(fastest(Accuracy::Fast, "auto"), None);
         for row in &profile.rows {
-            assert!(row.accuracy.recipes().contains(&row.recipe().unwrap()));
+            assert!(row.accuracy.configs().contains(&row.config().unwrap()));
         }
     }
 

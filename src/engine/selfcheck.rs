@@ -9,8 +9,10 @@ use super::gpu::device::Gpu;
 use super::gpu::kernel::selfcheck_text;
 use super::gpu::pipeline::{bind, compute_pipeline, layout};
 use super::shared::{from_parts, to_parts};
-use super::{Engine, EngineError, Job, Keep, Method, Precision, Question, Recipe, Starts, Wait};
-use crate::physics::{Dd, Outcome, Real, Rule, gold};
+use super::{
+    Engine, EngineError, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Wait,
+};
+use crate::physics::{Dd, Outcome, Real, Rule, oracle};
 use crate::scene::Build;
 
 /// One question put to the device, and how it did.
@@ -105,7 +107,7 @@ pub fn orbits(
     let question = Question { build: Build::default(), rule: Rule::Second, budget_secs: 1.0 };
     let pendulum = question.build.pendulum();
     let angles = ORBITS.map(|angle| angle.map(Dd::new));
-    let truth = ORBITS.map(|angle| gold::outcome(&pendulum, angle, Rule::Second, 1.0));
+    let truth = ORBITS.map(|angle| oracle::outcome(&pendulum, angle, Rule::Second, 1.0));
     let mut checks = Vec::new();
     for &precision in precisions {
         let starts = Starts::Rest(angles.to_vec());
@@ -113,8 +115,8 @@ pub fn orbits(
             Precision::Df32 => Method::Dop853 { tolerance: 1e-10 },
             _ => Method::LESSON,
         };
-        let recipe = Recipe { method, precision };
-        let job = Job { id: 0, question, recipe, starts, keep: Keep::Nothing };
+        let config = IntegratorConfig { method, precision };
+        let job = Job { id: 0, question, config, starts, keep: Keep::Nothing };
         // A refused precision has its failed checks already.
         let Ok(()) = engine.submit(job) else { continue };
         let finished = engine.poll(Wait::UntilFinished)?;
@@ -180,7 +182,7 @@ pub fn operands() -> Vec<[f64; 2]> {
 
 /// One answer: the operands as the number type held them, and what the device made of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
+pub struct CheckResult {
     /// The pair.
     pub operands: [f64; 2],
     /// Sum, error of the sum (but of f32: difference), product, quotient, sin, cos, rounded;
@@ -189,8 +191,8 @@ pub struct Answer {
 }
 
 /// Compares the answers of a number type with what they must be.
-pub fn judge(precision: Precision, answers: &[Answer]) -> Vec<Check> {
-    let worst = |error: &dyn Fn(&Answer) -> f64| worst_of(answers.iter().map(error));
+pub fn judge(precision: Precision, answers: &[CheckResult]) -> Vec<Check> {
+    let worst = |error: &dyn Fn(&CheckResult) -> f64| worst_of(answers.iter().map(error));
     let ulp = 2.0 * precision.epsilon();
     let check = |name, allowed: f64, error: f64| Check {
         precision,
@@ -199,10 +201,10 @@ pub fn judge(precision: Precision, answers: &[Answer]) -> Vec<Check> {
         detail: format!("worst error {error:.1e}, allowed {allowed:.1e}"),
     };
     let exact = |k: usize, truth: &dyn Fn([f64; 2]) -> f64| {
-        worst(&|answer: &Answer| (answer.results[k] - truth(answer.operands)).abs())
+        worst(&|answer: &CheckResult| (answer.results[k] - truth(answer.operands)).abs())
     };
     let relative = |k: usize, truth: &dyn Fn([f64; 2]) -> f64| {
-        worst(&|answer: &Answer| {
+        worst(&|answer: &CheckResult| {
             let truth = truth(answer.operands);
             (answer.results[k] - truth).abs() / truth.abs()
         })
@@ -248,32 +250,35 @@ fn sum_and_error(precision: Precision, [a, b]: [f64; 2]) -> (f64, f64) {
 /// What a pair of f32 may lose: 2⁻⁴⁴.
 const PAIR_ERROR: f64 = 5.7e-14;
 
-fn answers_f32(gpu: &Gpu, text: String) -> Result<Vec<Answer>, EngineError> {
+fn answers_f32(gpu: &Gpu, text: String) -> Result<Vec<CheckResult>, EngineError> {
     let operands: Vec<f32> = operands().into_iter().flatten().map(|x| x as f32).collect();
     let results: Vec<f32> = ask(gpu, text, &operands)?;
     Ok(pair_up(operands.into_iter().map(f64::from), results.into_iter().map(f64::from)))
 }
 
-fn answers_df32(gpu: &Gpu, text: String) -> Result<Vec<Answer>, EngineError> {
+fn answers_df32(gpu: &Gpu, text: String) -> Result<Vec<CheckResult>, EngineError> {
     let operands: Vec<[f32; 2]> = operands().into_iter().flatten().map(to_parts).collect();
     let results: Vec<[f32; 2]> = ask(gpu, text, &operands)?;
     Ok(pair_up(operands.into_iter().map(from_parts), results.into_iter().map(from_parts)))
 }
 
-fn answers_f64(gpu: &Gpu, text: String) -> Result<Vec<Answer>, EngineError> {
+fn answers_f64(gpu: &Gpu, text: String) -> Result<Vec<CheckResult>, EngineError> {
     let operands: Vec<f64> = operands().into_iter().flatten().collect();
     let results: Vec<f64> = ask(gpu, text, &operands)?;
     Ok(pair_up(operands.into_iter(), results.into_iter()))
 }
 
-fn pair_up(operands: impl Iterator<Item = f64>, results: impl Iterator<Item = f64>) -> Vec<Answer> {
+fn pair_up(
+    operands: impl Iterator<Item = f64>,
+    results: impl Iterator<Item = f64>,
+) -> Vec<CheckResult> {
     let (operands, results): (Vec<f64>, Vec<f64>) = (operands.collect(), results.collect());
     operands
         .as_chunks()
         .0
         .iter()
         .zip(results.as_chunks().0)
-        .map(|(&operands, &results)| Answer { operands, results })
+        .map(|(&operands, &results)| CheckResult { operands, results })
         .collect()
 }
 
@@ -319,7 +324,7 @@ mod tests {
     use crate::physics::Status;
 
     /// What a sound device answers.
-    fn sound(precision: Precision) -> Vec<Answer> {
+    fn sound(precision: Precision) -> Vec<CheckResult> {
         let round = |x: f64| match precision {
             Precision::F32 => f64::from(x as f32),
             Precision::Df32 => from_parts(to_parts(x)),
@@ -331,7 +336,7 @@ mod tests {
             let second = if precision == Precision::F32 { error } else { a - b };
             let (sin, cos) = a.sin_cos();
             let results = [sum, second, a * b, a / b, sin, cos, a.round_ties_even()];
-            Answer { operands: [a, b], results: results.map(round) }
+            CheckResult { operands: [a, b], results: results.map(round) }
         };
         operands().into_iter().map(answer).collect()
     }

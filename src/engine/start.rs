@@ -5,7 +5,8 @@
 
 use super::method::Pace;
 use super::{
-    End, EngineError, Job, Method, Moving, NUMBERS, Paused, Precision, Question, Recipe, Starts,
+    End, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving, NUMBERS, Precision,
+    Question, Starts,
 };
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
@@ -40,34 +41,34 @@ pub fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
 }
 
 /// The state of a pendulum let go at rest at `angle` (rad, within (−π, π]).
-fn at_rest(recipe: &Recipe, angle: [Dd; 2]) -> Paused {
+fn at_rest(config: &IntegratorConfig, angle: [Dd; 2]) -> IntegratorState {
     let mut numbers = [0.0; NUMBERS];
-    if let Method::Rk4 { .. } = recipe.method {
+    if let Method::Rk4 { .. } = config.method {
         for i in 0..2 {
-            [numbers[i], numbers[4 + i]] = parts(angle[i], recipe.precision);
+            [numbers[i], numbers[4 + i]] = parts(angle[i], config.precision);
         }
     } else {
-        let vectors = match recipe.precision {
+        let vectors = match config.precision {
             Precision::Dd => angle.map(exact_unit_vector),
             _ => angle.map(unit_vector),
         };
         for (i, value) in vectors.as_flattened().iter().enumerate() {
-            [numbers[i], numbers[6 + i]] = parts(*value, recipe.precision);
+            [numbers[i], numbers[6 + i]] = parts(*value, config.precision);
         }
         numbers[STEP] = control::FIRST;
     }
-    Paused { steps: 0, numbers }
+    IntegratorState { steps: 0, numbers }
 }
 
 /// The states in which a job's pendulums begin.
-pub fn states(job: &Job) -> Result<Vec<Paused>, EngineError> {
-    let Job { question, recipe, .. } = job;
+pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
+    let Job { question, config, .. } = job;
     match &job.starts {
-        Starts::Paused(paused) => Ok(paused.clone()),
-        Starts::Rest(angles) => Ok(angles.iter().map(|angle| at_rest(recipe, *angle)).collect()),
+        Starts::Resumed(paused) => Ok(paused.clone()),
+        Starts::Rest(angles) => Ok(angles.iter().map(|angle| at_rest(config, *angle)).collect()),
         Starts::Moving(moving) => {
-            let pace = Pace::new(question, recipe)?;
-            Ok(moving.iter().map(|moving| on_its_way(question, recipe, &pace, moving)).collect())
+            let pace = Pace::new(question, config)?;
+            Ok(moving.iter().map(|moving| on_its_way(question, config, &pace, moving)).collect())
         }
         Starts::Deep(_) => {
             let why = "starts of a deep zoom have to be followed before they are integrated";
@@ -77,20 +78,25 @@ pub fn states(job: &Job) -> Result<Vec<Paused>, EngineError> {
 }
 
 /// The state of a pendulum that has come some way.
-fn on_its_way(question: &Question, recipe: &Recipe, pace: &Pace, moving: &Moving) -> Paused {
+fn on_its_way(
+    question: &Question,
+    config: &IntegratorConfig,
+    pace: &Pace,
+    moving: &Moving,
+) -> IntegratorState {
     let mut numbers = [0.0; NUMBERS];
     match pace {
         Pace::Adaptive(_) => {
             for (i, value) in moving.phase.into_iter().enumerate() {
-                [numbers[i], numbers[6 + i]] = parts(Dd::new(value), recipe.precision);
+                [numbers[i], numbers[6 + i]] = parts(Dd::new(value), config.precision);
             }
             let [high, low] = moving.time;
-            [numbers[TIME], numbers[TIME_LOW]] = match recipe.precision {
+            [numbers[TIME], numbers[TIME_LOW]] = match config.precision {
                 Precision::F64 | Precision::Dd => [high, low],
-                _ => parts(Dd { hi: high, lo: low }, recipe.precision),
+                _ => parts(Dd { hi: high, lo: low }, config.precision),
             };
             numbers[STEP] = moving.step;
-            Paused { steps: 0, numbers }
+            IntegratorState { steps: 0, numbers }
         }
         Pace::Fixed(steps) => {
             let (reduced, _) = question.reduced();
@@ -102,10 +108,10 @@ fn on_its_way(question: &Question, recipe: &Recipe, pace: &Pace, moving: &Moving
             let phase = plus(&moving.phase, &trial.change);
             for i in 0..2 {
                 let angle = phase[2 * i + 1].atan2(phase[2 * i]);
-                [numbers[i], numbers[4 + i]] = parts(Dd::new(angle), recipe.precision);
+                [numbers[i], numbers[4 + i]] = parts(Dd::new(angle), config.precision);
                 numbers[2 + i] = reduced.speeds(&phase)[i];
             }
-            Paused { steps: count as u32, numbers }
+            IntegratorState { steps: count as u32, numbers }
         }
     }
 }
@@ -120,7 +126,7 @@ pub fn phase_of(numbers: &[f64; NUMBERS]) -> Phase<f64> {
 pub fn end(
     reduced: &Pendulum<f64>,
     pace: &Pace,
-    left: &Paused,
+    left: &IntegratorState,
     flipped: Option<f64>,
     clearance: f64,
 ) -> End {

@@ -20,7 +20,7 @@ use crate::physics::{Angle, Real};
 
 /// What a symbol stands for.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-enum Node {
+enum SymbolNode {
     /// The bits of an f64.
     Literal(u64),
     /// A variable of the surrounding shader text.
@@ -45,8 +45,8 @@ pub struct Dialect {
 
 struct Tape {
     dialect: Dialect,
-    nodes: Vec<Node>,
-    known: HashMap<Node, u32>,
+    nodes: Vec<SymbolNode>,
+    known: HashMap<SymbolNode, u32>,
 }
 
 thread_local! {
@@ -71,19 +71,19 @@ pub fn write_maths(dialect: Dialect, maths: impl FnOnce() -> Vec<(String, Symbol
 
 /// The shader variable `name`.
 pub fn variable(name: &'static str) -> Symbol {
-    push(Node::Variable(name))
+    push(SymbolNode::Variable(name))
 }
 
 /// A known number.
 pub fn literal(value: f64) -> Symbol {
-    push(Node::Literal(value.to_bits()))
+    push(SymbolNode::Literal(value.to_bits()))
 }
 
 fn with_tape<R>(f: impl FnOnce(&mut Tape) -> R) -> R {
     TAPE.with_borrow_mut(|tape| f(tape.as_mut().expect("symbols live inside write_maths")))
 }
 
-fn push(node: Node) -> Symbol {
+fn push(node: SymbolNode) -> Symbol {
     with_tape(|tape| {
         if let Some(&index) = tape.known.get(&node) {
             return Symbol(index);
@@ -99,7 +99,7 @@ impl Symbol {
     /// Its value, if that is known already.
     fn value(self) -> Option<f64> {
         with_tape(|tape| match tape.nodes[self.0 as usize] {
-            Node::Literal(bits) => Some(f64::from_bits(bits)),
+            SymbolNode::Literal(bits) => Some(f64::from_bits(bits)),
             _ => None,
         })
     }
@@ -107,17 +107,17 @@ impl Symbol {
     /// The inside of a negative.
     fn negated(self) -> Option<Symbol> {
         with_tape(|tape| match tape.nodes[self.0 as usize] {
-            Node::Negative(inner) => Some(Symbol(inner)),
+            SymbolNode::Negative(inner) => Some(Symbol(inner)),
             _ => None,
         })
     }
 
     fn call(self, function: &'static str) -> Symbol {
-        push(Node::Call(function, self.0))
+        push(SymbolNode::Call(function, self.0))
     }
 
     fn binary(self, operator: char, other: Symbol) -> Symbol {
-        push(Node::Binary(operator, self.0, other.0))
+        push(SymbolNode::Binary(operator, self.0, other.0))
     }
 }
 
@@ -191,7 +191,7 @@ impl Neg for Symbol {
         match (self.value(), self.negated()) {
             (Some(a), _) => literal(-a),
             (_, Some(inner)) => inner,
-            _ => push(Node::Negative(self.0)),
+            _ => push(SymbolNode::Negative(self.0)),
         }
     }
 }
@@ -208,7 +208,7 @@ impl Real for Symbol {
 
     /// Every rounding behind `guard`, which no optimiser can see through.
     fn fast_two_sum(self, other: Self) -> (Self, Self) {
-        let guard = |x: Symbol| push(Node::Guard(x.0));
+        let guard = |x: Symbol| push(SymbolNode::Guard(x.0));
         let sum = guard(self + other);
         (sum, other - guard(sum - self))
     }
@@ -245,7 +245,7 @@ impl Tape {
         let indent = self.dialect.indent;
         let mut text = String::new();
         for (index, node) in self.nodes.iter().enumerate().filter(|(i, _)| needed[*i]) {
-            if !matches!(node, Node::Literal(_) | Node::Variable(_)) {
+            if !matches!(node, SymbolNode::Literal(_) | SymbolNode::Variable(_)) {
                 let _ = writeln!(text, "{indent}let v{index} = {};", self.expression(node));
             }
         }
@@ -257,18 +257,20 @@ impl Tape {
 
     fn mark_operands(&self, index: usize, needed: &mut [bool]) {
         match self.nodes[index] {
-            Node::Binary(_, a, b) => {
+            SymbolNode::Binary(_, a, b) => {
                 needed[a as usize] = true;
                 needed[b as usize] = true;
             }
-            Node::Negative(a) | Node::Call(_, a) | Node::Guard(a) => needed[a as usize] = true,
-            Node::Literal(_) | Node::Variable(_) => {}
+            SymbolNode::Negative(a) | SymbolNode::Call(_, a) | SymbolNode::Guard(a) => {
+                needed[a as usize] = true
+            }
+            SymbolNode::Literal(_) | SymbolNode::Variable(_) => {}
         }
     }
 
-    fn expression(&self, node: &Node) -> String {
+    fn expression(&self, node: &SymbolNode) -> String {
         match node {
-            Node::Binary(operator, a, b) => {
+            SymbolNode::Binary(operator, a, b) => {
                 let (a, b) = (self.operand(*a), self.operand(*b));
                 if self.dialect.precision != Precision::Df32 {
                     return format!("{a} {operator} {b}");
@@ -281,17 +283,19 @@ impl Tape {
                 };
                 format!("{function}({a}, {b}, zero)")
             }
-            Node::Negative(a) => format!("-{}", self.operand(*a)),
-            Node::Call(function, a) => format!("{function}({})", self.operand(*a)),
-            Node::Guard(a) => format!("guard({}, zero)", self.operand(*a)),
-            Node::Literal(_) | Node::Variable(_) => unreachable!("printed where it is used"),
+            SymbolNode::Negative(a) => format!("-{}", self.operand(*a)),
+            SymbolNode::Call(function, a) => format!("{function}({})", self.operand(*a)),
+            SymbolNode::Guard(a) => format!("guard({}, zero)", self.operand(*a)),
+            SymbolNode::Literal(_) | SymbolNode::Variable(_) => {
+                unreachable!("printed where it is used")
+            }
         }
     }
 
     fn operand(&self, index: u32) -> String {
         match self.nodes[index as usize] {
-            Node::Literal(bits) => literal_text(self.dialect.precision, f64::from_bits(bits)),
-            Node::Variable(name) => name.to_string(),
+            SymbolNode::Literal(bits) => literal_text(self.dialect.precision, f64::from_bits(bits)),
+            SymbolNode::Variable(name) => name.to_string(),
             _ => format!("v{index}"),
         }
     }

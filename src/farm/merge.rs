@@ -3,10 +3,10 @@
 use std::io;
 use std::path::Path;
 
-use super::task::{Pass, Reel, Wanted};
+use super::task::{FrameGroupTask, StillPass, TaskKind};
 use super::{PartError, Parts, Task};
 use crate::film::ffmpeg::{Codec, Encoder, FfmpegError};
-use crate::film::{Colours, FrameError, Frames, Mip, Painter, Shown};
+use crate::film::{Colours, FlipWindow, FrameError, FramePainter, Frames, Mip};
 use crate::output::{Destination, OutputError, Paths, SafeFile, Sinks};
 use crate::physics::Status;
 use crate::scene::film::{Film, Shot};
@@ -46,7 +46,7 @@ const ROWS: u32 = 64;
 /// Writes a still from its parts; `go_on` hears how many samples have been.
 pub fn still(
     document: &Document,
-    passes: &[Pass],
+    passes: &[StillPass],
     parts: &mut Parts,
     paths: &Paths,
     go_on: &mut dyn FnMut(u64) -> bool,
@@ -72,7 +72,7 @@ pub fn still(
 }
 
 /// Some samples from a row on: those of the mirror image where they are not computed.
-fn some_rows(pass: &Pass, parts: &mut Parts, row: u32) -> Result<Samples, PartError> {
+fn some_rows(pass: &StillPass, parts: &mut Parts, row: u32) -> Result<Samples, PartError> {
     if row < pass.rows {
         return parts.rows(&pass.of, row, ROWS.min(pass.rows - row));
     }
@@ -128,9 +128,9 @@ impl FilmSink {
     }
 }
 
-/// Frames of a reel that follow one another and show the same flips.
+/// Frames of a group that follow one another and show the same flips.
 struct Alike {
-    shown: Shown,
+    shown: FlipWindow,
     frames: Vec<(u32, Shot)>,
 }
 
@@ -142,16 +142,16 @@ pub fn film(
     mut sink: FilmSink,
     go_on: &mut dyn FnMut(u64) -> bool,
 ) -> Result<(), MergeError> {
-    let Wanted::Film(film, reels) = &task.work else { return Err(PartError::Gone.into()) };
+    let TaskKind::Film(film, groups) = &task.work else { return Err(PartError::Gone.into()) };
     let colours = Colours::new(tones(film, picture)?);
-    let mut painter = Painter::new(film.size, picture);
-    for reel in reels {
-        for Alike { shown, mut frames } in alike(film, reel) {
+    let mut painter = FramePainter::new(film.size, picture);
+    for group in groups {
+        for Alike { shown, mut frames } in alike(film, group) {
             frames.retain(|(frame, shot)| !sink.has(*frame, shot));
             if frames.is_empty() {
                 continue;
             }
-            let mut mip = coloured(reel, parts, &colours, &shown, &task.folder)?;
+            let mut mip = coloured(group, parts, &colours, &shown, &task.folder)?;
             for (frame, shot) in frames {
                 let rgb = painter.paint(&shot, &mut mip)?;
                 sink.write(frame, &shot, &rgb)?;
@@ -170,11 +170,11 @@ pub fn tones(film: &Film, picture: &PictureTable) -> Result<Tones, SceneError> {
     Tones::new(picture, film.keys[0].scene.pendulum.unit_secs(), film.budget_secs())
 }
 
-fn alike(film: &Film, reel: &Reel) -> Vec<Alike> {
+fn alike(film: &Film, group: &FrameGroupTask) -> Vec<Alike> {
     let mut all: Vec<Alike> = Vec::new();
-    for frame in reel.sheet.frames.clone() {
+    for frame in group.group.frames.clone() {
         let shot = film.shot(frame);
-        let shown = Shown::of(&shot);
+        let shown = FlipWindow::of(&shot);
         match all.last_mut() {
             Some(last) if last.shown == shown => last.frames.push((frame, shot)),
             _ => all.push(Alike { shown, frames: vec![(frame, shot)] }),
@@ -185,20 +185,20 @@ fn alike(film: &Film, reel: &Reel) -> Vec<Alike> {
 
 /// The colours of a reel's patches, in a file in `folder`.
 fn coloured(
-    reel: &Reel,
+    group: &FrameGroupTask,
     parts: &mut Parts,
     colours: &Colours,
-    shown: &Shown,
+    shown: &FlipWindow,
     folder: &Path,
 ) -> Result<Mip, MergeError> {
-    let mut patches = reel.sheet.patches.iter();
+    let mut patches = group.group.patches.iter();
     let mut light = || {
         let (cell, mirrored) = patches.next().ok_or(PartError::Gone)?.canonical();
-        let samples = parts.patch(&reel.of, &cell)?;
+        let samples = parts.patch(&group.of, &cell)?;
         let samples = if mirrored { samples.reversed() } else { samples };
         Ok(colours.light(&samples, shown))
     };
-    Mip::build(&reel.sheet.patches, folder, &mut light)
+    Mip::build(&group.group.patches, folder, &mut light)
 }
 
 /// One sample of a patch in so many is looked at for the colours: from row to row in another
@@ -208,11 +208,11 @@ const LOOKED_AT: usize = 65;
 /// Times over which a deep film's colours are spread: all its depths alike, and the same in every
 /// frame. Empty where nothing flips.
 pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
-    let Wanted::Film(_, reels) = &task.work else { return Ok(Vec::new()) };
+    let TaskKind::Film(_, groups) = &task.work else { return Ok(Vec::new()) };
     let mut times = Vec::new();
-    for reel in reels {
-        for cell in reel.cells.iter() {
-            let samples = parts.patch(&reel.of, cell)?;
+    for group in groups {
+        for cell in group.cells.iter() {
+            let samples = parts.patch(&group.of, cell)?;
             let some = samples.iter().step_by(LOOKED_AT);
             times.extend(some.filter(|o| o.status == Status::Flipped).map(|o| o.time));
         }

@@ -12,6 +12,6 @@ mod run;
 mod task;
 
 pub use parts::{PartError, PartWriter, Parts};
-pub use plan::{Plan, PlanError, What};
+pub use plan::{Plan, PlanError, PlannedOutput};
 pub use run::{RunError, run};
-pub use task::{Pass, Piece, Reel, Task, Wanted};
+pub use task::{FrameGroupTask, StillPass, Task, TaskKind, WorkPiece};

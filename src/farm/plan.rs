@@ -4,8 +4,8 @@ use std::mem::take;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::choice::Demand;
-use crate::engine::{Engine, Recipe, words};
+use crate::engine::choice::IntegrationSetting;
+use crate::engine::{Engine, IntegratorConfig, run_settings};
 use crate::output::sha256;
 use crate::scene::film::Film;
 use crate::scene::{Document, DocumentError, RunTable};
@@ -34,7 +34,7 @@ pub struct Plan {
     /// The name of the adapter, of a `gpu`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adapter: Option<String>,
-    recipe: RunTable,
+    config: RunTable,
     #[serde(skip_serializing_if = "Option::is_none")]
     still: Option<Document>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,7 +43,7 @@ pub struct Plan {
 
 /// What is wanted.
 #[derive(Clone, Debug, PartialEq)]
-pub enum What {
+pub enum PlannedOutput {
     /// One picture.
     Still(Box<Document>),
     /// Many.
@@ -70,15 +70,15 @@ pub enum PlanError {
 impl Plan {
     /// A plan of `shards` shards for what an engine was chosen for.
     pub fn new(
-        what: What,
+        what: PlannedOutput,
         shards: u32,
-        (engine, recipe, verify): (&dyn Engine, Recipe, bool),
+        (engine, config, verify): (&dyn Engine, IntegratorConfig, bool),
         numbers: bool,
     ) -> Self {
         let adapter = (engine.name() == "gpu").then(|| engine.adapter());
         let (still, film) = match what {
-            What::Still(document) => (Some(*document), None),
-            What::Film(film) => (None, Some(film)),
+            PlannedOutput::Still(document) => (Some(*document), None),
+            PlannedOutput::Film(film) => (None, Some(film)),
         };
         let mut plan = Plan {
             format: FORMAT,
@@ -89,7 +89,7 @@ impl Plan {
             numbers,
             engine: engine.name().to_string(),
             adapter,
-            recipe: words::of(recipe),
+            config: run_settings::from_config(config),
             still,
             film,
         };
@@ -135,19 +135,19 @@ impl Plan {
     }
 
     /// How it is computed.
-    pub fn recipe(&self) -> Result<Recipe, PlanError> {
-        match words::settle(self.recipe.clone()) {
-            Ok((Demand::Recipe(recipe), _)) => Ok(recipe),
+    pub fn config(&self) -> Result<IntegratorConfig, PlanError> {
+        match run_settings::resolve(self.config.clone()) {
+            Ok((IntegrationSetting::Explicit(config), _)) => Ok(config),
             Ok(_) => Err(PlanError::Inside("no recipe".to_string())),
             Err(why) => Err(PlanError::Inside(why.to_string())),
         }
     }
 
     /// What is wanted.
-    pub fn what(&self) -> What {
+    pub fn what(&self) -> PlannedOutput {
         match (&self.still, &self.film) {
-            (_, Some(film)) => What::Film(film.clone()),
-            (still, None) => What::Still(Box::new(still.clone().unwrap_or_default())),
+            (_, Some(film)) => PlannedOutput::Film(film.clone()),
+            (still, None) => PlannedOutput::Still(Box::new(still.clone().unwrap_or_default())),
         }
     }
 
@@ -169,9 +169,9 @@ mod tests {
     use crate::engine::{Method, Precision};
 
     fn plan() -> Plan {
-        let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
-        let what = What::Still(Box::default());
-        Plan::new(what, 8, (&MockEngine::default(), recipe, false), false)
+        let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+        let what = PlannedOutput::Still(Box::default());
+        Plan::new(what, 8, (&MockEngine::default(), config, false), false)
     }
 
     #[test]
@@ -179,8 +179,8 @@ mod tests {
         let plan = plan();
         let again = Plan::parse(&plan.text()).unwrap();
         assert_eq!(again, plan);
-        assert_eq!(again.what(), What::Still(Box::default()));
-        assert_eq!(again.recipe().unwrap().method, Method::LESSON);
+        assert_eq!(again.what(), PlannedOutput::Still(Box::default()));
+        assert_eq!(again.config().unwrap().method, Method::LESSON);
     }
 
     #[test]

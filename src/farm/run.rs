@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::task::{Piece, Wanted};
+use super::task::{TaskKind, WorkPiece};
 use super::{PartError, PartWriter, Task};
 use crate::engine::{Engine, EngineError};
 use crate::output::RowOrder;
@@ -37,7 +37,7 @@ const WAIT_SHARE: u32 = 60;
 /// what is finished is kept then too.
 pub fn run(
     task: &Task,
-    pieces: Vec<Piece>,
+    pieces: Vec<WorkPiece>,
     engine: &mut dyn Engine,
     go_on: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<Counts, RunError> {
@@ -71,26 +71,26 @@ trait Going {
 
 fn open<'a>(
     task: &'a Task,
-    piece: Piece,
+    piece: WorkPiece,
     job_size: usize,
 ) -> Result<Box<dyn Going + 'a>, PartError> {
     Ok(match (piece, &task.work) {
-        (Piece::Rows(pass, rows), Wanted::Still(document, passes)) => {
+        (WorkPiece::Rows(pass, rows), TaskKind::Still(document, passes)) => {
             let (scene, pass) = (document.scene(), &passes[pass]);
-            Box::new(Rows {
+            Box::new(PendingRows {
                 writer: PartWriter::open(&task.folder, &pass.of)?,
                 width: pass.size[0],
                 first: rows.start,
                 order: RowOrder::from(rows.start),
-                work: Work::of_rows(&scene, pass.size, task.recipe, job_size, rows),
+                work: Work::of_rows(&scene, pass.size, task.config, job_size, rows),
                 loose: Samples::default(),
             })
         }
-        (Piece::Patches(reel, cells), Wanted::Film(_, reels)) => {
-            let reel = &reels[reel];
+        (WorkPiece::Patches(group, cells), TaskKind::Film(_, groups)) => {
+            let group = &groups[group];
             Box::new(Patches {
-                writer: PartWriter::open(&task.folder, &reel.of)?,
-                work: PatchWork::new(&reel.sheet.scene, task.recipe, cells.into_iter()),
+                writer: PartWriter::open(&task.folder, &group.of)?,
+                work: PatchWork::new(&group.group.scene, task.config, cells.into_iter()),
                 cells: Vec::new(),
                 loose: Samples::default(),
             })
@@ -127,7 +127,7 @@ fn drive(
     }
 }
 
-struct Rows {
+struct PendingRows {
     writer: PartWriter,
     width: u32,
     /// The first that is not kept.
@@ -137,7 +137,7 @@ struct Rows {
     loose: Samples,
 }
 
-impl Going for Rows {
+impl Going for PendingRows {
     fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError> {
         for tile in self.work.work(engine, Some(deadline))? {
             self.order.push(tile).into_iter().for_each(|samples| self.loose.append(samples));

@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Parts, Plan, PlanError, What};
-use crate::engine::Recipe;
-use crate::film::{Sheet, sheets};
+use super::{Parts, Plan, PlanError, PlannedOutput};
+use crate::engine::IntegratorConfig;
+use crate::film::{FrameGroup, frame_groups};
 use crate::output::sha256;
 use crate::scene::film::Film;
 use crate::scene::lattice::Cell;
@@ -23,23 +23,23 @@ pub struct Task {
     /// The plan.
     pub plan: Plan,
     /// How it is computed.
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// Where its parts are.
     pub folder: PathBuf,
     /// What is wanted, and of what.
-    pub work: Wanted,
+    pub work: TaskKind,
 }
 
 /// What is to be computed.
-pub enum Wanted {
+pub enum TaskKind {
     /// A still: its rows once for every number of samples a pixel.
-    Still(Box<Document>, Vec<Pass>),
-    /// A film: the patches of its sheets.
-    Film(Film, Vec<Reel>),
+    Still(Box<Document>, Vec<StillPass>),
+    /// A film: the patches of its groups.
+    Film(Film, Vec<FrameGroupTask>),
 }
 
 /// The rows of a still with so many samples a pixel.
-pub struct Pass {
+pub struct StillPass {
     /// Samples a pixel along each axis.
     pub along: u32,
     /// Width and height in samples.
@@ -50,19 +50,19 @@ pub struct Pass {
     pub of: String,
 }
 
-/// A sheet of a film.
-pub struct Reel {
+/// A group of a film.
+pub struct FrameGroupTask {
     /// Its frames and patches.
-    pub sheet: Sheet,
-    /// Patches to compute, in the order in which they are; shared like those of the sheets.
+    pub group: FrameGroup,
+    /// Patches to compute, in the order in which they are; shared like those of the groups.
     pub cells: Arc<[Cell]>,
     /// What decides its samples.
     pub of: String,
 }
 
-/// Something to compute: of which pass or reel.
+/// Something to compute: of which pass or group.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Piece {
+pub enum WorkPiece {
     /// Rows of a still.
     Rows(usize, Range<u32>),
     /// Patches of a film.
@@ -72,46 +72,49 @@ pub enum Piece {
 impl Task {
     /// Of a plan whose file is `path`; the parts lie beside it.
     pub fn new(plan: Plan, path: &Path) -> Result<Self, PlanError> {
-        let recipe = plan.recipe()?;
+        let config = plan.config()?;
+        let IntegratorConfig { method, precision } = config;
         // Another version may compute other last digits.
-        let how = format!("{recipe:?} {} {}", plan.verify, env!("CARGO_PKG_VERSION"));
+        // `Recipe` is what the configuration was called when the first parts were written.
+        let config_text = format!("Recipe {{ method: {method:?}, precision: {precision:?} }}");
+        let how = format!("{config_text} {} {}", plan.verify, env!("CARGO_PKG_VERSION"));
         let work = match plan.what() {
-            What::Still(document) => {
+            PlannedOutput::Still(document) => {
                 let passes = passes(&document, plan.numbers, &how);
-                Wanted::Still(document, passes)
+                TaskKind::Still(document, passes)
             }
-            What::Film(film) => {
-                let reels = reels(sheets(&film), &how);
-                Wanted::Film(film, reels)
+            PlannedOutput::Film(film) => {
+                let groups = tasks(frame_groups(&film), &how);
+                TaskKind::Film(film, groups)
             }
         };
-        Ok(Task { plan, recipe, folder: path.with_extension("parts"), work })
+        Ok(Task { plan, config, folder: path.with_extension("parts"), work })
     }
 
     /// The samples that are to be computed in all.
     pub fn samples(&self) -> u64 {
         match &self.work {
-            Wanted::Still(_, passes) => {
+            TaskKind::Still(_, passes) => {
                 passes.iter().map(|pass| u64::from(pass.rows) * u64::from(pass.size[0])).sum()
             }
-            Wanted::Film(_, reels) => {
-                reels.iter().map(|reel| (reel.cells.len() * SAMPLES) as u64).sum()
+            TaskKind::Film(_, groups) => {
+                groups.iter().map(|group| (group.cells.len() * SAMPLES) as u64).sum()
             }
         }
     }
 
     /// What is missing of a shard, 1 the first.
-    pub fn missing(&self, shard: u32, parts: &Parts) -> Vec<Piece> {
+    pub fn missing(&self, shard: u32, parts: &Parts) -> Vec<WorkPiece> {
         match &self.work {
-            Wanted::Still(_, passes) => (0..)
+            TaskKind::Still(_, passes) => (0..)
                 .zip(passes)
                 .flat_map(|(k, pass)| {
                     let rows = self.rows_of(shard, pass.rows);
                     let missing = parts.missing_rows(&pass.of, rows).into_iter();
-                    missing.map(move |rows| Piece::Rows(k, rows))
+                    missing.map(move |rows| WorkPiece::Rows(k, rows))
                 })
                 .collect(),
-            Wanted::Film(_, reels) => self.missing_patches(reels, shard, parts),
+            TaskKind::Film(_, groups) => self.missing_patches(groups, shard, parts),
         }
     }
 
@@ -129,43 +132,49 @@ impl Task {
     }
 
     /// A shard's patches: they are dealt like cards, since deep ones take longer.
-    fn missing_patches(&self, reels: &[Reel], shard: u32, parts: &Parts) -> Vec<Piece> {
-        let cells: usize = reels.iter().map(|reel| reel.cells.len()).sum();
+    fn missing_patches(
+        &self,
+        groups: &[FrameGroupTask],
+        shard: u32,
+        parts: &Parts,
+    ) -> Vec<WorkPiece> {
+        let cells: usize = groups.iter().map(|group| group.cells.len()).sum();
         let hand = (cells / (HANDS * self.plan.shards as usize)).clamp(1, DEALT);
         let mut dealt = 0;
         let mut missing = Vec::new();
-        for (k, reel) in reels.iter().enumerate() {
+        for (k, group) in groups.iter().enumerate() {
             let mut cells = Vec::new();
-            for dealt_cells in reel.cells.chunks(hand) {
+            for dealt_cells in group.cells.chunks(hand) {
                 if dealt % self.plan.shards == shard - 1 {
-                    cells
-                        .extend(dealt_cells.iter().filter(|cell| !parts.has_patch(&reel.of, cell)));
+                    cells.extend(
+                        dealt_cells.iter().filter(|cell| !parts.has_patch(&group.of, cell)),
+                    );
                 }
                 dealt += 1;
             }
             if !cells.is_empty() {
-                missing.push(Piece::Patches(k, cells));
+                missing.push(WorkPiece::Patches(k, cells));
             }
         }
         missing
     }
 }
 
-impl Piece {
+impl WorkPiece {
     /// How many samples.
     pub fn samples(&self, task: &Task) -> u64 {
         match (self, &task.work) {
-            (Piece::Rows(pass, rows), Wanted::Still(_, passes)) => {
+            (WorkPiece::Rows(pass, rows), TaskKind::Still(_, passes)) => {
                 u64::from(rows.end - rows.start) * u64::from(passes[*pass].size[0])
             }
-            (Piece::Patches(_, cells), _) => (cells.len() * SAMPLES) as u64,
-            (Piece::Rows(..), Wanted::Film(..)) => 0,
+            (WorkPiece::Patches(_, cells), _) => (cells.len() * SAMPLES) as u64,
+            (WorkPiece::Rows(..), TaskKind::Film(..)) => 0,
         }
     }
 }
 
 /// The picture's pass, and if need be one of the numbers at the pixels' middles.
-fn passes(document: &Document, numbers: bool, how: &str) -> Vec<Pass> {
+fn passes(document: &Document, numbers: bool, how: &str) -> Vec<StillPass> {
     let scene = document.scene();
     let size = document.run.size.unwrap_or([1, 1]);
     let samples = document.picture.samples;
@@ -177,30 +186,30 @@ fn passes(document: &Document, numbers: bool, how: &str) -> Vec<Pass> {
         let size = size.map(|side| side * along);
         let rows = if scene.view.is_symmetric() { size[1].div_ceil(2) } else { size[1] };
         let of = sha256(format!("still {} {size:?} {how}", what_of(&scene)).as_bytes());
-        Pass { along, size, rows, of }
+        StillPass { along, size, rows, of }
     };
     all.into_iter().map(pass).collect()
 }
 
-/// The reels of a film's sheets.
-fn reels(sheets: Vec<Sheet>, how: &str) -> Vec<Reel> {
-    let mut reels: Vec<Reel> = Vec::new();
-    for sheet in sheets {
-        let cells = match reels.last() {
-            Some(before) if Arc::ptr_eq(&before.sheet.patches, &sheet.patches) => {
+/// What is computed for the groups of a film.
+fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
+    let mut tasks: Vec<FrameGroupTask> = Vec::new();
+    for group in groups {
+        let cells = match tasks.last() {
+            Some(before) if Arc::ptr_eq(&before.group.patches, &group.patches) => {
                 before.cells.clone()
             }
             _ => {
-                let mut cells = canonical(&sheet.patches);
+                let mut cells = canonical(&group.patches);
                 // Jobs hold patches of one level; a stable sort keeps neighbours together.
                 cells.sort_by_key(|cell| cell.level);
                 cells.into()
             }
         };
-        let of = sha256(format!("film {} {how}", what_of(&sheet.scene)).as_bytes());
-        reels.push(Reel { sheet, cells, of });
+        let of = sha256(format!("film {} {how}", what_of(&group.scene)).as_bytes());
+        tasks.push(FrameGroupTask { group, cells, of });
     }
-    reels
+    tasks
 }
 
 /// All of a scene that decides its samples.
@@ -217,21 +226,22 @@ mod tests {
     use crate::physics::Decimal;
     use crate::scene::keys::{Easing, Key};
 
-    const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+    const RECIPE: IntegratorConfig =
+        IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 
-    fn task(what: What, shards: u32) -> Task {
+    fn task(what: PlannedOutput, shards: u32) -> Task {
         let plan = Plan::new(what, shards, (&MockEngine::default(), RECIPE, false), true);
         Task::new(plan, Path::new("plan.toml")).unwrap()
     }
 
-    fn still(size: [u32; 2], samples: u32) -> What {
+    fn still(size: [u32; 2], samples: u32) -> PlannedOutput {
         let mut document = Document::default();
         document.run.size = Some(size);
         document.picture.samples = samples;
-        What::Still(Box::new(document))
+        PlannedOutput::Still(Box::new(document))
     }
 
-    fn film(change: fn(&mut Document)) -> What {
+    fn film(change: fn(&mut Document)) -> PlannedOutput {
         let key = |secs, change: fn(&mut Document)| {
             let mut scene = Document::default();
             scene.picture.samples = 2;
@@ -239,7 +249,7 @@ mod tests {
             Key { secs, easing: Easing::Linear, clock: None, scene }
         };
         let keys = vec![key(0.0, |_| ()), key(1.0, change)];
-        What::Film(Film { size: [64, 64], frames: 5, fps: 5.0, keys })
+        PlannedOutput::Film(Film { size: [64, 64], frames: 5, fps: 5.0, keys })
     }
 
     #[test]
@@ -250,8 +260,10 @@ mod tests {
             let mut rows: Vec<(usize, u32)> = (1..=3)
                 .flat_map(|shard| task.missing(shard, &parts))
                 .flat_map(|piece| match piece {
-                    Piece::Rows(pass, rows) => rows.map(move |row| (pass, row)).collect::<Vec<_>>(),
-                    Piece::Patches(..) => panic!("a still has rows"),
+                    WorkPiece::Rows(pass, rows) => {
+                        rows.map(move |row| (pass, row)).collect::<Vec<_>>()
+                    }
+                    WorkPiece::Patches(..) => panic!("a still has rows"),
                 })
                 .collect();
             rows.sort_unstable();
@@ -269,16 +281,16 @@ mod tests {
     fn shards_are_all_of_a_film_once() {
         let zoom: fn(&mut Document) = |scene| scene.view.width = "0.01".into();
         let masses: fn(&mut Document) = |scene| scene.pendulum.masses[1] = Decimal::from(3.0);
-        for (change, reels) in [(zoom, 1), (masses, 5)] {
+        for (change, groups) in [(zoom, 1), (masses, 5)] {
             let task = task(film(change), 3);
             let parts = Parts::default();
             let mut dealt: Vec<(usize, Cell)> = (1..=3)
                 .flat_map(|shard| task.missing(shard, &parts))
                 .flat_map(|piece| match piece {
-                    Piece::Patches(reel, cells) => {
-                        cells.into_iter().map(|cell| (reel, cell)).collect::<Vec<_>>()
+                    WorkPiece::Patches(group, cells) => {
+                        cells.into_iter().map(|cell| (group, cell)).collect::<Vec<_>>()
                     }
-                    Piece::Rows(..) => panic!("a film has patches"),
+                    WorkPiece::Rows(..) => panic!("a film has patches"),
                 })
                 .collect();
             let count = dealt.len();
@@ -286,24 +298,24 @@ mod tests {
             dealt.dedup();
             assert_eq!(dealt.len(), count, "none twice");
             assert_eq!((count * SAMPLES) as u64, task.samples());
-            let Wanted::Film(_, found) = &task.work else { panic!("a film") };
-            assert_eq!(found.len(), reels);
+            let TaskKind::Film(_, found) = &task.work else { panic!("a film") };
+            assert_eq!(found.len(), groups);
             assert!(found.windows(2).all(|two| Arc::ptr_eq(&two[0].cells, &two[1].cells)));
         }
     }
 
     #[test]
     fn what_decides_samples_has_a_name_of_its_own() {
-        let name = |what: What| match task(what, 1).work {
-            Wanted::Still(_, passes) => passes[0].of.clone(),
-            Wanted::Film(_, reels) => reels[0].of.clone(),
+        let name = |what: PlannedOutput| match task(what, 1).work {
+            TaskKind::Still(_, passes) => passes[0].of.clone(),
+            TaskKind::Film(_, groups) => groups[0].of.clone(),
         };
         let home = name(still([8, 8], 1));
         assert_ne!(home, name(still([8, 9], 1)));
-        let What::Still(mut painted) = still([8, 8], 1) else { panic!("a still") };
+        let PlannedOutput::Still(mut painted) = still([8, 8], 1) else { panic!("a still") };
         painted.picture.palette = "viridis".to_string();
-        assert_eq!(home, name(What::Still(painted.clone())), "colours decide no samples");
+        assert_eq!(home, name(PlannedOutput::Still(painted.clone())), "colours decide no samples");
         painted.question.budget.secs = 31.0;
-        assert_ne!(home, name(What::Still(painted)));
+        assert_ne!(home, name(PlannedOutput::Still(painted)));
     }
 }

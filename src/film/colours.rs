@@ -9,17 +9,17 @@ use crate::tiles::Samples;
 
 /// Which flips a frame shows, and what the others look like.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
+pub struct FlipWindow {
     secs: f64,
     others: Rgb,
 }
 
-impl Shown {
+impl FlipWindow {
     /// What a shot shows: all within its budget, or within its clock.
     pub fn of(shot: &Shot) -> Self {
         match shot.clock_secs {
-            Some(secs) => Shown { secs, others: WAITING },
-            None => Shown { secs: shot.scene.question.budget.secs, others: UNFLIPPED },
+            Some(secs) => FlipWindow { secs, others: WAITING },
+            None => FlipWindow { secs: shot.scene.question.budget.secs, others: UNFLIPPED },
         }
     }
 }
@@ -37,12 +37,12 @@ impl Colours {
     }
 
     /// The light of a patch's samples.
-    pub fn light(&self, samples: &Samples, shown: &Shown) -> Light {
+    pub fn light(&self, samples: &Samples, shown: &FlipWindow) -> Light {
         let colours = samples.iter().map(|outcome| self.colour(&outcome, shown));
         colours.flat_map(|rgb| rgb.map(|channel| self.light[usize::from(channel)])).collect()
     }
 
-    fn colour(&self, outcome: &Outcome, shown: &Shown) -> Rgb {
+    fn colour(&self, outcome: &Outcome, shown: &FlipWindow) -> Rgb {
         match outcome.status {
             Status::Flipped if outcome.time > shown.secs => shown.others,
             Status::Unflipped => shown.others,

@@ -11,10 +11,10 @@ mod frames;
 mod mip;
 mod paint;
 
-pub use colours::{Colours, Shown};
+pub use colours::{Colours, FlipWindow};
 pub use frames::{FrameError, Frames};
 pub use mip::{Light, Mip};
-pub use paint::{Painter, WAITING};
+pub use paint::{FramePainter, WAITING};
 
 use std::sync::Arc;
 
@@ -25,25 +25,25 @@ use crate::tiles::patches::{Sight, patches};
 
 /// The frames of one pendulum, and the patches they are painted from.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct FrameGroup {
     /// The pendulum and the question, its budget that of the whole film; the view does not matter.
     pub scene: Scene,
     /// The first frame, and the one after the last.
     pub frames: std::ops::Range<u32>,
-    /// In the order of the quarters of quarters; shared by sheets that are looked at alike.
+    /// In the order of the quarters of quarters; shared by groups that are looked at alike.
     pub patches: Arc<[Cell]>,
 }
 
-/// The sheets of a film: one, or where the pendulum changes one for every frame.
-pub fn sheets(film: &Film) -> Vec<Sheet> {
+/// The groups of a film: one, or where the pendulum changes one for every frame.
+pub fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     let samples = film.keys[0].scene.picture.samples;
     let shots: Vec<Shot> = (0..film.frames).map(|frame| film.shot(frame)).collect();
-    let mut sheets: Vec<Sheet> = Vec::new();
+    let mut groups: Vec<FrameGroup> = Vec::new();
     let mut looked: Vec<&View> = Vec::new();
     for same in shots.chunk_by(|a, b| a.scene.build == b.scene.build) {
         let shots = different_views(same);
         let views: Vec<&View> = shots.iter().map(|shot| &shot.scene.view).collect();
-        let found = match sheets.last() {
+        let found = match groups.last() {
             Some(before) if looked == views => before.patches.clone(),
             _ => {
                 let sight = |shot: &&Shot| Sight::new(&shot.scene, film.size, samples);
@@ -53,11 +53,11 @@ pub fn sheets(film: &Film) -> Vec<Sheet> {
         looked = views;
         let mut scene = Scene { view: View::default(), ..same[0].scene.clone() };
         scene.question.budget.secs = film.budget_secs();
-        let first = sheets.last().map_or(0, |before| before.frames.end);
+        let first = groups.last().map_or(0, |before| before.frames.end);
         let frames = first..first + same.len() as u32;
-        sheets.push(Sheet { scene, frames, patches: found });
+        groups.push(FrameGroup { scene, frames, patches: found });
     }
-    sheets
+    groups
 }
 
 /// Shots without those that look where the one before did.

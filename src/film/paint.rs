@@ -24,7 +24,7 @@ use crate::tiles::patches::{SIDE, SLACK, Sight, offset_rad, pitch_rad};
 pub const WAITING: Rgb = [0x16, 0x18, 0x1d];
 
 /// Takes frames out of a mip.
-pub struct Painter {
+pub struct FramePainter {
     size: [u32; 2],
     samples: u32,
     curve: bool,
@@ -50,12 +50,12 @@ struct Entry {
     first: [u32; 2],
 }
 
-impl Painter {
+impl FramePainter {
     /// Of frames of this size.
     pub fn new(size: [u32; 2], picture: &PictureTable) -> Self {
         let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
         let PictureTable { samples, curve, .. } = *picture;
-        Painter { size, samples, curve, encode, used: HashMap::new() }
+        FramePainter { size, samples, curve, encode, used: HashMap::new() }
     }
 
     /// Other colours follow.
@@ -259,10 +259,10 @@ mod tests {
         0.5 + 0.25 * ((theta1 / wave_rad).sin() + (theta2 / wave_rad).cos())
     }
 
-    fn painter() -> Painter {
+    fn painter() -> FramePainter {
         let picture =
             PictureTable { samples: SAMPLES_ALONG, curve: false, ..PictureTable::default() };
-        Painter::new(SIZE, &picture)
+        FramePainter::new(SIZE, &picture)
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::drawing::{CANVAS, FAINT, INK};
 
 /// How values become places.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scale {
+pub enum AxisScale {
     /// Equal differences are equal lengths.
     Linear,
     /// Equal ratios are.
@@ -28,7 +28,7 @@ pub struct Axis {
     /// What is seen.
     pub range: RangeInclusive<f64>,
     /// How.
-    pub scale: Scale,
+    pub scale: AxisScale,
 }
 
 /// One curve.
@@ -76,15 +76,15 @@ impl Curve {
 
 impl Axis {
     /// An axis with its name.
-    pub fn new(name: &str, range: RangeInclusive<f64>, scale: Scale) -> Self {
+    pub fn new(name: &str, range: RangeInclusive<f64>, scale: AxisScale) -> Self {
         Axis { name: name.to_string(), range, scale }
     }
 
     fn stretched(&self, value: f64) -> f64 {
         match self.scale {
-            Scale::Linear => value,
-            Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
-            Scale::SignedLog(least) => (1.0 + value.abs() / least).log10().copysign(value),
+            AxisScale::Linear => value,
+            AxisScale::Log => value.max(f64::MIN_POSITIVE).log10(),
+            AxisScale::SignedLog(least) => (1.0 + value.abs() / least).log10().copysign(value),
         }
     }
 
@@ -99,19 +99,19 @@ impl Axis {
         let (from, to) = (*self.range.start(), *self.range.end());
         let decade = |k: i32| 10f64.powi(k);
         match self.scale {
-            Scale::Linear => {
+            AxisScale::Linear => {
                 let step = round_step((to - from) / 5.0);
                 let first = (from / step).ceil() as i64;
                 let last = (to / step + 1e-9).floor() as i64;
                 (first..=last).map(|k| (k as f64 * step, plain(k as f64 * step))).collect()
             }
-            Scale::Log => {
+            AxisScale::Log => {
                 let [low, high] = [from, to].map(|end| end.log10());
                 let (low, high) = (low.ceil() as i32, high.floor() as i32);
                 let step = ((high - low).max(1) as usize).div_ceil(6);
                 (low..=high).step_by(step).map(|k| (decade(k), format!("1e{k}"))).collect()
             }
-            Scale::SignedLog(least) => {
+            AxisScale::SignedLog(least) => {
                 let (low, high) = (least.log10().round() as i32, to.log10().floor() as i32);
                 let step = ((high - low).max(1) as usize).div_ceil(3);
                 let up = (low + 1..=high).rev().step_by(step);
@@ -218,11 +218,11 @@ mod tests {
 
     #[test]
     fn values_lie_where_their_scale_says() {
-        let linear = Axis::new("", 0.0..=10.0, Scale::Linear);
+        let linear = Axis::new("", 0.0..=10.0, AxisScale::Linear);
         assert_eq!([0.0, 5.0, 20.0].map(|x| linear.share(x)), [0.0, 0.5, 1.0]);
-        let log = Axis::new("", 1e-8..=1.0, Scale::Log);
+        let log = Axis::new("", 1e-8..=1.0, AxisScale::Log);
         assert!((log.share(1e-4) - 0.5).abs() < 1e-6 && log.share(0.0) == 0.0);
-        let signed = Axis::new("", -1e2..=1e2, Scale::SignedLog(1e-6));
+        let signed = Axis::new("", -1e2..=1e2, AxisScale::SignedLog(1e-6));
         assert_eq!(signed.share(0.0), 0.5);
         assert!((signed.share(1e-2) + signed.share(-1e-2) - 1.0).abs() < 1e-6);
         assert!(signed.share(1e-2) > signed.share(1e-4) && signed.share(1e300) == 1.0);
@@ -232,18 +232,21 @@ mod tests {
     fn ticks_are_round_and_few() {
         let words =
             |axis: Axis| axis.ticks().into_iter().map(|(_, words)| words).collect::<Vec<_>>();
-        let linear = words(Axis::new("", 0.0..=3.13, Scale::Linear));
+        let linear = words(Axis::new("", 0.0..=3.13, AxisScale::Linear));
         assert_eq!(linear, ["0", "1", "2", "3"]);
-        assert_eq!(words(Axis::new("", 1e-3..=1.0, Scale::Log)), ["1e-3", "1e-2", "1e-1", "1e0"]);
-        let signed = Axis::new("", -1e3..=1e3, Scale::SignedLog(1e-12)).ticks();
+        assert_eq!(
+            words(Axis::new("", 1e-3..=1.0, AxisScale::Log)),
+            ["1e-3", "1e-2", "1e-1", "1e0"]
+        );
+        let signed = Axis::new("", -1e3..=1e3, AxisScale::SignedLog(1e-12)).ticks();
         assert!(signed.len() <= 9 && signed.iter().any(|(value, _)| *value < 0.0));
     }
 
     #[test]
     fn what_is_no_number_reaches_no_screen() {
         let chart = Chart {
-            across: Axis::new("", 0.0..=1.0, Scale::Linear),
-            up: Axis::new("", 0.0..=1.0, Scale::Linear),
+            across: Axis::new("", 0.0..=1.0, AxisScale::Linear),
+            up: Axis::new("", 0.0..=1.0, AxisScale::Linear),
             curves: Vec::new(),
             marks: Vec::new(),
         };

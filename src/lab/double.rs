@@ -3,21 +3,21 @@
 use egui::{Grid, Ui};
 
 use super::controls::{build, row};
-use super::drawing::{COLOURS, FAINT, INK, Stage, end, ends, wrapped};
-use super::swinger::Swinger;
-use super::{Asked, Toy};
+use super::double_simulation::DoublePendulumSimulation;
+use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end, ends, wrapped};
+use super::{FigureRequest, LiveFigure};
 
 /// Two angles, and the second pivot riding on the first bob.
 #[derive(Clone, Debug)]
-pub struct Double(Swinger);
+pub struct Double(DoublePendulumSimulation);
 
 impl Default for Double {
     fn default() -> Self {
-        Double(Swinger::from([0.8, 1.4]))
+        Double(DoublePendulumSimulation::from([0.8, 1.4]))
     }
 }
 
-impl Toy for Double {
+impl LiveFigure for Double {
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }
@@ -26,7 +26,7 @@ impl Toy for Double {
         let angle = self.0.now().angle.map(wrapped);
         let lengths = self.0.build.lengths_m();
         let told = format!("θ1 is {:.3} rad, θ2 is {:.3} rad", angle[0], angle[1]);
-        let (stage, response) = Stage::new(ui, size, 1.1 * (lengths[0] + lengths[1]), told);
+        let (stage, response) = FigureCanvas::new(ui, size, 1.1 * (lengths[0] + lengths[1]), told);
         let [first, second] = ends(lengths, angle);
         let short = 0.3 * lengths[0].min(lengths[1]);
         for (at, theta) in [([0.0; 2], angle[0]), (first, angle[1])] {
@@ -48,7 +48,7 @@ impl Toy for Double {
         self.0.drag(&stage, &response);
     }
 
-    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+    fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         if build(ui, &mut self.0.build) {
             self.0.release(self.0.start);
         }
@@ -61,7 +61,9 @@ impl Toy for Double {
                 row(ui, &format!("ω{}", i + 1), format!("{:8.4} rad/s", state.speed[i]));
             }
         });
-        ui.button("Show this start on the map").clicked().then_some(Asked::ToMap(self.0.start))
+        ui.button("Show this start on the map")
+            .clicked()
+            .then_some(FigureRequest::ToMap(self.0.start))
     }
 
     fn set(&self) -> Vec<f64> {

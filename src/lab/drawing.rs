@@ -22,7 +22,7 @@ pub const COLOURS: [Color32; 4] = [
 ];
 
 /// A place to draw on, in metres around a pivot, y up.
-pub struct Stage {
+pub struct FigureCanvas {
     /// What draws.
     pub painter: Painter,
     /// Where, in points.
@@ -31,16 +31,16 @@ pub struct Stage {
     points_per_m: f32,
 }
 
-impl Stage {
+impl FigureCanvas {
     /// A stage of `size` points on which `reach_m` metres around the pivot are seen; `told` is
     /// what a screen reader says of it. What is on it can be dragged.
-    pub fn new(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> (Stage, Response) {
-        Stage::sensing(ui, size, reach_m, told, Sense::click_and_drag())
+    pub fn new(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> (FigureCanvas, Response) {
+        FigureCanvas::sensing(ui, size, reach_m, told, Sense::click_and_drag())
     }
 
     /// A stage that is only looked at.
-    pub fn seen(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> Stage {
-        Stage::sensing(ui, size, reach_m, told, Sense::hover()).0
+    pub fn seen(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> FigureCanvas {
+        FigureCanvas::sensing(ui, size, reach_m, told, Sense::hover()).0
     }
 
     fn sensing(
@@ -49,7 +49,7 @@ impl Stage {
         reach_m: f64,
         told: String,
         sense: Sense,
-    ) -> (Stage, Response) {
+    ) -> (FigureCanvas, Response) {
         let (response, painter) = ui.allocate_painter(size, sense);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
         let rect = response.rect;
@@ -58,7 +58,7 @@ impl Stage {
             painter.rect_filled(rect, 4.0, CANVAS);
         }
         let points_per_m = 0.44 * size.min_elem() / reach_m as f32;
-        (Stage { painter, rect, pivot: rect.center(), points_per_m }, response)
+        (FigureCanvas { painter, rect, pivot: rect.center(), points_per_m }, response)
     }
 
     /// The point of a place in metres.

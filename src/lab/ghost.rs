@@ -2,20 +2,20 @@
 
 use egui::{Grid, Ui, vec2};
 
-use super::chart::{Axis, Chart, Curve, Scale};
+use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::controls::{coloured_row, row};
-use super::drawing::{COLOURS, FAINT, INK, Stage, end};
-use super::swinging::Swinging;
-use super::{Asked, Toy};
+use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end};
+use super::single_simulation::SinglePendulumSimulation;
+use super::{FigureRequest, LiveFigure};
 use crate::physics::simple::MOST_AMPLITUDE;
 
 /// A swing and its ghost.
 #[derive(Clone, Debug)]
-pub struct Ghost(Swinging);
+pub struct Ghost(SinglePendulumSimulation);
 
 impl Default for Ghost {
     fn default() -> Self {
-        Ghost(Swinging::from(2.0))
+        Ghost(SinglePendulumSimulation::from(2.0))
     }
 }
 
@@ -28,8 +28,8 @@ impl Ghost {
         let known = (0..=200).map(|k| [at(k), ratio(at(k))]).collect();
         let amplitude = self.0.amplitude.abs();
         Chart {
-            across: Axis::new("amplitude, rad", 0.0..=3.2, Scale::Linear),
-            up: Axis::new("period / 2π√(r/g)", 0.8..=3.0, Scale::Linear),
+            across: Axis::new("amplitude, rad", 0.0..=3.2, AxisScale::Linear),
+            up: Axis::new("period / 2π√(r/g)", 0.8..=3.0, AxisScale::Linear),
             curves: vec![
                 Curve::line("exact", COLOURS[1], known),
                 Curve::guide("small angles", FAINT, vec![[0.0, 1.0], [3.2, 1.0]]),
@@ -39,7 +39,7 @@ impl Ghost {
     }
 }
 
-impl Toy for Ghost {
+impl LiveFigure for Ghost {
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }
@@ -55,7 +55,7 @@ impl Toy for Ghost {
         let told =
             format!("After {secs:.2} s: θ is {:.3} rad, the ghost's {ghost:.3}", self.0.angle());
         let upper = vec2(size.x, 0.62 * size.y);
-        let (stage, response) = Stage::new(ui, upper, 1.15 * length, told);
+        let (stage, response) = FigureCanvas::new(ui, upper, 1.15 * length, told);
         let shadow = end([0.0; 2], length, ghost);
         stage.dashed([0.0; 2], shadow, FAINT);
         stage.bob(shadow, 0.5 * self.0.mass, FAINT);
@@ -68,7 +68,7 @@ impl Toy for Ghost {
         self.chart().show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
     }
 
-    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+    fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
         let simple = self.0.simple;

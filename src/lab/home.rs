@@ -6,7 +6,7 @@ use super::flips::Seen;
 use crate::engine::cpu::CpuEngine;
 use crate::engine::level::FAST;
 use crate::engine::{Engine, EngineError};
-use crate::output::Painter;
+use crate::output::RowPainter;
 use crate::physics::Status;
 use crate::scene::{Document, Grid, Scene};
 use crate::tiles::preview::preview;
@@ -33,7 +33,7 @@ pub fn home_map(side: u32) -> Result<HomeMap, EngineError> {
     let counts = work.counts();
     let seen =
         Seen { pixels: counts.pixels, forbidden: counts.forbidden, simulated: counts.simulated };
-    let painter = Painter::new(&scene, size, &picture);
+    let painter = RowPainter::new(&scene, size, &picture);
     let rgb = painter.map(|mut painter| painter.paint(&samples)).unwrap_or_default();
     let image = ColorImage::from_rgb(size.map(|side| side as usize), &rgb);
     Ok(HomeMap { image, seen, scene, samples })

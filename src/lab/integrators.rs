@@ -2,12 +2,12 @@
 
 use egui::{Color32, Grid, Ui, vec2};
 
-use super::chart::{Axis, Chart, Curve, Scale};
+use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::clock::Clock;
 use super::controls::{coloured_row, number_on};
-use super::drawing::{COLOURS, INK, Stage, ends};
-use super::swinger::pendulum;
-use super::{Asked, Toy};
+use super::double_simulation::pendulum;
+use super::drawing::{COLOURS, FigureCanvas, INK, ends};
+use super::{FigureRequest, LiveFigure};
 use crate::physics::integrator::{euler, rk4, semi_implicit_euler};
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, State};
@@ -100,8 +100,8 @@ impl Sweep {
             Curve::line("", *colour, points)
         });
         Chart {
-            across: Axis::new("Δt, s", 3e-4..=2e-2, Scale::Log),
-            up: Axis::new("error after 1 s, rad", 1e-14..=1.0, Scale::Log),
+            across: Axis::new("Δt, s", 3e-4..=2e-2, AxisScale::Log),
+            up: Axis::new("error after 1 s, rad", 1e-14..=1.0, AxisScale::Log),
             curves: curves.collect(),
             marks: Vec::new(),
         }
@@ -110,7 +110,7 @@ impl Sweep {
 
 /// One method's run.
 #[derive(Clone, Debug)]
-struct Run {
+struct MethodRun {
     state: State<f64>,
     /// A step earlier: what is drawn lies between the two.
     before: State<f64>,
@@ -119,7 +119,7 @@ struct Run {
     diverged_at: Option<f64>,
 }
 
-impl Run {
+impl MethodRun {
     /// The angles that are drawn `share` of a step after the last one.
     fn drawn(&self, share: f64) -> [f64; 2] {
         let (from, to) = (self.before.angle, self.state.angle);
@@ -133,7 +133,7 @@ pub struct Integrators {
     start: [f64; 2],
     step_secs: f64,
     clock: Clock,
-    runs: [Run; 3],
+    runs: [MethodRun; 3],
     sweep: Sweep,
 }
 
@@ -150,7 +150,7 @@ impl Integrators {
     /// From a start at one step.
     pub fn new(start: [f64; 2], step_secs: f64) -> Self {
         let state = State::rest(start);
-        let run = Run { state, before: state, errors: vec![[0.0; 2]], diverged_at: None };
+        let run = MethodRun { state, before: state, errors: vec![[0.0; 2]], diverged_at: None };
         Integrators {
             start,
             step_secs,
@@ -194,15 +194,15 @@ impl Integrators {
             .map(|(run, (_, name, colour))| Curve::line(name, colour, run.errors.clone()));
         let end = self.clock.secs().max(10.0);
         Chart {
-            across: Axis::new("time, s", 0.0..=end, Scale::Linear),
-            up: Axis::new("relative energy error", -1e2..=1e2, Scale::SignedLog(1e-9)),
+            across: Axis::new("time, s", 0.0..=end, AxisScale::Linear),
+            up: Axis::new("relative energy error", -1e2..=1e2, AxisScale::SignedLog(1e-9)),
             curves: curves.collect(),
             marks: Vec::new(),
         }
     }
 }
 
-impl Toy for Integrators {
+impl LiveFigure for Integrators {
     fn advance(&mut self, elapsed_secs: f64) {
         if self.clock.secs() > LONGEST_SECS {
             *self = Integrators::new(self.start, self.step_secs);
@@ -220,7 +220,7 @@ impl Toy for Integrators {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
             for (run, (_, name, colour)) in self.runs.iter().zip(Integrator::ALL) {
-                let stage = Stage::seen(ui, third, 2.2, format!("The pendulum of {name}"));
+                let stage = FigureCanvas::seen(ui, third, 2.2, format!("The pendulum of {name}"));
                 let [first, second] = ends([1.0, 1.0], run.drawn(share));
                 stage.rod([0.0; 2], first, INK);
                 stage.rod(first, second, INK);
@@ -241,7 +241,7 @@ impl Toy for Integrators {
         self.sweep.chart().show(ui, vec2(size.x, 0.4 * rest), told);
     }
 
-    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+    fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         let (mut step_ms, mut start) = (self.step_secs * 1e3, self.start);
         let mut changed = false;
         Grid::new("integrators").num_columns(2).show(ui, |ui| {
@@ -265,7 +265,9 @@ impl Toy for Integrators {
         if self.runs.iter().any(|run| run.diverged_at.is_some()) {
             ui.label("Restart with a smaller Δt: energy grew without bound.");
         }
-        ui.button("Show this start on the map").clicked().then_some(Asked::ToMap(self.start))
+        ui.button("Show this start on the map")
+            .clicked()
+            .then_some(FigureRequest::ToMap(self.start))
     }
 
     fn set(&self) -> Vec<f64> {
@@ -278,7 +280,7 @@ impl Toy for Integrators {
         for k in 1..=(secs / self.step_secs) as u64 {
             let t = k as f64 * self.step_secs;
             toy.step(t);
-            let error = |run: &Run| match run.diverged_at {
+            let error = |run: &MethodRun| match run.diverged_at {
                 Some(_) => "diverged".to_string(),
                 None => run.errors.last().map_or(0.0, |last| last[1]).to_string(),
             };

@@ -3,28 +3,28 @@
 use egui::{Grid, ProgressBar, Ui};
 
 use super::controls::{build, row};
-use super::drawing::{Stage, wrapped};
-use super::swinger::Swinger;
-use super::{Asked, Toy};
+use super::double_simulation::DoublePendulumSimulation;
+use super::drawing::{FigureCanvas, wrapped};
+use super::{FigureRequest, LiveFigure};
 
 /// The machine.
 #[derive(Clone, Debug)]
-pub struct Machine(Swinger);
+pub struct MachineFigure(DoublePendulumSimulation);
 
-impl Default for Machine {
+impl Default for MachineFigure {
     fn default() -> Self {
-        Machine(Swinger::from([2.0, 2.6]))
+        MachineFigure(DoublePendulumSimulation::from([2.0, 2.6]))
     }
 }
 
-impl Machine {
+impl MachineFigure {
     /// Let go from a start that was found elsewhere.
     pub fn open(&mut self, start: [f64; 2]) {
         self.0.release(start);
     }
 }
 
-impl Toy for Machine {
+impl LiveFigure for MachineFigure {
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }
@@ -33,13 +33,13 @@ impl Toy for Machine {
         let [theta1, theta2] = self.0.now().angle.map(wrapped);
         let told = format!("θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad");
         let reach = 1.1 * self.0.build.lengths_m().iter().sum::<f64>();
-        let (stage, response) = Stage::new(ui, size, reach, told);
+        let (stage, response) = FigureCanvas::new(ui, size, reach, told);
         self.0.draw(&stage);
         stage.note("Drag either bob to aim it again; let go and it falls from rest.");
         self.0.drag(&stage, &response);
     }
 
-    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+    fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         if build(ui, &mut self.0.build) {
             self.0.release(self.0.start);
         }
@@ -50,7 +50,9 @@ impl Toy for Machine {
         if ui.button("Let go again").clicked() {
             self.0.release(self.0.start);
         }
-        ui.button("Show this start on the map").clicked().then_some(Asked::ToMap(self.0.start))
+        ui.button("Show this start on the map")
+            .clicked()
+            .then_some(FigureRequest::ToMap(self.0.start))
     }
 
     fn set(&self) -> Vec<f64> {
@@ -63,8 +65,8 @@ impl Toy for Machine {
 }
 
 /// M α = τ with its numbers now.
-fn equation(ui: &mut Ui, swinger: &Swinger) {
-    let (pendulum, state) = (swinger.pendulum(), swinger.state);
+fn equation(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
+    let (pendulum, state) = (simulation.pendulum(), simulation.state);
     let equation = pendulum.equation(&state);
     let alpha = pendulum.acceleration(&state);
     ui.label("mass matrix M · accelerations α = torques τ");
@@ -83,14 +85,14 @@ fn equation(ui: &mut Ui, swinger: &Swinger) {
         let least = pendulum.least_det;
         row(ui, "det M", format!("{:.4} kg² m⁴", a * b - c * c));
         row(ui, "never below", format!("{least:.4}: it can always be solved"));
-        row(ui, "time", format!("{:.3} s", swinger.secs()));
+        row(ui, "time", format!("{:.3} s", simulation.secs()));
     });
 }
 
 /// Kinetic and potential energy as shares of what there is above hanging at rest.
-fn energy(ui: &mut Ui, swinger: &Swinger) {
-    let pendulum = swinger.pendulum();
-    let (state, start) = (swinger.state, crate::physics::State::rest(swinger.start));
+fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
+    let pendulum = simulation.pendulum();
+    let (state, start) = (simulation.state, crate::physics::State::rest(simulation.start));
     let lowest = -(pendulum.p + pendulum.q);
     let all = (pendulum.energy(&start) - lowest).max(1e-12);
     let potential = pendulum.energy(&crate::physics::State::rest(state.angle)) - lowest;
@@ -104,9 +106,9 @@ fn energy(ui: &mut Ui, swinger: &Swinger) {
 }
 
 /// The motion from the start as CSV, a hundred lines a second.
-pub fn motion(swinger: &Swinger, secs: f64) -> String {
-    let mut toy = Swinger { held: None, ..swinger.clone() };
-    toy.release(swinger.start);
+pub fn motion(simulation: &DoublePendulumSimulation, secs: f64) -> String {
+    let mut toy = DoublePendulumSimulation { held: None, ..simulation.clone() };
+    toy.release(simulation.start);
     let pendulum = toy.pendulum();
     let energy = pendulum.energy(&toy.state);
     let mut text = "t,theta1,theta2,omega1,omega2,energy_error\n".to_string();
@@ -130,10 +132,10 @@ mod tests {
 
     #[test]
     fn rows_are_states_at_their_moments() {
-        let swinger = Swinger::from([2.0, -1.0]);
-        let start = State::rest(swinger.start.map(Dd::new));
-        let mut orbit = Orbit::new(swinger.pendulum().map(Dd::new), start);
-        for line in motion(&swinger, 0.5).lines().skip(2) {
+        let simulation = DoublePendulumSimulation::from([2.0, -1.0]);
+        let start = State::rest(simulation.start.map(Dd::new));
+        let mut orbit = Orbit::new(simulation.pendulum().map(Dd::new), start);
+        for line in motion(&simulation, 0.5).lines().skip(2) {
             let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
             let truth = orbit.state_at(Dd::new(row[0]));
             let off = (row[1] - truth.angle[0].to_f64()).abs();

@@ -9,6 +9,7 @@ pub mod chart;
 pub mod clock;
 mod controls;
 mod double;
+mod double_simulation;
 pub mod drawing;
 pub mod flips;
 mod ghost;
@@ -16,9 +17,8 @@ pub mod home;
 pub mod integrators;
 mod machine;
 mod single;
+mod single_simulation;
 pub mod still;
-mod swinger;
-mod swinging;
 pub mod twenty;
 
 use egui::{ScrollArea, Ui, vec2};
@@ -123,19 +123,19 @@ impl Figure {
 
 /// What a figure asks of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Asked {
+pub enum FigureRequest {
     /// Show this start (θ1, θ2 in rad) on the map.
     ToMap([f64; 2]),
 }
 
 /// A live figure.
-pub trait Toy {
+pub trait LiveFigure {
     /// Moves on by so many seconds.
     fn advance(&mut self, elapsed_secs: f64);
     /// Draws it on so many points.
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2);
     /// Its sliders and numbers.
-    fn controls(&mut self, ui: &mut Ui) -> Option<Asked>;
+    fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest>;
     /// What a person has set in it: the start first, rad.
     fn set(&self) -> Vec<f64>;
     /// Its data over so many seconds from its start, with a line of names.
@@ -150,7 +150,7 @@ pub struct Lab {
     single: single::Single,
     ghost: ghost::Ghost,
     double: double::Double,
-    machine: machine::Machine,
+    machine: machine::MachineFigure,
     integrators: integrators::Integrators,
     twenty: twenty::Twenty,
 }
@@ -173,7 +173,7 @@ impl Lab {
     }
 
     /// The figure that is shown; none where that is the map.
-    pub fn toy(&mut self) -> Option<&mut dyn Toy> {
+    pub fn toy(&mut self) -> Option<&mut dyn LiveFigure> {
         Some(match self.figure {
             Figure::Single => &mut self.single,
             Figure::Ghost => &mut self.ghost,
@@ -209,7 +209,7 @@ impl Lab {
     }
 
     /// Shows the figure, with its sentence above and its controls beside it.
-    pub fn show(&mut self, ui: &mut Ui) -> Option<Asked> {
+    pub fn show(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         ui.heading(self.figure.title());
         ui.label(self.figure.sentence());
         let toy = self.toy()?;

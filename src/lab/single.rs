@@ -3,21 +3,21 @@
 use egui::{Grid, Ui};
 
 use super::controls::row;
-use super::drawing::{COLOURS, FAINT, INK, Stage, end};
-use super::swinging::Swinging;
-use super::{Asked, Toy};
+use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end};
+use super::single_simulation::SinglePendulumSimulation;
+use super::{FigureRequest, LiveFigure};
 
 /// One coordinate, one mass, one rod, gravity.
 #[derive(Clone, Debug)]
-pub struct Single(Swinging);
+pub struct Single(SinglePendulumSimulation);
 
 impl Default for Single {
     fn default() -> Self {
-        Single(Swinging::from(0.9))
+        Single(SinglePendulumSimulation::from(0.9))
     }
 }
 
-impl Toy for Single {
+impl LiveFigure for Single {
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }
@@ -25,7 +25,7 @@ impl Toy for Single {
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let angle = self.0.angle();
         let told = format!("A pendulum at θ = {angle:.3} rad");
-        let (stage, response) = Stage::new(ui, size, 1.15 * self.0.simple.length, told);
+        let (stage, response) = FigureCanvas::new(ui, size, 1.15 * self.0.simple.length, told);
         let (bob, length) = (self.0.bob(), self.0.simple.length);
         let most = end([0.0; 2], 0.72 * length, angle);
         stage.dashed([0.0; 2], [0.0, -0.6 * length], FAINT);
@@ -45,7 +45,7 @@ impl Toy for Single {
         self.0.drag(&stage, &response);
     }
 
-    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+    fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
         Grid::new("single now").num_columns(2).show(ui, |ui| {
@@ -64,7 +64,8 @@ impl Toy for Single {
 
     fn csv(&self, secs: f64) -> String {
         let simple = self.0.simple;
-        let mut toy = Swinging { simple, ..Swinging::from(self.0.amplitude) };
+        let mut toy =
+            SinglePendulumSimulation { simple, ..SinglePendulumSimulation::from(self.0.amplitude) };
         let mut text = "t,angle,speed,acceleration\n".to_string();
         for k in 0..=(secs * 100.0) as u32 {
             let swing = toy.now();
@@ -83,10 +84,10 @@ mod tests {
 
     #[test]
     fn rows_are_states_at_their_moments() {
-        let text = Single(Swinging::from(2.5)).csv(0.1);
+        let text = Single(SinglePendulumSimulation::from(2.5)).csv(0.1);
         // What a tenth of a thousandth of a second's steps come to.
-        let simple = Swinging::from(2.5).simple;
-        let mut swing = Swinging::from(2.5).swing;
+        let simple = SinglePendulumSimulation::from(2.5).simple;
+        let mut swing = SinglePendulumSimulation::from(2.5).swing;
         for (k, line) in text.lines().skip(1).enumerate() {
             let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
             assert!((row[0] - 0.01 * k as f64).abs() < 1e-12);

@@ -2,12 +2,12 @@
 
 use egui::{Color32, Grid, Ui, vec2};
 
-use super::chart::{Axis, Chart, Curve, Scale};
+use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::clock::Clock;
 use super::controls::{brief, number_on, row};
-use super::drawing::{COLOURS, FAINT, INK, Stage, ends};
-use super::swinger::pendulum;
-use super::{Asked, Toy};
+use super::double_simulation::pendulum;
+use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, ends};
+use super::{FigureRequest, LiveFigure};
 use crate::physics::integrator::rk4;
 use crate::physics::separation::{Growth, Reading, Ruler, SATURATED_RAD};
 use crate::physics::trig::Turning;
@@ -104,8 +104,8 @@ impl Twenty {
         let saturated = vec![[0.0, SATURATED_RAD], [end, SATURATED_RAD]];
         curves.push(Curve::guide("saturated", FAINT, saturated));
         Chart {
-            across: Axis::new("time, s", 0.0..=end, Scale::Linear),
-            up: Axis::new("separation, rad", 1e-13..=1e2, Scale::Log),
+            across: Axis::new("time, s", 0.0..=end, AxisScale::Linear),
+            up: Axis::new("separation, rad", 1e-13..=1e2, AxisScale::Log),
             curves,
             marks: Vec::new(),
         }
@@ -117,7 +117,7 @@ fn shade(k: usize, count: usize) -> Color32 {
     COLOURS[0].lerp_to_gamma(COLOURS[1], k as f32 / (count - 1).max(1) as f32)
 }
 
-impl Toy for Twenty {
+impl LiveFigure for Twenty {
     fn advance(&mut self, elapsed_secs: f64) {
         if self.clock.secs() > LONGEST_SECS {
             return;
@@ -134,7 +134,7 @@ impl Toy for Twenty {
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let told = format!("{} pendulums after {:.2} s", self.count, self.clock.secs());
         let upper = vec2(size.x, 0.58 * size.y);
-        let stage = Stage::seen(ui, upper, 2.1, told);
+        let stage = FigureCanvas::seen(ui, upper, 2.1, told);
         for (k, state) in self.states.iter().enumerate() {
             let colour = shade(k, self.count);
             let [first, second] = ends([1.0, 1.0], state.angle);
@@ -148,7 +148,7 @@ impl Toy for Twenty {
         self.chart().show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
     }
 
-    fn controls(&mut self, ui: &mut Ui) -> Option<Asked> {
+    fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         let (mut count, mut nudge, mut start) = (self.count as f64, self.nudge_rad, self.start);
         let mut changed = false;
         Grid::new("twenty").num_columns(2).show(ui, |ui| {
@@ -178,7 +178,9 @@ impl Toy for Twenty {
                 None => row(ui, "λ", "not to be told yet"),
             }
         });
-        ui.button("Show this start on the map").clicked().then_some(Asked::ToMap(self.start))
+        ui.button("Show this start on the map")
+            .clicked()
+            .then_some(FigureRequest::ToMap(self.start))
     }
 
     fn set(&self) -> Vec<f64> {

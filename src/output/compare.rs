@@ -7,19 +7,19 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// A result that is read from the top.
-pub struct Rows {
+pub struct ResultRows {
     path: PathBuf,
     size: [u32; 2],
-    kind: Kind,
+    kind: ResultKind,
 }
 
-enum Kind {
+enum ResultKind {
     Times(BufReader<File>),
     Colours(Box<png::Reader<BufReader<File>>>),
 }
 
 /// A row of a result.
-enum Row {
+enum ResultRow {
     Times(Vec<f64>),
     Colours(Vec<u8>),
 }
@@ -110,7 +110,7 @@ fn by([width, height]: &[u32; 2]) -> String {
     format!("{width} × {height}")
 }
 
-impl Rows {
+impl ResultRows {
     /// Opens a result.
     pub fn open(path: &Path) -> Result<Self, CompareError> {
         let unreadable = |source| CompareError::File { path: path.to_path_buf(), source };
@@ -124,15 +124,15 @@ impl Rows {
                 return Err(foreign("has other colours than 8-bit RGB".to_string()));
             }
             let info = reader.info();
-            ([info.width, info.height], Kind::Colours(Box::new(reader)))
+            ([info.width, info.height], ResultKind::Colours(Box::new(reader)))
         } else {
             let mut file = file;
             let size = npy_size(&mut file).ok_or_else(|| {
                 foreign("is no two-dimensional .npy array of little-endian f64".to_string())
             })?;
-            (size, Kind::Times(file))
+            (size, ResultKind::Times(file))
         };
-        Ok(Rows { path: path.to_path_buf(), size, kind })
+        Ok(ResultRows { path: path.to_path_buf(), size, kind })
     }
 
     /// Width and height in pixels.
@@ -142,21 +142,21 @@ impl Rows {
 
     /// Whether it holds flip times.
     pub fn has_times(&self) -> bool {
-        matches!(self.kind, Kind::Times(_))
+        matches!(self.kind, ResultKind::Times(_))
     }
 
-    fn next(&mut self) -> Result<Row, CompareError> {
+    fn next(&mut self) -> Result<ResultRow, CompareError> {
         let width = self.size[0] as usize;
         let row = match &mut self.kind {
-            Kind::Times(file) => {
+            ResultKind::Times(file) => {
                 let mut bytes = vec![0; 8 * width];
                 file.read_exact(&mut bytes).map(|()| {
                     let numbers = bytes.as_chunks::<8>().0.iter();
-                    Row::Times(numbers.map(|bytes| f64::from_le_bytes(*bytes)).collect())
+                    ResultRow::Times(numbers.map(|bytes| f64::from_le_bytes(*bytes)).collect())
                 })
             }
-            Kind::Colours(reader) => match reader.next_row() {
-                Ok(Some(row)) => Ok(Row::Colours(row.data().to_vec())),
+            ResultKind::Colours(reader) => match reader.next_row() {
+                Ok(Some(row)) => Ok(ResultRow::Colours(row.data().to_vec())),
                 Ok(None) => Err(io::ErrorKind::UnexpectedEof.into()),
                 Err(error) => Err(io::Error::other(error)),
             },
@@ -209,8 +209,8 @@ impl Difference {
 
 /// Compares two results; each row of differences is handed to `row`, from the top.
 pub fn compare(
-    mut a: Rows,
-    mut b: Rows,
+    mut a: ResultRows,
+    mut b: ResultRows,
     tolerance: f64,
     row: &mut dyn FnMut(&[Difference]) -> io::Result<()>,
 ) -> Result<Comparison, CompareError> {
@@ -224,10 +224,10 @@ pub fn compare(
     let mut comparison = Comparison::default();
     for _ in 0..a.size[1] {
         let differences: Vec<Difference> = match (a.next()?, b.next()?) {
-            (Row::Times(a), Row::Times(b)) => {
+            (ResultRow::Times(a), ResultRow::Times(b)) => {
                 a.iter().zip(b).map(|(a, b)| Difference::of_times(*a, b)).collect()
             }
-            (Row::Colours(a), Row::Colours(b)) => {
+            (ResultRow::Colours(a), ResultRow::Colours(b)) => {
                 a.chunks(3).zip(b.chunks(3)).map(|(a, b)| Difference::of_colours(a, b)).collect()
             }
             _ => return Err(CompareError::Unlike { a: a.path, b: b.path }),

@@ -5,7 +5,7 @@ use crate::scene::{Grid, PictureTable, Scene, SceneError};
 use crate::tiles::Samples;
 
 /// Paints bands of a picture from the top.
-pub struct Painter {
+pub struct RowPainter {
     tones: Tones,
     curve: bool,
     samples_along: u32,
@@ -18,11 +18,11 @@ pub struct Painter {
 /// Half the width of the energy curve, in pixels.
 const CURVE_HALF_WIDTH: f64 = 0.75;
 
-impl Painter {
+impl RowPainter {
     /// For a `size` picture of a checked scene; refuses a table that cannot be painted with.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let Scene { build, question, .. } = scene;
-        Ok(Painter {
+        Ok(RowPainter {
             tones: Tones::new(picture, build.unit_secs(), question.budget.secs)?,
             curve: picture.curve && build.pendulum().q > 0.0,
             samples_along: picture.samples,
@@ -97,9 +97,9 @@ mod tests {
     use crate::physics::{Outcome, Status};
     use crate::scene::palette::{FORBIDDEN, UNFLIPPED};
 
-    fn painter(size: [u32; 2], samples: u32, curve: bool) -> Painter {
+    fn painter(size: [u32; 2], samples: u32, curve: bool) -> RowPainter {
         let picture = PictureTable { samples, curve, ..PictureTable::default() };
-        Painter::new(&Scene::default(), size, &picture).unwrap()
+        RowPainter::new(&Scene::default(), size, &picture).unwrap()
     }
 
     #[test]

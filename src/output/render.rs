@@ -3,13 +3,13 @@
 use std::time::{Duration, Instant};
 
 use super::failure::RenderError;
-use super::{Pass, RowOrder, Sinks};
+use super::{RowOrder, SinkPass, Sinks};
 use crate::engine::Engine;
 use crate::tiles::{Counts, Work};
 
 /// How long was spent.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Clock {
+pub struct RenderClock {
     /// Computing samples.
     pub compute: Duration,
     /// Painting and writing them.
@@ -25,8 +25,8 @@ pub fn render_pass(
     work: &mut Work,
     engine: &mut dyn Engine,
     sinks: &mut Sinks,
-    pass: &Pass,
-    clock: &mut Clock,
+    pass: &SinkPass,
+    clock: &mut RenderClock,
     go_on: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<(), RenderError> {
     let mut rows = RowOrder::default();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::failure::{OutputError, is_broken_pipe};
 use super::{
-    Destination, ExrWriter, NpyWriter, Painter, PngError, PngWriter, Pyramid, PyramidFolder,
+    Destination, ExrWriter, NpyWriter, PngError, PngWriter, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
 };
 use crate::scene::Document;
@@ -56,7 +56,7 @@ impl Paths {
 const PYRAMID: &str = "--pyramid";
 
 /// One run over the picture, for the outputs that want its samples.
-pub struct Pass {
+pub struct SinkPass {
     /// Samples a pixel along each axis.
     pub along: u32,
     /// Whether it is the picture's; the other outputs want one sample at each pixel's centre.
@@ -147,7 +147,7 @@ impl Complete {
 /// The outputs being written.
 pub struct Sinks {
     /// Paints once for all that are painted.
-    painter: Option<Painter>,
+    painter: Option<RowPainter>,
     open: Vec<(Sink, Destination)>,
 }
 
@@ -159,30 +159,30 @@ impl Sinks {
         };
         let open: Vec<_> =
             paths.named().into_iter().map(begin).collect::<Result<_, OutputError>>()?;
-        let paint = || Painter::new(&document.scene(), size, &document.picture);
+        let paint = || RowPainter::new(&document.scene(), size, &document.picture);
         let painter = open.iter().any(|(sink, _)| sink.is_painted()).then(paint).transpose()?;
         Ok(Sinks { painter, open })
     }
 
     /// With several samples a pixel all but the picture still hold the samples at the pixels'
     /// centres, in a pass of their own.
-    pub fn passes(&self, along: u32) -> Vec<Pass> {
+    pub fn passes(&self, along: u32) -> Vec<SinkPass> {
         let is_painted = |(sink, _): &(Sink, _)| sink.is_painted();
         let picture = self.open.iter().any(is_painted);
         let others = !self.open.iter().all(is_painted);
         if along == 1 || !picture {
-            return vec![Pass { along: 1, picture, others }];
+            return vec![SinkPass { along: 1, picture, others }];
         }
-        let mut passes = vec![Pass { along, picture, others: false }];
+        let mut passes = vec![SinkPass { along, picture, others: false }];
         if others {
-            passes.push(Pass { along: 1, picture: false, others });
+            passes.push(SinkPass { along: 1, picture: false, others });
         }
         passes
     }
 
     /// Hands samples, rows from the top, to the outputs of a pass. An output whose reader has
     /// left is given up if there is another one.
-    pub fn write(&mut self, pass: &Pass, samples: &Samples) -> Result<(), OutputError> {
+    pub fn write(&mut self, pass: &SinkPass, samples: &Samples) -> Result<(), OutputError> {
         let painted = match &mut self.painter {
             Some(painter) if pass.picture => painter.paint(samples),
             _ => Vec::new(),

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use serde::{Deserialize, Serialize};
 
 use crate::scene::Document;
-use crate::tiles::Kept;
+use crate::tiles::SavedPixels;
 
 /// Begins every state file; the number is the format's.
 const MAGIC: &str = "flipmap state 1\n";
@@ -16,16 +16,16 @@ const MAGIC: &str = "flipmap state 1\n";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RenderState {
     /// What ran: only the same can go on to the same answers.
-    pub ran: Ran,
+    pub ran: RunRecord,
     /// The scene's file, its budget the one that was reached.
     pub document: String,
     /// The pixels.
-    pub kept: Kept,
+    pub kept: SavedPixels,
 }
 
 /// What a render ran on and by.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Ran {
+pub struct RunRecord {
     /// `gpu` or `cpu`.
     pub engine: String,
     /// The adapter; of the processor its instruction set. Threads change no answer.
@@ -38,9 +38,9 @@ pub struct Ran {
     pub precision: String,
 }
 
-impl std::fmt::Display for Ran {
+impl std::fmt::Display for RunRecord {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Ran { engine, adapter, method, setting, precision } = self;
+        let RunRecord { engine, adapter, method, setting, precision } = self;
         write!(f, "{method} {setting} in {precision} on the {engine} engine, {adapter}")
     }
 }
@@ -100,12 +100,12 @@ impl RenderState {
         if now < kept { Err(StateError::Further { kept, now }) } else { Ok(()) }
     }
 
-    /// Refuses to go on with another engine or recipe.
-    pub fn check_ran(&self, now: &Ran) -> Result<(), StateError> {
+    /// Refuses to go on with another engine or config.
+    pub fn check_ran(&self, now: &RunRecord) -> Result<(), StateError> {
         if self.ran == *now {
             return Ok(());
         }
-        let [kept, now] = [&self.ran, now].map(Ran::to_string);
+        let [kept, now] = [&self.ran, now].map(RunRecord::to_string);
         Err(StateError::Different { what: "recipe or engine", kept, now })
     }
 }
@@ -116,11 +116,11 @@ mod tests {
     use crate::physics::Outcome;
 
     fn state() -> RenderState {
-        let mut kept = Kept::default();
+        let mut kept = SavedPixels::default();
         kept.finish(5, Outcome::flipped(1.0 / 3.0));
         let word = str::to_string;
         RenderState {
-            ran: Ran {
+            ran: RunRecord {
                 engine: word("cpu"),
                 adapter: word("AVX2"),
                 method: word("rk4"),
@@ -170,7 +170,7 @@ mod tests {
     fn another_recipe_is_refused() {
         let state = state();
         state.check_ran(&state.ran).unwrap();
-        let other = Ran { precision: "f64".to_string(), ..state.ran.clone() };
+        let other = RunRecord { precision: "f64".to_string(), ..state.ran.clone() };
         let error = state.check_ran(&other).unwrap_err().to_string();
         assert!(error.contains("in f32") && error.contains("in f64"), "{error}");
     }

@@ -13,17 +13,18 @@
 //! * [`flip`] and [`passage`] find the moment at which a bob passes the top.
 
 pub mod control;
+pub mod crossing;
 pub mod dd;
 mod decimal;
 pub mod embedded;
 pub mod extrapolation;
 pub mod fixed;
 pub mod flip;
-pub mod gold;
+pub mod flow_patch;
 pub mod integrator;
 pub mod jet;
 pub mod opening;
-pub mod passage;
+pub mod oracle;
 pub mod pendulum;
 pub mod phase;
 pub mod polynomial;
@@ -31,7 +32,6 @@ pub mod real;
 pub mod reference;
 pub mod separation;
 pub mod series;
-pub mod sheet;
 pub mod simple;
 pub mod taylor;
 pub mod trig;

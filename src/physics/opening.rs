@@ -9,7 +9,7 @@
 use super::pendulum::Pendulum;
 use super::polynomial::first_rise;
 use super::real::Scalar;
-use super::series::Series;
+use super::series::MotionSeries;
 use super::{Dd, Rule, Theta};
 
 /// Coefficients of the expansions in time; every second one of them vanishes.
@@ -176,7 +176,7 @@ fn ways<T: Scalar>(pendulum: &Pendulum<T>, angle: [T; 2], from_top: [T; 2]) -> [
         }
     });
     let [[x1, y1], [x2, y2]] = vectors;
-    let series = Series::<T, ORDER>::expand(pendulum, &[x1, y1, x2, y2, zero, zero]);
+    let series = MotionSeries::<T, ORDER>::expand(pendulum, &[x1, y1, x2, y2, zero, zero]);
     [0, 1].map(|bob| {
         std::array::from_fn(|k| match k {
             0 => from_top[bob],
@@ -207,7 +207,7 @@ fn pass<T: Scalar>(way: &[T; COUNT], by: T) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Fixed, Status, gold};
+    use crate::physics::{Fixed, Status, oracle};
 
     /// Starts around a point where bobs are at the top, at all distances from it.
     fn around(corner: [f64; 2]) -> Vec<[Theta; 2]> {
@@ -248,7 +248,7 @@ mod tests {
             if !opening.concerns(start.map(Theta::to_f64)) {
                 continue;
             }
-            let truth = gold::outcome(&short, start.map(Fixed::from_theta), rule, budget);
+            let truth = oracle::outcome(&short, start.map(Fixed::from_theta), rule, budget);
             let words = format!(
                 "{:?} {rule} {:?}",
                 pendulum.to_f64(),

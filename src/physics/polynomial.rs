@@ -72,7 +72,7 @@ pub struct Course<T> {
 /// nothing happens; all falling, so once at most.
 pub fn course<T: Scalar, const N: usize>(control: &[T; N], side: T) -> Course<T> {
     let clearance = control.iter().fold(T::zero(), |most, &c| most.max(c.abs()));
-    let mut search = Search { side, parts: MOST_PARTS, clearance };
+    let mut search = RootSearch { side, parts: MOST_PARTS, clearance };
     let change = search.change(control, [T::zero(), T::from_f64(1.0)]);
     Course { change, clearance: search.clearance }
 }
@@ -81,13 +81,13 @@ pub fn course<T: Scalar, const N: usize>(control: &[T; N], side: T) -> Course<T>
 /// around zero any number.
 const MOST_PARTS: u32 = 400;
 
-struct Search<T> {
+struct RootSearch<T> {
     side: T,
     parts: u32,
     clearance: T,
 }
 
-impl<T: Scalar> Search<T> {
+impl<T: Scalar> RootSearch<T> {
     fn change<const N: usize>(&mut self, control: &[T; N], [from, to]: [T; 2]) -> Option<T> {
         self.parts = self.parts.saturating_sub(1);
         let least = control[1..].iter().map(|&point| self.side * point).reduce(least)?;

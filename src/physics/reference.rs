@@ -1,12 +1,12 @@
-//! The trajectory that a sheet of starts is followed along, in as many digits as its depth needs.
+//! The trajectory that a patch of starts is followed along, in as many digits as its depth needs.
 //!
-//! Only the middle of a sheet has to be known to all digits: what is around it are differences,
+//! Only the middle of a patch has to be known to all digits: what is around it are differences,
 //! and those keep their own leading digits in f64.
 
 use super::phase::Phase;
 use super::polynomial::evaluate;
 use super::real::Scalar;
-use super::taylor::{Orbit, Step};
+use super::taylor::{Orbit, TaylorStep};
 use super::{Fixed, Pendulum, State, Theta};
 
 /// A trajectory known better than f64 can say, in reduced units.
@@ -22,10 +22,10 @@ pub trait Reference: Send {
 }
 
 /// A [`Reference`] in fixed-point numbers.
-struct Long<const N: usize> {
+struct FixedReference<const N: usize> {
     pendulum: Pendulum<Fixed<N>>,
     orbit: Orbit<Fixed<N>>,
-    step: Step<Fixed<N>>,
+    step: TaylorStep<Fixed<N>>,
     /// How far into the step it is.
     into: Fixed<N>,
 }
@@ -39,25 +39,25 @@ pub fn digits_for(bits: u32) -> u32 {
 /// 2^−`bits`.
 pub fn reference(pendulum: &Pendulum<Theta>, angle: [Theta; 2], bits: u32) -> Box<dyn Reference> {
     match bits.div_ceil(64) {
-        0..=2 => Box::new(Long::<3>::new(pendulum, angle)),
-        3 => Box::new(Long::<4>::new(pendulum, angle)),
-        4 => Box::new(Long::<5>::new(pendulum, angle)),
-        5 => Box::new(Long::<6>::new(pendulum, angle)),
-        6 => Box::new(Long::<7>::new(pendulum, angle)),
-        _ => Box::new(Long::<8>::new(pendulum, angle)),
+        0..=2 => Box::new(FixedReference::<3>::new(pendulum, angle)),
+        3 => Box::new(FixedReference::<4>::new(pendulum, angle)),
+        4 => Box::new(FixedReference::<5>::new(pendulum, angle)),
+        5 => Box::new(FixedReference::<6>::new(pendulum, angle)),
+        6 => Box::new(FixedReference::<7>::new(pendulum, angle)),
+        _ => Box::new(FixedReference::<8>::new(pendulum, angle)),
     }
 }
 
-impl<const N: usize> Long<N> {
+impl<const N: usize> FixedReference<N> {
     fn new(pendulum: &Pendulum<Theta>, angle: [Theta; 2]) -> Self {
         let pendulum = pendulum.map(Fixed::resized);
         let mut orbit = Orbit::new(pendulum, State::rest(angle.map(Fixed::resized)));
         let step = orbit.step();
-        Long { pendulum, orbit, step, into: Fixed::ZERO }
+        FixedReference { pendulum, orbit, step, into: Fixed::ZERO }
     }
 }
 
-impl<const N: usize> Reference for Long<N> {
+impl<const N: usize> Reference for FixedReference<N> {
     fn reach(&mut self) -> f64 {
         let mut left = (self.step.length - self.into).to_f64();
         if left <= 0.0 {

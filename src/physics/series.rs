@@ -11,14 +11,14 @@ use super::real::Real;
 /// The motion in powers of the time since the beginning of a step; `N` coefficients each, lowest
 /// first.
 #[derive(Clone, Copy, Debug)]
-pub struct Series<T, const N: usize> {
+pub struct MotionSeries<T, const N: usize> {
     /// Of x1, y1, x2, y2, p1, p2.
     pub phase: [[T; N]; 6],
     /// Of ω1 and ω2 (the last coefficient is not filled).
     pub speed: [[T; N]; 2],
 }
 
-impl<T: Real, const N: usize> Series<T, N> {
+impl<T: Real, const N: usize> MotionSeries<T, N> {
     /// The expansion of the motion through `phase`.
     #[inline(always)]
     pub fn expand(pendulum: &Pendulum<T>, phase: &Phase<T>) -> Self {
@@ -59,7 +59,7 @@ impl<T: Real, const N: usize> Series<T, N> {
                 z[i][k + 1] = next[i] * over;
             }
         }
-        Series { phase: z, speed: w }
+        MotionSeries { phase: z, speed: w }
     }
 
     /// What changes in `time`, without the state it began with.
@@ -121,7 +121,7 @@ mod tests {
         let unit = Pendulum::points([lit(1.0), lit(2.0)], [lit(1.0), lit(0.6)], lit(1.0));
         let state = State { angle: [lit(1.0), lit(-2.0)], speed: [lit(0.5), lit(1.5)] };
         let phase = unit.phase(&state);
-        let change = Series::<T, N>::expand(&unit, &phase).change(lit(step));
+        let change = MotionSeries::<T, N>::expand(&unit, &phase).change(lit(step));
         let truth = unit.phase(&Orbit::new(unit, state).state_at(lit(step)));
         (0..6).map(|i| (phase[i] + change[i] - truth[i]).to_f64().abs()).fold(0.0, f64::max)
     }

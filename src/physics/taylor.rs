@@ -11,7 +11,7 @@ use super::real::Scalar;
 
 /// One step: the four polynomials in the time since its beginning.
 #[derive(Clone, Debug)]
-pub struct Step<T> {
+pub struct TaylorStep<T> {
     /// The polynomials' unit of time in seconds: 1 in floating-point types; in others a power of
     /// two near the radius of convergence, so that coefficients neither grow nor vanish.
     pub unit_secs: f64,
@@ -25,7 +25,7 @@ pub struct Step<T> {
     pub speed: [Vec<T>; 2],
 }
 
-impl<T: Scalar> Step<T> {
+impl<T: Scalar> TaylorStep<T> {
     /// The state `tau` seconds into the step.
     pub fn state(&self, tau: T) -> State<T> {
         let per_sec = T::from_f64(1.0 / self.unit_secs);
@@ -51,10 +51,10 @@ pub struct Orbit<T> {
     low: State<T>,
     /// Seconds since the release, and what rounding took from them.
     time: (T, T),
-    series: Series<T>,
+    series: RecurrenceSeries<T>,
     /// See [`Step::unit_secs`].
     unit_secs: f64,
-    latest: Option<Step<T>>,
+    latest: Option<TaylorStep<T>>,
 }
 
 impl<T: Scalar> Orbit<T> {
@@ -67,7 +67,7 @@ impl<T: Scalar> Orbit<T> {
             unit_secs,
             low: State::rest([T::zero(); 2]),
             time: (T::zero(), T::zero()),
-            series: Series::new(order_for::<T>()),
+            series: RecurrenceSeries::new(order_for::<T>()),
             latest: None,
         }
     }
@@ -83,13 +83,13 @@ impl<T: Scalar> Orbit<T> {
     }
 
     /// Advances by one step and returns it.
-    pub fn step(&mut self) -> Step<T> {
+    pub fn step(&mut self) -> TaylorStep<T> {
         let unit_secs = self.unit_secs;
         let (unit, per_sec) = (T::from_f64(unit_secs), T::from_f64(1.0 / unit_secs));
         self.series.expand(&in_units(&self.pendulum, unit), &in_units_of(&self.state, unit));
         let units = self.series.step_length();
         let length = units * unit;
-        let step = Step {
+        let step = TaylorStep {
             unit_secs,
             start: self.time.0,
             length,
@@ -138,7 +138,7 @@ fn unit_for(length_secs: f64) -> f64 {
 /// The unit of a first step, from an expansion in f64.
 fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
     let near = State { angle: state.angle.map(T::to_f64), speed: state.speed.map(T::to_f64) };
-    let mut series = Series::<f64>::new(order_for::<f64>());
+    let mut series = RecurrenceSeries::<f64>::new(order_for::<f64>());
     series.expand(&pendulum.to_f64(), &near);
     unit_for(series.step_length())
 }
@@ -150,7 +150,7 @@ fn order_for<T: Scalar>() -> usize {
 
 /// Coefficients of the motion and of all that its recurrences need, lowest order first.
 #[derive(Clone, Debug)]
-struct Series<T> {
+struct RecurrenceSeries<T> {
     order: usize,
     angle: [Vec<T>; 2],
     speed: [Vec<T>; 2],
@@ -164,10 +164,10 @@ struct Series<T> {
     alpha: [Vec<T>; 2],
 }
 
-impl<T: Scalar> Series<T> {
+impl<T: Scalar> RecurrenceSeries<T> {
     fn new(order: usize) -> Self {
         let zeros = || vec![T::zero(); order + 1];
-        Series {
+        RecurrenceSeries {
             order,
             angle: [zeros(), zeros()],
             speed: [zeros(), zeros()],

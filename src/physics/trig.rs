@@ -13,13 +13,13 @@ pub trait Rounding: Real {
 
 /// Polynomials in x² for (sin x / x − 1) / x² and (cos x − 1) / x² on [−π/2, π/2].
 #[derive(Clone, Copy, Debug)]
-pub struct Series<const S: usize, const C: usize> {
+pub struct SinCosSeries<const S: usize, const C: usize> {
     sin: [f64; S],
     cos: [f64; C],
 }
 
 /// Interpolated at Chebyshev's points over [0, 1.01 π²/4] with 50 digits; error 2e-9.
-pub const SERIES_F32: Series<4, 5> = Series {
+pub const SERIES_F32: SinCosSeries<4, 5> = SinCosSeries {
     sin: [
         -0.16666665935514005,
         0.008333239400925367,
@@ -36,7 +36,7 @@ pub const SERIES_F32: Series<4, 5> = Series {
 };
 
 /// The same for f64; error 2e-17.
-pub const SERIES_F64: Series<8, 8> = Series {
+pub const SERIES_F64: SinCosSeries<8, 8> = SinCosSeries {
     sin: [
         -0.16666666666666666,
         0.008333333333333314,
@@ -74,7 +74,7 @@ pub const PI_PARTS_F64: [f64; 2] = [3.141_592_653_468_251_2, 1.215_420_101_301_2
 pub fn sin_cos_with<T: Rounding, const S: usize, const C: usize>(
     x: T,
     pi_parts: [f64; 2],
-    series: &Series<S, C>,
+    series: &SinCosSeries<S, C>,
 ) -> (T, T) {
     let half_turns = (x * x.lit(std::f64::consts::FRAC_1_PI)).nearest();
     let r = half_turns.mul_add(x.lit(-pi_parts[0]), x);

@@ -2,17 +2,17 @@
 
 use serde::Serialize;
 
-use super::contender::Contender;
+use super::backend::Backend;
 use super::exact::{Checked, Checks, recipe_for};
-use super::ground::spread;
 use super::hard::apart;
 use super::measure::Bench;
 use super::statistics::{Errors, RIGHT_SECS, median};
-use super::truth::{finest, gold_dd};
+use super::test_set::spread;
+use super::truth::{finest, oracle_dd};
 use super::windows::Window;
 use super::{ReportError, as_words, stopwatch};
 use crate::engine::trust::TrustEngine;
-use crate::engine::{Accuracy, Recipe};
+use crate::engine::{Accuracy, IntegratorConfig};
 use crate::physics::{Dd, Outcome, Rule, Status};
 
 /// A window, and how right `balanced` is in it.
@@ -28,7 +28,7 @@ pub struct WindowRow {
     pub engine: String,
     /// How.
     #[serde(flatten, serialize_with = "as_words")]
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// What it was compared with.
     pub judge: &'static str,
     /// How far it is off.
@@ -84,33 +84,28 @@ impl Flips {
 
 impl Bench<'_> {
     /// `balanced` in a window.
-    pub fn window(
-        &self,
-        window: &Window,
-        contender: &mut Contender,
-    ) -> Result<WindowRow, ReportError> {
-        let recipe = recipe_for(contender.engine(), Accuracy::Balanced)?;
-        self.window_with(window, contender, recipe)
+    pub fn window(&self, window: &Window, backend: &mut Backend) -> Result<WindowRow, ReportError> {
+        let config = recipe_for(backend.engine(), Accuracy::Balanced)?;
+        self.window_with(window, backend, config)
     }
 
     fn window_with(
         &self,
         window: &Window,
-        contender: &mut Contender,
-        recipe: Recipe,
+        backend: &mut Backend,
+        config: IntegratorConfig,
     ) -> Result<WindowRow, ReportError> {
         let starts = window.starts(self.care.window_starts);
         let truth = window.truth(&starts, self.threads, self.stop)?;
-        let ran =
-            stopwatch::run(contender.engine(), &window.question(), recipe, &starts, self.stop)?;
+        let ran = stopwatch::run(backend.engine(), &window.question(), config, &starts, self.stop)?;
         let flips = Flips::of(&truth);
         let pairs: Vec<_> = ran.outcomes.into_iter().zip(truth).collect();
         Ok(WindowRow {
             window: window.name.to_string(),
             place: window.place(),
             rule: window.rule,
-            engine: contender.short_name(),
-            recipe,
+            engine: backend.short_name(),
+            config,
             judge: window.judge.words(),
             errors: Errors::of(&pairs),
             flips,
@@ -119,26 +114,26 @@ impl Bench<'_> {
     }
 
     /// `exact` in a window of late flips, beside double-double.
-    pub fn late(&self, window: &Window, contender: &mut Contender) -> Result<LateRow, ReportError> {
-        let recipe = recipe_for(contender.engine(), Accuracy::Exact)?;
+    pub fn late(&self, window: &Window, backend: &mut Backend) -> Result<LateRow, ReportError> {
+        let config = recipe_for(backend.engine(), Accuracy::Exact)?;
         let (question, starts) = (window.question(), window.starts(self.care.late_starts));
         let truth = finest(&question, &starts, self.threads, self.stop)?;
         let checked = {
-            let mut engine = TrustEngine::new(Box::new(contender.engine()), self.threads)?;
-            stopwatch::run(&mut engine, &question, recipe, &starts, self.stop)?
+            let mut engine = TrustEngine::new(Box::new(backend.engine()), self.threads)?;
+            stopwatch::run(&mut engine, &question, config, &starts, self.stop)?
         };
         let unchecked =
-            stopwatch::run(contender.engine(), &question, recipe, &starts, self.stop)?.outcomes;
+            stopwatch::run(backend.engine(), &question, config, &starts, self.stop)?.outcomes;
         let pixels = Checked::all(&checked.outcomes, &checked.trusts, &unchecked, &truth);
         let pairs: Vec<([Dd; 2], Outcome)> =
             starts.into_iter().zip(truth.iter().copied()).collect();
         let (asked, truth_of_them): (Vec<_>, Vec<_>) =
             spread(&pairs, self.care.gold_starts).into_iter().unzip();
-        let gold = gold_dd(&question, &asked);
+        let gold = oracle_dd(&question, &asked);
         Ok(LateRow {
             window: window.name.to_string(),
             place: window.place(),
-            engine: contender.short_name(),
+            engine: backend.short_name(),
             flips: Flips::of(&truth),
             checks: Checks::of(&pixels),
             gold_asked: asked.len(),
@@ -157,34 +152,34 @@ mod tests {
     use super::*;
     use crate::engine::cpu::CpuEngine;
     use crate::report::windows::{LATE, WINDOWS};
-    use crate::report::{Ground, Thoroughness, plan};
+    use crate::report::{TestSet, Thoroughness, plan};
 
     const FEW: Thoroughness =
         Thoroughness { window_starts: 100, late_starts: 60, gold_starts: 2, ..Thoroughness::QUICK };
 
-    fn with_bench<T>(measure: impl Fn(&Bench, &mut Contender) -> T) -> T {
-        let ground = Ground::home(0, &|| false).unwrap();
-        let bench = Bench { ground: &ground, care: &FEW, threads: Some(2), stop: &|| false };
+    fn with_bench<T>(measure: impl Fn(&Bench, &mut Backend) -> T) -> T {
+        let test_set = TestSet::home(0, &|| false).unwrap();
+        let bench = Bench { test_set: &test_set, care: &FEW, threads: Some(2), stop: &|| false };
         let engine = CpuEngine::new(Some(2)).unwrap();
-        measure(&bench, &mut Contender::Cpu(Box::new(engine), 2))
+        measure(&bench, &mut Backend::Cpu(Box::new(engine), 2))
     }
 
     #[test]
     fn a_window_tells_balanced_from_the_lesson() {
         let window = WINDOWS.iter().find(|window| window.name == "filigree").unwrap();
-        with_bench(|bench, contender| {
+        with_bench(|bench, backend| {
             let right = |row: WindowRow| row.errors.right_1ms.unwrap();
-            let row = bench.window(window, contender).unwrap();
-            assert_eq!((row.errors.compared, row.recipe), (100, plan::BALANCED));
+            let row = bench.window(window, backend).unwrap();
+            assert_eq!((row.errors.compared, row.config), (100, plan::BALANCED));
             assert!(right(row) >= window.least_right());
-            let lesson = bench.window_with(window, contender, plan::LESSON).unwrap();
+            let lesson = bench.window_with(window, backend, plan::LESSON).unwrap();
             assert!(right(lesson) < window.least_right());
         });
     }
 
     #[test]
     fn late_flips_are_right_or_marked() {
-        let row = with_bench(|bench, contender| bench.late(&LATE[0], contender).unwrap());
+        let row = with_bench(|bench, backend| bench.late(&LATE[0], backend).unwrap());
         assert_eq!((row.checks.pixels, row.checks.unmarked_wrong), (60, 0));
         assert_eq!((row.gold_asked, row.gold_disagrees), (2, 0));
         assert!(row.flips.median_secs.unwrap() > 3.0);

@@ -36,7 +36,7 @@ fn level_table(report: &Report) -> Table {
         vec![
             word.to_string(),
             row.short_name(),
-            plan::words(&row.recipe),
+            plan::words(&row.config),
             short(row.us_per_pixel),
             format!("{:.0} %", 100.0 * row.spread),
             format!("{:.1}", row.times_scalar),
@@ -136,7 +136,7 @@ fn windows(report: &Report) -> Option<Section> {
             brief(row.errors.p99),
             row.errors.compared.to_string(),
             row.judge.to_string(),
-            format!("{}: {}", row.engine, plan::words(&row.recipe)),
+            format!("{}: {}", row.engine, plan::words(&row.config)),
             row.place.clone(),
         ]
     });
@@ -199,7 +199,7 @@ fn hard(report: &Report) -> Option<Section> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::made_up;
+    use super::super::fixtures;
     use super::*;
 
     fn table(section: &Section) -> &Table {
@@ -212,10 +212,10 @@ mod tests {
 
     #[test]
     fn every_measurement_is_in_a_line_as_long_as_its_head() {
-        let mut report = made_up::report();
+        let mut report = fixtures::report();
         report.hard[0].held = false;
         let mut forced = report.rows[0].clone();
-        forced.recipe = BALANCED_DF32;
+        forced.config = BALANCED_DF32;
         report.rows.push(forced);
         let sections = [vec![levels(&report).unwrap()], beyond(&report)].concat();
         let titles: Vec<&str> = sections.iter().map(|section| section.title.as_str()).collect();
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn there_is_no_chapter_on_nothing() {
-        let mut report = made_up::report();
+        let mut report = fixtures::report();
         (report.windows, report.late, report.hard) = Default::default();
         (report.rows, report.exact) = Default::default();
         assert!(levels(&report).is_none() && beyond(&report).is_empty());

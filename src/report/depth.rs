@@ -9,20 +9,20 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::contender::Contender;
+use super::backend::Backend;
 use super::measure::Bench;
 use super::statistics::{Errors, median};
 use super::{ReportError, StopTest, as_words};
 use crate::engine::depth::DepthEngine;
-use crate::engine::{Effort, Engine, Recipe};
-use crate::physics::{Fixed, Outcome, Pendulum, Scalar, Theta, gold};
+use crate::engine::{Effort, Engine, IntegratorConfig};
+use crate::physics::{Fixed, Outcome, Pendulum, Scalar, Theta, oracle};
 use crate::scene::{Budget, Scene, View};
 use crate::tiles::preview::preview;
 use crate::tiles::{Samples, Work};
 
 /// A place on the way down a filament, found by going deeper from 1.0, 2.0.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct FilamentPlace {
     /// θ1, θ2, rad.
     pub center: [&'static str; 2],
     /// Width of the view, rad.
@@ -36,14 +36,14 @@ const TIMED_SIDE: u32 = 128;
 /// How often that is timed, after once to warm up.
 const ROUNDS: usize = 3;
 
-/// A recipe at a depth.
+/// A config at a depth.
 #[derive(Clone, Debug, Serialize)]
 pub struct DepthRow {
     /// What answered.
     pub engine: String,
     /// How pixels were integrated from where the start map ends.
     #[serde(flatten, serialize_with = "as_words")]
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// Width of the view, rad.
     pub width_rad: f64,
     /// The budget that follows it, s.
@@ -63,7 +63,7 @@ pub struct DepthRow {
     pub us_per_pixel: f64,
 }
 
-impl Place {
+impl FilamentPlace {
     /// The view, with a budget that follows its depth.
     fn scene(&self) -> Scene {
         let center = self.center.map(str::to_string);
@@ -104,19 +104,19 @@ impl Place {
         let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<N>());
         let pendulum: Pendulum<Fixed<N>> = scene.build.pendulum_in();
         let budget = Fixed::from_f64(scene.question.budget.secs);
-        let outcome = gold::outcome(&pendulum, angle, scene.question.rule, budget);
+        let outcome = oracle::outcome(&pendulum, angle, scene.question.rule, budget);
         Outcome { status: outcome.status, time: outcome.time.to_f64() }
     }
 }
 
-/// Truths that were asked for, so that every recipe can be compared with the same.
+/// Truths that were asked for, so that every config can be compared with the same.
 #[derive(Debug, Default)]
 pub struct Truths(Vec<(&'static str, Vec<(usize, Outcome)>)>);
 
 impl Truths {
     fn of(
         &mut self,
-        place: &Place,
+        place: &FilamentPlace,
         count: usize,
         stop: StopTest,
     ) -> Result<&[(usize, Outcome)], ReportError> {
@@ -138,26 +138,26 @@ impl Truths {
 }
 
 impl Bench<'_> {
-    /// A recipe at a place.
+    /// A config at a place.
     pub fn depth(
         &self,
-        place: &Place,
-        recipe: Recipe,
-        contender: &mut Contender,
+        place: &FilamentPlace,
+        config: IntegratorConfig,
+        backend: &mut Backend,
         truths: &mut Truths,
     ) -> Result<DepthRow, ReportError> {
         let scene = place.scene();
-        let name = contender.short_name();
-        let mut engine = DepthEngine::new(Box::new(contender.engine()), self.threads)?;
+        let name = backend.short_name();
+        let mut engine = DepthEngine::new(Box::new(backend.engine()), self.threads)?;
         let begun = Instant::now();
-        let (samples, effort) = self.picture(&scene, SIDE, recipe, &mut engine)?;
+        let (samples, effort) = self.picture(&scene, SIDE, config, &mut engine)?;
         let first_secs = begun.elapsed().as_secs_f64();
-        self.picture(&scene, TIMED_SIDE, recipe, &mut engine)?;
+        self.picture(&scene, TIMED_SIDE, config, &mut engine)?;
         let pixels = f64::from(TIMED_SIDE * TIMED_SIDE);
         let (mut times, mut timed) = (Vec::new(), Effort::default());
         for _ in 0..ROUNDS {
             let begun = Instant::now();
-            (_, timed) = self.picture(&scene, TIMED_SIDE, recipe, &mut engine)?;
+            (_, timed) = self.picture(&scene, TIMED_SIDE, config, &mut engine)?;
             times.push(begun.elapsed().as_secs_f64() * 1e6 / pixels);
         }
         let count = if place.width_rad() > 1e-24 {
@@ -169,7 +169,7 @@ impl Bench<'_> {
         let pairs: Vec<_> = truth.iter().map(|(k, truth)| (samples.get(*k), *truth)).collect();
         Ok(DepthRow {
             engine: name,
-            recipe,
+            config,
             width_rad: place.width_rad(),
             budget_secs: scene.question.budget.secs,
             digits: effort.depth.map_or(0, |depth| depth.digits),
@@ -185,38 +185,44 @@ impl Bench<'_> {
         &self,
         scene: &Scene,
         side: u32,
-        recipe: Recipe,
+        config: IntegratorConfig,
         engine: &mut dyn Engine,
     ) -> Result<(Samples, Effort), ReportError> {
-        let mut work = Work::new(scene, [side; 2], recipe, engine.job_size());
+        let mut work = Work::new(scene, [side; 2], config, engine.job_size());
         let samples = preview(&mut work, [side; 2], engine, &|| !(self.stop)())?;
         Ok((samples.ok_or(ReportError::Stopped)?, work.counts().effort))
     }
 }
 
 /// The places, each a thousand times narrower than the one before, and two far below.
-pub const PLACES: [Place; 9] = [
-    Place { center: ["1.186751171875", "2.043855078125"], width: "2e-3" },
-    Place { center: ["1.186731091796875", "2.044025366796875"], width: "2e-6" },
-    Place { center: ["1.186731002827734375", "2.044025554308203125"], width: "2e-9" },
-    Place { center: ["1.186731002723802734375", "2.044025554305537109375"], width: "2e-12" },
-    Place { center: ["1.186731002723680473828125", "2.044025554305620741015625"], width: "2e-15" },
-    Place {
+pub const PLACES: [FilamentPlace; 9] = [
+    FilamentPlace { center: ["1.186751171875", "2.043855078125"], width: "2e-3" },
+    FilamentPlace { center: ["1.186731091796875", "2.044025366796875"], width: "2e-6" },
+    FilamentPlace { center: ["1.186731002827734375", "2.044025554308203125"], width: "2e-9" },
+    FilamentPlace {
+        center: ["1.186731002723802734375", "2.044025554305537109375"],
+        width: "2e-12",
+    },
+    FilamentPlace {
+        center: ["1.186731002723680473828125", "2.044025554305620741015625"],
+        width: "2e-15",
+    },
+    FilamentPlace {
         center: ["1.186731002723680501301171875", "2.044025554305620842132421875"],
         width: "2e-18",
     },
-    Place {
+    FilamentPlace {
         center: ["1.1867310027236805013017550390625", "2.0440255543056208421702266796875"],
         width: "2e-22",
     },
-    Place {
+    FilamentPlace {
         center: [
             "1.186731002723680501301760333398676171875",
             "2.044025554305620842170211050417647265625",
         ],
         width: "2e-30",
     },
-    Place {
+    FilamentPlace {
         center: [
             "1.18673100272368050130176033339862846767107803060697977734375",
             "2.04402555430562084217021105041761853068902558338534834765625",

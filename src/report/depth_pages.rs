@@ -29,9 +29,9 @@ pub fn depth(report: &Report) -> Result<Vec<Section>, ReportError> {
 fn of_engine(rows: &[DepthRow]) -> Result<Section, ReportError> {
     let mut blocks = vec![Block::Text(ABOUT.to_string()), Block::Table(table(rows))];
     for (caption, up, value) in PLOTS {
-        let recipes = rows.chunk_by(|a, b| a.recipe == b.recipe);
-        let series = recipes.map(|rows| Series {
-            recipe: rows[0].recipe,
+        let configs = rows.chunk_by(|a, b| a.config == b.config);
+        let series = configs.map(|rows| Series {
+            config: rows[0].config,
             points: rows.iter().filter_map(|row| Some((row.width_rad, value(row)?))).collect(),
         });
         let svg = Plot { across: "width of the view, rad", up, series: series.collect() }.svg()?;
@@ -57,7 +57,7 @@ fn table(rows: &[DepthRow]) -> Table {
     ];
     let line = |row: &DepthRow| {
         vec![
-            plan::words(&row.recipe),
+            plan::words(&row.config),
             format!("{:.0e}", row.width_rad),
             format!("{:.0}", row.budget_secs),
             row.digits.to_string(),
@@ -76,12 +76,12 @@ fn table(rows: &[DepthRow]) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use super::super::made_up;
+    use super::super::fixtures;
     use super::*;
 
     #[test]
     fn every_place_has_a_line_and_every_plot_its_points() {
-        let report = made_up::report();
+        let report = fixtures::report();
         let sections = depth(&report).unwrap();
         let [Block::Text(_), Block::Table(table), Block::Figure { svg, .. }, ..] =
             &sections[0].blocks[..]

@@ -3,13 +3,13 @@
 
 use serde::Serialize;
 
-use super::contender::Contender;
+use super::backend::Backend;
 use super::measure::{Bench, Compared, least_starts_of_exact};
-use super::statistics::{Errors, Pair, bands, is_right};
-use super::truth::gold_dd;
+use super::statistics::{Errors, OutcomePair, bands, is_right};
+use super::truth::oracle_dd;
 use super::{ReportError, Row};
 use crate::engine::trust::TrustEngine;
-use crate::engine::{Accuracy, Engine, EngineError, Recipe, Trust};
+use crate::engine::{Accuracy, Engine, EngineError, IntegratorConfig, Trust};
 use crate::physics::{Dd, Outcome};
 
 /// A pixel answered with and without checks.
@@ -40,7 +40,7 @@ pub struct Checks {
     pub marked: usize,
     /// Those wrong and not marked: there must be none.
     pub unmarked_wrong: usize,
-    /// Those that the same recipe without checks has wrong,
+    /// Those that the same config without checks has wrong,
     pub unchecked_wrong: usize,
     /// and of these those that are right now,
     pub corrected: usize,
@@ -128,23 +128,23 @@ impl Checked {
     }
 }
 
-/// The first recipe of `level` that the engine has.
-pub fn recipe_for(engine: &dyn Engine, level: Accuracy) -> Result<Recipe, ReportError> {
-    let offered = level.recipes().into_iter().find(|recipe| engine.offers(recipe));
+/// The first config of `level` that the engine has.
+pub fn recipe_for(engine: &dyn Engine, level: Accuracy) -> Result<IntegratorConfig, ReportError> {
+    let offered = level.configs().into_iter().find(|config| engine.offers(config));
     let none = || EngineError::Unsupported(format!("it has no recipe for the accuracy {level}"));
     Ok(offered.ok_or_else(none)?)
 }
 
 impl Bench<'_> {
     /// The row of the level `exact`, with what its checks found.
-    pub fn exact(&self, contender: &mut Contender) -> Result<Row, ReportError> {
-        let recipe = recipe_for(contender.engine(), Accuracy::Exact)?;
-        let mut row = Row::new(contender, recipe);
+    pub fn exact(&self, backend: &mut Backend) -> Result<Row, ReportError> {
+        let config = recipe_for(backend.engine(), Accuracy::Exact)?;
+        let mut row = Row::new(backend, config);
         let mut compared = {
-            let mut engine = TrustEngine::new(Box::new(contender.engine()), self.threads)?;
-            self.fill(&mut row, &mut engine, least_starts_of_exact(&recipe))?
+            let mut engine = TrustEngine::new(Box::new(backend.engine()), self.threads)?;
+            self.fill(&mut row, &mut engine, least_starts_of_exact(&config))?
         };
-        let unchecked = self.run(contender.engine(), recipe, &compared.starts)?.outcomes;
+        let unchecked = self.run(backend.engine(), config, &compared.starts)?.outcomes;
         self.judge_again(&mut compared, &unchecked);
         let pairs = compared.pairs();
         (row.errors, row.bands) = (Errors::of(&pairs), bands(&pairs));
@@ -158,14 +158,14 @@ impl Bench<'_> {
     fn judge_again(&self, compared: &mut Compared, unchecked: &[Outcome]) {
         let contradicted = contradicted(&compared.pairs(), unchecked, &compared.truth);
         let starts: Vec<[Dd; 2]> = contradicted.iter().map(|&i| compared.starts[i]).collect();
-        for (&i, outcome) in contradicted.iter().zip(gold_dd(&self.ground.question, &starts)) {
+        for (&i, outcome) in contradicted.iter().zip(oracle_dd(&self.test_set.question, &starts)) {
             compared.truth[i] = outcome;
         }
     }
 }
 
 /// The numbers of the pixels in which either answer is not the truth.
-fn contradicted(pairs: &[Pair], unchecked: &[Outcome], truth: &[Outcome]) -> Vec<usize> {
+fn contradicted(pairs: &[OutcomePair], unchecked: &[Outcome], truth: &[Outcome]) -> Vec<usize> {
     let is_fine = |i: usize| is_right(&pairs[i]) && is_right(&(unchecked[i], truth[i]));
     (0..pairs.len()).filter(|&i| !is_fine(i)).collect()
 }
@@ -223,7 +223,7 @@ mod tests {
     fn whoever_contradicts_the_truth_is_judged_again() {
         let flip = Outcome::flipped;
         let truth = [1.0, 2.0, 3.0].map(flip);
-        let pairs: Vec<Pair> = [1.0, 2.5, 3.0].map(flip).into_iter().zip(truth).collect();
+        let pairs: Vec<OutcomePair> = [1.0, 2.5, 3.0].map(flip).into_iter().zip(truth).collect();
         assert_eq!(contradicted(&pairs, &[1.0, 2.0, 3.5].map(flip), &truth), [1, 2]);
         assert_eq!(contradicted(&pairs[..1], &truth[..1], &truth[..1]), [0usize; 0]);
     }

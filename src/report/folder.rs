@@ -66,7 +66,7 @@ impl Folder {
 
 #[cfg(test)]
 mod tests {
-    use super::super::made_up;
+    use super::super::fixtures;
     use super::*;
 
     #[test]
@@ -74,7 +74,7 @@ mod tests {
         let outside = tempfile::tempdir().unwrap();
         let folder = Folder::create(&outside.path().join("deep/report")).unwrap();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-        folder.write(&made_up::report()).unwrap();
+        folder.write(&fixtures::report()).unwrap();
         let mut found: Vec<String> = fs::read_dir(folder.path())
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())

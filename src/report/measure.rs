@@ -1,19 +1,19 @@
-//! One row: an engine with a recipe, its speed and its errors.
+//! One row: an engine with a config, its speed and its errors.
 
-use super::contender::Contender;
-use super::ground::{Ground, spread};
+use super::backend::Backend;
 use super::plan::Thoroughness;
-use super::statistics::{Errors, Pair, bands, median};
-use super::stopwatch::{self, Ran};
+use super::statistics::{Errors, OutcomePair, bands, median};
+use super::stopwatch::{self, TimedRun};
+use super::test_set::{TestSet, spread};
 use super::{ReportError, Row, Specialising, StopTest, baseline};
-use crate::engine::{Engine, EngineError, Method, Precision, Recipe};
+use crate::engine::{Engine, EngineError, IntegratorConfig, Method, Precision};
 use crate::physics::{Dd, Outcome};
 
 /// Starts of the first run, which compiles kernels, and of the second, which is timed roughly.
 const FIRST_STARTS: usize = 64;
 /// A run of fewer is no measurement.
 const LEAST_STARTS: usize = 256;
-/// The same of a fast recipe: the last, longest pendulums must not be most of the time. Graphics
+/// The same of a fast config: the last, longest pendulums must not be most of the time. Graphics
 /// cards, in software too, want full jobs to show what they can do.
 const LEAST_STARTS_OF_FAST: usize = 1 << 14;
 /// See [`LEAST_STARTS_OF_FAST`].
@@ -21,10 +21,10 @@ const LEAST_STARTS_OF_GPU: usize = 1 << 16;
 /// See [`least_starts_of_exact`].
 const LEAST_STARTS_OF_EXACT: usize = 1 << 17;
 
-/// What measuring needs besides an engine and a recipe.
+/// What measuring needs besides an engine and a config.
 pub struct Bench<'a> {
     /// The starts.
-    pub ground: &'a Ground,
+    pub test_set: &'a TestSet,
     /// How carefully.
     pub care: &'a Thoroughness,
     /// Threads of the processor where it checks or judges; one for every core if nothing is said.
@@ -46,22 +46,22 @@ pub struct Compared {
     /// The gold standard's answers.
     pub truth: Vec<Outcome>,
     /// The engine's.
-    pub ran: Ran,
+    pub ran: TimedRun,
 }
 
 impl Compared {
     /// Each answer with its truth.
-    pub fn pairs(&self) -> Vec<Pair> {
+    pub fn pairs(&self) -> Vec<OutcomePair> {
         self.ran.outcomes.iter().copied().zip(self.truth.iter().copied()).collect()
     }
 }
 
 impl Bench<'_> {
     /// Measures a row.
-    pub fn row(&self, contender: &mut Contender, recipe: Recipe) -> Result<Row, ReportError> {
-        let mut row = Row::new(contender, recipe);
-        let least = least_starts(&recipe, contender.threads().is_none());
-        self.fill(&mut row, contender.engine(), least)?;
+    pub fn row(&self, backend: &mut Backend, config: IntegratorConfig) -> Result<Row, ReportError> {
+        let mut row = Row::new(backend, config);
+        let least = least_starts(&config, backend.threads().is_none());
+        self.fill(&mut row, backend.engine(), least)?;
         Ok(row)
     }
 
@@ -73,15 +73,15 @@ impl Bench<'_> {
         engine: &mut dyn Engine,
         least: usize,
     ) -> Result<Compared, ReportError> {
-        let recipe = row.recipe;
-        let rough = self.rough_us(engine, recipe)?;
-        let compared = self.compare(engine, recipe, rough)?;
-        let starts = self.timed_starts(engine, recipe, compared.ran.us_per_pixel, least)?;
+        let config = row.config;
+        let rough = self.rough_us(engine, config)?;
+        let compared = self.compare(engine, config, rough)?;
+        let starts = self.timed_starts(engine, config, compared.ran.us_per_pixel, least)?;
         let mut times = Times { us: Vec::new(), scalar_us: Vec::new() };
         let mut effort = compared.ran.effort;
         for _ in 0..self.care.rounds {
             times.scalar_us.push(self.scalar_us(&starts));
-            let ran = self.run(engine, recipe, &starts)?;
+            let ran = self.run(engine, config, &starts)?;
             times.us.push(ran.us_per_pixel);
             effort = ran.effort;
         }
@@ -102,21 +102,21 @@ impl Bench<'_> {
     /// for the processor, which has one kind only.
     pub fn specialising(
         &self,
-        contender: &mut Contender,
-        recipe: Recipe,
+        backend: &mut Backend,
+        config: IntegratorConfig,
     ) -> Result<Option<Specialising>, ReportError> {
-        let adapter = contender.adapter();
-        let Contender::Gpu(engine) = contender else { return Ok(None) };
-        let rough = self.rough_us(engine.as_mut(), recipe)?;
-        let least = least_starts(&recipe, true);
-        let starts = self.timed_starts(engine.as_mut(), recipe, rough, least)?;
+        let adapter = backend.adapter();
+        let Backend::Gpu(engine) = backend else { return Ok(None) };
+        let rough = self.rough_us(engine.as_mut(), config)?;
+        let least = least_starts(&config, true);
+        let starts = self.timed_starts(engine.as_mut(), config, rough, least)?;
         let mut times = [Vec::new(), Vec::new()];
         let mut measure = || -> Result<(), ReportError> {
             // The first round compiles the general kernel.
             for round in 0..=self.care.rounds {
                 for (list, specialised) in times.iter_mut().zip([false, true]) {
                     engine.set_specialised(specialised);
-                    let us = self.run(engine.as_mut(), recipe, &starts)?.us_per_pixel;
+                    let us = self.run(engine.as_mut(), config, &starts)?.us_per_pixel;
                     if round > 0 {
                         list.push(us);
                     }
@@ -131,7 +131,7 @@ impl Bench<'_> {
         let [general, specialised] = times.map(|times| median(&times).unwrap_or(f64::NAN));
         Ok(Some(Specialising {
             adapter,
-            recipe,
+            config,
             general_us_per_pixel: general,
             specialised_us_per_pixel: specialised,
             ratio: median(&ratios).unwrap_or(f64::NAN),
@@ -142,30 +142,34 @@ impl Bench<'_> {
     pub fn run(
         &self,
         engine: &mut dyn Engine,
-        recipe: Recipe,
+        config: IntegratorConfig,
         starts: &[[Dd; 2]],
-    ) -> Result<Ran, ReportError> {
-        stopwatch::run(engine, &self.ground.question, recipe, starts, self.stop)
+    ) -> Result<TimedRun, ReportError> {
+        stopwatch::run(engine, &self.test_set.question, config, starts, self.stop)
     }
 
     /// Microseconds a pixel, too many rather than too few, after everything is compiled.
-    fn rough_us(&self, engine: &mut dyn Engine, recipe: Recipe) -> Result<f64, ReportError> {
-        let few = spread(&self.ground.starts, FIRST_STARTS);
-        self.run(engine, recipe, &few)?;
-        Ok(self.run(engine, recipe, &few)?.us_per_pixel)
+    fn rough_us(
+        &self,
+        engine: &mut dyn Engine,
+        config: IntegratorConfig,
+    ) -> Result<f64, ReportError> {
+        let few = spread(&self.test_set.starts, FIRST_STARTS);
+        self.run(engine, config, &few)?;
+        Ok(self.run(engine, config, &few)?.us_per_pixel)
     }
 
     /// The engine's answers beside the truth, for as many of the sample as there is time for.
     fn compare(
         &self,
         engine: &mut dyn Engine,
-        recipe: Recipe,
+        config: IntegratorConfig,
         rough_us: f64,
     ) -> Result<Compared, ReportError> {
         let affordable = (self.care.compare_secs * 1e6 / rough_us) as usize;
-        let sample = spread(&self.ground.sample, affordable.max(LEAST_STARTS));
+        let sample = spread(&self.test_set.sample, affordable.max(LEAST_STARTS));
         let (starts, truth): (Vec<_>, Vec<_>) = sample.into_iter().unzip();
-        let ran = self.run(engine, recipe, &starts)?;
+        let ran = self.run(engine, config, &starts)?;
         Ok(Compared { starts, truth, ran })
     }
 
@@ -173,34 +177,34 @@ impl Bench<'_> {
     fn timed_starts(
         &self,
         engine: &mut dyn Engine,
-        recipe: Recipe,
+        config: IntegratorConfig,
         rough_us: f64,
         least: usize,
     ) -> Result<Vec<[Dd; 2]>, ReportError> {
         let fill = |us: f64| {
             let count = (self.care.round_secs * 1e6 / us) as usize;
-            spread(&self.ground.starts, count.max(least))
+            spread(&self.test_set.starts, count.max(least))
         };
         // A first guess from few starts is too slow: graphics cards want to be full.
         let guess = fill(rough_us);
-        let us = self.run(engine, recipe, &guess)?.us_per_pixel;
+        let us = self.run(engine, config, &guess)?.us_per_pixel;
         if us * 2.0 > rough_us {
             return Ok(guess);
         }
         let starts = fill(us);
-        self.run(engine, recipe, &starts)?;
+        self.run(engine, config, &starts)?;
         Ok(starts)
     }
 
     fn scalar_us(&self, starts: &[[Dd; 2]]) -> f64 {
         let some = spread(starts, self.care.scalar_starts);
-        baseline::us_per_pixel(&self.ground.question, &some)
+        baseline::us_per_pixel(&self.test_set.question, &some)
     }
 }
 
-/// A run of fewer starts is no measurement of a recipe.
-pub fn least_starts(recipe: &Recipe, is_gpu: bool) -> usize {
-    match (is_slow(recipe), is_gpu) {
+/// A run of fewer starts is no measurement of a config.
+pub fn least_starts(config: &IntegratorConfig, is_gpu: bool) -> usize {
+    match (is_slow(config), is_gpu) {
         (true, _) => LEAST_STARTS,
         (false, true) => LEAST_STARTS_OF_GPU,
         (false, false) => LEAST_STARTS_OF_FAST,
@@ -209,12 +213,12 @@ pub fn least_starts(recipe: &Recipe, is_gpu: bool) -> usize {
 
 /// The same where each start is checked: several jobs must be on their way, because each waits
 /// for its most doubtful pixel.
-pub fn least_starts_of_exact(recipe: &Recipe) -> usize {
-    if is_slow(recipe) { LEAST_STARTS } else { LEAST_STARTS_OF_EXACT }
+pub fn least_starts_of_exact(config: &IntegratorConfig) -> usize {
+    if is_slow(config) { LEAST_STARTS } else { LEAST_STARTS_OF_EXACT }
 }
 
-fn is_slow(recipe: &Recipe) -> bool {
-    recipe.precision == Precision::Df32 || matches!(recipe.method, Method::Taylor { .. })
+fn is_slow(config: &IntegratorConfig) -> bool {
+    config.precision == Precision::Df32 || matches!(config.method, Method::Taylor { .. })
 }
 
 impl Times {
@@ -234,7 +238,7 @@ impl Times {
     }
 }
 
-/// Why an engine does not offer a recipe, if that is what an error says.
+/// Why an engine does not offer a config, if that is what an error says.
 pub fn refusal(error: &ReportError) -> Option<String> {
     match error {
         ReportError::Engine(EngineError::Unsupported(why)) => Some(why.clone()),

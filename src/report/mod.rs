@@ -5,22 +5,21 @@
 //! [`Report`] is complete in itself and says what is still missing; [`pages`] lays it out for
 //! people, [`Folder`] writes it.
 
+pub mod backend;
 pub mod baseline;
 mod beyond;
 mod chapters;
-pub mod contender;
 mod depth;
 mod depth_pages;
 mod exact;
+#[cfg(test)]
+mod fixtures;
 mod folder;
-mod ground;
 pub mod hard;
 mod html;
 pub mod hunt;
 mod levels;
 mod machine;
-#[cfg(test)]
-mod made_up;
 mod markdown;
 mod measure;
 pub mod motion;
@@ -31,20 +30,20 @@ mod session;
 pub mod statistics;
 pub mod stopwatch;
 mod targets;
+mod test_set;
 pub mod truth;
 mod windows;
 
 use serde::Serialize;
 
 use crate::engine::choice::ChoiceError;
-use crate::engine::{EngineError, Recipe};
+use crate::engine::{EngineError, IntegratorConfig};
 
+pub use backend::{Backend, BackendFilter};
 pub use beyond::{Flips, LateRow, WindowRow};
-pub use contender::{Contender, Field};
 pub use depth::DepthRow;
 pub use exact::Checks;
 pub use folder::Folder;
-pub use ground::Ground;
 pub use hard::HardRow;
 pub use machine::Machine;
 pub use motion::MotionError;
@@ -53,6 +52,7 @@ pub use plan::Thoroughness;
 pub use session::Session;
 pub use statistics::{Band, Errors};
 pub use targets::Target;
+pub use test_set::TestSet;
 
 /// Asked again and again: whether to stop.
 pub type StopTest<'a> = &'a (dyn Fn() -> bool + Sync);
@@ -95,7 +95,7 @@ pub struct Report {
     pub complete: bool,
     /// Measurements that were planned and not made.
     pub missing: Vec<String>,
-    /// Engine by engine, recipe by recipe.
+    /// Engine by engine, config by config.
     pub rows: Vec<Row>,
     /// What the engines do not offer.
     pub not_offered: Vec<Refusal>,
@@ -117,7 +117,7 @@ pub struct Report {
     pub hard: Vec<HardRow>,
 }
 
-/// An engine with a recipe.
+/// An engine with a config.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// `cpu` or `gpu`.
@@ -128,7 +128,7 @@ pub struct Row {
     pub threads: Option<usize>,
     /// How it was integrated.
     #[serde(flatten, serialize_with = "as_words")]
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// Starts in each timed round.
     pub starts: usize,
     /// Timed rounds.
@@ -163,16 +163,21 @@ pub struct Row {
 
 impl Row {
     /// A row in which nothing was measured yet.
-    pub fn new(contender: &Contender, recipe: Recipe) -> Self {
-        Row::named(contender.name(), &contender.adapter(), contender.threads(), recipe)
+    pub fn new(backend: &Backend, config: IntegratorConfig) -> Self {
+        Row::named(backend.name(), &backend.adapter(), backend.threads(), config)
     }
 
-    fn named(engine: &str, adapter: &str, threads: Option<usize>, recipe: Recipe) -> Self {
+    fn named(
+        engine: &str,
+        adapter: &str,
+        threads: Option<usize>,
+        config: IntegratorConfig,
+    ) -> Self {
         Row {
             engine: engine.to_string(),
             adapter: adapter.to_string(),
             threads,
-            recipe,
+            config,
             starts: 0,
             rounds: 0,
             us_per_pixel: f64::NAN,
@@ -197,7 +202,7 @@ impl Row {
 
     /// `cpu`, or `gpu` with the adapter's name.
     pub fn short_name(&self) -> String {
-        contender::short_name(&self.engine, &self.adapter)
+        backend::short_name(&self.engine, &self.adapter)
     }
 }
 
@@ -219,7 +224,7 @@ pub struct Specialising {
     pub adapter: String,
     /// How it was integrated.
     #[serde(flatten, serialize_with = "as_words")]
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// Median microseconds of the general kernel.
     pub general_us_per_pixel: f64,
     /// Median microseconds of the other.
@@ -228,15 +233,18 @@ pub struct Specialising {
     pub ratio: f64,
 }
 
-/// A recipe as the three texts by which files know it.
-fn as_words<S: serde::Serializer>(recipe: &Recipe, serializer: S) -> Result<S::Ok, S::Error> {
+/// A config as the three texts by which files know it.
+fn as_words<S: serde::Serializer>(
+    config: &IntegratorConfig,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct Words {
         method: &'static str,
         precision: String,
         setting: String,
     }
-    let Recipe { method, precision } = recipe;
+    let IntegratorConfig { method, precision } = config;
     let (precision, setting) = (precision.to_string(), method.setting());
     Words { method: method.name(), precision, setting }.serialize(serializer)
 }

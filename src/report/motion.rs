@@ -7,12 +7,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{ReportError, StopTest, as_words};
-use crate::engine::{Method, Precision, Recipe};
+use crate::engine::{IntegratorConfig, Method, Precision};
 use crate::physics::control::{Control, FIRST, GROW, LONGEST, SHRINK};
 use crate::physics::embedded::{Trial, dop853, dopri5};
 use crate::physics::phase::Phase;
-use crate::physics::series::{ORDER_F64, Series};
-use crate::physics::taylor::{Orbit, Step};
+use crate::physics::series::{MotionSeries, ORDER_F64};
+use crate::physics::taylor::{Orbit, TaylorStep};
 use crate::physics::trig::Turning;
 use crate::physics::{Angle, Dd, Pendulum, Scalar, State, integrator};
 use crate::scene::Scene;
@@ -33,7 +33,7 @@ pub struct MotionError {
     pub motion: &'static str,
     /// How it was integrated.
     #[serde(flatten, serialize_with = "as_words")]
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// Seconds since the release.
     pub secs: f64,
     /// The larger error of the two angles, rad, without whole turns.
@@ -43,24 +43,27 @@ pub struct MotionError {
 }
 
 /// A state on the way, and the reduced time at which it was reached.
-type Moment = (f64, State<f64>);
+type TimedState = (f64, State<f64>);
 
-/// The errors of every recipe; those that are none for a plain scalar are left out.
-pub fn errors(recipes: &[Recipe], stop: StopTest) -> Result<Vec<MotionError>, ReportError> {
+/// The errors of every config; those that are none for a plain scalar are left out.
+pub fn errors(
+    configs: &[IntegratorConfig],
+    stop: StopTest,
+) -> Result<Vec<MotionError>, ReportError> {
     let (pendulum, unit_secs) = Scene::default().build.pendulum().reduced();
     let mut found = Vec::new();
     for (motion, starts) in GROUPS {
         let truths: Vec<Truth> =
             starts.par_iter().map(|&angle| Truth::new(&pendulum, angle, unit_secs)).collect();
-        for &recipe in recipes {
+        for &config in configs {
             if stop() {
                 return Err(ReportError::Stopped);
             }
-            let worst = worst(&pendulum, recipe, &truths, unit_secs);
+            let worst = worst(&pendulum, config, &truths, unit_secs);
             found.extend(worst.into_iter().zip(TIMES_SECS).map(
                 |([angle_rad, energy_share], secs)| MotionError {
                     motion,
-                    recipe,
+                    config,
                     secs,
                     angle_rad,
                     energy_share,
@@ -74,16 +77,16 @@ pub fn errors(recipes: &[Recipe], stop: StopTest) -> Result<Vec<MotionError>, Re
 /// The worst angle and energy errors at each time.
 fn worst(
     pendulum: &Pendulum<f64>,
-    recipe: Recipe,
+    config: IntegratorConfig,
     truths: &[Truth],
     unit_secs: f64,
 ) -> Vec<[f64; 2]> {
     let times = TIMES_SECS.map(|secs| secs / unit_secs);
     let mut worst = vec![[0f64; 2]; times.len()];
     for truth in truths {
-        let moments = match recipe.precision {
-            Precision::F32 => moments::<f32>(pendulum, recipe.method, truth.start, &times),
-            _ => moments::<f64>(pendulum, recipe.method, truth.start, &times),
+        let moments = match config.precision {
+            Precision::F32 => moments::<f32>(pendulum, config.method, truth.start, &times),
+            _ => moments::<f64>(pendulum, config.method, truth.start, &times),
         };
         for (worst, moment) in worst.iter_mut().zip(moments) {
             let error = truth.error(pendulum, &moment);
@@ -96,7 +99,7 @@ fn worst(
 /// The motion in double-double, every step of it kept.
 struct Truth {
     start: [f64; 2],
-    steps: Vec<Step<Dd>>,
+    steps: Vec<TaylorStep<Dd>>,
 }
 
 impl Truth {
@@ -111,7 +114,7 @@ impl Truth {
     }
 
     /// Of the angles (rad) and of the energy (share of P + Q).
-    fn error(&self, pendulum: &Pendulum<f64>, (time, state): &Moment) -> [f64; 2] {
+    fn error(&self, pendulum: &Pendulum<f64>, (time, state): &TimedState) -> [f64; 2] {
         let time = Dd::new(*time);
         let after = self.steps.partition_point(|step| step.end() < time);
         let step = &self.steps[after.min(self.steps.len() - 1)];
@@ -131,7 +134,7 @@ fn moments<T: Scalar>(
     method: Method,
     start: [f64; 2],
     times: &[f64],
-) -> Vec<Moment> {
+) -> Vec<TimedState> {
     let exact = pendulum;
     let pendulum: Pendulum<T> = pendulum.map(T::from_f64);
     let state = State::rest(start.map(T::from_f64));
@@ -141,11 +144,11 @@ fn moments<T: Scalar>(
             fixed(&pendulum, state, step_secs / unit_secs, times)
         }
         Method::Dopri5 { tolerance } => {
-            let pair = Pair { trial: dopri5::<T>, control: Control::new(tolerance, 5) };
+            let pair = ControlledPair { trial: dopri5::<T>, control: Control::new(tolerance, 5) };
             free(&pendulum, exact, &state, times, &mut pair.stepper(&pendulum))
         }
         Method::Dop853 { tolerance } => {
-            let pair = Pair { trial: dop853::<T>, control: Control::new(tolerance, 8) };
+            let pair = ControlledPair { trial: dop853::<T>, control: Control::new(tolerance, 8) };
             free(&pendulum, exact, &state, times, &mut pair.stepper(&pendulum))
         }
         Method::Taylor { tolerance } => {
@@ -163,7 +166,7 @@ fn fixed<T: Scalar>(
     mut state: State<T>,
     step: f64,
     times: &[f64],
-) -> Vec<Moment> {
+) -> Vec<TimedState> {
     let step = T::from_f64(step);
     let (mut rest, mut count) = ([T::zero(); 2], 0u32);
     let mut found = Vec::new();
@@ -192,7 +195,7 @@ fn free<T: Scalar>(
     state: &State<T>,
     times: &[f64],
     step: &mut Stepper<T>,
-) -> Vec<Moment> {
+) -> Vec<TimedState> {
     let mut phase = pendulum.phase(state);
     let mut rest = [T::zero(); 6];
     let mut time = 0.0;
@@ -221,12 +224,12 @@ fn angles(pendulum: &Pendulum<f64>, phase: &Phase<f64>) -> State<f64> {
 type Trying<T> = fn(&Pendulum<T>, [T; 2], &Phase<T>, T) -> Trial<T>;
 
 /// An embedded pair with its step-size control.
-struct Pair<T> {
+struct ControlledPair<T> {
     trial: Trying<T>,
     control: Control,
 }
 
-impl<T: Scalar> Pair<T> {
+impl<T: Scalar> ControlledPair<T> {
     /// Steps that are tried until their error is small enough.
     fn stepper(&self, pendulum: &Pendulum<T>) -> impl FnMut(&Phase<T>, f64) -> (T, Phase<T>) {
         let scale = pendulum.momentum_scale().map(|scale| T::from_f64(1.0) / scale);
@@ -252,7 +255,7 @@ fn expanded<T: Scalar>(
     phase: &Phase<T>,
     tolerance: f64,
 ) -> (T, Phase<T>) {
-    let series = Series::<T, { ORDER_F64 + 1 }>::expand(pendulum, phase);
+    let series = MotionSeries::<T, { ORDER_F64 + 1 }>::expand(pendulum, phase);
     let size = |i: usize, order: usize| {
         let size = series.phase[i][order].to_f64().abs();
         if i < 4 { size } else { size / momentum_scale[i - 4] }
@@ -277,8 +280,8 @@ mod tests {
         let of = |motion, method: &str, precision, secs| {
             let fits = |e: &&MotionError| {
                 e.motion == motion
-                    && e.recipe.method.name() == method
-                    && e.recipe.precision == precision
+                    && e.config.method.name() == method
+                    && e.config.precision == precision
                     && e.secs == secs
             };
             found.iter().filter(fits).map(|e| e.angle_rad).fold(f64::INFINITY, f64::min)

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::contender::short_name;
+use super::backend::short_name;
 use super::motion::TIMES_SECS;
 use super::plot::{Plot, Series};
 use super::statistics::Errors;
@@ -228,20 +228,20 @@ fn series(rows: &[&Row], value: Value) -> Vec<Series> {
         let Some(up) = value(row) else { continue };
         let point = (row.us_per_pixel, up);
         let same = |series: &&mut Series| {
-            series.recipe.method.name() == row.recipe.method.name()
-                && series.recipe.precision == row.recipe.precision
+            series.config.method.name() == row.config.method.name()
+                && series.config.precision == row.config.precision
         };
         match all.iter_mut().find(same) {
             Some(series) => series.points.push(point),
-            None => all.push(Series { recipe: row.recipe, points: vec![point] }),
+            None => all.push(Series { config: row.config, points: vec![point] }),
         }
     }
     all
 }
 
-type Cell = fn(&Errors) -> String;
+type CellText = fn(&Errors) -> String;
 
-const BY_BAND: [(&str, Cell); 5] = [
+const BY_BAND: [(&str, CellText); 5] = [
     ("Share right within 1 ms, by true flip time", |errors| share(errors.right_1ms)),
     ("Share in the wrong class, by true flip time", |errors| share(errors.wrong_class)),
     ("Median error in s, by true flip time", |errors| brief(errors.median)),
@@ -249,7 +249,7 @@ const BY_BAND: [(&str, Cell); 5] = [
     ("Largest error in s, by true flip time", |errors| brief(errors.max)),
 ];
 
-fn band_table(caption: &str, rows: &[&Row], cell: Cell) -> Table {
+fn band_table(caption: &str, rows: &[&Row], cell: CellText) -> Table {
     let names = rows.first().map_or(&[][..], |row| &row.bands).iter().map(|band| band.name.clone());
     let head = ["method".to_string()].into_iter().chain(names).collect();
     let line = |row: &&Row| {
@@ -262,7 +262,7 @@ fn band_table(caption: &str, rows: &[&Row], cell: Cell) -> Table {
 fn specialising(report: &Report) -> Option<Section> {
     let line = |gain: &super::Specialising| {
         vec![
-            format!("{} on {}", super::plan::words(&gain.recipe), short_name("gpu", &gain.adapter)),
+            format!("{} on {}", super::plan::words(&gain.config), short_name("gpu", &gain.adapter)),
             short(gain.general_us_per_pixel),
             short(gain.specialised_us_per_pixel),
             format!("{:.2}", gain.ratio),
@@ -288,7 +288,7 @@ fn motion(report: &Report) -> Option<Section> {
             let cells = errors
                 .iter()
                 .map(|error| brief(Some([error.angle_rad, error.energy_share][value])));
-            let line = [super::plan::words(&errors[0].recipe)].into_iter().chain(cells).collect();
+            let line = [super::plan::words(&errors[0].config)].into_iter().chain(cells).collect();
             tables.last_mut()?.rows.push(line);
         }
     }
@@ -334,7 +334,7 @@ fn how(report: &Report) -> Section {
 }
 
 fn words(row: &Row) -> String {
-    super::plan::words(&row.recipe)
+    super::plan::words(&row.config)
 }
 
 /// Three digits that count.

@@ -1,7 +1,7 @@
 //! What is measured: every method in every precision, at settings from coarse to fine.
 
 pub use crate::engine::level::{BALANCED, BALANCED_DF32, FAST, LESSON};
-use crate::engine::{Method, Precision, Recipe};
+use crate::engine::{IntegratorConfig, Method, Precision};
 
 /// How much time a report takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct Thoroughness {
     pub rounds: usize,
     /// Seconds that one repetition should take.
     pub round_secs: f64,
-    /// Seconds that comparing a recipe with the gold standard may take.
+    /// Seconds that comparing a config with the gold standard may take.
     pub compare_secs: f64,
     /// Starts of the scalar loop in each repetition.
     pub scalar_starts: usize,
@@ -61,15 +61,19 @@ impl Thoroughness {
     };
 }
 
-/// Every recipe that an engine is asked for, those with a kernel in common side by side.
-pub fn recipes(quick: bool) -> Vec<Recipe> {
+/// Every config that an engine is asked for, those with a kernel in common side by side.
+pub fn configs(quick: bool) -> Vec<IntegratorConfig> {
     let rk4 = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
     let dopri5 = |tolerance| Method::Dopri5 { tolerance };
     let dop853 = |tolerance| Method::Dop853 { tolerance };
     let taylor = |tolerance| Method::Taylor { tolerance };
-    let of = |precision, method: &dyn Fn(f64) -> Method, settings: &[f64]| -> Vec<Recipe> {
-        settings.iter().map(|&setting| Recipe { method: method(setting), precision }).collect()
-    };
+    let of =
+        |precision, method: &dyn Fn(f64) -> Method, settings: &[f64]| -> Vec<IntegratorConfig> {
+            settings
+                .iter()
+                .map(|&setting| IntegratorConfig { method: method(setting), precision })
+                .collect()
+        };
     use Precision::{Dd, Df32, F32, F64};
     let groups = if quick {
         vec![
@@ -97,20 +101,20 @@ pub fn recipes(quick: bool) -> Vec<Recipe> {
 }
 
 /// Recipes for pixels of a deep zoom.
-pub const DEEP: [Recipe; 3] = [BALANCED, BALANCED_DF32, FAST];
+pub const DEEP: [IntegratorConfig; 3] = [BALANCED, BALANCED_DF32, FAST];
 
-/// The recipes whose kernels are measured both made for their scene and general.
-pub fn specialised(quick: bool) -> &'static [Recipe] {
+/// The configs whose kernels are measured both made for their scene and general.
+pub fn specialised(quick: bool) -> &'static [IntegratorConfig] {
     if quick { &[LESSON] } else { &[LESSON, FAST, BALANCED] }
 }
 
 /// Methods of the table of errors in angle and energy.
-pub fn motions() -> Vec<Recipe> {
+pub fn motions() -> Vec<IntegratorConfig> {
     let step = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
-    let mut recipes = Vec::new();
+    let mut configs = Vec::new();
     for precision in [Precision::F32, Precision::F64] {
         let methods = [step(120.0), step(480.0), FAST.method, Method::Dop853 { tolerance: 1e-7 }];
-        recipes.extend(methods.map(|method| Recipe { method, precision }));
+        configs.extend(methods.map(|method| IntegratorConfig { method, precision }));
     }
     let finer = [
         Method::Dopri5 { tolerance: 1e-9 },
@@ -118,13 +122,13 @@ pub fn motions() -> Vec<Recipe> {
         BALANCED.method,
         Method::Taylor { tolerance: 1e-15 },
     ];
-    recipes.extend(finer.map(|method| Recipe { method, precision: Precision::F64 }));
-    recipes
+    configs.extend(finer.map(|method| IntegratorConfig { method, precision: Precision::F64 }));
+    configs
 }
 
-/// A recipe as people say it.
-pub fn words(recipe: &Recipe) -> String {
-    format!("{}, {}, {}", recipe.method.name(), recipe.method.setting(), recipe.precision)
+/// A config as people say it.
+pub fn words(config: &IntegratorConfig) -> String {
+    format!("{}, {}, {}", config.method.name(), config.method.setting(), config.precision)
 }
 
 #[cfg(test)]
@@ -133,8 +137,8 @@ mod tests {
 
     #[test]
     fn quick_measures_some_of_the_rest_and_all_that_targets_need() {
-        let (quick, full) = (recipes(true), recipes(false));
-        assert!(quick.iter().all(|recipe| full.contains(recipe)) && quick.len() < full.len());
+        let (quick, full) = (configs(true), configs(false));
+        assert!(quick.iter().all(|config| full.contains(config)) && quick.len() < full.len());
         for needed in [LESSON, FAST, BALANCED, BALANCED_DF32] {
             assert!(quick.contains(&needed), "{needed:?}");
         }

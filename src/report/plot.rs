@@ -7,13 +7,13 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::ReportError;
-use crate::engine::{Method, Precision, Recipe};
+use crate::engine::{IntegratorConfig, Method, Precision};
 
 /// Points of one method in one precision, in the order of its settings.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// Decides the colour and the marker.
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// Across and up.
     pub points: Vec<(f64, f64)>,
 }
@@ -77,9 +77,9 @@ impl Plot<'_> {
         for series in &self.series {
             let inside = |&(x, y): &(f64, f64)| (x.max(across.start), y.max(up.start));
             let points: Vec<_> = series.points.iter().filter(is_finite).map(inside).collect();
-            let colour = colour(series.recipe.method);
+            let colour = colour(series.config.method);
             chart.draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(2)))?;
-            let marks = points.iter().map(|&point| marker(point, &series.recipe));
+            let marks = points.iter().map(|&point| marker(point, &series.config));
             chart.draw_series(marks)?;
         }
         Ok(())
@@ -89,10 +89,10 @@ impl Plot<'_> {
         let style = FONT.into_font().color(&GREY).pos(Pos::new(HPos::Left, VPos::Center));
         for (row, series) in self.series.iter().enumerate() {
             let y = 24 + 22 * row as i32;
-            let colour = colour(series.recipe.method);
+            let colour = colour(series.config.method);
             area.draw(&PathElement::new([(0, y), (24, y)], colour.stroke_width(2)))?;
-            area.draw(&marker((12, y), &series.recipe))?;
-            let Recipe { method, precision } = series.recipe;
+            area.draw(&marker((12, y), &series.config))?;
+            let IntegratorConfig { method, precision } = series.config;
             let label = format!("{} {precision}", method.name());
             area.draw(&Text::new(label, (32, y), style.clone()))?;
         }
@@ -135,9 +135,9 @@ fn colour(method: Method) -> RGBColor {
 }
 
 /// Precision by shape: f32 a ring, f64 a disc, pairs of numbers a large ring.
-fn marker<C>(at: C, recipe: &Recipe) -> Circle<C, i32> {
-    let colour = colour(recipe.method);
-    match recipe.precision {
+fn marker<C>(at: C, config: &IntegratorConfig) -> Circle<C, i32> {
+    let colour = colour(config.method);
+    match config.precision {
         Precision::F32 => Circle::new(at, 4, colour.stroke_width(2)),
         Precision::F64 => Circle::new(at, 5, colour.filled()),
         Precision::Df32 | Precision::Dd => Circle::new(at, 8, colour.stroke_width(2)),
@@ -150,7 +150,7 @@ mod tests {
     use crate::report::plan;
 
     fn svg(points: &[(f64, f64)]) -> String {
-        let series = vec![Series { recipe: plan::FAST, points: points.to_vec() }];
+        let series = vec![Series { config: plan::FAST, points: points.to_vec() }];
         Plot { across: "µs", up: "error", series }.svg().unwrap()
     }
 

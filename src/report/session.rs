@@ -1,45 +1,45 @@
 //! The work of a report, one task after the other.
 
-use super::contender::{self, Field};
-use super::depth::{PLACES, Place, Truths};
-use super::hard::Case;
+use super::backend::{self, BackendFilter};
+use super::depth::{FilamentPlace, PLACES, Truths};
+use super::hard::HardCase;
 use super::measure::{Bench, refusal};
 use super::windows::{self, Window};
 use super::{
-    Contender, Ground, HardRow, Machine, Refusal, Report, ReportError, StopTest, Thoroughness,
-    hard, motion, plan, targets,
+    Backend, HardRow, Machine, Refusal, Report, ReportError, StopTest, TestSet, Thoroughness, hard,
+    motion, plan, targets,
 };
-use crate::engine::Recipe;
+use crate::engine::IntegratorConfig;
 
-/// Something to be measured, in a list of such; numbers are places in the lists of contenders,
+/// Something to be measured, in a list of such; numbers are places in the lists of backends,
 /// windows and cases.
 #[derive(Clone, Copy)]
-enum Task {
-    /// A row of a contender.
-    Row(usize, Recipe),
+enum Measurement {
+    /// A row of a backend.
+    Row(usize, IntegratorConfig),
     /// The accuracy `exact` on it.
     Exact(usize),
     /// What specialising buys on it.
-    Specialising(usize, Recipe),
+    Specialising(usize, IntegratorConfig),
     /// Errors in angle and energy.
     Motion,
-    /// A window on a contender.
+    /// A window on a backend.
     Window(usize, Window),
     /// A late one.
     Late(usize, Window),
-    /// A recipe at a deep place.
-    Depth(usize, Recipe, Place),
-    /// A hard case on a contender.
-    Hard(usize, Case),
+    /// A config at a deep place.
+    Depth(usize, IntegratorConfig, FilamentPlace),
+    /// A hard case on a backend.
+    Hard(usize, HardCase),
 }
 
 /// Engines, starts and tasks.
 pub struct Session {
-    contenders: Vec<Contender>,
-    ground: Ground,
+    backends: Vec<Backend>,
+    test_set: TestSet,
     care: Thoroughness,
     threads: Option<usize>,
-    tasks: Vec<Task>,
+    tasks: Vec<Measurement>,
     done: usize,
     truths: Truths,
     report: Report,
@@ -47,16 +47,20 @@ pub struct Session {
 
 impl Session {
     /// Starts the engines and asks the gold standard; nothing is timed yet.
-    pub fn open(field: &Field, care: Thoroughness, stop: StopTest) -> Result<Self, ReportError> {
-        let (contenders, not_offered) = contender::muster(field, stop)?;
-        let tasks = tasks(&contenders, care.quick);
-        let ground = Ground::home(care.sample, stop)?;
+    pub fn open(
+        field: &BackendFilter,
+        care: Thoroughness,
+        stop: StopTest,
+    ) -> Result<Self, ReportError> {
+        let (backends, not_offered) = backend::discover(field, stop)?;
+        let tasks = tasks(&backends, care.quick);
+        let test_set = TestSet::home(care.sample, stop)?;
         let mut report = Report {
-            machine: Machine::here(contenders.iter().map(Contender::full_name).collect()),
+            machine: Machine::here(backends.iter().map(Backend::full_name).collect()),
             quick: care.quick,
-            sample: ground.sample.len(),
+            sample: test_set.sample.len(),
             complete: false,
-            missing: tasks.iter().map(|task| name(task, &contenders)).collect(),
+            missing: tasks.iter().map(|task| name(task, &backends)).collect(),
             rows: Vec::new(),
             not_offered,
             specialising: Vec::new(),
@@ -71,7 +75,7 @@ impl Session {
         report.targets = targets::judge(&report);
         let threads = field.threads;
         let truths = Truths::default();
-        Ok(Session { contenders, ground, care, threads, tasks, done: 0, truths, report })
+        Ok(Session { backends, test_set, care, threads, tasks, done: 0, truths, report })
     }
 
     /// What is known so far.
@@ -113,36 +117,36 @@ impl Session {
         Ok(())
     }
 
-    fn perform(&mut self, task: Task, stop: StopTest) -> Result<(), ReportError> {
+    fn perform(&mut self, task: Measurement, stop: StopTest) -> Result<(), ReportError> {
         // Some tasks, short ones, do not look themselves.
         if stop() {
             return Err(ReportError::Stopped);
         }
-        let Session { ground, care, threads, contenders, truths, report, .. } = self;
-        let bench = Bench { ground, care, threads: *threads, stop };
+        let Session { test_set, care, threads, backends, truths, report, .. } = self;
+        let bench = Bench { test_set, care, threads: *threads, stop };
         match task {
-            Task::Row(index, recipe) => {
-                report.rows.push(bench.row(&mut contenders[index], recipe)?);
+            Measurement::Row(index, config) => {
+                report.rows.push(bench.row(&mut backends[index], config)?);
             }
-            Task::Exact(index) => report.exact.push(bench.exact(&mut contenders[index])?),
-            Task::Specialising(index, recipe) => {
-                report.specialising.extend(bench.specialising(&mut contenders[index], recipe)?);
+            Measurement::Exact(index) => report.exact.push(bench.exact(&mut backends[index])?),
+            Measurement::Specialising(index, config) => {
+                report.specialising.extend(bench.specialising(&mut backends[index], config)?);
             }
-            Task::Motion => report.motion = motion::errors(&plan::motions(), stop)?,
-            Task::Window(index, window) => {
-                report.windows.push(bench.window(&window, &mut contenders[index])?);
+            Measurement::Motion => report.motion = motion::errors(&plan::motions(), stop)?,
+            Measurement::Window(index, window) => {
+                report.windows.push(bench.window(&window, &mut backends[index])?);
             }
-            Task::Late(index, window) => {
-                report.late.push(bench.late(&window, &mut contenders[index])?);
+            Measurement::Late(index, window) => {
+                report.late.push(bench.late(&window, &mut backends[index])?);
             }
-            Task::Depth(index, recipe, place) => {
-                let row = bench.depth(&place, recipe, &mut contenders[index], truths)?;
+            Measurement::Depth(index, config, place) => {
+                let row = bench.depth(&place, config, &mut backends[index], truths)?;
                 report.depth.push(row);
             }
-            Task::Hard(index, case) => {
-                let contender = &mut contenders[index];
-                let name = contender.short_name();
-                report.hard.push(HardRow::of(&case, name, contender.engine()));
+            Measurement::Hard(index, case) => {
+                let backend = &mut backends[index];
+                let name = backend.short_name();
+                report.hard.push(HardRow::of(&case, name, backend.engine()));
             }
         }
         Ok(())
@@ -150,21 +154,21 @@ impl Session {
 
     /// Engines refuse a method in a precision whatever its setting: one line for all of them.
     /// What specialising buys goes without saying then.
-    fn refuse(&mut self, task: Task, reason: String) {
+    fn refuse(&mut self, task: Measurement, reason: String) {
         let (index, what) = match task {
-            Task::Specialising(..) | Task::Motion => return,
-            Task::Row(index, recipe) => {
-                (index, format!("{} in {}", recipe.method.name(), recipe.precision))
+            Measurement::Specialising(..) | Measurement::Motion => return,
+            Measurement::Row(index, config) => {
+                (index, format!("{} in {}", config.method.name(), config.precision))
             }
-            Task::Exact(index)
-            | Task::Window(index, _)
-            | Task::Late(index, _)
-            | Task::Hard(index, _) => (index, what(&task)),
-            Task::Depth(index, recipe, _) => {
-                (index, format!("deep zoom by {}", plan::words(&recipe)))
+            Measurement::Exact(index)
+            | Measurement::Window(index, _)
+            | Measurement::Late(index, _)
+            | Measurement::Hard(index, _) => (index, what(&task)),
+            Measurement::Depth(index, config, _) => {
+                (index, format!("deep zoom by {}", plan::words(&config)))
             }
         };
-        let refusal = Refusal { engine: self.contenders[index].short_name(), what, reason };
+        let refusal = Refusal { engine: self.backends[index].short_name(), what, reason };
         if !self.report.not_offered.contains(&refusal) {
             self.report.not_offered.push(refusal);
         }
@@ -174,66 +178,71 @@ impl Session {
 /// Deep places in a quick report.
 const QUICK_PLACES: usize = 5;
 
-fn tasks(contenders: &[Contender], quick: bool) -> Vec<Task> {
+fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
     let mut tasks = Vec::new();
-    for (index, contender) in contenders.iter().enumerate() {
-        tasks.extend(plan::recipes(quick).into_iter().map(|recipe| Task::Row(index, recipe)));
-        tasks.push(Task::Exact(index));
-        if let Contender::Gpu(_) = contender {
-            let recipes = plan::specialised(quick).iter();
-            tasks.extend(recipes.map(|recipe| Task::Specialising(index, *recipe)));
+    for (index, backend) in backends.iter().enumerate() {
+        tasks
+            .extend(plan::configs(quick).into_iter().map(|config| Measurement::Row(index, config)));
+        tasks.push(Measurement::Exact(index));
+        if let Backend::Gpu(_) = backend {
+            let configs = plan::specialised(quick).iter();
+            tasks.extend(configs.map(|config| Measurement::Specialising(index, *config)));
         }
     }
-    tasks.push(Task::Motion);
+    tasks.push(Measurement::Motion);
     // The processor, if it takes part.
-    let last = contenders.len() - 1;
-    tasks.extend(windows::WINDOWS.map(|window| Task::Window(last, window)));
-    tasks.extend(windows::LATE.map(|window| Task::Late(last, window)));
-    for index in 0..contenders.len() {
+    let last = backends.len() - 1;
+    tasks.extend(windows::WINDOWS.map(|window| Measurement::Window(last, window)));
+    tasks.extend(windows::LATE.map(|window| Measurement::Late(last, window)));
+    for index in 0..backends.len() {
         // In a quick report only the processor, and nothing that takes minutes.
         if index == last || !quick {
             let places = &PLACES[..if quick { QUICK_PLACES } else { PLACES.len() }];
-            let recipes = plan::DEEP.into_iter();
-            tasks.extend(recipes.flat_map(|recipe| {
-                places.iter().map(move |place| Task::Depth(index, recipe, *place))
+            let configs = plan::DEEP.into_iter();
+            tasks.extend(configs.flat_map(|config| {
+                places.iter().map(move |place| Measurement::Depth(index, config, *place))
             }));
         }
     }
-    for (index, contender) in contenders.iter().enumerate() {
-        let fits = |case: &Case| case.is_for(contender.name());
+    for (index, backend) in backends.iter().enumerate() {
+        let fits = |case: &HardCase| case.is_for(backend.name());
         if index == last || !quick {
             let cases = hard::cases().into_iter().filter(fits);
-            tasks.extend(cases.map(|case| Task::Hard(index, case)));
+            tasks.extend(cases.map(|case| Measurement::Hard(index, case)));
         }
     }
     tasks
 }
 
-fn name(task: &Task, contenders: &[Contender]) -> String {
+fn name(task: &Measurement, backends: &[Backend]) -> String {
     match task {
-        Task::Row(index, _)
-        | Task::Exact(index)
-        | Task::Specialising(index, _)
-        | Task::Window(index, _)
-        | Task::Late(index, _)
-        | Task::Depth(index, ..)
-        | Task::Hard(index, _) => format!("{}: {}", contenders[*index].short_name(), what(task)),
-        Task::Motion => what(task),
+        Measurement::Row(index, _)
+        | Measurement::Exact(index)
+        | Measurement::Specialising(index, _)
+        | Measurement::Window(index, _)
+        | Measurement::Late(index, _)
+        | Measurement::Depth(index, ..)
+        | Measurement::Hard(index, _) => {
+            format!("{}: {}", backends[*index].short_name(), what(task))
+        }
+        Measurement::Motion => what(task),
     }
 }
 
 /// What a task measures, whoever is asked.
-fn what(task: &Task) -> String {
+fn what(task: &Measurement) -> String {
     match task {
-        Task::Row(_, recipe) => plan::words(recipe),
-        Task::Exact(_) => "the accuracy exact".to_string(),
-        Task::Specialising(_, recipe) => format!("what specialising buys {}", plan::words(recipe)),
-        Task::Motion => "errors in angle and energy".to_string(),
-        Task::Window(_, window) => format!("the window {}", window.name),
-        Task::Late(_, window) => format!("exact beside double-double, {}", window.name),
-        Task::Depth(_, recipe, place) => {
-            format!("{} at a width of {}", plan::words(recipe), place.width)
+        Measurement::Row(_, config) => plan::words(config),
+        Measurement::Exact(_) => "the accuracy exact".to_string(),
+        Measurement::Specialising(_, config) => {
+            format!("what specialising buys {}", plan::words(config))
         }
-        Task::Hard(_, case) => format!("the hard case {}", case.name),
+        Measurement::Motion => "errors in angle and energy".to_string(),
+        Measurement::Window(_, window) => format!("the window {}", window.name),
+        Measurement::Late(_, window) => format!("exact beside double-double, {}", window.name),
+        Measurement::Depth(_, config, place) => {
+            format!("{} at a width of {}", plan::words(config), place.width)
+        }
+        Measurement::Hard(_, case) => format!("the hard case {}", case.name),
     }
 }

@@ -40,12 +40,12 @@ pub struct Band {
 }
 
 /// An answer and the truth.
-pub type Pair = (Outcome, Outcome);
+pub type OutcomePair = (Outcome, Outcome);
 
 impl Errors {
     /// Of pairs of an answer and the truth.
-    pub fn of(pairs: &[Pair]) -> Self {
-        let share = |fits: fn(&Pair) -> bool| {
+    pub fn of(pairs: &[OutcomePair]) -> Self {
+        let share = |fits: fn(&OutcomePair) -> bool| {
             let count = pairs.iter().filter(|pair| fits(pair)).count();
             (!pairs.is_empty()).then(|| count as f64 / pairs.len() as f64)
         };
@@ -64,25 +64,25 @@ impl Errors {
     }
 }
 
-fn both_flipped((answer, truth): &Pair) -> bool {
+fn both_flipped((answer, truth): &OutcomePair) -> bool {
     answer.status == Status::Flipped && truth.status == Status::Flipped
 }
 
-fn distance((answer, truth): &Pair) -> f64 {
+fn distance((answer, truth): &OutcomePair) -> f64 {
     (answer.time - truth.time).abs()
 }
 
 /// Whether an answer is that of the truth beside it.
-pub fn is_right(pair: &Pair) -> bool {
+pub fn is_right(pair: &OutcomePair) -> bool {
     let same = pair.0.status == pair.1.status;
     // Written so that a NaN is wrong.
     same && (pair.1.status != Status::Flipped || distance(pair) <= RIGHT_SECS)
 }
 
 /// The same for each band of true flip times; those empty are there too.
-pub fn bands(pairs: &[Pair]) -> Vec<Band> {
+pub fn bands(pairs: &[OutcomePair]) -> Vec<Band> {
     let band = |name: String, fits: &dyn Fn(&Outcome) -> bool| {
-        let inside: Vec<Pair> = pairs.iter().filter(|pair| fits(&pair.1)).copied().collect();
+        let inside: Vec<OutcomePair> = pairs.iter().filter(|pair| fits(&pair.1)).copied().collect();
         Band { name, errors: Errors::of(&inside) }
     };
     let timed = BAND_BOUNDS.windows(2).map(|bounds| {

@@ -4,12 +4,13 @@ use std::time::{Duration, Instant};
 
 use super::{ReportError, StopTest};
 use crate::engine::{
-    Effort, Engine, EngineError, Finished, Job, Keep, Question, Recipe, Starts, Trust, Wait,
+    Effort, Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Question, Starts, Trust,
+    Wait,
 };
 use crate::physics::{Dd, Outcome};
 
 /// What came of a run.
-pub struct Ran {
+pub struct TimedRun {
     /// One for each start, in their order.
     pub outcomes: Vec<Outcome>,
     /// How sure each is; empty where nobody looked.
@@ -27,12 +28,12 @@ const PATIENCE: Duration = Duration::from_millis(50);
 pub fn run(
     engine: &mut dyn Engine,
     question: &Question,
-    recipe: Recipe,
+    config: IntegratorConfig,
     starts: &[[Dd; 2]],
     stop: StopTest,
-) -> Result<Ran, ReportError> {
+) -> Result<TimedRun, ReportError> {
     let begun = Instant::now();
-    let answered = answers(engine, question, recipe, starts, stop);
+    let answered = answers(engine, question, config, starts, stop);
     let us_per_pixel = begun.elapsed().as_secs_f64() * 1e6 / starts.len() as f64;
     if answered.is_err() {
         // What is still in flight must not answer the next run.
@@ -56,26 +57,26 @@ pub fn run(
         );
         return Err(EngineError::Driver(message).into());
     }
-    Ok(Ran { outcomes, trusts, effort, us_per_pixel })
+    Ok(TimedRun { outcomes, trusts, effort, us_per_pixel })
 }
 
 /// The engine's answers, job by job in the order of the starts.
 fn answers(
     engine: &mut dyn Engine,
     question: &Question,
-    recipe: Recipe,
+    config: IntegratorConfig,
     starts: &[[Dd; 2]],
     stop: StopTest,
-) -> Result<Vec<Finished>, ReportError> {
+) -> Result<Vec<JobResult>, ReportError> {
     let mut jobs = (0..).zip(starts.chunks(engine.job_size()));
-    let mut answers: Vec<Finished> = Vec::new();
+    let mut answers: Vec<JobResult> = Vec::new();
     let mut flying = 0;
     loop {
         while flying < engine.slots() {
             let Some((id, starts)) = jobs.next() else { break };
             let starts = Starts::Rest(starts.to_vec());
             let question = *question;
-            engine.submit(Job { id, question, recipe, starts, keep: Keep::Nothing })?;
+            engine.submit(Job { id, question, config, starts, keep: Keep::Nothing })?;
             flying += 1;
         }
         if flying == 0 {
@@ -95,17 +96,17 @@ fn answers(
 mod tests {
     use super::*;
     use crate::engine::cpu::CpuEngine;
-    use crate::report::{Ground, plan};
+    use crate::report::{TestSet, plan};
 
     #[test]
     fn every_start_is_answered_in_order_and_a_stop_is_heeded() {
-        let ground = Ground::home(40, &|| false).unwrap();
-        let starts: Vec<[Dd; 2]> = ground.sample.iter().map(|(start, _)| *start).collect();
+        let test_set = TestSet::home(40, &|| false).unwrap();
+        let starts: Vec<[Dd; 2]> = test_set.sample.iter().map(|(start, _)| *start).collect();
         let mut engine = CpuEngine::new(Some(1)).unwrap();
         let mut attempt =
-            |stop: StopTest| run(&mut engine, &ground.question, plan::BALANCED, &starts, stop);
+            |stop: StopTest| run(&mut engine, &test_set.question, plan::BALANCED, &starts, stop);
         let ran = attempt(&|| false).unwrap();
-        let pairs = ran.outcomes.iter().zip(&ground.sample);
+        let pairs = ran.outcomes.iter().zip(&test_set.sample);
         assert!(pairs.clone().all(|(answer, (_, truth))| answer.status == truth.status));
         assert!(ran.effort.steps > 40 && ran.us_per_pixel > 0.0);
         assert!(matches!(attempt(&|| true), Err(ReportError::Stopped)));

@@ -6,7 +6,7 @@ use super::levels::{rows_at, rows_with};
 use super::plan::BALANCED_DF32;
 use super::windows::{WINDOWS, Window};
 use super::{Checks, DepthRow, Report, Row};
-use crate::engine::{Accuracy, Precision, Recipe};
+use crate::engine::{Accuracy, IntegratorConfig, Precision};
 
 /// One hope.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,9 +22,9 @@ pub struct Target {
 }
 
 /// A hope for every engine that has rows of a kind.
-struct Hope {
+struct TargetSpec {
     about: &'static str,
-    of: Of,
+    of: RowSelector,
     target: &'static str,
     measure: fn(&Row) -> Option<f64>,
     /// Least and greatest that will do.
@@ -32,9 +32,9 @@ struct Hope {
 }
 
 /// Which rows.
-enum Of {
+enum RowSelector {
     Level(Accuracy),
-    Recipe(Recipe),
+    Recipe(IntegratorConfig),
 }
 
 const ENDLESS: f64 = f64::INFINITY;
@@ -61,80 +61,80 @@ fn marked_share(row: &Row) -> Option<f64> {
 }
 
 /// The hopes.
-const HOPES: [Hope; 11] = [
-    Hope {
+const TARGETS: [TargetSpec; 11] = [
+    TargetSpec {
         about: "lesson: share right within 1 ms",
-        of: Of::Level(Accuracy::Lesson),
+        of: RowSelector::Level(Accuracy::Lesson),
         target: "0.89 to 0.92, as the lesson is",
         measure: right,
         bounds: [0.89, 0.92],
     },
-    Hope {
+    TargetSpec {
         about: "lesson: speed",
-        of: Of::Level(Accuracy::Lesson),
+        of: RowSelector::Level(Accuracy::Lesson),
         target: "at least 20 times the scalar loop",
         measure: times_scalar,
         bounds: [20.0, ENDLESS],
     },
-    Hope {
+    TargetSpec {
         about: "fast: share right within 1 ms",
-        of: Of::Level(Accuracy::Fast),
+        of: RowSelector::Level(Accuracy::Fast),
         target: "at least 0.925",
         measure: right,
         bounds: [0.925, ENDLESS],
     },
-    Hope {
+    TargetSpec {
         about: "fast: speed",
-        of: Of::Level(Accuracy::Fast),
+        of: RowSelector::Level(Accuracy::Fast),
         target: "at least 30 times the scalar loop",
         measure: times_scalar,
         bounds: [30.0, ENDLESS],
     },
-    Hope {
+    TargetSpec {
         about: "balanced: share right within 1 ms",
-        of: Of::Level(Accuracy::Balanced),
+        of: RowSelector::Level(Accuracy::Balanced),
         target: "at least 0.999",
         measure: right,
         bounds: [0.999, ENDLESS],
     },
-    Hope {
+    TargetSpec {
         about: "balanced: speed",
-        of: Of::Level(Accuracy::Balanced),
+        of: RowSelector::Level(Accuracy::Balanced),
         target: "at least 10 times the scalar loop",
         measure: times_scalar,
         bounds: [10.0, ENDLESS],
     },
-    Hope {
+    TargetSpec {
         about: "balanced: speed of each core",
-        of: Of::Level(Accuracy::Balanced),
+        of: RowSelector::Level(Accuracy::Balanced),
         target: "at least 5 times the scalar loop on one core",
         measure: times_scalar_per_core,
         bounds: [5.0, ENDLESS],
     },
-    Hope {
+    TargetSpec {
         about: "balanced forced to df32: share right within 1 ms",
-        of: Of::Recipe(BALANCED_DF32),
+        of: RowSelector::Recipe(BALANCED_DF32),
         target: "at least 0.99",
         measure: right,
         bounds: [0.99, ENDLESS],
     },
-    Hope {
+    TargetSpec {
         about: "exact: wrong pixels that are not marked",
-        of: Of::Level(Accuracy::Exact),
+        of: RowSelector::Level(Accuracy::Exact),
         target: "none",
         measure: unmarked_wrong,
         bounds: [0.0, 0.0],
     },
-    Hope {
+    TargetSpec {
         about: "exact: share marked as uncertain",
-        of: Of::Level(Accuracy::Exact),
+        of: RowSelector::Level(Accuracy::Exact),
         target: "at most 0.001",
         measure: marked_share,
         bounds: [0.0, 0.001],
     },
-    Hope {
+    TargetSpec {
         about: "exact: speed",
-        of: Of::Level(Accuracy::Exact),
+        of: RowSelector::Level(Accuracy::Exact),
         target: "at least 4 times the scalar loop",
         measure: times_scalar,
         bounds: [4.0, ENDLESS],
@@ -143,7 +143,7 @@ const HOPES: [Hope; 11] = [
 
 /// Every hope beside everything that it is about; one without is there unmeasured.
 pub fn judge(report: &Report) -> Vec<Target> {
-    let mut targets: Vec<Target> = HOPES.iter().flat_map(|hope| hope.judge(report)).collect();
+    let mut targets: Vec<Target> = TARGETS.iter().flat_map(|hope| hope.judge(report)).collect();
     targets.extend(WINDOWS.iter().map(|window| of_window(report, window)));
     targets.push(of_late(report));
     targets.extend(of_depth(report));
@@ -170,10 +170,10 @@ fn of_late(report: &Report) -> Target {
 /// Deep zoom, engine by engine and precision by precision, the worst of all widths.
 fn of_depth(report: &Report) -> Vec<Target> {
     let mut targets = Vec::new();
-    for rows in report.depth.chunk_by(|a, b| a.engine == b.engine && a.recipe == b.recipe) {
-        let DepthRow { engine, recipe, .. } = &rows[0];
-        let about = format!("deep zoom in {} on {engine}", recipe.precision);
-        let least = match recipe.precision {
+    for rows in report.depth.chunk_by(|a, b| a.engine == b.engine && a.config == b.config) {
+        let DepthRow { engine, config, .. } = &rows[0];
+        let about = format!("deep zoom in {} on {engine}", config.precision);
+        let least = match config.precision {
             Precision::F32 => 0.9,
             Precision::Df32 => 0.98,
             _ => 0.99,
@@ -214,11 +214,11 @@ fn of_hard(report: &Report) -> Vec<Target> {
     engines.into_iter().map(of_engine).collect()
 }
 
-impl Hope {
+impl TargetSpec {
     fn judge(&self, report: &Report) -> Vec<Target> {
         let rows = match self.of {
-            Of::Level(level) => rows_at(report, level),
-            Of::Recipe(recipe) => rows_with(report, recipe),
+            RowSelector::Level(level) => rows_at(report, level),
+            RowSelector::Recipe(config) => rows_with(report, config),
         };
         let measured: Vec<Target> = rows
             .into_iter()
@@ -248,12 +248,12 @@ impl Target {
 
 #[cfg(test)]
 mod tests {
-    use super::super::made_up;
+    use super::super::fixtures;
     use super::*;
     use crate::report::plan::{BALANCED, FAST, LESSON};
 
-    fn row(recipe: Recipe, right: f64, times: f64) -> Row {
-        let mut row = Row::named("cpu", "2 threads", Some(2), recipe);
+    fn row(config: IntegratorConfig, right: f64, times: f64) -> Row {
+        let mut row = Row::named("cpu", "2 threads", Some(2), config);
         (row.errors.right_1ms, row.times_scalar) = (Some(right), times);
         row
     }
@@ -263,12 +263,12 @@ mod tests {
     }
 
     fn of_rows(rows: &[Row], about: &str) -> Option<bool> {
-        met(&Report { rows: rows.to_vec(), ..made_up::report() }, about)
+        met(&Report { rows: rows.to_vec(), ..fixtures::report() }, about)
     }
 
     #[test]
     fn targets_are_met_missed_or_not_measured() {
-        for (about, recipe, good, bad) in [
+        for (about, config, good, bad) in [
             ("lesson: share", LESSON, (0.9, 1.0), (0.93, 1.0)),
             ("lesson: share", LESSON, (0.9, 1.0), (0.88, 1.0)),
             ("lesson: speed", LESSON, (0.0, 20.1), (0.0, 19.9)),
@@ -279,8 +279,8 @@ mod tests {
             ("balanced: speed of each core", BALANCED, (0.0, 10.1), (0.0, 9.9)),
             ("balanced forced to df32", BALANCED_DF32, (0.991, 0.0), (0.989, 0.0)),
         ] {
-            assert_eq!(of_rows(&[row(recipe, good.0, good.1)], about), Some(true), "{about}");
-            assert_eq!(of_rows(&[row(recipe, bad.0, bad.1)], about), Some(false), "{about}");
+            assert_eq!(of_rows(&[row(config, good.0, good.1)], about), Some(true), "{about}");
+            assert_eq!(of_rows(&[row(config, bad.0, bad.1)], about), Some(false), "{about}");
             assert_eq!(of_rows(&[], about), None, "{about}");
         }
         assert_eq!(of_rows(&[row(LESSON, f64::NAN, 1.0)], "lesson: share"), Some(false));
@@ -289,7 +289,7 @@ mod tests {
     fn exact(pixels: usize, marked: usize, unmarked_wrong: usize, times: f64) -> Report {
         let mut row = row(BALANCED, 1.0, times);
         row.checks = Some(Checks { pixels, marked, unmarked_wrong, ..Checks::default() });
-        Report { exact: vec![row], ..made_up::report() }
+        Report { exact: vec![row], ..fixtures::report() }
     }
 
     #[test]
@@ -301,7 +301,7 @@ mod tests {
         ] {
             assert_eq!(met(&good, about), Some(true), "{about}");
             assert_eq!(met(&bad, about), Some(false), "{about}");
-            let none = Report { exact: Vec::new(), ..made_up::report() };
+            let none = Report { exact: Vec::new(), ..fixtures::report() };
             assert_eq!(met(&none, about), None, "{about}");
         }
     }
@@ -309,11 +309,11 @@ mod tests {
     #[test]
     fn windows_late_flips_and_hard_cases_can_be_missed() {
         let judged = |change: &dyn Fn(&mut Report), about: &str| {
-            let mut report = made_up::report();
+            let mut report = fixtures::report();
             change(&mut report);
             met(&report, about)
         };
-        let name = made_up::report().windows[0].window.clone();
+        let name = fixtures::report().windows[0].window.clone();
         let window = |right: f64| {
             let change = move |report: &mut Report| {
                 report.windows[0].errors.right_1ms = Some(right);

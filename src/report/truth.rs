@@ -5,24 +5,24 @@ use rayon::prelude::*;
 
 use super::{ReportError, StopTest, stopwatch};
 use crate::engine::cpu::CpuEngine;
-use crate::engine::{Method, Precision, Question, Recipe};
-use crate::physics::{Dd, Outcome, Scalar, gold};
+use crate::engine::{IntegratorConfig, Method, Precision, Question};
+use crate::physics::{Dd, Outcome, Scalar, oracle};
 
 /// As fine as steps in double-double can be: what decides late and narrow windows.
-pub const FINEST: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
+pub const FINEST: IntegratorConfig =
+    IntegratorConfig { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
 
 /// The gold standard's outcomes in double-double, times as f64.
-pub fn gold_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
-    gold(question, starts, |theta| theta)
+pub fn oracle_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    solve(question, starts, |theta| theta)
 }
 
 /// The same in f64.
-pub fn gold_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
-    gold(question, starts, |theta| theta.hi)
+pub fn oracle_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+    solve(question, starts, |theta| theta.hi)
 }
 
-fn gold<T: Scalar>(
+fn solve<T: Scalar>(
     question: &Question,
     starts: &[[Dd; 2]],
     as_scalar: fn(Dd) -> T,
@@ -30,7 +30,7 @@ fn gold<T: Scalar>(
     let pendulum = question.build.pendulum_in();
     let one = |start: &[Dd; 2]| {
         let budget = T::from_f64(question.budget_secs);
-        let outcome = gold::outcome(&pendulum, start.map(as_scalar), question.rule, budget);
+        let outcome = oracle::outcome(&pendulum, start.map(as_scalar), question.rule, budget);
         Outcome { status: outcome.status, time: outcome.time.to_f64() }
     };
     starts.par_iter().map(one).collect()

@@ -1,11 +1,11 @@
 //! Windows beyond the home map: deep ones, late ones, other pendulums, other rules.
 
-use super::truth::{finest, gold_f64};
+use super::truth::{finest, oracle_f64};
 use super::{ReportError, StopTest};
 use crate::engine::Question;
 use crate::physics::{Dd, Outcome, Rule};
-use crate::report::ground::{open_starts, spread};
-use crate::scene::{Build, Kind, Question as Asked, Scene, View};
+use crate::report::test_set::{open_starts, spread};
+use crate::scene::{Build, FlipQuestion as Asked, Kind, Scene, View};
 
 /// Pixels along each side of a window whose open starts are measured on.
 const SIDE: u32 = 96;
@@ -24,12 +24,12 @@ pub struct Window {
     /// Which bob is watched.
     pub rule: Rule,
     /// Which truth.
-    pub judge: Judge,
+    pub judge: ComparedWith,
 }
 
 /// What answers are compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Judge {
+pub enum ComparedWith {
     /// The gold standard in f64.
     Gold,
     /// Taylor expansions in double-double, where flips are late, or starts close together.
@@ -44,16 +44,16 @@ const WHOLE: Window = Window {
     width: "6.283185307179586",
     build: Build::default,
     rule: Rule::Second,
-    judge: Judge::Gold,
+    judge: ComparedWith::Gold,
 };
 
 const fn deep(name: &'static str, center: [&'static str; 2], width: &'static str) -> Window {
-    Window { name, center, width, judge: Judge::Finest, ..WHOLE }
+    Window { name, center, width, judge: ComparedWith::Finest, ..WHOLE }
 }
 
 /// Flips come late, after more chaos than f64 has digits for at some starts.
 const FIRST: Window =
-    Window { name: "rule first", rule: Rule::First, judge: Judge::Finest, ..WHOLE };
+    Window { name: "rule first", rule: Rule::First, judge: ComparedWith::Finest, ..WHOLE };
 
 /// Windows in which `balanced` is measured.
 pub const WINDOWS: [Window; 12] = [
@@ -130,18 +130,18 @@ impl Window {
         stop: StopTest,
     ) -> Result<Vec<Outcome>, ReportError> {
         match self.judge {
-            Judge::Gold => Ok(gold_f64(&self.question(), starts)),
-            Judge::Finest => finest(&self.question(), starts, threads, stop),
+            ComparedWith::Gold => Ok(oracle_f64(&self.question(), starts)),
+            ComparedWith::Finest => finest(&self.question(), starts, threads, stop),
         }
     }
 }
 
-impl Judge {
+impl ComparedWith {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
-            Judge::Gold => "gold, f64",
-            Judge::Finest => "taylor 1e-28, dd",
+            ComparedWith::Gold => "gold, f64",
+            ComparedWith::Finest => "taylor 1e-28, dd",
         }
     }
 }

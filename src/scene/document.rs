@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Build, PictureTable, Question, Scene, SceneError, View};
+use super::{Build, FlipQuestion, PictureTable, Scene, SceneError, View};
 
 /// The newest format this program reads, and the one it writes.
 pub const FORMAT: u32 = 1;
@@ -16,7 +16,7 @@ pub struct Document {
     /// The pendulum.
     pub pendulum: Build,
     /// What is asked about it.
-    pub question: Question,
+    pub question: FlipQuestion,
     /// Which part of the plane.
     pub view: View,
     /// How it was painted.
@@ -62,7 +62,7 @@ impl Default for Document {
         Document {
             format: FORMAT,
             pendulum: Build::default(),
-            question: Question::default(),
+            question: FlipQuestion::default(),
             view: View::default(),
             picture: PictureTable::default(),
             run: RunTable::default(),

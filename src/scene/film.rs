@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::keys::Key;
-use super::{Budget, Build, Question, Scene, View};
+use super::{Budget, Build, FlipQuestion, Scene, View};
 use crate::physics::{Decimal, Scalar, Theta};
 
 /// Frames of one size along keys.
@@ -167,7 +167,7 @@ impl Film {
         } else {
             self.budget_secs()
         };
-        let question = Question { rule: a.question.rule, budget: Budget::secs(budget) };
+        let question = FlipQuestion { rule: a.question.rule, budget: Budget::secs(budget) };
         let view = between_views(&a.view, &b.view, share);
         let clock_secs = from.clock.zip(to.clock).map(|(a, b)| mix(a, b));
         Shot { scene: Scene { build, question, view }, clock_secs }

@@ -1,9 +1,9 @@
 //! From pixels to starts: where each pixel's pendulum is let go, and what is known before it is.
 
 use super::Scene;
-use super::spots::{Grouped, Spots};
+use super::leaf_grid::{Grouped, LeafGrid};
 use crate::physics::opening::{Begin, Opening, from_top};
-use crate::physics::{Angle, Dd, Outcome, Pendulum, Rule, Scalar, Status, Theta, gold};
+use crate::physics::{Angle, Dd, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]
@@ -11,7 +11,7 @@ pub struct Grid {
     size: [u32; 2],
     center: [Dd; 2],
     exact_center: [Theta; 2],
-    spots: Spots,
+    spots: LeafGrid,
     /// What one pixel to the right, and one up, adds to θ1 and θ2.
     right: [Dd; 2],
     up: [Dd; 2],
@@ -74,7 +74,7 @@ impl Grid {
             size,
             center: center.map(Theta::to_dd),
             exact_center: center,
-            spots: Spots::new(center, right, up),
+            spots: LeafGrid::new(center, right, up),
             right,
             up,
             pendulum,
@@ -168,7 +168,7 @@ impl Grid {
         if self.is_forbidden(angle) {
             return Fate::Known(Outcome::without_time(Status::Forbidden));
         }
-        if gold::is_balanced(angle) {
+        if oracle::is_balanced(angle) {
             return Fate::Known(Outcome::without_time(Status::Unflipped));
         }
         match self.opening(column, row) {
@@ -219,7 +219,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Question, View};
+    use crate::scene::{FlipQuestion, View};
 
     fn grid(view: View, size: [u32; 2]) -> Grid {
         let scene = Scene { view, ..Scene::default() };
@@ -281,7 +281,7 @@ mod tests {
                 width: "1e-3".into(),
                 ..View::default()
             };
-            let question = Question { rule, ..Question::default() };
+            let question = FlipQuestion { rule, ..FlipQuestion::default() };
             let scene = Scene { view, question, ..Scene::default() };
             Grid::new(&scene, [1, 1]).fate(0, 0)
         };

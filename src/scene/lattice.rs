@@ -6,7 +6,7 @@
 //! and so is the map from rest: of a cell and its image only one is ever computed.
 
 use crate::physics::{Fixed, Scalar, Theta};
-use crate::scene::spots::Grouped;
+use crate::scene::leaf_grid::Grouped;
 use crate::scene::{Grid, Scene};
 
 /// Samples along each side of a cell.

@@ -11,10 +11,10 @@ pub mod film;
 mod grid;
 pub mod keys;
 pub mod lattice;
+mod leaf_grid;
 pub mod location;
 pub mod palette;
 mod picture;
-mod spots;
 mod view;
 mod words;
 
@@ -22,8 +22,8 @@ pub use budget::Budget;
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
+pub use leaf_grid::Grouped;
 pub use picture::{PictureTable, Scale};
-pub use spots::Grouped;
 pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
 
@@ -129,16 +129,16 @@ impl Build {
 /// What is asked about every start.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Question {
+pub struct FlipQuestion {
     /// Which bob is watched.
     pub rule: Rule,
     /// Simulated seconds a pixel may use.
     pub budget: Budget,
 }
 
-impl Default for Question {
+impl Default for FlipQuestion {
     fn default() -> Self {
-        Question { rule: Rule::Second, budget: Budget::default() }
+        FlipQuestion { rule: Rule::Second, budget: Budget::default() }
     }
 }
 
@@ -148,7 +148,7 @@ pub struct Scene {
     /// The pendulum.
     pub build: Build,
     /// What is asked about it.
-    pub question: Question,
+    pub question: FlipQuestion,
     /// From where to where.
     pub view: View,
 }

@@ -4,13 +4,13 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::samples::Samples;
-use crate::engine::{Paused, Trust};
+use crate::engine::{IntegratorState, Trust};
 use crate::physics::Outcome;
 use crate::scene::lattice::{Cell, SAMPLES};
 
 /// What is known of a cell.
 #[derive(Clone, Debug)]
-pub struct Known {
+pub struct CachedCell {
     /// Its samples, row by row from the top.
     pub samples: Arc<Samples>,
     /// Simulated seconds that the unflipped ones have had.
@@ -18,21 +18,21 @@ pub struct Known {
     /// Changes whenever the samples do, and is never used twice.
     pub serial: u64,
     /// Where the unflipped ones are, by their places among the samples.
-    pub(super) paused: Vec<(u32, Paused)>,
+    pub(super) paused: Vec<(u32, IntegratorState)>,
     used: u64,
 }
 
 /// Which physics, and which cell of it.
-type Key = (usize, Cell);
+type CacheKey = (usize, Cell);
 
 /// Known cells by physics, within a budget of bytes.
 #[derive(Debug)]
 pub struct Cache {
     budget_bytes: usize,
     bytes: usize,
-    known: HashMap<Key, Known>,
+    known: HashMap<CacheKey, CachedCell>,
     /// Cells that stay.
-    wanted: HashSet<Key>,
+    wanted: HashSet<CacheKey>,
     /// Counts looks, so that what was not looked at for longest goes first.
     clock: u64,
     serial: u64,
@@ -41,14 +41,14 @@ pub struct Cache {
 /// Bytes of a tile without paused pendulums.
 pub const TILE_BYTES: usize = SAMPLES * Samples::BYTES;
 
-impl Known {
+impl CachedCell {
     /// One sample, and how sure it is.
     pub fn at(&self, place: usize) -> (Outcome, Trust) {
         (self.samples.get(place), self.samples.trust(place))
     }
 
     fn bytes(&self) -> usize {
-        TILE_BYTES + self.paused.capacity() * size_of::<(u32, Paused)>()
+        TILE_BYTES + self.paused.capacity() * size_of::<(u32, IntegratorState)>()
     }
 }
 
@@ -82,7 +82,7 @@ impl Cache {
     }
 
     /// What is known of a cell; it counts as used.
-    pub fn get(&mut self, physics: usize, cell: Cell) -> Option<&Known> {
+    pub fn get(&mut self, physics: usize, cell: Cell) -> Option<&CachedCell> {
         self.clock += 1;
         let known = self.known.get_mut(&(physics, cell))?;
         known.used = self.clock;
@@ -90,7 +90,7 @@ impl Cache {
     }
 
     /// What is known of a cell.
-    pub fn peek(&self, physics: usize, cell: Cell) -> Option<&Known> {
+    pub fn peek(&self, physics: usize, cell: Cell) -> Option<&CachedCell> {
         self.known.get(&(physics, cell))
     }
 
@@ -114,14 +114,14 @@ impl Cache {
         cell: Cell,
         samples: Samples,
         budget_secs: f64,
-        mut paused: Vec<(u32, Paused)>,
+        mut paused: Vec<(u32, IntegratorState)>,
     ) {
         paused.shrink_to_fit();
         self.clock += 1;
         self.serial += 1;
         let samples = Arc::new(samples);
         let (serial, used) = (self.serial, self.clock);
-        let known = Known { samples, budget_secs, serial, paused, used };
+        let known = CachedCell { samples, budget_secs, serial, paused, used };
         self.bytes += known.bytes();
         if let Some(old) = self.known.insert((physics, cell), known) {
             self.bytes -= old.bytes();
@@ -136,10 +136,10 @@ impl Cache {
         if self.bytes <= self.budget_bytes {
             return;
         }
-        let mut by_age: Vec<(u64, Key)> =
+        let mut by_age: Vec<(u64, CacheKey)> =
             self.known.iter().map(|(key, k)| (k.used, *key)).collect();
         by_age.sort_unstable_by_key(|(used, _)| *used);
-        let (wanted, others): (Vec<Key>, Vec<Key>) =
+        let (wanted, others): (Vec<CacheKey>, Vec<CacheKey>) =
             by_age.into_iter().map(|(_, key)| key).partition(|key| self.wanted.contains(key));
         // A little more than needed, so that this is not done for every tile.
         let enough = self.budget_bytes - self.budget_bytes / 16;
@@ -148,7 +148,12 @@ impl Cache {
         self.drop_while_above(enough, &wanted, Self::drop_states);
     }
 
-    fn drop_while_above(&mut self, enough: usize, keys: &[Key], drop: fn(&mut Self, &Key)) {
+    fn drop_while_above(
+        &mut self,
+        enough: usize,
+        keys: &[CacheKey],
+        drop: fn(&mut Self, &CacheKey),
+    ) {
         for key in keys {
             if self.bytes <= enough {
                 return;
@@ -157,7 +162,7 @@ impl Cache {
         }
     }
 
-    fn drop_states(&mut self, key: &Key) {
+    fn drop_states(&mut self, key: &CacheKey) {
         if let Some(known) = self.known.get_mut(key) {
             self.bytes -= known.bytes();
             known.paused = Vec::new();
@@ -165,7 +170,7 @@ impl Cache {
         }
     }
 
-    fn remove(&mut self, key: &Key) {
+    fn remove(&mut self, key: &CacheKey) {
         if let Some(gone) = self.known.remove(key) {
             self.bytes -= gone.bytes();
         }
@@ -184,7 +189,7 @@ mod tests {
     }
 
     fn fill(cache: &mut Cache, x: u32, paused: usize) {
-        let state = Paused { steps: 0, numbers: [0.0; NUMBERS] };
+        let state = IntegratorState { steps: 0, numbers: [0.0; NUMBERS] };
         let paused = (0..paused as u32).map(|place| (place, state)).collect();
         cache.insert(0, cell(x), Samples::unflipped(SAMPLES), 30.0, paused);
     }

@@ -6,7 +6,7 @@
 
 use super::preview::preview;
 use super::{Samples, Work};
-use crate::engine::{Engine, EngineError, Recipe};
+use crate::engine::{Engine, EngineError, IntegratorConfig};
 use crate::physics::{Scalar, Status, Theta};
 use crate::scene::{Budget, Scene};
 
@@ -24,14 +24,14 @@ const LEAST_UNITS: f64 = 0.05;
 /// A descent from one view to the next deeper one.
 pub struct Descent {
     scene: Scene,
-    recipe: Recipe,
+    config: IntegratorConfig,
     /// Where to look first, in pixels from the middle.
     wish: [f64; 2],
 }
 
 /// The next view.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Deeper {
+pub enum DescentStep {
     /// It has structure.
     Scene(Box<Scene>),
     /// Nothing near is left to see.
@@ -43,11 +43,11 @@ pub enum Deeper {
 impl Descent {
     /// Begins at a checked scene, near a point at `wish` widths of the view from its middle. The
     /// budget follows the depth.
-    pub fn new(mut scene: Scene, recipe: Recipe, wish: [f64; 2]) -> Self {
+    pub fn new(mut scene: Scene, config: IntegratorConfig, wish: [f64; 2]) -> Self {
         scene.question.budget =
             Budget { auto: true, ..scene.question.budget }.for_view(&scene.build, &scene.view);
         (scene.view.rotate, scene.view.stretch) = (0.0, 1.0);
-        Descent { scene, recipe, wish: wish.map(|part| part * f64::from(SIDE)) }
+        Descent { scene, config, wish: wish.map(|part| part * f64::from(SIDE)) }
     }
 
     /// The view that is smaller by half a decade; `go_on` is asked now and then.
@@ -55,18 +55,18 @@ impl Descent {
         &mut self,
         engine: &mut dyn Engine,
         go_on: &dyn Fn() -> bool,
-    ) -> Result<Deeper, EngineError> {
-        let mut work = Work::new(&self.scene, [SIDE; 2], self.recipe, (SIDE * SIDE) as usize);
+    ) -> Result<DescentStep, EngineError> {
+        let mut work = Work::new(&self.scene, [SIDE; 2], self.config, (SIDE * SIDE) as usize);
         let samples = preview(&mut work, [SIDE; 2], engine, go_on)?;
-        let Some(samples) = samples else { return Ok(Deeper::Stopped) };
-        let Some([across, above]) = self.liveliest(&samples) else { return Ok(Deeper::End) };
+        let Some(samples) = samples else { return Ok(DescentStep::Stopped) };
+        let Some([across, above]) = self.liveliest(&samples) else { return Ok(DescentStep::End) };
         let width = self.scene.view.width_rad().to_f64();
         let pixel = width / f64::from(SIDE);
         let center = self.scene.view.center_rad();
         let by = [across, above].map(|by| Theta::from_f64(by * pixel));
         let width = width / FACTOR;
         if width < crate::scene::LEAST_WIDTH {
-            return Ok(Deeper::End);
+            return Ok(DescentStep::End);
         }
         // Twelve digits below the width tell pixels of any screen apart.
         let digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
@@ -76,7 +76,7 @@ impl Descent {
         self.wish = [0.0; 2];
         let Scene { build, question, view } = &mut self.scene;
         question.budget = question.budget.for_view(build, view);
-        Ok(Deeper::Scene(Box::new(self.scene.clone())))
+        Ok(DescentStep::Scene(Box::new(self.scene.clone())))
     }
 
     /// The pixel among the most different neighbours, in pixels from the middle; those near the

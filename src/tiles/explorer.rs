@@ -1,27 +1,27 @@
 //! The window's scheduler: which cells of the lattice are computed next.
 //!
 //! An [`Aim`] says what is looked at. The cells it wants are queued, what is known or on its way
-//! left out. The newest aim replaces the queue, and where most of what flies serves it no longer,
+//! left out. The newest target replaces the queue, and where most of what flies serves it no longer,
 //! that is dropped. The window calls [`Explorer::work`] with a deadline and draws between; a test
 //! without a window calls it with none.
 
 use std::collections::{HashSet, VecDeque};
 use std::time::Instant;
 
-use super::aim::{Aim, Physics};
-use super::cache::{Cache, Known};
-use super::flights::{Flights, Landed, Open};
-use super::kept;
+use super::cache::{Cache, CachedCell};
+use super::in_flight::{FinishedBatch, InFlightJobs, OpenTile};
 use super::order;
 use super::samples::{Counts, Samples};
-use crate::engine::{Depth, Engine, EngineError, Keep, Paused, Trust, Wait};
+use super::saved_pixels;
+use super::view_target::{Physics, ViewTarget};
+use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Keep, Trust, Wait};
 use crate::physics::{Outcome, Status};
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
 use crate::scene::{Grid, Grouped, Scene};
 
-/// How far the newest aim is.
+/// How far the newest target is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Progress {
+pub struct ViewProgress {
     /// The level aimed at.
     pub level: u32,
     /// Cells of that level in view.
@@ -53,18 +53,18 @@ pub struct Explorer {
     cache: Cache,
     /// Every physics looked at so far; its place is its key.
     physics: Vec<Physics>,
-    aim: Option<Aim>,
+    target: Option<ViewTarget>,
     /// The key of the aim's physics.
     key: usize,
     /// The key of the one that was last known all over the view before it.
     before: Option<usize>,
-    /// Cells of the aim to compute, canonical, first first.
+    /// Cells of the target to compute, canonical, first first.
     waiting: VecDeque<Cell>,
-    flights: Flights<Batch>,
-    /// Most of what flies is of no use to the aim.
+    in_flight: InFlightJobs<Batch>,
+    /// Most of what flies is of no use to the target.
     stale: bool,
     counts: Counts,
-    depth: Option<Depth>,
+    depth: Option<DepthStats>,
 }
 
 impl Explorer {
@@ -73,11 +73,11 @@ impl Explorer {
         Explorer {
             cache: Cache::new(cache_bytes),
             physics: Vec::new(),
-            aim: None,
+            target: None,
             key: 0,
             before: None,
             waiting: VecDeque::new(),
-            flights: Flights::default(),
+            in_flight: InFlightJobs::default(),
             stale: false,
             counts: Counts::default(),
             depth: None,
@@ -85,17 +85,17 @@ impl Explorer {
     }
 
     /// Replaces what is looked at.
-    pub fn aim(&mut self, aim: Aim) {
-        if self.aim == Some(aim) {
+    pub fn target(&mut self, target: ViewTarget) {
+        if self.target == Some(target) {
             return;
         }
-        let key = self.key_of(&aim.physics);
+        let key = self.key_of(&target.physics);
         // One that was passed over so fast that little of it is known cannot stand in.
         if key != self.key && self.progress().covered {
             self.before = Some(self.key);
         }
         self.key = key;
-        self.aim = Some(aim);
+        self.target = Some(target);
         self.plan();
     }
 
@@ -108,32 +108,33 @@ impl Explorer {
         })
     }
 
-    /// Queues what the aim wants and nobody computes yet.
+    /// Queues what the target wants and nobody computes yet.
     fn plan(&mut self) {
-        let Some(aim) = self.aim else { return };
-        let cells = order::wanted(&aim, self.cache.room());
+        let Some(target) = self.target else { return };
+        let cells = order::wanted(&target, self.cache.room());
         self.cache.want(self.key, cells.iter().map(|(cell, _)| *cell));
-        // What flies to a smaller budget is continued when it has landed.
-        let flying = self.flights.tiles().filter(|batch| batch.physics == self.key);
-        let flying: HashSet<Cell> = flying.flat_map(|batch| batch.cells.iter().copied()).collect();
+        // What flies to a smaller budget is continued when it has finished.
+        let jobs = self.in_flight.tiles().filter(|batch| batch.physics == self.key);
+        let jobs: HashSet<Cell> = jobs.flat_map(|batch| batch.cells.iter().copied()).collect();
         let wanted: HashSet<Cell> = cells.iter().map(|(cell, _)| *cell).collect();
         self.waiting = cells
             .into_iter()
-            .filter(|(cell, finest)| !flying.contains(cell) && self.needs(*cell, *finest))
+            .filter(|(cell, finest)| !jobs.contains(cell) && self.needs(*cell, *finest))
             .map(|(cell, _)| cell)
             .collect();
         let useful = |batch: &&Batch| {
             batch.physics == self.key && batch.cells.iter().any(|cell| wanted.contains(cell))
         };
-        let useful = self.flights.tiles().filter(useful).count();
-        self.stale = !self.flights.is_empty() && 2 * useful <= self.flights.len();
+        let useful = self.in_flight.tiles().filter(useful).count();
+        self.stale = !self.in_flight.is_empty() && 2 * useful <= self.in_flight.len();
     }
 
     /// Whether a cell has to be computed; a coarse one not if something nearly as fine stands in.
     fn needs(&self, cell: Cell, finest: bool) -> bool {
         let known = |cell: Cell| self.cache.peek(self.key, cell.canonical().0);
         if let Some(known) = known(cell) {
-            return finest && self.aim.is_some_and(|aim| known.budget_secs < aim.budget_secs);
+            return finest
+                && self.target.is_some_and(|target| known.budget_secs < target.budget_secs);
         }
         let instead = |cell: Cell| known(cell).is_some();
         finest || !(cell.parent().is_some_and(instead) || cell.children().into_iter().all(instead))
@@ -148,15 +149,15 @@ impl Explorer {
         deadline: Option<Instant>,
     ) -> Result<bool, EngineError> {
         if std::mem::take(&mut self.stale) {
-            self.flights.cancel(engine);
+            self.in_flight.cancel(engine);
             self.plan();
         }
         let mut news = false;
         loop {
             news |= self.submit(engine, deadline)?;
             let wait = deadline.map_or(Wait::UntilFinished, |_| Wait::Until(Instant::now()));
-            for landed in self.flights.poll(engine, wait)? {
-                self.take(landed);
+            for finished in self.in_flight.poll(engine, wait)? {
+                self.take(finished);
                 news = true;
             }
             if let Some(deadline) = deadline {
@@ -174,17 +175,17 @@ impl Explorer {
     /// Whether cells wait and nothing flies whose landing would wake anybody: with a deadline,
     /// [`Explorer::work`] may end so among cells that are known without an engine.
     pub fn is_waiting(&self) -> bool {
-        self.aim.is_some() && self.flights.is_empty() && !self.waiting.is_empty()
+        self.target.is_some() && self.in_flight.is_empty() && !self.waiting.is_empty()
     }
 
     /// Whether there is nothing to compute.
     pub fn is_done(&self) -> bool {
-        self.waiting.is_empty() && self.flights.is_empty()
+        self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
     /// Forgets what flies, for an engine that is gone; nothing that was computed is lost.
     pub fn ground(&mut self) {
-        self.flights.forget();
+        self.in_flight.forget();
         self.plan();
     }
 
@@ -193,13 +194,13 @@ impl Explorer {
         engine: &mut dyn Engine,
         deadline: Option<Instant>,
     ) -> Result<bool, EngineError> {
-        let Some(aim) = self.aim else { return Ok(false) };
+        let Some(target) = self.target else { return Ok(false) };
         let in_job = (engine.job_size() / (2 * SAMPLES)).clamp(1, MOST_IN_JOB);
         let mut news = false;
-        while self.flights.len() < engine.slots() && !self.waiting.is_empty() {
+        while self.in_flight.len() < engine.slots() && !self.waiting.is_empty() {
             let cells = self.next_cells(in_job);
-            let batch = Batch { physics: self.key, budget_secs: aim.budget_secs, cells };
-            news |= self.send(engine, &aim, batch)?;
+            let batch = Batch { physics: self.key, budget_secs: target.budget_secs, cells };
+            news |= self.send(engine, &target, batch)?;
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 break;
             }
@@ -211,18 +212,18 @@ impl Explorer {
     fn send(
         &mut self,
         engine: &mut dyn Engine,
-        aim: &Aim,
+        target: &ViewTarget,
         batch: Batch,
     ) -> Result<bool, EngineError> {
-        let open = self.open(aim, &batch);
+        let open = self.open(target, &batch);
         if open.is_settled() {
             self.keep(&batch, &open.into_samples(), Vec::new());
             return Ok(true);
         }
-        let asked = (aim.question(), aim.physics.recipe);
+        let asked = (target.question(), target.physics.config);
         // Checks begin at the release, so checked pixels cannot be continued.
-        let keep = if aim.physics.verified { Keep::Nothing } else { Keep::Unfinished };
-        let sent = self.flights.submit(engine, batch, open, asked, keep);
+        let keep = if target.physics.verified { Keep::Nothing } else { Keep::Unfinished };
+        let sent = self.in_flight.submit(engine, batch, open, asked, keep);
         if sent.is_err() {
             // The batch is gone from the queue, and nobody computes it.
             self.plan();
@@ -243,12 +244,12 @@ impl Explorer {
     }
 
     /// What is known of the cells beforehand.
-    fn open(&self, aim: &Aim, batch: &Batch) -> Open {
-        if batch.cells.first().is_some_and(|cell| aim.is_deep_at(cell.level)) {
-            return self.open_deep(&aim.scene(), batch);
+    fn open(&self, target: &ViewTarget, batch: &Batch) -> OpenTile {
+        if batch.cells.first().is_some_and(|cell| target.is_deep_at(cell.level)) {
+            return self.open_deep(&target.scene(), batch);
         }
-        let scene = aim.scene();
-        Open::new(batch.cells.iter().flat_map(|cell| {
+        let scene = target.scene();
+        OpenTile::new(batch.cells.iter().flat_map(|cell| {
             let grid = cell.grid(&scene, SIDE);
             let known = self.cache.peek(batch.physics, *cell);
             let mut states = known.map_or(&[][..], |known| &known.paused).iter().peekable();
@@ -261,7 +262,7 @@ impl Explorer {
     }
 
     /// Likewise of cells too deep for angles in any number type of an engine's.
-    fn open_deep(&self, scene: &Scene, batch: &Batch) -> Open {
+    fn open_deep(&self, scene: &Scene, batch: &Batch) -> OpenTile {
         let grids: Vec<Grid> = batch.cells.iter().map(|cell| cell.grid(scene, SIDE)).collect();
         let mut groups = Grouped::new();
         for (k, cell) in (0..).zip(&batch.cells) {
@@ -281,23 +282,23 @@ impl Explorer {
                 Some((outcome, Trust::Agreed))
             })
         };
-        Open::deep(batch.cells.len() * SAMPLES, groups, known)
+        OpenTile::deep(batch.cells.len() * SAMPLES, groups, known)
     }
 
-    fn take(&mut self, landed: Landed<Batch>) {
-        self.counts.simulated += landed.computed.len() as u64;
-        self.counts.effort += landed.effort;
-        self.depth = landed.effort.depth;
-        let Landed { tile: batch, samples, paused, .. } = landed;
+    fn take(&mut self, finished: FinishedBatch<Batch>) {
+        self.counts.simulated += finished.computed.len() as u64;
+        self.counts.effort += finished.effort;
+        self.depth = finished.effort.depth;
+        let FinishedBatch { tile: batch, samples, paused, .. } = finished;
         self.keep(&batch, &samples, paused);
         // The budget has been raised since.
-        if self.aim.is_some_and(|aim| batch.budget_secs < aim.budget_secs) {
+        if self.target.is_some_and(|target| batch.budget_secs < target.budget_secs) {
             self.plan();
         }
     }
 
     /// Puts a batch's samples where they belong.
-    fn keep(&mut self, batch: &Batch, samples: &Samples, paused: Vec<(u32, Paused)>) {
+    fn keep(&mut self, batch: &Batch, samples: &Samples, paused: Vec<(u32, IntegratorState)>) {
         self.counts.add(samples);
         for (k, cell) in batch.cells.iter().enumerate() {
             let places = k * SAMPLES..(k + 1) * SAMPLES;
@@ -312,36 +313,36 @@ impl Explorer {
         }
     }
 
-    /// What is known of a cell of the aim, given canonically or not, and whether the samples
+    /// What is known of a cell of the target, given canonically or not, and whether the samples
     /// are its image's, in opposite order.
-    pub fn known(&mut self, cell: Cell) -> Option<(&Known, bool)> {
-        self.aim?;
+    pub fn known(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
+        self.target?;
         self.look(self.key, cell)
     }
 
     /// Likewise of the physics that was aimed at before: while nothing of the aim's is known,
     /// this is still drawn.
-    pub fn known_before(&mut self, cell: Cell) -> Option<(&Known, bool)> {
+    pub fn known_before(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
         self.look(self.before?, cell)
     }
 
-    fn look(&mut self, key: usize, cell: Cell) -> Option<(&Known, bool)> {
+    fn look(&mut self, key: usize, cell: Cell) -> Option<(&CachedCell, bool)> {
         let (canonical, mirrored) = cell.canonical();
         self.cache.get(key, canonical).map(|known| (known, mirrored))
     }
 
-    /// How far the newest aim is.
-    pub fn progress(&self) -> Progress {
-        let Some(aim) = self.aim else { return Progress::default() };
+    /// How far the newest target is.
+    pub fn progress(&self) -> ViewProgress {
+        let Some(target) = self.target else { return ViewProgress::default() };
         let known = |cell: Cell| self.cache.peek(self.key, cell.canonical().0);
-        let placed = aim.region.cells(aim.level, MOST_CELLS);
+        let placed = target.region.cells(target.level, MOST_CELLS);
         let fine =
-            |cell: Cell| known(cell).is_some_and(|known| known.budget_secs >= aim.budget_secs);
+            |cell: Cell| known(cell).is_some_and(|known| known.budget_secs >= target.budget_secs);
         let drawn = |cell: Cell| {
             std::iter::successors(Some(cell), Cell::parent).any(|cell| known(cell).is_some())
         };
-        Progress {
-            level: aim.level,
+        ViewProgress {
+            level: target.level,
             wanted: placed.len(),
             done: placed.iter().filter(|placed| fine(placed.cell)).count(),
             covered: !placed.is_empty() && placed.iter().all(|placed| drawn(placed.cell)),
@@ -355,7 +356,7 @@ impl Explorer {
     }
 
     /// What following the cells that came last has shown; nothing where they were not deep.
-    pub fn depth(&self) -> Option<Depth> {
+    pub fn depth(&self) -> Option<DepthStats> {
         self.depth
     }
 
@@ -372,11 +373,15 @@ impl Explorer {
 }
 
 /// What is known of one pixel of a tile that had a smaller budget.
-fn known_of(known: &Known, place: u32, state: Option<Paused>) -> Option<(kept::Known, Trust)> {
+fn known_of(
+    known: &CachedCell,
+    place: u32,
+    state: Option<IntegratorState>,
+) -> Option<(saved_pixels::SavedPixel, Trust)> {
     let outcome: Outcome = known.samples.get(place as usize);
     let trust = known.samples.trust(place as usize);
     if outcome.status != Status::Unflipped {
-        return Some((kept::Known::Over(outcome), trust));
+        return Some((saved_pixels::SavedPixel::Over(outcome), trust));
     }
-    state.map(|state| (kept::Known::Paused(state), trust))
+    state.map(|state| (saved_pixels::SavedPixel::Unfinished(state), trust))
 }

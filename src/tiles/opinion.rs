@@ -2,7 +2,7 @@
 
 use super::sample;
 use crate::engine::trust::Opinion;
-use crate::engine::{Engine, EngineError, Question, Recipe, Starts};
+use crate::engine::{Engine, EngineError, IntegratorConfig, Question, Starts};
 use crate::scene::Scene;
 
 /// Pixels that are integrated directly,
@@ -15,14 +15,14 @@ const CANDIDATES: usize = 32;
 pub fn opinion(
     scene: &Scene,
     size: [u32; 2],
-    recipe: Recipe,
+    config: IntegratorConfig,
     engine: &mut dyn Engine,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Opinion>, EngineError> {
     let pixels = random_pixels(scene, size);
-    match sample::open(scene, size, recipe, &pixels).into_starts() {
+    match sample::open(scene, size, config, &pixels).into_starts() {
         Starts::Deep(deep) if !deep.leaves.is_empty() => {
-            Opinion::on(engine, (Question::from(scene), recipe), &deep, MOST, go_on)
+            Opinion::on(engine, (Question::from(scene), config), &deep, MOST, go_on)
         }
         _ => Ok(None),
     }

@@ -5,8 +5,8 @@
 
 use std::collections::HashSet;
 
-use super::aim::Aim;
 use super::explorer::MOST_CELLS;
+use super::view_target::ViewTarget;
 use crate::scene::lattice::{Cell, DEEPEST, Region, side_rad};
 
 /// Levels between one pass and the next finer one: a quarter of the distance each time.
@@ -14,35 +14,35 @@ const LEVEL_STEP: u32 = 2;
 /// Passes before the finest.
 const COARSE_PASSES: u32 = 2;
 
-/// The cells that an aim wants, canonical, each once, and whether they are of the aim's own
+/// The cells that an target wants, canonical, each once, and whether they are of the aim's own
 /// level: the first `most` of them.
-pub fn wanted(aim: &Aim, most: usize) -> Vec<(Cell, bool)> {
+pub fn wanted(target: &ViewTarget, most: usize) -> Vec<(Cell, bool)> {
     let mut seen = HashSet::new();
-    let cells = passes(aim)
+    let cells = passes(target)
         .into_iter()
         .flat_map(|(cells, finest)| cells.into_iter().map(move |cell| (cell, finest)));
     cells.filter(|(cell, _)| seen.insert(*cell)).take(most).collect()
 }
 
-/// The cells of an aim pass by pass, canonical, and whether they are of its own level.
-fn passes(aim: &Aim) -> Vec<(Vec<Cell>, bool)> {
-    let coarse = (1..=COARSE_PASSES).rev().filter_map(|n| aim.level.checked_sub(n * LEVEL_STEP));
+/// The cells of an target pass by pass, canonical, and whether they are of its own level.
+fn passes(target: &ViewTarget) -> Vec<(Vec<Cell>, bool)> {
+    let coarse = (1..=COARSE_PASSES).rev().filter_map(|n| target.level.checked_sub(n * LEVEL_STEP));
     let mut passes: Vec<_> =
-        coarse.map(|level| (nearest_first(aim, &aim.region, level), false)).collect();
-    passes.push((nearest_first(aim, &aim.region, aim.level), true));
-    let ring = side_rad(aim.level.min(DEEPEST));
+        coarse.map(|level| (nearest_first(target, &target.region, level), false)).collect();
+    passes.push((nearest_first(target, &target.region, target.level), true));
+    let ring = side_rad(target.level.min(DEEPEST));
     let around =
-        Region { half_rad: aim.region.half_rad.map(|half| half + 0.5 * ring), ..aim.region };
-    passes.push((nearest_first(aim, &around, aim.level), true));
+        Region { half_rad: target.region.half_rad.map(|half| half + 0.5 * ring), ..target.region };
+    passes.push((nearest_first(target, &around, target.level), true));
     passes
 }
 
-fn nearest_first(aim: &Aim, region: &Region, level: u32) -> Vec<Cell> {
+fn nearest_first(target: &ViewTarget, region: &Region, level: u32) -> Vec<Cell> {
     let mut placed = region.cells(level, MOST_CELLS);
     let far = |offset: [f64; 2], from: [f64; 2]| (offset[0] - from[0]).hypot(offset[1] - from[1]);
     let distance = |offset: [f64; 2]| {
         let middle = far(offset, [0.0, 0.0]);
-        aim.pointer.map_or(middle, |pointer| middle.min(far(offset, pointer)))
+        target.pointer.map_or(middle, |pointer| middle.min(far(offset, pointer)))
     };
     placed.sort_by(|a, b| distance(a.offset).total_cmp(&distance(b.offset)));
     placed.into_iter().map(|placed| placed.cell.canonical().0).collect()

@@ -2,7 +2,7 @@
 
 use super::sample;
 use crate::engine::trust::Outlook;
-use crate::engine::{Engine, EngineError, Question, Recipe};
+use crate::engine::{Engine, EngineError, IntegratorConfig, Question};
 use crate::scene::{Grid, Scene};
 
 /// Pixels that are looked at,
@@ -14,18 +14,18 @@ const TOGETHER: u32 = 16;
 pub fn outlook(
     scene: &Scene,
     size: [u32; 2],
-    recipe: Recipe,
+    config: IntegratorConfig,
     engine: &mut dyn Engine,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Outlook>, EngineError> {
     let together =
-        if Grid::new(scene, size).pixel_rad() < recipe.deep_below() { TOGETHER } else { 1 };
+        if Grid::new(scene, size).pixel_rad() < config.deep_below() { TOGETHER } else { 1 };
     let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place, together)).collect();
-    let open = sample::open(scene, size, recipe, &pixels);
+    let open = sample::open(scene, size, config, &pixels);
     if open.is_settled() {
         return Ok(Some(Outlook::default()));
     }
-    Outlook::of(engine, Question::from(scene), recipe, &open.into_starts(), go_on)
+    Outlook::of(engine, Question::from(scene), config, &open.into_starts(), go_on)
 }
 
 /// Pixels that fill a picture evenly, however many are taken, or groups of them that do: steps along

@@ -3,10 +3,10 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use super::flights::{Flights, Open};
+use super::in_flight::{InFlightJobs, OpenTile};
 use super::patches::{SAMPLES, SIDE, pitch_rad};
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, Keep, Question, Recipe, Trust, Wait};
+use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Trust, Wait};
 use crate::scene::lattice::Cell;
 use crate::scene::{Grid, Grouped, Scene};
 
@@ -17,21 +17,21 @@ const MOST_IN_JOB: usize = 256;
 pub struct PatchWork {
     scene: Scene,
     question: Question,
-    recipe: Recipe,
+    config: IntegratorConfig,
     waiting: VecDeque<Cell>,
-    flights: Flights<Vec<Cell>>,
+    in_flight: InFlightJobs<Vec<Cell>>,
     counts: Counts,
 }
 
 impl PatchWork {
     /// Of a checked scene, whose view does not matter.
-    pub fn new(scene: &Scene, recipe: Recipe, cells: impl Iterator<Item = Cell>) -> Self {
+    pub fn new(scene: &Scene, config: IntegratorConfig, cells: impl Iterator<Item = Cell>) -> Self {
         PatchWork {
             scene: scene.clone(),
             question: Question::from(scene),
-            recipe,
+            config,
             waiting: cells.collect(),
-            flights: Flights::default(),
+            in_flight: InFlightJobs::default(),
             counts: Counts::default(),
         }
     }
@@ -45,10 +45,10 @@ impl PatchWork {
         let mut finished = Vec::new();
         while finished.is_empty() && !self.is_done() {
             self.submit(engine, &mut finished)?;
-            for landed in self.flights.poll(engine, Wait::Until(deadline))? {
-                self.counts.simulated += landed.computed.len() as u64;
-                self.counts.effort += landed.effort;
-                self.finish(landed.tile, &landed.samples, &mut finished);
+            for batch in self.in_flight.poll(engine, Wait::Until(deadline))? {
+                self.counts.simulated += batch.computed.len() as u64;
+                self.counts.effort += batch.effort;
+                self.finish(batch.tile, &batch.samples, &mut finished);
             }
             if Instant::now() >= deadline {
                 break;
@@ -59,7 +59,7 @@ impl PatchWork {
 
     /// Whether every patch has been handed back.
     pub fn is_done(&self) -> bool {
-        self.waiting.is_empty() && self.flights.is_empty()
+        self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
     /// What has been done so far.
@@ -74,7 +74,7 @@ impl PatchWork {
         finished: &mut Vec<(Cell, Samples)>,
     ) -> Result<(), EngineError> {
         let most = (engine.job_size() / SAMPLES).clamp(1, MOST_IN_JOB);
-        while self.flights.len() < engine.slots() {
+        while self.in_flight.len() < engine.slots() {
             let cells = self.next_cells(most);
             let Some(first) = cells.first() else { return Ok(()) };
             let open = if self.is_deep_at(first.level) {
@@ -86,11 +86,11 @@ impl PatchWork {
                 self.finish(cells, &open.into_samples(), finished);
                 return Ok(());
             }
-            self.flights.submit(
+            self.in_flight.submit(
                 engine,
                 cells,
                 open,
-                (self.question, self.recipe),
+                (self.question, self.config),
                 Keep::Nothing,
             )?;
         }
@@ -107,11 +107,11 @@ impl PatchWork {
 
     /// Whether a level's samples lie closer than the recipe's number type can tell apart.
     fn is_deep_at(&self, level: u32) -> bool {
-        2.0 * pitch_rad(level) < self.recipe.deep_below()
+        2.0 * pitch_rad(level) < self.config.deep_below()
     }
 
-    fn open(&self, cells: &[Cell]) -> Open {
-        Open::new(cells.iter().flat_map(|cell| {
+    fn open(&self, cells: &[Cell]) -> OpenTile {
+        OpenTile::new(cells.iter().flat_map(|cell| {
             let grid = cell.grid(&self.scene, SIDE);
             (0..SIDE * SIDE).map(move |place| (grid.fate(place % SIDE, place / SIDE), None))
         }))
@@ -126,7 +126,7 @@ impl PatchWork {
 }
 
 /// Patches whose samples no number type of an engine's tells apart.
-fn deep(scene: &Scene, cells: &[Cell]) -> Open {
+fn deep(scene: &Scene, cells: &[Cell]) -> OpenTile {
     let grids: Vec<Grid> = cells.iter().map(|cell| cell.grid(scene, SIDE)).collect();
     let mut groups = Grouped::new();
     for (k, cell) in (0..).zip(cells) {
@@ -136,7 +136,7 @@ fn deep(scene: &Scene, cells: &[Cell]) -> Open {
             leaves.map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect::<Vec<_>>())),
         );
     }
-    Open::deep(cells.len() * SAMPLES, groups, |place| {
+    OpenTile::deep(cells.len() * SAMPLES, groups, |place| {
         let (grid, place) = (&grids[place as usize / SAMPLES], place % SAMPLES as u32);
         grid.opening(place % SIDE, place / SIDE).map(|outcome| (outcome, Trust::Agreed))
     })
@@ -149,7 +149,8 @@ mod tests {
     use crate::engine::{Method, Precision};
     use crate::scene::Fate;
 
-    const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+    const RECIPE: IntegratorConfig =
+        IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 
     #[test]
     fn every_patch_comes_back_once_with_its_own_samples() {

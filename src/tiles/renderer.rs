@@ -2,9 +2,9 @@
 
 use super::preview::preview;
 use super::{Samples, Work, opinion};
-use crate::engine::choice::{ChoiceError, Chosen, Demand, Wish, choose};
+use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use crate::engine::trust::TrustEngine;
-use crate::engine::{Accuracy, Engine, EngineError, Recipe};
+use crate::engine::{Accuracy, Engine, EngineError, IntegratorConfig};
 use crate::scene::Scene;
 
 /// Renders scenes to arrays of samples, one engine for all of them.
@@ -21,7 +21,7 @@ use crate::scene::Scene;
 /// ```
 pub struct Renderer {
     engine: Maker,
-    recipe: Recipe,
+    config: IntegratorConfig,
 }
 
 /// The engine, with checks or without.
@@ -32,24 +32,24 @@ enum Maker {
 
 impl Renderer {
     /// Chooses and starts the engine that is asked for. Pixels are checked where `exact` is.
-    pub fn new(wish: &Wish) -> Result<Self, ChoiceError> {
-        Renderer::with_checks(wish, wish.demand == Demand::Level(Accuracy::Exact))
+    pub fn new(wish: &EngineRequest) -> Result<Self, ChoiceError> {
+        Renderer::with_checks(wish, wish.setting == IntegrationSetting::Accuracy(Accuracy::Exact))
     }
 
     /// The same with checks of every pixel, or without.
-    pub fn with_checks(wish: &Wish, verify: bool) -> Result<Self, ChoiceError> {
-        let Chosen { engine, recipe, .. } = choose(wish, &|_| {})?;
+    pub fn with_checks(wish: &EngineRequest, verify: bool) -> Result<Self, ChoiceError> {
+        let Chosen { engine, config, .. } = choose(wish, &|_| {})?;
         let engine = if verify {
             Maker::Checked(Box::new(TrustEngine::new(engine, wish.threads)?))
         } else {
             Maker::Unchecked(engine)
         };
-        Ok(Renderer { engine, recipe })
+        Ok(Renderer { engine, config })
     }
 
     /// How pixels are integrated.
-    pub fn recipe(&self) -> Recipe {
-        self.recipe
+    pub fn config(&self) -> IntegratorConfig {
+        self.config
     }
 
     /// The samples of a checked scene in `size` pixels, by rows from the top.
@@ -66,14 +66,14 @@ impl Renderer {
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Samples>, EngineError> {
         if let Maker::Checked(engine) = &mut self.engine {
-            let opinion = opinion(scene, size, self.recipe, engine.as_mut(), go_on)?;
+            let opinion = opinion(scene, size, self.config, engine.as_mut(), go_on)?;
             engine.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
         }
         let engine: &mut dyn Engine = match &mut self.engine {
             Maker::Unchecked(engine) => engine.as_mut(),
             Maker::Checked(engine) => engine.as_mut(),
         };
-        let mut work = Work::new(scene, size, self.recipe, engine.job_size());
+        let mut work = Work::new(scene, size, self.config, engine.job_size());
         preview(&mut work, size, engine, go_on)
     }
 }

@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::time::Instant;
 
-use super::flights::{Flights, Landed, Open};
-use super::kept::{Kept, Known};
+use super::in_flight::{FinishedBatch, InFlightJobs, OpenTile};
 use super::plan::{Tile, plan};
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, Keep, Question, Recipe, Trust, Wait};
+use super::saved_pixels::{SavedPixel, SavedPixels};
+use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Trust, Wait};
 use crate::physics::Status;
 use crate::scene::{Grid, Scene};
 
@@ -25,13 +25,13 @@ pub struct FinishedTile {
 pub struct Work {
     grid: Grid,
     question: Question,
-    recipe: Recipe,
+    config: IntegratorConfig,
     mirrored: bool,
     waiting: VecDeque<Tile>,
-    flights: Flights<Tile>,
+    in_flight: InFlightJobs<Tile>,
     counts: Counts,
     /// What is known from an earlier run, and what a later one will want to know.
-    kept: Option<Kept>,
+    kept: Option<SavedPixels>,
 }
 
 /// Samples that the mirror image of a picture may hold back before rows come in order.
@@ -46,32 +46,37 @@ const MOST_DEEP: usize = 1 << 20;
 impl Work {
     /// The work of a checked scene as a picture of `size` pixels, in tiles of about
     /// `tile_pixels` pixels.
-    pub fn new(scene: &Scene, size: [u32; 2], recipe: Recipe, tile_pixels: usize) -> Self {
+    pub fn new(
+        scene: &Scene,
+        size: [u32; 2],
+        config: IntegratorConfig,
+        tile_pixels: usize,
+    ) -> Self {
         let half = u64::from(size[0]) * u64::from(size[1]) / 2;
         let mirrored = scene.view.is_symmetric() && half * Samples::BYTES as u64 <= MIRROR_BYTES;
         let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
-        Work { mirrored, ..Work::of_rows(scene, size, recipe, tile_pixels, 0..rows) }
+        Work { mirrored, ..Work::of_rows(scene, size, config, tile_pixels, 0..rows) }
     }
 
     /// Some rows of that picture, and no mirror image of them.
     pub fn of_rows(
         scene: &Scene,
         size: [u32; 2],
-        recipe: Recipe,
+        config: IntegratorConfig,
         tile_pixels: usize,
         rows: Range<u32>,
     ) -> Self {
         let grid = Grid::new(scene, size);
-        let is_deep = grid.pixel_rad() < recipe.deep_below();
+        let is_deep = grid.pixel_rad() < config.deep_below();
         let leaves = (LEAF_ROWS * size[0] as usize).min(MOST_DEEP);
         let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
         Work {
             grid,
             question: Question::from(scene),
-            recipe,
+            config,
             mirrored: false,
             waiting: plan(size[0], rows, tile_pixels).into(),
-            flights: Flights::default(),
+            in_flight: InFlightJobs::default(),
             counts: Counts::default(),
             kept: None,
         }
@@ -84,13 +89,13 @@ impl Work {
     }
 
     /// Continues from what an earlier run kept, and keeps what a later one needs.
-    pub fn keeping(mut self, kept: Kept) -> Self {
+    pub fn keeping(mut self, kept: SavedPixels) -> Self {
         self.kept = Some(kept);
         self
     }
 
     /// What was kept, once all is done.
-    pub fn into_kept(self) -> Option<Kept> {
+    pub fn into_kept(self) -> Option<SavedPixels> {
         self.kept
     }
 
@@ -104,12 +109,12 @@ impl Work {
         let mut finished = Vec::new();
         while finished.is_empty() && !self.is_done() {
             self.submit(engine, &mut finished)?;
-            if self.flights.is_empty() {
+            if self.in_flight.is_empty() {
                 continue;
             }
             let wait = deadline.map_or(Wait::UntilFinished, Wait::Until);
-            for landed in self.flights.poll(engine, wait)? {
-                self.take(landed, &mut finished);
+            for batch in self.in_flight.poll(engine, wait)? {
+                self.take(batch, &mut finished);
             }
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 break;
@@ -120,12 +125,12 @@ impl Work {
 
     /// Whether every tile has been handed back.
     pub fn is_done(&self) -> bool {
-        self.waiting.is_empty() && self.flights.is_empty()
+        self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
     /// Forgets everything that is not finished.
     pub fn cancel(&mut self, engine: &mut dyn Engine) {
-        self.flights.cancel(engine);
+        self.in_flight.cancel(engine);
         self.waiting.clear();
     }
 
@@ -140,7 +145,7 @@ impl Work {
         engine: &mut dyn Engine,
         finished: &mut Vec<FinishedTile>,
     ) -> Result<(), EngineError> {
-        while self.flights.len() < engine.slots() {
+        while self.in_flight.len() < engine.slots() {
             let Some(tile) = self.waiting.pop_front() else {
                 return Ok(());
             };
@@ -149,32 +154,32 @@ impl Work {
                 self.finish(tile, open.into_samples(), finished);
                 return Ok(());
             }
-            let asked = (self.question, self.recipe);
+            let asked = (self.question, self.config);
             let keep = if self.kept.is_some() { Keep::Unfinished } else { Keep::Nothing };
-            self.flights.submit(engine, tile, open, asked, keep)?;
+            self.in_flight.submit(engine, tile, open, asked, keep)?;
         }
         Ok(())
     }
 
     /// What is known beforehand, and what is not.
-    fn open(&self, tile: &Tile) -> Open {
-        if self.grid.pixel_rad() < self.recipe.deep_below() {
+    fn open(&self, tile: &Tile) -> OpenTile {
+        if self.grid.pixel_rad() < self.config.deep_below() {
             let pixels: Vec<_> = tile.pixels().collect();
             let groups = self.grid.grouped(tile.pixels());
-            return Open::deep(pixels.len(), groups, |place| {
+            return OpenTile::deep(pixels.len(), groups, |place| {
                 let [column, row] = pixels[place as usize];
                 match self.known([column, row]) {
-                    Some(Known::Over(outcome)) => Some((outcome, Trust::Unchecked)),
+                    Some(SavedPixel::Over(outcome)) => Some((outcome, Trust::Unchecked)),
                     // A pendulum on its way keeps no state: a larger budget begins it anew.
                     _ => self.grid.opening(column, row).map(|outcome| (outcome, Trust::Agreed)),
                 }
             });
         }
         let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
-        Open::new(tile.pixels().map(|[x, y]| (self.grid.fate(x, y), known([x, y]))))
+        OpenTile::new(tile.pixels().map(|[x, y]| (self.grid.fate(x, y), known([x, y]))))
     }
 
-    fn known(&self, pixel: [u32; 2]) -> Option<Known> {
+    fn known(&self, pixel: [u32; 2]) -> Option<SavedPixel> {
         self.kept.as_ref().and_then(|kept| kept.known(self.index(pixel)))
     }
 
@@ -183,23 +188,23 @@ impl Work {
         u64::from(y) * u64::from(self.grid.size()[0]) + u64::from(x)
     }
 
-    fn take(&mut self, landed: Landed<Tile>, finished: &mut Vec<FinishedTile>) {
-        self.counts.simulated += landed.computed.len() as u64;
-        self.counts.effort += landed.effort;
-        self.keep(&landed);
-        self.finish(landed.tile, landed.samples, finished);
+    fn take(&mut self, batch: FinishedBatch<Tile>, finished: &mut Vec<FinishedTile>) {
+        self.counts.simulated += batch.computed.len() as u64;
+        self.counts.effort += batch.effort;
+        self.keep(&batch);
+        self.finish(batch.tile, batch.samples, finished);
     }
 
-    fn keep(&mut self, landed: &Landed<Tile>) {
+    fn keep(&mut self, finished: &FinishedBatch<Tile>) {
         let Some(mut kept) = self.kept.take() else { return };
-        let pixels: Vec<[u32; 2]> = landed.tile.pixels().collect();
-        for &place in &landed.computed {
-            let outcome = landed.samples.get(place as usize);
+        let pixels: Vec<[u32; 2]> = finished.tile.pixels().collect();
+        for &place in &finished.computed {
+            let outcome = finished.samples.get(place as usize);
             if outcome.status != Status::Unflipped {
                 kept.finish(self.index(pixels[place as usize]), outcome);
             }
         }
-        for &(place, state) in &landed.paused {
+        for &(place, state) in &finished.paused {
             kept.pause(self.index(pixels[place as usize]), state);
         }
         self.kept = Some(kept);
@@ -237,7 +242,8 @@ mod tests {
     use crate::engine::{Method, Precision};
     use crate::scene::{Fate, View};
 
-    const RECIPE: Recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+    const RECIPE: IntegratorConfig =
+        IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 
     fn scene(center: [&str; 2]) -> Scene {
         let view = View { center: center.map(str::to_string), ..View::default() };

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{Engine, EngineError, Finished, Job, Recipe, Starts, Trust, Wait};
+use flipmap::engine::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Trust, Wait};
 use flipmap::physics::{Dd, Outcome, Status};
 
 #[derive(Default)]
@@ -29,7 +29,7 @@ impl Engine for Doubtful {
         self.mock.submit(job)
     }
 
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         let mut finished = self.mock.poll(wait)?;
         for answer in &mut finished {
             let angles = self.starts.remove(&answer.id).expect("a job that was sent");
@@ -57,8 +57,8 @@ impl Engine for Doubtful {
         self.mock.job_size()
     }
 
-    fn offers(&self, recipe: &Recipe) -> bool {
-        self.mock.offers(recipe)
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        self.mock.offers(config)
     }
 
     fn name(&self) -> &'static str {

@@ -13,14 +13,16 @@ use doubtful::{Doubtful, fails, is_uncertain};
 use flipmap::app::camera::{Camera, Screen};
 use flipmap::app::hover::sample_at;
 use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{Method, Precision, Question, Recipe};
+use flipmap::engine::{IntegratorConfig, Method, Precision, Question};
 use flipmap::physics::{Dd, Decimal, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
-use flipmap::scene::{Budget, Build, Fate, Grid, PictureTable, Question as Asked, Scale, Scene};
-use flipmap::tiles::aim::{Aim, Physics};
+use flipmap::scene::{
+    Budget, Build, Fate, FlipQuestion as Asked, Grid, PictureTable, Scale, Scene,
+};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
+use flipmap::tiles::view_target::{Physics, ViewTarget};
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 
@@ -64,11 +66,11 @@ fn screen(center: [Theta; 2], level: u32) -> Screen {
     }
 }
 
-fn aim(screen: &Screen, scene: &Scene) -> Aim {
-    let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+fn target(screen: &Screen, scene: &Scene) -> ViewTarget {
+    let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
     let (build, rule) = (scene.build, scene.question.rule);
-    Aim {
-        physics: Physics { build, rule, recipe, verified: false },
+    ViewTarget {
+        physics: Physics { build, rule, config, verified: false },
         budget_secs: scene.question.budget.secs,
         region: screen.region(),
         level: screen.level(),
@@ -78,7 +80,7 @@ fn aim(screen: &Screen, scene: &Scene) -> Aim {
 
 fn explored(screen: &Screen, scene: &Scene) -> Explorer {
     let mut explorer = Explorer::new(1000 * TILE_BYTES);
-    explorer.aim(aim(screen, scene));
+    explorer.target(target(screen, scene));
     explorer.work(&mut Doubtful::default(), None).unwrap();
     explorer
 }
@@ -199,7 +201,7 @@ mod checks {
         let there = screen(middle().map(|theta| -theta), LEVEL);
         for (computed, shown) in [(here, there), (there, here)] {
             let mut explorer = explored(&computed, &scene);
-            explorer.aim(aim(&shown, &scene));
+            explorer.target(target(&shown, &scene));
             assert!(explorer.progress().idle, "its image is known");
             for picture in &pictures() {
                 let paint = Paint { picture, scene: &scene, trust: false };
@@ -261,7 +263,7 @@ mod checks {
         let mut explorer = explored(&screen, &scene(60.0));
         let (picture, less) = (&pictures()[0], scene(30.0));
         let simulated = explorer.counts().simulated;
-        explorer.aim(aim(&screen, &less));
+        explorer.target(target(&screen, &less));
         assert!(explorer.progress().idle && explorer.counts().simulated == simulated);
         let paint = Paint { picture, scene: &less, trust: false };
         let pixels = Studio::new(PLAIN).draw(&screen, &mut explorer, &paint);
@@ -306,7 +308,7 @@ mod checks {
             build: Build { gravity: Decimal::from(8.0), ..Build::default() },
             ..home.clone()
         };
-        explorer.aim(aim(&screen, &moon));
+        explorer.target(target(&screen, &moon));
         let paint = Paint { picture, scene: &moon, trust: false };
         let pixels = studio.draw(&screen, &mut explorer, &paint);
         // What was known, in the colours of what is aimed at.

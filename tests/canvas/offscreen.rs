@@ -3,7 +3,7 @@
 use flipmap::app::camera::Screen;
 use flipmap::app::canvas::colours::colours;
 use flipmap::app::canvas::pipeline::Canvas;
-use flipmap::app::canvas::{Easel, LAYERS};
+use flipmap::app::canvas::{LAYERS, MapRenderer};
 use flipmap::engine::gpu::device::Gpu;
 use flipmap::scene::{PictureTable, Scene};
 use flipmap::tiles::explorer::Explorer;
@@ -24,7 +24,7 @@ pub struct Paint<'a> {
 pub struct Studio {
     gpu: Gpu,
     canvas: Canvas,
-    easel: Easel,
+    map_renderer: MapRenderer,
     format: wgpu::TextureFormat,
     /// Tiles that the last picture put on the card.
     pub uploads: usize,
@@ -34,14 +34,14 @@ impl Studio {
     pub fn new(format: wgpu::TextureFormat) -> Self {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let canvas = Canvas::new(&gpu.device, format, LAYERS);
-        Studio { gpu, canvas, easel: Easel::default(), format, uploads: 0 }
+        Studio { gpu, canvas, map_renderer: MapRenderer::default(), format, uploads: 0 }
     }
 
     /// The pixels of a screen, four bytes each; where nothing is drawn they are 0.
     pub fn draw(&mut self, screen: &Screen, explorer: &mut Explorer, paint: &Paint) -> Vec<u8> {
         let Paint { picture, scene, trust } = paint;
         let (uniforms, table) = colours(picture, &scene.build, &scene.question, *trust).unwrap();
-        let frame = self.easel.frame(screen, explorer, uniforms, table);
+        let frame = self.map_renderer.frame(screen, explorer, uniforms, table);
         self.uploads = frame.uploads.len();
         let Gpu { device, queue, .. } = &self.gpu;
         self.canvas.load(device, queue, &frame);

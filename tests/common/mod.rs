@@ -5,16 +5,16 @@
 use flipmap::engine::choice::open_checked;
 use flipmap::engine::gpu::{GpuEngine, device};
 use flipmap::engine::{
-    Engine, Finished, Job, Keep, Method, Precision, Question, Recipe, Starts, Wait,
+    Engine, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Question, Starts, Wait,
 };
-use flipmap::physics::{Dd, Outcome, Status, gold};
+use flipmap::physics::{Dd, Outcome, Status, oracle};
 use flipmap::report::baseline;
 use flipmap::scene::{Fate, Grid, Scene};
 use rayon::prelude::*;
 
 /// RK4 at 120 steps a second.
-pub fn lesson(precision: Precision) -> Recipe {
-    Recipe { method: Method::LESSON, precision }
+pub fn lesson(precision: Precision) -> IntegratorConfig {
+    IntegratorConfig { method: Method::LESSON, precision }
 }
 
 /// An engine on the first adapter, software preferred so that results are the same everywhere;
@@ -54,20 +54,20 @@ pub fn open_starts(scene: &Scene, side: u32, every: u32) -> Vec<[Dd; 2]> {
 pub fn answers(
     engine: &mut dyn Engine,
     question: &Question,
-    recipe: Recipe,
+    config: IntegratorConfig,
     starts: &[[Dd; 2]],
 ) -> Vec<Outcome> {
-    finished(engine, question, recipe, Starts::Rest(starts.to_vec())).outcomes
+    finished(engine, question, config, Starts::Rest(starts.to_vec())).outcomes
 }
 
 /// One job run to its end, its unfinished states kept.
 pub fn finished(
     engine: &mut dyn Engine,
     question: &Question,
-    recipe: Recipe,
+    config: IntegratorConfig,
     starts: Starts,
-) -> Finished {
-    let job = Job { id: 7, question: *question, recipe, starts, keep: Keep::Unfinished };
+) -> JobResult {
+    let job = Job { id: 7, question: *question, config, starts, keep: Keep::Unfinished };
     engine.submit(job).expect("the job is taken");
     let mut finished = engine.poll(Wait::UntilFinished).expect("the engine works");
     assert_eq!(finished.len(), 1);
@@ -78,7 +78,7 @@ pub fn finished(
 pub fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let one = |angle: &[Dd; 2]| {
         let angle = angle.map(|theta| theta.hi);
-        gold::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
+        oracle::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
     };
     starts.par_iter().map(one).collect()
 }

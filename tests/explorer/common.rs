@@ -3,13 +3,13 @@
 use std::time::{Duration, Instant};
 
 use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{Job, Method, Precision, Question, Recipe};
+use flipmap::engine::{IntegratorConfig, Job, Method, Precision, Question};
 use flipmap::physics::{Decimal, Outcome, Rule, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
-use flipmap::scene::{Budget, Build, Fate, Question as Asked, Scene};
-use flipmap::tiles::aim::{Aim, Physics};
+use flipmap::scene::{Budget, Build, Fate, FlipQuestion as Asked, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap::tiles::view_target::{Physics, ViewTarget};
 
 use super::ledger::Ledger;
 
@@ -19,15 +19,15 @@ pub fn physics(gravity: f64) -> Physics {
     Physics {
         build: Build { gravity: Decimal::from(gravity), ..Build::default() },
         rule: Rule::Second,
-        recipe: Recipe { method: Method::LESSON, precision: Precision::F32 },
+        config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },
         verified: false,
     }
 }
 
 /// A view two or three cells wide.
-pub fn aim(center: [f64; 2], level: u32) -> Aim {
+pub fn target(center: [f64; 2], level: u32) -> ViewTarget {
     let half = 0.7 * side_rad(level);
-    Aim {
+    ViewTarget {
         physics: physics(9.81),
         budget_secs: 30.0,
         region: Region { center: center.map(Theta::from_f64), half_rad: [half, 0.8 * half] },
@@ -37,18 +37,18 @@ pub fn aim(center: [f64; 2], level: u32) -> Aim {
 }
 
 /// A view in which most pendulums flip and some do so late.
-pub fn lively(level: u32) -> Aim {
-    aim([2.0, 1.0], level)
+pub fn lively(level: u32) -> ViewTarget {
+    target([2.0, 1.0], level)
 }
 
-pub fn scene(aim: &Aim) -> Scene {
-    let question = Asked { rule: aim.physics.rule, budget: Budget::secs(aim.budget_secs) };
-    Scene { build: aim.physics.build, question, ..Scene::default() }
+pub fn scene(target: &ViewTarget) -> Scene {
+    let question = Asked { rule: target.physics.rule, budget: Budget::secs(target.budget_secs) };
+    Scene { build: target.physics.build, question, ..Scene::default() }
 }
 
-pub fn explored(aim: Aim, engine: &mut Ledger) -> Explorer {
+pub fn explored(target: ViewTarget, engine: &mut Ledger) -> Explorer {
     let mut explorer = Explorer::new(ROOMY);
-    explorer.aim(aim);
+    explorer.target(target);
     explorer.work(engine, None).unwrap();
     explorer
 }
@@ -78,8 +78,8 @@ pub fn cells_of(jobs: &[Job], levels: &[u32]) -> Vec<Cell> {
         .collect()
 }
 
-pub fn in_view(aim: &Aim) -> Vec<Cell> {
-    aim.region.cells(aim.level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
+pub fn in_view(target: &ViewTarget) -> Vec<Cell> {
+    target.region.cells(target.level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
 }
 
 /// What a window with this budget shows of an outcome.
@@ -91,9 +91,9 @@ pub fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
 }
 
 /// Holds a cell's samples against the mock's formula; how many of them differ, if it is known.
-pub fn wrong(explorer: &mut Explorer, aim: &Aim, cell: Cell) -> Option<usize> {
+pub fn wrong(explorer: &mut Explorer, target: &ViewTarget, cell: Cell) -> Option<usize> {
     let (known, mirrored) = explorer.known(cell)?;
-    let (scene, question) = (scene(aim), Question::from(&scene(aim)));
+    let (scene, question) = (scene(target), Question::from(&scene(target)));
     let grid = cell.grid(&scene, SIDE);
     let truth = (0..SIDE * SIDE).map(|place| match grid.fate(place % SIDE, place / SIDE) {
         Fate::Known(outcome) => outcome,
@@ -103,7 +103,7 @@ pub fn wrong(explorer: &mut Explorer, aim: &Aim, cell: Cell) -> Option<usize> {
     if mirrored {
         samples.reverse();
     }
-    let drawn = samples.into_iter().map(|outcome| shown(outcome, aim.budget_secs));
+    let drawn = samples.into_iter().map(|outcome| shown(outcome, target.budget_secs));
     Some(drawn.zip(truth).filter(|(drawn, truth)| drawn != truth).count())
 }
 
@@ -124,9 +124,9 @@ fn the_comparison_can_fail() {
     let mut explorer = explored(lively(5), &mut engine);
     let cell = in_view(&lively(5))[0];
     assert_eq!(wrong(&mut explorer, &lively(5), cell), Some(0));
-    let other = Aim { physics: physics(5.0), ..lively(5) };
+    let other = ViewTarget { physics: physics(5.0), ..lively(5) };
     assert!(wrong(&mut explorer, &other, cell).is_some_and(|wrong| wrong > 1000));
-    let larger = Aim { budget_secs: 60.0, ..lively(5) };
+    let larger = ViewTarget { budget_secs: 60.0, ..lively(5) };
     let late = in_view(&larger).into_iter().filter_map(|c| wrong(&mut explorer, &larger, c));
     assert!(late.sum::<usize>() > 1000);
 }

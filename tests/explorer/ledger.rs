@@ -4,7 +4,9 @@
 use std::collections::{HashMap, HashSet};
 
 use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts, Wait};
+use flipmap::engine::{
+    Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Question, Starts, Wait,
+};
 use flipmap::physics::Dd;
 
 /// A pendulum, by all that tells it from others.
@@ -52,7 +54,7 @@ fn spans(job: &Job) -> Vec<Span> {
     };
     let mut spans: Vec<Span> = match &job.starts {
         Starts::Rest(angles) => angles.iter().map(|angle| span(*angle, 0.0)).collect(),
-        Starts::Paused(states) => states.iter().map(|state| resumed(state, span)).collect(),
+        Starts::Resumed(states) => states.iter().map(|state| resumed(state, span)).collect(),
         Starts::Moving(_) | Starts::Deep(_) => panic!("no depth is aimed at here"),
     };
     spans.retain(|span| {
@@ -62,7 +64,7 @@ fn spans(job: &Job) -> Vec<Span> {
     spans
 }
 
-fn resumed(state: &Paused, span: impl Fn([Dd; 2], f64) -> Span) -> Span {
+fn resumed(state: &IntegratorState, span: impl Fn([Dd; 2], f64) -> Span) -> Span {
     let [from_secs, _, hi1, lo1, hi2, lo2, ..] = state.numbers;
     span([Dd { hi: hi1, lo: lo1 }, Dd { hi: hi2, lo: lo2 }], from_secs)
 }
@@ -92,10 +94,10 @@ impl Engine for Ledger {
         let (id, spans) = (job.id, spans(&job));
         let first = match &job.starts {
             Starts::Rest(angles) => Starts::Rest(angles.iter().take(1).copied().collect()),
-            Starts::Paused(states) => Starts::Paused(states.iter().take(1).copied().collect()),
+            Starts::Resumed(states) => Starts::Resumed(states.iter().take(1).copied().collect()),
             Starts::Moving(_) | Starts::Deep(_) => panic!("no depth is aimed at here"),
         };
-        let index = usize::from(matches!(job.starts, Starts::Paused(_)));
+        let index = usize::from(matches!(job.starts, Starts::Resumed(_)));
         let (count, light) = (job.starts.len(), Job { starts: first, ..job.clone() });
         assert!(count > 0, "an empty job");
         self.mock.submit(job)?;
@@ -107,7 +109,7 @@ impl Engine for Ledger {
         Ok(())
     }
 
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         if std::mem::take(&mut self.fail_poll) {
             self.cancel();
             return Err(EngineError::DeviceLost("a test".to_string()));
@@ -137,8 +139,8 @@ impl Engine for Ledger {
         self.mock.job_size()
     }
 
-    fn offers(&self, recipe: &Recipe) -> bool {
-        self.mock.offers(recipe)
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        self.mock.offers(config)
     }
 
     fn name(&self) -> &'static str {

@@ -6,18 +6,18 @@ use std::time::Instant;
 use flipmap::engine::Engine;
 use flipmap::physics::{Scalar, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
-use flipmap::tiles::aim::Aim;
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap::tiles::view_target::ViewTarget;
 
 use super::common::*;
 use super::ledger::Ledger;
 
 /// How far a canonical cell is from what is looked at, wherever it or its image appears.
-fn distances(aim: &Aim, region: &Region, level: u32) -> HashMap<Cell, f64> {
+fn distances(target: &ViewTarget, region: &Region, level: u32) -> HashMap<Cell, f64> {
     let mut nearest = HashMap::new();
     for placed in region.cells(level, MOST_CELLS) {
         let from = |at: [f64; 2]| (placed.offset[0] - at[0]).hypot(placed.offset[1] - at[1]);
-        let distance = aim.pointer.map_or(f64::INFINITY, from).min(from([0.0; 2]));
+        let distance = target.pointer.map_or(f64::INFINITY, from).min(from([0.0; 2]));
         let least = nearest.entry(placed.cell.canonical().0).or_insert(distance);
         *least = distance.min(*least);
     }
@@ -30,13 +30,13 @@ fn coarse_comes_first_then_what_is_near_then_the_ring() {
     let (middle, side) = (Cell::around([2.0, 1.0].map(Theta::from_f64), 9), side_rad(9));
     let [x, y] = [2.3 * side, 1.2 * side];
     let region = Region { center: middle.center(), half_rad: [x, y] };
-    let wide = Aim { region, ..lively(9) };
+    let wide = ViewTarget { region, ..lively(9) };
     for pointer in [None, Some([0.8 * x, -0.6 * y]), Some([-x, y])] {
-        let aim = Aim { pointer, ..wide };
+        let target = ViewTarget { pointer, ..wide };
         let mut engine = Ledger::default();
-        explored(aim, &mut engine);
+        explored(target, &mut engine);
         let cells = cells_of(&engine.jobs, &[5, 7, 9]);
-        let view: Vec<_> = [5, 7, 9].map(|level| distances(&aim, &aim.region, level)).into();
+        let view: Vec<_> = [5, 7, 9].map(|level| distances(&target, &target.region, level)).into();
         let pass = |cell: &Cell| match cell.level {
             9 if !view[2].contains_key(cell) => 3,
             level => (level - 5) / 2,
@@ -54,13 +54,13 @@ fn coarse_comes_first_then_what_is_near_then_the_ring() {
 
 #[test]
 fn the_newest_view_wins() {
-    let (here, there) = (lively(12), aim([-1.5, 2.0], 12));
+    let (here, there) = (lively(12), target([-1.5, 2.0], 12));
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.aim(here);
+    explorer.target(here);
     frame(&mut explorer, &mut engine);
     assert!(!engine.mock.queue.is_empty());
-    explorer.aim(there);
+    explorer.target(there);
     let sent = jobs_of_frames(&mut explorer, &mut engine, 200);
     assert_eq!(engine.cancels, 1, "what flew for the old view is dropped");
     let wanted: HashSet<Cell> = [8, 10, 12]
@@ -78,31 +78,35 @@ fn the_newest_view_wins() {
 fn what_is_still_useful_flies_on() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    let mut aim = lively(12);
-    explorer.aim(aim);
+    let mut target = lively(12);
+    explorer.target(target);
     for _ in 0..20 {
         frame(&mut explorer, &mut engine);
-        aim.region.center[0] = aim.region.center[0] + Theta::from_f64(0.02 * side_rad(12));
-        explorer.aim(aim);
+        target.region.center[0] = target.region.center[0] + Theta::from_f64(0.02 * side_rad(12));
+        explorer.target(target);
     }
     explorer.work(&mut engine, None).unwrap();
     assert_eq!((engine.cancels, engine.again, engine.doubled), (0, 0, 0));
-    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    assert!(
+        in_view(&target).into_iter().all(|cell| wrong(&mut explorer, &target, cell) == Some(0))
+    );
 }
 
 #[test]
 fn late_answers_of_a_grounded_engine_are_nobodys() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.aim(lively(7));
+    explorer.target(lively(7));
     frame(&mut explorer, &mut engine);
     // Its old jobs are still in it, and come out first.
-    explorer.aim(aim([-1.0, 2.5], 7));
+    explorer.target(target([-1.0, 2.5], 7));
     explorer.ground();
     engine.deaf = true;
     explorer.work(&mut engine, None).unwrap();
-    let aim = aim([-1.0, 2.5], 7);
-    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    let target = target([-1.0, 2.5], 7);
+    assert!(
+        in_view(&target).into_iter().all(|cell| wrong(&mut explorer, &target, cell) == Some(0))
+    );
     let known = |explorer: &mut Explorer, cell: &Cell| explorer.known(*cell).is_some();
     assert!(!in_view(&lively(7)).iter().any(|cell| known(&mut explorer, cell)));
 }
@@ -111,7 +115,7 @@ fn late_answers_of_a_grounded_engine_are_nobodys() {
 fn a_frame_without_time_prepares_one_job() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.aim(lively(7));
+    explorer.target(lively(7));
     for jobs in 1..4 {
         explorer.work(&mut engine, Some(Instant::now())).unwrap();
         assert_eq!(engine.jobs.len(), jobs);
@@ -126,7 +130,10 @@ fn among_cells_without_an_open_pixel_a_frame_asks_to_go_on() {
     // Around (0, 0) nothing can ever flip: hardly anything flies whose landing wakes a window.
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.aim(Aim { region: aim([0.0, 0.0], 4).region.scaled(3.0), ..aim([0.0, 0.0], 4) });
+    explorer.target(ViewTarget {
+        region: target([0.0, 0.0], 4).region.scaled(3.0),
+        ..target([0.0, 0.0], 4)
+    });
     let mut asked = 0;
     while !explorer.is_done() {
         explorer.work(&mut engine, Some(Instant::now())).unwrap();

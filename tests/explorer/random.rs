@@ -6,9 +6,9 @@ use flipmap::engine::Engine;
 use flipmap::engine::mock::MockEngine;
 use flipmap::physics::{Scalar, Theta};
 use flipmap::scene::lattice::side_rad;
-use flipmap::tiles::aim::Aim;
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
+use flipmap::tiles::view_target::ViewTarget;
 use proptest::prelude::*;
 
 use super::common::*;
@@ -53,20 +53,20 @@ fn actions() -> impl Strategy<Value = Vec<Action>> {
 struct Session {
     explorer: Explorer,
     engine: Ledger,
-    aim: Aim,
+    target: ViewTarget,
 }
 
 impl Session {
     fn new(cache_bytes: usize, backwards: bool, job_size: usize) -> Self {
         let engine = Ledger::over(MockEngine { backwards, job_size, ..MockEngine::default() });
-        Session { explorer: Explorer::new(cache_bytes), engine, aim: lively(3) }
+        Session { explorer: Explorer::new(cache_bytes), engine, target: lively(3) }
     }
 
-    fn look(&mut self, change: impl FnOnce(&mut Aim)) {
-        change(&mut self.aim);
-        let half = 0.7 * side_rad(self.aim.level);
-        self.aim.region.half_rad = [half, 0.8 * half];
-        self.explorer.aim(self.aim);
+    fn look(&mut self, change: impl FnOnce(&mut ViewTarget)) {
+        change(&mut self.target);
+        let half = 0.7 * side_rad(self.target.level);
+        self.target.region.half_rad = [half, 0.8 * half];
+        self.explorer.target(self.target);
     }
 
     /// Works on; an engine that fails is replaced as the window does.
@@ -79,23 +79,23 @@ impl Session {
     }
 
     fn act(&mut self, action: &Action) {
-        let side = side_rad(self.aim.level);
+        let side = side_rad(self.target.level);
         match *action {
-            Action::Pan(by) => self.look(|aim| {
-                let center = aim.region.center;
-                aim.region.center =
+            Action::Pan(by) => self.look(|target| {
+                let center = target.region.center;
+                target.region.center =
                     [0, 1].map(|i| (center[i] + Theta::from_f64(by[i] * side)).wrapped());
             }),
             Action::Zoom(by) => {
                 // Deeper ones are followed as cells, which keep no states.
-                self.look(|aim| aim.level = aim.level.saturating_add_signed(by).min(16));
+                self.look(|target| target.level = target.level.saturating_add_signed(by).min(16));
             }
-            Action::Jump(to, level) => self.look(|aim| {
-                (aim.region.center, aim.level) = (to.map(Theta::from_f64), level);
+            Action::Jump(to, level) => self.look(|target| {
+                (target.region.center, target.level) = (to.map(Theta::from_f64), level);
             }),
-            Action::Gravity(gravity) => self.look(|aim| aim.physics = physics(gravity)),
-            Action::Budget(secs) => self.look(|aim| aim.budget_secs = secs),
-            Action::Point(at) => self.look(|aim| aim.pointer = Some(at.map(|by| by * side))),
+            Action::Gravity(gravity) => self.look(|target| target.physics = physics(gravity)),
+            Action::Budget(secs) => self.look(|target| target.budget_secs = secs),
+            Action::Point(at) => self.look(|target| target.pointer = Some(at.map(|by| by * side))),
             Action::Frames(count) => (0..count).for_each(|_| self.work(in_time())),
             Action::Hurry(count) => (0..count).for_each(|_| self.work(Some(Instant::now()))),
             Action::Finish => self.work(None),
@@ -117,8 +117,8 @@ impl Session {
         let progress = self.explorer.progress();
         prop_assert!(progress.idle && progress.covered, "{progress:?}");
         prop_assert_eq!(progress.done, progress.wanted);
-        for cell in in_view(&self.aim) {
-            prop_assert_eq!(wrong(&mut self.explorer, &self.aim, cell), Some(0), "{:?}", cell);
+        for cell in in_view(&self.target) {
+            prop_assert_eq!(wrong(&mut self.explorer, &self.target, cell), Some(0), "{:?}", cell);
         }
         Ok(())
     }
@@ -130,7 +130,7 @@ proptest! {
     #[test]
     fn nothing_is_lost_or_done_twice(actions in actions(), backwards: bool, large: bool) {
         let mut session = Session::new(ROOMY, backwards, if large { 1 << 18 } else { 64 });
-        session.explorer.aim(session.aim);
+        session.explorer.target(session.target);
         for action in &actions {
             session.act(action);
         }
@@ -147,7 +147,7 @@ proptest! {
         actions in actions(), room in 0usize..60, then in 0usize..60, backwards: bool,
     ) {
         let mut session = Session::new(room * TILE_BYTES, backwards, 64);
-        session.explorer.aim(session.aim);
+        session.explorer.target(session.target);
         for (index, action) in actions.iter().enumerate() {
             if index == actions.len() / 2 {
                 session.explorer.set_cache_bytes(then * TILE_BYTES);
@@ -163,8 +163,8 @@ proptest! {
         if then >= 17 && room >= 17 {
             session.check_view()?;
         }
-        for cell in in_view(&session.aim) {
-            let wrong = wrong(&mut session.explorer, &session.aim, cell);
+        for cell in in_view(&session.target) {
+            let wrong = wrong(&mut session.explorer, &session.target, cell);
             prop_assert!(wrong.is_none_or(|wrong| wrong == 0), "{cell:?} {wrong:?}");
         }
     }

@@ -6,8 +6,8 @@ use std::collections::HashSet;
 use flipmap::engine::Keep;
 use flipmap::physics::{Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
-use flipmap::tiles::aim::{Aim, Physics};
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap::tiles::view_target::{Physics, ViewTarget};
 
 use super::common::*;
 use super::ledger::Ledger;
@@ -17,19 +17,19 @@ fn a_view_seen_before_is_not_computed_again() {
     let mut engine = Ledger::default();
     let mut explorer = explored(lively(6), &mut engine);
     let side = side_rad(6);
-    let path: Vec<Aim> = (1..6)
-        .map(|step| aim([2.0 + 0.9 * side * f64::from(step), 1.0], 6))
-        .chain((1..4).map(|zoom| aim([2.0, 1.0], 6 + zoom)))
-        .chain((1..4).map(|zoom| aim([2.0, 1.0], 6 - zoom)))
+    let path: Vec<ViewTarget> = (1..6)
+        .map(|step| target([2.0 + 0.9 * side * f64::from(step), 1.0], 6))
+        .chain((1..4).map(|zoom| target([2.0, 1.0], 6 + zoom)))
+        .chain((1..4).map(|zoom| target([2.0, 1.0], 6 - zoom)))
         .collect();
-    for aim in &path {
-        explorer.aim(*aim);
+    for target in &path {
+        explorer.target(*target);
         explorer.work(&mut engine, None).unwrap();
     }
     let (simulated, jobs) = (explorer.counts().simulated, engine.jobs.len());
     assert!(simulated > 0);
-    for aim in path.iter().rev() {
-        explorer.aim(*aim);
+    for target in path.iter().rev() {
+        explorer.target(*target);
         let progress = explorer.progress();
         assert!(progress.idle && progress.done == progress.wanted, "at once: {progress:?}");
         explorer.work(&mut engine, None).unwrap();
@@ -38,8 +38,8 @@ fn a_view_seen_before_is_not_computed_again() {
 }
 
 /// The unflipped samples of the view and its ring: everything of its own level that is known.
-fn unflipped(explorer: &mut Explorer, aim: &Aim) -> usize {
-    let cells = aim.region.scaled(3.0).cells(aim.level, MOST_CELLS);
+fn unflipped(explorer: &mut Explorer, target: &ViewTarget) -> usize {
+    let cells = target.region.scaled(3.0).cells(target.level, MOST_CELLS);
     let cells: HashSet<Cell> = cells.into_iter().map(|placed| placed.cell.canonical().0).collect();
     let known = cells.into_iter().filter_map(|cell| Some(explorer.known(cell)?.0.samples.clone()));
     let unflipped = |outcome: &Outcome| outcome.status == Status::Unflipped;
@@ -50,15 +50,15 @@ fn unflipped(explorer: &mut Explorer, aim: &Aim) -> usize {
 fn a_larger_budget_continues_what_did_not_flip() {
     for verified in [false, true] {
         let physics = Physics { verified, ..physics(9.81) };
-        let small = Aim { physics, ..lively(5) };
+        let small = ViewTarget { physics, ..lively(5) };
         let mut engine = Ledger::default();
         let mut explorer = explored(small, &mut engine);
         assert!(engine.jobs.iter().all(|job| (job.keep == Keep::Unfinished) != verified));
         let left = unflipped(&mut explorer, &small);
         assert!(left > 10_000, "{left}");
         let (simulated, sent) = (explorer.counts().simulated, engine.sent);
-        let large = Aim { budget_secs: 50.0, ..small };
-        explorer.aim(large);
+        let large = ViewTarget { budget_secs: 50.0, ..small };
+        explorer.target(large);
         explorer.work(&mut engine, None).unwrap();
         assert_eq!(explorer.counts().simulated - simulated, left as u64);
         // A check begins at the release, so checked pendulums begin anew.
@@ -73,17 +73,19 @@ fn a_larger_budget_continues_what_did_not_flip() {
 
 #[test]
 fn a_smaller_budget_computes_nothing() {
-    let large = Aim { budget_secs: 50.0, ..lively(5) };
+    let large = ViewTarget { budget_secs: 50.0, ..lively(5) };
     let mut engine = Ledger::default();
     let mut explorer = explored(large, &mut engine);
     let simulated = explorer.counts().simulated;
     for budget_secs in [30.0, 10.5, 45.0] {
-        let aim = Aim { budget_secs, ..large };
-        explorer.aim(aim);
+        let target = ViewTarget { budget_secs, ..large };
+        explorer.target(target);
         assert!(explorer.progress().idle);
         explorer.work(&mut engine, None).unwrap();
         assert_eq!(explorer.counts().simulated, simulated, "{budget_secs} s");
-        assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+        assert!(
+            in_view(&target).into_iter().all(|cell| wrong(&mut explorer, &target, cell) == Some(0))
+        );
     }
 }
 
@@ -91,15 +93,17 @@ fn a_smaller_budget_computes_nothing() {
 fn a_budget_raised_in_flight_waits_for_what_flies() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.aim(lively(5));
+    explorer.target(lively(5));
     for budget_secs in [41.0, 43.0, 45.0] {
         frame(&mut explorer, &mut engine);
-        explorer.aim(Aim { budget_secs, ..lively(5) });
+        explorer.target(ViewTarget { budget_secs, ..lively(5) });
     }
     explorer.work(&mut engine, None).unwrap();
     assert_eq!((engine.cancels, engine.again, engine.doubled), (0, 0, 0));
-    let aim = Aim { budget_secs: 45.0, ..lively(5) };
-    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    let target = ViewTarget { budget_secs: 45.0, ..lively(5) };
+    assert!(
+        in_view(&target).into_iter().all(|cell| wrong(&mut explorer, &target, cell) == Some(0))
+    );
 }
 
 #[test]
@@ -107,14 +111,16 @@ fn mirror_images_are_computed_once() {
     let mut engine = Ledger::default();
     let mut explorer = explored(lively(6), &mut engine);
     let simulated = explorer.counts().simulated;
-    let image = aim([-2.0, -1.0], 6);
-    explorer.aim(image);
+    let image = target([-2.0, -1.0], 6);
+    explorer.target(image);
     explorer.work(&mut engine, None).unwrap();
     assert_eq!(explorer.counts().simulated, simulated);
     assert!(in_view(&image).into_iter().all(|cell| wrong(&mut explorer, &image, cell) == Some(0)));
     // A view that holds the images of its own cells: half of them is enough.
-    let middle = Aim { region: Region { half_rad: [2.5; 2], ..image.region }, ..aim([0.0; 2], 4) };
-    let middle = Aim { region: Region { center: [Theta::ZERO; 2], ..middle.region }, ..middle };
+    let middle =
+        ViewTarget { region: Region { half_rad: [2.5; 2], ..image.region }, ..target([0.0; 2], 4) };
+    let middle =
+        ViewTarget { region: Region { center: [Theta::ZERO; 2], ..middle.region }, ..middle };
     let mut engine = Ledger::default();
     explored(middle, &mut engine);
     let cells = cells_of(&engine.jobs, &[0, 2, 4]);
@@ -126,14 +132,14 @@ fn mirror_images_are_computed_once() {
 fn the_plane_wraps_around() {
     let pi = std::f64::consts::PI;
     let mut engine = Ledger::default();
-    let east = aim([pi, -2.9], 4);
+    let east = target([pi, -2.9], 4);
     let mut explorer = explored(east, &mut engine);
     let sides: HashSet<bool> = in_view(&east).iter().map(|cell| cell.x.to_f64() < 0.5).collect();
     assert_eq!(sides.len(), 2, "cells from both ends");
     assert!(in_view(&east).into_iter().all(|cell| wrong(&mut explorer, &east, cell) == Some(0)));
     let simulated = explorer.counts().simulated;
-    for west in [aim([-pi, -2.9], 4), aim([pi, 2.0 * pi - 2.9], 4)] {
-        explorer.aim(west);
+    for west in [target([-pi, -2.9], 4), target([pi, 2.0 * pi - 2.9], 4)] {
+        explorer.target(west);
         explorer.work(&mut engine, None).unwrap();
         assert_eq!(explorer.counts().simulated, simulated, "{:?}", west.region.center);
     }
@@ -141,16 +147,18 @@ fn the_plane_wraps_around() {
 
 #[test]
 fn several_turns_in_view_are_computed_once() {
-    let mut aim = aim([0.4, 0.2], 2);
-    aim.region.half_rad = [10.0, 8.0];
+    let mut target = target([0.4, 0.2], 2);
+    target.region.half_rad = [10.0, 8.0];
     let mut engine = Ledger::default();
-    let mut explorer = explored(aim, &mut engine);
-    let placed = aim.region.cells(2, MOST_CELLS).len();
+    let mut explorer = explored(target, &mut engine);
+    let placed = target.region.cells(2, MOST_CELLS).len();
     assert!(placed > 60, "{placed}");
     // 16 cells of level 2, of which energy forbids none whole; one of level 0.
     assert_eq!(cells_of(&engine.jobs, &[0, 2]).len(), 8 + 1);
     assert_eq!((engine.again, engine.doubled), (0, 0));
-    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    assert!(
+        in_view(&target).into_iter().all(|cell| wrong(&mut explorer, &target, cell) == Some(0))
+    );
 }
 
 #[test]
@@ -167,7 +175,7 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
         cells.iter().map(|cell| explorer.known(*cell).expect("computed").0.serial).collect();
     // A slider passes several on its way, and of those little or nothing becomes known.
     for gravity in [9.0, 8.0, 7.0, 6.0] {
-        explorer.aim(Aim { physics: physics(gravity), ..home });
+        explorer.target(ViewTarget { physics: physics(gravity), ..home });
         for (cell, serial) in cells.iter().zip(&of_home) {
             assert!(explorer.known(*cell).is_none());
             assert_eq!(before(&mut explorer, cell), Some(*serial));
@@ -176,7 +184,7 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
     explorer.work(&mut engine, None).unwrap();
     assert!(cells.iter().all(|cell| explorer.known(*cell).is_some()));
     let simulated = explorer.counts().simulated;
-    explorer.aim(home);
+    explorer.target(home);
     let progress = explorer.progress();
     assert!(progress.idle && progress.done == progress.wanted, "{progress:?}");
     assert_eq!(explorer.counts().simulated, simulated);
@@ -186,17 +194,17 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
 #[test]
 fn what_is_in_view_stays_where_there_is_no_room_for_more() {
     // Nothing here is paused, so that every tile is as large as any other.
-    let path = (0..6).map(|step| aim([2.0 + 0.5 * side_rad(8) * f64::from(step), 0.5], 8));
+    let path = (0..6).map(|step| target([2.0 + 0.5 * side_rad(8) * f64::from(step), 0.5], 8));
     let mut engine = Ledger::default();
-    let most = path.clone().map(|aim| explored(aim, &mut engine).bytes()).max();
+    let most = path.clone().map(|target| explored(target, &mut engine).bytes()).max();
     let mut explorer = Explorer::new(most.expect("several views"));
-    for aim in path {
-        explorer.aim(aim);
+    for target in path {
+        explorer.target(target);
         explorer.work(&mut engine, None).unwrap();
         let progress = explorer.progress();
         assert_eq!(progress.done, progress.wanted, "half of it was computed before");
         assert!(explorer.bytes() <= most.expect("several views"));
-        explorer.aim(Aim { pointer: Some([0.0; 2]), ..aim });
+        explorer.target(ViewTarget { pointer: Some([0.0; 2]), ..target });
         assert!(explorer.progress().idle, "nothing that this view wants has gone");
     }
 }
@@ -205,14 +213,16 @@ fn what_is_in_view_stays_where_there_is_no_room_for_more() {
 fn a_refused_job_is_computed_once_the_engine_takes_it() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.aim(lively(6));
+    explorer.target(lively(6));
     for refused in [0, 5, 9] {
         engine.mock.fail_at = Some(refused);
         assert!(explorer.work(&mut engine, None).is_err());
     }
     engine.mock.fail_at = None;
     explorer.work(&mut engine, None).unwrap();
-    let aim = lively(6);
-    assert!(in_view(&aim).into_iter().all(|cell| wrong(&mut explorer, &aim, cell) == Some(0)));
+    let target = lively(6);
+    assert!(
+        in_view(&target).into_iter().all(|cell| wrong(&mut explorer, &target, cell) == Some(0))
+    );
     assert_eq!((engine.again, engine.doubled), (0, 0));
 }

@@ -127,13 +127,13 @@ fn command(display: &Display, name: &str) {
 }
 
 /// A number from the environment.
-fn wish(name: &str, else_this: u64) -> u64 {
+fn request(name: &str, else_this: u64) -> u64 {
     std::env::var(name).map_or(else_this, |text| text.parse().expect("a whole number"))
 }
 
 /// Plays about and looks at what is left.
 pub fn soak() {
-    let (secs, seed) = (wish("FLIPMAP_SOAK_SECS", 30), wish("FLIPMAP_SOAK_SEED", 1));
+    let (secs, seed) = (request("FLIPMAP_SOAK_SECS", 30), request("FLIPMAP_SOAK_SEED", 1));
     let home = tempfile::tempdir().unwrap();
     let kept_mib = *Settings::CACHE_MIB.start();
     fs::create_dir_all(home.path().join(".config/flipmap")).unwrap();

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-/// Slots along a side of a layer (twin in shaders/picture.wgsl).
+/// Slots along a side of a layer (counterpart in shaders/picture.wgsl).
 pub const SLOTS_ALONG: u32 = 8;
 /// Slots in a layer.
 pub const SLOTS_IN_LAYER: u32 = SLOTS_ALONG * SLOTS_ALONG;
@@ -10,20 +10,20 @@ pub const SLOTS_IN_LAYER: u32 = SLOTS_ALONG * SLOTS_ALONG;
 /// Slots by the serial numbers of the samples in them; the longest unused is given away first.
 #[derive(Debug)]
 pub struct Atlas {
-    slots: HashMap<u64, Slot>,
+    slots: HashMap<u64, AtlasSlot>,
     free: Vec<u32>,
     frame: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Slot {
+struct AtlasSlot {
     index: u32,
     used: u64,
 }
 
 /// Where samples lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum AtlasPlace {
     /// They are there.
     There(u32),
     /// They have to be put there.
@@ -43,14 +43,14 @@ impl Atlas {
     }
 
     /// A slot for the samples with this serial number; none if all are in use in this frame.
-    pub fn place(&mut self, serial: u64) -> Option<Place> {
+    pub fn place(&mut self, serial: u64) -> Option<AtlasPlace> {
         if let Some(slot) = self.slots.get_mut(&serial) {
             slot.used = self.frame;
-            return Some(Place::There(slot.index));
+            return Some(AtlasPlace::There(slot.index));
         }
         let index = self.free.pop().or_else(|| self.evict())?;
-        self.slots.insert(serial, Slot { index, used: self.frame });
-        Some(Place::New(index))
+        self.slots.insert(serial, AtlasSlot { index, used: self.frame });
+        Some(AtlasPlace::New(index))
     }
 
     fn evict(&mut self) -> Option<u32> {
@@ -71,13 +71,13 @@ mod tests {
         let mut atlas = Atlas::new(1);
         atlas.begin_frame();
         let first = atlas.place(100);
-        assert_eq!(first, Some(Place::New(0)));
+        assert_eq!(first, Some(AtlasPlace::New(0)));
         (1..64).for_each(|serial| assert!(atlas.place(serial).is_some()));
         assert_eq!(atlas.place(64), None, "all are in use");
         atlas.begin_frame();
-        assert_eq!(atlas.place(100), Some(Place::There(0)));
-        let Some(Place::New(slot)) = atlas.place(64) else { panic!("none given away") };
+        assert_eq!(atlas.place(100), Some(AtlasPlace::There(0)));
+        let Some(AtlasPlace::New(slot)) = atlas.place(64) else { panic!("none given away") };
         assert_ne!(slot, 0, "in use in this frame");
-        assert_eq!(atlas.place(1), Some(Place::New(2)), "1 was the longest unused");
+        assert_eq!(atlas.place(1), Some(AtlasPlace::New(2)), "1 was the longest unused");
     }
 }

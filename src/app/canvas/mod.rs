@@ -12,9 +12,9 @@ pub mod sample;
 
 use std::sync::Arc;
 
-use self::atlas::{Atlas, Place};
+use self::atlas::{Atlas, AtlasPlace};
 use self::cover::{Patch, cover};
-use self::pipeline::{Frame, Quad, Uniforms};
+use self::pipeline::{MapFrame, Quad, Uniforms};
 use crate::app::camera::Screen;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
@@ -23,18 +23,18 @@ pub const LAYERS: u32 = MOST_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u
 
 /// The state between frames.
 #[derive(Debug)]
-pub struct Easel {
+pub struct MapRenderer {
     atlas: Atlas,
     table: Vec<u8>,
 }
 
-impl Default for Easel {
+impl Default for MapRenderer {
     fn default() -> Self {
-        Easel { atlas: Atlas::new(LAYERS), table: Vec::new() }
+        MapRenderer { atlas: Atlas::new(LAYERS), table: Vec::new() }
     }
 }
 
-impl Easel {
+impl MapRenderer {
     /// The frame that shows a screen, in colours given as uniforms and a table.
     pub fn frame(
         &mut self,
@@ -42,7 +42,7 @@ impl Easel {
         explorer: &mut Explorer,
         uniforms: Uniforms,
         table: Vec<u8>,
-    ) -> Frame {
+    ) -> MapFrame {
         self.atlas.begin_frame();
         let (mut quads, mut uploads) = (Vec::new(), Vec::new());
         for patch in cover(screen, explorer) {
@@ -53,8 +53,8 @@ impl Easel {
             };
             let Some((known, _)) = known else { continue };
             let slot = match self.atlas.place(known.serial) {
-                Some(Place::There(slot)) => slot,
-                Some(Place::New(slot)) => {
+                Some(AtlasPlace::There(slot)) => slot,
+                Some(AtlasPlace::New(slot)) => {
                     uploads.push((slot, Arc::clone(&known.samples)));
                     slot
                 }
@@ -66,7 +66,7 @@ impl Easel {
             self.table.clone_from(&table);
             table
         });
-        Frame { quads, uploads, uniforms, table }
+        MapFrame { quads, uploads, uniforms, table }
     }
 }
 

@@ -14,7 +14,7 @@ use crate::tiles::Samples;
 /// The shader, compiled when a window opens.
 pub const SHADER: &str = include_str!("../../../shaders/picture.wgsl");
 
-/// One rectangle of the map (twin in the shader).
+/// One rectangle of the map (counterpart in the shader).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Quad {
@@ -32,7 +32,7 @@ pub struct Quad {
     pub slot: u32,
 }
 
-/// What all quads share (twin in the shader).
+/// What all quads share (counterpart in the shader).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Uniforms {
@@ -56,7 +56,7 @@ pub struct Uniforms {
 pub const TABLE_ENTRIES: usize = 1024;
 
 /// One frame of the map.
-pub struct Frame {
+pub struct MapFrame {
     /// What is drawn, in order.
     pub quads: Vec<Quad>,
     /// Samples that are not in their slots yet.
@@ -102,7 +102,7 @@ impl Canvas {
     }
 
     /// Puts a frame's data on the card.
-    pub fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &Frame) {
+    pub fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
         for (slot, samples) in &frame.uploads {
             self.upload(queue, *slot, samples);
         }
@@ -260,7 +260,7 @@ fn pipeline(
     })
 }
 
-impl CallbackTrait for Frame {
+impl CallbackTrait for MapFrame {
     fn prepare(
         &self,
         device: &wgpu::Device,

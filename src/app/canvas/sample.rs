@@ -1,9 +1,9 @@
-//! A sample in one word, as the atlas holds it (twin: shaders/picture.wgsl).
+//! A sample in one word, as the atlas holds it (counterpart: shaders/picture.wgsl).
 
 use crate::engine::Trust;
 use crate::physics::Outcome;
 
-/// Logarithms are counted from 2^-32 s (twin in the shader).
+/// Logarithms are counted from 2^-32 s (counterpart in the shader).
 pub const LOG_BIAS: f64 = 32.0;
 /// In so many steps an octave.
 pub const LOG_STEPS: f64 = (1 << 21) as f64;

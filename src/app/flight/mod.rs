@@ -122,7 +122,7 @@ mod tests {
 
     use super::*;
     use crate::physics::Decimal;
-    use crate::physics::{Rule, State, gold, taylor::Orbit};
+    use crate::physics::{Rule, State, oracle, taylor::Orbit};
     use crate::scene::{Build, Scene};
 
     fn question(rule: Rule, budget_secs: f64) -> Question {
@@ -150,9 +150,9 @@ mod tests {
         flight
     }
 
-    fn gold_of(question: &Question, start: [Dd; 2]) -> Outcome<Dd> {
+    fn oracle_of(question: &Question, start: [Dd; 2]) -> Outcome<Dd> {
         let pendulum: Pendulum<Dd> = question.build.pendulum_in();
-        gold::outcome(&pendulum, start, question.rule, Dd::new(question.budget_secs))
+        oracle::outcome(&pendulum, start, question.rule, Dd::new(question.budget_secs))
     }
 
     #[test]
@@ -172,11 +172,11 @@ mod tests {
             for start in starts {
                 let question = question(rule, 6.0);
                 let pair = pair(start);
-                let (flight, [gold, beside]) =
-                    (complete(question, pair), pair.map(|angle| gold_of(&question, angle)));
-                assert_eq!(flight.outcome(), Some(gold), "{rule} {start:?}");
+                let (flight, [expected, beside]) =
+                    (complete(question, pair), pair.map(|angle| oracle_of(&question, angle)));
+                assert_eq!(flight.outcome(), Some(expected), "{rule} {start:?}");
                 assert_eq!(flight.ghost_outcome(), Some(beside), "{rule} beside {start:?}");
-                seen.push(gold.status);
+                seen.push(expected.status);
             }
         }
         for status in [Status::Flipped, Status::Unflipped, Status::Forbidden] {

@@ -2,12 +2,12 @@
 //! can be shown at once.
 
 use crate::physics::polynomial::evaluate;
-use crate::physics::taylor::Step;
+use crate::physics::taylor::TaylorStep;
 use crate::physics::{Dd, State};
 
 /// One step of the integrator, in f64 and without the terms that nobody could see.
 #[derive(Clone, Debug)]
-struct Piece {
+struct MotionPiece {
     start_secs: f64,
     end_secs: f64,
     /// Coefficients of θ1 and θ2, rad/sᵏ; the speeds are their slopes.
@@ -17,15 +17,19 @@ struct Piece {
 /// Terms that add less than this to an angle by the end of a step are left out, rad.
 const UNSEEN_RAD: f64 = 1e-16;
 
-impl Piece {
-    fn new(step: &Step<Dd>, end_secs: f64) -> Self {
+impl MotionPiece {
+    fn new(step: &TaylorStep<Dd>, end_secs: f64) -> Self {
         let length_secs = end_secs - step.start.hi;
         let seen = |terms: &[Dd]| {
             let adds = |k: usize| terms[k].hi.abs() * length_secs.powi(k as i32) > UNSEEN_RAD;
             let count = (1..terms.len()).rev().find(|&k| adds(k)).map_or(1, |k| k + 1);
             terms[..count].iter().map(|term| term.hi).collect()
         };
-        Piece { start_secs: step.start.hi, end_secs, angle: [0, 1].map(|i| seen(&step.angle[i])) }
+        MotionPiece {
+            start_secs: step.start.hi,
+            end_secs,
+            angle: [0, 1].map(|i| seen(&step.angle[i])),
+        }
     }
 
     fn state_at(&self, secs: f64) -> State<f64> {
@@ -46,13 +50,13 @@ fn slope(coefficients: &[f64], x: f64) -> f64 {
 /// A motion from the release to as far as it is known.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
-    pieces: Vec<Piece>,
+    pieces: Vec<MotionPiece>,
 }
 
 impl Motion {
     /// Continues by a step, of which nothing after `until_secs` is kept.
-    pub fn push(&mut self, step: &Step<Dd>, until_secs: f64) {
-        self.pieces.push(Piece::new(step, step.end().hi.min(until_secs)));
+    pub fn push(&mut self, step: &TaylorStep<Dd>, until_secs: f64) {
+        self.pieces.push(MotionPiece::new(step, step.end().hi.min(until_secs)));
     }
 
     /// Continues by what was recorded after it.

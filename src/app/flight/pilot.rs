@@ -7,8 +7,8 @@ use super::record::{Ending, Flip, Record, Track};
 use crate::engine::Question;
 use crate::physics::opening::settled;
 use crate::physics::separation::{Reading, Ruler};
-use crate::physics::taylor::{Orbit, Step};
-use crate::physics::{Dd, Pendulum, Rule, Scalar, State, gold};
+use crate::physics::taylor::{Orbit, TaylorStep};
+use crate::physics::{Dd, Pendulum, Rule, Scalar, State, oracle};
 
 /// How long pieces are gathered before they are handed over: about a frame.
 const GATHERED: Duration = Duration::from_millis(16);
@@ -23,7 +23,7 @@ pub fn fly(
     until_secs: f64,
     mut hand_over: impl FnMut(Record) -> bool,
 ) {
-    let mut pair = Pair::new(question, [start, neighbour], until_secs);
+    let mut pair = GhostPair::new(question, [start, neighbour], until_secs);
     let mut fresh = Record { readings: vec![pair.reading_at_release()], ..Record::default() };
     let mut handed_over = Instant::now();
     loop {
@@ -58,7 +58,7 @@ impl Flyer {
     }
 
     /// One step further, kept in `track` up to `until`; none where the numbers stop being finite.
-    fn step(&mut self, track: &mut Track, until: Dd) -> Option<Step<Dd>> {
+    fn step(&mut self, track: &mut Track, until: Dd) -> Option<TaylorStep<Dd>> {
         let step = self.orbit.step();
         self.steps += 1;
         if !self.orbit.state().speed[1].is_finite() {
@@ -74,9 +74,9 @@ impl Flyer {
 }
 
 /// The first flip inside a step, by the gold standard's own test.
-fn flip_within(step: &Step<Dd>, rule: Rule) -> Option<Flip> {
+fn flip_within(step: &TaylorStep<Dd>, rule: Rule) -> Option<Flip> {
     let of_bob = |&bob: &usize| {
-        let tau = gold::flip_within(step, [Rule::First, Rule::Second][bob])?;
+        let tau = oracle::flip_within(step, [Rule::First, Rule::Second][bob])?;
         Some(Flip { bob, secs: step.start + tau })
     };
     let earlier = |a: Flip, b: Flip| if b.secs < a.secs { b } else { a };
@@ -84,21 +84,21 @@ fn flip_within(step: &Step<Dd>, rule: Rule) -> Option<Flip> {
 }
 
 /// The pendulum, its ghost, and what is measured of them.
-struct Pair {
+struct GhostPair {
     own: Flyer,
     ghost: Flyer,
-    ghost_step: Option<Step<Dd>>,
+    ghost_step: Option<TaylorStep<Dd>>,
     until: Dd,
     pendulum: Pendulum<Dd>,
     energy: Dd,
     ruler: Ruler,
 }
 
-impl Pair {
+impl GhostPair {
     fn new(question: &Question, starts: [[Dd; 2]; 2], until_secs: f64) -> Self {
         let pendulum: Pendulum<Dd> = question.build.pendulum_in();
         let [own, ghost] = starts.map(|angle| Flyer::new(pendulum, angle, question.rule));
-        Pair {
+        GhostPair {
             energy: pendulum.energy(own.orbit.state()),
             own,
             ghost,

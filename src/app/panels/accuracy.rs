@@ -3,18 +3,18 @@
 use egui::{RichText, Ui};
 
 use crate::app::action::Action;
-use crate::engine::choice::{Demand, Kind};
-use crate::engine::{Accuracy, Recipe};
+use crate::engine::choice::{EngineKind, IntegrationSetting};
+use crate::engine::{Accuracy, IntegratorConfig};
 
 /// What the panel tells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Computing {
-    /// A level or a recipe.
-    pub demand: Demand,
+    /// A level or a config.
+    pub setting: IntegrationSetting,
     /// The kind of engine wanted.
-    pub kind: Kind,
+    pub kind: EngineKind,
     /// What runs now.
-    pub recipe: Option<Recipe>,
+    pub config: Option<IntegratorConfig>,
     /// The engine: its name, adapter and why it was chosen.
     pub engine: Option<(String, String, String)>,
     /// Whether there is no engine and none is coming.
@@ -37,7 +37,7 @@ fn promise(accuracy: Accuracy) -> &'static str {
 pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
     let mut actions = Vec::new();
     for (word, accuracy) in Accuracy::ALL {
-        let chosen = computing.demand == Demand::Level(accuracy);
+        let chosen = computing.setting == IntegrationSetting::Accuracy(accuracy);
         if ui.radio(chosen, word).on_hover_text(promise(accuracy)).clicked() && !chosen {
             actions.push(Action::Accuracy(accuracy));
         }
@@ -50,24 +50,26 @@ pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
             ui.label(RichText::new(promise(accuracy)).weak());
         }
     }
-    if let Demand::Recipe(recipe) = computing.demand {
-        ui.label(format!("As the scene asks: {}", words(&recipe)));
+    if let IntegrationSetting::Explicit(config) = computing.setting {
+        ui.label(format!("As the scene asks: {}", words(&config)));
     }
     ui.separator();
     ui.horizontal(|ui| {
         ui.label("Engine");
-        for (kind, word) in
-            [(Kind::Auto, "fastest"), (Kind::Gpu, "graphics"), (Kind::Cpu, "processor")]
-        {
+        for (kind, word) in [
+            (EngineKind::Auto, "fastest"),
+            (EngineKind::Gpu, "graphics"),
+            (EngineKind::Cpu, "processor"),
+        ] {
             let chosen = computing.kind == kind;
             if ui.selectable_label(chosen, word).clicked() && !chosen {
                 actions.push(Action::Engine(kind));
             }
         }
     });
-    match (&computing.engine, &computing.recipe) {
-        (Some((name, adapter, why)), Some(recipe)) => {
-            let text = format!("{name}: {adapter}; {}", words(recipe));
+    match (&computing.engine, &computing.config) {
+        (Some((name, adapter, why)), Some(config)) => {
+            let text = format!("{name}: {adapter}; {}", words(config));
             ui.label(RichText::new(text).weak()).on_hover_text(why);
         }
         _ if computing.failed => {
@@ -83,7 +85,7 @@ pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
     actions
 }
 
-/// A recipe in words.
-pub fn words(recipe: &Recipe) -> String {
-    format!("{} {} in {}", recipe.method.name(), recipe.method.setting(), recipe.precision)
+/// A config in words.
+pub fn words(config: &IntegratorConfig) -> String {
+    format!("{} {} in {}", config.method.name(), config.method.setting(), config.precision)
 }

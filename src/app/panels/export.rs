@@ -5,7 +5,7 @@ use std::path::Path;
 use egui::{Button, ComboBox, Grid, ProgressBar, TextEdit, Ui};
 
 use super::field::number;
-use crate::app::export::Stage;
+use crate::app::export::ExportStage;
 use crate::scene::PictureTable;
 
 /// What is asked for next.
@@ -16,12 +16,12 @@ pub struct ExportForm {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// What is in it.
-    pub what: What,
+    pub what: ExportSubject,
 }
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum What {
+pub enum ExportSubject {
     /// A picture.
     #[default]
     Png,
@@ -31,12 +31,12 @@ pub enum What {
     Key,
 }
 
-impl What {
+impl ExportSubject {
     /// Each with its name and the ending of its files.
-    pub const ALL: [(&'static str, &'static str, What); 3] = [
-        ("picture", "png", What::Png),
-        ("raw numbers", "npy", What::Raw),
-        ("film key", "toml", What::Key),
+    pub const ALL: [(&'static str, &'static str, ExportSubject); 3] = [
+        ("picture", "png", ExportSubject::Png),
+        ("raw numbers", "npy", ExportSubject::Raw),
+        ("film key", "toml", ExportSubject::Key),
     ];
 
     /// The ending of its files.
@@ -51,7 +51,7 @@ pub struct ExportStatus {
     /// The file's name.
     pub name: String,
     /// How far it is.
-    pub stage: Stage,
+    pub stage: ExportStage,
 }
 
 /// What the person wants.
@@ -81,7 +81,7 @@ const PRESETS: [(&str, [u32; 2]); 6] = [
 
 impl Default for ExportForm {
     fn default() -> Self {
-        ExportForm { path: "map.png".to_string(), size: [1920, 1080], what: What::Png }
+        ExportForm { path: "map.png".to_string(), size: [1920, 1080], what: ExportSubject::Png }
     }
 }
 
@@ -99,11 +99,11 @@ impl ExportForm {
 
     /// Whether a file is there that would be replaced; keys are added to theirs.
     pub fn replaces(&self) -> bool {
-        self.what != What::Key && Path::new(&self.path).is_file()
+        self.what != ExportSubject::Key && Path::new(&self.path).is_file()
     }
 
     /// The same for another kind of file, the ending with it.
-    fn of(&self, what: What) -> Self {
+    fn of(&self, what: ExportSubject) -> Self {
         let old = format!(".{}", self.what.ending());
         let path = match self.path.strip_suffix(&old) {
             Some(stem) => format!("{stem}.{}", what.ending()),
@@ -119,7 +119,7 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
     Grid::new("export").num_columns(2).show(ui, |ui| {
         kind(ui, &mut new);
         file(ui, &mut new, &mut actions);
-        if new.what != What::Key {
+        if new.what != ExportSubject::Key {
             size(ui, &mut new);
         }
     });
@@ -137,7 +137,7 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
 fn kind(ui: &mut Ui, form: &mut ExportForm) {
     ui.label("Kind");
     ui.horizontal(|ui| {
-        for (name, _, what) in What::ALL {
+        for (name, _, what) in ExportSubject::ALL {
             if ui.radio(form.what == what, name).clicked() {
                 *form = form.of(what);
             }
@@ -183,7 +183,7 @@ fn size(ui: &mut Ui, form: &mut ExportForm) {
 fn begin(ui: &mut Ui, form: &ExportForm, actions: &mut Vec<ExportAction>) {
     let problem = form.problem();
     let name = match form.what {
-        What::Key => "Add this view to the film",
+        ExportSubject::Key => "Add this view to the film",
         _ if form.replaces() => "Export and replace the file",
         _ => "Export",
     };
@@ -199,17 +199,19 @@ fn status(ui: &mut Ui, index: usize, export: &ExportStatus, actions: &mut Vec<Ex
     let name = &export.name;
     ui.label(name);
     match &export.stage {
-        Stage::Starting(what) => ui.label(format!("{what}…")),
-        Stage::Running { share, pixels_per_sec } => {
+        ExportStage::Starting(what) => ui.label(format!("{what}…")),
+        ExportStage::Running { share, pixels_per_sec } => {
             let text = format!("{:.0} %, {} pixels/s", share * 100.0, thousands(*pixels_per_sec));
             ui.add(ProgressBar::new(*share as f32).text(text))
         }
-        Stage::Done { secs } => ui.label(format!("Done in {secs:.1} s")),
-        Stage::Cancelled => ui.label("Stopped; no file was left"),
-        Stage::Failed(why) => ui.label(format!("Not exported: {why}")),
+        ExportStage::Done { secs } => ui.label(format!("Done in {secs:.1} s")),
+        ExportStage::Cancelled => ui.label("Stopped; no file was left"),
+        ExportStage::Failed(why) => ui.label(format!("Not exported: {why}")),
     };
     let (button, action) = match export.stage {
-        Stage::Starting(_) | Stage::Running { .. } => ("Stop", ExportAction::Cancel(index)),
+        ExportStage::Starting(_) | ExportStage::Running { .. } => {
+            ("Stop", ExportAction::Cancel(index))
+        }
         _ => ("Dismiss", ExportAction::Dismiss(index)),
     };
     let response = ui.button(button);
@@ -236,11 +238,11 @@ mod tests {
     #[test]
     fn another_kind_takes_its_ending_along() {
         let form = ExportForm::default();
-        assert_eq!(form.of(What::Raw).path, "map.npy");
-        assert_eq!(form.of(What::Key).of(What::Png), form);
+        assert_eq!(form.of(ExportSubject::Raw).path, "map.npy");
+        assert_eq!(form.of(ExportSubject::Key).of(ExportSubject::Png), form);
         let own = ExportForm { path: "map".to_string(), ..form };
-        assert_eq!(own.of(What::Raw).path, "map");
-        for (place, (_, _, what)) in What::ALL.into_iter().enumerate() {
+        assert_eq!(own.of(ExportSubject::Raw).path, "map");
+        for (place, (_, _, what)) in ExportSubject::ALL.into_iter().enumerate() {
             assert_eq!(what as usize, place);
         }
     }
@@ -251,7 +253,7 @@ mod tests {
         let form = |path: &Path, size| ExportForm {
             path: path.display().to_string(),
             size,
-            what: What::Png,
+            what: ExportSubject::Png,
         };
         let map = folder.path().join("map.png");
         assert_eq!(form(&map, [10, 10]).problem(), None);

@@ -68,7 +68,7 @@ pub fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
 /// What is typed into the palette, and which of the commands found is chosen. It lives in egui's
 /// memory as long as the palette is open.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Search {
+struct CommandSearch {
     query: String,
     chosen: usize,
 }
@@ -79,7 +79,7 @@ fn memory() -> egui::Id {
 
 /// Forgets what was typed: the palette is closed.
 pub fn close_palette(ctx: &egui::Context) {
-    ctx.data_mut(|data| data.remove::<Search>(memory()));
+    ctx.data_mut(|data| data.remove::<CommandSearch>(memory()));
 }
 
 /// The command palette.
@@ -87,7 +87,7 @@ pub fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> {
     let mut actions = Vec::new();
     let modal = Modal::new(memory()).show(ctx, |ui| {
         ui.set_width(360.0);
-        let mut search: Search = ui.data(|data| data.get_temp(memory())).unwrap_or_default();
+        let mut search: CommandSearch = ui.data(|data| data.get_temp(memory())).unwrap_or_default();
         let step = ui.input_mut(|input| {
             let mut count = |key| input.count_and_consume_key(egui::Modifiers::NONE, key) as isize;
             count(Key::ArrowDown) - count(Key::ArrowUp)

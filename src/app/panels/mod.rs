@@ -2,7 +2,7 @@
 
 pub mod accuracy;
 pub mod colours;
-pub mod deeper;
+pub mod descent;
 pub mod export;
 mod field;
 pub mod help;

@@ -4,14 +4,18 @@ use egui::{Grid, Ui};
 
 use super::field::number;
 use crate::physics::{Decimal, Rule};
-use crate::scene::{Budget, Build, Kind, Question, Scene};
+use crate::scene::{Budget, Build, FlipQuestion, Kind, Scene};
 
 /// What a mass or a length can be, kg or m.
 const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
 /// Shows the pendulum and the question; answers with both when one has changed. Only what can be
 /// computed comes out.
-pub fn scene_panel(ui: &mut Ui, build: &Build, question: &Question) -> Option<(Build, Question)> {
+pub fn scene_panel(
+    ui: &mut Ui,
+    build: &Build,
+    question: &FlipQuestion,
+) -> Option<(Build, FlipQuestion)> {
     let (mut new_build, mut new_question) = (*build, *question);
     Grid::new("scene").num_columns(2).show(ui, |ui| {
         built(ui, &mut new_build);
@@ -60,7 +64,7 @@ fn pair(ui: &mut Ui, names: [&str; 2], unit: &str, values: &mut [Decimal; 2]) {
 const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay together: 3.3 s more for \
                        each zoom by ten (of the default pendulum), in steps of 10 s";
 
-fn asked(ui: &mut Ui, question: &mut Question) {
+fn asked(ui: &mut Ui, question: &mut FlipQuestion) {
     ui.label("Rule").on_hover_text("Which bob must flip over the top");
     ui.horizontal(|ui| {
         for (word, rule) in Rule::ALL {

@@ -2,14 +2,14 @@
 
 use egui::{ProgressBar, Ui};
 
-use crate::engine::{Depth, Precision};
-use crate::tiles::explorer::Progress;
+use crate::engine::{DepthStats, Precision};
+use crate::tiles::explorer::ViewProgress;
 
 /// What the line tells.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Status {
+pub struct StatusLine {
     /// How far the view is.
-    pub progress: Progress,
+    pub progress: ViewProgress,
     /// Width of the view, rad.
     pub width_rad: f64,
     /// Starts integrated a second, lately; 0 while nothing is computed.
@@ -22,14 +22,14 @@ pub struct Status {
     pub warning: Option<(String, String)>,
     /// What goes on that takes longer.
     pub doing: Option<String>,
-    /// The engine with its recipe, or what is happening to it.
+    /// The engine with its config, or what is happening to it.
     pub engine: String,
 }
 
 /// Shows the line.
-pub fn status_line(ui: &mut Ui, status: &Status) {
+pub fn status_line(ui: &mut Ui, status: &StatusLine) {
     ui.horizontal(|ui| {
-        let Progress { level, wanted, done, .. } = status.progress;
+        let ViewProgress { level, wanted, done, .. } = status.progress;
         let share = if wanted == 0 { 0.0 } else { done as f32 / wanted as f32 };
         let percent = format!("{:.0} %", (100.0 * share).floor());
         let bar = ProgressBar::new(share).desired_width(90.0).text(percent);
@@ -60,7 +60,7 @@ pub fn status_line(ui: &mut Ui, status: &Status) {
 }
 
 /// How deep a view is, in digits and seconds.
-pub fn depth_words(depth: &Depth, precision: Precision, budget_secs: f64) -> (String, String) {
+pub fn depth_words(depth: &DepthStats, precision: Precision, budget_secs: f64) -> (String, String) {
     let [first, last] = depth.begins_secs;
     let short = format!("{} digits · budget {budget_secs:.0} s", depth.digits);
     let began = if depth.integrated == 0 {

@@ -4,10 +4,10 @@ use egui::{Slider, Ui};
 
 use crate::app::action::Action;
 use crate::app::settings::{Settings, Theme};
-use crate::app::state::{Dialog, State};
+use crate::app::state::{AppState, Dialog};
 
 /// Shows them.
-pub fn window_panel(ui: &mut Ui, state: &State, settings: &mut Settings) -> Vec<Action> {
+pub fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Settings) -> Vec<Action> {
     let mut actions = Vec::new();
     ui.horizontal(|ui| {
         for (theme, word) in

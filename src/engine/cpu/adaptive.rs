@@ -1,25 +1,25 @@
 //! Steps that choose their length: embedded Runge–Kutta pairs on unit vectors and momenta, every
 //! lane with a time and a step of its own.
 
-use super::flock::{Answer, Chunk, Flock, PATIENCE};
+use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
-use super::pair::{Pair, Step};
+use super::pair::{EmbeddedPair, LaneStep};
 use crate::engine::method::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
 use crate::engine::{End, NUMBERS, Question};
 use crate::physics::control::{GROW, LONGEST, SHRINK};
-use crate::physics::passage::{FAR, Moment};
+use crate::physics::crossing::{FAR, StepState};
 use crate::physics::phase::Phase;
 use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
 
 /// Runs a chunk in lanes of `N`.
 #[inline(always)]
-pub fn run<N: Number, P: Pair>(
+pub fn run<N: Number, P: EmbeddedPair>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
     adaptive: Adaptive,
-) -> Option<Answer> {
+) -> Option<ChunkResult> {
     let (exact, _) = chunk.question.reduced_in::<Dd>();
     let reduced = exact.to_f64();
     let scale = reduced.momentum_scale();
@@ -27,38 +27,42 @@ pub fn run<N: Number, P: Pair>(
     let lanes = |value: f64| [value; MOST_LANES];
     let pendulum = exact.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
     let inverse_scale = [number.lit(1.0 / scale[0]), number.lit(1.0 / scale[1])];
-    let mut field =
-        Field { flock: Flock::new(chunk, <N::Leading as Lanes>::COUNT, idle()), reduced, adaptive };
-    finish_those_over(&mut field.flock, &adaptive);
-    while field.flock.is_busy() {
-        if field.flock.is_cancelled() {
+    let mut lanes = AdaptiveLanes {
+        scheduler: LaneScheduler::new(chunk, <N::Leading as Lanes>::COUNT, idle()),
+        reduced,
+        adaptive,
+    };
+    finish_those_over(&mut lanes.scheduler, &adaptive);
+    while lanes.scheduler.is_busy() {
+        if lanes.scheduler.is_cancelled() {
             return None;
         }
-        let mut herd = Herd::<N>::load(set, &field.flock);
+        let mut state = LaneState::<N>::load(set, &lanes.scheduler);
         let mut taken = 0;
         loop {
-            let trial = P::trial(&pendulum, inverse_scale, &herd.phase, N::exactly(herd.step));
-            let next = N::changed(&herd.phase, &trial.change);
-            let excess = herd.excess(&adaptive, trial.error_squared.leading());
-            let clearance = herd.clearance::<P>(chunk.question, &pendulum, &next, &trial.bow);
+            let trial = P::trial(&pendulum, inverse_scale, &state.phase, N::exactly(state.step));
+            let next = N::changed(&state.phase, &trial.change);
+            let excess = state.excess(&adaptive, trial.error_squared.leading());
+            let clearance = state.clearance::<P>(chunk.question, &pendulum, &next, &trial.bow);
             let suspicion = clearance.max(excess).smallest();
             taken += 1;
             if suspicion <= 0.0 {
-                let before = herd;
-                herd.advance(&adaptive, &next, excess);
-                field.decide::<N, P>([&before, &herd], clearance, taken);
+                let before = state;
+                state.advance(&adaptive, &next, excess);
+                lanes.decide::<N, P>([&before, &state], clearance, taken);
                 break;
             }
-            herd.advance(&adaptive, &next, excess);
-            herd.clearance = Lanes::select(herd.clearance.min(clearance), excess, herd.clearance);
-            if taken == PATIENCE || herd.time.largest() >= adaptive.budget {
-                herd.store(&mut field.flock, taken);
+            state.advance(&adaptive, &next, excess);
+            state.clearance =
+                Lanes::select(state.clearance.min(clearance), excess, state.clearance);
+            if taken == PATIENCE || state.time.largest() >= adaptive.budget {
+                state.store(&mut lanes.scheduler, taken);
                 break;
             }
         }
-        finish_those_over(&mut field.flock, &adaptive);
+        finish_those_over(&mut lanes.scheduler, &adaptive);
     }
-    Some(field.flock.answer)
+    Some(lanes.scheduler.answer)
 }
 
 /// A pendulum at rest, so long before its release that its budget never ends.
@@ -70,7 +74,7 @@ pub fn idle() -> [f64; NUMBERS] {
 
 /// The lanes in registers.
 #[derive(Clone, Copy)]
-struct Herd<N: Number> {
+struct LaneState<N: Number> {
     phase: Phase<N>,
     time: N::Leading,
     time_low: N::Leading,
@@ -79,25 +83,25 @@ struct Herd<N: Number> {
     clearance: N::Leading,
 }
 
-impl<N: Number> Herd<N> {
+impl<N: Number> LaneState<N> {
     #[inline(always)]
-    fn load(set: <N::Leading as Lanes>::Set, flock: &Flock) -> Self {
-        let rows = &flock.rows;
+    fn load(set: <N::Leading as Lanes>::Set, scheduler: &LaneScheduler) -> Self {
+        let rows = &scheduler.rows;
         let lanes = |row: usize| <N::Leading as Lanes>::load(set, &rows[row]);
-        Herd {
+        LaneState {
             phase: load_phase(set, rows),
             time: lanes(TIME),
             time_low: lanes(TIME_LOW),
             step: lanes(STEP),
-            clearance: <N::Leading as Lanes>::load(set, &flock.clearance),
+            clearance: <N::Leading as Lanes>::load(set, &scheduler.clearance),
         }
     }
 
     #[inline(always)]
-    fn store(&self, flock: &mut Flock, taken: u32) {
-        self.store_rows(&mut flock.rows);
-        self.clearance.store(&mut flock.clearance);
-        flock.count_steps(taken);
+    fn store(&self, scheduler: &mut LaneScheduler, taken: u32) {
+        self.store_rows(&mut scheduler.rows);
+        self.clearance.store(&mut scheduler.clearance);
+        scheduler.count_steps(taken);
     }
 
     #[inline(always)]
@@ -121,7 +125,7 @@ impl<N: Number> Herd<N> {
     /// How far from the top the watched bobs stay in the step to `next`; not positive in lanes
     /// where one may have passed.
     #[inline(always)]
-    fn clearance<P: Pair>(
+    fn clearance<P: EmbeddedPair>(
         &self,
         question: &Question,
         pendulum: &Pendulum<N>,
@@ -161,34 +165,34 @@ impl<N: Number> Herd<N> {
     }
 }
 
-/// A flock in adaptive steps. Its rows are those of [`crate::engine::start::PHASE`].
-struct Field<'a> {
-    flock: Flock<'a>,
+/// A scheduler in adaptive steps. Its rows are those of [`crate::engine::start::PHASE`].
+struct AdaptiveLanes<'a> {
+    scheduler: LaneScheduler<'a>,
     reduced: Pendulum<f64>,
     adaptive: Adaptive,
 }
 
-impl Field<'_> {
+impl AdaptiveLanes<'_> {
     /// After a step in which some lane's bob may have been at the top, by its `clearance`: looks
     /// for the pass, and finishes those that made it.
     #[inline(always)]
-    fn decide<N: Number, P: Pair>(
+    fn decide<N: Number, P: EmbeddedPair>(
         &mut self,
-        [before, after]: [&Herd<N>; 2],
+        [before, after]: [&LaneState<N>; 2],
         clearance: N::Leading,
         taken: u32,
     ) {
         let mut bounds = [0.0; MOST_LANES];
         clearance.store(&mut bounds);
-        let mut rows = self.flock.rows;
+        let mut rows = self.scheduler.rows;
         before.store_rows(&mut rows);
-        after.store(&mut self.flock, taken);
-        for lane in self.flock.running() {
+        after.store(&mut self.scheduler, taken);
+        for lane in self.scheduler.running() {
             let numbers = rows.map(|row| row[lane]);
-            let moved = self.flock.rows[TIME][lane] != numbers[TIME]
-                || self.flock.rows[TIME_LOW][lane] != numbers[TIME_LOW];
+            let moved = self.scheduler.rows[TIME][lane] != numbers[TIME]
+                || self.scheduler.rows[TIME_LOW][lane] != numbers[TIME_LOW];
             if moved && bounds[lane] > 0.0 {
-                self.flock.clearance[lane] = self.flock.clearance[lane].min(bounds[lane]);
+                self.scheduler.clearance[lane] = self.scheduler.clearance[lane].min(bounds[lane]);
             } else if moved {
                 self.look::<P>(lane, &numbers);
             }
@@ -196,52 +200,53 @@ impl Field<'_> {
     }
 
     /// Decides the step that a lane took from `numbers`.
-    fn look<P: Pair>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
+    fn look<P: EmbeddedPair>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
         let moment = |numbers: &[f64; NUMBERS]| {
             let phase = start::phase_of(numbers);
-            Moment { phase, speed: self.reduced.speeds(&phase) }
+            StepState { phase, speed: self.reduced.speeds(&phase) }
         };
-        let step = Step {
+        let step = LaneStep {
             pendulum: &self.reduced,
             inverse_scale: self.reduced.momentum_scale().map(|scale| 1.0 / scale),
             before: moment(numbers),
-            after: moment(&self.flock.numbers(lane)),
+            after: moment(&self.scheduler.numbers(lane)),
             length: numbers[STEP],
         };
         let mut fraction: Option<f64> = None;
-        let clearance = &mut self.flock.clearance[lane];
-        for &bob in self.flock.chunk.question.rule.watched() {
+        let clearance = &mut self.scheduler.clearance[lane];
+        for &bob in self.scheduler.chunk.question.rule.watched() {
             let passed = P::look(&step, bob);
             fraction = [fraction, passed.fraction].into_iter().flatten().reduce(f64::min);
             *clearance = clearance.min(passed.clearance);
         }
-        let recipe = self.flock.chunk.recipe;
-        self.flock.answer.effort.rhs_evaluations += recipe.method.rhs_per_step(recipe.precision);
+        let config = self.scheduler.chunk.config;
+        self.scheduler.answer.effort.rhs_evaluations +=
+            config.method.rhs_per_step(config.precision);
         let Some(fraction) = fraction else { return };
         let time = numbers[TIME] + (numbers[TIME_LOW] + numbers[STEP] * fraction);
         let end = End {
             time,
             phase: step.shortened::<P>(fraction).phase,
-            clearance: self.flock.clearance[lane],
+            clearance: self.scheduler.clearance[lane],
             ..End::NOWHERE
         };
         // A paused pendulum continues from before the step it flips in.
-        self.flock.put(lane, *numbers);
-        self.flock.finish(lane, self.adaptive.outcome_of_pass(time), end);
+        self.scheduler.put(lane, *numbers);
+        self.scheduler.finish(lane, self.adaptive.outcome_of_pass(time), end);
     }
 }
 
 /// Frees the lanes whose budget is used, until every lane has work or none is left.
-pub fn finish_those_over(flock: &mut Flock, adaptive: &Adaptive) {
+pub fn finish_those_over(scheduler: &mut LaneScheduler, adaptive: &Adaptive) {
     loop {
-        flock.refill();
+        scheduler.refill();
         let mut finished = false;
-        for lane in flock.running() {
-            let failed = flock.taken[lane] >= adaptive.most_steps;
-            if failed || flock.rows[TIME][lane] >= adaptive.budget {
+        for lane in scheduler.running() {
+            let failed = scheduler.taken[lane] >= adaptive.most_steps;
+            if failed || scheduler.rows[TIME][lane] >= adaptive.budget {
                 let status = if failed { Status::Failed } else { Status::Unflipped };
-                let end = flock.end_of_phase(lane);
-                flock.finish(lane, Outcome::without_time(status), end);
+                let end = scheduler.end_of_phase(lane);
+                scheduler.finish(lane, Outcome::without_time(status), end);
                 finished = true;
             }
         }

@@ -1,6 +1,6 @@
 //! Fixed steps: RK4 in angles, a register's worth of pendulums together.
 
-use super::flock::{Answer, Chunk, Flock, PATIENCE};
+use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use crate::engine::method::Steps;
 use crate::engine::{End, NUMBERS, Precision, Question};
@@ -15,16 +15,20 @@ pub fn run<L: Lanes, const TERMS: usize>(
     set: L::Set,
     chunk: &Chunk,
     steps: Steps,
-) -> Option<Answer> {
+) -> Option<ChunkResult> {
     let turning = if TERMS == 0 { Turning::Fresh } else { Turning::Small(TERMS) };
-    let compensated = chunk.recipe.precision == Precision::F32;
+    let compensated = chunk.config.precision == Precision::F32;
     let (reduced, _) = chunk.question.reduced();
     let pendulum = reduced.map(|number| L::splat(set, number));
     let step = L::splat(set, steps.length);
-    let mut fixed = Fixed { flock: Flock::new(chunk, L::COUNT, [0.0; NUMBERS]), reduced, steps };
+    let mut fixed = FixedStepLanes {
+        scheduler: LaneScheduler::new(chunk, L::COUNT, [0.0; NUMBERS]),
+        reduced,
+        steps,
+    };
     fixed.finish_those_over();
-    while fixed.flock.is_busy() {
-        if fixed.flock.is_cancelled() {
+    while fixed.scheduler.is_busy() {
+        if fixed.scheduler.is_cancelled() {
             return None;
         }
         let [mut state, mut rest] = fixed.load::<L>(set);
@@ -51,13 +55,13 @@ pub fn run<L: Lanes, const TERMS: usize>(
         }
         fixed.finish_those_over();
     }
-    Some(fixed.flock.answer)
+    Some(fixed.scheduler.answer)
 }
 
 /// The f32 next below π: lanes compare with it, the exact test follows in f64.
 const PI_BELOW: f64 = 3.141_592_5;
 
-/// How near any lane may have come to the top in a step (twin: `flip::may_pass`).
+/// How near any lane may have come to the top in a step (counterpart: `flip::may_pass`).
 #[inline(always)]
 fn nearest_pass<L: Lanes>(
     question: &Question,
@@ -77,17 +81,17 @@ fn nearest_pass<L: Lanes>(
     nearest.largest()
 }
 
-/// A flock in fixed steps. Its rows are θ1, θ2, ω1, ω2 and the rests of the angles.
-struct Fixed<'a> {
-    flock: Flock<'a>,
+/// A scheduler in fixed steps. Its rows are θ1, θ2, ω1, ω2 and the rests of the angles.
+struct FixedStepLanes<'a> {
+    scheduler: LaneScheduler<'a>,
     reduced: Pendulum<f64>,
     steps: Steps,
 }
 
-impl Fixed<'_> {
+impl FixedStepLanes<'_> {
     #[inline(always)]
     fn load<L: Lanes>(&self, set: L::Set) -> [State<L>; 2] {
-        let rows = &self.flock.rows;
+        let rows = &self.scheduler.rows;
         let zero = L::splat(set, 0.0);
         let angle = [L::load(set, &rows[0]), L::load(set, &rows[1])];
         let speed = [L::load(set, &rows[2]), L::load(set, &rows[3])];
@@ -99,10 +103,10 @@ impl Fixed<'_> {
     #[inline(always)]
     fn store<L: Lanes>(&mut self, [state, rest]: [&State<L>; 2], taken: u32) {
         let rows = [state.angle, state.speed, rest.angle];
-        for (row, lanes) in self.flock.rows.iter_mut().zip(rows.as_flattened()) {
+        for (row, lanes) in self.scheduler.rows.iter_mut().zip(rows.as_flattened()) {
             lanes.store(row);
         }
-        self.flock.count_steps(taken);
+        self.scheduler.count_steps(taken);
     }
 
     /// Decides for each lane whether the step to `next` is a flip; otherwise takes it.
@@ -113,21 +117,21 @@ impl Fixed<'_> {
         for (row, lanes) in after.iter_mut().zip(rows.as_flattened()) {
             lanes.store(row);
         }
-        for lane in self.flock.running() {
+        for lane in self.scheduler.running() {
             self.look_at(lane, after.map(|row| row[lane]));
         }
-        self.flock.answer.effort.lane_steps += L::COUNT as u64;
+        self.scheduler.answer.effort.lane_steps += L::COUNT as u64;
     }
 
     fn look_at(&mut self, lane: usize, after: [f64; 6]) {
-        let before = exact_state(&self.flock.numbers(lane));
+        let before = exact_state(&self.scheduler.numbers(lane));
         let exact_after = exact_state(&after);
-        let effort = &mut self.flock.answer.effort;
+        let effort = &mut self.scheduler.answer.effort;
         effort.steps += 1;
         effort.rhs_evaluations += 4;
         let step = self.steps.length;
         let mut fraction: Option<f64> = None;
-        for &bob in self.flock.chunk.question.rule.watched() {
+        for &bob in self.scheduler.chunk.question.rule.watched() {
             if may_pass(&before, &exact_after, bob, step) {
                 effort.rhs_evaluations += 2;
                 let found = fraction_of_step(&self.reduced, bob, &before, &exact_after, step);
@@ -135,31 +139,31 @@ impl Fixed<'_> {
             }
         }
         let Some(fraction) = fraction else {
-            for (row, value) in self.flock.rows.iter_mut().zip(after) {
+            for (row, value) in self.scheduler.rows.iter_mut().zip(after) {
                 row[lane] = value;
             }
-            self.flock.taken[lane] += 1;
+            self.scheduler.taken[lane] += 1;
             return;
         };
-        let steps = self.flock.taken[lane];
+        let steps = self.scheduler.taken[lane];
         let change = rk4(&self.reduced, &before, step * fraction, Turning::Fresh);
         let end = self.end(f64::from(steps) + fraction, &before.plus(&change));
-        self.flock.finish(lane, self.steps.outcome_of_pass(steps, fraction), end);
+        self.scheduler.finish(lane, self.steps.outcome_of_pass(steps, fraction), end);
     }
 
     /// Frees the lanes whose budget is used, until every lane has work or none is left.
     fn finish_those_over(&mut self) {
         loop {
-            self.flock.refill();
+            self.scheduler.refill();
             let mut finished = false;
-            for lane in self.flock.running() {
-                let speeds = [self.flock.rows[2][lane], self.flock.rows[3][lane]];
+            for lane in self.scheduler.running() {
+                let speeds = [self.scheduler.rows[2][lane], self.scheduler.rows[3][lane]];
                 let sound = speeds.iter().all(|speed| speed.is_finite());
-                if !sound || self.flock.taken[lane] >= self.steps.count {
+                if !sound || self.scheduler.taken[lane] >= self.steps.count {
                     let status = if sound { Status::Unflipped } else { Status::Failed };
-                    let state = exact_state(&self.flock.numbers(lane));
-                    let end = self.end(f64::from(self.flock.taken[lane]), &state);
-                    self.flock.finish(lane, Outcome::without_time(status), end);
+                    let state = exact_state(&self.scheduler.numbers(lane));
+                    let end = self.end(f64::from(self.scheduler.taken[lane]), &state);
+                    self.scheduler.finish(lane, Outcome::without_time(status), end);
                     finished = true;
                 }
             }
@@ -176,8 +180,8 @@ impl Fixed<'_> {
 
     /// Steps until the first lane's budget is used.
     fn steps_left(&self) -> u32 {
-        let left = |lane: usize| self.steps.count - self.flock.taken[lane];
-        self.flock.running().map(left).min().unwrap_or(0)
+        let left = |lane: usize| self.steps.count - self.scheduler.taken[lane];
+        self.scheduler.running().map(left).min().unwrap_or(0)
     }
 }
 

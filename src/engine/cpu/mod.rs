@@ -6,7 +6,7 @@
 
 mod adaptive;
 mod fixed;
-mod flock;
+mod lane_scheduler;
 mod lanes;
 mod number;
 mod pair;
@@ -20,13 +20,14 @@ use std::time::Instant;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use self::flock::{Answer, Chunk};
+use self::lane_scheduler::{Chunk, ChunkResult};
 use self::lanes::{F32Lanes, F64Lanes};
-use self::number::{Kept, Two};
+use self::number::{Compensated, Two};
 use self::pair::{Eighth, Fifth, Midpoints};
 use super::method::{Adaptive, Pace, Steps};
 use super::{
-    End, Engine, EngineError, Finished, Job, Keep, Method, Precision, Recipe, Wait, start,
+    End, Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Wait,
+    start,
 };
 use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
@@ -41,24 +42,24 @@ const JOB_SIZE: usize = 1 << 15;
 /// The processor computing jobs.
 pub struct CpuEngine {
     pool: rayon::ThreadPool,
-    flying: HashMap<u64, Flying>,
+    flying: HashMap<u64, PendingJob>,
     cancelled: Arc<AtomicBool>,
-    sender: Sender<Landed>,
-    receiver: Receiver<Landed>,
+    sender: Sender<FinishedChunk>,
+    receiver: Receiver<FinishedChunk>,
 }
 
 /// A job whose chunks have not all come back.
-struct Flying {
+struct PendingJob {
     chunks_left: usize,
     keep: Keep,
-    finished: Finished,
+    finished: JobResult,
 }
 
 /// A chunk that has come back.
-struct Landed {
+struct FinishedChunk {
     job: u64,
     first: usize,
-    answer: Answer,
+    answer: ChunkResult,
 }
 
 impl CpuEngine {
@@ -74,25 +75,25 @@ impl CpuEngine {
     }
 
     /// Whether the processor has the method in the precision.
-    pub fn offers(recipe: &Recipe) -> bool {
-        recipe.precision != Precision::Df32
-            && recipe.method.least_tolerance(recipe.precision).is_some()
+    pub fn offers(config: &IntegratorConfig) -> bool {
+        config.precision != Precision::Df32
+            && config.method.least_tolerance(config.precision).is_some()
     }
 
     /// Refuses what it does not have.
-    pub fn require(recipe: &Recipe) -> Result<(), EngineError> {
-        if Self::offers(recipe) {
+    pub fn require(config: &IntegratorConfig) -> Result<(), EngineError> {
+        if Self::offers(config) {
             return Ok(());
         }
-        let Recipe { method, precision } = recipe;
+        let IntegratorConfig { method, precision } = config;
         let why =
             format!("the processor has no --method {} in --precision {precision}", method.name());
         Err(EngineError::Unsupported(why))
     }
 
-    fn take(&mut self, landed: Landed) -> Option<Finished> {
+    fn take(&mut self, landed: FinishedChunk) -> Option<JobResult> {
         let flying = self.flying.get_mut(&landed.job)?;
-        let Landed { first, answer, job } = landed;
+        let FinishedChunk { first, answer, job } = landed;
         let count = answer.outcomes.len();
         match flying.keep {
             Keep::Nothing => {}
@@ -120,49 +121,49 @@ impl CpuEngine {
 
 impl Engine for CpuEngine {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        Self::require(&job.recipe)?;
+        Self::require(&job.config)?;
         let pace = job.pace()?;
         let starts = start::states(&job)?;
         let count = starts.len();
-        let dd = job.recipe.precision == Precision::Dd;
+        let dd = job.config.precision == Precision::Dd;
         let size = if dd { DD_CHUNK } else { CHUNK };
-        let flying = Flying {
+        let flying = PendingJob {
             chunks_left: count.div_ceil(size).max(1),
             keep: job.keep,
-            finished: Finished {
+            finished: JobResult {
                 id: job.id,
                 outcomes: vec![Outcome::without_time(Status::Unflipped); count],
-                ..Finished::default()
+                ..JobResult::default()
             },
         };
         self.flying.insert(job.id, flying);
         if starts.is_empty() {
-            let answer = Answer::default();
-            let _ = self.sender.send(Landed { job: job.id, first: 0, answer });
+            let answer = ChunkResult::default();
+            let _ = self.sender.send(FinishedChunk { job: job.id, first: 0, answer });
         }
-        let (recipe, question) = (job.recipe, job.question);
+        let (config, question) = (job.config, job.question);
         for (index, chunk) in starts.chunks(size).enumerate() {
             let (starts, sender) = (chunk.to_vec(), self.sender.clone());
             let cancelled = self.cancelled.clone();
             self.pool.spawn_fifo(move || {
                 let chunk = Chunk {
                     question: &question,
-                    recipe,
+                    config,
                     pace,
                     starts: &starts,
                     cancelled: &cancelled,
                 };
-                let flown = Arch::new().dispatch(Flight { chunk: &chunk });
+                let flown = Arch::new().dispatch(ChunkInFlight { chunk: &chunk });
                 if let Some(answer) = flown {
                     // Nobody listens any more once the engine is dropped.
-                    let _ = sender.send(Landed { job: job.id, first: index * size, answer });
+                    let _ = sender.send(FinishedChunk { job: job.id, first: index * size, answer });
                 }
             });
         }
         Ok(())
     }
 
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         let mut finished = Vec::new();
         while !self.flying.is_empty() {
             while let Ok(landed) = self.receiver.try_recv() {
@@ -207,8 +208,8 @@ impl Engine for CpuEngine {
         "cpu"
     }
 
-    fn offers(&self, recipe: &Recipe) -> bool {
-        CpuEngine::offers(recipe)
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        CpuEngine::offers(config)
     }
 
     fn adapter(&self) -> String {
@@ -235,12 +236,12 @@ pub fn instruction_set() -> &'static str {
 }
 
 /// A chunk on its way to the widest lanes.
-struct Flight<'a> {
+struct ChunkInFlight<'a> {
     chunk: &'a Chunk<'a>,
 }
 
-impl WithSimd for Flight<'_> {
-    type Output = Option<Answer>;
+impl WithSimd for ChunkInFlight<'_> {
+    type Output = Option<ChunkResult>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
@@ -251,13 +252,13 @@ impl WithSimd for Flight<'_> {
     }
 }
 
-impl Flight<'_> {
+impl ChunkInFlight<'_> {
     #[inline(always)]
-    fn fixed<S: Simd>(self, set: S, steps: Steps) -> Option<Answer> {
-        let Chunk { question, recipe, .. } = *self.chunk;
+    fn fixed<S: Simd>(self, set: S, steps: Steps) -> Option<ChunkResult> {
+        let Chunk { question, config, .. } = *self.chunk;
         macro_rules! lanes {
             ($lanes:ident) => {
-                match steps.turning(question, recipe.precision) {
+                match steps.turning(question, config.precision) {
                     Turning::Small(2) => fixed::run::<$lanes<S>, 2>(set, self.chunk, steps),
                     Turning::Small(4) => fixed::run::<$lanes<S>, 4>(set, self.chunk, steps),
                     Turning::Small(6) => fixed::run::<$lanes<S>, 6>(set, self.chunk, steps),
@@ -265,18 +266,18 @@ impl Flight<'_> {
                 }
             };
         }
-        match recipe.precision {
+        match config.precision {
             Precision::F32 => lanes!(F32Lanes),
             _ => lanes!(F64Lanes),
         }
     }
 
     #[inline(always)]
-    fn adaptive<S: Simd>(self, set: S, pace: Adaptive) -> Option<Answer> {
+    fn adaptive<S: Simd>(self, set: S, pace: Adaptive) -> Option<ChunkResult> {
         let chunk = self.chunk;
-        match (chunk.recipe.method, chunk.recipe.precision) {
+        match (chunk.config.method, chunk.config.precision) {
             (Method::Dopri5 { .. }, Precision::F32) => {
-                adaptive::run::<Kept<F32Lanes<S>>, Fifth>(set, chunk, pace)
+                adaptive::run::<Compensated<F32Lanes<S>>, Fifth>(set, chunk, pace)
             }
             (Method::Dopri5 { .. }, _) => adaptive::run::<F64Lanes<S>, Fifth>(set, chunk, pace),
             (Method::Extrapolation { .. }, _) => {
@@ -289,7 +290,9 @@ impl Flight<'_> {
             (Method::Taylor { .. }, _) => {
                 taylor::run::<F64Lanes<S>, f64, { ORDER_F64 + 1 }>(set, chunk, pace, |high, _| high)
             }
-            (_, Precision::F32) => adaptive::run::<Kept<F32Lanes<S>>, Eighth>(set, chunk, pace),
+            (_, Precision::F32) => {
+                adaptive::run::<Compensated<F32Lanes<S>>, Eighth>(set, chunk, pace)
+            }
             _ => adaptive::run::<F64Lanes<S>, Eighth>(set, chunk, pace),
         }
     }

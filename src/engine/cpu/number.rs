@@ -97,15 +97,15 @@ macro_rules! operators {
 /// A number and what rounding took from it. Only [`Number::changed`] looks at the rest: sums
 /// over thousands of steps keep it, single right-hand sides are too short to need it.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept<L> {
+pub struct Compensated<L> {
     value: L,
     rest: L,
 }
 
-impl<L: Lanes> Kept<L> {
+impl<L: Lanes> Compensated<L> {
     #[inline(always)]
     fn new(value: L) -> Self {
-        Kept { value, rest: value.lit(0.0) }
+        Compensated { value, rest: value.lit(0.0) }
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -125,9 +125,9 @@ impl<L: Lanes> Kept<L> {
     }
 }
 
-operators!(Kept: Add add Sub sub Mul mul Div div);
+operators!(Compensated: Add add Sub sub Mul mul Div div);
 
-impl<L: Lanes> Neg for Kept<L> {
+impl<L: Lanes> Neg for Compensated<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -135,7 +135,7 @@ impl<L: Lanes> Neg for Kept<L> {
     }
 }
 
-impl<L: Lanes> Real for Kept<L> {
+impl<L: Lanes> Real for Compensated<L> {
     #[inline(always)]
     fn lit(self, value: f64) -> Self {
         Self::new(self.value.lit(value))
@@ -146,12 +146,12 @@ impl<L: Lanes> Real for Kept<L> {
     }
 }
 
-impl<S: Simd> Number for Kept<F32Lanes<S>> {
+impl<S: Simd> Number for Compensated<F32Lanes<S>> {
     type Leading = F32Lanes<S>;
 
     #[inline(always)]
     fn load(set: S, high: &[f64], low: &[f64]) -> Self {
-        Kept { value: Lanes::load(set, high), rest: Lanes::load(set, low) }
+        Compensated { value: Lanes::load(set, high), rest: Lanes::load(set, low) }
     }
     #[inline(always)]
     fn store(self, high: &mut [f64], low: &mut [f64]) {
@@ -168,7 +168,7 @@ impl<S: Simd> Number for Kept<F32Lanes<S>> {
     }
     #[inline(always)]
     fn select(self, test: Self::Leading, other: Self) -> Self {
-        Kept {
+        Compensated {
             value: Lanes::select(self.value, test, other.value),
             rest: Lanes::select(self.rest, test, other.rest),
         }
@@ -178,7 +178,7 @@ impl<S: Simd> Number for Kept<F32Lanes<S>> {
         let mut next = *phase;
         for i in 0..6 {
             let (value, rest) = phase[i].value.fast_two_sum(phase[i].rest + change[i].value);
-            next[i] = Kept { value, rest };
+            next[i] = Compensated { value, rest };
         }
         next
     }

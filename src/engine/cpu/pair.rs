@@ -5,15 +5,15 @@ use std::sync::LazyLock;
 
 use super::lanes::Lanes;
 use crate::engine::method::COLUMNS;
+use crate::physics::crossing::{FAR, SLACK, StepCrossing, StepState, within};
 use crate::physics::embedded::{Trial, dop853, dopri5, plus, quartic, square};
 use crate::physics::extrapolation::{self, Weights};
-use crate::physics::passage::{FAR, Moment, Passed, SLACK, within};
 use crate::physics::phase::Phase;
 use crate::physics::polynomial::course;
 use crate::physics::{Dd, Pendulum, Real};
 
 /// An embedded pair, for every number type.
-pub trait Pair {
+pub trait EmbeddedPair {
     /// A step that may be taken.
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
@@ -27,32 +27,32 @@ pub trait Pair {
     fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L;
 
     /// What became of a bob in a step of one pendulum.
-    fn look(step: &Step, bob: usize) -> Passed<f64>;
+    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64>;
 }
 
 /// One pendulum's step, in f64.
-pub struct Step<'a> {
+pub struct LaneStep<'a> {
     pub pendulum: &'a Pendulum<f64>,
     pub inverse_scale: [f64; 2],
-    pub before: Moment<f64>,
-    pub after: Moment<f64>,
+    pub before: StepState<f64>,
+    pub after: StepState<f64>,
     pub length: f64,
 }
 
-impl Step<'_> {
+impl LaneStep<'_> {
     /// The moment after a step from the same beginning that is shorter.
-    pub fn shortened<P: Pair>(&self, fraction: f64) -> Moment<f64> {
+    pub fn shortened<P: EmbeddedPair>(&self, fraction: f64) -> StepState<f64> {
         let begin = &self.before.phase;
         let trial = P::trial(self.pendulum, self.inverse_scale, begin, self.length * fraction);
         let phase = plus(begin, &trial.change);
-        Moment { phase, speed: self.pendulum.speeds(&phase) }
+        StepState { phase, speed: self.pendulum.speeds(&phase) }
     }
 }
 
 /// DOPRI5, and the top on the quartic that it gives over its step.
 pub struct Fifth;
 
-impl Pair for Fifth {
+impl EmbeddedPair for Fifth {
     #[inline(always)]
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
@@ -70,17 +70,17 @@ impl Pair for Fifth {
         inward(y1).min(inward(y2)).min(inward(y3)).min(inward(y4))
     }
 
-    fn look(step: &Step, bob: usize) -> Passed<f64> {
-        let Step { before, after, length, .. } = step;
+    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
+        let LaneStep { before, after, length, .. } = step;
         let trial = dopri5(step.pendulum, step.inverse_scale, &before.phase, *length);
         let (x, y) = (2 * bob, 2 * bob + 1);
-        let rise = |moment: &Moment<f64>| moment.speed[bob] * moment.phase[x] * length;
+        let rise = |moment: &StepState<f64>| moment.speed[bob] * moment.phase[x] * length;
         let ends = [before.phase[y], after.phase[y]];
         let control = quartic(ends, [rise(before), rise(after)], trial.bow[bob]);
         let side = control.iter().find(|&&y| y != 0.0).map_or(1.0, |y| y.signum());
         let at = |fraction: f64| before.phase[x] + (after.phase[x] - before.phase[x]) * fraction;
         let fraction = course(&control, side).change.filter(|&fraction| at(fraction) < 0.0);
-        Passed { fraction, clearance: FAR }
+        StepCrossing { fraction, clearance: FAR }
     }
 }
 
@@ -89,7 +89,7 @@ pub struct Midpoints;
 
 static WEIGHTS: LazyLock<Weights<Dd, COLUMNS>> = LazyLock::new(Weights::new);
 
-impl Pair for Midpoints {
+impl EmbeddedPair for Midpoints {
     #[inline(always)]
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
@@ -109,7 +109,7 @@ impl Pair for Midpoints {
         Eighth::clearance(y, rise, bow)
     }
 
-    fn look(step: &Step, bob: usize) -> Passed<f64> {
+    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
         let at = |fraction| step.shortened::<Midpoints>(fraction);
         within(at, bob, &step.before, &step.after, step.length)
     }
@@ -118,7 +118,7 @@ impl Pair for Midpoints {
 /// DOP853, and the top by shorter and shorter steps.
 pub struct Eighth;
 
-impl Pair for Eighth {
+impl EmbeddedPair for Eighth {
     #[inline(always)]
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
@@ -141,7 +141,7 @@ impl Pair for Eighth {
         least - bend * y0.lit(SLACK)
     }
 
-    fn look(step: &Step, bob: usize) -> Passed<f64> {
+    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
         let at = |fraction| step.shortened::<Eighth>(fraction);
         within(at, bob, &step.before, &step.after, step.length)
     }

@@ -2,18 +2,18 @@
 //! to double-double. Passes of the top are proved on the step's polynomials, not sampled.
 
 use super::adaptive::{finish_those_over, idle};
-use super::flock::{Answer, Chunk, Flock, PATIENCE};
+use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
 use crate::engine::End;
 use crate::engine::method::Adaptive;
 use crate::engine::start::{TIME, TIME_LOW};
 use crate::physics::control::LONGEST;
+use crate::physics::crossing::FAR;
 use crate::physics::embedded::plus;
-use crate::physics::passage::FAR;
 use crate::physics::phase::Phase;
 use crate::physics::polynomial::{bernstein, course, evaluate, halves};
-use crate::physics::series::Series;
+use crate::physics::series::MotionSeries;
 use crate::physics::{Dd, Real, Scalar};
 
 /// Runs a chunk in lanes of `N`, with expansions of `M` coefficients; one lane's numbers are
@@ -24,51 +24,51 @@ pub fn run<N: Number, T: Scalar, const M: usize>(
     chunk: &Chunk,
     adaptive: Adaptive,
     from_parts: fn(f64, f64) -> T,
-) -> Option<Answer> {
+) -> Option<ChunkResult> {
     let (reduced, _) = chunk.question.reduced_in::<Dd>();
     let lanes = |value: f64| [value; MOST_LANES];
     let pendulum = reduced.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
     let inverse_scale = reduced.to_f64().momentum_scale().map(|scale| 1.0 / scale);
-    let mut flock = Flock::new(chunk, <N::Leading as Lanes>::COUNT, idle());
-    finish_those_over(&mut flock, &adaptive);
-    while flock.is_busy() {
-        if flock.is_cancelled() {
+    let mut scheduler = LaneScheduler::new(chunk, <N::Leading as Lanes>::COUNT, idle());
+    finish_those_over(&mut scheduler, &adaptive);
+    while scheduler.is_busy() {
+        if scheduler.is_cancelled() {
             return None;
         }
-        let mut herd = Herd::<N>::load(set, &flock);
+        let mut state = TaylorLaneState::<N>::load(set, &scheduler);
         let mut taken = 0;
         loop {
-            let series = Series::<N, M>::expand(&pendulum, &herd.phase);
+            let series = MotionSeries::<N, M>::expand(&pendulum, &state.phase);
             let length = step_length(&series, inverse_scale, adaptive.control.start * 0.5);
-            let next = plus(&herd.phase, &series.change(N::exactly(length)));
+            let next = plus(&state.phase, &series.change(N::exactly(length)));
             let clearance = clearance(chunk, &series, &next, length);
             taken += 1;
             if clearance.smallest() <= 0.0 {
-                let flips = flips_in_step(&mut flock, &series, length, clearance, from_parts);
+                let flips = flips_in_step(&mut scheduler, &series, length, clearance, from_parts);
                 if flips.iter().any(Option::is_some) {
-                    herd.finish_step(&mut flock, next, length, taken, flips, &adaptive);
+                    state.finish_step(&mut scheduler, next, length, taken, flips, &adaptive);
                     break;
                 }
             } else {
-                keep_least(&mut flock, clearance);
+                keep_least(&mut scheduler, clearance);
             }
-            herd.advance(next, length);
-            if taken == PATIENCE || herd.time.largest() >= adaptive.budget {
-                herd.store(&mut flock.rows);
-                flock.count_steps(taken);
+            state.advance(next, length);
+            if taken == PATIENCE || state.time.largest() >= adaptive.budget {
+                state.store(&mut scheduler.rows);
+                scheduler.count_steps(taken);
                 break;
             }
         }
-        finish_those_over(&mut flock, &adaptive);
+        finish_those_over(&mut scheduler, &adaptive);
     }
-    Some(flock.answer)
+    Some(scheduler.answer)
 }
 
 /// The length at which the last two orders promise errors of the tolerance (whose log₂ is
 /// given): Jorba and Zou's rule, with momenta in units of their scale.
 #[inline(always)]
 fn step_length<N: Number, const M: usize>(
-    series: &Series<N, M>,
+    series: &MotionSeries<N, M>,
     inverse_scale: [f64; 2],
     log2_tolerance: f64,
 ) -> N::Leading {
@@ -93,7 +93,7 @@ fn step_length<N: Number, const M: usize>(
 #[inline(always)]
 fn clearance<N: Number, const M: usize>(
     chunk: &Chunk,
-    series: &Series<N, M>,
+    series: &MotionSeries<N, M>,
     next: &Phase<N>,
     length: N::Leading,
 ) -> N::Leading {
@@ -129,8 +129,8 @@ type Flips = [Option<(f64, Phase<f64>)>; MOST_LANES];
 /// Looks for passes in the lanes that may have made one.
 #[inline(always)]
 fn flips_in_step<N: Number, T: Scalar, const M: usize>(
-    flock: &mut Flock,
-    series: &Series<N, M>,
+    scheduler: &mut LaneScheduler,
+    series: &MotionSeries<N, M>,
     length: N::Leading,
     clearance: N::Leading,
     from_parts: fn(f64, f64) -> T,
@@ -140,9 +140,9 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     length.store(&mut lengths);
     let all = [0, 1, 2, 3, 4, 5].map(|i| rows(&series.phase[i]));
     let mut flips = [None; MOST_LANES];
-    for lane in flock.running() {
+    for lane in scheduler.running() {
         if bounds[lane] > 0.0 {
-            flock.clearance[lane] = flock.clearance[lane].min(bounds[lane]);
+            scheduler.clearance[lane] = scheduler.clearance[lane].min(bounds[lane]);
             continue;
         }
         let length = T::from_f64(lengths[lane]);
@@ -150,9 +150,9 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
             std::array::from_fn(|k| from_parts(all[i][k][0][lane], all[i][k][1][lane]))
         };
         let mut first: Option<T> = None;
-        for &bob in flock.chunk.question.rule.watched() {
+        for &bob in scheduler.chunk.question.rule.watched() {
             let (passed, nearest) = passage_of_top(&one(2 * bob), &one(2 * bob + 1), length);
-            flock.clearance[lane] = flock.clearance[lane].min(nearest);
+            scheduler.clearance[lane] = scheduler.clearance[lane].min(nearest);
             first = [first, passed].into_iter().flatten().reduce(|a, b| if b < a { b } else { a });
         }
         flips[lane] = first.map(|time| {
@@ -202,10 +202,10 @@ fn passage_of_top<T: Scalar, const M: usize>(
 
 /// Keeps how near the lanes came to the top.
 #[inline(always)]
-fn keep_least<L: Lanes>(flock: &mut Flock, clearance: L) {
+fn keep_least<L: Lanes>(scheduler: &mut LaneScheduler, clearance: L) {
     let mut bounds = [FAR; MOST_LANES];
     clearance.store(&mut bounds);
-    for (kept, bound) in flock.clearance.iter_mut().zip(bounds) {
+    for (kept, bound) in scheduler.clearance.iter_mut().zip(bounds) {
         *kept = kept.min(bound);
     }
 }
@@ -225,17 +225,17 @@ fn rows<N: Number, const M: usize>(series: &[N; M]) -> Rows<M> {
 
 /// The lanes in registers.
 #[derive(Clone, Copy)]
-struct Herd<N: Number> {
+struct TaylorLaneState<N: Number> {
     phase: Phase<N>,
     time: N::Leading,
     time_low: N::Leading,
 }
 
-impl<N: Number> Herd<N> {
+impl<N: Number> TaylorLaneState<N> {
     #[inline(always)]
-    fn load(set: <N::Leading as Lanes>::Set, flock: &Flock) -> Self {
-        let rows = &flock.rows;
-        Herd {
+    fn load(set: <N::Leading as Lanes>::Set, scheduler: &LaneScheduler) -> Self {
+        let rows = &scheduler.rows;
+        TaylorLaneState {
             phase: load_phase(set, rows),
             time: Lanes::load(set, &rows[TIME]),
             time_low: Lanes::load(set, &rows[TIME_LOW]),
@@ -260,25 +260,25 @@ impl<N: Number> Herd<N> {
     #[inline(always)]
     fn finish_step(
         &mut self,
-        flock: &mut Flock,
+        scheduler: &mut LaneScheduler,
         next: Phase<N>,
         length: N::Leading,
         taken: u32,
         flips: Flips,
         adaptive: &Adaptive,
     ) {
-        self.store(&mut flock.rows);
-        let before = flock.rows;
+        self.store(&mut scheduler.rows);
+        let before = scheduler.rows;
         self.advance(next, length);
-        self.store(&mut flock.rows);
-        flock.count_steps(taken);
-        for lane in flock.running() {
+        self.store(&mut scheduler.rows);
+        scheduler.count_steps(taken);
+        for lane in scheduler.running() {
             if let Some((into_step, phase)) = flips[lane] {
                 let numbers = before.map(|row| row[lane]);
-                flock.put(lane, numbers);
+                scheduler.put(lane, numbers);
                 let time = numbers[TIME] + (numbers[TIME_LOW] + into_step);
-                let end = End { time, phase, clearance: flock.clearance[lane], ..End::NOWHERE };
-                flock.finish(lane, adaptive.outcome_of_pass(time), end);
+                let end = End { time, phase, clearance: scheduler.clearance[lane], ..End::NOWHERE };
+                scheduler.finish(lane, adaptive.outcome_of_pass(time), end);
             }
         }
     }

@@ -1,14 +1,14 @@
 //! An engine for starts too close together for the number types of engines.
 //!
-//! It wraps another one. The cells that deep starts lie in are followed by [`tree`] on threads of
+//! It wraps another one. The cells that deep starts lie in are followed by [`splitting`] on threads of
 //! its own, up to where polynomials end; what becomes known on the way is answered, and the rest
 //! goes to the wrapped engine as pendulums on their way, for which any number type will do.
 //! All other jobs are passed on.
 
-mod chart;
-mod facts;
+mod domain_splitting;
 mod following;
-mod tree;
+mod start_map;
+mod stats;
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,13 +16,13 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use self::chart::{Begun, Chart};
-pub use self::facts::Depth;
+use self::domain_splitting::{DomainSplitting, SplitRequest};
 pub use self::following::Following;
-use self::tree::{Tree, Wanted};
+use self::start_map::{MappedStart, StartMap};
+pub use self::stats::DepthStats;
 use super::{
-    Deep, Effort, End, Engine, EngineError, Finished, Job, Keep, Leaf, Moving, Question, Recipe,
-    Starts, Wait,
+    Deep, Effort, End, Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Leaf, Moving,
+    Question, Starts, Wait,
 };
 use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::lattice::{Cell, side_rad};
@@ -31,7 +31,7 @@ use crate::scene::lattice::{Cell, side_rad};
 pub struct DepthEngine<'a> {
     inner: Box<dyn Engine + 'a>,
     pool: rayon::ThreadPool,
-    trees: Trees,
+    splittings: Splittings,
     /// Deep jobs by name: some are being followed, others are with the wrapped engine.
     deep: HashMap<u64, Awaited>,
     /// Jobs that the wrapped engine has no slot for.
@@ -44,10 +44,10 @@ pub struct DepthEngine<'a> {
     receiver: Receiver<Followed>,
 }
 
-/// The trees of every pendulum and rule met so far, the latest last.
-type Trees = Arc<Mutex<Vec<Arc<Tree>>>>;
+/// The splittings of every pendulum and rule met so far, the latest last.
+type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
 
-/// More trees are not kept.
+/// More splittings are not kept.
 const MOST_TREES: usize = 4;
 
 /// What a deep job waits to be merged with.
@@ -84,7 +84,7 @@ impl<'a> DepthEngine<'a> {
         Ok(DepthEngine {
             inner,
             pool,
-            trees: Trees::default(),
+            splittings: Splittings::default(),
             deep: HashMap::new(),
             waiting: VecDeque::new(),
             flying: 0,
@@ -104,13 +104,13 @@ impl<'a> DepthEngine<'a> {
 
     fn follow(&mut self, job: Job) {
         let Starts::Deep(deep) = &job.starts else { return };
-        let tree = tree_of(&self.trees, &job.question, deep.strict);
+        let splitting = tree_of(&self.splittings, &job.question, deep.strict);
         let (sender, cancelled) = (self.sender.clone(), self.cancelled.clone());
         let told = self.told.clone();
         self.deep.insert(job.id, Awaited::default());
         self.following += 1;
         self.pool.spawn_fifo(move || {
-            if let Some(followed) = followed(job, &tree, &cancelled, &told) {
+            if let Some(followed) = followed(job, &splitting, &cancelled, &told) {
                 // Nobody listens any more once that is cancelled.
                 let _ = sender.send(followed);
             }
@@ -118,13 +118,13 @@ impl<'a> DepthEngine<'a> {
     }
 
     /// Passes on what has to be integrated; a job of which all is known is finished.
-    fn take_followed(&mut self, followed: Followed) -> Option<Finished> {
+    fn take_followed(&mut self, followed: Followed) -> Option<JobResult> {
         self.following -= 1;
         let Followed { job, outcomes, ends, moving, effort } = followed;
         if moving.is_empty() {
             self.deep.remove(&job.id);
             let ends = if job.keep == Keep::Ends { ends } else { Vec::new() };
-            return Some(Finished { id: job.id, outcomes, ends, effort, ..Finished::default() });
+            return Some(JobResult { id: job.id, outcomes, ends, effort, ..JobResult::default() });
         }
         let states = moving.iter().map(|(_, state)| *state).collect();
         self.deep.insert(job.id, Awaited { outcomes, ends, moving, effort });
@@ -133,7 +133,7 @@ impl<'a> DepthEngine<'a> {
     }
 
     /// An answer of the wrapped engine, put where it belongs.
-    fn take_finished(&mut self, finished: Finished) -> Finished {
+    fn take_finished(&mut self, finished: JobResult) -> JobResult {
         self.flying -= 1;
         let Some(Awaited { mut outcomes, mut ends, moving, mut effort }) =
             self.deep.remove(&finished.id)
@@ -152,7 +152,7 @@ impl<'a> DepthEngine<'a> {
         }
         let unfinished = finished.unfinished.into_iter().map(|(k, state)| (moving[k].0, state));
         effort += finished.effort;
-        Finished { outcomes, ends, unfinished: unfinished.collect(), effort, ..finished }
+        JobResult { outcomes, ends, unfinished: unfinished.collect(), effort, ..finished }
     }
 
     /// Keeps the wrapped engine's slots full.
@@ -166,23 +166,23 @@ impl<'a> DepthEngine<'a> {
     }
 }
 
-/// The tree of a question, made if there is none.
-fn tree_of(trees: &Trees, question: &Question, strict: bool) -> Arc<Tree> {
-    let mut trees = trees.lock().unwrap_or_else(|broken| broken.into_inner());
-    if let Some(tree) = trees.iter().find(|tree| tree.is_of(question, strict)) {
-        return tree.clone();
+/// The splitting of a question, made if there is none.
+fn tree_of(splittings: &Splittings, question: &Question, strict: bool) -> Arc<DomainSplitting> {
+    let mut splittings = splittings.lock().unwrap_or_else(|broken| broken.into_inner());
+    if let Some(splitting) = splittings.iter().find(|splitting| splitting.is_of(question, strict)) {
+        return splitting.clone();
     }
-    if trees.len() == MOST_TREES {
-        trees.remove(0);
+    if splittings.len() == MOST_TREES {
+        splittings.remove(0);
     }
-    trees.push(Arc::new(Tree::new(question, strict)));
-    trees[trees.len() - 1].clone()
+    splittings.push(Arc::new(DomainSplitting::new(question, strict)));
+    splittings[splittings.len() - 1].clone()
 }
 
 /// Follows the cells of a job and begins its starts there; nothing once that is cancelled.
 fn followed(
     mut job: Job,
-    tree: &Tree,
+    splitting: &DomainSplitting,
     cancelled: &AtomicBool,
     told: &Following,
 ) -> Option<Followed> {
@@ -192,37 +192,37 @@ fn followed(
     let question = job.question;
     let (_, unit_secs) = question.reduced();
     let level = deep.leaves.first().map_or(0, |leaf| leaf.cell.level);
-    let wanted = Wanted { level, budget: question.budget_secs / unit_secs, cancelled, told };
+    let wanted = SplitRequest { level, budget: question.budget_secs / unit_secs, cancelled, told };
     let cells: Vec<Cell> = deep.leaves.iter().map(|leaf| leaf.cell).collect();
-    let charts = tree.charts(&cells, wanted)?;
+    let start_maps = splitting.start_maps(&cells, wanted)?;
     let (mut outcomes, mut ends, mut moving) = (Vec::new(), Vec::new(), Vec::new());
-    let mut depth = Depth::NOTHING;
+    let mut depth = DepthStats::NOTHING;
     for Leaf { cell, points } in &deep.leaves {
         let before = moving.len();
         for &at in points {
-            match charts[cell].start(&tree.law, &question, unit_secs, at) {
-                Begun::Known(outcome, end) => {
+            match start_maps[cell].start(&splitting.dynamics, &question, unit_secs, at) {
+                MappedStart::Known(outcome, end) => {
                     outcomes.push(outcome);
                     ends.push(end);
                 }
-                Begun::Moving(state) => {
+                MappedStart::Moving(state) => {
                     moving.push((outcomes.len(), state));
                     outcomes.push(Outcome::without_time(Status::Unflipped));
                     ends.push(End::NOWHERE);
                 }
             }
         }
-        if let Chart::Part { ended, .. } = &charts[cell] {
-            let secs = ended.sheet.time.0 * unit_secs;
-            depth = depth.and(Depth {
-                digits: tree.digits(level),
+        if let StartMap::Part { ended, .. } = &start_maps[cell] {
+            let secs = ended.patch.time.0 * unit_secs;
+            depth = depth.and(DepthStats {
+                digits: splitting.digits(level),
                 integrated: (moving.len() - before) as u64,
                 begins_secs: if moving.len() > before {
                     [secs; 2]
                 } else {
-                    Depth::NOTHING.begins_secs
+                    DepthStats::NOTHING.begins_secs
                 },
-                decades_a_second: ended.decades_a_second(&tree.law, secs),
+                decades_a_second: ended.decades_a_second(&splitting.dynamics, secs),
             });
         }
     }
@@ -275,7 +275,7 @@ impl Engine for DepthEngine<'_> {
         self.feed()
     }
 
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         let mut finished = Vec::new();
         loop {
             while let Ok(followed) = self.receiver.try_recv() {
@@ -332,8 +332,8 @@ impl Engine for DepthEngine<'_> {
         self.inner.adapter()
     }
 
-    fn offers(&self, recipe: &Recipe) -> bool {
-        self.inner.offers(recipe)
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        self.inner.offers(config)
     }
 }
 

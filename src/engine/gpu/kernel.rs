@@ -1,4 +1,4 @@
-//! The text of a kernel: the shader files glued together for one scene and recipe, with the
+//! The text of a kernel: the shader files glued together for one scene and config, with the
 //! maths of `physics` printed into them.
 
 use std::collections::BTreeMap;
@@ -10,9 +10,9 @@ use serde::Serialize;
 use super::maths;
 use crate::engine::method::Pace;
 use crate::engine::start::{ANGLES, PHASE};
-use crate::engine::{EngineError, Method, Precision, Question, Recipe};
+use crate::engine::{EngineError, IntegratorConfig, Method, Precision, Question};
 use crate::physics::control::{Control, GROW, LONGEST, SHRINK};
-use crate::physics::passage::{FAR, SLACK};
+use crate::physics::crossing::{FAR, SLACK};
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
@@ -59,10 +59,14 @@ pub struct Design {
 
 impl Design {
     /// The kernel made for a question and nothing else.
-    pub fn specialised(self, question: &Question, recipe: &Recipe) -> Result<Self, EngineError> {
-        let scheme = match (self.scheme, Pace::new(question, recipe)?) {
+    pub fn specialised(
+        self,
+        question: &Question,
+        config: &IntegratorConfig,
+    ) -> Result<Self, EngineError> {
+        let scheme = match (self.scheme, Pace::new(question, config)?) {
             (Scheme::Fixed(_), Pace::Fixed(steps)) => {
-                Scheme::Fixed(steps.turning(question, recipe.precision))
+                Scheme::Fixed(steps.turning(question, config.precision))
             }
             (scheme, _) => scheme,
         };
@@ -72,12 +76,12 @@ impl Design {
 
     /// The kernel that takes any question.
     pub fn general(
-        recipe: &Recipe,
+        config: &IntegratorConfig,
         compensated: bool,
         subgroups: bool,
     ) -> Result<Self, EngineError> {
-        let scheme = match recipe.method {
-            Method::Rk4 { .. } if recipe.precision != Precision::Df32 => {
+        let scheme = match config.method {
+            Method::Rk4 { .. } if config.precision != Precision::Df32 => {
                 Scheme::Fixed(Turning::Fresh)
             }
             Method::Dopri5 { .. } => Scheme::Fifth,
@@ -86,13 +90,13 @@ impl Design {
                 return Err(EngineError::Unsupported(format!(
                     "graphics adapters have no --method {} in --precision {}",
                     method.name(),
-                    recipe.precision
+                    config.precision
                 )));
             }
         };
         Ok(Design {
-            precision: recipe.precision,
-            compensated: compensated && recipe.precision == Precision::F32,
+            precision: config.precision,
+            compensated: compensated && config.precision == Precision::F32,
             subgroups,
             scheme,
             scene: None,

@@ -10,7 +10,7 @@ use crate::physics::trig::Turning;
 use crate::physics::{Angle, Pendulum, Real, State, integrator};
 
 /// An embedded pair on symbols.
-type Pair = fn(&Pendulum<Symbol>, [Symbol; 2], &Phase<Symbol>, Symbol) -> Trial<Symbol>;
+type SymbolicPair = fn(&Pendulum<Symbol>, [Symbol; 2], &Phase<Symbol>, Symbol) -> Trial<Symbol>;
 
 const INDENT: &str = "        ";
 
@@ -66,7 +66,7 @@ impl Design {
         })
     }
 
-    fn adaptive_step(&self, pair: Pair) -> String {
+    fn adaptive_step(&self, pair: SymbolicPair) -> String {
         const NAMES: Phase<&str> = ["x1", "y1", "x2", "y2", "p1", "p2"];
         const LOWS: Phase<&str> = ["x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low"];
         write_maths(self.dialect(), || {
@@ -107,7 +107,7 @@ impl Design {
         })
     }
 
-    /// Whether a watched bob may have been at the top (twin: `flip::may_pass`).
+    /// Whether a watched bob may have been at the top (counterpart: `flip::may_pass`).
     pub fn may_pass(&self) -> String {
         let one = |bob: &usize| {
             let (t, w) = (format!("t{bob}"), format!("w{bob}"));

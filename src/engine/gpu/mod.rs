@@ -17,9 +17,9 @@ use std::time::{Duration, Instant};
 use self::device::Gpu;
 use self::kernel::Design;
 use self::pipeline::Kernel;
-use self::slot::{Landed, Ran, Slot};
+use self::slot::{FinishedSlice, Slot, SlotEvent};
 use super::selfcheck::{self, Check, Verdict};
-use super::{Engine, EngineError, Finished, Job, Recipe, Starts, Wait, start};
+use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait, start};
 
 /// Jobs on the device at a time.
 const SLOTS: usize = 2;
@@ -78,14 +78,14 @@ impl GpuEngine {
     }
 
     /// Whether any adapter has the method in the precision.
-    pub fn has(recipe: &Recipe) -> bool {
-        Design::general(recipe, false, false).is_ok()
+    pub fn has(config: &IntegratorConfig) -> bool {
+        Design::general(config, false, false).is_ok()
     }
 
-    /// Refuses a recipe that the kernels do not have or the device is not trusted with.
-    pub fn require(&self, recipe: &Recipe) -> Result<(), EngineError> {
-        Design::general(recipe, false, false)?;
-        self.verdict.require(recipe.precision).map_err(EngineError::Unsupported)
+    /// Refuses a config that the kernels do not have or the device is not trusted with.
+    pub fn require(&self, config: &IntegratorConfig) -> Result<(), EngineError> {
+        Design::general(config, false, false)?;
+        self.verdict.require(config.precision).map_err(EngineError::Unsupported)
     }
 
     /// Takes more checks into account.
@@ -101,10 +101,10 @@ impl GpuEngine {
     }
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
-        self.require(&job.recipe)?;
+        self.require(&job.config)?;
         let general =
-            Design::general(&job.recipe, self.verdict.compensated, self.gpu.has_subgroups())?;
-        if self.specialise { general.specialised(&job.question, &job.recipe) } else { Ok(general) }
+            Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
+        if self.specialise { general.specialised(&job.question, &job.config) } else { Ok(general) }
     }
 
     /// The place of the job's kernel in the list, compiled if it is new.
@@ -127,20 +127,20 @@ impl GpuEngine {
     }
 
     /// Takes all that has been read back and submits what follows from it.
-    fn land(&mut self) -> Vec<Finished> {
+    fn land(&mut self) -> Vec<JobResult> {
         let mut finished = Vec::new();
         for mut slot in std::mem::take(&mut self.slots) {
             match slot.land(&self.gpu) {
-                Landed::InFlight => {}
-                Landed::Slice(ran) => {
+                SlotEvent::InFlight => {}
+                SlotEvent::Slice(ran) => {
                     self.measure(&ran);
                     let steps = self.slice_steps(&slot);
                     slot.submit_slice(&self.gpu, &self.kernels[slot.kernel], steps);
                 }
-                Landed::Complete(ran) => self.measure(&ran),
+                SlotEvent::Complete(ran) => self.measure(&ran),
                 // The device may not have said yet that it is lost; it is of no use either way.
-                Landed::Failed => self.gpu.give_up(),
-                Landed::Answer(answer) => {
+                SlotEvent::Failed => self.gpu.give_up(),
+                SlotEvent::Answer(answer) => {
                     finished.push(answer);
                     continue;
                 }
@@ -152,7 +152,7 @@ impl GpuEngine {
 
     /// Learns how long a step takes from how long a slice ran: since its submission, or since
     /// the slice before it ended.
-    fn measure(&mut self, ran: &Ran) {
+    fn measure(&mut self, ran: &FinishedSlice) {
         let now = Instant::now();
         let began = self.last_landing.map_or(ran.since, |last| last.max(ran.since));
         self.last_landing = Some(now);
@@ -208,7 +208,7 @@ impl Engine for GpuEngine {
         self.start(job)
     }
 
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         loop {
             let _ = self.gpu.device.poll(wgpu::PollType::Poll);
             let finished = self.land();
@@ -238,8 +238,8 @@ impl Engine for GpuEngine {
         "gpu"
     }
 
-    fn offers(&self, recipe: &Recipe) -> bool {
-        self.require(recipe).is_ok()
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        self.require(config).is_ok()
     }
 
     fn adapter(&self) -> String {

@@ -14,8 +14,8 @@ use super::pipeline::Kernel;
 use crate::engine::method::Pace;
 use crate::engine::shared::{JobHead, JobScene, Queue, RawOutcome, to_parts};
 use crate::engine::start::{self, places};
-use crate::engine::{EngineError, Finished, Job, Keep, Paused, Precision, Starts};
-use crate::physics::passage::FAR;
+use crate::engine::{EngineError, IntegratorState, Job, JobResult, Keep, Precision, Starts};
+use crate::physics::crossing::FAR;
 
 /// A job on the device. Slices are submitted one at a time; each leaves behind how many
 /// pendulums still run, and the last one is followed by the outcomes.
@@ -34,7 +34,7 @@ pub struct Slot {
     running: u32,
     buffers: Buffers,
     groups: [wgpu::BindGroup; 2],
-    flight: Option<Flight>,
+    flight: Option<Submission>,
 }
 
 struct Buffers {
@@ -51,7 +51,7 @@ struct Buffers {
 }
 
 /// A submission whose read-back has not come yet.
-struct Flight {
+struct Submission {
     submission: wgpu::SubmissionIndex,
     since: Instant,
     mapped: Arc<AtomicU8>,
@@ -59,7 +59,7 @@ struct Flight {
 }
 
 /// A slice that has run.
-pub struct Ran {
+pub struct FinishedSlice {
     /// When it was submitted.
     pub since: Instant,
     /// Steps of all its pendulums together, at most.
@@ -67,15 +67,15 @@ pub struct Ran {
 }
 
 /// What a slot has come to.
-pub enum Landed {
+pub enum SlotEvent {
     /// Nothing new.
     InFlight,
     /// A slice is done; more are needed.
-    Slice(Ran),
+    Slice(FinishedSlice),
     /// All pendulums are done; the answer has been asked for.
-    Complete(Ran),
+    Complete(FinishedSlice),
     /// The answer.
-    Answer(Finished),
+    Answer(JobResult),
     /// The read-back failed.
     Failed,
 }
@@ -84,7 +84,7 @@ impl Slot {
     /// Buffers for `job`, filled; the pendulums at their start.
     pub fn new(gpu: &Gpu, kernel: &Kernel, index: usize, job: Job) -> Result<Self, EngineError> {
         let pace = job.pace()?;
-        let places = places(&kernel.design.state(), job.recipe.precision);
+        let places = places(&kernel.design.state(), job.config.precision);
         let head = head(&job, &pace);
         let (buffers, groups) = make_buffers(gpu, kernel, &job, places.len())?;
         let slot = Slot {
@@ -127,18 +127,19 @@ impl Slot {
         let list: Vec<u32> = (0..self.head.count).collect();
         gpu.queue.write_buffer(&self.buffers.lists, 0, cast_slice(&list));
         match &self.job.starts {
-            Starts::Paused(paused) => self.write_states(gpu, paused),
+            Starts::Resumed(paused) => self.write_states(gpu, paused),
             // Refused when submitted, if they cannot be begun.
             _ => self.write_states(gpu, &start::states(&self.job).unwrap_or_default()),
         }
     }
 
-    fn write_states(&self, gpu: &Gpu, paused: &[Paused]) {
-        let part = |place: Option<usize>, p: &Paused| place.map_or(0.0, |place| p.numbers[place]);
+    fn write_states(&self, gpu: &Gpu, paused: &[IntegratorState]) {
+        let part =
+            |place: Option<usize>, p: &IntegratorState| place.map_or(0.0, |place| p.numbers[place]);
         let mut bytes: Vec<u8> = Vec::with_capacity(self.buffers.states.size() as usize);
         for &[high, low] in &self.places {
             for p in paused {
-                match self.job.recipe.precision {
+                match self.job.config.precision {
                     Precision::F32 => bytes.extend((part(high, p) as f32).to_le_bytes()),
                     Precision::Df32 => {
                         let parts = [high, low].map(|place| part(place, p) as f32);
@@ -206,7 +207,7 @@ impl Slot {
                 mapped.store(state, Ordering::Release);
             }
         });
-        self.flight = Some(Flight { submission, since: Instant::now(), mapped, answer });
+        self.flight = Some(Submission { submission, since: Instant::now(), mapped, answer });
     }
 
     /// Pendulums that still run.
@@ -220,32 +221,32 @@ impl Slot {
     }
 
     /// Takes what has been read back.
-    pub fn land(&mut self, gpu: &Gpu) -> Landed {
-        let landed = |flight: &mut Flight| flight.mapped.load(Ordering::Acquire) != PENDING;
+    pub fn land(&mut self, gpu: &Gpu) -> SlotEvent {
+        let landed = |flight: &mut Submission| flight.mapped.load(Ordering::Acquire) != PENDING;
         let Some(flight) = self.flight.take_if(landed) else {
-            return Landed::InFlight;
+            return SlotEvent::InFlight;
         };
         if flight.mapped.load(Ordering::Acquire) == REFUSED {
-            return Landed::Failed;
+            return SlotEvent::Failed;
         }
         if flight.answer {
-            return self.read_answer().map_or(Landed::Failed, Landed::Answer);
+            return self.read_answer().map_or(SlotEvent::Failed, SlotEvent::Answer);
         }
         let Some(queue) = answer::read::<Queue>(&self.buffers.progress, 0, 1)
             .and_then(|read| read.first().copied())
         else {
-            return Landed::Failed;
+            return SlotEvent::Failed;
         };
         self.buffers.progress.unmap();
         let pendulum_steps = f64::from(self.running) * f64::from(self.head.slice_steps);
         self.lane_steps += pendulum_steps as u64;
-        let ran = Ran { since: flight.since, pendulum_steps };
+        let ran = FinishedSlice { since: flight.since, pendulum_steps };
         self.running = queue.lengths[1 - queue.turn as usize];
         if self.running > 0 {
-            return Landed::Slice(ran);
+            return SlotEvent::Slice(ran);
         }
         self.submit_answer(gpu);
-        Landed::Complete(ran)
+        SlotEvent::Complete(ran)
     }
 }
 
@@ -283,7 +284,7 @@ fn make_buffers(
     state_len: usize,
 ) -> Result<(Buffers, [wgpu::BindGroup; 2]), EngineError> {
     let count = job.starts.len() as u64;
-    let number = if job.recipe.precision == Precision::F32 { 4 } else { 8 };
+    let number = if job.config.precision == Precision::F32 { 4 } else { 8 };
     let state_bytes = count * number * state_len as u64;
     let outcome_bytes = count * size_of::<RawOutcome>() as u64;
     let storage = Usage::STORAGE | Usage::COPY_DST;

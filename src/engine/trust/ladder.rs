@@ -7,15 +7,15 @@
 
 use super::Trust;
 use crate::engine::level::{BALANCED, FAST};
-use crate::engine::{End, Method, Precision, Recipe};
+use crate::engine::{End, IntegratorConfig, Method, Precision};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
     /// How it is integrated.
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// From where.
-    pub from: From,
+    pub from: Origin,
     /// How far its start is moved, rad, or as a share of half a leaf of a start map: what growth makes
     /// of so small and known a displacement, it has made of errors.
     pub nudge: [f64; 2],
@@ -23,7 +23,7 @@ pub struct Run {
 
 /// Where a run's own integration begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum From {
+pub enum Origin {
     /// At the release.
     Rest,
     /// Where a start map ends.
@@ -40,23 +40,23 @@ pub struct Rung {
 }
 
 impl Run {
-    pub const fn new(recipe: Recipe, from: From) -> Self {
-        Run { recipe, from, nudge: [0.0; 2] }
+    pub const fn new(config: IntegratorConfig, from: Origin) -> Self {
+        Run { config, from, nudge: [0.0; 2] }
     }
 
     pub const fn nudged(self, nudge: [f64; 2]) -> Self {
         Run { nudge, ..self }
     }
 
-    /// About how far off its recipe is that begins at the release, rad.
+    /// About how far off its config is that begins at the release, rad.
     pub fn scale_from_rest(&self) -> f64 {
-        error_scale(&self.recipe)
+        error_scale(&self.config)
     }
 
     /// Whether it shares neither the method nor the start map with another one.
     pub fn is_independent_of(&self, other: &Run) -> bool {
-        let other_way = self.from != other.from || self.from == From::Rest;
-        other_way && self.recipe.method.name() != other.recipe.method.name()
+        let other_way = self.from != other.from || self.from == Origin::Rest;
+        other_way && self.config.method.name() != other.config.method.name()
     }
 
     /// The error scale, rad, of its answer that ended so; `leaf_half_rad` is half the side of the
@@ -64,9 +64,9 @@ impl Run {
     pub fn error_scale(&self, end: &End, leaf_half_rad: f64) -> f64 {
         let nudge = self.nudge[0].hypot(self.nudge[1]);
         match self.from {
-            From::Rest => error_scale(&self.recipe).max(nudge),
-            From::Map | From::StrictMap => {
-                let own = error_scale_after_a_map(&self.recipe) / end.grown;
+            Origin::Rest => error_scale(&self.config).max(nudge),
+            Origin::Map | Origin::StrictMap => {
+                let own = error_scale_after_a_map(&self.config) / end.grown;
                 own + leaf_half_rad * nudge.max(OF_MAPS)
             }
         }
@@ -83,10 +83,10 @@ fn rounding(precision: Precision) -> f64 {
     }
 }
 
-/// About how far off a recipe is that begins at the release.
-fn error_scale(recipe: &Recipe) -> f64 {
-    rounding(recipe.precision)
-        + match recipe.method {
+/// About how far off a config is that begins at the release.
+fn error_scale(config: &IntegratorConfig) -> f64 {
+    rounding(config.precision)
+        + match config.method {
             Method::Rk4 { .. } => 1e-3,
             Method::Dopri5 { tolerance } => 2.5 * tolerance,
             Method::Dop853 { tolerance } => 0.7 * tolerance,
@@ -95,10 +95,10 @@ fn error_scale(recipe: &Recipe) -> f64 {
         }
 }
 
-/// About how far off a recipe is in the state it begins with after a start map.
-fn error_scale_after_a_map(recipe: &Recipe) -> f64 {
-    rounding(recipe.precision)
-        + match recipe.method {
+/// About how far off a config is in the state it begins with after a start map.
+fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
+    rounding(config.precision)
+        + match config.method {
             Method::Rk4 { .. } => 1e-3,
             Method::Dopri5 { tolerance } => 10.0 * tolerance,
             Method::Dop853 { tolerance } => 100.0 * tolerance,
@@ -109,45 +109,46 @@ fn error_scale_after_a_map(recipe: &Recipe) -> f64 {
 /// About how far off start maps are, as a share of half a leaf.
 const OF_MAPS: f64 = 5e-11;
 
-/// A recipe whose errors are this far below those of a probe in f32 needs no finer first run.
+/// A config whose errors are this far below those of a probe in f32 needs no finer first run.
 const FINE: f64 = 1e-11;
 
-const fn f64_run(method: Method) -> Recipe {
-    Recipe { method, precision: Precision::F64 }
+const fn f64_run(method: Method) -> IntegratorConfig {
+    IntegratorConfig { method, precision: Precision::F64 }
 }
-const fn dd_run(method: Method) -> Recipe {
-    Recipe { method, precision: Precision::Dd }
+const fn dd_run(method: Method) -> IntegratorConfig {
+    IntegratorConfig { method, precision: Precision::Dd }
 }
 
 /// Finer than `balanced`, and a coarser one of another method.
-const FINER: Recipe = f64_run(Method::Dop853 { tolerance: 1e-14 });
-const OTHER: Recipe = f64_run(Method::Dopri5 { tolerance: 1e-10 });
+const FINER: IntegratorConfig = f64_run(Method::Dop853 { tolerance: 1e-14 });
+const OTHER: IntegratorConfig = f64_run(Method::Dopri5 { tolerance: 1e-10 });
 /// The finest in f64.
-const FINEST: Recipe = f64_run(Method::Taylor { tolerance: 1e-15 });
+const FINEST: IntegratorConfig = f64_run(Method::Taylor { tolerance: 1e-15 });
 /// In double-double: one that is far finer than f64, the finest, and one that checks that.
-const BEYOND: Recipe = dd_run(Method::Extrapolation { tolerance: 1e-20 });
-const LAST: Recipe = dd_run(Method::Taylor { tolerance: 1e-28 });
-const CHECK: Recipe = dd_run(Method::Extrapolation { tolerance: 1e-25 });
+const BEYOND: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-20 });
+const LAST: IntegratorConfig = dd_run(Method::Taylor { tolerance: 1e-28 });
+const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 });
 
 /// The rungs that are climbed one after the other, as long as a start is not sure; deep starts lie
 /// in leaves with half such a side. The first rung begins with the finest it has.
-pub fn rungs(recipe: &Recipe, leaf_half_rad: Option<f64>) -> Vec<Rung> {
+pub fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung> {
     match leaf_half_rad {
         Some(half) => deep_rungs(half),
-        None => rungs_from_rest(recipe),
+        None => rungs_from_rest(config),
     }
 }
 
-fn rungs_from_rest(recipe: &Recipe) -> Vec<Rung> {
-    let first = if error_scale(recipe) <= FINE { *recipe } else { BALANCED };
+fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
+    let first = if error_scale(config) <= FINE { *config } else { BALANCED };
     let probe = match first.method {
         // Another method than the first one's, with another test for passes.
-        Method::Dopri5 { tolerance: _ } => {
-            Recipe { method: Method::Dop853 { tolerance: 5e-8 }, precision: Precision::F32 }
-        }
+        Method::Dopri5 { tolerance: _ } => IntegratorConfig {
+            method: Method::Dop853 { tolerance: 5e-8 },
+            precision: Precision::F32,
+        },
         _ => FAST,
     };
-    let rest = |recipe| Run::new(recipe, From::Rest);
+    let rest = |config| Run::new(config, Origin::Rest);
     let rung = |trust, runs| Rung { runs, trust };
     vec![
         rung(Trust::Agreed, vec![rest(first), rest(probe)]),
@@ -171,8 +172,8 @@ fn rungs_from_rest(recipe: &Recipe) -> Vec<Rung> {
 const LEAST_FOR_DD: f64 = 1e-22;
 
 fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
-    let map = |recipe| Run::new(recipe, From::Map);
-    let strict = |recipe| Run::new(recipe, From::StrictMap);
+    let map = |config| Run::new(config, Origin::Map);
+    let strict = |config| Run::new(config, Origin::StrictMap);
     let rung = |trust, runs| Rung { runs, trust };
     let mut rungs = vec![
         rung(Trust::Agreed, vec![strict(FINER), map(FAST)]),
@@ -187,7 +188,7 @@ fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
         ),
     ];
     if leaf_half_rad >= LEAST_FOR_DD {
-        let rest = |recipe| Run::new(recipe, From::Rest);
+        let rest = |config| Run::new(config, Origin::Rest);
         rungs.push(rung(Trust::Settled, vec![rest(LAST), rest(CHECK)]));
     }
     rungs

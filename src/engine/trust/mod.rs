@@ -2,7 +2,7 @@
 //! its answer is sure.
 //!
 //! ```text
-//!  all starts     the recipe asked for, and DOPRI5 in f32            [ladder]
+//!  all starts     the config asked for, and DOPRI5 in f32            [ladder]
 //!                 └ sure? ── the finest run against the others        [judge]
 //!  those left     the same in f32 from a start a millionth aside
 //!                 DOP853 and DOPRI5 in f64
@@ -21,18 +21,18 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-mod case;
+mod checked_job;
 mod judge;
 mod ladder;
 mod opinion;
 mod outlook;
 
-use self::case::{Case, RUNS};
+use self::checked_job::{CheckedJob, RUNS};
 pub use self::opinion::Opinion;
 pub use self::outlook::Outlook;
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
-use super::{Engine, EngineError, Finished, Job, Recipe, Starts, Wait};
+use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait};
 use crate::physics::{Outcome, Status};
 
 /// How sure an answer is.
@@ -68,14 +68,14 @@ impl Trust {
     }
 }
 
-/// The engine of recipes and probes, and the processor for what comes after.
+/// The engine of configs and probes, and the processor for what comes after.
 pub struct TrustEngine<'a> {
     inner: Box<dyn Engine + 'a>,
     /// None where `inner` is the processor itself.
     checker: Option<DepthEngine<'static>>,
     waiting: [VecDeque<Job>; 2],
     flying: [usize; 2],
-    cases: HashMap<u64, Case>,
+    cases: HashMap<u64, CheckedJob>,
     /// Whether nothing it finds sure is to be called so.
     distrusts: bool,
 }
@@ -107,8 +107,8 @@ impl<'a> TrustEngine<'a> {
     }
 
     /// 0 for the wrapped engine, 1 for the processor beside it.
-    fn place_of(&self, recipe: &Recipe) -> usize {
-        usize::from(self.checker.is_some() && !self.inner.offers(recipe))
+    fn place_of(&self, config: &IntegratorConfig) -> usize {
+        usize::from(self.checker.is_some() && !self.inner.offers(config))
     }
 
     fn engine(&mut self, place: usize) -> &mut (dyn Engine + 'a) {
@@ -119,7 +119,7 @@ impl<'a> TrustEngine<'a> {
     }
 
     fn send(&mut self, job: Job) {
-        let place = self.place_of(&job.recipe);
+        let place = self.place_of(&job.config);
         self.waiting[place].push_back(job);
     }
 
@@ -136,7 +136,7 @@ impl<'a> TrustEngine<'a> {
     }
 
     /// Waits a little for either engine.
-    fn land(&mut self, until: Instant) -> Result<Vec<Finished>, EngineError> {
+    fn land(&mut self, until: Instant) -> Result<Vec<JobResult>, EngineError> {
         let mut landed = Vec::new();
         let both = self.flying.iter().all(|&flying| flying > 0);
         for place in 0..2 {
@@ -151,11 +151,11 @@ impl<'a> TrustEngine<'a> {
     }
 
     /// Takes an answer to its case, and sends what follows from it.
-    fn take(&mut self, finished: Finished) -> Option<Finished> {
+    fn take(&mut self, finished: JobResult) -> Option<JobResult> {
         let (id, run) = (finished.id / RUNS, finished.id % RUNS);
         let jobs = self.cases.get_mut(&id)?.take(run, finished)?;
         if jobs.is_empty() {
-            let mut finished = self.cases.remove(&id).map(Case::finish)?;
+            let mut finished = self.cases.remove(&id).map(CheckedJob::finish)?;
             if self.distrusts {
                 finished.trusts.fill(Trust::Uncertain);
             }
@@ -168,18 +168,18 @@ impl<'a> TrustEngine<'a> {
 
 impl Engine for TrustEngine<'_> {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        if let Starts::Paused(_) | Starts::Moving(_) = job.starts {
+        if let Starts::Resumed(_) | Starts::Moving(_) = job.starts {
             let why = "checking begins at the release: a paused pendulum cannot be checked";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         let id = job.id;
-        let (case, jobs) = Case::new(job);
+        let (case, jobs) = CheckedJob::new(job);
         jobs.into_iter().for_each(|job| self.send(job));
         self.cases.insert(id, case);
         self.feed()
     }
 
-    fn poll(&mut self, wait: Wait) -> Result<Vec<Finished>, EngineError> {
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         loop {
             self.feed()?;
             let until = match wait {
@@ -187,7 +187,7 @@ impl Engine for TrustEngine<'_> {
                 Wait::UntilFinished => Instant::now() + Duration::from_secs(1),
             };
             let landed = self.land(until)?;
-            let finished: Vec<Finished> =
+            let finished: Vec<JobResult> =
                 landed.into_iter().filter_map(|finished| self.take(finished)).collect();
             let late = matches!(wait, Wait::Until(moment) if Instant::now() >= moment);
             if !finished.is_empty() || self.cases.is_empty() || late {
@@ -223,7 +223,7 @@ impl Engine for TrustEngine<'_> {
         self.inner.adapter()
     }
 
-    fn offers(&self, recipe: &Recipe) -> bool {
-        self.inner.offers(recipe)
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        self.inner.offers(config)
     }
 }

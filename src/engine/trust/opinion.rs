@@ -6,9 +6,9 @@ use rayon::prelude::*;
 
 use super::Trust;
 use super::outlook::ask;
-use crate::engine::{Deep, Engine, EngineError, Keep, Question, Recipe, Starts};
+use crate::engine::{Deep, Engine, EngineError, IntegratorConfig, Keep, Question, Starts};
 use crate::physics::flip::right_secs;
-use crate::physics::{Fixed, Outcome, Scalar, Status, Theta, gold};
+use crate::physics::{Fixed, Outcome, Scalar, Status, Theta, oracle};
 
 /// What direct integration says of a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,13 +29,13 @@ impl Opinion {
     /// `go_on` says no.
     pub fn on(
         engine: &mut dyn Engine,
-        (question, recipe): (Question, Recipe),
+        (question, config): (Question, IntegratorConfig),
         deep: &Deep,
         most: usize,
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Opinion>, EngineError> {
         let starts = Starts::Deep(deep.clone());
-        let Some(answer) = ask(engine, question, recipe, starts, Keep::Nothing, go_on)? else {
+        let Some(answer) = ask(engine, question, config, starts, Keep::Nothing, go_on)? else {
             return Ok(None);
         };
         let is_sure = |k: &usize| {
@@ -80,7 +80,7 @@ fn differs(question: &Question, angle: [Theta; 2], given: &Outcome) -> bool {
 fn direct<const N: usize>(question: &Question, angle: [Theta; 2]) -> Outcome {
     let (pendulum, unit_secs) = question.reduced_in::<Fixed<N>>();
     let budget = Fixed::from_f64(question.budget_secs) / unit_secs;
-    let outcome = gold::outcome(&pendulum, angle.map(Fixed::from_theta), question.rule, budget);
+    let outcome = oracle::outcome(&pendulum, angle.map(Fixed::from_theta), question.rule, budget);
     Outcome { status: outcome.status, time: (outcome.time * unit_secs).to_f64() }
 }
 
@@ -92,7 +92,7 @@ mod tests {
     use crate::engine::level::BALANCED;
     use crate::engine::mock::MockEngine;
     use crate::engine::trust::TrustEngine;
-    use crate::engine::{Finished, Job, Leaf, Wait};
+    use crate::engine::{Job, JobResult, Leaf, Wait};
     use crate::physics::Rule;
     use crate::scene::Build;
     use crate::scene::lattice::Cell;
@@ -115,16 +115,16 @@ mod tests {
     }
 
     /// Sure, and wrong by 2 ms.
-    struct Wrong(MockEngine, Option<Finished>);
+    struct Wrong(MockEngine, Option<JobResult>);
 
     impl Engine for Wrong {
         fn submit(&mut self, job: Job) -> Result<(), EngineError> {
             let outcomes = vec![Outcome::flipped(5.700_478 + 2e-3); job.starts.len()];
             let trusts = vec![Trust::Agreed; outcomes.len()];
-            self.1 = Some(Finished { id: job.id, outcomes, trusts, ..Finished::default() });
+            self.1 = Some(JobResult { id: job.id, outcomes, trusts, ..JobResult::default() });
             Ok(())
         }
-        fn poll(&mut self, _: Wait) -> Result<Vec<Finished>, EngineError> {
+        fn poll(&mut self, _: Wait) -> Result<Vec<JobResult>, EngineError> {
             Ok(self.1.take().into_iter().collect())
         }
         fn cancel(&mut self) {}
@@ -140,7 +140,7 @@ mod tests {
         fn adapter(&self) -> String {
             self.0.adapter()
         }
-        fn offers(&self, _: &Recipe) -> bool {
+        fn offers(&self, _: &IntegratorConfig) -> bool {
             true
         }
     }

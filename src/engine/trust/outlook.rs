@@ -7,8 +7,10 @@
 use std::time::{Duration, Instant};
 
 use super::judge::{Answer, Judge};
-use super::ladder::{From, Run};
-use crate::engine::{Engine, EngineError, Finished, Job, Keep, Question, Recipe, Starts, Wait};
+use super::ladder::{Origin, Run};
+use crate::engine::{
+    Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Question, Starts, Wait,
+};
 use crate::physics::Dd;
 
 /// What to expect of a picture, by a sample of its starts.
@@ -36,20 +38,20 @@ impl Outlook {
     pub fn of(
         engine: &mut dyn Engine,
         question: Question,
-        recipe: Recipe,
+        config: IntegratorConfig,
         starts: &Starts,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<Outlook>, EngineError> {
         let (from, nudge, leaf_half_rad) = match starts {
-            Starts::Deep(deep) => (From::Map, DEEP_NUDGE, deep.half_rad()),
-            _ => (From::Rest, NUDGE * Run::new(recipe, From::Rest).scale_from_rest(), 0.0),
+            Starts::Deep(deep) => (Origin::Map, DEEP_NUDGE, deep.half_rad()),
+            _ => (Origin::Rest, NUDGE * Run::new(config, Origin::Rest).scale_from_rest(), 0.0),
         };
-        let run = Run::new(recipe, from);
+        let run = Run::new(config, from);
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
         let mut answers = |starts| {
-            let finished = ask(engine, question, recipe, starts, Keep::Ends, go_on)?;
+            let finished = ask(engine, question, config, starts, Keep::Ends, go_on)?;
             let answer = |(outcome, end)| Answer { outcome, end };
-            let all = |f: Finished| f.outcomes.into_iter().zip(f.ends).map(answer).collect();
+            let all = |f: JobResult| f.outcomes.into_iter().zip(f.ends).map(answer).collect();
             Ok::<Option<Vec<Answer>>, EngineError>(finished.map(all))
         };
         let Some(plain) = answers(starts.clone())? else { return Ok(None) };
@@ -100,12 +102,12 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
 pub fn ask(
     engine: &mut dyn Engine,
     question: Question,
-    recipe: Recipe,
+    config: IntegratorConfig,
     starts: Starts,
     keep: Keep,
     go_on: &dyn Fn() -> bool,
-) -> Result<Option<Finished>, EngineError> {
-    engine.submit(Job { id: JOB, question, recipe, starts, keep })?;
+) -> Result<Option<JobResult>, EngineError> {
+    engine.submit(Job { id: JOB, question, config, starts, keep })?;
     while go_on() {
         if let Some(finished) = engine.poll(Wait::Until(Instant::now() + PATIENCE))?.pop() {
             return Ok(Some(finished));

@@ -1,11 +1,11 @@
 //! Where energy or balance decides: the rims of the forbidden region, and the upright equilibria.
 
-use super::{BALANCED, Bench, Case, Finding, Of, count, gold_dd, gold_f64, home};
+use super::{BALANCED, HardBench, HardCase, HardFinding, Of, count, home, oracle_dd, oracle_f64};
 use crate::engine::EngineError;
 use crate::physics::{Dd, Pendulum, Rule, Status};
 
-pub const CASES: &[Case] = &[
-    Case {
+pub const CASES: &[HardCase] = &[
+    HardCase {
         name: "rims of the forbidden region",
         expected: "gold's outcomes at excess energies of 1e-3 … 1e-12 P; no flip below the bound",
         why: "below the bound energy conservation closes the top, and just above it opens a gap so \
@@ -14,7 +14,7 @@ pub const CASES: &[Case] = &[
         of: Of::Engine,
         run: rims,
     },
-    Case {
+    HardCase {
         name: "around the upright equilibria",
         expected: "at offsets of 1e-3 … 1e-15 rad within 0.1 ms of gold; times grow by \
                    ln(1/offset)/λ where the bob leaves the top inward, and not at all where it \
@@ -26,7 +26,7 @@ pub const CASES: &[Case] = &[
     },
 ];
 
-fn rims(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn rims(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let question = home(Rule::Second, 20.0);
     let Pendulum { p, q, .. } = question.build.pendulum();
     // The start at θ1 whose energy is `excess` P above the bound.
@@ -39,7 +39,7 @@ fn rims(bench: &mut Bench) -> Result<Finding, EngineError> {
     let (mut worst, mut flips, mut early) = (0f64, 0, 0);
     for excess in [1e-2, 1e-3, 1e-6, 1e-9, 1e-12] {
         let starts: Vec<[Dd; 2]> = along(excess).collect();
-        let truth = gold_f64(&question, &starts);
+        let truth = oracle_f64(&question, &starts);
         worst = worst.max(bench.worst(&question, &starts, &truth)?);
         flips += count(&truth, Status::Flipped);
         early += count(&truth, Status::Forbidden);
@@ -53,7 +53,7 @@ fn rims(bench: &mut Bench) -> Result<Finding, EngineError> {
     let below: Vec<[Dd; 2]> = [-1e-12, -1e-9, -1e-6, -1e-3].into_iter().flat_map(along).collect();
     let locked = bench.answers(&question, BALANCED, &below)?;
     let escaped = below.len() - count(&locked, Status::Unflipped);
-    Finding::new(
+    HardFinding::new(
         worst <= 1e-6 && escaped == 0 && early == 0 && flips > 0,
         format!(
             "flips above the bound: {}; at most {worst:.0e} s off; below it {escaped} of {}",
@@ -101,14 +101,14 @@ const DEPARTURES: [Departure; 4] = [
     },
 ];
 
-fn upright(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn upright(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let question = home(Rule::Second, 60.0);
     let mut parts = Vec::new();
     let mut held = true;
     for Departure { place, equilibrium, towards, inward } in DEPARTURES {
         let start = |offset: f64| [0, 1].map(|i| equilibrium[i] + Dd::new(offset * towards[i]));
         let starts = OFFSETS.map(start);
-        let truth = gold_dd(&question, &starts);
+        let truth = oracle_dd(&question, &starts);
         let worst = bench.worst(&question, &starts, &truth)?;
         let lambda = growth_rate(&question.build.pendulum(), equilibrium);
         let growth = (truth[4].time - truth[2].time) / 1e6f64.ln() * lambda;
@@ -122,7 +122,7 @@ fn upright(bench: &mut Bench) -> Result<Finding, EngineError> {
             first.time, last.time
         ));
     }
-    Finding::new(held, parts.join("; "))
+    HardFinding::new(held, parts.join("; "))
 }
 
 /// The rate in 1/s at which the motion leaves an equilibrium: of the linearised equations

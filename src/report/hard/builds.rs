@@ -1,12 +1,12 @@
 //! Pendulums that are hard to integrate: whips, lopsided ones, weightless ones.
 
-use super::{BALANCED, Bench, Case, Finding, Of, apart, count, gold_f64, home};
+use super::{BALANCED, HardBench, HardCase, HardFinding, Of, apart, count, home, oracle_f64};
 use crate::engine::{EngineError, Question};
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Status};
 use crate::scene::{Build, Kind};
 
-pub const CASES: &[Case] = &[
-    Case {
+pub const CASES: &[HardCase] = &[
+    HardCase {
         name: "fast whips",
         expected: "nine in ten within 1 ms of gold, none failed",
         why: "a light bob on a short rod turns dozens of times while the other one swings, and \
@@ -14,7 +14,7 @@ pub const CASES: &[Case] = &[
         of: Of::Engine,
         run: whips,
     },
-    Case {
+    HardCase {
         name: "ratios of 1e-3 … 1e3",
         expected: "every outcome within 1 ms of gold over 1 s, none failed",
         why: "in reduced units such pendulums are the same equations with large coefficients; the \
@@ -22,7 +22,7 @@ pub const CASES: &[Case] = &[
         of: Of::Engine,
         run: ratios,
     },
-    Case {
+    HardCase {
         name: "gravity from 0 to 1e3",
         expected: "all forbidden without it; otherwise times × √g are equal to 1e-9",
         why: "gravity only sets the unit of time, √(l/g)",
@@ -59,12 +59,12 @@ struct Tally {
 impl Tally {
     fn add(
         &mut self,
-        bench: &mut Bench,
+        bench: &mut HardBench,
         question: &Question,
         lattice: u32,
     ) -> Result<(), EngineError> {
         let starts = scattered(question, lattice);
-        let truth = gold_f64(question, &starts);
+        let truth = oracle_f64(question, &starts);
         let answers = bench.answers(question, BALANCED, &starts)?;
         self.starts += starts.len();
         self.flips += count(&truth, Status::Flipped);
@@ -90,7 +90,7 @@ fn question(build: Build, budget_secs: f64) -> Question {
     Question { build, rule: Rule::Second, budget_secs }
 }
 
-fn whips(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn whips(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let mut tally = Tally::default();
     for (kind, masses, lengths) in [
         (Kind::Points, [1.0, 0.01], [1.0, 0.1]),
@@ -102,10 +102,10 @@ fn whips(bench: &mut Bench) -> Result<Finding, EngineError> {
         tally.add(bench, &question(build, 5.0), 40)?;
     }
     let share = tally.right as f64 / tally.starts as f64;
-    Finding::new(share >= 0.9 && tally.failed == 0, tally.text())
+    HardFinding::new(share >= 0.9 && tally.failed == 0, tally.text())
 }
 
-fn ratios(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn ratios(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let mut tally = Tally::default();
     for kind in [Kind::Points, Kind::Rods] {
         for masses in [[1.0, 1e-3], [1e-3, 1.0], [1.0, 1.0]] {
@@ -119,10 +119,10 @@ fn ratios(bench: &mut Bench) -> Result<Finding, EngineError> {
             }
         }
     }
-    Finding::new(tally.right == tally.starts && tally.failed == 0, tally.text())
+    HardFinding::new(tally.right == tally.starts && tally.failed == 0, tally.text())
 }
 
-fn gravity(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn gravity(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let pulled = |gravity| Build { gravity: Decimal::from(gravity), ..Build::default() };
     let none = scattered(&question(pulled(0.0), 1.0), 1000).len();
     let starts = scattered(&home(Rule::Second, 1.0), 200);
@@ -135,7 +135,7 @@ fn gravity(bench: &mut Bench) -> Result<Finding, EngineError> {
     }
     let flips = count(&scaled[0], Status::Flipped);
     let worst = scaled.iter().map(|other| super::farthest(other, &scaled[0])).fold(0.0, f64::max);
-    Finding::new(
+    HardFinding::new(
         none == 0 && worst <= 1e-9 && flips > 50,
         format!(
             "{flips} flips, times × √g apart by at most {worst:.0e}; {none} starts open at g = 0"

@@ -3,13 +3,13 @@
 use rayon::prelude::*;
 
 use super::tangent::spectrum;
-use super::{BALANCED, Bench, Case, Finding, Of, TAYLOR, apart, builds, home};
+use super::{BALANCED, HardBench, HardCase, HardFinding, Of, TAYLOR, apart, builds, home};
 use crate::engine::{EngineError, Question};
 use crate::physics::{Dd, Pendulum, Rule, Status};
 use crate::scene::{Build, Kind};
 
-pub const CASES: &[Case] = &[
-    Case {
+pub const CASES: &[HardCase] = &[
+    HardCase {
         name: "Lyapunov spectrum",
         expected: "sum 0 within 1e-6; pairs ±λ and two near 0; at T = 20 √(l/g) the largest has \
                    10/50/90 % within 0.06 of .15/.36/.56 over the open starts",
@@ -18,7 +18,7 @@ pub const CASES: &[Case] = &[
         of: Of::Physics,
         run: lyapunov,
     },
-    Case {
+    HardCase {
         name: "budgets of 1000 s",
         expected: "two methods in f64 disagree about nine in ten pixels that flip after 100 s, \
                    and about at most one in twenty of those before 10 s",
@@ -29,7 +29,7 @@ pub const CASES: &[Case] = &[
     },
 ];
 
-fn lyapunov(_: &mut Bench) -> Result<Finding, EngineError> {
+fn lyapunov(_: &mut HardBench) -> Result<HardFinding, EngineError> {
     let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
     let build = Build::new(Kind::Points, [1.0; 2], [1.0; 2], 1.0);
     let asked = Question { build, rule: Rule::Second, budget_secs: 1.0 };
@@ -54,7 +54,7 @@ fn lyapunov(_: &mut Bench) -> Result<Finding, EngineError> {
         && near(2, 0.56);
     let [first, second, third, fourth] = long;
     let [low, middle, high] = deciles;
-    Finding::new(
+    HardFinding::new(
         held,
         format!(
             "from (2, 2) over 500: {first:.3}, {second:.3}, {third:.3}, {fourth:.3}, sum {sum:.0e}; \
@@ -64,7 +64,7 @@ fn lyapunov(_: &mut Bench) -> Result<Finding, EngineError> {
     )
 }
 
-fn long_budgets(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn long_budgets(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let question = home(Rule::Second, 1000.0);
     let starts: Vec<[Dd; 2]> = builds::scattered(&question, 1500);
     let by_one = bench.answers(&question, BALANCED, &starts)?;
@@ -84,7 +84,7 @@ fn long_budgets(bench: &mut Bench) -> Result<Finding, EngineError> {
         .zip(&by_other)
         .filter(|(a, b)| [a, b].iter().all(|o| o.status == Status::Unflipped))
         .count();
-    Finding::new(
+    HardFinding::new(
         late.len() >= 10 && share(&late) >= 0.9 && share(&early) <= 0.05,
         format!(
             "they disagree about {:.2} of {} pixels that flip after 100 s (of {} before 10 s: {:.3}); \

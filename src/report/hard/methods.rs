@@ -1,17 +1,17 @@
 //! What each method promises whatever the start: energy kept, time reversed, order met.
 
-use super::{BALANCED, Bench, Case, FAST, Finding, LESSON, Of, TAYLOR, home};
+use super::{BALANCED, FAST, HardBench, HardCase, HardFinding, LESSON, Of, TAYLOR, home};
 use crate::engine::start::TIME;
-use crate::engine::{EngineError, Paused, Precision, Question, Recipe, Starts};
+use crate::engine::{EngineError, IntegratorConfig, IntegratorState, Precision, Question, Starts};
 use crate::physics::embedded::{dop853, dopri5, plus};
 use crate::physics::phase::Phase;
-use crate::physics::series::Series;
+use crate::physics::series::MotionSeries;
 use crate::physics::taylor::Orbit;
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, Pendulum, Rule, Scalar, State, integrator};
 
-pub const CASES: &[Case] = &[
-    Case {
+pub const CASES: &[HardCase] = &[
+    HardCase {
         name: "energy over 100 s",
         expected: "of P + Q at most 1e-13 (taylor), 1e-6 (dop853), 1e-2 (dopri5 in f32), and 1e-3 \
                    (the lesson's rk4) where nothing whips",
@@ -20,7 +20,7 @@ pub const CASES: &[Case] = &[
         of: Of::Cpu,
         run: energy,
     },
-    Case {
+    HardCase {
         name: "there and back again",
         expected: "back at the start within 1e-9 rad (dop853), 1e-12 rad (taylor) and 1e-25 rad (taylor in dd) after 5 s, speeds \
                    turned round, and 5 s more",
@@ -29,7 +29,7 @@ pub const CASES: &[Case] = &[
         of: Of::Cpu,
         run: there_and_back,
     },
-    Case {
+    HardCase {
         name: "orders of convergence",
         expected: "4, 5, 8 and N within 0.3",
         why: "halving the step of a method of order p divides its error by 2^p, unless a \
@@ -43,41 +43,43 @@ pub const CASES: &[Case] = &[
 /// little energy ever to flip.
 const LONG: [[f64; 2]; 2] = [[0.5, -0.3], [0.2, 2.8]];
 
-fn energy(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn energy(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let question = home(Rule::Second, 100.0);
     let (reduced, _) = question.reduced();
     let start = |angles: [f64; 2]| angles.map(Dd::new);
     let mut parts = Vec::new();
     let mut held = true;
-    for (name, recipe, allowed) in [
+    for (name, config, allowed) in [
         ("rk4", LESSON, 1e-3),
-        ("rk4 in f32", Recipe { precision: Precision::F32, ..LESSON }, 1e-3),
+        ("rk4 in f32", IntegratorConfig { precision: Precision::F32, ..LESSON }, 1e-3),
         ("dopri5 in f32", FAST, 1e-2),
         ("dop853", BALANCED, 1e-6),
         ("taylor", TAYLOR, 1e-13),
     ] {
-        let left = bench.finished(&question, recipe, Starts::Rest(LONG.map(start).to_vec()))?;
+        let left = bench.finished(&question, config, Starts::Rest(LONG.map(start).to_vec()))?;
         held &= left.unfinished.len() == LONG.len();
         let mut drifts = [0.0; LONG.len()];
         for (index, paused) in left.unfinished {
-            let state =
-                if matches!(recipe, Recipe { method: crate::engine::Method::Rk4 { .. }, .. }) {
-                    let [t1, t2, w1, w2] = [0, 1, 2, 3].map(|i| paused.numbers[i]);
-                    State { angle: [t1, t2], speed: [w1, w2] }
-                } else {
-                    state_of(&reduced, &phase_of(&paused))
-                };
+            let state = if matches!(
+                config,
+                IntegratorConfig { method: crate::engine::Method::Rk4 { .. }, .. }
+            ) {
+                let [t1, t2, w1, w2] = [0, 1, 2, 3].map(|i| paused.numbers[i]);
+                State { angle: [t1, t2], speed: [w1, w2] }
+            } else {
+                state_of(&reduced, &phase_of(&paused))
+            };
             let begun = reduced.energy(&State::rest(LONG[index]));
             drifts[index] = (reduced.energy(&state) - begun).abs() / (reduced.p + reduced.q);
         }
         held &= drifts.iter().all(|&drift| drift <= allowed);
         parts.push(format!("{name} {:.0e} and {:.0e}", drifts[0], drifts[1]));
     }
-    Finding::new(held, parts.join(", "))
+    HardFinding::new(held, parts.join(", "))
 }
 
 /// A paused adaptive state as the nearest f64.
-fn phase_of(paused: &Paused) -> Phase<f64> {
+fn phase_of(paused: &IntegratorState) -> Phase<f64> {
     std::array::from_fn(|i| paused.numbers[i] + paused.numbers[6 + i])
 }
 
@@ -88,21 +90,21 @@ fn state_of(pendulum: &Pendulum<f64>, phase: &Phase<f64>) -> State<f64> {
     }
 }
 
-fn there_and_back(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn there_and_back(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let question = home(Rule::Second, 5.0);
     let starts = [[0.9, 1.1], [1.2, 1.6], [1.3, -1.0]].map(|start| start.map(Dd::new));
     let mut parts = Vec::new();
     let mut held = true;
-    let in_dd = Recipe {
+    let in_dd = IntegratorConfig {
         method: crate::engine::Method::Taylor { tolerance: 1e-28 },
         precision: Precision::Dd,
     };
-    for (name, recipe, allowed) in
+    for (name, config, allowed) in
         [("dop853", BALANCED, 1e-9), ("taylor", TAYLOR, 1e-12), ("taylor in dd", in_dd, 1e-25)]
     {
-        let there = bench.finished(&question, recipe, Starts::Rest(starts.to_vec()))?.unfinished;
+        let there = bench.finished(&question, config, Starts::Rest(starts.to_vec()))?.unfinished;
         let turned = there.iter().map(|(_, paused)| turned_round(paused)).collect();
-        let back = bench.finished(&question, recipe, Starts::Paused(turned))?.unfinished;
+        let back = bench.finished(&question, config, Starts::Resumed(turned))?.unfinished;
         held &= back.len() == starts.len();
         let mut worst = 0f64;
         for (((_, there), (_, back)), start) in there.iter().zip(&back).zip(&starts) {
@@ -113,25 +115,25 @@ fn there_and_back(bench: &mut Bench) -> Result<Finding, EngineError> {
         held &= worst <= allowed;
         parts.push(format!("{name} {worst:.0e} rad"));
     }
-    Finding::new(held, parts.join(", "))
+    HardFinding::new(held, parts.join(", "))
 }
 
-fn time_of(paused: &Paused) -> Dd {
+fn time_of(paused: &IntegratorState) -> Dd {
     Dd::new(paused.numbers[TIME]) + Dd::new(paused.numbers[TIME + 1])
 }
 
 /// The same place with all speeds reversed, at time 0.
-fn turned_round(paused: &Paused) -> Paused {
+fn turned_round(paused: &IntegratorState) -> IntegratorState {
     let mut numbers = paused.numbers;
     for i in [4, 5, 10, 11] {
         numbers[i] = -numbers[i];
     }
     (numbers[TIME], numbers[TIME + 1]) = (0.0, 0.0);
-    Paused { steps: 0, numbers }
+    IntegratorState { steps: 0, numbers }
 }
 
 /// How far `back` is from where a pendulum let go at `start` is `beyond` (reduced) later.
-fn miss(question: &Question, start: &[Dd; 2], back: &Paused, beyond: Dd) -> f64 {
+fn miss(question: &Question, start: &[Dd; 2], back: &IntegratorState, beyond: Dd) -> f64 {
     let reduced = question.reduced_in::<Dd>().0;
     // From rest the motion is the same both ways in time.
     let truth = Orbit::new(reduced, State::rest(*start)).state_at(beyond.abs());
@@ -140,7 +142,7 @@ fn miss(question: &Question, start: &[Dd; 2], back: &Paused, beyond: Dd) -> f64 
     (0..4).map(|i| (at(i) - truth[i]).abs().hi).fold(0.0, f64::max)
 }
 
-fn orders(_: &mut Bench) -> Result<Finding, EngineError> {
+fn orders(_: &mut HardBench) -> Result<HardFinding, EngineError> {
     const N: usize = 13;
     let lit = Dd::new;
     let pendulum = Pendulum::points([lit(1.0); 2], [lit(1.0); 2], lit(1.0));
@@ -148,7 +150,7 @@ fn orders(_: &mut Bench) -> Result<Finding, EngineError> {
     let unit = [lit(1.0); 2];
     let fifth = |z: &Phase<Dd>, h| plus(z, &dopri5(&pendulum, unit, z, h).change);
     let eighth = |z: &Phase<Dd>, h| plus(z, &dop853(&pendulum, unit, z, h).change);
-    let taylor = |z: &Phase<Dd>, h| plus(z, &Series::<Dd, N>::expand(&pendulum, z).change(h));
+    let taylor = |z: &Phase<Dd>, h| plus(z, &MotionSeries::<Dd, N>::expand(&pendulum, z).change(h));
     let truth = pendulum
         .phase(&Orbit::new(pendulum, State::rest([lit(0.5), lit(-0.3)])).state_at(lit(2.0)));
     let error = |step: &dyn Fn(&Phase<Dd>, Dd) -> Phase<Dd>, steps: u32| {
@@ -168,7 +170,7 @@ fn orders(_: &mut Bench) -> Result<Finding, EngineError> {
     ];
     let held = measured.iter().all(|(expected, order)| (expected - order).abs() < 0.3);
     let [rk4, fifth, eighth, taylor] = measured.map(|(_, order)| order);
-    Finding::new(
+    HardFinding::new(
         held,
         format!(
             "rk4 {rk4:.2}, dopri5 {fifth:.2}, dop853 {eighth:.2}, taylor to order {} {taylor:.2}",

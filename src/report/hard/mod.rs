@@ -15,17 +15,18 @@ mod views;
 
 use serde::Serialize;
 
-use super::truth::{gold_dd, gold_f64};
+use super::truth::{oracle_dd, oracle_f64};
 pub use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{
-    Engine, EngineError, Finished, Job, Keep, Method, Precision, Question, Recipe, Starts, Wait,
+    Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Question,
+    Starts, Wait,
 };
 use crate::physics::{Dd, Outcome, Rule, Status};
 use crate::scene::Build;
 
 /// One claim and the way to refute it.
 #[derive(Clone, Copy)]
-pub struct Case {
+pub struct HardCase {
     /// A few words.
     pub name: &'static str,
     /// What should be measured.
@@ -34,7 +35,7 @@ pub struct Case {
     pub why: &'static str,
     /// What is measured: an engine, or the mathematics that all engines share.
     pub of: Of,
-    run: fn(&mut Bench) -> Result<Finding, EngineError>,
+    run: fn(&mut HardBench) -> Result<HardFinding, EngineError>,
 }
 
 /// What a case is about.
@@ -50,7 +51,7 @@ pub enum Of {
 
 /// What was measured, and whether it is what was expected.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct HardFinding {
     /// The numbers, for people.
     pub measured: String,
     /// Whether the claim held.
@@ -76,26 +77,26 @@ pub struct HardRow {
 
 impl HardRow {
     /// Measures `case` on the engine called `name`.
-    pub fn of(case: &Case, name: String, engine: &mut dyn Engine) -> Self {
-        let Finding { measured, held } = case.measure(&mut Bench::new(Box::new(engine)));
-        let Case { name: case, expected, why, .. } = *case;
+    pub fn of(case: &HardCase, name: String, engine: &mut dyn Engine) -> Self {
+        let HardFinding { measured, held } = case.measure(&mut HardBench::new(Box::new(engine)));
+        let HardCase { name: case, expected, why, .. } = *case;
         HardRow { case, engine: name, expected, why, measured, held }
     }
 }
 
-impl Finding {
+impl HardFinding {
     fn new(held: bool, measured: String) -> Result<Self, EngineError> {
-        Ok(Finding { measured, held })
+        Ok(HardFinding { measured, held })
     }
 }
 
-impl Case {
+impl HardCase {
     /// Measures. An engine that gives up has not kept the claim.
-    pub fn measure(&self, bench: &mut Bench) -> Finding {
+    pub fn measure(&self, bench: &mut HardBench) -> HardFinding {
         (self.run)(bench).unwrap_or_else(|error| {
             // What is still in flight must not answer the next case.
             bench.engine.cancel();
-            Finding { measured: error.to_string(), held: false }
+            HardFinding { measured: error.to_string(), held: false }
         })
     }
 
@@ -106,42 +107,43 @@ impl Case {
 }
 
 /// All cases, in the order of the report.
-pub fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<HardCase> {
     [top::CASES, balance::CASES, builds::CASES, views::CASES, methods::CASES, chaos::CASES].concat()
 }
 
 /// The check by another method.
-pub const TAYLOR: Recipe =
-    Recipe { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
+pub const TAYLOR: IntegratorConfig =
+    IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
 /// The lesson's method, without its f32.
-pub const LESSON: Recipe = Recipe { method: Method::LESSON, precision: Precision::F64 };
+pub const LESSON: IntegratorConfig =
+    IntegratorConfig { method: Method::LESSON, precision: Precision::F64 };
 /// The engine under examination.
-pub struct Bench<'a> {
+pub struct HardBench<'a> {
     engine: Box<dyn Engine + 'a>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> HardBench<'a> {
     /// Examines `engine`.
     pub fn new(engine: Box<dyn Engine + 'a>) -> Self {
-        Bench { engine }
+        HardBench { engine }
     }
 
     /// The engine's answers, in the order of the starts.
     fn answers(
         &mut self,
         question: &Question,
-        recipe: Recipe,
+        config: IntegratorConfig,
         starts: &[[Dd; 2]],
     ) -> Result<Vec<Outcome>, EngineError> {
-        Ok(self.finished(question, recipe, Starts::Rest(starts.to_vec()))?.outcomes)
+        Ok(self.finished(question, config, Starts::Rest(starts.to_vec()))?.outcomes)
     }
 
-    /// The recipes that claim to be right: of the processor's two, which share no event test.
-    fn exact(&self) -> &'static [Recipe] {
+    /// The configs that claim to be right: of the processor's two, which share no event test.
+    fn exact(&self) -> &'static [IntegratorConfig] {
         if self.engine.name() == "cpu" { &[BALANCED, TAYLOR] } else { &[BALANCED] }
     }
 
-    /// How far the worst answer of the exact recipes is from the truth, s.
+    /// How far the worst answer of the exact configs is from the truth, s.
     fn worst(
         &mut self,
         question: &Question,
@@ -149,8 +151,8 @@ impl<'a> Bench<'a> {
         truth: &[Outcome],
     ) -> Result<f64, EngineError> {
         let mut worst = 0f64;
-        for &recipe in self.exact() {
-            worst = worst.max(farthest(&self.answers(question, recipe, starts)?, truth));
+        for &config in self.exact() {
+            worst = worst.max(farthest(&self.answers(question, config, starts)?, truth));
         }
         Ok(worst)
     }
@@ -159,10 +161,10 @@ impl<'a> Bench<'a> {
     fn finished(
         &mut self,
         question: &Question,
-        recipe: Recipe,
+        config: IntegratorConfig,
         starts: Starts,
-    ) -> Result<Finished, EngineError> {
-        let job = Job { id: 1, question: *question, recipe, starts, keep: Keep::Unfinished };
+    ) -> Result<JobResult, EngineError> {
+        let job = Job { id: 1, question: *question, config, starts, keep: Keep::Unfinished };
         self.engine.submit(job)?;
         let finished = self.engine.poll(Wait::UntilFinished)?.pop();
         finished.ok_or_else(|| EngineError::Unsupported("the engine gave no answer".to_string()))

@@ -79,7 +79,7 @@ impl Angle for Dual {
 
 /// Four directions away from a state, each δθ1, δθ2, δp1, δp2: canonical coordinates, in which
 /// the motion keeps volumes.
-type Frame = [[f64; 4]; 4];
+type TangentFrame = [[f64; 4]; 4];
 
 /// Time between two straightenings of the frame.
 const STRETCH: f64 = 1.0;
@@ -91,7 +91,7 @@ const TOLERANCE: f64 = 1e-22;
 /// (Benettin et al., Meccanica 15, 1980).
 pub fn spectrum(pendulum: &Pendulum<f64>, angle: [f64; 2], time: f64) -> [f64; 4] {
     let mut phase = pendulum.phase(&State::rest(angle));
-    let mut frame: Frame =
+    let mut frame: TangentFrame =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
     let stretches = (time / STRETCH).round().max(1.0) as usize;
     let stretch = time / stretches as f64;
@@ -110,9 +110,9 @@ pub fn spectrum(pendulum: &Pendulum<f64>, angle: [f64; 2], time: f64) -> [f64; 4
 fn carried(
     pendulum: &Pendulum<f64>,
     phase: &Phase<f64>,
-    frame: &Frame,
+    frame: &TangentFrame,
     time: f64,
-) -> (Phase<f64>, Frame) {
+) -> (Phase<f64>, TangentFrame) {
     let dual = pendulum.map(Dual::new);
     let inverse_scale = pendulum.momentum_scale().map(|scale| Dual::new(1.0 / scale));
     let mut state = with_slopes(phase, frame);
@@ -131,7 +131,7 @@ fn carried(
 }
 
 /// Unit vectors turn by (−y, x) δθ.
-fn with_slopes(phase: &Phase<f64>, frame: &Frame) -> Phase<Dual> {
+fn with_slopes(phase: &Phase<f64>, frame: &TangentFrame) -> Phase<Dual> {
     let [x1, y1, x2, y2, _, _] = *phase;
     let by = [(-y1, 0), (x1, 0), (-y2, 1), (x2, 1), (1.0, 2), (1.0, 3)];
     std::array::from_fn(|i| {
@@ -140,7 +140,7 @@ fn with_slopes(phase: &Phase<f64>, frame: &Frame) -> Phase<Dual> {
     })
 }
 
-fn without_slopes(state: &Phase<Dual>) -> (Phase<f64>, Frame) {
+fn without_slopes(state: &Phase<Dual>) -> (Phase<f64>, TangentFrame) {
     let phase = state.map(|number| number.value);
     let [x1, y1, x2, y2, p1, p2] = state;
     let turn = |x: &Dual, y: &Dual, k: usize| x.value * y.slope[k] - y.value * x.slope[k];
@@ -150,7 +150,7 @@ fn without_slopes(state: &Phase<Dual>) -> (Phase<f64>, Frame) {
 }
 
 /// Makes the frame orthonormal (Gram and Schmidt) and says how long each direction had grown.
-fn straightened(frame: &mut Frame) -> [f64; 4] {
+fn straightened(frame: &mut TangentFrame) -> [f64; 4] {
     let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
     let mut growth = [0.0; 4];
     for k in 0..4 {
@@ -184,7 +184,7 @@ mod tests {
     fn slopes_are_those_of_differences() {
         let unit = Pendulum::points([1.0, 2.0], [1.0, 0.6], 1.0);
         let phase = unit.phase(&State { angle: [1.0, -2.0], speed: [0.5, 1.0] });
-        let frame: Frame = [
+        let frame: TangentFrame = [
             [1.0, 0.0, 0.0, 0.0],
             [0.0, 1.0, 0.0, 0.0],
             [0.0, 0.0, 1.0, 0.0],

@@ -1,12 +1,14 @@
 //! Near the top: passes that only just happen or only just do not, and starts at the top itself.
 
-use super::{BALANCED, Bench, Case, Finding, Of, apart, farthest, gold_dd, gold_f64, home};
+use super::{
+    BALANCED, HardBench, HardCase, HardFinding, Of, apart, farthest, home, oracle_dd, oracle_f64,
+};
 use crate::engine::{EngineError, Question};
 use crate::physics::opening;
 use crate::physics::{Dd, Outcome, Rule, Status};
 
-pub const CASES: &[Case] = &[
-    Case {
+pub const CASES: &[HardCase] = &[
+    HardCase {
         name: "grazing passes",
         expected: "right within 1 µs at 1e-9 rad and more on both sides of a tangent pass",
         why: "where a pass becomes a miss the bob's highest point touches the top, and its height \
@@ -15,7 +17,7 @@ pub const CASES: &[Case] = &[
         of: Of::Engine,
         run: grazing,
     },
-    Case {
+    HardCase {
         name: "passes within the first step",
         expected: "seen, though the bob starts and ends the step below the top",
         why: "near (π/2, π) the second bob's acceleration changes its sign, so a bob let go a \
@@ -23,7 +25,7 @@ pub const CASES: &[Case] = &[
         of: Of::Engine,
         run: first_step,
     },
-    Case {
+    HardCase {
         name: "starts at the top",
         expected: "the same from −π as from π, no flip at time 0, gold within 1 µs",
         why: "−π and π are one place, and the bob leaves it inward on the side its first motion \
@@ -44,7 +46,7 @@ const OFFSETS: [f64; 10] = [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 
 /// Smaller ones are measured, not demanded.
 const DECIDABLE: f64 = 1e-9;
 
-fn grazing(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn grazing(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let question = home(Rule::Second, 8.0);
     let mut starts = Vec::new();
     for [theta1, low, high] in JUMPS {
@@ -55,10 +57,10 @@ fn grazing(bench: &mut Bench) -> Result<Finding, EngineError> {
             }
         }
     }
-    let truth = gold_dd(&question, &starts);
+    let truth = oracle_dd(&question, &starts);
     let mut wrong = [0f64; OFFSETS.len()];
-    for &recipe in bench.exact() {
-        let answers = bench.answers(&question, recipe, &starts)?;
+    for &config in bench.exact() {
+        let answers = bench.answers(&question, config, &starts)?;
         for (i, (answer, truth)) in answers.iter().zip(&truth).enumerate() {
             let wrong = &mut wrong[i / 2 % OFFSETS.len()];
             *wrong = wrong.max(apart(answer, truth));
@@ -69,7 +71,7 @@ fn grazing(bench: &mut Bench) -> Result<Finding, EngineError> {
     let demanded = by_offset().filter(|&(offset, _)| offset >= DECIDABLE);
     let worst = demanded.map(|(_, wrong)| wrong).fold(0.0, f64::max);
     let decided = by_offset().take_while(|&(_, wrong)| wrong <= 1e-3).last().map_or(1.0, |o| o.0);
-    Finding::new(
+    HardFinding::new(
         jumps && worst <= 1e-6,
         format!(
             "{} tangent passes: at most {worst:.0e} s off at 1e-9 rad and more; every pass or miss \
@@ -98,13 +100,13 @@ fn tangent_start(question: &Question, theta1: f64, [low, high]: [f64; 2]) -> Dd 
         }
         [low, high]
     };
-    let [low, high] = narrow([Dd::new(low), Dd::new(high)], 1e-9, gold_f64);
+    let [low, high] = narrow([Dd::new(low), Dd::new(high)], 1e-9, oracle_f64);
     let margin = Dd::new(1e-9);
-    let [low, high] = narrow([low - margin, high + margin], 1e-18, gold_dd);
+    let [low, high] = narrow([low - margin, high + margin], 1e-18, oracle_dd);
     (low + high) * half
 }
 
-fn first_step(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn first_step(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let quarter = Dd::PI * Dd::new(0.5);
     // The bob rises by about offset²/2.
     let start = |offset: f64, share: f64| {
@@ -116,16 +118,16 @@ fn first_step(bench: &mut Bench) -> Result<Finding, EngineError> {
         .flat_map(|offset| [0.5, 0.8, 0.95, 1.05, 1.2].map(|share| start(offset, share)))
         .collect();
     let question = home(Rule::Second, 0.1);
-    let truth = gold_dd(&question, &starts);
+    let truth = oracle_dd(&question, &starts);
     let passes = truth.iter().filter(|o| o.status == Status::Flipped && o.time < 0.02).count();
     let worst = bench.worst(&question, &starts, &truth)?;
-    Finding::new(
+    HardFinding::new(
         passes >= 8 && worst < 1e-6,
         format!("{passes} of {} starts pass; at most {worst:.0e} s off", starts.len()),
     )
 }
 
-fn at_the_top(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn at_the_top(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let mut total = 0;
     let (mut worst, mut mirrored, mut earliest) = (0f64, 0f64, f64::INFINITY);
     for (rule, tops) in [(Rule::Second, &[1][..]), (Rule::First, &[0]), (Rule::Either, &[0, 1])] {
@@ -140,7 +142,7 @@ fn at_the_top(bench: &mut Bench) -> Result<Finding, EngineError> {
             })
             .filter(|&start| !question.build.pendulum_in().forbids(rule, start))
             .collect();
-        let truth = gold_dd(&question, &starts);
+        let truth = oracle_dd(&question, &starts);
         let there = bench.answers(&question, BALANCED, &settled(&question, &starts))?;
         let turned: Vec<[Dd; 2]> = starts.iter().map(|start| start.map(other_side)).collect();
         let back = bench.answers(&question, BALANCED, &turned)?;
@@ -150,7 +152,7 @@ fn at_the_top(bench: &mut Bench) -> Result<Finding, EngineError> {
         let flips = there.iter().filter(|o| o.status == Status::Flipped);
         earliest = flips.map(|o| o.time).fold(earliest, f64::min);
     }
-    Finding::new(
+    HardFinding::new(
         worst <= 1e-6 && mirrored == 0.0 && earliest > 0.1,
         format!(
             "{total} starts: at most {worst:.0e} s off gold, {mirrored:.0e} s between −π and π, \

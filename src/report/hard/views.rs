@@ -1,12 +1,12 @@
 //! Windows where coordinates go wrong: across the seam, and below what numbers can tell apart.
 
-use super::{BALANCED, Bench, Case, Finding, LESSON, Of, apart, count};
+use super::{BALANCED, HardBench, HardCase, HardFinding, LESSON, Of, apart, count};
 use crate::engine::{EngineError, Question};
 use crate::physics::{Dd, Outcome, Status};
 use crate::scene::{Fate, Grid, Scene, View};
 
-pub const CASES: &[Case] = &[
-    Case {
+pub const CASES: &[HardCase] = &[
+    HardCase {
         name: "windows across the seam",
         expected: "the home map with its quarters exchanged, pixel by pixel, whatever whole turns \
                    the centre is away",
@@ -14,7 +14,7 @@ pub const CASES: &[Case] = &[
         of: Of::Engine,
         run: seam,
     },
-    Case {
+    HardCase {
         name: "windows below the resolution",
         expected: "a staircase: one answer for each start that the precision can tell apart, all \
                    within what the neighbours' times span",
@@ -34,7 +34,7 @@ fn window(center: [&str; 2], width: &str) -> Scene {
 }
 
 /// Every pixel's outcome, rows from the top.
-fn picture(bench: &mut Bench, scene: &Scene) -> Result<Vec<Outcome>, EngineError> {
+fn picture(bench: &mut HardBench, scene: &Scene) -> Result<Vec<Outcome>, EngineError> {
     let question = Question { budget_secs: 6.0, ..Question::from(scene) };
     let grid = Grid::new(scene, [SIDE; 2]);
     let fates = (0..SIDE * SIDE).map(|k| grid.fate(k % SIDE, k / SIDE)).collect::<Vec<_>>();
@@ -48,7 +48,7 @@ fn picture(bench: &mut Bench, scene: &Scene) -> Result<Vec<Outcome>, EngineError
     Ok(fates.into_iter().map(outcome).collect())
 }
 
-fn seam(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn seam(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     const WIDTH: &str = "6.28318530717958647692528676655900577";
     const PI: &str = "3.14159265358979323846264338327950288";
     const MINUS_PI: &str = "-3.14159265358979323846264338327950288";
@@ -65,13 +65,13 @@ fn seam(bench: &mut Bench) -> Result<Finding, EngineError> {
         worst = there.iter().zip(&exchanged).map(|(a, b)| apart(a, b)).fold(worst, f64::max);
         same += there.iter().zip(&exchanged).filter(|(a, b)| a == b).count();
     }
-    Finding::new(
+    HardFinding::new(
         worst <= 1e-6 && count(&home, Status::Flipped) > 100,
         format!("{same} of {} pixels bit for bit, the rest within {worst:.0e} s", 4 * home.len()),
     )
 }
 
-fn staircase(bench: &mut Bench) -> Result<Finding, EngineError> {
+fn staircase(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let scene = window(["2.1", "2.3"], "4e-15");
     let grid = Grid::new(&scene, [SIDE; 2]);
     let question = Question::from(&scene);
@@ -92,7 +92,7 @@ fn staircase(bench: &mut Bench) -> Result<Finding, EngineError> {
     };
     let (spread, adaptive_spread) = (spread(&answers), spread(&adaptive));
     let all = count(&answers, Status::Flipped) + count(&adaptive, Status::Flipped);
-    Finding::new(
+    HardFinding::new(
         same && times <= steps
             && steps < exact
             && spread < 1e-12

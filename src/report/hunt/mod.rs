@@ -12,8 +12,8 @@ use serde::Serialize;
 use self::referee::Referee;
 use self::scenes::{Scenes, start};
 use super::{ReportError, StopTest};
-use crate::engine::choice::{Chosen, Wish, choose};
-use crate::engine::{Engine, EngineError, Recipe, Trust};
+use crate::engine::choice::{Chosen, EngineRequest, choose};
+use crate::engine::{Engine, EngineError, IntegratorConfig, Trust};
 use crate::physics::flip::right_secs;
 use crate::physics::{Angle, Dd, Fixed, Outcome, Scalar, Status, Theta};
 use crate::scene::{Scene, View, Word};
@@ -52,12 +52,12 @@ pub struct Hunt {
     /// and those among them that the referee could not tell.
     pub untold: usize,
     /// Unmarked pixels that are wrong.
-    pub wrong: Vec<Wrong>,
+    pub wrong: Vec<WrongPixel>,
 }
 
 /// An unmarked pixel that is wrong.
 #[derive(Clone, Debug, Serialize)]
-pub struct Wrong {
+pub struct WrongPixel {
     /// Makes the picture that it is in.
     pub command: String,
     /// What the scene was to lure out.
@@ -79,18 +79,18 @@ impl Hunt {
         minutes: f64,
         most_windows: usize,
         seed: u64,
-        wish: &Wish,
+        wish: &EngineRequest,
         stop: StopTest,
         told: &mut dyn FnMut(&Hunt),
     ) -> Result<Hunt, ReportError> {
         let until = Instant::now() + Duration::from_secs_f64(60.0 * minutes);
         let mut hunt = Hunt { seed, ..Hunt::default() };
         let mut scenes = Scenes::new(seed);
-        let Chosen { mut engine, recipe, .. } = choose(wish, &|_| {})?;
+        let Chosen { mut engine, config, .. } = choose(wish, &|_| {})?;
         let mut exact = Renderer::with_checks(wish, true)?;
         while Instant::now() < until && hunt.windows < most_windows && !stop() {
             let go_on = || !stop();
-            let (scene, lure) = scenes.next(engine.as_mut(), recipe, &go_on)?;
+            let (scene, lure) = scenes.next(engine.as_mut(), config, &go_on)?;
             let picks = scenes.seed();
             // What was drawn out of range is no scene.
             let Ok(scene) = scene.checked() else { continue };
@@ -128,7 +128,7 @@ impl Hunt {
             let give_up = || is_over() || begun.elapsed() > PIXEL_PATIENCE;
             (k, verdict(scene, pixel(k), &samples.get(k), deep, &give_up))
         };
-        let verdicts: Vec<(usize, Verdict)> =
+        let verdicts: Vec<(usize, RefereeVerdict)> =
             unmarked.into_par_iter().take_any_while(|_| !is_over()).map(one).collect();
         if stop() {
             return;
@@ -140,9 +140,9 @@ impl Hunt {
         self.windows_mostly_marked += usize::from(count * 20 > simulated);
         for (k, verdict) in verdicts {
             match verdict {
-                Verdict::Right => {}
-                Verdict::Untold => self.untold += 1,
-                Verdict::Wrong(truth) => self.wrong.push(Wrong {
+                RefereeVerdict::Right => {}
+                RefereeVerdict::Untold => self.untold += 1,
+                RefereeVerdict::Wrong(truth) => self.wrong.push(WrongPixel {
                     command: command(scene),
                     lure: lure.to_string(),
                     pixel: pixel(k),
@@ -186,11 +186,11 @@ fn is_deep(view: &View) -> bool {
 fn edge(
     scene: &Scene,
     engine: &mut dyn Engine,
-    recipe: Recipe,
+    config: IntegratorConfig,
     unit_secs: f64,
 ) -> Result<Option<Scene>, EngineError> {
     const ALONG: u32 = 16;
-    let mut work = Work::new(scene, [ALONG, 1], recipe, ALONG as usize);
+    let mut work = Work::new(scene, [ALONG, 1], config, ALONG as usize);
     let Some(row) = preview(&mut work, [ALONG, 1], engine, &|| true)? else { return Ok(None) };
     let differ = |k: usize| match (row.get(k), row.get(k + 1)) {
         (a, b) if a.status == Status::Forbidden || b.status == Status::Forbidden => 0.0,
@@ -212,7 +212,7 @@ fn edge(
 type GiveUp<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// What the referee says of an answer.
-enum Verdict {
+enum RefereeVerdict {
     Right,
     Wrong(Outcome),
     Untold,
@@ -224,12 +224,12 @@ fn verdict(
     given: &Outcome,
     deep: bool,
     give_up: GiveUp,
-) -> Verdict {
+) -> RefereeVerdict {
     let angle = start(scene, SIDE, pixel);
     let judge = |truth: Option<Outcome>, other: Option<Outcome>| match (truth, other) {
         (Some(truth), Some(other)) if is_same(scene, &truth, &other, 0.01) => {
             let right = is_same(scene, given, &truth, 1.0);
-            Some(if right { Verdict::Right } else { Verdict::Wrong(truth) })
+            Some(if right { RefereeVerdict::Right } else { RefereeVerdict::Wrong(truth) })
         }
         _ => None,
     };
@@ -240,7 +240,7 @@ fn verdict(
         if agrees(truth::<f64>(scene, angle, 8, 5e-14, give_up))
             || agrees(truth::<Dd>(scene, angle, 11, 1e-27, give_up))
         {
-            return Verdict::Right;
+            return RefereeVerdict::Right;
         }
         let short = truth::<Fixed<3>>(scene, angle, 13, 1e-33, give_up);
         let long = truth::<Fixed<4>>(scene, angle, 16, 1e-50, give_up);
@@ -250,7 +250,7 @@ fn verdict(
     }
     let long = truth::<Fixed<6>>(scene, angle, 22, 1e-85, give_up);
     let longest = truth::<Fixed<8>>(scene, angle, 28, 1e-120, give_up);
-    judge(longest, long).unwrap_or(Verdict::Untold)
+    judge(longest, long).unwrap_or(RefereeVerdict::Untold)
 }
 
 /// Whether two outcomes are of one class and, if flipped, within a share of what is right.

@@ -26,7 +26,7 @@ pub struct Referee<'a, T> {
 
 /// What became of a bob in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
+enum TopVerdict {
     Clear,
     Passes,
     Unclear,
@@ -66,7 +66,7 @@ impl<T: Scalar> Referee<'_, T> {
                 continue;
             }
             match self.way(&phase, &next, step) {
-                Way::Clear => {
+                TopVerdict::Clear => {
                     (phase, time) = (next, time + step);
                     // The error of the last column falls with a high power of the step.
                     let power = 1.0 / (2 * self.columns - 1) as f64;
@@ -75,14 +75,14 @@ impl<T: Scalar> Referee<'_, T> {
                     step =
                         if longer > T::from_f64(LONGEST) { T::from_f64(LONGEST) } else { longer };
                 }
-                Way::Passes => {
+                TopVerdict::Passes => {
                     let flip = time + self.passage(&phase, step)?;
                     let late = flip > self.budget;
                     let unflipped = Outcome::without_time(Status::Unflipped);
                     return Some(if late { unflipped } else { Outcome::flipped(flip) });
                 }
-                Way::Unclear if step.to_f64() < SHORTEST => return None,
-                Way::Unclear => step = step * T::from_f64(0.5),
+                TopVerdict::Unclear if step.to_f64() < SHORTEST => return None,
+                TopVerdict::Unclear => step = step * T::from_f64(0.5),
             }
         }
         None
@@ -130,29 +130,29 @@ impl<T: Scalar> Referee<'_, T> {
     }
 
     /// What the watched bobs did in a step.
-    fn way(&self, from: &Phase<T>, to: &Phase<T>, step: T) -> Way {
+    fn way(&self, from: &Phase<T>, to: &Phase<T>, step: T) -> TopVerdict {
         let ways = self.rule.watched().iter().map(|&bob| self.way_of(bob, from, to, step));
-        let mut all = Way::Clear;
+        let mut all = TopVerdict::Clear;
         for way in ways {
             // Two passes at once are told apart in shorter steps.
             all = match (all, way) {
-                (Way::Clear, way) => way,
-                (way, Way::Clear) => way,
-                _ => Way::Unclear,
+                (TopVerdict::Clear, way) => way,
+                (way, TopVerdict::Clear) => way,
+                _ => TopVerdict::Unclear,
             };
         }
         all
     }
 
-    fn way_of(&self, bob: usize, from: &Phase<T>, to: &Phase<T>, step: T) -> Way {
+    fn way_of(&self, bob: usize, from: &Phase<T>, to: &Phase<T>, step: T) -> TopVerdict {
         let ends = [from, to].map(|phase| self.motion(bob, phase));
         let h = step.to_f64();
         let turn = ends.iter().map(|end| end.speed.abs()).fold(0.0, f64::max) * h;
         if turn > 1.0 {
-            return Way::Unclear;
+            return TopVerdict::Unclear;
         }
         if ends[0].x > 0.0 && ends[1].x > 0.0 {
-            return Way::Clear;
+            return TopVerdict::Clear;
         }
         let bend = ROOM * ends.iter().map(|end| end.bend.abs()).fold(0.0, f64::max);
         let [y0, y1] = [ends[0].y, ends[1].y];
@@ -161,9 +161,9 @@ impl<T: Scalar> Referee<'_, T> {
             let steady = |rate: f64| rate.abs() > bend * h && rate * y0 < 0.0;
             let passes = steady(ends[0].rate) && steady(ends[1].rate);
             return match (passes, ends[0].x < 0.0 && ends[1].x < 0.0) {
-                (true, true) => Way::Passes,
-                (true, false) if ends[0].x > 0.0 || ends[1].x > 0.0 => Way::Unclear,
-                _ => Way::Unclear,
+                (true, true) => TopVerdict::Passes,
+                (true, false) if ends[0].x > 0.0 || ends[1].x > 0.0 => TopVerdict::Unclear,
+                _ => TopVerdict::Unclear,
             };
         }
         // From each end over half of the step.
@@ -172,10 +172,10 @@ impl<T: Scalar> Referee<'_, T> {
             |y: f64, towards: f64| y.abs() - towards.max(0.0) * half - 0.5 * bend * half * half;
         let clear = least(y0, -ends[0].rate * y0.signum()) > 0.0
             && least(y1, ends[1].rate * y1.signum()) > 0.0;
-        if clear { Way::Clear } else { Way::Unclear }
+        if clear { TopVerdict::Clear } else { TopVerdict::Unclear }
     }
 
-    fn motion(&self, bob: usize, phase: &Phase<T>) -> Motion {
+    fn motion(&self, bob: usize, phase: &Phase<T>) -> BobMotion {
         let [x1, y1, x2, y2, ..] = *phase;
         let speed = self.pendulum.speeds(phase);
         let pull = self.pendulum.acceleration_towards([(y1, x1), (y2, x2)], speed)[bob];
@@ -183,7 +183,7 @@ impl<T: Scalar> Referee<'_, T> {
         let rate = speed[bob] * x;
         let bend = pull * x - speed[bob] * speed[bob] * y;
         let [x, y, rate, bend, speed] = [x, y, rate, bend, speed[bob]].map(T::to_f64);
-        Motion { x, y, rate, bend, speed }
+        BobMotion { x, y, rate, bend, speed }
     }
 
     /// How long into a step the top is passed.
@@ -222,7 +222,7 @@ impl<T: Scalar> Referee<'_, T> {
 }
 
 /// A bob at one moment: its place on the circle, the rate of its sine and the rate of that.
-struct Motion {
+struct BobMotion {
     x: f64,
     y: f64,
     rate: f64,

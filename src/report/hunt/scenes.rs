@@ -1,10 +1,10 @@
 //! Scenes that an enemy would choose: pendulums of all sizes, views at every depth, turned and
 //! stretched, on seams, equilibria, filaments, energy curves and grazes.
 
-use crate::engine::{Engine, EngineError, Recipe};
+use crate::engine::{Engine, EngineError, IntegratorConfig};
 use crate::physics::{Angle, Dd, Rule, Scalar, Theta};
-use crate::scene::{Budget, Build, Kind, Question, Scene, View};
-use crate::tiles::descent::{Deeper, Descent};
+use crate::scene::{Budget, Build, FlipQuestion, Kind, Scene, View};
+use crate::tiles::descent::{Descent, DescentStep};
 
 /// Draws scenes, always the same ones from the same seed.
 pub struct Scenes {
@@ -67,14 +67,14 @@ impl Scenes {
     pub fn next(
         &mut self,
         engine: &mut dyn Engine,
-        recipe: Recipe,
+        config: IntegratorConfig,
         go_on: &dyn Fn() -> bool,
     ) -> Result<(Scene, Lure), EngineError> {
         let build = self.build();
         let rule = self.random.choice(Rule::ALL.map(|(_, rule)| rule)).unwrap_or_default();
         let units = self.magnitude(0.0, 300f64.log10());
         let secs = Self::round(units * build.unit_secs(), 3).clamp(1e-9, 1e6);
-        let question = Question { rule, budget: Budget::secs(secs) };
+        let question = FlipQuestion { rule, budget: Budget::secs(secs) };
         let lures = [
             Lure::Anywhere,
             Lure::Anywhere,
@@ -89,8 +89,8 @@ impl Scenes {
         let mut scene = Scene { build, question, view: View::default() };
         self.look(&mut scene, lure);
         match lure {
-            Lure::Filament => self.follow(&mut scene, engine, recipe, go_on)?,
-            Lure::Edge => self.follow_edge(&mut scene, engine, recipe, go_on)?,
+            Lure::Filament => self.follow(&mut scene, engine, config, go_on)?,
+            Lure::Edge => self.follow_edge(&mut scene, engine, config, go_on)?,
             _ => {}
         }
         Ok((scene, lure))
@@ -167,18 +167,18 @@ impl Scenes {
         &mut self,
         scene: &mut Scene,
         engine: &mut dyn Engine,
-        recipe: Recipe,
+        config: IntegratorConfig,
         go_on: &dyn Fn() -> bool,
     ) -> Result<(), EngineError> {
         let least = self.magnitude(-30.0, -1.0);
         let looks = (scene.view.rotate, scene.view.stretch);
         let budget = scene.question.budget;
         let wish = [self.random.f64() - 0.5, self.random.f64() - 0.5];
-        let mut descent = Descent::new(scene.clone(), recipe, wish);
+        let mut descent = Descent::new(scene.clone(), config, wish);
         while scene.view.width_rad().to_f64() > least {
             match descent.next(engine, go_on)? {
-                Deeper::Scene(next) => *scene = *next,
-                Deeper::End | Deeper::Stopped => break,
+                DescentStep::Scene(next) => *scene = *next,
+                DescentStep::End | DescentStep::Stopped => break,
             }
         }
         (scene.view.rotate, scene.view.stretch) = looks;
@@ -195,7 +195,7 @@ impl Scenes {
         &mut self,
         scene: &mut Scene,
         engine: &mut dyn Engine,
-        recipe: Recipe,
+        config: IntegratorConfig,
         go_on: &dyn Fn() -> bool,
     ) -> Result<(), EngineError> {
         let least = self.magnitude(-25.0, -6.0);
@@ -204,7 +204,7 @@ impl Scenes {
         (scene.view.rotate, scene.view.stretch) = (0.0, 1.0);
         scene.view.width = format!("{:.2e}", scene.view.width_rad().to_f64().min(0.5));
         while scene.view.width_rad().to_f64() > least && go_on() {
-            let Some(next) = super::edge(scene, engine, recipe, unit)? else { break };
+            let Some(next) = super::edge(scene, engine, config, unit)? else { break };
             *scene = next;
         }
         (scene.view.rotate, scene.view.stretch) = looks;

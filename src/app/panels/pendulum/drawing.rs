@@ -34,7 +34,7 @@ pub fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told(pin, state.as_ref())));
     painter.rect_filled(response.rect, 4.0, CANVAS);
     let Some(state) = state else { return };
-    let stage = Stage::new(response.rect.center(), side / 2.0, build);
+    let stage = PendulumCanvas::new(response.rect.center(), side / 2.0, build);
     stage.trail(&painter, pin, secs);
     if let Some(ghost) = record.ghost.motion.state_at(secs) {
         stage.ghost(&painter, &ghost);
@@ -62,15 +62,15 @@ fn told(pin: &Pin, state: Option<&State<f64>>) -> String {
 }
 
 /// From a pendulum's metres and kilograms to points on the canvas.
-struct Stage<'a> {
+struct PendulumCanvas<'a> {
     pivot: Pos2,
     half_side: f32,
     build: &'a Build,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> PendulumCanvas<'a> {
     fn new(pivot: Pos2, half_side: f32, build: &'a Build) -> Self {
-        Stage { pivot, half_side, build }
+        PendulumCanvas { pivot, half_side, build }
     }
 
     /// The ends of both rods, for angles from the downward vertical, anticlockwise.

@@ -6,17 +6,19 @@ use rayon::prelude::*;
 use super::Slot;
 use crate::engine::method::Pace;
 use crate::engine::shared::{RawOutcome, from_parts};
-use crate::engine::{Effort, End, Finished, Job, Keep, NUMBERS, Paused, Precision, Starts, start};
+use crate::engine::{
+    Effort, End, IntegratorState, Job, JobResult, Keep, NUMBERS, Precision, Starts, start,
+};
 use crate::physics::{Outcome, Status};
 
 impl Slot {
     /// The answer, once it has been mapped; none if the device was lost after that.
-    pub(super) fn read_answer(&self) -> Option<Finished> {
+    pub(super) fn read_answer(&self) -> Option<JobResult> {
         let count = self.head.count as usize;
         let raw: Vec<RawOutcome> = read(&self.buffers.answer, 0, count)?;
         let outcomes: Vec<Outcome> = raw.iter().map(|raw| self.outcome(raw)).collect();
         let mut finished =
-            Finished { id: self.job.id, effort: self.effort(&raw), ..Default::default() };
+            JobResult { id: self.job.id, effort: self.effort(&raw), ..Default::default() };
         match self.job.keep {
             Keep::Nothing => {}
             Keep::Unfinished => {
@@ -27,13 +29,13 @@ impl Slot {
             Keep::Ends => finished.ends = self.ends(&raw, &self.read_states(&raw)?),
         }
         self.buffers.answer.unmap();
-        Some(Finished { outcomes, ..finished })
+        Some(JobResult { outcomes, ..finished })
     }
 
     /// Where each pendulum ended: a flip is in the step that follows its state.
-    fn ends(&self, raw: &[RawOutcome], states: &[Paused]) -> Vec<End> {
+    fn ends(&self, raw: &[RawOutcome], states: &[IntegratorState]) -> Vec<End> {
         let (reduced, _) = self.job.question.reduced();
-        let one = |(raw, state): (&RawOutcome, &Paused)| {
+        let one = |(raw, state): (&RawOutcome, &IntegratorState)| {
             let flipped = (raw.status & 255 == 1).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
             start::end(&reduced, &self.pace, state, flipped, clearance)
@@ -43,14 +45,14 @@ impl Slot {
 
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
         let before: u64 = match &self.job.starts {
-            Starts::Paused(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
+            Starts::Resumed(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
             Starts::Rest(_) => 0,
             _ => start::states(&self.job).iter().flatten().map(|p| u64::from(p.steps)).sum(),
         };
         let steps: u64 = raw.iter().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
         let looks: u64 = raw.iter().map(|raw| u64::from(raw.status >> 8)).sum();
-        let Job { recipe, question, .. } = &self.job;
-        let rhs = recipe.method.rhs_per_step(recipe.precision);
+        let Job { config, question, .. } = &self.job;
+        let rhs = config.method.rhs_per_step(config.precision);
         let per_look = match self.pace {
             // A look repeats its step and takes both ends' accelerations for each bob.
             Pace::Fixed(_) => rhs + 2 * question.rule.watched().len() as u64,
@@ -74,11 +76,11 @@ impl Slot {
         }
     }
 
-    fn read_states(&self, raw: &[RawOutcome]) -> Option<Vec<Paused>> {
+    fn read_states(&self, raw: &[RawOutcome]) -> Option<Vec<IntegratorState>> {
         let (count, offset) = (raw.len() * self.places.len(), self.outcome_bytes());
         let answer = &self.buffers.answer;
         // For each number of each pendulum its value and, of two f32, its rest.
-        let states: Vec<[f64; 2]> = match self.job.recipe.precision {
+        let states: Vec<[f64; 2]> = match self.job.config.precision {
             Precision::F32 => {
                 read::<f32>(answer, offset, count)?.iter().map(|&x| [f64::from(x), 0.0]).collect()
             }
@@ -97,7 +99,7 @@ impl Slot {
                     }
                 }
             }
-            Paused { steps: raw[i].steps, numbers }
+            IntegratorState { steps: raw[i].steps, numbers }
         };
         Some((0..raw.len()).map(paused).collect())
     }

@@ -1,7 +1,7 @@
 //! The gold standard against the exact targets: first |θ| = π from rest for unit parameters
 //! (m = l = g = 1), to which two formulations agree to over 40 digits.
 
-use flipmap::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status, gold};
+use flipmap::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status, oracle};
 
 /// Start (exact decimals) and first |θ2| = π. The time of (−2, 3) was computed anew with 45 digits
 /// in another program, as were both of [`FIRST`]: an older table had lost or swapped digits.
@@ -31,14 +31,14 @@ fn start<T: Scalar>(theta1: &str, theta2: &str) -> [T; 2] {
 }
 
 fn outcome<T: Scalar>(theta1: &str, theta2: &str, rule: Rule) -> Outcome<T> {
-    gold::outcome(&unit(), start(theta1, theta2), rule, T::from_f64(60.0))
+    oracle::outcome(&unit(), start(theta1, theta2), rule, T::from_f64(60.0))
 }
 
 /// How fast the flip time moves with the start: |∂T/∂θ1| + |∂T/∂θ2|, by differences in dd.
 fn sensitivity(theta1: &str, theta2: &str, rule: Rule) -> f64 {
     let nudge = Dd::new(1e-11);
     let angle = start::<Dd>(theta1, theta2);
-    let time = |angle| gold::outcome(&unit(), angle, rule, Dd::new(60.0)).time;
+    let time = |angle| oracle::outcome(&unit(), angle, rule, Dd::new(60.0)).time;
     (0..2)
         .map(|i| {
             let (mut up, mut down) = (angle, angle);
@@ -95,7 +95,7 @@ fn counts_on_the_grid_are_exact() {
     for (rule, counts) in expected {
         let times: Vec<f64> = grid
             .iter()
-            .map(|&angle| gold::outcome(&unit(), angle, rule, 20.0))
+            .map(|&angle| oracle::outcome(&unit(), angle, rule, 20.0))
             .filter(|outcome| outcome.status == Status::Flipped)
             .map(|outcome| outcome.time)
             .collect();

@@ -11,40 +11,40 @@ use egui::accesskit::Action as Doing;
 use egui::{Event, Key, Modifiers, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{AccessKitNode, NodeT, Queryable};
-use flipmap::app::desk::{Desk, Options};
 use flipmap::app::folders::Folders;
+use flipmap::app::model::{AppModel, WindowOptions};
 use flipmap::app::settings::Theme;
 use flipmap::engine::Accuracy;
-use flipmap::engine::choice::{Demand, Kind, Wish};
+use flipmap::engine::choice::{EngineKind, EngineRequest, IntegrationSetting};
 use flipmap::lab::Figure;
 use flipmap::physics::Scalar;
 use flipmap::scene::{BuiltIn, Document, RunTable, location};
 use flipmap::tiles::Counts;
 
-type Desktop = Harness<'static, Desk>;
+type Desktop = Harness<'static, AppModel>;
 
-fn options(folders: Folders, document: Option<Document>) -> Options {
-    let demand = Demand::Level(Accuracy::Fast);
-    let wish = Wish { kind: Kind::Cpu, demand, ..Wish::default() };
+fn options(folders: Folders, document: Option<Document>) -> WindowOptions {
+    let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
+    let request = EngineRequest { kind: EngineKind::Cpu, setting, ..EngineRequest::default() };
     let run = RunTable { accuracy: Some("fast".to_string()), ..RunTable::default() };
-    Options { document, run: Some(run), wish, folders, stats: None }
+    WindowOptions { document, run: Some(run), request, folders, stats: None }
 }
 
-/// A desk of fixed size, its map whole.
-fn desk(folders: Folders, document: Option<Document>) -> Desktop {
-    let desk = Desk::new(&options(folders, document), Arc::new(|| ()));
-    let show = |ui: &mut egui::Ui, desk: &mut Desk| {
-        desk.state.tick(ui.input(|input| input.time));
-        desk.work();
-        desk.show(ui);
+/// A model of fixed size, its map whole.
+fn model(folders: Folders, document: Option<Document>) -> Desktop {
+    let model = AppModel::new(&options(folders, document), Arc::new(|| ()));
+    let show = |ui: &mut egui::Ui, model: &mut AppModel| {
+        model.state.tick(ui.input(|input| input.time));
+        model.work();
+        model.show(ui);
     };
-    let mut desktop = Harness::builder().with_size([720.0, 440.0]).build_ui_state(show, desk);
+    let mut desktop = Harness::builder().with_size([720.0, 440.0]).build_ui_state(show, model);
     settle(&mut desktop);
     desktop
 }
 
 fn home() -> Desktop {
-    desk(Folders::none(), None)
+    model(Folders::none(), None)
 }
 
 /// Goes on until something holds.
@@ -87,7 +87,7 @@ fn type_over(desktop: &mut Desktop, role: Role, name: &str, text: &str) {
 }
 
 fn counts(desktop: &Desktop) -> Counts {
-    desktop.state().room.explorer.counts()
+    desktop.state().compute.explorer.counts()
 }
 
 fn place(desktop: &Desktop) -> String {
@@ -200,7 +200,7 @@ fn places_seen_before_are_not_computed_again() {
 #[test]
 fn a_larger_budget_goes_on_from_what_is_known() {
     let evaluations = |budgets: &[&str]| {
-        let mut desktop = desk(Folders::none(), None);
+        let mut desktop = model(Folders::none(), None);
         click(&mut desktop, "Scene");
         budgets.iter().for_each(|budget| {
             type_over(&mut desktop, Role::SpinButton, "Budget", budget);
@@ -216,7 +216,7 @@ fn a_larger_budget_goes_on_from_what_is_known() {
     let anew = {
         let mut document = Document::default();
         document.question.budget.secs = 60.0;
-        counts(&desk(Folders::none(), Some(document))).effort.rhs_evaluations
+        counts(&model(Folders::none(), Some(document))).effort.rhs_evaluations
     };
     assert!(raised > known, "there was more to compute");
     assert!(raised - known < anew / 2, "{raised} for both, {known} at first, {anew} at once");
@@ -252,7 +252,7 @@ fn an_export_to_a_full_disk_says_so_and_leaves_the_view() {
 #[test]
 fn what_was_chosen_is_there_again() {
     let folder = tempfile::tempdir().unwrap();
-    let mut first = desk(Folders::under(folder.path()), None);
+    let mut first = model(Folders::under(folder.path()), None);
     press(&mut first, Modifiers::NONE, Key::G);
     press(&mut first, Modifiers::NONE, Key::Plus);
     click(&mut first, "Window");
@@ -262,14 +262,14 @@ fn what_was_chosen_is_there_again() {
     settle(&mut first);
     let there = place(&first);
     first.state_mut().save();
-    let again = desk(Folders::under(folder.path()), None);
+    let again = model(Folders::under(folder.path()), None);
     let state = &again.state().state;
     assert_eq!(place(&again), there);
     assert!(state.layers.grid && !state.animate && state.theme == Theme::Light);
     assert!(state.ui_scale > 1.0);
     // What is asked for goes before what was kept.
     let shore = BuiltIn::named("shore").unwrap().document();
-    let asked = desk(Folders::under(folder.path()), Some(shore.clone()));
+    let asked = model(Folders::under(folder.path()), Some(shore.clone()));
     assert_eq!(place(&asked), location::text(&shore.scene()));
 }
 
@@ -290,7 +290,7 @@ fn commands_are_found_and_run_by_the_keyboard() {
 
 /// Everything there is: a pin, a bookmark, a notice, and all panels open.
 fn crowded(folder: &Path) -> Desktop {
-    let mut desktop = desk(Folders::under(folder), None);
+    let mut desktop = model(Folders::under(folder), None);
     desktop.event(Event::Paste("nonsense".to_string()));
     press(&mut desktop, Modifiers::NONE, Key::P);
     press(&mut desktop, Modifiers::NONE, Key::Space);

@@ -13,7 +13,7 @@ use crate::tiles::explorer::{Explorer, MOST_CELLS};
 pub const THUMBNAIL: [u32; 2] = [192, 144];
 
 /// Flip times of the samples in view that are known at the screen's level.
-pub fn times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
+pub fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
     times_at(screen, screen.level(), explorer)
 }
 

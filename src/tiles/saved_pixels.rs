@@ -5,37 +5,37 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::Paused;
+use crate::engine::IntegratorState;
 use crate::physics::{Outcome, Status};
 
 /// Pixels by their place in the picture, row by row from the top. Forbidden pixels and mirror
 /// images are not among them: they are known without.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Kept {
+pub struct SavedPixels {
     flipped: BTreeMap<u64, f64>,
     failed: Vec<u64>,
-    paused: BTreeMap<u64, Paused>,
+    paused: BTreeMap<u64, IntegratorState>,
 }
 
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Known {
+pub enum SavedPixel {
     /// It is done.
     Over(Outcome),
     /// It had not flipped.
-    Paused(Paused),
+    Unfinished(IntegratorState),
 }
 
-impl Kept {
+impl SavedPixels {
     /// What is known of pixel `index`.
-    pub fn known(&self, index: u64) -> Option<Known> {
+    pub fn known(&self, index: u64) -> Option<SavedPixel> {
         let over = self.flipped.get(&index).map(|&time| Outcome::flipped(time));
         let failed = || {
             let failed = self.failed.binary_search(&index).is_ok();
             failed.then(|| Outcome::without_time(Status::Failed))
         };
-        let paused = || self.paused.get(&index).map(|&state| Known::Paused(state));
-        over.or_else(failed).map(Known::Over).or_else(paused)
+        let paused = || self.paused.get(&index).map(|&state| SavedPixel::Unfinished(state));
+        over.or_else(failed).map(SavedPixel::Over).or_else(paused)
     }
 
     /// Pixel `index` is done.
@@ -49,7 +49,7 @@ impl Kept {
     }
 
     /// Pixel `index` has not flipped.
-    pub fn pause(&mut self, index: u64, state: Paused) {
+    pub fn pause(&mut self, index: u64, state: IntegratorState) {
         self.paused.insert(index, state);
     }
 
@@ -66,18 +66,21 @@ mod tests {
 
     #[test]
     fn what_was_kept_is_known_and_nothing_else() {
-        let state = Paused { steps: 7, numbers: [0.5; NUMBERS] };
-        let mut kept = Kept::default();
+        let state = IntegratorState { steps: 7, numbers: [0.5; NUMBERS] };
+        let mut kept = SavedPixels::default();
         kept.pause(3, state);
         kept.finish(1, Outcome::flipped(2.5));
         kept.finish(9, Outcome::without_time(Status::Failed));
         kept.finish(4, Outcome::without_time(Status::Failed));
-        assert_eq!(kept.known(3), Some(Known::Paused(state)));
-        assert_eq!(kept.known(1), Some(Known::Over(Outcome::flipped(2.5))));
-        let failed = Known::Over(Outcome::without_time(Status::Failed));
+        assert_eq!(kept.known(3), Some(SavedPixel::Unfinished(state)));
+        assert_eq!(kept.known(1), Some(SavedPixel::Over(Outcome::flipped(2.5))));
+        let failed = SavedPixel::Over(Outcome::without_time(Status::Failed));
         assert_eq!((kept.known(4), kept.known(9)), (Some(failed), Some(failed)));
         assert_eq!(kept.known(2), None);
         kept.finish(3, Outcome::flipped(40.0));
-        assert_eq!((kept.paused(), kept.known(3)), (0, Some(Known::Over(Outcome::flipped(40.0)))));
+        assert_eq!(
+            (kept.paused(), kept.known(3)),
+            (0, Some(SavedPixel::Over(Outcome::flipped(40.0))))
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! What a window looks at.
 
-use crate::engine::{Question, Recipe};
+use crate::engine::{IntegratorConfig, Question};
 use crate::physics::Rule;
 use crate::scene::lattice::{Region, pitch_rad};
 use crate::scene::{self, Budget, Build, Scene};
@@ -13,14 +13,14 @@ pub struct Physics {
     /// Which bob is watched.
     pub rule: Rule,
     /// How it is integrated.
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// Whether every pixel is checked.
     pub verified: bool,
 }
 
 /// What is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Aim {
+pub struct ViewTarget {
     /// Of what.
     pub physics: Physics,
     /// Simulated seconds a pixel may use.
@@ -33,11 +33,11 @@ pub struct Aim {
     pub pointer: Option<[f64; 2]>,
 }
 
-impl Aim {
+impl ViewTarget {
     /// The pendulum and the question; the view is the lattice's affair.
     pub(super) fn scene(&self) -> Scene {
         let question =
-            scene::Question { rule: self.physics.rule, budget: Budget::secs(self.budget_secs) };
+            scene::FlipQuestion { rule: self.physics.rule, budget: Budget::secs(self.budget_secs) };
         Scene { build: self.physics.build, question, ..Scene::default() }
     }
 
@@ -48,6 +48,6 @@ impl Aim {
 
     /// Whether a level's samples lie closer than the recipe's number type can tell apart.
     pub(super) fn is_deep_at(&self, level: u32) -> bool {
-        2.0 * pitch_rad(level) < self.physics.recipe.deep_below()
+        2.0 * pitch_rad(level) < self.physics.config.deep_below()
     }
 }

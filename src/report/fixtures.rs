@@ -8,8 +8,8 @@ pub fn report() -> Report {
     let flip = |time| Outcome::flipped(time);
     let still = Outcome::without_time(Status::Unflipped);
     let pairs = [(flip(1.0), flip(1.0)), (flip(7.1), flip(7.0)), (still, still)];
-    let row = |recipe, us| {
-        let mut row = Row::named("cpu", "2 threads, no SIMD", Some(2), recipe);
+    let row = |config, us| {
+        let mut row = Row::named("cpu", "2 threads, no SIMD", Some(2), config);
         (row.us_per_pixel, row.times_scalar, row.spread) = (us, 70.0 / us, 0.05);
         row.errors = Errors::of(&pairs);
         row.bands = statistics::bands(&pairs);
@@ -48,7 +48,7 @@ pub fn report() -> Report {
 pub fn depth(width_rad: f64, pairs: &[(Outcome, Outcome)]) -> DepthRow {
     DepthRow {
         engine: "cpu".to_string(),
-        recipe: plan::BALANCED,
+        config: plan::BALANCED,
         width_rad,
         budget_secs: 60.0,
         digits: 40,
@@ -69,7 +69,7 @@ fn window(pairs: &[(Outcome, Outcome)]) -> WindowRow {
         place: window.place(),
         rule: window.rule,
         engine: "cpu".to_string(),
-        recipe: plan::BALANCED,
+        config: plan::BALANCED,
         judge: window.judge.words(),
         errors: Errors::of(pairs),
         flips: FLIPS,

@@ -1,6 +1,6 @@
 //! A bob's turn near the top, in which some of a cell flip and the others do not.
 
-use super::Law;
+use super::Dynamics;
 use crate::physics::jet::Jet;
 use crate::physics::phase::Phase;
 
@@ -30,14 +30,14 @@ impl Graze {
 
     /// When the start at a point of the cell flips, reduced, if it does in this graze, and its
     /// state then.
-    pub fn flip(&self, law: &Law, at: [f64; 2]) -> Option<(f64, Phase<f64>)> {
+    pub fn flip(&self, dynamics: &Dynamics, at: [f64; 2]) -> Option<(f64, Phase<f64>)> {
         let height = self.height.at(at);
         if height < 0.0 {
             return None;
         }
         let phase = self.phase.map(|jet| jet.at(at));
         let turn = self.time + self.shift.at(at);
-        let (rise, then) = self.rise(law, phase, height);
+        let (rise, then) = self.rise(dynamics, phase, height);
         Some((turn - rise, then))
     }
 
@@ -48,18 +48,18 @@ impl Graze {
 
     /// How long before its turn a bob that rises `height` beyond the top has passed it, and the
     /// state then.
-    fn rise(&self, law: &Law, mut phase: Phase<f64>, height: f64) -> (f64, Phase<f64>) {
+    fn rise(&self, dynamics: &Dynamics, mut phase: Phase<f64>, height: f64) -> (f64, Phase<f64>) {
         let (x, y) = (2 * self.bob, 2 * self.bob + 1);
         // As high as its own polynomial says, which knows it to more digits.
         phase[y] = -self.side * height;
         let [x1, y1, x2, y2, ..] = phase;
-        let speed = law.pendulum.speeds(&phase);
-        let pull = law.pendulum.acceleration_towards([(y1, x1), (y2, x2)], speed)[self.bob];
+        let speed = dynamics.pendulum.speeds(&phase);
+        let pull = dynamics.pendulum.acceleration_towards([(y1, x1), (y2, x2)], speed)[self.bob];
         let mut back = (2.0 * height / pull.abs()).sqrt();
         let mut then = phase;
         for _ in 0..6 {
-            (then, _) = law.moved(&phase, -back);
-            let rate = law.pendulum.speeds(&then)[self.bob] * then[x];
+            (then, _) = dynamics.moved(&phase, -back);
+            let rate = dynamics.pendulum.speeds(&then)[self.bob] * then[x];
             if rate == 0.0 {
                 break;
             }

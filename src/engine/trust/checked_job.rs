@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use super::Trust;
 use super::judge::{Answer, Judge};
-use super::ladder::{From, Run, Rung, rungs};
-use crate::engine::{Effort, Finished, Job, Keep, Starts};
+use super::ladder::{Origin, Run, Rung, rungs};
+use crate::engine::{Effort, Job, JobResult, Keep, Starts};
 use crate::physics::{Dd, Outcome, Theta};
 
 /// A job on its way up the ladder.
-pub struct Case {
+pub struct CheckedJob {
     job: Job,
     rungs: Vec<Rung>,
     /// Half the side of the leaves of deep starts, rad.
@@ -39,7 +39,7 @@ struct Done {
 /// Room for a job's runs in the names of its jobs.
 pub const RUNS: u64 = 32;
 
-impl Case {
+impl CheckedJob {
     /// A case of which nothing is known, and its first jobs.
     pub fn new(job: Job) -> (Self, Vec<Job>) {
         let count = job.starts.len();
@@ -47,8 +47,8 @@ impl Case {
             Starts::Deep(deep) => Some(deep.half_rad()),
             _ => None,
         };
-        let case = Case {
-            rungs: rungs(&job.recipe, leaf_half_rad),
+        let case = CheckedJob {
+            rungs: rungs(&job.config, leaf_half_rad),
             leaf_half_rad,
             rung: 0,
             open: (0..count).collect(),
@@ -67,7 +67,7 @@ impl Case {
         let before = self.runs_up_to(self.rung);
         let one = |(index, run): (usize, &Run)| Job {
             id: self.job.id * RUNS + (before + index) as u64,
-            recipe: run.recipe,
+            config: run.config,
             starts: self.starts_of(run),
             keep: Keep::Ends,
             ..self.job
@@ -88,22 +88,22 @@ impl Case {
                 Starts::Rest(self.open.iter().map(moved).collect())
             }
             Starts::Deep(deep) => {
-                let strict = run.from == From::StrictMap;
+                let strict = run.from == Origin::StrictMap;
                 let some = deep.some(&self.open, strict, run.nudge);
-                if run.from == From::Rest {
+                if run.from == Origin::Rest {
                     let near = |angle: [Theta; 2]| angle.map(Theta::to_dd);
                     Starts::Rest(some.exact_angles().into_iter().map(near).collect())
                 } else {
                     Starts::Deep(some)
                 }
             }
-            Starts::Paused(_) | Starts::Moving(_) => unreachable!("refused when submitted"),
+            Starts::Resumed(_) | Starts::Moving(_) => unreachable!("refused when submitted"),
         }
     }
 
     /// Takes a run's answers. Once a rung is complete it says what to compute next: nothing, when
     /// every start is sure or the ladder ends.
-    pub fn take(&mut self, index: u64, finished: Finished) -> Option<Vec<Job>> {
+    pub fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
         self.effort += finished.effort;
         let answer = |(&outcome, &end)| Answer { outcome, end };
         let answers: Vec<Answer> =
@@ -146,13 +146,13 @@ impl Case {
     }
 
     /// The answer.
-    pub fn finish(self) -> Finished {
-        Finished {
+    pub fn finish(self) -> JobResult {
+        JobResult {
             id: self.job.id,
             outcomes: self.outcomes,
             trusts: self.trusts,
             effort: self.effort,
-            ..Finished::default()
+            ..JobResult::default()
         }
     }
 }

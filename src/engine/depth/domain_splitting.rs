@@ -1,4 +1,4 @@
-//! The tree of cells from an anchor down to the leaves: followed as long as its polynomials hold,
+//! The splitting of cells from an anchor down to the leaves: followed as long as its polynomials hold,
 //! then cut into quarters.
 //!
 //! An anchor's middle is followed in as many digits as its depth needs. What is below it are
@@ -10,12 +10,12 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use super::chart::{Chart, Ended};
 use super::following::Following;
+use super::start_map::{FinishedPatch, StartMap};
 use crate::engine::Question;
+use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, digits_for, reference};
-use crate::physics::sheet::{End, Law, Sheet};
 use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
 use crate::scene::Build;
 use crate::scene::lattice::{Cell, side_rad};
@@ -27,10 +27,10 @@ const EVERY: u32 = 6;
 const LEAST_BELOW: u32 = 6;
 /// And at most so many.
 pub const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
-/// What a leaf's polynomials may leave out of its states. What is left out higher up the tree
+/// What a leaf's polynomials may leave out of its states. What is left out higher up the splitting
 /// grows with the cells that are cut, so there it is halved with every level.
 const TOLERANCE: f64 = 1e-12;
-/// Of charts that check others, with which they have no cut in common.
+/// Of start_maps that check others, with which they have no cut in common.
 const STRICT_TOLERANCE: f64 = 1e-13;
 /// For the roundings of a long way.
 const GUARD_BITS: u32 = 10;
@@ -39,9 +39,9 @@ const MOST_ANCHORS: usize = 64;
 /// Between two looks at whether anybody still waits, reduced time.
 const SLICE: f64 = 1.0;
 
-/// The charts of one pendulum and rule.
-pub struct Tree {
-    pub law: Law,
+/// The start_maps of one pendulum and rule.
+pub struct DomainSplitting {
+    pub dynamics: Dynamics,
     build: Build,
     rule: Rule,
     strict: bool,
@@ -50,22 +50,22 @@ pub struct Tree {
 
 /// A cell followed along the trajectory of its own middle.
 struct Anchor {
-    node: Node,
+    node: SplitNode,
     reference: Option<Box<dyn Reference>>,
     /// Its end, unless that was only the end of a budget.
-    end: Option<End>,
+    end: Option<PatchEnd>,
 }
 
 /// A cell on its way down.
 #[derive(Clone)]
-struct Node {
-    sheet: Sheet,
+struct SplitNode {
+    patch: FlowPatch,
     edge: Option<Jet>,
 }
 
 /// The leaves' level, the reduced budget, whether anybody still waits, and where that is told.
 #[derive(Clone, Copy)]
-pub struct Wanted<'a> {
+pub struct SplitRequest<'a> {
     pub level: u32,
     pub budget: f64,
     pub cancelled: &'a AtomicBool,
@@ -85,10 +85,10 @@ fn bits(anchor: u32) -> u32 {
     anchor + f64::MANTISSA_DIGITS + GUARD_BITS
 }
 
-impl Tree {
+impl DomainSplitting {
     pub fn new(question: &Question, strict: bool) -> Self {
-        Tree {
-            law: Law::new(question.reduced().0, question.rule),
+        DomainSplitting {
+            dynamics: Dynamics::new(question.reduced().0, question.rule),
             build: question.build,
             rule: question.rule,
             strict,
@@ -100,14 +100,18 @@ impl Tree {
         self.build == question.build && self.rule == question.rule && self.strict == strict
     }
 
-    /// The charts of leaves of one level, in any order; none once that is cancelled.
-    pub fn charts(&self, leaves: &[Cell], wanted: Wanted) -> Option<HashMap<Cell, Chart>> {
+    /// The start_maps of leaves of one level, in any order; none once that is cancelled.
+    pub fn start_maps(
+        &self,
+        leaves: &[Cell],
+        wanted: SplitRequest,
+    ) -> Option<HashMap<Cell, StartMap>> {
         let above = anchor_level(wanted.level);
         let mut groups: HashMap<Cell, Vec<Cell>> = HashMap::new();
         for leaf in leaves {
             groups.entry(leaf.ancestor(above)).or_default().push(*leaf);
         }
-        let mut charts = HashMap::new();
+        let mut start_maps = HashMap::new();
         for (cell, leaves) in groups {
             let anchor = self.anchor(cell);
             let mut anchor = anchor.lock().unwrap_or_else(|broken| broken.into_inner());
@@ -117,12 +121,12 @@ impl Tree {
                 Some(end) => {
                     let node = anchor.node.clone();
                     drop(anchor);
-                    charts.extend(self.ended(node, end, cell, &leaves, wanted));
+                    start_maps.extend(self.ended(node, end, cell, &leaves, wanted));
                 }
-                None => charts.extend(leaves.iter().map(|leaf| (*leaf, Chart::Forbidden))),
+                None => start_maps.extend(leaves.iter().map(|leaf| (*leaf, StartMap::Forbidden))),
             }
         }
-        (!wanted.cancelled.load(Ordering::Relaxed)).then_some(charts)
+        (!wanted.cancelled.load(Ordering::Relaxed)).then_some(start_maps)
     }
 
     /// Decimal digits in which the anchors of leaves of a level are followed.
@@ -141,35 +145,35 @@ impl Tree {
     /// An anchor at rest, with the digits that its cells' differences to it need.
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
-        let holds = node.sheet.holds(&self.law, self.tolerance(DEEPEST_BELOW));
+        let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW));
         let reference =
             holds.then(|| reference(&self.build.reduced_in().0, cell.center(), bits(cell.level)));
-        let end = (!holds).then_some(End::Spread);
+        let end = (!holds).then_some(PatchEnd::Spread);
         Anchor { node, reference, end }
     }
 
     /// A cell at rest.
-    fn released(&self, cell: Cell) -> Node {
+    fn released(&self, cell: Cell) -> SplitNode {
         let exact = cell.center().map(Angle::sin_cos);
         let sin_cos = exact.map(|(sin, cos)| (sin.to_f64(), cos.to_f64()));
-        let sheet = Sheet::release(sin_cos, side_rad(cell.level + 1));
-        let edge = self.edge(&sheet, exact.map(|(_, cos)| cos));
-        Node { sheet, edge: Some(edge) }
+        let patch = FlowPatch::release(sin_cos, side_rad(cell.level + 1));
+        let edge = self.edge(&patch, exact.map(|(_, cos)| cos));
+        SplitNode { patch, edge: Some(edge) }
     }
 
     /// How deep in the forbidden region starts at rest are, reduced.
-    fn edge(&self, sheet: &Sheet, cos: [Theta; 2]) -> Jet {
+    fn edge(&self, patch: &FlowPatch, cos: [Theta; 2]) -> Jet {
         let (exact, _) = self.build.reduced_in::<Theta>();
         let middle = exact.depth(cos) - exact.least_depth(self.rule);
-        let [x1, _, x2, ..] = sheet.phase;
-        let Pendulum { p, q, .. } = self.law.pendulum;
+        let [x1, _, x2, ..] = patch.phase;
+        let Pendulum { p, q, .. } = self.dynamics.pendulum;
         let depth = x1 * Jet::constant(p) + x2 * Jet::constant(q);
         depth.with_middle(middle.to_f64())
     }
 
     /// Follows an anchor as far as is wanted: its end there, or nothing where all of it is
     /// forbidden; no answer once that is cancelled.
-    fn advance(&self, anchor: &mut Anchor, wanted: Wanted) -> Option<Option<End>> {
+    fn advance(&self, anchor: &mut Anchor, wanted: SplitRequest) -> Option<Option<PatchEnd>> {
         if !anchor.node.settle_edge() {
             return Some(None);
         }
@@ -182,12 +186,14 @@ impl Tree {
             if wanted.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
-            let sheet = &mut anchor.node.sheet;
-            wanted.told.set(sheet.time.0 * unit_secs, wanted.budget * unit_secs);
-            let until = wanted.budget.min(sheet.time.0 + SLICE);
-            match sheet.follow(&self.law, until, tolerance, anchor.reference.as_deref_mut()) {
-                End::Over if sheet.time.0 >= wanted.budget => return Some(Some(End::Over)),
-                End::Over => {}
+            let patch = &mut anchor.node.patch;
+            wanted.told.set(patch.time.0 * unit_secs, wanted.budget * unit_secs);
+            let until = wanted.budget.min(patch.time.0 + SLICE);
+            match patch.follow(&self.dynamics, until, tolerance, anchor.reference.as_deref_mut()) {
+                PatchEnd::Over if patch.time.0 >= wanted.budget => {
+                    return Some(Some(PatchEnd::Over));
+                }
+                PatchEnd::Over => {}
                 end => anchor.end = Some(end),
             }
         }
@@ -198,37 +204,38 @@ impl Tree {
         leaf * 0.5f64.powi(levels_above_leaf as i32)
     }
 
-    /// The charts of a cell's leaves, once its own way has ended.
+    /// The start_maps of a cell's leaves, once its own way has ended.
     fn ended(
         &self,
-        node: Node,
-        end: End,
+        node: SplitNode,
+        end: PatchEnd,
         cell: Cell,
         leaves: &[Cell],
-        wanted: Wanted,
-    ) -> Vec<(Cell, Chart)> {
-        let cut = matches!(end, End::Spread | End::Unclear) && cell.level < wanted.level;
+        wanted: SplitRequest,
+    ) -> Vec<(Cell, StartMap)> {
+        let cut = matches!(end, PatchEnd::Spread | PatchEnd::Unclear) && cell.level < wanted.level;
         if cut && !wanted.cancelled.load(Ordering::Relaxed) {
             return self.quartered(&node, cell, leaves, wanted);
         }
         let half_rad = side_rad(cell.level + 1);
-        let ended = Arc::new(Ended { sheet: node.sheet, way: end, edge: node.edge, half_rad });
+        let ended =
+            Arc::new(FinishedPatch { patch: node.patch, ending: end, edge: node.edge, half_rad });
         let part = |leaf: &Cell| {
             let half = 0.5f64.powi((leaf.level - cell.level) as i32);
             let middle = leaf.index_in(&cell).map(|index| (2.0 * index + 1.0) * half - 1.0);
-            (*leaf, Chart::Part { ended: ended.clone(), middle, half })
+            (*leaf, StartMap::Part { ended: ended.clone(), middle, half })
         };
         leaves.iter().map(part).collect()
     }
 
-    /// The charts of a cell that goes on in quarters.
+    /// The start_maps of a cell that goes on in quarters.
     fn quartered(
         &self,
-        node: &Node,
+        node: &SplitNode,
         cell: Cell,
         leaves: &[Cell],
-        wanted: Wanted,
-    ) -> Vec<(Cell, Chart)> {
+        wanted: SplitRequest,
+    ) -> Vec<(Cell, StartMap)> {
         let quarter = |k: usize| {
             let child = cell.children()[k];
             let inside = |leaf: &&Cell| leaf.ancestor(child.level) == child;
@@ -243,35 +250,35 @@ impl Tree {
 
     fn child(
         &self,
-        parent: &Node,
+        parent: &SplitNode,
         k: usize,
         cell: Cell,
         leaves: &[Cell],
-        wanted: Wanted,
-    ) -> Vec<(Cell, Chart)> {
-        let mut node = if parent.sheet.time.0 == 0.0 {
+        wanted: SplitRequest,
+    ) -> Vec<(Cell, StartMap)> {
+        let mut node = if parent.patch.time.0 == 0.0 {
             // Too wide to be described even at rest: nothing to take a part of.
             self.released(cell)
         } else {
             parent.part(QUARTERS[k])
         };
         if !node.settle_edge() {
-            return leaves.iter().map(|leaf| (*leaf, Chart::Forbidden)).collect();
+            return leaves.iter().map(|leaf| (*leaf, StartMap::Forbidden)).collect();
         }
         let tolerance = self.tolerance(wanted.level - cell.level);
-        let end = if node.sheet.holds(&self.law, tolerance) {
-            node.sheet.follow(&self.law, wanted.budget, tolerance, None)
+        let end = if node.patch.holds(&self.dynamics, tolerance) {
+            node.patch.follow(&self.dynamics, wanted.budget, tolerance, None)
         } else {
-            End::Spread
+            PatchEnd::Spread
         };
         self.ended(node, end, cell, leaves, wanted)
     }
 }
 
-impl Node {
+impl SplitNode {
     fn part(&self, middle: [f64; 2]) -> Self {
         let edge = self.edge.map(|edge| edge.part(middle, 0.5));
-        Node { sheet: self.sheet.part(middle, 0.5), edge }
+        SplitNode { patch: self.patch.part(middle, 0.5), edge }
     }
 
     /// Forgets the forbidden region's edge where it does not cross the cell; false where all of

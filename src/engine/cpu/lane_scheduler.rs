@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::lanes::MOST_LANES;
 use crate::engine::method::Pace;
 use crate::engine::start::{TIME, TIME_LOW, phase_of};
-use crate::engine::{Effort, End, NUMBERS, Paused, Question, Recipe};
-use crate::physics::passage::FAR;
+use crate::engine::{Effort, End, IntegratorConfig, IntegratorState, NUMBERS, Question};
+use crate::physics::crossing::FAR;
 use crate::physics::{Outcome, Status};
 
 /// What one chunk of a job needs.
@@ -15,22 +15,22 @@ pub struct Chunk<'a> {
     /// What is asked.
     pub question: &'a Question,
     /// How it is computed.
-    pub recipe: Recipe,
+    pub config: IntegratorConfig,
     /// Its steps over the budget.
     pub pace: Pace,
     /// Where each pendulum begins, in reduced units.
-    pub starts: &'a [Paused],
+    pub starts: &'a [IntegratorState],
     /// Set when nobody wants the answer any more.
     pub cancelled: &'a AtomicBool,
 }
 
 /// What became of a chunk: per start its outcome and last state, and the work done.
 #[derive(Default)]
-pub struct Answer {
+pub struct ChunkResult {
     /// In the order of the starts.
     pub outcomes: Vec<Outcome>,
     /// Likewise; of flipped ones the state at the beginning of the step in which they did.
-    pub states: Vec<Paused>,
+    pub states: Vec<IntegratorState>,
     /// Likewise, where each ended.
     pub ends: Vec<End>,
     /// What it took.
@@ -41,7 +41,7 @@ pub struct Answer {
 pub const PATIENCE: u32 = 512;
 
 /// The lanes between stretches of steps.
-pub struct Flock<'a> {
+pub struct LaneScheduler<'a> {
     /// What is done.
     pub chunk: &'a Chunk<'a>,
     /// Each number of the state, lane by lane.
@@ -51,7 +51,7 @@ pub struct Flock<'a> {
     /// How far from the top the watched bobs of each lane's pendulum have stayed.
     pub clearance: [f64; MOST_LANES],
     /// What became of those that are done.
-    pub answer: Answer,
+    pub answer: ChunkResult,
     lanes: usize,
     /// Which start each lane runs.
     start: [usize; MOST_LANES],
@@ -62,17 +62,17 @@ pub struct Flock<'a> {
 
 const IDLE: usize = usize::MAX;
 
-impl<'a> Flock<'a> {
-    /// A flock of `lanes` lanes with the chunk's first starts; `idle` is the state of a pendulum
+impl<'a> LaneScheduler<'a> {
+    /// A scheduler of `lanes` lanes with the chunk's first starts; `idle` is the state of a pendulum
     /// that harms nobody in a lane without work.
     pub fn new(chunk: &'a Chunk<'a>, lanes: usize, idle: [f64; NUMBERS]) -> Self {
-        let answer = Answer {
+        let answer = ChunkResult {
             outcomes: vec![Outcome::without_time(Status::Unflipped); chunk.starts.len()],
             states: chunk.starts.to_vec(),
             ends: vec![End::NOWHERE; chunk.starts.len()],
             effort: Effort::default(),
         };
-        let mut flock = Flock {
+        let mut scheduler = LaneScheduler {
             chunk,
             rows: [[0.0; MOST_LANES]; NUMBERS],
             taken: [0; MOST_LANES],
@@ -84,9 +84,9 @@ impl<'a> Flock<'a> {
             next_start: 0,
             busy: 0,
         };
-        (0..lanes).for_each(|lane| flock.put(lane, idle));
-        flock.refill();
-        flock
+        (0..lanes).for_each(|lane| scheduler.put(lane, idle));
+        scheduler.refill();
+        scheduler
     }
 
     /// Whether any pendulum is not done.
@@ -133,7 +133,7 @@ impl<'a> Flock<'a> {
 
     /// Counts `steps` steps of every lane with a pendulum.
     pub fn count_steps(&mut self, steps: u32) {
-        let rhs = self.chunk.recipe.method.rhs_per_step(self.chunk.recipe.precision);
+        let rhs = self.chunk.config.method.rhs_per_step(self.chunk.config.precision);
         for lane in self.running() {
             self.taken[lane] += steps;
             self.answer.effort.steps += u64::from(steps);
@@ -158,7 +158,8 @@ impl<'a> Flock<'a> {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;
         self.answer.ends[start] = end;
-        self.answer.states[start] = Paused { steps: self.taken[lane], numbers: self.numbers(lane) };
+        self.answer.states[start] =
+            IntegratorState { steps: self.taken[lane], numbers: self.numbers(lane) };
         self.put(lane, self.idle);
         self.busy -= 1;
     }

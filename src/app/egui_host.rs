@@ -29,7 +29,7 @@ pub enum HostError {
 }
 
 /// A device that draws a window.
-pub struct Host {
+pub struct EguiHost {
     /// The interface.
     pub ctx: Context,
     input: egui_winit::State,
@@ -63,7 +63,7 @@ impl Remains {
     }
 }
 
-impl Host {
+impl EguiHost {
     /// Opens a device for a window that is not shown yet, or that another host has drawn and left
     /// these remains of.
     pub fn new(
@@ -99,7 +99,7 @@ impl Host {
             Some(remains) => remains.move_into(&ctx, &mut input),
             None => input.init_accesskit(event_loop, window, proxy.clone()),
         }
-        let mut host = Host {
+        let mut host = EguiHost {
             ctx,
             input,
             painter,
@@ -213,7 +213,7 @@ impl Host {
     /// Draws and presents. egui's painter panics where a device is lost in the midst of it; as
     /// with any other loss, the painter is thrown away and the window goes on.
     fn paint(&mut self, primitives: &[egui::ClippedPrimitive], pixels_per_point: f32) {
-        let Host { painter, textures, window, ctx, .. } = self;
+        let EguiHost { painter, textures, window, ctx, .. } = self;
         // What no panel covers looks like one.
         let ground = ctx.global_style().visuals.panel_fill.to_normalized_gamma_f32();
         let painted = catch_unwind(AssertUnwindSafe(|| {

@@ -3,7 +3,7 @@
 use egui::Response;
 
 use super::clock::Clock;
-use super::drawing::{COLOURS, INK, Stage, angle_of, ends, wrapped};
+use super::drawing::{COLOURS, FigureCanvas, INK, angle_of, ends, wrapped};
 use crate::physics::integrator::rk4;
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, State};
@@ -17,7 +17,7 @@ const TRAIL_EVERY: u64 = 8;
 
 /// A double pendulum, let go at rest.
 #[derive(Clone, Debug)]
-pub struct Swinger {
+pub struct DoublePendulumSimulation {
     /// What it is made of.
     pub build: Build,
     /// Where it was let go, rad.
@@ -32,10 +32,10 @@ pub struct Swinger {
     pub held: Option<usize>,
 }
 
-impl Swinger {
+impl DoublePendulumSimulation {
     /// Let go at two angles.
     pub fn from(start: [f64; 2]) -> Self {
-        Swinger {
+        DoublePendulumSimulation {
             build: Build::default(),
             start,
             state: State::rest(start),
@@ -96,7 +96,7 @@ impl Swinger {
     }
 
     /// A dragged bob is held, and both are let go from rest where they are left.
-    pub fn drag(&mut self, stage: &Stage, response: &Response) {
+    pub fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
         let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) else {
             self.held = None;
             return;
@@ -111,7 +111,7 @@ impl Swinger {
     }
 
     /// Draws it with its trail.
-    pub fn draw(&self, stage: &Stage) {
+    pub fn draw(&self, stage: &FigureCanvas) {
         let [first, second] = ends(self.build.lengths_m(), self.now().angle);
         stage.trail(&self.trail, COLOURS[1]);
         stage.rod([0.0; 2], first, INK);
@@ -142,7 +142,10 @@ mod tests {
 
     #[test]
     fn energy_is_kept_and_frames_do_not_matter() {
-        let (mut often, mut seldom) = (Swinger::from([2.0, 1.0]), Swinger::from([2.0, 1.0]));
+        let (mut often, mut seldom) = (
+            DoublePendulumSimulation::from([2.0, 1.0]),
+            DoublePendulumSimulation::from([2.0, 1.0]),
+        );
         let energy = often.pendulum().energy(&often.state);
         (0..480).for_each(|_| often.advance(1.0 / 240.0));
         (0..20).for_each(|_| seldom.advance(0.1));

@@ -8,7 +8,7 @@ use crate::engine::gpu::device::{adapters, describe};
 use crate::engine::{Engine, EngineError};
 
 /// An engine that takes part.
-pub enum Contender {
+pub enum Backend {
     /// The processor, on so many threads.
     Cpu(Box<CpuEngine>, usize),
     /// An adapter.
@@ -17,7 +17,7 @@ pub enum Contender {
 
 /// Which engines are wanted.
 #[derive(Clone, Debug, Default)]
-pub struct Field {
+pub struct BackendFilter {
     /// Without the processor.
     pub only_gpu: bool,
     /// Without adapters.
@@ -28,36 +28,36 @@ pub struct Field {
     pub threads: Option<usize>,
 }
 
-impl Contender {
+impl Backend {
     /// As the engine that it is.
     pub fn engine(&mut self) -> &mut dyn Engine {
         match self {
-            Contender::Cpu(engine, _) => engine.as_mut(),
-            Contender::Gpu(engine) => engine.as_mut(),
+            Backend::Cpu(engine, _) => engine.as_mut(),
+            Backend::Gpu(engine) => engine.as_mut(),
         }
     }
 
     /// `cpu` or `gpu`.
     pub fn name(&self) -> &'static str {
         match self {
-            Contender::Cpu(engine, _) => engine.name(),
-            Contender::Gpu(engine) => engine.name(),
+            Backend::Cpu(engine, _) => engine.name(),
+            Backend::Gpu(engine) => engine.name(),
         }
     }
 
     /// The adapter, or the processor's threads and SIMD width.
     pub fn adapter(&self) -> String {
         match self {
-            Contender::Cpu(engine, _) => engine.adapter(),
-            Contender::Gpu(engine) => engine.adapter(),
+            Backend::Cpu(engine, _) => engine.adapter(),
+            Backend::Gpu(engine) => engine.adapter(),
         }
     }
 
     /// Threads of the processor that it computes on, if that is what computes.
     pub fn threads(&self) -> Option<usize> {
         match self {
-            Contender::Cpu(_, threads) => Some(*threads),
-            Contender::Gpu(_) => None,
+            Backend::Cpu(_, threads) => Some(*threads),
+            Backend::Gpu(_) => None,
         }
     }
 
@@ -81,17 +81,17 @@ pub fn short_name(engine: &str, adapter: &str) -> String {
 }
 
 /// Starts every engine wanted that is here; those that do not start are refusals.
-pub fn muster(
-    field: &Field,
+pub fn discover(
+    field: &BackendFilter,
     stop: StopTest,
-) -> Result<(Vec<Contender>, Vec<Refusal>), ReportError> {
-    let (mut contenders, mut refusals) = (Vec::new(), Vec::new());
+) -> Result<(Vec<Backend>, Vec<Refusal>), ReportError> {
+    let (mut backends, mut refusals) = (Vec::new(), Vec::new());
     for adapter in fitting(field)? {
         if stop() {
             return Err(ReportError::Stopped);
         }
         match open_checked(adapter.clone()) {
-            Ok(engine) => contenders.push(Contender::Gpu(Box::new(engine))),
+            Ok(engine) => backends.push(Backend::Gpu(Box::new(engine))),
             Err(error) => refusals.push(Refusal {
                 engine: format!("gpu: {}", describe(&adapter)),
                 what: "anything".to_string(),
@@ -100,17 +100,17 @@ pub fn muster(
         }
     }
     if !field.only_gpu {
-        contenders.push(processor(field.threads)?);
+        backends.push(processor(field.threads)?);
     }
-    if contenders.is_empty() {
+    if backends.is_empty() {
         let reasons: Vec<&str> = refusals.iter().map(|refusal| refusal.reason.as_str()).collect();
         return Err(ChoiceError::NoAdapter(reasons.join("; ")).into());
     }
-    Ok((contenders, refusals))
+    Ok((backends, refusals))
 }
 
 /// The adapters that are wanted; to ask for one that is not there is an error.
-fn fitting(field: &Field) -> Result<Vec<wgpu::Adapter>, ChoiceError> {
+fn fitting(field: &BackendFilter) -> Result<Vec<wgpu::Adapter>, ChoiceError> {
     if field.only_cpu {
         return Ok(Vec::new());
     }
@@ -129,8 +129,8 @@ fn fitting(field: &Field) -> Result<Vec<wgpu::Adapter>, ChoiceError> {
     Ok(fitting)
 }
 
-fn processor(threads: Option<usize>) -> Result<Contender, EngineError> {
+fn processor(threads: Option<usize>) -> Result<Backend, EngineError> {
     let engine = CpuEngine::new(threads)?;
     let threads = threads.unwrap_or_else(rayon::current_num_threads);
-    Ok(Contender::Cpu(Box::new(engine), threads))
+    Ok(Backend::Cpu(Box::new(engine), threads))
 }

@@ -1,4 +1,4 @@
-//! Everything a window holds but the window itself: the plain state, the engine room, the easel,
+//! Everything a window holds but the window itself: the plain state, the compute service, the map renderer,
 //! and what is kept on disk. It shows itself in any egui, so tests need no window.
 
 use std::path::{Path, PathBuf};
@@ -9,12 +9,12 @@ use egui::Ui;
 
 use super::action::Action;
 use super::camera::Camera;
-use super::canvas::Easel;
+use super::canvas::MapRenderer;
 use super::canvas::colours::colours;
 use super::commands::{commands, pressed};
+use super::compute_service::{ComputeService, Wake};
+use super::descent::DescentPath;
 use super::dialog::FileDialog;
-use super::dive::Way;
-use super::engine_room::{EngineRoom, Wake};
 use super::export::Export;
 use super::folders::Folders;
 use super::hover;
@@ -23,28 +23,28 @@ use super::meter::Meter;
 use super::outlook::Forecast;
 use super::panels::export::ExportForm;
 use super::panels::places::{PlaceForm, Thumbnails};
-use super::panels::status::{Status, depth_words, status_line};
+use super::panels::status::{StatusLine, depth_words, status_line};
 use super::panels::{accuracy, help, notices};
 use super::places::Places;
-use super::seen;
 use super::settings::{Loaded, Settings, Store};
-use super::state::{Effect, State};
-use crate::engine::choice::Wish;
-use crate::engine::words;
+use super::state::{AppState, Effect};
+use super::view_samples;
+use crate::engine::choice::EngineRequest;
+use crate::engine::run_settings;
 use crate::lab::{Figure, Lab};
 use crate::scene::palette::equalised;
 use crate::scene::{Document, PictureTable, RunTable};
-use crate::tiles::explorer::Progress;
+use crate::tiles::explorer::ViewProgress;
 
 /// How a window is opened.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct WindowOptions {
     /// What it shows; where the window was left, if nothing is said.
     pub document: Option<Document>,
     /// How it is computed, as words; as where the window was left, if nothing is said.
     pub run: Option<RunTable>,
     /// Which engine; what it is to compute follows from the words.
-    pub wish: Wish,
+    pub request: EngineRequest,
     /// Where settings and bookmarks are.
     pub folders: Folders,
     /// Where the window writes what it measured of itself when it closes.
@@ -58,12 +58,12 @@ pub(super) enum Asking {
 }
 
 /// The things of a window.
-pub struct Desk {
+pub struct AppModel {
     /// What is shown.
-    pub state: State,
+    pub state: AppState,
     /// What computes it.
-    pub room: EngineRoom,
-    pub(super) easel: Easel,
+    pub compute: ComputeService,
+    pub(super) map_renderer: MapRenderer,
     pub(super) meter: Meter,
     pub(super) store: Store,
     /// What is kept between runs.
@@ -74,11 +74,11 @@ pub struct Desk {
     pub(super) exports: Vec<Export>,
     pub(super) export_form: ExportForm,
     pub(super) asking: Option<Asking>,
-    pub(super) way: Way,
+    pub(super) descent: DescentPath,
     pub(super) forecast: Forecast,
     /// The figures of the lesson.
     pub lab: Lab,
-    pub(super) wish: Wish,
+    pub(super) request: EngineRequest,
     pub(super) wake: Wake,
     /// What the file holds, and since when.
     saved: Option<Settings>,
@@ -99,21 +99,21 @@ const COARSER: u32 = 3;
 /// How often the line below tells of what takes longer.
 const DOING: Duration = Duration::from_millis(250);
 
-impl Desk {
+impl AppModel {
     /// Reads what was kept and begins to open an engine.
-    pub fn new(options: &Options, wake: Wake) -> Self {
+    pub fn new(options: &WindowOptions, wake: Wake) -> Self {
         let mut store = Store::new(&options.folders);
         let Loaded { settings, notice } = store.load();
         let last = settings.last_scene.clone().filter(|_| settings.restore);
         let mut document = options.document.clone().or(last).unwrap_or_default();
         let words = options.run.as_ref().unwrap_or(&document.run).clone();
-        let settled = words::settle(words);
-        let problem = settled.as_ref().err().map(ToString::to_string);
-        let (demand, run) = settled.unwrap_or_default();
-        let verify = words::verifies(demand, &run);
+        let resolved = run_settings::resolve(words);
+        let problem = resolved.as_ref().err().map(ToString::to_string);
+        let (setting, run) = resolved.unwrap_or_default();
+        let verify = run_settings::verifies(setting, &run);
         document.run = run;
-        let mut state = State::new(&document, demand, verify);
-        state.kind = options.wish.kind;
+        let mut state = AppState::new(&document, setting, verify);
+        state.kind = options.request.kind;
         (state.animate, state.theme, state.ui_scale) =
             (settings.animate, settings.theme, settings.ui_scale);
         if options.document.is_none() {
@@ -123,13 +123,13 @@ impl Desk {
             state.notices.fail(problem);
         }
         let cache_bytes = (settings.cache_mib as usize) << 20;
-        let wish = Wish { demand, ..options.wish.clone() };
-        let room = EngineRoom::new(wish.clone(), verify, cache_bytes, Arc::clone(&wake));
+        let request = EngineRequest { setting, ..options.request.clone() };
+        let compute = ComputeService::new(request.clone(), verify, cache_bytes, Arc::clone(&wake));
         let places = Places::load(&options.folders);
-        Desk {
+        AppModel {
             state,
-            room,
-            easel: Easel::default(),
+            compute,
+            map_renderer: MapRenderer::default(),
             meter: Meter::default(),
             store,
             settings,
@@ -139,10 +139,10 @@ impl Desk {
             exports: Vec::new(),
             export_form: ExportForm::default(),
             asking: None,
-            way: Way::default(),
+            descent: DescentPath::default(),
             forecast: Forecast::default(),
             lab: Lab::new(Figure::Machine),
-            wish,
+            request,
             wake,
             saved: None,
             saved_at: Instant::now(),
@@ -159,8 +159,8 @@ impl Desk {
             return false;
         }
         let state = &self.state;
-        let turn = self.room.turn(|recipe| state.aim(recipe), Instant::now() + WORK);
-        self.meter.read(Instant::now(), self.room.explorer.counts().simulated);
+        let turn = self.compute.turn(|config| state.view_target(config), Instant::now() + WORK);
+        self.meter.read(Instant::now(), self.compute.explorer.counts().simulated);
         if let Some(failure) = turn.failure {
             self.state.notices.fail(failure);
             return true;
@@ -169,9 +169,9 @@ impl Desk {
             self.tell_pins();
         }
         let spread = self.spread_colours();
-        let dived = self.follow_dive();
+        let news = self.follow_descent();
         let foreseen = self.foresee();
-        turn.news || spread || dived || foreseen
+        turn.news || spread || news || foreseen
     }
 
     /// Spreads the palette over the times of a deep view, once it is whole at a coarse level and
@@ -200,14 +200,16 @@ impl Desk {
         if spread == Some(true) {
             return false;
         }
-        let (screen, explorer) = (self.state.screen(), &mut self.room.explorer);
-        let Some(level) = seen::whole_level(&screen, COARSER, explorer) else { return false };
+        let (screen, explorer) = (self.state.screen(), &mut self.compute.explorer);
+        let Some(level) = view_samples::whole_level(&screen, COARSER, explorer) else {
+            return false;
+        };
         let finest = level == screen.level();
         if spread.is_some() && !finest {
             return false;
         }
         self.spread_for = Some((camera, finest));
-        let times = seen::times_at(&screen, level, explorer);
+        let times = view_samples::times_at(&screen, level, explorer);
         let times = equalised(times.into_iter(), PictureTable::SPREAD_STEPS);
         let change = !times.is_empty();
         if change {
@@ -225,7 +227,7 @@ impl Desk {
             // Another level has other samples, and other answers.
             if hover::sample_at(start, level)[0] == start
                 && let Some(told) =
-                    hover::outcome_at(&mut self.room.explorer, start, level, budget_secs)
+                    hover::outcome_at(&mut self.compute.explorer, start, level, budget_secs)
             {
                 self.state.pins.tell(id, told);
             }
@@ -233,13 +235,13 @@ impl Desk {
     }
 
     /// How far the view is.
-    pub fn progress(&self) -> Progress {
-        self.room.explorer.progress()
+    pub fn progress(&self) -> ViewProgress {
+        self.compute.explorer.progress()
     }
 
     /// The card's things are gone: everything is put there again.
     pub fn forget_card(&mut self) {
-        self.easel = Easel::default();
+        self.map_renderer = MapRenderer::default();
         self.thumbnails = Thumbnails::default();
     }
 
@@ -277,7 +279,7 @@ impl Desk {
         }
         if self.state.shown.side {
             let side = egui::Panel::right("side").default_size(310.0).size_range(240.0..=480.0);
-            side.show(ui, |ui| actions.extend(self.side(ui)));
+            side.show(ui, |ui| actions.extend(self.side_panel(ui)));
         }
         egui::CentralPanel::no_frame().show(ui, |ui| actions.extend(self.canvas(ui)));
         self.act(actions)
@@ -307,7 +309,7 @@ impl Desk {
             glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
         self.state.pixels_per_point = f64::from(ui.ctx().pixels_per_point());
         let screen = self.state.screen();
-        let State { picture, build, question, layers, .. } = &self.state;
+        let AppState { picture, build, question, layers, .. } = &self.state;
         let (uniforms, table) = match colours(picture, build, question, layers.trust) {
             Ok(colours) => colours,
             // A picture table is checked before it gets here.
@@ -316,9 +318,9 @@ impl Desk {
                 return Vec::new();
             }
         };
-        let frame = self.easel.frame(&screen, &mut self.room.explorer, uniforms, table);
+        let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, uniforms, table);
         let hovered = self.state.pointer.map(|point| {
-            let (explorer, level) = (&mut self.room.explorer, screen.level());
+            let (explorer, level) = (&mut self.compute.explorer, screen.level());
             let [start, _] = hover::sample_at(screen.angle_at(point), level);
             let outcome =
                 hover::outcome_at(explorer, start, level, self.state.question.budget.secs);
@@ -327,33 +329,33 @@ impl Desk {
         map(ui, &self.state, frame, hovered)
     }
 
-    fn status(&self) -> Status {
+    fn status(&self) -> StatusLine {
         let progress = self.progress();
-        let engine = match (self.room.engine(), self.room.recipe()) {
-            (Some((name, adapter, _)), Some(recipe)) => {
-                format!("{} · {name}: {adapter}", accuracy::words(&recipe))
+        let engine = match (self.compute.engine(), self.compute.config()) {
+            (Some((name, adapter, _)), Some(config)) => {
+                format!("{} · {name}: {adapter}", accuracy::words(&config))
             }
-            _ => match self.room.opening() {
+            _ => match self.compute.opening() {
                 Some(said) if said.is_empty() => "opening the engine…".to_string(),
                 Some(said) => said,
                 None => "no engine: see Accuracy".to_string(),
             },
         };
         let rate = if progress.idle { 0.0 } else { self.meter.rate() };
-        let simulated = self.room.explorer.counts().simulated;
-        let depth = self.room.explorer.depth().zip(self.room.recipe());
+        let simulated = self.compute.explorer.counts().simulated;
+        let depth = self.compute.explorer.depth().zip(self.compute.config());
         let budget_secs = self.state.question.budget.secs;
-        let depth = depth.map(|(depth, recipe)| depth_words(&depth, recipe.precision, budget_secs));
+        let depth = depth.map(|(depth, config)| depth_words(&depth, config.precision, budget_secs));
         let width_rad = self.state.camera.width_rad;
-        let diving = self.way.dive.is_some().then(|| "going deeper, Esc stops".to_string());
-        let doing = self.room.following().or(diving);
+        let diving = self.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
+        let doing = self.compute.following().or(diving);
         let warning = self.forecast.warning();
-        Status { progress, width_rad, rate, simulated, engine, depth, doing, warning }
+        StatusLine { progress, width_rad, rate, simulated, engine, depth, doing, warning }
     }
 
     /// Keeps how the window was left.
     pub fn save(&mut self) {
-        let State { animate, theme, ui_scale, layers, .. } = self.state;
+        let AppState { animate, theme, ui_scale, layers, .. } = self.state;
         self.settings = Settings { animate, theme, ui_scale, layers, ..self.settings.clone() };
         self.settings.last_scene = Some(self.state.document());
         self.saved_at = Instant::now();

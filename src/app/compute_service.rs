@@ -3,12 +3,12 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::engine::background::{self, Background, Opening};
-use crate::engine::choice::{self, Chosen, Demand, Kind, Wish};
+use crate::engine::background::{self, Background, PendingEngine};
+use crate::engine::choice::{self, Chosen, EngineKind, EngineRequest, IntegrationSetting};
 use crate::engine::trust::TrustEngine;
-use crate::engine::{Engine, Recipe};
-use crate::tiles::aim::Aim;
+use crate::engine::{Engine, IntegratorConfig};
 use crate::tiles::explorer::Explorer;
+use crate::tiles::view_target::ViewTarget;
 
 /// Wakes the window from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -24,19 +24,19 @@ const MOST_FAILURES: u32 = 3;
 const SOON: Duration = Duration::from_secs(60);
 
 /// Where the engine is in its life.
-enum Stage {
-    Opening(Opening),
+enum ServiceState {
+    Opening(PendingEngine),
     Ready(Box<Background>),
     Failed,
 }
 
 /// The engine and the cells it computes.
-pub struct EngineRoom {
+pub struct ComputeService {
     /// What is known and wanted.
     pub explorer: Explorer,
-    wish: Wish,
+    request: EngineRequest,
     verify: bool,
-    stage: Stage,
+    stage: ServiceState,
     failures: u32,
     failed_at: Option<Instant>,
     /// What takes so long while an engine is being opened.
@@ -46,21 +46,21 @@ pub struct EngineRoom {
 
 /// What came of a turn.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct Turn {
+pub struct ServiceUpdate {
     /// Something new can be drawn.
     pub news: bool,
     /// What went wrong, in a sentence with what to do.
     pub failure: Option<String>,
 }
 
-impl EngineRoom {
+impl ComputeService {
     /// Begins to open an engine.
-    pub fn new(wish: Wish, verify: bool, cache_bytes: usize, wake: Wake) -> Self {
-        let stage = Stage::Failed;
+    pub fn new(request: EngineRequest, verify: bool, cache_bytes: usize, wake: Wake) -> Self {
+        let stage = ServiceState::Failed;
         let explorer = Explorer::new(cache_bytes);
-        let mut room = EngineRoom {
+        let mut service = ComputeService {
             explorer,
-            wish,
+            request,
             verify,
             stage,
             failures: 0,
@@ -68,13 +68,13 @@ impl EngineRoom {
             said: Arc::default(),
             wake,
         };
-        room.open();
-        room
+        service.open();
+        service
     }
 
     /// Opens another engine, or the same anew. What was computed stays.
-    pub fn reopen(&mut self, kind: Kind, demand: Demand, verify: bool) {
-        self.wish = Wish { kind, demand, ..self.wish.clone() };
+    pub fn reopen(&mut self, kind: EngineKind, setting: IntegrationSetting, verify: bool) {
+        self.request = EngineRequest { kind, setting, ..self.request.clone() };
         self.verify = verify;
         self.failures = 0;
         self.open();
@@ -82,7 +82,7 @@ impl EngineRoom {
 
     fn open(&mut self) {
         self.explorer.ground();
-        let (wish, verify) = (self.wish.clone(), self.verify);
+        let (request, verify) = (self.request.clone(), self.verify);
         let (said, waker) = (Arc::new(Mutex::new(String::new())), Arc::clone(&self.wake));
         self.said = Arc::clone(&said);
         let tell = move |text: &str| {
@@ -91,20 +91,20 @@ impl EngineRoom {
             waker();
         };
         let wake = Arc::clone(&self.wake);
-        let opening = background::open(move || open(&wish, verify, &tell), move || wake());
+        let opening = background::open(move || open(&request, verify, &tell), move || wake());
         self.stage = opening.map_or_else(
             |error| {
                 log::error!("no thread for the engine: {error}");
-                Stage::Failed
+                ServiceState::Failed
             },
-            Stage::Opening,
+            ServiceState::Opening,
         );
     }
 
-    /// The recipe of the engine, once it is open.
-    pub fn recipe(&self) -> Option<Recipe> {
+    /// The config of the engine, once it is open.
+    pub fn config(&self) -> Option<IntegratorConfig> {
         match &self.stage {
-            Stage::Ready(engine) => Some(engine.recipe),
+            ServiceState::Ready(engine) => Some(engine.config),
             _ => None,
         }
     }
@@ -112,7 +112,7 @@ impl EngineRoom {
     /// The engine, for people: its name, adapter, and why it was chosen.
     pub fn engine(&self) -> Option<(&'static str, String, &str)> {
         match &self.stage {
-            Stage::Ready(engine) => Some((engine.name(), engine.adapter(), &engine.why)),
+            ServiceState::Ready(engine) => Some((engine.name(), engine.adapter(), &engine.why)),
             _ => None,
         }
     }
@@ -120,7 +120,7 @@ impl EngineRoom {
     /// What it is doing that takes so long before a deep view's first pixels are known.
     pub fn following(&self) -> Option<String> {
         match &self.stage {
-            Stage::Ready(engine) => engine.following.words(),
+            ServiceState::Ready(engine) => engine.following.words(),
             _ => None,
         }
     }
@@ -128,40 +128,46 @@ impl EngineRoom {
     /// While an engine is being opened, what it is doing that takes so long, if it says so.
     pub fn opening(&self) -> Option<String> {
         let said = || self.said.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        matches!(self.stage, Stage::Opening(_)).then(said)
+        matches!(self.stage, ServiceState::Opening(_)).then(said)
     }
 
     /// Whether there is none, and none is coming.
     pub fn has_failed(&self) -> bool {
-        matches!(self.stage, Stage::Failed)
+        matches!(self.stage, ServiceState::Failed)
     }
 
     /// Drops what is being computed: nobody looks at the map for a while.
     pub fn rest(&mut self) {
-        if let Stage::Ready(engine) = &mut self.stage {
+        if let ServiceState::Ready(engine) = &mut self.stage {
             engine.cancel();
             self.explorer.ground();
         }
     }
 
     /// Aims at what is looked at and moves the work on, without waiting.
-    pub fn turn(&mut self, aim: impl FnOnce(Recipe) -> Aim, deadline: Instant) -> Turn {
+    pub fn turn(
+        &mut self,
+        target: impl FnOnce(IntegratorConfig) -> ViewTarget,
+        deadline: Instant,
+    ) -> ServiceUpdate {
         self.take_opened().unwrap_or_else(|| {
-            let Stage::Ready(engine) = &mut self.stage else { return Turn::default() };
-            self.explorer.aim(aim(engine.recipe));
+            let ServiceState::Ready(engine) = &mut self.stage else {
+                return ServiceUpdate::default();
+            };
+            self.explorer.target(target(engine.config));
             match self.explorer.work(engine.as_mut(), Some(deadline)) {
-                Ok(news) => Turn { news, failure: None },
+                Ok(news) => ServiceUpdate { news, failure: None },
                 Err(error) => self.fail(&error.to_string()),
             }
         })
     }
 
     /// Takes an engine that has been opened, or the news that it could not be.
-    fn take_opened(&mut self) -> Option<Turn> {
-        let Stage::Opening(opening) = &self.stage else { return None };
+    fn take_opened(&mut self) -> Option<ServiceUpdate> {
+        let ServiceState::Opening(opening) = &self.stage else { return None };
         match opening.poll()? {
             Ok(engine) => {
-                self.stage = Stage::Ready(Box::new(engine));
+                self.stage = ServiceState::Ready(Box::new(engine));
                 None
             }
             Err(error) => Some(self.fail(&error.to_string())),
@@ -169,36 +175,41 @@ impl EngineRoom {
     }
 
     /// Opens the engine anew a few times, then the processor, then gives up.
-    fn fail(&mut self, why: &str) -> Turn {
+    fn fail(&mut self, why: &str) -> ServiceUpdate {
         let again = self.failed_at.is_some_and(|at| at.elapsed() < SOON);
         self.failures = if again { self.failures + 1 } else { 1 };
         self.failed_at = Some(Instant::now());
-        self.stage = Stage::Failed;
+        self.stage = ServiceState::Failed;
         self.explorer.ground();
         let then = if self.failures < MOST_FAILURES {
             self.open();
             "The engine is being opened again."
-        } else if self.wish.kind != Kind::Cpu {
-            self.wish = Wish { kind: Kind::Cpu, adapter: None, ..self.wish.clone() };
+        } else if self.request.kind != EngineKind::Cpu {
+            self.request =
+                EngineRequest { kind: EngineKind::Cpu, adapter: None, ..self.request.clone() };
             self.failures = 0;
             self.open();
             "The processor goes on; choose another engine under Accuracy."
         } else {
             "Choose another engine or accuracy, or press Try again."
         };
-        Turn { news: true, failure: Some(format!("The engine failed: {why}. {then}")) }
+        ServiceUpdate { news: true, failure: Some(format!("The engine failed: {why}. {then}")) }
     }
 }
 
 /// Opens an engine as it is used behind a window: with short slices, and less urgent than the
 /// window's own threads.
-fn open(wish: &Wish, verify: bool, tell: &dyn Fn(&str)) -> Result<Chosen, choice::ChoiceError> {
+fn open(
+    request: &EngineRequest,
+    verify: bool,
+    tell: &dyn Fn(&str),
+) -> Result<Chosen, choice::ChoiceError> {
     step_back();
-    let wish = Wish { pace: PACE, ..wish.clone() };
-    let Chosen { engine, recipe, why, following } = choice::choose(&wish, tell)?;
+    let request = EngineRequest { pace: PACE, ..request.clone() };
+    let Chosen { engine, config, why, following } = choice::choose(&request, tell)?;
     let engine: Box<dyn Engine> =
-        if verify { Box::new(TrustEngine::new(engine, wish.threads)?) } else { engine };
-    Ok(Chosen { engine, recipe, why, following })
+        if verify { Box::new(TrustEngine::new(engine, request.threads)?) } else { engine };
+    Ok(Chosen { engine, config, why, following })
 }
 
 /// Makes this thread, and those it will start, yield to the ones that draw. On Linux each thread

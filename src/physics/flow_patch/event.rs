@@ -1,9 +1,9 @@
-//! What a step of a sheet meets at the top: passages by all, and turns that only some make.
+//! What a step of a patch meets at the top: passages by all, and turns that only some make.
 
 use super::graze::Graze;
-use super::{Law, Leap, Pass, SHORTEST, Sheet, middle};
+use super::{Dynamics, FlowPatch, PatchCrossing, PatchStep, SHORTEST, middle};
+use crate::physics::crossing::{crosses, crossing, turning_point};
 use crate::physics::jet::Jet;
-use crate::physics::passage::{crosses, crossing, turning_point};
 use crate::physics::phase::Phase;
 use crate::physics::reference::Reference;
 
@@ -14,8 +14,8 @@ const KNOWN_BY_F64: f64 = 1e-6;
 /// Errors in the moment of a passage, reduced time: well below what is called right.
 const TIME_TOLERANCE: f64 = 1e-6;
 
-/// What a leap meets at the top.
-pub(super) enum Meeting {
+/// What a patch_step meets at the top.
+pub(super) enum PatchEvent {
     Nothing,
     /// A turn too far from the top to be a graze: so far, at least.
     FarTurn(f64),
@@ -23,7 +23,7 @@ pub(super) enum Meeting {
     TooMuch,
     Unclear,
     /// All pass.
-    Pass(Box<Pass>),
+    Pass(Box<PatchCrossing>),
     /// The middle passes so slowly that others may turn round before.
     NearlyGraze(usize),
     /// The middle comes back from a graze.
@@ -32,62 +32,64 @@ pub(super) enum Meeting {
     Graze(Box<Graze>, bool),
 }
 
-impl Sheet {
-    /// What happens at the top within a leap.
-    pub(super) fn meet(
+impl FlowPatch {
+    /// What happens at the top within a patch_step.
+    pub(super) fn event_in(
         &self,
-        law: &Law,
-        leap: &Leap,
+        dynamics: &Dynamics,
+        patch_step: &PatchStep,
         tolerance: f64,
         reference: Option<&(dyn Reference + 'static)>,
-    ) -> Meeting {
-        let (before, after) = (law.moment(middle(&self.phase)), law.moment(middle(&leap.after)));
-        let mut meetings = Vec::new();
-        for &bob in law.rule.watched() {
+    ) -> PatchEvent {
+        let (before, after) =
+            (dynamics.moment(middle(&self.phase)), dynamics.moment(middle(&patch_step.after)));
+        let mut events = Vec::new();
+        for &bob in dynamics.rule.watched() {
             let (x0, x1) = (before.phase[2 * bob], after.phase[2 * bob]);
             if x0 >= 0.0 && x1 >= 0.0 {
                 continue;
             }
             let turns = before.speed[bob] * after.speed[bob] < 0.0;
             let passes = crosses(&before, &after, bob);
-            if turns && passes && leap.length > SHORTEST {
-                return Meeting::TooMuch;
+            if turns && passes && patch_step.length > SHORTEST {
+                return PatchEvent::TooMuch;
             }
             if turns {
-                meetings.extend(self.turn(law, leap, bob, tolerance, reference));
+                events.extend(self.turn(dynamics, patch_step, bob, tolerance, reference));
             } else if passes {
-                meetings.push(self.pass(law, leap, bob, tolerance));
+                events.push(self.pass(dynamics, patch_step, bob, tolerance));
             }
         }
-        let far = |meeting: &Meeting| match meeting {
-            Meeting::FarTurn(clearance) => Some(*clearance),
+        let far = |event: &PatchEvent| match event {
+            PatchEvent::FarTurn(clearance) => Some(*clearance),
             _ => None,
         };
-        let least = meetings.iter().filter_map(far).reduce(f64::min);
-        meetings.retain(|meeting| far(meeting).is_none());
-        match meetings.len() {
-            0 => least.map_or(Meeting::Nothing, Meeting::FarTurn),
-            1 => meetings.remove(0),
-            _ if leap.length > SHORTEST => Meeting::TooMuch,
-            _ => Meeting::Unclear,
+        let least = events.iter().filter_map(far).reduce(f64::min);
+        events.retain(|event| far(event).is_none());
+        match events.len() {
+            0 => least.map_or(PatchEvent::Nothing, PatchEvent::FarTurn),
+            1 => events.remove(0),
+            _ if patch_step.length > SHORTEST => PatchEvent::TooMuch,
+            _ => PatchEvent::Unclear,
         }
     }
 
-    /// A bob that turns round within a leap, if that is near the top.
+    /// A bob that turns round within a patch_step, if that is near the top.
     fn turn(
         &self,
-        law: &Law,
-        leap: &Leap,
+        dynamics: &Dynamics,
+        patch_step: &PatchStep,
         bob: usize,
         tolerance: f64,
         reference: Option<&(dyn Reference + 'static)>,
-    ) -> Option<Meeting> {
+    ) -> Option<PatchEvent> {
         let start = middle(&self.phase);
-        let at = |fraction: f64| law.moment(law.moved(&start, leap.length * fraction).0);
-        let (before, after) = (at(0.0), law.moment(middle(&leap.after)));
+        let at =
+            |fraction: f64| dynamics.moment(dynamics.moved(&start, patch_step.length * fraction).0);
+        let (before, after) = (at(0.0), dynamics.moment(middle(&patch_step.after)));
         let (fraction, there) = turning_point(&at, bob, &before, &after);
-        let spread = self.phase[2 * bob + 1].spread().max(leap.after[2 * bob + 1].spread());
-        let tau = leap.length * fraction;
+        let spread = self.phase[2 * bob + 1].spread().max(patch_step.after[2 * bob + 1].spread());
+        let tau = patch_step.length * fraction;
         // Deep down the spread is far below what f64 knows of the middle.
         let sine = match reference {
             Some(reference) if there.phase[2 * bob + 1].abs() < KNOWN_BY_F64 => {
@@ -98,10 +100,10 @@ impl Sheet {
         if there.phase[2 * bob] >= 0.0 || sine.abs() > NEAR * spread {
             // A pass that was nearly a graze, and turned round far beyond.
             let far =
-                || (there.phase[2 * bob] < 0.0).then_some(Meeting::FarTurn(sine.abs() - spread));
-            return if self.beyond[bob] { Some(Meeting::Unclear) } else { far() };
+                || (there.phase[2 * bob] < 0.0).then_some(PatchEvent::FarTurn(sine.abs() - spread));
+            return if self.beyond[bob] { Some(PatchEvent::Unclear) } else { far() };
         }
-        let (shift, phase) = law.turn_of_all(&self.phase, tau, bob);
+        let (shift, phase) = dynamics.turn_of_all(&self.phase, tau, bob);
         // The side it came from: its own, or the other one if it has just passed.
         let mut side = before.phase[2 * bob + 1].signum();
         if self.beyond[bob] {
@@ -117,34 +119,41 @@ impl Sheet {
         Some(if clear {
             let time = self.time.0 + (self.time.1 + tau);
             let beyond = after.phase[2 * bob + 1] * side < 0.0;
-            Meeting::Graze(Box::new(Graze { bob, side, time, shift, height, phase }), beyond)
+            PatchEvent::Graze(Box::new(Graze { bob, side, time, shift, height, phase }), beyond)
         } else {
-            Meeting::Unclear
+            PatchEvent::Unclear
         })
     }
 
-    /// The middle's bob passes the top within a leap.
-    fn pass(&self, law: &Law, leap: &Leap, bob: usize, tolerance: f64) -> Meeting {
+    /// The middle's bob passes the top within a patch_step.
+    fn pass(
+        &self,
+        dynamics: &Dynamics,
+        patch_step: &PatchStep,
+        bob: usize,
+        tolerance: f64,
+    ) -> PatchEvent {
         let start = middle(&self.phase);
-        let at = |fraction: f64| law.moment(law.moved(&start, leap.length * fraction).0);
-        let (before, after) = (at(0.0), law.moment(middle(&leap.after)));
-        let (fraction, there) = crossing(&at, bob, (0.0, before), (1.0, after), leap.length);
+        let at =
+            |fraction: f64| dynamics.moment(dynamics.moved(&start, patch_step.length * fraction).0);
+        let (before, after) = (at(0.0), dynamics.moment(middle(&patch_step.after)));
+        let (fraction, there) = crossing(&at, bob, (0.0, before), (1.0, after), patch_step.length);
         if there.phase[2 * bob] >= 0.0 {
-            return Meeting::Nothing;
+            return PatchEvent::Nothing;
         }
         if self.beyond[bob] {
-            return Meeting::Back(bob);
+            return PatchEvent::Back(bob);
         }
-        let tau = leap.length * fraction;
-        let (shift, phase) = law.pass_of_all(&self.phase, tau, bob);
-        let speed = law.jets.speeds(&phase)[bob];
+        let tau = patch_step.length * fraction;
+        let (shift, phase) = dynamics.pass_of_all(&self.phase, tau, bob);
+        let speed = dynamics.jets.speeds(&phase)[bob];
         let clear = shift.tail() <= TIME_TOLERANCE.min(tolerance.sqrt())
             && speed.spread() < 0.5 * speed.middle().abs();
         if clear {
             let time = self.time.0 + (self.time.1 + tau);
-            Meeting::Pass(Box::new(Pass { time, shift, phase }))
+            PatchEvent::Pass(Box::new(PatchCrossing { time, shift, phase }))
         } else {
-            Meeting::NearlyGraze(bob)
+            PatchEvent::NearlyGraze(bob)
         }
     }
 }
@@ -152,7 +161,7 @@ impl Sheet {
 /// Newton's iterations that make a polynomial right to its last degree: each doubles it.
 const NEWTON_STEPS: usize = 3;
 
-impl Law {
+impl Dynamics {
     /// dω/dt of a bob.
     fn acceleration(&self, phase: &Phase<Jet>, bob: usize) -> Jet {
         let [x1, y1, x2, y2, ..] = *phase;

@@ -10,14 +10,14 @@ use super::real::Scalar;
 
 /// The state somewhere inside a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment<T> {
+pub struct StepState<T> {
     /// Unit vectors and momenta, reduced units.
     pub phase: Phase<T>,
     /// ω1 and ω2.
     pub speed: [T; 2],
 }
 
-impl<T: Scalar> Moment<T> {
+impl<T: Scalar> StepState<T> {
     fn x(&self, bob: usize) -> T {
         self.phase[2 * bob]
     }
@@ -42,15 +42,15 @@ pub struct Approach<T> {
 }
 
 /// Share of how far the cubic's middle control points are off its chord by which they are set
-/// back (twins in the engines).
+/// back (counterparts in the engines).
 pub const SLACK: f64 = 0.2;
 /// The clearance of a bob that is below its pivot.
 pub const FAR: f64 = 2.0;
 
 /// The approach of `bob` between two moments `length` apart.
 pub fn approach<T: Scalar>(
-    before: &Moment<T>,
-    after: &Moment<T>,
+    before: &StepState<T>,
+    after: &StepState<T>,
     bob: usize,
     length: T,
 ) -> Approach<T> {
@@ -81,7 +81,7 @@ pub fn approach<T: Scalar>(
 
 /// What became of a bob in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passed<T> {
+pub struct StepCrossing<T> {
     /// The fraction in (0, 1] of the step at which it first passed the top.
     pub fraction: Option<T>,
     /// How near the top it came before, and did not pass it.
@@ -93,12 +93,12 @@ pub struct Passed<T> {
 /// Parts of the step are decided one after the other by their [`Approach`], and halved until it
 /// is plain: so neither a pass that falls back at once is missed, nor two that follow each other.
 pub fn within<T: Scalar>(
-    at: impl Fn(T) -> Moment<T>,
+    at: impl Fn(T) -> StepState<T>,
     bob: usize,
-    before: &Moment<T>,
-    after: &Moment<T>,
+    before: &StepState<T>,
+    after: &StepState<T>,
     step: T,
-) -> Passed<T> {
+) -> StepCrossing<T> {
     let (zero, one) = (T::zero(), T::from_f64(1.0));
     let (mut low, mut high) = ((zero, *before), (one, *after));
     let mut clearance = T::from_f64(FAR);
@@ -114,7 +114,7 @@ pub fn within<T: Scalar>(
         if part.crosses || (!plain && crosses(&low.1, &high.1, bob)) {
             let (fraction, moment) = crossing(&at, bob, low, high, step);
             if moment.x(bob) < zero {
-                return Passed { fraction: Some(fraction), clearance };
+                return StepCrossing { fraction: Some(fraction), clearance };
             }
         }
         let nearest = if plain { part.clearance } else { high.1.y(bob).abs() };
@@ -128,7 +128,7 @@ pub fn within<T: Scalar>(
         let end = low.0 + length + length;
         high = if end < one { (end, at(end)) } else { (one, *after) };
     }
-    Passed { fraction: None, clearance }
+    StepCrossing { fraction: None, clearance }
 }
 
 /// What is shorter than this share of a step is no pass that anyone could tell from none.
@@ -136,7 +136,7 @@ const SHORTEST_PART: f64 = 1e-7;
 /// Parts that a step is decided in; a graze takes some sixty.
 const MOST_PARTS: usize = 400;
 
-pub(super) fn crosses<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usize) -> bool {
+pub(super) fn crosses<T: Scalar>(before: &StepState<T>, after: &StepState<T>, bob: usize) -> bool {
     let (y0, y1, zero) = (before.y(bob), after.y(bob), T::zero());
     (y0 > zero && y1 <= zero) || (y0 < zero && y1 >= zero)
 }
@@ -144,12 +144,12 @@ pub(super) fn crosses<T: Scalar>(before: &Moment<T>, after: &Moment<T>, bob: usi
 /// Where `y` is zero between two moments, given with their fractions of a step: Newton's steps
 /// from the cubic through both, kept inside a shrinking bracket.
 pub(super) fn crossing<T: Scalar>(
-    at: &impl Fn(T) -> Moment<T>,
+    at: &impl Fn(T) -> StepState<T>,
     bob: usize,
-    begin: (T, Moment<T>),
-    end: (T, Moment<T>),
+    begin: (T, StepState<T>),
+    end: (T, StepState<T>),
     step: T,
-) -> (T, Moment<T>) {
+) -> (T, StepState<T>) {
     let half = T::from_f64(0.5);
     let (mut low, mut high) = (begin, end);
     let before = begin.1;
@@ -179,11 +179,16 @@ pub(super) fn crossing<T: Scalar>(
 const MOST_STEPS: usize = 120;
 
 /// The fraction at y = 0 of the cubic for fraction(y) that has the values and slopes of both ends.
-fn inverse_cubic<T: Scalar>(bob: usize, low: &(T, Moment<T>), high: &(T, Moment<T>), step: T) -> T {
+fn inverse_cubic<T: Scalar>(
+    bob: usize,
+    low: &(T, StepState<T>),
+    high: &(T, StepState<T>),
+    step: T,
+) -> T {
     let lit = T::from_f64;
     let span = high.1.y(bob) - low.1.y(bob);
     let s = -low.1.y(bob) / span;
-    let slope = |end: &(T, Moment<T>)| span / (end.1.rise(bob) * step);
+    let slope = |end: &(T, StepState<T>)| span / (end.1.rise(bob) * step);
     let rest = lit(1.0) - s;
     let (rest2, s2) = (rest * rest, s * s);
     low.0 * rest2 * (lit(1.0) + lit(2.0) * s)
@@ -194,11 +199,11 @@ fn inverse_cubic<T: Scalar>(bob: usize, low: &(T, Moment<T>), high: &(T, Moment<
 
 /// Where the bob turns round: ω = 0 by the Illinois variant of the false position.
 pub(super) fn turning_point<T: Scalar>(
-    at: &impl Fn(T) -> Moment<T>,
+    at: &impl Fn(T) -> StepState<T>,
     bob: usize,
-    before: &Moment<T>,
-    after: &Moment<T>,
-) -> (T, Moment<T>) {
+    before: &StepState<T>,
+    after: &StepState<T>,
+) -> (T, StepState<T>) {
     let (half, zero) = (T::from_f64(0.5), T::zero());
     let (mut low, mut high) = (zero, T::from_f64(1.0));
     let (mut at_low, mut at_high) = (before.speed[bob], after.speed[bob]);
@@ -227,16 +232,16 @@ mod tests {
     use super::*;
 
     /// A second bob that swings as θ2 = π + `height` − `bend` (t − `peak`)².
-    fn swing(height: f64, bend: f64, peak: f64) -> impl Fn(f64) -> Moment<f64> {
+    fn swing(height: f64, bend: f64, peak: f64) -> impl Fn(f64) -> StepState<f64> {
         move |t: f64| {
             let theta = std::f64::consts::PI + height - bend * (t - peak) * (t - peak);
             let (y, x) = theta.sin_cos();
             let speed = -2.0 * bend * (t - peak);
-            Moment { phase: [1.0, 0.0, x, y, 0.0, 0.0], speed: [0.0, speed] }
+            StepState { phase: [1.0, 0.0, x, y, 0.0, 0.0], speed: [0.0, speed] }
         }
     }
 
-    fn found(at: impl Fn(f64) -> Moment<f64>) -> Passed<f64> {
+    fn found(at: impl Fn(f64) -> StepState<f64>) -> StepCrossing<f64> {
         let (before, after) = (at(0.0), at(1.0));
         let first = approach(&before, &after, 0, 1.0);
         assert!(first.clearance == FAR && !first.crosses, "the first bob hangs");
@@ -258,7 +263,7 @@ mod tests {
             let root = found(swing(height, 0.7, 0.43)).fraction.expect("just over the top");
             let truth = 0.43 - (height / 0.7f64).sqrt();
             assert!((root - truth).abs() < 1e-15 / height.sqrt() + 1e-13, "{height}");
-            let Passed { fraction, clearance } = found(swing(-height, 0.7, 0.43));
+            let StepCrossing { fraction, clearance } = found(swing(-height, 0.7, 0.43));
             assert_eq!(fraction, None, "{height} under the top");
             assert!(clearance <= height.sin() + 4e-16 && clearance > 0.1 * height, "{height}");
         }
@@ -271,7 +276,7 @@ mod tests {
             let above = -1e-14 + 0.5 * t * t - 600.0 * t.powi(4);
             let speed = t - 2400.0 * t.powi(3);
             let phase = [1.0, 0.0, -above.cos(), -above.sin(), 0.0, 0.0];
-            Moment { phase, speed: [0.0, speed] }
+            StepState { phase, speed: [0.0, speed] }
         };
         let root = found(at).fraction.expect("beyond the top");
         assert!((root - 2e-14f64.sqrt()).abs() < 1e-9, "{root:e}");
@@ -284,7 +289,7 @@ mod tests {
             let above = 1e-3 - 8.0 * (t - 0.3).powi(2) * (1.1 - t);
             let speed = -16.0 * (t - 0.3) * (1.1 - t) + 8.0 * (t - 0.3).powi(2);
             let phase = [1.0, 0.0, -above.cos(), -above.sin(), 0.0, 0.0];
-            Moment { phase, speed: [0.0, speed] }
+            StepState { phase, speed: [0.0, speed] }
         };
         assert!(at(0.0).speed[1] * at(1.0).speed[1] > 0.0);
         let root = found(at).fraction.expect("beyond the top");
@@ -295,7 +300,7 @@ mod tests {
     fn the_bottom_is_no_top() {
         let at = |t: f64| {
             let (y, x) = (1.5 - 3.0 * t).sin_cos();
-            Moment { phase: [1.0, 0.0, x, y, 0.0, 0.0], speed: [0.0, -3.0] }
+            StepState { phase: [1.0, 0.0, x, y, 0.0, 0.0], speed: [0.0, -3.0] }
         };
         assert_eq!(found(at).fraction, None);
     }
@@ -304,7 +309,7 @@ mod tests {
     fn a_start_at_the_top_that_moves_inward_is_no_pass() {
         let at = |t: f64| {
             let (y, x) = if t == 0.0 { (0.0, -1.0) } else { (std::f64::consts::PI - t).sin_cos() };
-            Moment { phase: [1.0, 0.0, x, y, 0.0, 0.0], speed: [0.0, -1.0] }
+            StepState { phase: [1.0, 0.0, x, y, 0.0, 0.0], speed: [0.0, -1.0] }
         };
         assert_eq!(found(at).fraction, None);
     }

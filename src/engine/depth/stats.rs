@@ -6,7 +6,7 @@ use crate::engine::Precision;
 
 /// How deep starts came to where their own integration began.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Depth {
+pub struct DepthStats {
     /// Decimal digits in which the middles were followed; 0 where f64 was enough.
     pub digits: u32,
     /// Starts that had to be integrated; of the others all was known from polynomials.
@@ -17,9 +17,9 @@ pub struct Depth {
     pub decades_a_second: f64,
 }
 
-impl Depth {
+impl DepthStats {
     /// Nothing followed yet.
-    pub const NOTHING: Depth = Depth {
+    pub const NOTHING: DepthStats = DepthStats {
         digits: 0,
         integrated: 0,
         begins_secs: [f64::INFINITY, 0.0],
@@ -27,10 +27,10 @@ impl Depth {
     };
 
     /// Both together.
-    pub fn and(self, other: Depth) -> Depth {
+    pub fn and(self, other: DepthStats) -> DepthStats {
         let integrated = self.integrated + other.integrated;
-        let weighed = |depth: Depth| depth.decades_a_second * depth.integrated as f64;
-        Depth {
+        let weighed = |depth: DepthStats| depth.decades_a_second * depth.integrated as f64;
+        DepthStats {
             digits: self.digits.max(other.digits),
             integrated,
             begins_secs: [

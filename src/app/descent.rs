@@ -7,24 +7,24 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::action::{Action, Look};
 use super::camera::Camera;
-use super::desk::Desk;
-use super::engine_room::{Wake, step_back};
-use super::panels::deeper::DeeperAction;
+use super::compute_service::{Wake, step_back};
+use super::model::AppModel;
+use super::panels::descent::DescentAction;
 use crate::engine::EngineError;
-use crate::engine::choice::{ChoiceError, Kind, Wish, choose};
+use crate::engine::choice::{ChoiceError, EngineKind, EngineRequest, choose};
 use crate::scene::{Document, Scene};
-use crate::tiles::descent::{Deeper, Descent};
+use crate::tiles::descent::{Descent, DescentStep};
 
 /// A descent on a thread with an engine of its own. Dropped, it stops.
 #[derive(Debug)]
-pub struct Dive {
-    news: Receiver<Dived>,
+pub struct BackgroundDescent {
+    news: Receiver<DescentNews>,
     stopped: Arc<AtomicBool>,
 }
 
-/// What a dive has to tell.
+/// What a descent has to tell.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Dived {
+pub enum DescentNews {
     /// The next view.
     To(Box<Scene>),
     /// It is over, for this reason.
@@ -32,85 +32,88 @@ pub enum Dived {
 }
 
 #[derive(Debug, thiserror::Error)]
-enum DiveError {
+enum DescentError {
     #[error(transparent)]
     Choice(#[from] ChoiceError),
     #[error(transparent)]
     Engine(#[from] EngineError),
 }
 
-impl Dive {
-    /// Goes down from a scene, at first towards a point `wish` widths from its middle.
-    pub fn start(scene: Scene, wish: [f64; 2], engine: Wish, wake: Wake) -> Self {
+impl BackgroundDescent {
+    /// Goes down from a scene, at first towards a point `towards` widths from its middle.
+    pub fn start(scene: Scene, towards: [f64; 2], engine: EngineRequest, wake: Wake) -> Self {
         let (sender, news) = channel();
         let stopped = Arc::new(AtomicBool::new(false));
         let stop = Arc::clone(&stopped);
         std::thread::spawn(move || {
             step_back();
             // The pictures are small: a graphics card would take longer to be opened.
-            let engine = Wish { kind: Kind::Cpu, adapter: None, ..engine };
-            let why = match dive(scene, wish, &engine, &stop, (&sender, &wake)) {
+            let engine = EngineRequest { kind: EngineKind::Cpu, adapter: None, ..engine };
+            let why = match descent(scene, towards, &engine, &stop, (&sender, &wake)) {
                 Ok(()) => "Nothing near is left to see: the way down ends here.".to_string(),
                 Err(error) => format!("The way down ended: {error}."),
             };
-            // Nobody listens any more to a dive that was stopped.
-            let _ = sender.send(Dived::Over(why));
+            // Nobody listens any more to a descent that was stopped.
+            let _ = sender.send(DescentNews::Over(why));
             wake();
         });
-        Dive { news, stopped }
+        BackgroundDescent { news, stopped }
     }
 
     /// What it has found since.
-    pub fn news(&self) -> Option<Dived> {
+    pub fn news(&self) -> Option<DescentNews> {
         self.news.try_recv().ok()
     }
 }
 
 /// The way down, as a window keeps it.
 #[derive(Debug)]
-pub struct Way {
+pub struct DescentPath {
     /// What still goes down.
-    pub dive: Option<Dive>,
+    pub running: Option<BackgroundDescent>,
     /// The views found so far, from where it began.
     pub scenes: Vec<Scene>,
     /// The file for film keys.
     pub path: String,
 }
 
-impl Default for Way {
+impl Default for DescentPath {
     fn default() -> Self {
-        Way { dive: None, scenes: Vec::new(), path: "keys.toml".to_string() }
+        DescentPath { running: None, scenes: Vec::new(), path: "keys.toml".to_string() }
     }
 }
 
-impl Desk {
+impl AppModel {
     /// Begins to go deeper towards the pointer, or the middle without one; or stops.
-    pub(super) fn toggle_dive(&mut self) {
-        if self.way.dive.take().is_some() {
+    pub(super) fn toggle_descent(&mut self) {
+        if self.descent.running.take().is_some() {
             return;
         }
         let screen = self.state.screen();
         let pointer = self.state.pointer.unwrap_or_default();
-        let wish = (screen.offset_at(pointer) / screen.camera.width_rad).to_array();
+        let towards = (screen.offset_at(pointer) / screen.camera.width_rad).to_array();
         // Deep places show nothing within a budget that stays behind.
         self.state.question.budget.auto = true;
         let scene = self.state.document().scene();
-        self.way.scenes = vec![scene.clone()];
-        let wish_for = Wish { demand: self.state.demand, ..self.wish.clone() };
-        self.way.dive = Some(Dive::start(scene, wish, wish_for, Arc::clone(&self.wake)));
+        self.descent.scenes = vec![scene.clone()];
+        let request = EngineRequest { setting: self.state.setting, ..self.request.clone() };
+        self.descent.running =
+            Some(BackgroundDescent::start(scene, towards, request, Arc::clone(&self.wake)));
     }
 
     /// Follows what goes down; says whether there was anything new.
-    pub(super) fn follow_dive(&mut self) -> bool {
-        let Some(news) = self.way.dive.as_ref().and_then(Dive::news) else { return false };
+    pub(super) fn follow_descent(&mut self) -> bool {
+        let Some(news) = self.descent.running.as_ref().and_then(BackgroundDescent::news) else {
+            return false;
+        };
         match news {
-            Dived::To(scene) => {
+            DescentNews::To(scene) => {
                 let Camera { center, width_rad, .. } = Camera::from_view(&scene.view);
                 self.state.go(Camera { center, width_rad, ..self.state.target() });
-                self.way.scenes.push(*scene);
+                self.descent.scenes.push(*scene);
             }
-            Dived::Over(why) => {
-                self.way.dive = None;
+            DescentNews::Over(why) => {
+                self.descent.running = None;
                 self.state.notices.tell(why);
             }
         }
@@ -118,27 +121,27 @@ impl Desk {
     }
 
     /// A person who moves or closes something wants to have the map to himself.
-    pub(super) fn stop_dive_for(&mut self, action: &Action) {
+    pub(super) fn stop_descent_for(&mut self, action: &Action) {
         let moves = matches!(action, Action::Look(look) if *look != Look::Release);
         if moves || matches!(action, Action::Escape | Action::Show(_) | Action::Scene(..)) {
-            self.way.dive = None;
+            self.descent.running = None;
         }
     }
 
-    pub(super) fn deeper(&mut self, action: DeeperAction) -> Option<Action> {
+    pub(super) fn deeper(&mut self, action: DescentAction) -> Option<Action> {
         match action {
-            DeeperAction::Toggle => return Some(Action::GoDeeper),
-            DeeperAction::Path(path) => self.way.path = path,
-            DeeperAction::Open(k) => {
-                let scene = self.way.scenes.get(k)?;
+            DescentAction::Toggle => return Some(Action::GoDeeper),
+            DescentAction::Path(path) => self.descent.path = path,
+            DescentAction::Open(k) => {
+                let scene = self.descent.scenes.get(k)?;
                 return Some(Action::Look(Look::To(Camera::from_view(&scene.view))));
             }
-            DeeperAction::Keep => {
+            DescentAction::Keep => {
                 let shown = self.state.document();
-                let scenes = self.way.scenes.iter().cloned();
+                let scenes = self.descent.scenes.iter().cloned();
                 let documents: Vec<Document> =
                     scenes.map(|scene| shown.clone().with_scene(scene)).collect();
-                let path = PathBuf::from(&self.way.path);
+                let path = PathBuf::from(&self.descent.path);
                 self.add_keys(&path, &documents);
             }
         }
@@ -146,24 +149,24 @@ impl Desk {
     }
 }
 
-impl Drop for Dive {
+impl Drop for BackgroundDescent {
     fn drop(&mut self) {
         self.stopped.store(true, Ordering::Relaxed);
     }
 }
 
-fn dive(
+fn descent(
     scene: Scene,
-    wish: [f64; 2],
-    engine: &Wish,
+    towards: [f64; 2],
+    engine: &EngineRequest,
     stop: &AtomicBool,
-    (sender, wake): (&Sender<Dived>, &Wake),
-) -> Result<(), DiveError> {
+    (sender, wake): (&Sender<DescentNews>, &Wake),
+) -> Result<(), DescentError> {
     let mut chosen = choose(engine, &|_| ())?;
-    let mut descent = Descent::new(scene, chosen.recipe, wish);
+    let mut descent = Descent::new(scene, chosen.config, towards);
     let go_on = || !stop.load(Ordering::Relaxed);
-    while let Deeper::Scene(scene) = descent.next(chosen.engine.as_mut(), &go_on)? {
-        if sender.send(Dived::To(scene)).is_err() {
+    while let DescentStep::Scene(scene) = descent.next(chosen.engine.as_mut(), &go_on)? {
+        if sender.send(DescentNews::To(scene)).is_err() {
             break;
         }
         wake();
@@ -184,16 +187,17 @@ mod tests {
         let wake: Wake = Arc::new(move || {
             let _ = sender.send(());
         });
-        let dive = Dive::start(scene.clone(), [0.1, 0.0], Wish::default(), wake);
+        let descent =
+            BackgroundDescent::start(scene.clone(), [0.1, 0.0], EngineRequest::default(), wake);
         let mut widths = vec![scene.view.width_rad().hi];
         while widths.len() < 4 {
             woken.recv_timeout(Duration::from_secs(60)).unwrap();
-            while let Some(Dived::To(scene)) = dive.news() {
+            while let Some(DescentNews::To(scene)) = descent.news() {
                 widths.push(scene.view.width_rad().hi);
             }
         }
         assert!(widths.windows(2).all(|pair| pair[1] < 0.4 * pair[0]), "{widths:?}");
-        drop(dive);
+        drop(descent);
         // Its thread drops the sender when it ends.
         while woken.recv_timeout(Duration::from_secs(60)).is_ok() {}
     }

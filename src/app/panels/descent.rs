@@ -6,7 +6,7 @@ use crate::scene::Scene;
 
 /// What the panel shows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Way<'a> {
+pub struct DescentView<'a> {
     /// Whether it still goes down.
     pub going: bool,
     /// The views so far, the widest first.
@@ -17,7 +17,7 @@ pub struct Way<'a> {
 
 /// What the person wants.
 #[derive(Clone, Debug, PartialEq)]
-pub enum DeeperAction {
+pub enum DescentAction {
     /// Begin at the middle of the view, or stop.
     Toggle,
     /// Go to this view, counted from 0.
@@ -29,7 +29,7 @@ pub enum DeeperAction {
 }
 
 /// Shows the way down; answers with what the person does.
-pub fn deeper_panel(ui: &mut Ui, way: &Way) -> Vec<DeeperAction> {
+pub fn descent_panel(ui: &mut Ui, way: &DescentView) -> Vec<DescentAction> {
     let mut actions = Vec::new();
     ui.label(
         "Follows the filament nearest to the middle of the view, or with D to the pointer, to \
@@ -37,7 +37,7 @@ pub fn deeper_panel(ui: &mut Ui, way: &Way) -> Vec<DeeperAction> {
     );
     let button = if way.going { "Stop" } else { "Go deeper here" };
     if ui.button(button).clicked() {
-        actions.push(DeeperAction::Toggle);
+        actions.push(DescentAction::Toggle);
     }
     if way.scenes.is_empty() {
         return actions;
@@ -46,7 +46,7 @@ pub fn deeper_panel(ui: &mut Ui, way: &Way) -> Vec<DeeperAction> {
         for (k, scene) in way.scenes.iter().enumerate() {
             let width = scene.view.width_rad().hi;
             if ui.link(format!("{width:.0e}")).on_hover_text("rad wide; go there").clicked() {
-                actions.push(DeeperAction::Open(k));
+                actions.push(DescentAction::Open(k));
             }
         }
     });
@@ -55,11 +55,11 @@ pub fn deeper_panel(ui: &mut Ui, way: &Way) -> Vec<DeeperAction> {
         let mut path = way.path.to_string();
         let field = TextEdit::singleline(&mut path).desired_width(120.0);
         if ui.add(field).labelled_by(label.id).changed() {
-            actions.push(DeeperAction::Path(path));
+            actions.push(DescentAction::Path(path));
         }
         let ready = !way.path.trim().is_empty();
         if ui.add_enabled(ready, Button::new("Keep as film keys")).clicked() {
-            actions.push(DeeperAction::Keep);
+            actions.push(DescentAction::Keep);
         }
     });
     actions

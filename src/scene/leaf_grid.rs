@@ -15,7 +15,7 @@ pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
 
 /// The pixels of a grid as places on the torus.
 #[derive(Clone, Debug)]
-pub struct Spots {
+pub struct LeafGrid {
     middle: [Turn; 2],
     right: [Turn; 2],
     up: [Turn; 2],
@@ -23,14 +23,14 @@ pub struct Spots {
     level: u32,
 }
 
-impl Spots {
+impl LeafGrid {
     /// Of the grid around `center` (rad) whose pixels to the right and up add so much.
     pub fn new(center: [Theta; 2], right: [Dd; 2], up: [Dd; 2]) -> Self {
         let from_zero = |by: Dd| turn_of(Theta::from_dd(by)) - turn_of(Theta::ZERO);
         let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
         let pixel = (length(right) * length(up)).sqrt();
         let sides = std::f64::consts::TAU / (LEAF_PIXELS * pixel);
-        Spots {
+        LeafGrid {
             middle: center.map(turn_of),
             right: right.map(from_zero),
             up: up.map(from_zero),
@@ -39,13 +39,13 @@ impl Spots {
     }
 
     /// The same places in the leaves of others, which lie closer.
-    pub fn in_leaves_of(self, others: &Spots) -> Self {
-        Spots { level: others.level, ..self }
+    pub fn in_leaves_of(self, others: &LeafGrid) -> Self {
+        LeafGrid { level: others.level, ..self }
     }
 
     /// The leaf of a point `across` pixels right of the centre and `above` over it, and where
     /// in it that is.
-    fn spot(&self, across: f64, above: f64) -> (Cell, [f64; 2]) {
+    fn leaf_point(&self, across: f64, above: f64) -> (Cell, [f64; 2]) {
         let [across, above] = [across, above].map(Turn::from_f64);
         let place = [0, 1].map(|i| self.middle[i] + self.right[i] * across + self.up[i] * above);
         let cell = Cell::at(place, self.level);
@@ -58,7 +58,7 @@ impl Spots {
         for (place, [column, row]) in (0..).zip(pixels) {
             let across = f64::from(column) + 0.5 - f64::from(size[0]) / 2.0;
             let above = f64::from(size[1]) / 2.0 - f64::from(row) - 0.5;
-            let (cell, point) = self.spot(across, above);
+            let (cell, point) = self.leaf_point(across, above);
             groups.entry(cell).or_default().push((place, point));
         }
         groups.into_iter().collect()

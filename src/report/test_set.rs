@@ -4,14 +4,14 @@ use rayon::prelude::*;
 
 use super::{ReportError, StopTest};
 use crate::engine::Question;
-use crate::physics::{Dd, Outcome, gold};
+use crate::physics::{Dd, Outcome, oracle};
 use crate::scene::{Fate, Grid, Scene};
 
 /// Pixels along each side of the home map whose open starts are measured on.
 const SIDE: u32 = 1024;
 
 /// The open starts of the home map.
-pub struct Ground {
+pub struct TestSet {
     /// What is asked about them.
     pub question: Question,
     /// All of them, in the order of the pixels.
@@ -20,7 +20,7 @@ pub struct Ground {
     pub sample: Vec<([Dd; 2], Outcome)>,
 }
 
-impl Ground {
+impl TestSet {
     /// The home map's, the truth known about `sample` of them.
     pub fn home(sample: usize, stop: StopTest) -> Result<Self, ReportError> {
         let scene = Scene::default();
@@ -33,7 +33,7 @@ impl Ground {
                 false => Ok((angle, truth(&question, angle))),
             })
             .collect::<Result<_, _>>()?;
-        Ok(Ground { question, starts, sample })
+        Ok(TestSet { question, starts, sample })
     }
 }
 
@@ -47,7 +47,7 @@ pub fn open_starts(scene: &Scene, side: u32) -> Vec<[Dd; 2]> {
 
 fn truth(question: &Question, angle: [Dd; 2]) -> Outcome {
     let angle = angle.map(|theta| theta.hi);
-    gold::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
+    oracle::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
 }
 
 /// `count` of `all`, evenly spread and in their order.

@@ -4,32 +4,32 @@
 use std::sync::Arc;
 
 use crate::engine::{End, Moving, Question};
+use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd as WayEnd};
 use crate::physics::jet::Jet;
-use crate::physics::sheet::{End as WayEnd, Law, Sheet};
 use crate::physics::{Outcome, Status};
 
-/// A sheet that has come to its end.
+/// A patch that has come to its end.
 #[derive(Clone, Debug)]
-pub struct Ended {
-    /// The sheet, where it ended.
-    pub sheet: Sheet,
+pub struct FinishedPatch {
+    /// The patch, where it ended.
+    pub patch: FlowPatch,
     /// How.
-    pub way: WayEnd,
+    pub ending: WayEnd,
     /// How deep in the forbidden region its starts are, if the region's edge crosses it.
     pub edge: Option<Jet>,
     /// Half the side of its cell, rad.
     pub half_rad: f64,
 }
 
-/// A leaf's part of an ended sheet.
+/// A leaf's part of an ended patch.
 #[derive(Clone, Debug)]
-pub enum Chart {
+pub enum StartMap {
     /// Energy conservation forbids all of it to flip.
     Forbidden,
     /// The part of `ended` around `middle` that is 2 `half` wide there.
     Part {
         /// Of what.
-        ended: Arc<Ended>,
+        ended: Arc<FinishedPatch>,
         /// In the sheet's coordinates.
         middle: [f64; 2],
         /// Likewise.
@@ -39,66 +39,78 @@ pub enum Chart {
 
 /// A start, as far as it is known without its own integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Begun {
+pub enum MappedStart {
     /// All of it, and where it ends.
     Known(Outcome, End),
     /// Up to this moment.
     Moving(Moving),
 }
 
-impl Chart {
+impl StartMap {
     /// What becomes of the start at a point of the leaf, in [−1, 1]², in reduced units of
     /// `unit_secs`.
-    pub fn start(&self, law: &Law, question: &Question, unit_secs: f64, at: [f64; 2]) -> Begun {
+    pub fn start(
+        &self,
+        dynamics: &Dynamics,
+        question: &Question,
+        unit_secs: f64,
+        at: [f64; 2],
+    ) -> MappedStart {
         match self {
-            Chart::Forbidden => FORBIDDEN,
-            Chart::Part { ended, middle, half } => {
+            StartMap::Forbidden => FORBIDDEN,
+            StartMap::Part { ended, middle, half } => {
                 let at = [0, 1].map(|i| middle[i] + half * at[i]);
-                ended.start(law, question, unit_secs, at)
+                ended.start(dynamics, question, unit_secs, at)
             }
         }
     }
 }
 
-impl Ended {
+impl FinishedPatch {
     /// How fast neighbours moved apart on the way, decades a second; 0 where they did not.
-    pub fn decades_a_second(&self, law: &Law, secs: f64) -> f64 {
-        let decades = (self.sheet.spread(law) / self.half_rad).log10();
+    pub fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
+        let decades = (self.patch.spread(dynamics) / self.half_rad).log10();
         // A way no longer than the first moments says nothing.
-        if self.sheet.time.0 > 10.0 * law.opening { decades.max(0.0) / secs } else { 0.0 }
+        if self.patch.time.0 > 10.0 * dynamics.opening { decades.max(0.0) / secs } else { 0.0 }
     }
 
-    fn start(&self, law: &Law, question: &Question, unit_secs: f64, at: [f64; 2]) -> Begun {
+    fn start(
+        &self,
+        dynamics: &Dynamics,
+        question: &Question,
+        unit_secs: f64,
+        at: [f64; 2],
+    ) -> MappedStart {
         if self.edge.is_some_and(|edge| edge.at(at) > 0.0) {
             return FORBIDDEN;
         }
-        let grazed = self.sheet.grazes.iter().filter_map(|graze| graze.flip(law, at));
-        let passed = match &self.way {
+        let grazed = self.patch.grazes.iter().filter_map(|graze| graze.flip(dynamics, at));
+        let passed = match &self.ending {
             WayEnd::Passed(pass) => Some(pass.flip(at)),
             _ => None,
         };
         let first = |a: (f64, _), b: (f64, _)| if b.0 < a.0 { b } else { a };
-        let clearance = self.sheet.clearance(at);
-        let (high, low) = self.sheet.time;
-        let phase = self.sheet.phase.map(|jet| jet.at(at));
-        match (grazed.chain(passed).reduce(first), &self.way) {
+        let clearance = self.patch.clearance(at);
+        let (high, low) = self.patch.time;
+        let phase = self.patch.phase.map(|jet| jet.at(at));
+        match (grazed.chain(passed).reduce(first), &self.ending) {
             (Some((time, phase)), _) => {
                 let end = End { time, phase, clearance, grown: f64::INFINITY };
-                Begun::Known(question.flipped_at(time * unit_secs), end)
+                MappedStart::Known(question.flipped_at(time * unit_secs), end)
             }
             (None, WayEnd::Spread | WayEnd::Unclear) => {
-                let step = self.sheet.step;
-                let grown = self.sheet.spread(law) / self.half_rad;
-                Begun::Moving(Moving { time: [high, low], phase, step, clearance, grown })
+                let step = self.patch.step;
+                let grown = self.patch.spread(dynamics) / self.half_rad;
+                MappedStart::Moving(Moving { time: [high, low], phase, step, clearance, grown })
             }
             (None, _) => {
                 let end = End { time: high + low, phase, clearance, grown: f64::INFINITY };
-                Begun::Known(Outcome::without_time(Status::Unflipped), end)
+                MappedStart::Known(Outcome::without_time(Status::Unflipped), end)
             }
         }
     }
 }
 
 /// Of starts that energy forbids to flip.
-const FORBIDDEN: Begun =
-    Begun::Known(Outcome { status: Status::Forbidden, time: 0.0 }, End::NOWHERE);
+const FORBIDDEN: MappedStart =
+    MappedStart::Known(Outcome { status: Status::Forbidden, time: 0.0 }, End::NOWHERE);

@@ -5,25 +5,28 @@
 
 use std::collections::HashMap;
 
-use super::kept::Known;
 use super::samples::Samples;
+use super::saved_pixels::SavedPixel;
 use crate::engine::{Deep, Keep, Leaf, Trust, Wait};
-use crate::engine::{Effort, Engine, EngineError, Finished, Job, Paused, Question, Recipe, Starts};
+use crate::engine::{
+    Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Question,
+    Starts,
+};
 use crate::physics::Outcome;
 use crate::scene::{Fate, Grouped};
 
 /// A tile before its job: what is known of it, and the starts of the rest.
 #[derive(Debug)]
-pub struct Open {
+pub struct OpenTile {
     samples: Samples,
     /// For each start, its place among the samples.
     places: Vec<u32>,
     starts: Starts,
 }
 
-impl Open {
+impl OpenTile {
     /// Sorts pixels, in order, by what becomes of them and what is known already.
-    pub fn new(pixels: impl Iterator<Item = (Fate, Option<(Known, Trust)>)>) -> Self {
+    pub fn new(pixels: impl Iterator<Item = (Fate, Option<(SavedPixel, Trust)>)>) -> Self {
         let pixels: Vec<_> = pixels.collect();
         let mut samples = Samples::unflipped(pixels.len());
         let (mut places, mut angles, mut paused) = (Vec::new(), Vec::new(), Vec::new());
@@ -34,11 +37,11 @@ impl Open {
                     samples.set(at, outcome);
                     samples.set_trust(at, Trust::of_proved(&outcome));
                 }
-                (Fate::Open(_), Some((Known::Over(outcome), trust))) => {
+                (Fate::Open(_), Some((SavedPixel::Over(outcome), trust))) => {
                     samples.set(at, outcome);
                     samples.set_trust(at, trust);
                 }
-                (Fate::Open(_), Some((Known::Paused(state), _))) => {
+                (Fate::Open(_), Some((SavedPixel::Unfinished(state), _))) => {
                     places.push(place);
                     paused.push(state);
                 }
@@ -48,8 +51,8 @@ impl Open {
                 }
             }
         }
-        let starts = if paused.is_empty() { Starts::Rest(angles) } else { Starts::Paused(paused) };
-        Open { samples, places, starts }
+        let starts = if paused.is_empty() { Starts::Rest(angles) } else { Starts::Resumed(paused) };
+        OpenTile { samples, places, starts }
     }
 
     /// Sorts `count` pixels of a deep picture, given by their leaves, by what is known already.
@@ -75,7 +78,7 @@ impl Open {
                 leaves.push(Leaf { cell, points });
             }
         }
-        Open { samples, places, starts: Starts::Deep(Deep { leaves, strict: false }) }
+        OpenTile { samples, places, starts: Starts::Deep(Deep { leaves, strict: false }) }
     }
 
     /// Whether there is nothing to compute.
@@ -96,7 +99,7 @@ impl Open {
 
 /// A tile whose answers have come.
 #[derive(Debug)]
-pub struct Landed<T> {
+pub struct FinishedBatch<T> {
     /// Which.
     pub tile: T,
     /// All its samples.
@@ -104,38 +107,38 @@ pub struct Landed<T> {
     /// Places of the samples that were computed now.
     pub computed: Vec<u32>,
     /// Places and states of those among them that have not flipped, if they were to be kept.
-    pub paused: Vec<(u32, Paused)>,
+    pub paused: Vec<(u32, IntegratorState)>,
     /// What it took.
     pub effort: Effort,
 }
 
 /// The tiles that an engine is computing.
 #[derive(Debug)]
-pub struct Flights<T> {
-    flying: HashMap<u64, (T, Samples, Vec<u32>)>,
+pub struct InFlightJobs<T> {
+    jobs: HashMap<u64, (T, Samples, Vec<u32>)>,
     next_id: u64,
 }
 
-impl<T> Default for Flights<T> {
+impl<T> Default for InFlightJobs<T> {
     fn default() -> Self {
-        Flights { flying: HashMap::new(), next_id: 0 }
+        InFlightJobs { jobs: HashMap::new(), next_id: 0 }
     }
 }
 
-impl<T> Flights<T> {
+impl<T> InFlightJobs<T> {
     /// How many.
     pub fn len(&self) -> usize {
-        self.flying.len()
+        self.jobs.len()
     }
 
     /// Whether the engine has nothing to do.
     pub fn is_empty(&self) -> bool {
-        self.flying.is_empty()
+        self.jobs.is_empty()
     }
 
     /// The tiles, in no order.
     pub fn tiles(&self) -> impl Iterator<Item = &T> {
-        self.flying.values().map(|(tile, ..)| tile)
+        self.jobs.values().map(|(tile, ..)| tile)
     }
 
     /// Sends a tile's open pixels to the engine.
@@ -143,17 +146,17 @@ impl<T> Flights<T> {
         &mut self,
         engine: &mut dyn Engine,
         tile: T,
-        open: Open,
-        (question, recipe): (Question, Recipe),
+        open: OpenTile,
+        (question, config): (Question, IntegratorConfig),
         keep: Keep,
     ) -> Result<(), EngineError> {
-        let Open { samples, places, starts } = open;
+        let OpenTile { samples, places, starts } = open;
         // A pendulum that begins at the end of its cell's way is no state of its start's alone.
         let keep = if let Starts::Deep(_) = starts { Keep::Nothing } else { keep };
         let id = self.next_id;
         self.next_id += 1;
-        engine.submit(Job { id, question, recipe, starts, keep })?;
-        self.flying.insert(id, (tile, samples, places));
+        engine.submit(Job { id, question, config, starts, keep })?;
+        self.jobs.insert(id, (tile, samples, places));
         Ok(())
     }
 
@@ -162,7 +165,7 @@ impl<T> Flights<T> {
         &mut self,
         engine: &mut dyn Engine,
         wait: Wait,
-    ) -> Result<Vec<Landed<T>>, EngineError> {
+    ) -> Result<Vec<FinishedBatch<T>>, EngineError> {
         if self.is_empty() {
             return Ok(Vec::new());
         }
@@ -177,11 +180,11 @@ impl<T> Flights<T> {
 
     /// Forgets all of them; answers that still come are nobody's, for no name is used twice.
     pub fn forget(&mut self) {
-        self.flying.clear();
+        self.jobs.clear();
     }
 
-    fn land(&mut self, answer: Finished) -> Option<Landed<T>> {
-        let (tile, mut samples, places) = self.flying.remove(&answer.id)?;
+    fn land(&mut self, answer: JobResult) -> Option<FinishedBatch<T>> {
+        let (tile, mut samples, places) = self.jobs.remove(&answer.id)?;
         for (k, &place) in places.iter().enumerate() {
             samples.set(place as usize, answer.outcomes[k]);
             if let Some(&trust) = answer.trusts.get(k) {
@@ -189,6 +192,6 @@ impl<T> Flights<T> {
             }
         }
         let paused = answer.unfinished.into_iter().map(|(k, state)| (places[k], state)).collect();
-        Some(Landed { tile, samples, computed: places, paused, effort: answer.effort })
+        Some(FinishedBatch { tile, samples, computed: places, paused, effort: answer.effort })
     }
 }

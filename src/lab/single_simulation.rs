@@ -4,7 +4,7 @@ use egui::{Grid, Response, Ui};
 
 use super::clock::Clock;
 use super::controls::number;
-use super::drawing::{Stage, angle_of, end};
+use super::drawing::{FigureCanvas, angle_of, end};
 use crate::physics::simple::{Crossings, MOST_AMPLITUDE, Simple, Swing};
 
 /// Steps a second.
@@ -12,7 +12,7 @@ const STEPS_A_SEC: f64 = 480.0;
 
 /// A mass on a rod, let go.
 #[derive(Clone, Debug)]
-pub struct Swinging {
+pub struct SinglePendulumSimulation {
     /// The pendulum.
     pub simple: Simple,
     /// kg.
@@ -29,10 +29,10 @@ pub struct Swinging {
     pub held: bool,
 }
 
-impl Swinging {
+impl SinglePendulumSimulation {
     /// Let go at an angle.
     pub fn from(amplitude: f64) -> Self {
-        Swinging {
+        SinglePendulumSimulation {
             simple: Simple { length: 1.0, gravity: 9.81 },
             mass: 1.0,
             amplitude,
@@ -85,7 +85,7 @@ impl Swinging {
     }
 
     /// A dragged bob is held, and let go from rest where it is left.
-    pub fn drag(&mut self, stage: &Stage, response: &Response) {
+    pub fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
         if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             self.held = true;
             self.release(angle_of([0.0; 2], stage.place(at)));
@@ -120,7 +120,8 @@ mod tests {
 
     #[test]
     fn frames_do_not_change_the_swing() {
-        let (mut often, mut seldom) = (Swinging::from(2.0), Swinging::from(2.0));
+        let (mut often, mut seldom) =
+            (SinglePendulumSimulation::from(2.0), SinglePendulumSimulation::from(2.0));
         (0..720).for_each(|_| often.advance(1.0 / 240.0));
         (0..30).for_each(|_| seldom.advance(0.1));
         assert!((often.swing.angle - seldom.swing.angle).abs() < 1e-12);

@@ -2,18 +2,18 @@
 
 use std::str::FromStr;
 
-use super::choice::Demand;
-use super::{Accuracy, Method, Precision, Recipe};
+use super::choice::IntegrationSetting;
+use super::{Accuracy, IntegratorConfig, Method, Precision};
 use crate::scene::RunTable;
 
 /// Words that do not go together, or mean nothing: a sentence that names the option.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct WordsError(String);
+pub struct RunSettingsError(String);
 
 /// What words ask for, and the run table that asks for the same with nothing left open. Its
 /// verification is what was said beyond the level.
-pub fn settle(words: RunTable) -> Result<(Demand, RunTable), WordsError> {
+pub fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSettingsError> {
     let mut accuracy = Accuracy::default();
     set(&mut accuracy, "--accuracy", &words.accuracy, Accuracy::from_str)?;
     let (verify, size) = (words.verify, words.size);
@@ -21,49 +21,49 @@ pub fn settle(words: RunTable) -> Result<(Demand, RunTable), WordsError> {
     if explicit.iter().all(|word| word.is_none()) {
         let word = Some(accuracy.to_string());
         let run = RunTable { size, accuracy: word, verify, ..RunTable::default() };
-        return Ok((Demand::Level(accuracy), run));
+        return Ok((IntegrationSetting::Accuracy(accuracy), run));
     }
-    let recipe = recipe(&words, accuracy)?;
-    let step = match recipe.method {
+    let config = config(&words, accuracy)?;
+    let step = match config.method {
         Method::Rk4 { .. } => Some(words.step.unwrap_or("1/120".to_string())),
         _ => None,
     };
     let run = RunTable {
         size,
         accuracy: None,
-        method: Some(recipe.method.name().to_string()),
+        method: Some(config.method.name().to_string()),
         step,
-        tolerance: recipe.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
-        precision: Some(recipe.precision.to_string()),
+        tolerance: config.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
+        precision: Some(config.precision.to_string()),
         // The level stays in what it checks.
         verify: verify || accuracy.verifies(),
     };
-    Ok((Demand::Recipe(recipe), run))
+    Ok((IntegrationSetting::Explicit(config), run))
 }
 
-/// The words that settle as exactly this recipe.
-pub fn of(recipe: Recipe) -> RunTable {
-    let step = match recipe.method {
+/// The words that settle as exactly this config.
+pub fn from_config(config: IntegratorConfig) -> RunTable {
+    let step = match config.method {
         // The shortest number that is read back as it was.
         Method::Rk4 { step_secs } => Some(format!("{step_secs:?}")),
         _ => None,
     };
     RunTable {
-        method: Some(recipe.method.name().to_string()),
+        method: Some(config.method.name().to_string()),
         step,
-        tolerance: recipe.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
-        precision: Some(recipe.precision.to_string()),
+        tolerance: config.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
+        precision: Some(config.precision.to_string()),
         ..RunTable::default()
     }
 }
 
 /// Whether what was settled is to be checked pixel by pixel.
-pub fn verifies(demand: Demand, run: &RunTable) -> bool {
-    run.verify || matches!(demand, Demand::Level(level) if level.verifies())
+pub fn verifies(setting: IntegrationSetting, run: &RunTable) -> bool {
+    run.verify || matches!(setting, IntegrationSetting::Accuracy(level) if level.verifies())
 }
 
-fn recipe(words: &RunTable, accuracy: Accuracy) -> Result<Recipe, WordsError> {
-    let level = accuracy.recipes()[0];
+fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunSettingsError> {
+    let level = accuracy.configs()[0];
     let mut precision = match (&words.method, &words.step) {
         (Some(method), _) => Method::home_precision(method),
         (None, Some(_)) => Precision::F32,
@@ -81,12 +81,12 @@ fn recipe(words: &RunTable, accuracy: Accuracy) -> Result<Recipe, WordsError> {
     };
     let Some(mut method) = Method::named(name, precision) else {
         let names = Method::NAMES.join(", ");
-        return Err(WordsError(format!("--method is '{name}'; the methods are {names}")));
+        return Err(RunSettingsError(format!("--method is '{name}'; the methods are {names}")));
     };
     let Some(least) = method.least_tolerance(precision) else {
         let fitting = Precision::ALL.iter().filter(|(_, p)| method.least_tolerance(*p).is_some());
         let fitting: Vec<&str> = fitting.map(|(word, _)| *word).collect();
-        return Err(WordsError(format!(
+        return Err(RunSettingsError(format!(
             "--precision is '{precision}'; --method {name} runs in {}",
             fitting.join(", ")
         )));
@@ -97,12 +97,12 @@ fn recipe(words: &RunTable, accuracy: Accuracy) -> Result<Recipe, WordsError> {
     if let Some(tolerance) = &words.tolerance {
         method = with_tolerance(method, tolerance, precision, least)?;
     }
-    Ok(Recipe { method, precision })
+    Ok(IntegratorConfig { method, precision })
 }
 
-fn with_step(method: Method, step: &str) -> Result<Method, WordsError> {
+fn with_step(method: Method, step: &str) -> Result<Method, RunSettingsError> {
     let Method::Rk4 { .. } = method else {
-        return Err(WordsError(format!(
+        return Err(RunSettingsError(format!(
             "--step is for rk4; {} chooses its steps by --tolerance",
             method.name()
         )));
@@ -115,7 +115,7 @@ fn with_step(method: Method, step: &str) -> Result<Method, WordsError> {
     };
     match step_secs {
         Some(step_secs) if (1e-9..=1.0).contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
-        _ => Err(WordsError(format!(
+        _ => Err(RunSettingsError(format!(
             "--step is '{step}'; it must be seconds between 1e-9 and 1, as a number or a fraction"
         ))),
     }
@@ -129,9 +129,9 @@ fn with_tolerance(
     text: &str,
     precision: Precision,
     least: f64,
-) -> Result<Method, WordsError> {
+) -> Result<Method, RunSettingsError> {
     let Some(tolerant) = number(text).and_then(|tolerance| method.with_tolerance(tolerance)) else {
-        return Err(WordsError(match method {
+        return Err(RunSettingsError(match method {
             Method::Rk4 { .. } => "--tolerance is for methods that choose their steps; rk4 takes \
                                    --step"
                 .to_string(),
@@ -142,7 +142,7 @@ fn with_tolerance(
     if tolerant.tolerance().is_some_and(within) {
         return Ok(tolerant);
     }
-    Err(WordsError(format!(
+    Err(RunSettingsError(format!(
         "--tolerance is '{text}'; in {precision} it must lie between {least:e} and \
          {LARGEST_TOLERANCE:e}"
     )))
@@ -154,9 +154,10 @@ fn set<T, Why: std::fmt::Display>(
     option: &str,
     word: &Option<String>,
     parse: impl Fn(&str) -> Result<T, Why>,
-) -> Result<(), WordsError> {
+) -> Result<(), RunSettingsError> {
     if let Some(word) = word {
-        *value = parse(word).map_err(|why| WordsError(format!("{option} is '{word}'; {why}")))?;
+        *value =
+            parse(word).map_err(|why| RunSettingsError(format!("{option} is '{word}'; {why}")))?;
     }
     Ok(())
 }
@@ -172,15 +173,15 @@ mod tests {
     #[test]
     fn a_recipe_comes_back_from_its_words() {
         let odd = Method::Rk4 { step_secs: 1.0 / 117.3 };
-        let mut recipes = vec![Recipe { method: odd, precision: Precision::F64 }];
-        recipes.extend(Accuracy::ALL.iter().flat_map(|(_, level)| level.recipes()));
-        for recipe in recipes {
-            let (demand, _) = settle(of(recipe)).unwrap();
-            assert_eq!(demand, Demand::Recipe(recipe));
+        let mut configs = vec![IntegratorConfig { method: odd, precision: Precision::F64 }];
+        configs.extend(Accuracy::ALL.iter().flat_map(|(_, level)| level.configs()));
+        for config in configs {
+            let (setting, _) = resolve(from_config(config)).unwrap();
+            assert_eq!(setting, IntegrationSetting::Explicit(config));
         }
     }
 
-    fn said(words: &[(&str, &str)]) -> Result<Demand, String> {
+    fn said(words: &[(&str, &str)]) -> Result<IntegrationSetting, String> {
         let word = |name: &str| words.iter().find(|(n, _)| *n == name).map(|(_, w)| w.to_string());
         let words = RunTable {
             accuracy: word("accuracy"),
@@ -190,20 +191,20 @@ mod tests {
             precision: word("precision"),
             ..RunTable::default()
         };
-        settle(words).map(|(demand, _)| demand).map_err(|error| error.to_string())
+        resolve(words).map(|(setting, _)| setting).map_err(|error| error.to_string())
     }
 
-    fn recipe(words: &[(&str, &str)]) -> Recipe {
+    fn config(words: &[(&str, &str)]) -> IntegratorConfig {
         match said(words).unwrap() {
-            Demand::Recipe(recipe) => recipe,
+            IntegrationSetting::Explicit(config) => config,
             level => panic!("{level:?}"),
         }
     }
 
     #[test]
     fn steps_are_numbers_or_fractions() {
-        assert_eq!(recipe(&[("method", "rk4"), ("step", "1/120")]).method, Method::LESSON);
-        assert_eq!(recipe(&[("step", "1e-3")]).method, Method::Rk4 { step_secs: 1e-3 });
+        assert_eq!(config(&[("method", "rk4"), ("step", "1/120")]).method, Method::LESSON);
+        assert_eq!(config(&[("step", "1e-3")]).method, Method::Rk4 { step_secs: 1e-3 });
         for bad in ["0", "-1/120", "nan", "inf", "1/0", "2", "x", "1/"] {
             let message = said(&[("step", bad)]).unwrap_err();
             assert!(message.contains("--step") && message.contains("between 1e-9 and 1"), "{bad}");
@@ -212,10 +213,13 @@ mod tests {
 
     #[test]
     fn what_is_not_said_follows_from_what_is() {
-        assert_eq!(said(&[]).unwrap(), Demand::Level(Accuracy::Balanced));
-        assert_eq!(said(&[("accuracy", "fast")]).unwrap(), Demand::Level(Accuracy::Fast));
+        assert_eq!(said(&[]).unwrap(), IntegrationSetting::Accuracy(Accuracy::Balanced));
+        assert_eq!(
+            said(&[("accuracy", "fast")]).unwrap(),
+            IntegrationSetting::Accuracy(Accuracy::Fast)
+        );
         let of = |words: &[(&str, &str)]| {
-            let Recipe { method, precision } = recipe(words);
+            let IntegratorConfig { method, precision } = config(words);
             (method.name(), precision, method.tolerance())
         };
         assert_eq!(of(&[("tolerance", "1e-9")]), ("dop853", Precision::F64, Some(1e-9)));

@@ -1,5 +1,5 @@
 //! The house rules that a machine can check: arrows between modules, sizes of files, shaders
-//! that validate, twins that match, kernels that hold only what their scene needs.
+//! that validate, counterparts that match, kernels that hold only what their scene needs.
 
 use std::fs;
 use std::mem::offset_of;
@@ -10,7 +10,7 @@ use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::app::canvas::sample::{LOG_BIAS, LOG_STEPS};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
 use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome};
-use flipmap::engine::{Method, Precision, Question, Recipe, Trust};
+use flipmap::engine::{IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap::physics::{Rule, Status};
 use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
@@ -127,14 +127,14 @@ fn designs() -> Vec<Design> {
         (Method::Dopri5 { tolerance: 1e-9 }, Precision::Df32),
         (Method::Dop853 { tolerance: 1e-12 }, Precision::F64),
     ] {
-        let recipe = Recipe { method, precision };
+        let config = IntegratorConfig { method, precision };
         for compensated in [false, true] {
             for subgroups in [false, true] {
-                let general = Design::general(&recipe, compensated, subgroups).unwrap();
+                let general = Design::general(&config, compensated, subgroups).unwrap();
                 designs.push(general);
                 for (_, rule) in Rule::ALL {
                     let made =
-                        |build| general.specialised(&question(build, rule), &recipe).unwrap();
+                        |build| general.specialised(&question(build, rule), &config).unwrap();
                     designs.extend(builds.map(made));
                 }
             }
@@ -177,8 +177,8 @@ fn members(module: &naga::Module, name: &str) -> Vec<(String, usize)> {
 #[test]
 fn structs_have_the_same_offsets_on_both_sides() {
     let method = Method::Dopri5 { tolerance: 1e-7 };
-    let recipe = Recipe { method, precision: Precision::F32 };
-    let module = parsed(&Design::general(&recipe, true, true).unwrap().text());
+    let config = IntegratorConfig { method, precision: Precision::F32 };
+    let module = parsed(&Design::general(&config, true, true).unwrap().text());
     let head = size_of::<JobHead>();
     let job = [
         ("count", offset_of!(JobHead, count)),
@@ -204,9 +204,11 @@ fn structs_have_the_same_offsets_on_both_sides() {
         ("clearance", offset_of!(RawOutcome, clearance)),
     ];
     let queue = [("turn", offset_of!(Queue, turn)), ("lengths", offset_of!(Queue, lengths))];
-    for (name, twin) in [("Job", &job[..]), ("Outcome", &outcome[..]), ("Queue", &queue[..])] {
-        let twin: Vec<_> = twin.iter().map(|(name, offset)| (name.to_string(), *offset)).collect();
-        assert_eq!(members(&module, name), twin, "{name}");
+    for (name, counterpart) in [("Job", &job[..]), ("Outcome", &outcome[..]), ("Queue", &queue[..])]
+    {
+        let counterpart: Vec<_> =
+            counterpart.iter().map(|(name, offset)| (name.to_string(), *offset)).collect();
+        assert_eq!(members(&module, name), counterpart, "{name}");
     }
 }
 
@@ -229,12 +231,12 @@ fn the_picture_shader_is_valid_and_has_the_same_twins() {
         ("forbidden", offset_of!(Uniforms, forbidden)),
         ("failed", offset_of!(Uniforms, failed)),
     ];
-    let twin: Vec<_> = uniforms.iter().map(|(name, at)| (name.to_string(), *at)).collect();
-    assert_eq!(members(&module, "Canvas"), twin);
+    let counterpart: Vec<_> = uniforms.iter().map(|(name, at)| (name.to_string(), *at)).collect();
+    assert_eq!(members(&module, "Canvas"), counterpart);
     let names: Vec<String> = members(&module, "Quad").into_iter().map(|(name, _)| name).collect();
     assert_eq!(names, ["corner", "right", "down", "texel", "span", "slot"]);
     let number = |name| constant(pipeline::SHADER, name).parse::<f64>().unwrap();
-    for (name, twin) in [
+    for (name, counterpart) in [
         ("SIDE", f64::from(SIDE)),
         ("SLOTS_ALONG", f64::from(SLOTS_ALONG)),
         ("TABLE_ENTRIES", pipeline::TABLE_ENTRIES as f64),
@@ -245,16 +247,16 @@ fn the_picture_shader_is_valid_and_has_the_same_twins() {
         ("LOG_BIAS", LOG_BIAS),
         ("LOG_STEP", 1.0 / LOG_STEPS),
     ] {
-        assert_eq!(number(name), twin, "{name}");
+        assert_eq!(number(name), counterpart, "{name}");
     }
 }
 
 #[test]
 fn the_home_kernel_holds_only_what_it_needs() {
-    let recipe = Recipe { method: Method::LESSON, precision: Precision::F32 };
+    let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
     let home = question(Build::default(), Rule::Second);
     let text =
-        Design::general(&recipe, true, true).unwrap().specialised(&home, &recipe).unwrap().text();
+        Design::general(&config, true, true).unwrap().specialised(&home, &config).unwrap().text();
     // No other rule, no pendulum as data, no general directions in the stages.
     for absent in
         ["watched", "job.a", "least_det", "t1) >=", "f64", "* 1.0f", " + 0.0f", "{%", "{{"]
@@ -276,7 +278,7 @@ fn the_home_kernel_holds_only_what_it_needs() {
             .filter(|word| word[..].strip_prefix('v') == Some(value));
         assert!(uses.count() >= 2, "v{value} is never used");
     }
-    let general = Design::general(&recipe, true, true).unwrap().text();
+    let general = Design::general(&config, true, true).unwrap().text();
     assert!(general.contains("job.watched") && general.len() > text.len());
     // Two rounds (one in each angle's half turns, one in their parity) and no more: the other
     // stages turn the first direction instead.

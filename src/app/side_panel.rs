@@ -3,11 +3,11 @@
 use egui::{CollapsingHeader, ScrollArea, Ui};
 
 use super::action::Action;
-use super::desk::Desk;
-use super::dive::Way;
+use super::descent::DescentPath;
+use super::model::AppModel;
 use super::panels::accuracy::{Computing, accuracy_panel};
 use super::panels::colours::colours_panel;
-use super::panels::deeper::{self, deeper_panel};
+use super::panels::descent::{self, descent_panel};
 use super::panels::export::{ExportStatus, export_panel};
 use super::panels::layers::layers_panel;
 use super::panels::pendulum::pendulum_panel;
@@ -16,9 +16,9 @@ use super::panels::scene::scene_panel;
 use super::panels::window::window_panel;
 use crate::lab::Figure;
 
-impl Desk {
+impl AppModel {
     /// Shows the panels and collects what was done in them.
-    pub(super) fn side(&mut self, ui: &mut Ui) -> Vec<Action> {
+    pub(super) fn side_panel(&mut self, ui: &mut Ui) -> Vec<Action> {
         self.take_answer();
         let mut actions = Vec::new();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -33,9 +33,9 @@ impl Desk {
                 self.recent(ui, &mut actions);
             });
             CollapsingHeader::new("Deeper").show(ui, |ui| {
-                let Way { dive, scenes, path } = &self.way;
-                let way = deeper::Way { going: dive.is_some(), scenes, path };
-                let done = deeper_panel(ui, &way);
+                let DescentPath { running: descent, scenes, path } = &self.descent;
+                let way = descent::DescentView { going: descent.is_some(), scenes, path };
+                let done = descent_panel(ui, &way);
                 actions.extend(done.into_iter().filter_map(|action| self.deeper(action)));
             });
             CollapsingHeader::new("Scene").show(ui, |ui| {
@@ -49,7 +49,7 @@ impl Desk {
             });
             CollapsingHeader::new("Colours").show(ui, |ui| {
                 let state = &self.state;
-                let any = self.room.explorer.progress().done > 0;
+                let any = self.compute.explorer.progress().done > 0;
                 let done = colours_panel(ui, &state.picture, &state.build, &state.question, any);
                 actions.extend(done.and_then(|action| self.colour(action)));
             });
@@ -110,18 +110,20 @@ impl Desk {
     }
 
     fn computing(&self) -> Computing {
-        let engine = self.room.engine();
+        let engine = self.compute.engine();
         let rate = self.meter.rate();
-        let cost_us = match self.state.demand {
-            crate::engine::choice::Demand::Level(level) if rate > 0.0 => vec![(level, 1e6 / rate)],
+        let cost_us = match self.state.setting {
+            crate::engine::choice::IntegrationSetting::Accuracy(level) if rate > 0.0 => {
+                vec![(level, 1e6 / rate)]
+            }
             _ => Vec::new(),
         };
         Computing {
-            demand: self.state.demand,
+            setting: self.state.setting,
             kind: self.state.kind,
-            recipe: self.room.recipe(),
+            config: self.compute.config(),
             engine: engine.map(|(name, adapter, why)| (name.to_string(), adapter, why.to_string())),
-            failed: self.room.has_failed(),
+            failed: self.compute.has_failed(),
             cost_us,
         }
     }

@@ -10,7 +10,7 @@ use super::opening::settled;
 use super::pendulum::{Pendulum, State};
 use super::polynomial::{evaluate, root_between};
 use super::real::Scalar;
-use super::taylor::{Orbit, Step};
+use super::taylor::{Orbit, TaylorStep};
 
 /// The outcome of letting go at rest at `angle` (rad, within (−π, π]), with flips up to and
 /// including `budget` seconds.
@@ -50,7 +50,7 @@ pub fn is_balanced<T: Scalar>(angle: [T; 2]) -> bool {
 }
 
 /// Seconds into `step` at which `rule` is first met.
-pub fn flip_within<T: Scalar>(step: &Step<T>, rule: Rule) -> Option<T> {
+pub fn flip_within<T: Scalar>(step: &TaylorStep<T>, rule: Rule) -> Option<T> {
     let units = step.length * T::from_f64(1.0 / step.unit_secs);
     rule.watched()
         .iter()

@@ -3,31 +3,31 @@
 //! Released from rest, the pendulums of a small cell stay together for long. Their states at a
 //! time are polynomials in the place of the start within the cell ([`Jet`]), and those obey the
 //! equations of motion: the same right-hand sides and steps that move one pendulum move all. A
-//! sheet is followed until its polynomials no longer describe the whole cell; there it is cut
+//! patch is followed until its polynomials no longer describe the whole cell; there it is cut
 //! into quarters that go on, or its pixels' own integration begins.
 //!
-//! Passes of the top are found on the polynomials too. Where all of a sheet passes, the moment is
+//! Passes of the top are found on the polynomials too. Where all of a patch passes, the moment is
 //! itself a polynomial. Where a bob turns round near the top, the height it reaches is one, and its
 //! sign says who has flipped: a graze stays one clean line however deep it is looked at.
 
+mod event;
 mod graze;
-mod meeting;
 
 pub use graze::Graze;
 
+use super::crossing::{FAR, StepState};
 use super::embedded::{dop853, plus};
 use super::flip::Rule;
 use super::jet::Jet;
 use super::opening;
-use super::passage::{FAR, Moment};
 use super::phase::Phase;
 use super::reference::Reference;
 use super::{Pendulum, Real};
-use meeting::Meeting;
+use event::PatchEvent;
 
-/// What moves a sheet, in reduced units.
+/// What moves a patch, in reduced units.
 #[derive(Clone, Copy, Debug)]
-pub struct Law {
+pub struct Dynamics {
     /// The five numbers.
     pub pendulum: Pendulum<f64>,
     /// Which bob is watched.
@@ -40,7 +40,7 @@ pub struct Law {
 
 /// A cell of starts in motion.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct FlowPatch {
     /// Reduced time since the release, and what rounding took from it.
     pub time: (f64, f64),
     /// Unit vectors and momenta.
@@ -57,13 +57,13 @@ pub struct Sheet {
 
 /// Where a sheet's way ended.
 #[derive(Clone, Debug)]
-pub enum End {
+pub enum PatchEnd {
     /// Its polynomials do not describe it any longer.
     Spread,
     /// Something happens at the top that its polynomials cannot tell.
     Unclear,
     /// All that had not flipped flips in one passage.
-    Passed(Box<Pass>),
+    Passed(Box<PatchCrossing>),
     /// All of it has flipped in grazes.
     Grazed,
     /// The time is over.
@@ -72,7 +72,7 @@ pub enum End {
 
 /// A passage of the top by all.
 #[derive(Clone, Debug)]
-pub struct Pass {
+pub struct PatchCrossing {
     /// When the middle passes, reduced.
     pub time: f64,
     /// How much later the others do.
@@ -81,7 +81,7 @@ pub struct Pass {
     pub phase: Phase<Jet>,
 }
 
-impl Pass {
+impl PatchCrossing {
     /// When the start at a point of the cell flips, reduced, and its state then.
     pub fn flip(&self, at: [f64; 2]) -> (f64, Phase<f64>) {
         (self.time + self.shift.at(at), self.phase.map(|jet| jet.at(at)))
@@ -91,18 +91,18 @@ impl Pass {
 /// Error allowed in a step of the middle. The polynomials' own errors are about as many times
 /// their size.
 const STEP_TOLERANCE: f64 = 1e-15;
-/// No sheet moves farther in a step.
+/// No patch moves farther in a step.
 const LONGEST: f64 = 0.5;
 /// A step in which two things happen at the top is halved, but not below this.
 const SHORTEST: f64 = 1e-7;
 /// Reduced time within which a pass that is nearly a graze must turn round.
 const GRAZE_WITHIN: f64 = 1.0;
 
-impl Law {
+impl Dynamics {
     /// The motion of a pendulum in reduced units.
     pub fn new(pendulum: Pendulum<f64>, rule: Rule) -> Self {
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
-        Law {
+        Dynamics {
             pendulum,
             rule,
             opening: opening::length(&pendulum),
@@ -111,8 +111,8 @@ impl Law {
         }
     }
 
-    fn moment(&self, phase: Phase<f64>) -> Moment<f64> {
-        Moment { phase, speed: self.pendulum.speeds(&phase) }
+    fn moment(&self, phase: Phase<f64>) -> StepState<f64> {
+        StepState { phase, speed: self.pendulum.speeds(&phase) }
     }
 
     /// One pendulum's state after a step and the error of that.
@@ -139,13 +139,13 @@ fn middle(phase: &Phase<Jet>) -> Phase<f64> {
     phase.map(|jet| jet.middle())
 }
 
-impl Sheet {
+impl FlowPatch {
     /// A cell around `angle` (rad; its sines and cosines as precise as they can be) let go at rest.
     pub fn release(sin_cos: [(f64, f64); 2], half: f64) -> Self {
         let [(y1, x1), (y2, x2)] = [0, 1].map(|axis| turned(sin_cos[axis], axis, half));
         let zero = Jet::constant(0.0);
         let phase = [x1, y1, x2, y2, zero, zero];
-        Sheet {
+        FlowPatch {
             time: (0.0, 0.0),
             phase,
             step: super::control::FIRST,
@@ -156,8 +156,8 @@ impl Sheet {
     }
 
     /// How far apart its states are, at most: unit vectors and scaled momenta.
-    pub fn spread(&self, law: &Law) -> f64 {
-        let unit = |i: usize| if i < 4 { 1.0 } else { law.inverse_scale[i - 4] };
+    pub fn spread(&self, dynamics: &Dynamics) -> f64 {
+        let unit = |i: usize| if i < 4 { 1.0 } else { dynamics.inverse_scale[i - 4] };
         (0..6).map(|i| self.phase[i].spread() * unit(i)).fold(0.0, f64::max)
     }
 
@@ -170,7 +170,7 @@ impl Sheet {
             ..*graze
         };
         let grazes = self.grazes.iter().map(graze).filter(Graze::concerns_any).collect();
-        Sheet { phase: self.phase.map(|jet| jet.part(middle, half)), grazes, ..*self }
+        FlowPatch { phase: self.phase.map(|jet| jet.part(middle, half)), grazes, ..*self }
     }
 
     /// How far from the top the watched bobs of the start at a point have stayed.
@@ -184,96 +184,100 @@ impl Sheet {
     }
 
     /// Whether it is described well enough where it is.
-    pub fn holds(&self, law: &Law, tolerance: f64) -> bool {
-        law.tail(&self.phase) <= tolerance
+    pub fn holds(&self, dynamics: &Dynamics, tolerance: f64) -> bool {
+        dynamics.tail(&self.phase) <= tolerance
     }
 
     /// Follows the flow until its `end`, at most to `budget`, as long as its polynomials leave
     /// out no more than `tolerance`; along a reference where there is one.
     pub fn follow(
         &mut self,
-        law: &Law,
+        dynamics: &Dynamics,
         budget: f64,
         tolerance: f64,
         mut reference: Option<&mut (dyn Reference + 'static)>,
-    ) -> End {
+    ) -> PatchEnd {
         // Where the way may end: no start is at the top with any bob, so that what has passed is
         // told by events alone.
         let mut clear = self.clone();
         let mut pass_began: Option<f64> = None;
         let end = loop {
             if self.settled() {
-                return End::Grazed;
+                return PatchEnd::Grazed;
             }
-            let is_clear = pass_began.is_none() && self.is_clear(law);
+            let is_clear = pass_began.is_none() && self.is_clear(dynamics);
             if is_clear {
                 clear.clone_from(self);
                 if self.time.0 >= budget {
-                    break End::Over;
+                    break PatchEnd::Over;
                 }
             }
             if pass_began.is_some_and(|began| self.time.0 > began + GRAZE_WITHIN) {
-                break End::Unclear;
+                break PatchEnd::Unclear;
             }
-            let leap = self.leap(law, reference.as_deref_mut());
-            let tail = law.tail(&leap.after);
+            let patch_step = self.patch_step(dynamics, reference.as_deref_mut());
+            let tail = dynamics.tail(&patch_step.after);
             if tail.is_nan() || tail > tolerance {
-                break End::Spread;
+                break PatchEnd::Spread;
             }
-            let meeting = match self.left_of_opening(law) {
-                Some(_) => Meeting::Nothing,
-                None => self.meet(law, &leap, tolerance, reference.as_deref()),
+            let event = match self.left_of_opening(dynamics) {
+                Some(_) => PatchEvent::Nothing,
+                None => self.event_in(dynamics, &patch_step, tolerance, reference.as_deref()),
             };
-            match meeting {
-                Meeting::Nothing => {}
-                Meeting::FarTurn(clearance) => self.far_turns = self.far_turns.min(clearance),
-                Meeting::TooMuch => {
-                    self.step = leap.length * 0.5;
+            match event {
+                PatchEvent::Nothing => {}
+                PatchEvent::FarTurn(clearance) => self.far_turns = self.far_turns.min(clearance),
+                PatchEvent::TooMuch => {
+                    self.step = patch_step.length * 0.5;
                     continue;
                 }
-                Meeting::Unclear => break End::Unclear,
-                Meeting::Pass(pass) => return End::Passed(pass),
-                Meeting::NearlyGraze(bob) => {
+                PatchEvent::Unclear => break PatchEnd::Unclear,
+                PatchEvent::Pass(pass) => return PatchEnd::Passed(pass),
+                PatchEvent::NearlyGraze(bob) => {
                     pass_began = Some(self.time.0);
                     self.beyond[bob] = true;
                 }
-                Meeting::Back(bob) => self.beyond[bob] = false,
-                Meeting::Graze(graze, beyond) => {
+                PatchEvent::Back(bob) => self.beyond[bob] = false,
+                PatchEvent::Graze(graze, beyond) => {
                     pass_began = None;
                     self.beyond[graze.bob] = beyond;
                     self.grazes.extend(graze.concerns_any().then_some(*graze));
                 }
             }
-            self.take(leap, reference.as_deref_mut());
+            self.take(patch_step, reference.as_deref_mut());
         };
         *self = clear;
         end
     }
 
     /// Whether none of it is at the top with a watched bob, or beyond it.
-    fn is_clear(&self, law: &Law) -> bool {
-        law.rule.watched().iter().all(|&bob| {
+    fn is_clear(&self, dynamics: &Dynamics) -> bool {
+        dynamics.rule.watched().iter().all(|&bob| {
             let (x, y) = (&self.phase[2 * bob], &self.phase[2 * bob + 1]);
             x.middle() > 0.0 || (y.middle().abs() > y.spread() && !self.beyond[bob])
         })
     }
 
     /// What is left of the first moments, in which the top is no matter.
-    fn left_of_opening(&self, law: &Law) -> Option<f64> {
-        let left = law.opening - self.time.0;
-        (left > 1e-9 * law.opening).then_some(left)
+    fn left_of_opening(&self, dynamics: &Dynamics) -> Option<f64> {
+        let left = dynamics.opening - self.time.0;
+        (left > 1e-9 * dynamics.opening).then_some(left)
     }
 
     /// The next step, as long as the middle allows it.
-    fn leap(&self, law: &Law, reference: Option<&mut (dyn Reference + 'static)>) -> Leap {
+    fn patch_step(
+        &self,
+        dynamics: &Dynamics,
+        reference: Option<&mut (dyn Reference + 'static)>,
+    ) -> PatchStep {
         let start = middle(&self.phase);
         let (mut length, mut next) = (self.step.min(LONGEST), self.step);
-        length = length.min(self.left_of_opening(law).unwrap_or(length));
+        length = length.min(self.left_of_opening(dynamics).unwrap_or(length));
         let mut reference = reference;
         if let Some(reference) = &mut reference {
             length = length.min(reference.reach());
         }
-        let mut after = law.moved(&start, length);
+        let mut after = dynamics.moved(&start, length);
         for _ in 0..20 {
             let factor = 0.8 * (STEP_TOLERANCE / after.1.max(1e-30)).powf(1.0 / 8.0);
             let fits = factor >= 0.8;
@@ -282,30 +286,30 @@ impl Sheet {
                 break;
             }
             length = next;
-            after = law.moved(&start, length);
+            after = dynamics.moved(&start, length);
         }
-        let mut carried = law.carried(&self.phase, Jet::constant(length));
+        let mut carried = dynamics.carried(&self.phase, Jet::constant(length));
         if let Some(reference) = reference {
             let known = reference.phase(length);
             carried = std::array::from_fn(|i| carried[i].with_middle(known[i]));
         }
         // What was cut short by the reference says little about the next one.
         let next = if length < 0.5 * self.step { next.max(self.step) } else { next };
-        Leap { length, next, after: carried }
+        PatchStep { length, next, after: carried }
     }
 
-    fn take(&mut self, leap: Leap, reference: Option<&mut (dyn Reference + 'static)>) {
+    fn take(&mut self, patch_step: PatchStep, reference: Option<&mut (dyn Reference + 'static)>) {
         if let Some(reference) = reference {
-            reference.advance(leap.length);
+            reference.advance(patch_step.length);
         }
-        self.phase = leap.after;
-        self.time = self.time.0.fast_two_sum(self.time.1 + leap.length);
-        self.step = leap.next;
+        self.phase = patch_step.after;
+        self.time = self.time.0.fast_two_sum(self.time.1 + patch_step.length);
+        self.step = patch_step.next;
     }
 }
 
 /// A step that may be taken.
-struct Leap {
+struct PatchStep {
     length: f64,
     next: f64,
     after: Phase<Jet>,
