@@ -1,6 +1,6 @@
-//! Seconds until the first small picture of a deep view is there, on one core: the reference in
-//! many digits, the cells followed as polynomials, and 16 × 16 pixels. And, once the reference is
-//! known, microseconds for a pixel beside those of a view a thousandth wide, in the same run.
+//! Seconds until the first small picture of a deep view is complete, on one core: the reference in
+//! many digits, the cells followed as polynomials, and 16 × 16 pixels. Then, with the reference
+//! known, microseconds per pixel beside those of a view a thousandth wide, in the same run.
 
 use std::time::Instant;
 
@@ -27,7 +27,7 @@ fn main() {
     }
 }
 
-/// Prints what a view takes; the microseconds of a pixel.
+/// Prints the times of a view and returns its microseconds per pixel.
 fn measured(name: &str, scene: &Scene, base: f64) -> f64 {
     let processor = Box::new(CpuEngine::new(Some(1)).expect("a processor"));
     let mut engine = DepthEngine::new(processor, Some(1)).expect("a thread");

@@ -1,8 +1,8 @@
 //! Microseconds per integrated pixel of the home map (no mirror images, no forbidden starts) on
-//! every engine here, beside a scalar f64 RK4 loop on one core, all in one run.
+//! every engine of this machine, beside a scalar f64 RK4 loop on one core, all in one run.
 //!
-//! `cargo bench` prints a table; the ratio is what to quote, because machines differ and are
-//! shared. Rounds are interleaved, and the median of each is shown with its spread.
+//! `cargo bench` prints a table; quote the ratio, because machines differ and are shared. Rounds
+//! are interleaved, and the median of each engine is shown with its spread.
 
 use flipmap::engine::choice::open_checked;
 use flipmap::engine::cpu::CpuEngine;
@@ -14,7 +14,7 @@ use flipmap::scene::{Fate, Grid, Scene};
 
 const SIDE: u32 = 512;
 const ROUNDS: usize = 7;
-/// The scalar loop runs every so many starts of what the engines run.
+/// Stride at which the scalar loop samples the engines' starts.
 const SCALAR_SHARE: usize = 61;
 
 fn main() {

@@ -1,6 +1,6 @@
-//! What a zoom over ten decades costs beside its 600 frames rendered one by one, in one run: the
-//! film's samples and their painting, and every `FLIPMAP_EVERY`th (12th) of the frames as a picture
-//! with as many samples a pixel, which stands for its neighbours.
+//! Cost of a film that zooms over ten decades, beside its 600 frames rendered one by one, in one
+//! run: the film's samples and their painting, and every `FLIPMAP_EVERY`th frame (every 12th by
+//! default) as a picture with as many samples per pixel, which stands for its neighbours.
 
 use std::time::Instant;
 
@@ -36,7 +36,7 @@ fn main() {
     );
 }
 
-/// From home down a filament, with the budget of its end.
+/// A film from home down a filament, with the budget of its last view.
 fn film() -> Film {
     let deep = BuiltIn::named("abyss").expect("a place").document();
     let key = |secs, width: &str, center: [String; 2]| {
@@ -55,7 +55,7 @@ fn engine() -> DepthEngine<'static> {
     DepthEngine::new(processor, None).expect("threads")
 }
 
-/// Samples, and seconds to compute and to paint them.
+/// Returns the number of samples, and the seconds to compute and to paint them.
 fn whole(film: &Film) -> (u64, f64, f64) {
     let folder = tempfile::tempdir().expect("a folder");
     let mut engine = engine();
@@ -75,7 +75,7 @@ fn whole(film: &Film) -> (u64, f64, f64) {
     (task.samples(), computing, begun.elapsed().as_secs_f64())
 }
 
-/// Seconds to compute a frame alone.
+/// Seconds to compute a single frame.
 fn rendered(film: &Film, frame: u32) -> f64 {
     let mut scene = film.shot(frame).scene;
     scene.question.budget.secs = film.budget_secs();

@@ -1,8 +1,8 @@
-// A tile's pendulums in steps that choose their length (twin: src/engine/cpu/adaptive.rs), on unit
-// vectors and momenta. `advance` tries steps and stops before one in which the top may be
-// reached; `look` decides those. What a step is judged by is f32, whatever the number type.
+// A tile's pendulums in adaptive steps (counterpart: src/engine/cpu/adaptive.rs), on unit vectors
+// and momenta. `advance` tries steps and stops before one in which the top may be reached; `look`
+// decides those. The quantities that a step is judged by are f32, whatever the number type.
 
-// How far an error may be from what is allowed at a time, in log2 of squares: negative is good.
+// Excess of an error over what is allowed at a time, in log2 of squares: negative is good.
 fn excess_of(error_squared: f32, time: f32) -> f32 {
     return log2(max(error_squared, 1e-37)) - min(job.start + job.rise * time, job.ceiling);
 }
@@ -19,7 +19,7 @@ struct Bob {
     w: f32,
 }
 
-// A bob that is below its pivot is this far from the top.
+// Clearance of a bob that is below its pivot.
 const FAR = {{ far }};
 
 fn inward(y: f32, begin: f32) -> f32 {
@@ -27,7 +27,7 @@ fn inward(y: f32, begin: f32) -> f32 {
 }
 
 {% if quartic %}
-// The control points of the quartic of DOPRI5 (twin: `embedded::quartic`).
+// The control points of the quartic of DOPRI5 (counterpart: `embedded::quartic`).
 fn control_points(before: Bob, after: Bob, bow: f32, h: f32) -> array<f32, 5> {
     let rise0 = before.w * before.x * h;
     let rise1 = after.w * after.x * h;
@@ -43,7 +43,7 @@ fn control_points(before: Bob, after: Bob, bow: f32, h: f32) -> array<f32, 5> {
     );
 }
 
-// How far from the top a bob stays over a step; not positive where it may pass.
+// Distance from the top that a bob keeps over a step; not positive where it may cross it.
 fn clearance_of(before: Bob, after: Bob, bow: f32, h: f32) -> f32 {
     if before.x >= 0 && after.x >= 0 {
         return FAR;
@@ -56,7 +56,7 @@ fn clearance_of(before: Bob, after: Bob, bow: f32, h: f32) -> f32 {
     return least;
 }
 {% else %}
-// How a bob's way over an interval lies to the top (twin: `passage::approach`).
+// How a bob's path over an interval lies relative to the top (counterpart: `crossing::approach`).
 struct Approach {
     clearance: f32,
     crosses: bool,
@@ -72,7 +72,7 @@ fn approach(before: Bob, after: Bob, h: f32) -> Approach {
     let second = after.y - rise1 / 3.0;
     let chord = (after.y - before.y) / 3.0;
     let bend = max(abs(first - before.y - chord), abs(after.y - second - chord));
-    // A start exactly at the top has not passed it.
+    // A start exactly at the top has not crossed it.
     let released = before.y == 0 && first == 0;
     let begin = select(before.y, second, before.y == 0);
     var least = min(inward(second, begin), inward(after.y, begin));

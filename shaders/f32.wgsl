@@ -3,7 +3,7 @@
 alias Real = f32;
 
 const PI = 3.14159274f;
-// What PI leaves of π.
+// The remainder of π beyond PI.
 const PI_REST = -8.74227766e-8f;
 
 fn real(x: f32) -> Real {

@@ -1,5 +1,5 @@
-// The number type f64: + - * / abs round sqrt only, the rest of the language's functions
-// compile to garbage for it (wgpu issue 6087).
+// The number type f64. Only + - * / abs round sqrt are used: the language's other functions compile
+// to garbage for it (wgpu issue 6087).
 
 alias Real = f64;
 

@@ -1,6 +1,6 @@
-// A tile's pendulums in fixed steps, a slice at a time. `advance` takes whole steps and stops before
-// one in which the top may be reached; `look` decides those. They are apart because software
-// Vulkan runs both sides of every branch, and real devices have registers to save.
+// A tile's pendulums in fixed steps, a slice at a time. `advance` takes whole steps and stops
+// before one in which the top may be reached; `look` decides those. They are separate because
+// software Vulkan runs both sides of every branch, and real devices have registers to save.
 
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -19,8 +19,8 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     var steps = outcomes[pixel].steps;
     let stop = min(steps + job.slice_steps, job.most_steps);
     var suspect = false;
-    // The step after a suspicious or the last one is computed and thrown away: so no step waits
-    // for the verdict on the one before it. What is kept is the state before the last verdict.
+    // The step after a suspicious one or the last one is computed and discarded, so that no step
+    // waits for the verdict on the one before it. The state before the last verdict is kept.
 {% for name in state %}
     var {{ name }}_kept = {{ name }};
 {% endfor %}

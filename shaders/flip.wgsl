@@ -1,4 +1,4 @@
-// Where inside a step the top is reached. Twin: src/physics/polynomial.rs.
+// The moment inside a step at which the top is reached. Counterpart: src/physics/polynomial.rs.
 
 // c0 + c1 x + ... + c5 x^5.
 struct Quintic {
@@ -22,7 +22,7 @@ fn negative(f: Quintic) -> Quintic {
     return Quintic(-f.c0, -f.c1, -f.c2, -f.c3, -f.c4, -f.c5);
 }
 
-// f as it goes on from `low`, in units of `span`.
+// f from `low` on, in units of `span`.
 fn part_of(f: Quintic, low: Real, span: Real) -> Quintic {
     var c = array<Real, 6>(f.c0, f.c1, f.c2, f.c3, f.c4, f.c5);
     for (var first = 0; first < 5; first++) {
@@ -38,7 +38,7 @@ fn part_of(f: Quintic, low: Real, span: Real) -> Quintic {
     return Quintic(c[0], c[1], c[2], c[3], c[4], c[5]);
 }
 
-// The greatest of f's control points over [0, 1] but for the first: f is below it.
+// The greatest of f's control points over [0, 1] except the first: f is below it.
 fn highest(f: Quintic) -> Real {
     let b1 = f.c0 + f.c1 / 5;
     let b2 = f.c0 + (2 * f.c1) / 5 + f.c2 / 10;
@@ -47,7 +47,7 @@ fn highest(f: Quintic) -> Real {
     return max(max(b1, b2), max(max(b3, b4), value(f, Real(1))));
 }
 
-// Where f, negative at 0 and not at 1, is zero: Newton's steps kept inside a shrinking bracket,
+// The zero of f, which is negative at 0 and not at 1: Newton steps, kept inside a shrinking bracket
 // until they no longer move.
 fn only_rise(f: Quintic) -> Real {
     let slope = derivative(f);
@@ -81,7 +81,7 @@ fn first_rise(whole: Quintic) -> Real {
         if f.c1 > 0 {
             return Real(0);
         }
-        // Only a start at zero itself is above it, by a rounding.
+        // Only a start at zero itself can be above it, by a rounding.
         f.c0 = Real(0);
     }
     var low = Real(0);
@@ -90,7 +90,7 @@ fn first_rise(whole: Quintic) -> Real {
         let part = part_of(f, low, span);
         let below = highest(part) < 0;
         let end = value(part, Real(1));
-        // It rises all the way where its slope does not vanish.
+        // It rises throughout where its slope does not vanish.
         let rises = highest(negative(derivative(part))) < 0 && part.c1 > 0;
         if !below && !rises && span > Real(1e-6) {
             span *= Real(0.5);

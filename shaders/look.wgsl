@@ -1,12 +1,12 @@
-// Decides the steps before which `advance` stopped (twin: src/engine/cpu/pair.rs): the first trial
-// is the whole step, and those after it end where a bob may be at the top. What decides anything
-// comes from a step of the method itself.
+// Decides the steps before which `advance` stopped (counterpart: src/engine/cpu/pair.rs): the first
+// trial is the whole step, and those after it end where a bob may be at the top. Every value that
+// decides anything comes from a step of the method itself.
 const WHOLE = 0u;
-// An interval in which the bob may pass.
+// An interval in which the bob may cross the top.
 const PART = 1u;
-// One in which it does.
+// An interval in which it does.
 const CROSS = 2u;
-// A graze takes some sixty.
+// Most trials for one step; a graze takes some sixty.
 const MOST_TRIALS = 400u;
 
 {% if quartic %}
@@ -30,7 +30,7 @@ fn part_of(control: array<f32, 5>, low: f32, high: f32) -> array<f32, 5> {
 }
 
 // The first place in (0, 1] at which a quartic is no longer on the side of zero that it begins on;
-// 2 if there is none (twin: `polynomial::course`).
+// 2 if there is none (counterpart: `polynomial::course`).
 fn first_change(control: array<f32, 5>) -> f32 {
     var begin = control[0];
     for (var k = 1; begin == 0 && k < 5; k++) {
@@ -79,7 +79,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let whole = rough(h);
     var length = whole;
     var goal = WHOLE;
-    // The whole step's end.
+    // The state at the end of the whole step.
 {% for name in state %}
     var {{ name }}_after = {{ name }};
 {% endfor %}
@@ -88,13 +88,14 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     var courses = array<array<f32, 5>, 2>();
     var most_trials_here = 0u;
 {% endif %}
-    // Which bob is looked at, and the interval that is decided: where it begins, how the bob is
-    // there, and where it ends.
+    // The bob that is examined, and the interval that is decided: its beginning, the bob's state
+    // there, and its end.
     var bob = 0u;
     var low = 0.0;
     var low_bob = Bob();
     var high = whole;
-    // How far into the step the rule is first met, in two parts; at most its length.
+    // Length into the step at which the rule is first met, in two parts; more than the whole step
+    // until it is.
     var flip = 2.0 * whole;
     var flip_rest = 0.0;
     var clearance = outcomes[pixel].clearance;
@@ -119,7 +120,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
                 courses[k] = control_points(befores[k], nows[k], bows[k], whole);
             }
         } else {
-            // Where the quartic passes the top, steps that end there say when exactly.
+            // Near the quartic's crossing, steps that end there give the exact moment.
             let newton = -now.y / (now.w * now.x);
             let near = abs(newton) < 0.1 * whole;
             let better = length + select(0.0, newton, near);
@@ -169,7 +170,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
             length = select(0.5 * (low + high), length + newton, inside);
         }
 {% endif %}
-        // The next bob, or the first one after the whole step: what is there to find?
+        // The next bob, or the first one after the whole step: finds out what there is to decide.
         if goal == WHOLE || bob_done {
             bob += select(1u, 0u, goal == WHOLE);
             while bob < {{ bobs }}u {

@@ -1,19 +1,19 @@
-// Samples of tiles through a colour table to the screen.
+// Draws the samples of tiles through a colour table.
 //
-// A tile lies in a slot of an atlas, one packed word a sample: the time's logarithm, how sure it
-// is, and the status (twin: src/app/canvas/sample.rs). Quads say which part of which slot goes
-// where. Between samples the light of the four nearest is mixed, never their times: a mean of two
-// flip times is nobody's.
+// A tile lies in a slot of an atlas, one packed word per sample: the logarithm of the time, how
+// sure it is, and the status (counterpart: src/app/canvas/sample.rs). Quads say which part of which
+// slot goes where. Between samples the light of the four nearest is mixed, never their times: the
+// mean of two flip times is the time of no pendulum.
 
 struct Canvas {
-    // log2 of the seconds at the table's beginning, and table entries a doubling of the time.
+    // log2 of the seconds at the table's beginning, and table entries per doubling of the time.
     first_log2: f32,
     entries_per_octave: f32,
     // log2 of the simulated seconds: later flips are not shown.
     budget_log2: f32,
-    // 1 when doubts are hatched.
+    // 1 if uncertain samples are hatched.
     trust: u32,
-    // Linear light of what has no time.
+    // Linear light of samples that have no time.
     unflipped: vec4<f32>,
     forbidden: vec4<f32>,
     failed: vec4<f32>,
@@ -39,10 +39,10 @@ struct Fragment {
 @group(0) @binding(0) var<uniform> canvas: Canvas;
 @group(0) @binding(1) var atlas: texture_2d_array<u32>;
 @group(0) @binding(2) var table: texture_2d<f32>;
-// Of the nearest texel, never beyond the edge.
+// Samples the nearest texel, never beyond the edge.
 @group(0) @binding(3) var nearest: sampler;
 
-// Whether the target wants its colours encoded here.
+// True if the target needs its colours encoded here.
 override ENCODE: bool = true;
 
 const SIDE: i32 = 128;
@@ -86,7 +86,8 @@ fn light_of(word: u32) -> vec3<f32> {
     return textureSampleLevel(table, nearest, vec2<f32>(entry / TABLE_ENTRIES, 0.5), 0.0).rgb;
 }
 
-// sRGB's curve (IEC 61966-2-1) from roots, which processors have: at most 0.02 of 255 steps off.
+// sRGB's curve (IEC 61966-2-1) from square roots, which graphics processors have: off by at most
+// 0.02 of 255 steps.
 fn encoded(light: vec3<f32>) -> vec3<f32> {
     let root2 = sqrt(light);
     let root4 = sqrt(root2);
@@ -110,7 +111,7 @@ fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
     let above = select(words.wx, words.zy, part.x >= 0.5);
     let word = select(above.x, above.y, part.y >= 0.5);
     if canvas.trust == 1u && ((word >> 2u) & 7u) == UNCERTAIN {
-        // Hatched, so that it is not told by colour alone.
+        // Hatched, so that doubt is not shown by colour alone.
         let stripe = (i32(in.position.x) + i32(in.position.y)) % 6 < 3;
         light = select(vec3<f32>(1.0, 0.0, 0.6), vec3<f32>(0.0), stripe);
     }

@@ -1,10 +1,10 @@
-// Known sums and orbits' ingredients, to judge a device by: the host compares every bit.
+// Known sums and the ingredients of orbits, to judge a device by: the host compares every bit.
 
 struct Zero {
     zero: u32,
 }
 
-// The sums' operands in pairs.
+// The operands, in pairs.
 @group(0) @binding(0) var<storage, read> operands: array<Real>;
 // For each pair: sum, error (of number types other than f32: difference), product, quotient, sine
 // and cosine of the first, the first rounded (pairs of f32: the operands themselves).

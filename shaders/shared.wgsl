@@ -1,19 +1,21 @@
-// What the host and the kernels both know. Twin: src/engine/shared.rs; a test compares offsets.
+// The data layout that host and kernels share. Counterpart: src/engine/shared.rs; a test compares
+// offsets.
 
 struct Job {
     // Pendulums in the job.
     count: u32,
-    // Steps after which a pendulum is over.
+    // Steps after which a pendulum is stopped.
     most_steps: u32,
     // Steps that one dispatch may take with each pendulum.
     slice_steps: u32,
-    // Always 0, but only the host knows: what is mixed with it cannot be optimised away.
+    // Always 0, but only the host knows: an expression that it enters cannot be optimised away.
     zero: u32,
     // The fixed step in reduced time units, in two parts.
     step: vec2<f32>,
     // Reduced time at which adaptive steps end.
     budget: f32,
-    // Log2 of the squared tolerance at the release, what a unit of time adds, where that ends.
+    // log2 of the squared tolerance at the release, what a unit of time adds to it, and where that
+    // ends.
     start: f32,
     rise: f32,
     ceiling: f32,
@@ -26,29 +28,29 @@ struct Job {
     p: vec2<f32>,
     least_det: vec2<f32>,
 {% if adaptive %}
-    // 1 over the scale of each momentum.
+    // Reciprocal of the scale of each momentum.
     inverse_scale: vec2<f32>,
 {% endif %}
 {% endif %}
 }
 
 struct Outcome {
-    // Low byte: the status. Above it: how many steps were taken to look for a flip.
+    // Status in the low byte; above it, the number of steps taken to look for a flip.
     status: u32,
-    // Steps done; of adaptive ones, tried.
+    // Steps taken; for adaptive methods, steps tried.
     steps: u32,
-    // When the flip is, in two parts: of fixed steps the fraction of the next one, of adaptive
-    // ones the reduced time.
+    // Moment of the flip, in two parts: for fixed steps the fraction of the next one, for adaptive
+    // steps the reduced time.
     moment: vec2<f32>,
-    // How far from the top the bob in question has stayed before, as a sine; only adaptive steps
-    // say.
+    // Distance from the top that the bobs in question have kept so far, as a sine; only adaptive
+    // steps set it.
     clearance: f32,
 }
 
-// Lengths of the lists of pendulums: two of those that still run, packed together, read and
-// written in turn, and one of those that may have flipped in their next step.
+// Lengths of the lists of pendulums: two of those that still run, packed together, read and written
+// in turn, and one of those that may flip in their next step.
 struct Queue {
-    // Which of the first two is read.
+    // Index of the list that is read, 0 or 1.
     turn: u32,
     lengths: array<atomic<u32>, 3>,
 }
@@ -66,10 +68,10 @@ const WORKGROUP = 64u;
 @group(0) @binding(3) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(4) var<storage, read_write> queue: Queue;
 
-// Puts a pendulum on a list if it is wanted there.
+// Puts a pendulum on a list if `wanted`.
 {% if subgroups %}
-// One atomic for all of a subgroup: one for each invocation costs as much as ten steps on
-// software Vulkan.
+// One atomic for a whole subgroup: one for each invocation costs as much as ten steps on software
+// Vulkan.
 fn put_on(list: u32, pixel: u32, wanted: bool) {
     let one = select(0u, 1u, wanted);
     let before = subgroupExclusiveAdd(one);

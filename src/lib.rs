@@ -16,10 +16,12 @@
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
+#[cfg(feature = "window")]
 pub mod app;
 pub mod engine;
 pub mod farm;
 pub mod film;
+#[cfg(feature = "window")]
 pub mod lab;
 pub mod output;
 pub mod physics;

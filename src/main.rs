@@ -1,4 +1,4 @@
-//! The `flipmap` program: options to work, errors to exit codes.
+//! The `flipmap` program: runs the command line and turns errors into exit codes.
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 mod cli;

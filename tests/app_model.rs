@@ -1,5 +1,5 @@
-//! Everything of the window but the window: the whole interface with the CPU engine behind it, used
-//! by name and keyboard as a person without a mouse or a screen uses it.
+//! The whole user interface with the CPU engine behind it, without a window: controlled by control
+//! names and keyboard, as by a user without a mouse or a screen.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ fn options(folders: Folders, document: Option<Document>) -> WindowOptions {
     WindowOptions { document, run: Some(run), request, folders, stats: None }
 }
 
-/// A model of fixed size, its map whole.
+/// An app model of fixed size with a complete map.
 fn model(folders: Folders, document: Option<Document>) -> Desktop {
     let model = AppModel::new(&options(folders, document), Arc::new(|| ()));
     let show = |ui: &mut egui::Ui, model: &mut AppModel| {
@@ -47,7 +47,7 @@ fn home() -> Desktop {
     model(Folders::none(), None)
 }
 
-/// Goes on until something holds.
+/// Runs frames until a condition holds.
 fn until(desktop: &mut Desktop, what: &str, holds: impl Fn(&Desktop) -> bool) {
     let begun = Instant::now();
     desktop.run_steps(2);
@@ -58,7 +58,7 @@ fn until(desktop: &mut Desktop, what: &str, holds: impl Fn(&Desktop) -> bool) {
     }
 }
 
-/// Goes on until nothing moves and nothing is left to compute.
+/// Runs frames until nothing moves and nothing is left to compute.
 fn settle(desktop: &mut Desktop) {
     until(desktop, "the whole map", |desktop| {
         let (state, progress) = (&desktop.state().state, desktop.state().progress());
@@ -76,7 +76,7 @@ fn click(desktop: &mut Desktop, name: &str) {
     desktop.run_steps(2);
 }
 
-/// Types over what is in the field of this name.
+/// Types over the contents of the field with this role and name.
 fn type_over(desktop: &mut Desktop, role: Role, name: &str, text: &str) {
     desktop.get_by_role_and_label(role, name).focus();
     desktop.run_steps(2);
@@ -267,7 +267,7 @@ fn what_was_chosen_is_there_again() {
     assert_eq!(place(&again), there);
     assert!(state.layers.grid && !state.animate && state.theme == Theme::Light);
     assert!(state.ui_scale > 1.0);
-    // What is asked for goes before what was kept.
+    // A requested scene takes precedence over the saved view.
     let shore = BuiltIn::named("shore").unwrap().document();
     let asked = model(Folders::under(folder.path()), Some(shore.clone()));
     assert_eq!(place(&asked), location::text(&shore.scene()));
@@ -283,12 +283,12 @@ fn commands_are_found_and_run_by_the_keyboard() {
     assert!(desktop.query_by_label_contains("Zoom in").is_none());
     press(&mut desktop, Modifiers::NONE, Key::Enter);
     assert!(desktop.state().state.layers.grid && !desktop.state().state.shown.commands);
-    // Once it is closed, keys are the map's again.
+    // Once the list is closed, keys control the map again.
     press(&mut desktop, Modifiers::NONE, Key::G);
     assert!(!desktop.state().state.layers.grid);
 }
 
-/// Everything there is: a pin, a bookmark, a notice, and all panels open.
+/// An app model with one of everything: a pin, a bookmark, a notice, and all panels open.
 fn crowded(folder: &Path) -> Desktop {
     let mut desktop = model(Folders::under(folder), None);
     desktop.event(Event::Paste("nonsense".to_string()));
@@ -309,7 +309,7 @@ fn told(node: &AccessKitNode) -> (Role, String) {
     (node.role(), node.label().unwrap_or_default())
 }
 
-/// Every control that the keyboard should reach.
+/// Roles and names of all controls that the keyboard should reach.
 fn controls(desktop: &Desktop) -> Vec<(Role, String)> {
     let nodes = desktop.root().children_recursive().map(|node| node.accesskit_node());
     let usable = |node: &AccessKitNode| {
@@ -352,7 +352,7 @@ fn figures_are_a_key_away_and_the_map_rests_behind_them() {
         press(&mut desktop, Modifiers::NONE, key);
         assert_eq!(desktop.state().lab.figure, figure);
         assert_eq!(desktop.state().figure_shown(), Some(figure.name()));
-        // Keys of the map mean nothing here.
+        // Keys for the map have no effect here.
         press(&mut desktop, Modifiers::NONE, Key::ArrowLeft);
         desktop.run_steps(20);
     }

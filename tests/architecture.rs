@@ -1,5 +1,5 @@
-//! The house rules that a machine can check: arrows between modules, sizes of files, shaders
-//! that validate, counterparts that match, kernels that hold only what their scene needs.
+//! The project's rules that a machine can check: dependencies between modules, sizes of files,
+//! valid shaders, matching struct counterparts, kernels with only the code that their scene needs.
 
 use std::fs;
 use std::mem::offset_of;
@@ -16,7 +16,7 @@ use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-/// Left to right: a module may use those before it.
+/// The modules from left to right: a module may use only those before it.
 const ORDER: [&str; 10] =
     ["physics", "scene", "engine", "tiles", "output", "film", "farm", "report", "lab", "app"];
 
@@ -33,7 +33,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The modules that `text` uses and that stand to the right of `module`.
+/// The modules to the right of `module` that `text` uses.
 fn arrows_back<'a>(module: &str, text: &str) -> Vec<&'a str> {
     let place = ORDER.iter().position(|name| *name == module).expect("a module of the house");
     let uses = |name: &&&str| text.contains(&format!("crate::{name}"));
@@ -62,7 +62,7 @@ fn files_are_short() {
     }
 }
 
-/// The pictures that a page shows, from the repository's root.
+/// Paths of the pictures that a page shows, relative to the repository's root.
 fn pictures_of(page: &Path) -> Vec<String> {
     let text = fs::read_to_string(page).unwrap();
     let folder = page.parent().unwrap();
@@ -105,7 +105,7 @@ fn every_shader_file_is_glued_on_somewhere() {
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     let mut known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
-    // The window's own, which is whole.
+    // The window's own shader, which is not assembled from parts.
     known.push("picture.wgsl");
     files.sort();
     known.sort_unstable();
@@ -116,7 +116,7 @@ fn question(build: Build, rule: Rule) -> Question {
     Question { build, rule, budget_secs: 30.0 }
 }
 
-/// Every kind of kernel there is.
+/// One design of every kind of kernel.
 fn designs() -> Vec<Design> {
     let mut designs = Vec::new();
     let builds = [Build::default(), Build::new(Kind::Points, [1.0, 2.0], [1.0; 2], 9.81)];
@@ -165,7 +165,7 @@ fn every_assembled_shader_is_valid() {
     }
 }
 
-/// Names and offsets of the members of a struct of a shader.
+/// Names and offsets of the members of a shader struct.
 fn members(module: &naga::Module, name: &str) -> Vec<(String, usize)> {
     let is = |ty: &&naga::Type| ty.name.as_deref() == Some(name);
     let (_, ty) = module.types.iter().find(|(_, ty)| is(ty)).expect("the struct is there");
@@ -212,7 +212,7 @@ fn structs_have_the_same_offsets_on_both_sides() {
     }
 }
 
-/// The value of a constant of a shader as it is written there.
+/// The value of a shader constant, as written in the shader.
 fn constant<'a>(shader: &'a str, name: &str) -> &'a str {
     let line = shader.lines().find_map(|line| line.strip_prefix(&format!("const {name}: ")));
     let value = line.and_then(|line| line.split(" = ").nth(1)).expect("the constant is there");
@@ -257,14 +257,14 @@ fn the_home_kernel_holds_only_what_it_needs() {
     let home = question(Build::default(), Rule::Second);
     let text =
         Design::general(&config, true, true).unwrap().specialised(&home, &config).unwrap().text();
-    // No other rule, no pendulum as data, no general directions in the stages.
+    // The kernel has no other rule, no pendulum data, and no general directions in the stages.
     for absent in
         ["watched", "job.a", "least_det", "t1) >=", "f64", "* 1.0f", " + 0.0f", "{%", "{{"]
     {
         assert!(!text.contains(absent), "{absent} is in the home kernel");
     }
     assert!(text.contains("t2_next) >="));
-    // Nothing is computed twice or for nothing: every value made in a step is used.
+    // Nothing is computed twice or in vain: every value computed in a step is used.
     let step = text.split("fn advance").nth(1).unwrap().split("fn look").next().unwrap();
     let values: Vec<&str> = step
         .lines()
@@ -280,7 +280,7 @@ fn the_home_kernel_holds_only_what_it_needs() {
     }
     let general = Design::general(&config, true, true).unwrap().text();
     assert!(general.contains("job.watched") && general.len() > text.len());
-    // Two rounds (one in each angle's half turns, one in their parity) and no more: the other
-    // stages turn the first direction instead.
+    // Two roundings per angle (its half turns, and their parity) and no more: the other stages
+    // rotate the first direction instead.
     assert_eq!(step.matches("round(").count(), 4);
 }

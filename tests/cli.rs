@@ -1,4 +1,4 @@
-//! The program as its users meet it: files, exit codes, and one clear sentence for each mistake.
+//! The program through the command line: files, exit codes, one clear sentence for each mistake.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::process::Output;
 use assert_cmd::Command;
 use tempfile::TempDir;
 
-/// The program in a folder, with a cache that only tests share.
+/// A command that runs the program in a folder, with a cache that only tests share.
 fn program(folder: &TempDir) -> Command {
     let mut command = Command::cargo_bin("flipmap").unwrap();
     command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
@@ -18,7 +18,7 @@ fn flipmap(folder: &TempDir, arguments: &[&str]) -> Output {
     program(folder).args(arguments).output().unwrap()
 }
 
-/// On the processor, so that these tests need no adapter.
+/// Runs `flipmap render` on the processor, so that these tests need no adapter.
 fn render(folder: &TempDir, arguments: &[&str]) -> Output {
     let small = ["render", "--engine", "cpu", "--size", "32x24"];
     flipmap(folder, &[&small, arguments].concat())
@@ -32,7 +32,7 @@ fn error_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Flip times of a `.npy` file.
+/// The flip times in a `.npy` file.
 fn numbers(path: &Path) -> Vec<f64> {
     let bytes = fs::read(path).unwrap();
     assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
@@ -99,7 +99,7 @@ fn standard_output_carries_the_picture() {
     assert!(output.stdout.starts_with(b"\x89PNG") && output.stdout.ends_with(b"IEND\xaeB`\x82"));
 }
 
-/// Arguments, exit code, and what the one sentence must mention.
+/// Arguments, their exit code, and the words that the error sentence must contain.
 const MISTAKES: [(&[&str], i32, &[&str]); 44] = [
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),

@@ -1,4 +1,4 @@
-//! `flipmap compare`: what it says of two results, and with which code.
+//! `flipmap compare`: its report on two results, and its exit code.
 
 #[path = "common/program.rs"]
 mod program;

@@ -1,5 +1,5 @@
-//! Deep zoom: cells that are followed as polynomials against pendulums that are integrated one by
-//! one in as many digits as it takes.
+//! Deep zoom: cells that are followed as polynomials, compared with pendulums that are integrated
+//! one by one in as many digits as they need.
 
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
@@ -10,7 +10,7 @@ use flipmap::physics::{Fixed, Outcome, Pendulum, Scalar, Status, Theta, oracle};
 use flipmap::scene::{Budget, Scene, View};
 use flipmap::tiles::{Samples, Work};
 
-/// Places with structure at their width, found by following filaments down.
+/// Views (θ1, θ2, width) with structure, found by following filaments down.
 const PLACES: [(&str, &str, &str); 4] = [
     ("1.232005751523457841", "2.083059776986079265", "6e-7"),
     ("1.232005966977461661140937", "2.083059647952103789629524", "6e-13"),
@@ -30,7 +30,7 @@ fn scene(center: [&str; 2], width: &str) -> Scene {
     scene.checked().unwrap()
 }
 
-/// The samples of a picture, row by row, computed in tiles of about so many pixels.
+/// The samples of a picture, row by row, computed in tiles of about the given number of pixels.
 fn samples(
     scene: &Scene,
     size: [u32; 2],
@@ -54,7 +54,7 @@ fn samples(
     }
 }
 
-/// What becomes of single pixels, each integrated on its own in numbers of `N` limbs.
+/// The outcomes of single pixels, each integrated on its own in fixed-point numbers of `N` limbs.
 fn truth<const N: usize>(scene: &Scene, size: [u32; 2], pixels: &[usize]) -> Vec<Outcome> {
     let center = scene.view.center_rad();
     let pixel = scene.view.width_rad().to_f64() / f64::from(size[0]);
@@ -96,7 +96,7 @@ fn deep_pixels_are_those_of_pendulums_integrated_in_long_numbers() {
             truth.iter().filter(|o| o.status == Status::Flipped).map(|o| o.time).collect();
         let spread = flips.iter().fold(0.0, |most, t| f64::max(most, (t - flips[0]).abs()));
         assert!(flips.len() > 12 && spread > 0.5, "no structure at {width}: {spread}");
-        // Of 24 pixels one is 0.04.
+        // One of 24 pixels is a share of 0.04.
         for (config, least) in [(BALANCED, 0.95), (FAST, 0.83)] {
             let samples = samples(&scene, size, config, &mut engine(), 4096);
             let share = share_right(&samples, &pixels, &truth);
@@ -108,7 +108,7 @@ fn deep_pixels_are_those_of_pendulums_integrated_in_long_numbers() {
     }
 }
 
-/// The same scene a quarter of its width to the right.
+/// The same scene, moved to the right by a quarter of its width.
 fn scene_beside(scene: &Scene) -> Scene {
     let mut other = scene.clone();
     let by = Theta::from_f64(scene.view.width_rad().to_f64() / 4.0);
@@ -131,7 +131,7 @@ fn no_answer_depends_on_tiles_or_on_what_else_is_asked() {
 
 #[test]
 fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
-    // Where both hold: regular flips, in double-double from rest and through cells.
+    // Regular flips, where both ways work: in double-double from rest, and through cells.
     for width in ["3e-3", "1e-4", "1e-6", "1e-8", "1e-11"] {
         let scene = scene(["2.2", "-1.9"], width);
         let cells = samples(&scene, [16, 16], BALANCED, &mut engine(), 256);
@@ -147,7 +147,7 @@ fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
 
 #[test]
 fn a_grazing_edge_is_one_clean_line_at_every_depth() {
-    // Bisected between two starts, one of which flips in its first swing.
+    // Bisects between two starts, one of which flips in its first swing.
     let flips_early = |theta2: Fixed<4>| {
         let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
         let angle = [Fixed::<4>::parse("-1.602").unwrap(), theta2];

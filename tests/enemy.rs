@@ -1,4 +1,4 @@
-//! Windows that were chosen to break `exact`: no pixel may be wrong and unmarked.
+//! Windows chosen to break `exact`: no pixel may be wrong and unmarked.
 
 #[macro_use]
 #[path = "common/adapter.rs"]
@@ -27,7 +27,7 @@ fn rods() -> Build {
     Build { kind: Sort::Rods, ..Build::default() }
 }
 
-/// A window's scene.
+/// The checked scene of a window.
 fn scene(build: Build, rule: Rule, budget_secs: f64, view: View) -> Scene {
     let question = FlipQuestion { rule, budget: Budget::secs(budget_secs) };
     Scene { build, question, view }.checked().expect("a scene")
@@ -37,7 +37,7 @@ fn view(center: [&str; 2], width: &str) -> View {
     View { center: center.map(str::to_string), width: width.to_string(), ..View::default() }
 }
 
-/// A checked picture by an engine, or by the processor.
+/// Samples of a picture that `engine` computes with every pixel checked.
 fn checked_by(
     engine: Box<dyn Engine>,
     scene: &Scene,
@@ -54,7 +54,7 @@ fn checked(scene: &Scene, side: u32, config: IntegratorConfig) -> Samples {
     checked_by(Box::new(CpuEngine::new(None).unwrap()), scene, side, config)
 }
 
-/// What is true of every `every`-th pixel, by the gold standard in double-double.
+/// The place and true outcome of every `every`-th pixel, by the gold standard in double-double.
 fn truths(scene: &Scene, side: u32, every: usize) -> Vec<(usize, Outcome)> {
     let (pendulum, unit_secs) = scene.build.reduced_in::<Dd>();
     let budget = Dd::new(scene.question.budget.secs) / unit_secs;
@@ -68,7 +68,7 @@ fn truths(scene: &Scene, side: u32, every: usize) -> Vec<(usize, Outcome)> {
     places.into_par_iter().map(truth).collect()
 }
 
-/// The answers that are wrong and unmarked, and how many pixels are marked.
+/// The answers that are wrong and unmarked, and the number of marked pixels.
 fn judged(scene: &Scene, samples: &Samples, truths: &[(usize, Outcome)]) -> (Vec<String>, usize) {
     let right = right_secs(scene.build.unit_secs());
     let marked = |place: usize| samples.trust(place) == Trust::Uncertain;
@@ -141,7 +141,7 @@ fn deep_pixels_that_polynomials_know_are_no_doubts() {
     assert_right(&scene(points(), Rule::Second, 40.0, view(center, "7.1054274e-17")), 24, 16, 0);
 }
 
-/// Every config that an engine offers, checked.
+/// Asserts that every configuration of an engine gives checked answers that are right or marked.
 fn every_recipe_is_checked(engine: &dyn Fn() -> Box<dyn Engine>) {
     let scene = scene(rods(), Rule::First, 30.0, View::default());
     let truths = truths(&scene, 24, 1);

@@ -1,4 +1,4 @@
-//! What must hold of every engine, each test once for each of them.
+//! Properties that every engine must have; each test runs once for each engine.
 
 mod common;
 
@@ -14,8 +14,8 @@ use flipmap::scene::{Budget, Build, FlipQuestion as Asked, Kind, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
-/// What an engine is used for: both precisions of the lesson, and the adaptive methods where they
-/// are at home.
+/// The configurations that an engine is used with: the lesson in both precisions, and each adaptive
+/// method in the precision it is meant for.
 fn configs(engine: &dyn Engine) -> Vec<IntegratorConfig> {
     let config = |method, precision| IntegratorConfig { method, precision };
     let mut configs = PRECISIONS.map(lesson).to_vec();
@@ -130,8 +130,8 @@ fn balanced_is_right_for_other_pendulums_and_rules(make: Make) {
     let mut engine = make();
     for mut scene in scenes() {
         if scene.question.rule == Rule::First {
-            // Only starts of high energy can meet it; after 15 s their growth has eaten what f64
-            // holds, the gold standard's in f64 too.
+            // Only starts of high energy can satisfy this rule; after 15 s growth has consumed
+            // the digits of f64, for the gold standard in f64 as well.
             scene.question.budget.secs = 12.0;
         }
         let starts = open_starts(&scene, 48, 1);
@@ -199,7 +199,7 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
         let mut open: Vec<usize> = (0..starts.len()).collect();
         let mut next = Starts::Rest(starts.clone());
         let mut evaluations = 0;
-        // Stops between steps, inside steps, and almost at once.
+        // Stops between steps, inside steps, and almost immediately.
         for budget_secs in [0.001, 1.0, 3.3333, 7.0, 30.0] {
             let question = Question { budget_secs, ..question };
             let part = finished(engine.as_mut(), &question, config, next);
@@ -213,7 +213,7 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
         }
         let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
         assert_eq!(outcomes, whole.outcomes, "{config:?}");
-        // What is done twice is at most the step around each stop.
+        // At most the step around each stop is done twice.
         let most = whole.effort.rhs_evaluations + 5 * 40 * starts.len() as u64;
         assert!((whole.effort.rhs_evaluations..=most).contains(&evaluations), "{config:?}");
     }

@@ -1,4 +1,4 @@
-//! Work that is split, killed, damaged and repeated comes out the same.
+//! Work that is split, killed, damaged and repeated gives the same result.
 
 #[path = "common/program.rs"]
 mod program;
@@ -28,13 +28,14 @@ fn start(folder: &TempDir, arguments: &[&str]) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
 }
 
-/// Starts it and kills it after moments that differ; says how often it was still at work.
+/// Starts the program ten times and kills it after varying delays; returns how often it was still
+/// running.
 fn kill_ten_times(folder: &TempDir, arguments: &dyn Fn(u32) -> Vec<String>) -> u32 {
     let mut killed = 0;
     for k in 0..10u32 {
         let arguments = arguments(k);
         let mut child = start(folder, &arguments.iter().map(String::as_str).collect::<Vec<_>>());
-        // Anywhere between the first job and a few parts.
+        // Somewhere between the first job and a few finished parts.
         sleep(Duration::from_millis(200 + u64::from(k * 7919 % 10) * 110));
         killed += u32::from(child.try_wait().unwrap().is_none());
         child.kill().unwrap();
@@ -55,7 +56,7 @@ fn parts(folder: &TempDir, name: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// Every file of a folder.
+/// Names and contents of all files in a folder.
 fn all(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries
@@ -98,7 +99,7 @@ fn one_shard_is_eight_shards_is_eight_shards_run_twice_at_once() {
 #[test]
 fn a_mirrored_still_is_that_of_render() {
     let folder = folder();
-    // An odd number of rows: the middle one is its own image.
+    // An odd number of rows: the middle row is its own mirror image.
     plan(&folder, "home.toml", "3", &["home", "--size", "40x31"]);
     done(&folder, &["run", "home.toml"]);
     done(&folder, &["merge", "home.toml", "-o", "merged.png"]);
@@ -165,7 +166,7 @@ fn a_stop_keeps_what_is_done_and_says_so() {
     assert!(std::process::Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(75), "{}", error_of(&output));
-    assert!(error_of(&output).contains("run the same again"), "{}", error_of(&output));
+    assert!(error_of(&output).contains("run the same command again"), "{}", error_of(&output));
     assert!(!parts(&folder, "p.parts").is_empty());
     let output = flipmap(&folder, &["verify", "p.toml"]);
     assert_eq!(output.status.code(), Some(4));
@@ -204,7 +205,7 @@ fn a_full_disk_loses_nothing_that_was_finished() {
     let folder = folder();
     plan(&folder, "p.toml", "2", &["filigree", "--size", "160x120"]);
     done(&folder, &["run", "p.toml", "--shard", "1"]);
-    // No file may grow beyond 16 KiB, and whoever tries is told instead of killed.
+    // No file may grow beyond 16 KiB; a write that tries fails instead of killing the process.
     let text =
         format!("ulimit -f 16; trap '' XFSZ; exec {} run p.toml", env!("CARGO_BIN_EXE_flipmap"));
     let output = std::process::Command::new("bash")
@@ -238,14 +239,14 @@ fn shards_of_a_film_are_the_film() {
     done(&folder, &[&["video", "-o", "whole"], &CPU[..], &what[..]].concat());
     let [merged, whole] = ["merged", "whole"].map(|name| all(&folder.path().join(name)));
     assert!(merged.len() == 25 && merged == whole);
-    // Other colours at the end.
+    // Different colours may be chosen when merging.
     done(&folder, &["merge", "f.toml", "-o", "other", "--palette", "magma"]);
     assert!(all(&folder.path().join("other")) != whole);
     let error = refused(&folder, 2, &["merge", "f.toml", "-o", "f.png"]);
     assert!(error.contains("a film is an .mp4"), "{error}");
 }
 
-/// A job file of docs/farm.
+/// Path of a job file of `docs/farm`.
 fn job_file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/farm").join(name)
 }
@@ -304,7 +305,7 @@ fn plans_that_cannot_be_followed_are_refused() {
     fs::write(folder.path().join("scene.toml"), "[view]\nwidth = \"1\"\n").unwrap();
     let over = ["plan", "scene.toml", "--shards", "2", "-o", "scene.toml"];
     let error = refused(&folder, 2, &[&over[..], &CPU[..]].concat());
-    assert!(error.contains("scene.toml is there already and no plan"), "{error}");
+    assert!(error.contains("scene.toml already exists and is not a plan"), "{error}");
     let error = refused(&folder, 2, &["run", "missing.toml"]);
     assert!(error.contains("missing.toml cannot be read"), "{error}");
     let error = refused(&folder, 2, &["merge", "p.toml"]);

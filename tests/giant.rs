@@ -1,4 +1,4 @@
-//! Stills that are larger than memory: what is held does not grow with a picture's height.
+//! Stills that are larger than memory: memory use does not grow with a picture's height.
 
 use std::fs::{self, File};
 use std::io::BufReader;
@@ -13,22 +13,22 @@ use flipmap::tiles::{Counts, Work};
 
 const RECIPE: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
-/// As wide as posters are.
+/// Width of a poster in pixels.
 const WIDTH: u32 = 60_000;
-/// Rows of the largest picture of that width whose lower half is the mirror image of its upper
-/// one: it is held back until its turn comes.
+/// Rows of the largest picture of that width whose lower half is computed as the mirror image of
+/// its upper half, which is held back until its rows are due.
 const MIRRORED_HEIGHT: u32 = 1118;
-/// One measurement at a time: they are of the whole process.
+/// A lock for one measurement at a time, since each measures the whole process.
 static MEASURING: Mutex<()> = Mutex::new(());
 
-/// A figure of the process's memory, in bytes, where the system tells it.
+/// A memory statistic of the process in bytes, if the system provides it.
 fn memory(key: &str) -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix(key))?;
     Some(line.trim_start_matches(':').trim().trim_end_matches(" kB").parse::<u64>().ok()? << 10)
 }
 
-/// By how many bytes the memory in use grew at most meanwhile, where the system forgets earlier
+/// The peak growth of the memory in use during a run, in bytes, if the system can reset earlier
 /// peaks.
 fn growth(run: impl FnOnce()) -> Option<u64> {
     let _alone = MEASURING.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -39,7 +39,7 @@ fn growth(run: impl FnOnce()) -> Option<u64> {
     memory("VmHWM")?.checked_sub(before?)
 }
 
-/// Draws the home scene with an engine that takes no time, as `flipmap render` does.
+/// Draws the home scene as `flipmap render` does, with an engine that takes no time.
 fn render(size: [u32; 2], paths: &Paths) -> Counts {
     let document = Document::default();
     let mut engine = MockEngine { job_size: 1 << 15, ..MockEngine::default() };
@@ -56,14 +56,14 @@ fn render(size: [u32; 2], paths: &Paths) -> Counts {
     counts
 }
 
-/// Runs, and refuses to need more memory than `most_mib`.
+/// Runs a closure and asserts that memory grows by less than `most_mib`.
 fn in_little_memory(most_mib: u64, run: impl FnOnce()) {
     let Some(grown) = growth(run) else { return };
     println!("memory grew by {} MiB", grown >> 20);
     assert!(grown >> 20 < most_mib, "memory grew by {} MiB", grown >> 20);
 }
 
-/// Decodes rows of a PNG from its top.
+/// Decodes the first rows of a PNG file; returns its width and their bytes.
 fn first_rows(path: &Path, rows: usize) -> (u32, Vec<u8>) {
     let file = BufReader::new(File::open(path).unwrap());
     let mut reader = png::Decoder::new(file).read_info().unwrap();
@@ -87,7 +87,7 @@ fn all_outputs_of_a_wide_still_fit_in_little_memory() {
         trust: at("trust.png"),
     };
     let size = [WIDTH, 300];
-    // An output that held all its samples would need as much again.
+    // An output that held all its samples would need as much memory again.
     in_little_memory(256, || assert!(render(size, &paths).simulated > 0));
 
     let bytes = fs::metadata(paths.raw.unwrap()).unwrap().len();

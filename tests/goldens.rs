@@ -1,9 +1,10 @@
-//! Small pictures, compared with ones that were looked at.
+//! Small pictures, compared with golden pictures that were inspected by eye.
 //!
-//! Two tolerances: how far off a channel may be, and how many pixels may be quite wrong. In
-//! chaotic places sound engines differ, so the share is bounded there and the first tolerance is
-//! never widened. The pictures and their differences lie in `target/goldens`; a missing golden is
-//! written there too and fails. `FLIPMAP_UPDATE_GOLDENS=1` replaces them.
+//! There are two tolerances: one for the error of a channel, and one for the share of pixels that
+//! exceed it. In chaotic places correct engines differ, which the share allows for; the channel
+//! tolerance is never widened. The pictures and their differences are written to
+//! `target/goldens`, also when a golden is missing, which fails the test.
+//! `FLIPMAP_UPDATE_GOLDENS=1` replaces the goldens.
 
 mod common;
 
@@ -20,14 +21,14 @@ use flipmap::tiles::Work;
 use image::{Rgb, RgbImage};
 
 const SIZE: [u32; 2] = [120, 96];
-/// A channel may be this far off, of 255.
+/// The largest allowed error of a channel, in levels of 255.
 const CHANNEL: f64 = 6.0;
 
 struct Golden {
     name: &'static str,
     scene: Scene,
     picture: PictureTable,
-    /// Share of the pixels that may be quite wrong.
+    /// Share of the pixels that may exceed the channel tolerance.
     wrong: f64,
 }
 
@@ -87,8 +88,8 @@ fn paint(golden: &Golden, engine: &mut dyn Engine, precision: Precision) -> RgbI
     RgbImage::from_raw(SIZE[0], SIZE[1], bytes).expect("all rows were painted")
 }
 
-/// How two picture files differ, by the same code as `flipmap compare`; a picture of the
-/// differences is left beside the second.
+/// Compares two picture files with the code of `flipmap compare`, and saves a picture of the
+/// differences beside the second file.
 fn compared(expected: &Path, actual: &Path) -> Comparison {
     let [a, b] = [expected, actual].map(|path| ResultRows::open(path).unwrap());
     let mut difference = RgbImage::new(SIZE[0], SIZE[1]);

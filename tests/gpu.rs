@@ -1,4 +1,4 @@
-//! What must hold of the GPU engine alone.
+//! Properties that only the GPU engine must have.
 
 #[macro_use]
 #[path = "common/adapter.rs"]
@@ -17,7 +17,7 @@ use flipmap::engine::{
 use flipmap::physics::Rule;
 use flipmap::scene::Scene;
 
-/// The lesson in both precisions, and the configs of `fast` and `balanced`.
+/// The `lesson` configurations in both precisions, and those of `fast` and `balanced`.
 fn configs() -> Vec<IntegratorConfig> {
     let levels = [Accuracy::Fast, Accuracy::Balanced].map(|level| level.configs()[0]);
     [lesson(Precision::F32), lesson(Precision::F64)].into_iter().chain(levels).collect()
@@ -121,8 +121,8 @@ mod checks {
         assert!(verdict.f32, "{:?}", verdict.checks);
         assert_eq!(verdict.f64, gpu.gpu().has_f64(), "{:?}", verdict.checks);
         assert!(verdict.df32, "{:?}", verdict.checks);
-        // The same kernel with its guards taken out: this device's compiler, or the next one's,
-        // folds the error terms; where it does, the check must see it.
+        // The same kernel with its guards replaced as if a compiler had folded the error terms:
+        // the check must detect it.
         let bare = selfcheck::run_with(gpu.gpu(), &|text| {
             text.replace("bitcast<f32>(bitcast<u32>(x) ^ zero)", "x * 1.0000001")
         });

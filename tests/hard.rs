@@ -1,4 +1,4 @@
-//! The hard cases, each once for every engine that can be asked, and the one that is a warning.
+//! The hard cases, each once for every available engine, and the one case that gives a warning.
 
 mod common;
 
@@ -45,7 +45,7 @@ fn every_case_says_what_and_why() {
     assert!(cases.iter().all(|case| !case.expected.is_empty() && case.why.len() > 40));
 }
 
-/// A window of 32 × 32 pixels so narrow that neighbours round to one start.
+/// Renders a window of 32 × 32 pixels so narrow that neighbours round to one start.
 fn rendered(width: &str, raw: &std::path::Path) -> Output {
     Command::cargo_bin("flipmap")
         .unwrap()
@@ -57,7 +57,7 @@ fn rendered(width: &str, raw: &std::path::Path) -> Output {
         .unwrap()
 }
 
-/// The numbers of a `.npy` of f64.
+/// The numbers in a `.npy` file of f64.
 fn numbers(raw: &std::path::Path) -> Vec<f64> {
     let bytes = std::fs::read(raw).unwrap();
     let head = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -75,7 +75,7 @@ fn a_window_deeper_than_its_centre_has_digits_is_warned_of() {
     assert!(!said(rendered("1e-6", &raw)).contains("warning"));
     let warned = said(rendered("4e-15", &raw));
     assert!(warned.contains("--center has 1 digits") && warned.contains("15 are missing"));
-    // Below what f64 tells apart the map is smooth here.
+    // Below the resolution of f64 the map is smooth here.
     let times = numbers(&raw);
     assert!(times.iter().all(|time| (time - times[0]).abs() < 1e-11), "{times:?}");
 }

@@ -1,4 +1,4 @@
-//! The laboratory's figures: what they look like at a fixed time, and what a person can do.
+//! The laboratory's figures: their appearance at a fixed time, and their use by a person.
 
 #[macro_use]
 #[path = "common/adapter.rs"]
@@ -18,7 +18,7 @@ struct Shown {
     asked: Vec<FigureRequest>,
 }
 
-/// A figure `secs` after its start, that does not move on by itself.
+/// A figure `secs` after its start, which does not advance by itself.
 fn figure(figure: Figure, secs: f64) -> Harness<'static, Shown> {
     let mut lab = Lab::new(figure);
     if let Some(toy) = lab.toy() {
@@ -62,7 +62,7 @@ fn a_dragged_bob_is_let_go_where_it_is_left() {
         drag(&mut harness, pos2(400.0, 400.0), vec2(-220.0, -60.0));
         let after = harness.state().lab.set();
         assert!(after[0] != before[0] || after[1] != before[1], "{which:?}: {after:?}");
-        // Let go, it moves again.
+        // The released bob moves again.
         let toy = harness.state_mut().lab.toy().unwrap();
         let data = toy.csv(1.0);
         assert!(data.lines().nth(1) != data.lines().nth(90), "{which:?}");
@@ -103,7 +103,7 @@ fn the_map_is_explained_and_its_pendulum_switched() {
 fn the_keyboard_reaches_the_controls() {
     let mut harness = figure(Figure::Integrators, 1.0);
     let before = harness.state().lab.set();
-    // Every control is reached within one round of the Tab key.
+    // One cycle of the Tab key reaches every control.
     for _ in 0..20 {
         harness.key_press(Key::Tab);
         harness.run_steps(3);
@@ -128,7 +128,7 @@ fn a_step_that_is_too_long_says_so() {
     for _ in 0..400 {
         lab.toy().unwrap().advance(0.2);
     }
-    // At 10 ms nobody diverges in 80 s; every number stays one.
+    // With steps of 10 ms no integrator diverges within 80 s: every number stays finite.
     assert!(lab.toy().unwrap().csv(2.0).lines().all(|line| !line.contains("NaN")));
 }
 
@@ -180,7 +180,7 @@ mod goldens {
         let builder = Harness::builder().with_size(SIZE).with_theme(Theme::Dark);
         let mut harness = builder.build_ui(show);
         harness.run_steps(3);
-        // Where neighbours flip at any time, another processor's last bits are other colours.
+        // Where neighbours flip at unrelated times, other last bits of a processor change colours.
         let options = SnapshotOptions::new().max_failed_pixels(4000);
         harness.snapshot_options("lab_map", &options);
     }

@@ -1,10 +1,11 @@
-//! The gold standard against the exact targets: first |θ| = π from rest for unit parameters
-//! (m = l = g = 1), to which two formulations agree to over 40 digits.
+//! The gold standard compared with exact reference values: the time of the first |θ| = π from rest
+//! for unit parameters (m = l = g = 1), on which two formulations agree to over 40 digits.
 
 use flipmap::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status, oracle};
 
-/// Start (exact decimals) and first |θ2| = π. The time of (−2, 3) was computed anew with 45 digits
-/// in another program, as were both of [`FIRST`]: an older table had lost or swapped digits.
+/// Starts (exact decimals) and times of the first |θ2| = π. The time of (−2, 3) was recomputed with
+/// 45 digits in another program, as were both of [`FIRST`]: an older table had lost or swapped
+/// digits.
 const SECOND: [(&str, &str, &str); 8] = [
     ("3", "3", "1.7679165584206265650865198320412758"),
     ("2", "2", "15.1122983169151143533674566430220564"),
@@ -34,7 +35,7 @@ fn outcome<T: Scalar>(theta1: &str, theta2: &str, rule: Rule) -> Outcome<T> {
     oracle::outcome(&unit(), start(theta1, theta2), rule, T::from_f64(60.0))
 }
 
-/// How fast the flip time moves with the start: |∂T/∂θ1| + |∂T/∂θ2|, by differences in dd.
+/// Sensitivity of the flip time to the start: |∂T/∂θ1| + |∂T/∂θ2|, by differences in dd.
 fn sensitivity(theta1: &str, theta2: &str, rule: Rule) -> f64 {
     let nudge = Dd::new(1e-11);
     let angle = start::<Dd>(theta1, theta2);

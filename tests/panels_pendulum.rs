@@ -1,4 +1,4 @@
-//! The pendulum panel: what it looks like, and what a person can do in it by name and keyboard.
+//! The pendulum panel: its appearance, and its use by control names and keyboard.
 
 #[macro_use]
 #[path = "common/adapter.rs"]
@@ -15,13 +15,13 @@ use flipmap::engine::Trust;
 use flipmap::physics::{Outcome, Scalar, Status, Theta};
 use flipmap::scene::{Build, Kind, Scene};
 
-/// The panel's state, and all that was asked of it so far.
+/// The panel's state, and all actions it has requested so far.
 struct Shown {
     pins: Pins,
     asked: Vec<PinAction>,
 }
 
-/// Pins at the given starts, flown to their ends and stopped at their releases.
+/// Pins at the given starts, integrated to their ends and paused at their releases.
 fn flown(scene: &Scene, starts: &[[f64; 2]]) -> (Pins, Vec<PinId>) {
     let mut pins = Pins::new(scene);
     let pixel = Theta::from_f64(1e-3);
@@ -40,7 +40,7 @@ fn flown(scene: &Scene, starts: &[[f64; 2]]) -> (Pins, Vec<PinId>) {
     (pins, ids)
 }
 
-/// The panel in a column of fixed size and without a clock.
+/// The panel in a column of fixed size, without a running clock.
 fn harness(pins: Pins, theme: Theme) -> Harness<'static, Shown> {
     let show = |ui: &mut egui::Ui, shown: &mut Shown| {
         let actions = pendulum_panel(ui, &shown.pins);
@@ -55,14 +55,14 @@ fn harness(pins: Pins, theme: Theme) -> Harness<'static, Shown> {
     harness
 }
 
-/// Two pins, of which the first is shown; what was asked meanwhile is forgotten.
+/// The panel with two pins, of which the first is shown, and no recorded actions.
 fn two() -> (Harness<'static, Shown>, [PinId; 2]) {
     let (mut pins, ids) = flown(&Scene::default(), &[[2.2, 1.4], [3.0, 3.0]]);
     pins.apply(PinAction::Select(ids[0]));
     (harness(pins, Theme::Dark), [ids[0], ids[1]])
 }
 
-/// What was asked since the last time.
+/// Takes the actions that were requested since the last call.
 fn asked(harness: &mut Harness<'static, Shown>) -> Vec<PinAction> {
     std::mem::take(&mut harness.state_mut().asked)
 }

@@ -1,5 +1,5 @@
-//! The panels of the scene, the colours, exports and places: what they look like, and what a
-//! person can do in them by name and keyboard.
+//! The panels for the scene, colours, exports and places: their appearance, and their use by
+//! control names and keyboard.
 
 #[macro_use]
 #[path = "common/adapter.rs"]
@@ -23,13 +23,13 @@ use flipmap::scene::{
     Budget, Build, BuiltIn, Document, FlipQuestion, Kind, PictureTable, Scale, Scene,
 };
 
-/// A panel's state, and all that was asked of it so far.
+/// A panel's state, and all actions it has requested so far.
 struct Shown<S, A> {
     state: S,
     asked: Vec<A>,
 }
 
-/// A panel in a column of fixed size and without a clock; `apply` does what it asks.
+/// A panel in a column of fixed size, without a running clock; `apply` performs its actions.
 fn harness<S: 'static, A: Clone + 'static>(
     size: [f32; 2],
     state: S,
@@ -110,13 +110,13 @@ fn places() -> Harness<'static, Shown<(Places, PlaceForm), PlaceAction>> {
     )
 }
 
-/// Presses what is called `name`.
+/// Presses the control called `name`.
 fn press<S>(harness: &mut Harness<'_, S>, name: &str) {
     harness.get_by_label(name).click();
     harness.run_steps(2);
 }
 
-/// Types over the number called `name`, as a person with a keyboard does.
+/// Types over the number called `name`, as a user with a keyboard does.
 fn type_over<S>(harness: &mut Harness<'_, S>, name: &str, text: &str) {
     harness.get_by_role_and_label(Role::SpinButton, name).focus();
     harness.run_steps(2);

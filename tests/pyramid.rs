@@ -1,5 +1,5 @@
-//! `flipmap render --pyramid`, and images that cannot be written from front to back, as their
-//! users meet them.
+//! `flipmap render --pyramid`, and images that cannot be written from front to back, tested through
+//! the command line.
 
 #[path = "common/program.rs"]
 mod program;
@@ -11,7 +11,7 @@ use std::process::Output;
 use program::{error_of, flipmap};
 use tempfile::TempDir;
 
-/// On the processor, so that these tests need no adapter.
+/// Runs `flipmap render` on the processor, so that these tests need no adapter.
 fn render(folder: &TempDir, arguments: &[&str]) -> Output {
     let options = ["render", "--engine", "cpu", "--size", "300x200", "--budget", "2"];
     flipmap(folder, &[&options, arguments].concat())
@@ -26,7 +26,7 @@ fn done(folder: &TempDir, arguments: &[&str]) {
     assert!(output.status.success(), "{arguments:?}: {}", error_of(&output));
 }
 
-/// The pixels of a PNG.
+/// The pixels of a PNG file.
 fn pixels(path: &Path) -> image::RgbImage {
     image::open(path).unwrap().to_rgb8()
 }
@@ -45,7 +45,7 @@ fn a_pyramid_is_the_picture_in_tiles_beside_a_page_and_the_scene() {
     assert_eq!(pixels(&at("map/map_files/0/0_0.png")).dimensions(), (1, 1));
     let page = fs::read_to_string(at("map/index.html")).unwrap();
     assert!(page.contains("300 × 200") && page.contains("[view]"));
-    // The scene beside the page gives the same picture, and the pyramid needs no other output.
+    // The scene beside the page gives the same picture. A pyramid needs no other output.
     done(&folder, &["map/map.toml", "-o", "again.png"]);
     assert!(fs::read(at("map.png")).unwrap() == fs::read(at("again.png")).unwrap());
     done(&folder, &["map/map.toml", "--pyramid", "alone"]);

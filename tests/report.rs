@@ -1,4 +1,4 @@
-//! `flipmap report` as its users meet it: interrupted, misdirected, and refused.
+//! `flipmap report` through the command line: interrupted, misdirected, and refused.
 
 use std::fs;
 use std::process::{Child, Command, Output, Stdio};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-/// On the processor and with few starts, so that these tests need no adapter and little time.
+/// Arguments for a report on the processor with few starts, which needs no adapter and little time.
 const SMALL: [&str; 6] = ["report", "--quick", "--engine", "cpu", "--sample", "64"];
 
 fn flipmap(folder: &TempDir, arguments: &[&str]) -> Child {

@@ -1,5 +1,5 @@
-//! What leaves the program and comes back: exports are what `render` writes, and colours never
-//! touch the numbers.
+//! Files that leave the program and are read back: exports equal the output of `render`, and
+//! colours never affect the numbers.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use flipmap::engine::choice::{EngineKind, EngineRequest};
 use flipmap::output::document_in_png;
 use flipmap::scene::{BUILT_IN, BuiltIn, Document, Scale};
 
-/// `flipmap render` on the processor, small and fast.
+/// Runs `flipmap render` on the processor for a small, fast picture.
 fn render(folder: &Path, arguments: &[&str]) -> String {
     let mut command = Command::cargo_bin("flipmap").unwrap();
     command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
@@ -75,7 +75,7 @@ fn colours_change_the_picture_and_not_the_times() {
         assert!(bytes("plain.npy") == bytes("other.npy"), "{options:?}");
         assert!(bytes("plain.png") != bytes("other.png"), "{options:?}");
     }
-    // What was said is in the picture, and said again when it is opened.
+    // The options are stored in the picture and restored when it is opened.
     let all = ["--reverse", "--cycles", "1.5", "--scale", "linear", "--times", "5,9.5,30"];
     render(folder.path(), &[&["filigree", "-o", "c.png"], &all[..]].concat());
     let picture = document(&folder.path().join("c.png")).picture;

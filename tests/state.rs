@@ -1,4 +1,4 @@
-//! Going on with a larger budget.
+//! Continuing a saved run with a larger budget.
 
 use std::fs;
 use std::path::Path;
@@ -41,10 +41,10 @@ fn going_on_is_one_run(engine: &str, accuracy: &str) {
     assert_eq!(second["simulated"], first["unflipped"]);
     let evaluations = |object: &serde_json::Value| object["rhs_evaluations"].as_u64().unwrap();
     let (parts, whole) = (evaluations(&first) + evaluations(&second), evaluations(&whole));
-    // Twice is done at most what found a flip beyond the first budget.
+    // At most the steps that found a flip beyond the first budget are done twice.
     let most = whole + 100 * first["unflipped"].as_u64().unwrap();
     assert!((whole..=most).contains(&parts), "{parts} {whole}");
-    // Once more to the same budget costs nothing.
+    // Running again to the same budget resumes only the unflipped pixels, and costs nothing.
     assert_eq!(
         run(&["--budget", "25", "--raw", "d.npy", "--state", "s"])["simulated"],
         second["unflipped"]

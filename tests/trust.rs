@@ -1,4 +1,4 @@
-//! What a checked answer is worth.
+//! The reliability of checked answers.
 
 mod common;
 
@@ -18,7 +18,7 @@ fn balanced() -> IntegratorConfig {
     Accuracy::Exact.configs()[0]
 }
 
-/// A window beside the energy curve, where flips come late, or in the filigree.
+/// The scene of a window beside the energy curve, where flips come late, or in the filigree.
 fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
     let center = center.map(str::to_string);
     let view = View { center, width: width.to_string(), ..View::default() };
@@ -29,7 +29,7 @@ fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
     }
 }
 
-/// The truth in double-double, from the starts' whole digits.
+/// The gold standard's answers in double-double, from all digits of the starts.
 fn truth_in_dd(scene: &Scene, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let question = question(scene);
     let pendulum: Pendulum<Dd> = question.build.pendulum_in();
@@ -90,7 +90,7 @@ fn a_coarse_answer_is_corrected_when_it_is_checked() {
 
 #[test]
 fn beyond_every_horizon_pixels_are_marked() {
-    // Barely enough energy to flip, so that it takes until growth has eaten every digit.
+    // Starts with barely enough energy to flip, which flip after growth has consumed all digits.
     let scene = window(["0.21", "2.88"], "0.1", 1000.0);
     let starts = open_starts(&scene, 4, 1);
     let answer = finished(&mut exact(), &question(&scene), balanced(), Starts::Rest(starts));

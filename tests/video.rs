@@ -1,4 +1,4 @@
-//! Films: what they show, what ffmpeg makes of them, and what is refused.
+//! Films: the frames they show, the files ffmpeg writes, and the requests that are refused.
 
 #[path = "common/program.rs"]
 mod program;
@@ -23,7 +23,7 @@ fn pixels(path: &Path) -> image::RgbImage {
     image::open(path).unwrap().to_rgb8()
 }
 
-/// The mean difference of two pictures, in levels of 255.
+/// The mean difference between two pictures, in levels of 255.
 fn difference(a: &image::RgbImage, b: &image::RgbImage) -> f64 {
     let sum: u64 = a.iter().zip(b.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
     sum as f64 / a.len() as f64
@@ -39,7 +39,7 @@ fn frames_are_what_render_draws_there() {
     video(&folder, &["keys.toml", "--frames", "5", "--size", "64x48", "-o", "f"]);
     for frame in [0, 2, 4] {
         let png = format!("f/00000{frame}.png");
-        // A frame is a scene, and carries its colours.
+        // A frame is a scene and carries its colours.
         done(&folder, &[&["render", &png, "-o", "r.png"], &CPU[..]].concat());
         let [film, still] = [&png, "r.png"].map(|name| pixels(&folder.path().join(name)));
         let apart = difference(&film, &still);
@@ -95,12 +95,12 @@ fn pixels_light_up_as_they_flip_and_stay() {
         |frame: &image::RgbImage| frame.pixels().filter(|p| p.0 != [0x16, 0x18, 0x1d]).count();
     let counts: Vec<usize> = frames.iter().map(lit).collect();
     assert!(counts.windows(2).all(|two| two[0] <= two[1]) && counts[0] < counts[5], "{counts:?}");
-    // A shorter film in the same folder leaves nothing of the longer one.
+    // A shorter film in the same folder removes all frames of the longer one.
     video(&folder, &["--vary", "time=0..40", "--size", "48x36", "--frames", "3", "-o", "t"]);
     assert_eq!(fs::read_dir(folder.path().join("t")).unwrap().count(), 7);
     let last = fs::read_to_string(folder.path().join("t/000002.json")).unwrap();
     assert!(last.contains("budget=40"), "it is as long as time runs: {last}");
-    // What a growing budget shows at its end is the ordinary map.
+    // The last frame of a film with a growing budget is the ordinary map.
     video(&folder, &[&["--vary", "budget=1..30", "-o", "b"], &size[..]].concat());
     let render = ["render", "--size", "48x36", "--samples", "2", "-o", "r.png"];
     done(&folder, &[&render[..], &CPU[..]].concat());
@@ -135,7 +135,7 @@ fn films_have_the_frames_that_were_asked_for() {
         let probed = tool(&folder, "ffprobe", &words);
         assert_eq!(String::from_utf8_lossy(&probed).trim(), "stream,64,48,12/1,24", "{film}");
     }
-    // A frame of the lossless film is the picture.
+    // A frame of the lossless film is identical to the picture.
     let decode = "-v error -i f.mkv -f rawvideo -pix_fmt rgb24 -";
     let raw = tool(&folder, "ffmpeg", &decode.split(' ').collect::<Vec<_>>());
     let bytes = 64 * 48 * 3;
@@ -144,7 +144,7 @@ fn films_have_the_frames_that_were_asked_for() {
         let picture = pixels(&folder.path().join(format!("f/{frame:06}.png")));
         assert!(raw[frame * bytes..(frame + 1) * bytes] == picture.as_raw()[..], "frame {frame}");
     }
-    // Equal frames are equal files.
+    // Equal frames give equal files.
     for name in ["mp4", "mkv"] {
         video(&folder, &[&film[..], &cache[..], &["-o", &format!("g.{name}")]].concat());
         let [f, g] = ["f", "g"].map(|film| fs::read(folder.path().join(format!("{film}.{name}"))));
@@ -158,7 +158,7 @@ fn tool(folder: &TempDir, name: &str, words: &[&str]) -> Vec<u8> {
     output.stdout
 }
 
-/// An ffmpeg that does what a script says.
+/// Installs a fake ffmpeg that runs a script; returns the folder for `PATH`.
 #[cfg(unix)]
 fn fake(folder: &TempDir, script: &str) -> String {
     use std::os::unix::fs::PermissionsExt;
@@ -190,7 +190,7 @@ fn an_ffmpeg_that_is_missing_lacks_a_codec_or_fails_is_told_apart() {
     let (code, error) = with_path(&fake(&folder, fails));
     assert_eq!(code, Some(1), "{error}");
     assert!(error.contains("ffmpeg failed: one; disk quota exceeded"), "{error}");
-    // On a full disk ffmpeg complains and still ends as if all were well.
+    // On a full disk ffmpeg prints an error but still exits with success.
     let lies =
         "case \"$2\" in -encoders) echo libx264;; *) cat >/dev/null; echo 'no space' >&2;; esac";
     let (code, error) = with_path(&format!("{}:/usr/bin:/bin", fake(&folder, lies)));

@@ -1,4 +1,4 @@
-//! Everything that a person can do.
+//! The actions that the user can take.
 
 use std::path::PathBuf;
 
@@ -14,106 +14,106 @@ use crate::lab::Figure;
 use crate::physics::Theta;
 use crate::scene::{Build, Document, FlipQuestion, PictureTable};
 
-/// Moving about. Points are from the canvas' middle, y down.
+/// A movement of the view. Points are measured from the middle of the canvas, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Look {
-    /// The map follows the pointer by so many points.
+    /// Drags the map along with the pointer by an offset in points.
     Drag(DVec2),
-    /// The pointer lets go.
+    /// Ends a drag.
     Release,
-    /// Larger by a factor about a point.
+    /// Zooms by a factor about a point.
     Zoom {
-        /// Above 1: closer.
+        /// Magnification; above 1 zooms in.
         factor: f64,
-        /// What stays in place.
+        /// Point that stays in place.
         about: DVec2,
     },
-    /// So that the rectangle between two points fills the canvas.
+    /// Zooms so that the rectangle between two corners fills the canvas.
     Box([DVec2; 2]),
-    /// By a share of the canvas.
+    /// Moves by a share of the canvas.
     Step(DVec2),
-    /// The whole torus.
+    /// Shows the whole torus.
     Home,
-    /// To the view before.
+    /// Goes back to the previous view.
     Back,
-    /// To the view that was left by going back.
+    /// Goes forward to the view that was left by going back.
     Forward,
-    /// Somewhere else.
+    /// Moves to another camera.
     To(Camera),
 }
 
 impl Action {
-    /// Whether it needs the map to be seen.
+    /// Returns true if the action needs the map to be visible.
     pub fn is_of_map(&self) -> bool {
         matches!(self, Action::Look(_) | Action::Pin(_) | Action::GoDeeper | Action::Layers(_))
     }
 }
 
-/// Something to do.
+/// An action of the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// Move about.
+    /// Moves the view.
     Look(Look),
-    /// The pointer is over this point of the map, or over none.
+    /// Sets the point of the map under the pointer, or none.
     Hover(Option<DVec2>),
-    /// A rectangle is being drawn between two points, or no more.
+    /// Sets the rectangle being drawn between two points, or none.
     Drawing(Option<[DVec2; 2]>),
-    /// Go deeper by itself from the pointer's place, or stop.
+    /// Starts an automatic descent from the pointer's position, or stops it.
     GoDeeper,
-    /// Show a figure of the laboratory, or the map again.
+    /// Shows a figure of the laboratory, or the map again.
     Lab(Option<Figure>),
-    /// Open a start in a figure.
+    /// Opens a start in a figure.
     OpenInLab(Figure, [Theta; 2]),
-    /// Show a start that was aimed in the laboratory on the map.
+    /// Shows on the map a start that was chosen in the laboratory.
     FromLab([Theta; 2]),
-    /// Pin the pixel at a point.
+    /// Pins the pixel at a point.
     Pin(DVec2),
-    /// Take back the pin that the first click of a double click made.
+    /// Removes the pin that the first click of a double click made.
     Unpin,
-    /// Something about a pin.
+    /// Acts on a pin.
     Pins(PinAction),
-    /// Play or pause the pendulum that is shown.
+    /// Plays or pauses the pendulum that is shown.
     PlayPause,
-    /// Another pendulum or question.
+    /// Changes the pendulum or the question.
     Scene(Box<Build>, FlipQuestion),
-    /// Other colours.
+    /// Changes the colours.
     Picture(PictureTable),
-    /// Another accuracy.
+    /// Changes the accuracy level.
     Accuracy(Accuracy),
-    /// Another kind of engine.
+    /// Changes the kind of engine.
     Engine(EngineKind),
-    /// Open the engine anew after a failure.
+    /// Reopens the engine after a failure.
     TryAgain,
-    /// Show or hide layers.
+    /// Shows or hides layers.
     Layers(Layers),
-    /// Open or close a dialog.
+    /// Opens or closes a dialog.
     Toggle(Dialog),
-    /// Close whatever is open.
+    /// Closes whatever is open.
     Escape,
-    /// Show a scene.
+    /// Shows a scene.
     Show(Box<Document>),
-    /// Open a file.
+    /// Opens a file.
     Open(PathBuf),
-    /// Choose a file to open.
+    /// Asks the user for a file to open.
     AskForFile,
-    /// What was pasted: a location.
+    /// Pastes a text, which should be a location.
     Paste(String),
-    /// Copy the location.
+    /// Copies the location.
     CopyLocation,
-    /// Centre the map on a start.
+    /// Centres the map on a start.
     Find([Theta; 2]),
-    /// Hide a notice.
+    /// Hides a notice.
     Dismiss(u64),
-    /// Interface larger by a factor.
+    /// Sets the scale of the interface.
     UiScale(f32),
-    /// Dark, light, or as the system is.
+    /// Sets the theme: dark, light, or that of the system.
     Theme(Theme),
-    /// Smooth moves or jumps.
+    /// Turns smooth moves on or off.
     Animate(bool),
-    /// The whole screen or a window.
+    /// Switches between full screen and a window.
     FullScreen,
-    /// Lose the graphics device, to see the window survive it.
+    /// Destroys the graphics device, to check that the window survives its loss.
     LoseDevice,
-    /// Close the window.
+    /// Closes the window.
     Quit,
 }

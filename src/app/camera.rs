@@ -1,5 +1,5 @@
-//! Where the window looks, how points of the screen and of the plane belong together, and moves
-//! from one place to another.
+//! The camera: the view of the window, the correspondence between points of the screen and of the
+//! plane, and moves from one place to another.
 
 use glam::{DMat2, DVec2};
 
@@ -10,24 +10,24 @@ use crate::scene::{LEAST_WIDTH, View};
 /// A view as numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// θ1, θ2 in rad, within (−π, π].
+    /// θ1 and θ2 of the centre in rad, within (−π, π].
     pub center: [Theta; 2],
-    /// Length of the horizontal axis, rad.
+    /// Length of the horizontal axis in rad.
     pub width_rad: f64,
-    /// The picture's horizontal axis is turned anticlockwise by this, degrees.
+    /// Angle in degrees by which the picture's horizontal axis is turned anticlockwise.
     pub rotate_deg: f64,
-    /// The vertical axis shows this many times fewer radians than square pixels would.
+    /// Factor by which the vertical axis shows fewer radians than square pixels would.
     pub stretch: f64,
 }
 
-/// Widths that the window zooms to.
+/// Smallest and largest width that the window zooms to, in rad.
 const LEAST_WIDTH_RAD: f64 = LEAST_WIDTH;
 const LARGEST_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
-/// A sample may be this many physical pixels wide before the next level is drawn.
+/// Largest width of a sample in physical pixels before the next level is drawn.
 const LARGEST_SAMPLE_PX: f64 = 1.25;
 
 impl Camera {
-    /// The numbers of a checked view.
+    /// Returns the numbers of a checked view.
     pub fn from_view(view: &View) -> Self {
         Camera {
             center: view.center_rad().map(Theta::wrapped),
@@ -38,7 +38,7 @@ impl Camera {
         .within_reach()
     }
 
-    /// The view as people write it, with as many digits as its width can show.
+    /// Returns the view as people write it, with as many digits as its width can show.
     pub fn view(&self) -> View {
         // Six digits below the width are far below a pixel of any screen.
         let decimals = (6.0 - self.width_rad.log10()).ceil().max(6.0) as usize;
@@ -50,7 +50,7 @@ impl Camera {
         }
     }
 
-    /// The camera with the centre moved by an offset in rad.
+    /// Returns the camera with its centre moved by an offset in rad.
     pub fn moved(&self, by_rad: DVec2) -> Self {
         let by = by_rad.to_array();
         Camera {
@@ -59,7 +59,7 @@ impl Camera {
         }
     }
 
-    /// The camera zoomed by a factor about a point at an offset from the centre, rad.
+    /// Returns the camera zoomed by a factor about a point at an offset from the centre in rad.
     pub fn zoomed(&self, factor: f64, about_rad: DVec2) -> Self {
         let zoomed = Camera { width_rad: self.width_rad / factor, ..*self }.within_reach();
         zoomed.moved(about_rad * (1.0 - zoomed.width_rad / self.width_rad))
@@ -70,55 +70,55 @@ impl Camera {
         Camera { width_rad, ..self }
     }
 
-    /// How far another centre is from this one, the short way round the torus, rad.
+    /// Returns the offset of another centre from this one, the short way round the torus, in rad.
     pub fn offset_of(&self, angle: [Theta; 2]) -> DVec2 {
         DVec2::from_array([0, 1].map(|i| (angle[i] - self.center[i]).wrapped().to_f64()))
     }
 }
 
-/// A camera looking through a canvas of some size in points, x to the right and y down from the
-/// canvas' middle.
+/// A camera looking through a canvas. Points of the canvas are measured from its middle, x to the
+/// right and y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screen {
-    /// Where it looks.
+    /// Camera that looks through the canvas.
     pub camera: Camera,
-    /// Width and height in points.
+    /// Width and height of the canvas in points.
     pub size: DVec2,
-    /// Physical pixels a point.
+    /// Physical pixels per point.
     pub pixels_per_point: f64,
 }
 
 impl Screen {
-    /// Radians from the centre for a point of the screen.
+    /// Returns the offset from the centre, in rad, of a point on the screen.
     pub fn offset_at(&self, point: DVec2) -> DVec2 {
         self.plane_from_screen() * point
     }
 
-    /// The start under a point.
+    /// Returns the start under a point.
     pub fn angle_at(&self, point: DVec2) -> [Theta; 2] {
         self.camera.moved(self.offset_at(point)).center
     }
 
-    /// The point of an offset in rad.
+    /// Returns the point on the screen at an offset from the centre in rad.
     pub fn point_of(&self, offset_rad: DVec2) -> DVec2 {
         self.plane_from_screen().inverse() * offset_rad
     }
 
-    /// Points to radians.
+    /// Returns the matrix that turns points into radians.
     fn plane_from_screen(&self) -> DMat2 {
         let point_rad = self.camera.width_rad / self.size.x;
         let turn = DMat2::from_angle(self.camera.rotate_deg.to_radians());
         turn * DMat2::from_diagonal(DVec2::new(point_rad, -point_rad / self.camera.stretch))
     }
 
-    /// The upright rectangle of the plane that holds everything in view.
+    /// Returns the upright rectangle of the plane that contains everything in view.
     pub fn region(&self) -> Region {
         let map = self.plane_from_screen();
         let half = map.x_axis.abs() * self.size.x / 2.0 + map.y_axis.abs() * self.size.y / 2.0;
         Region { center: self.camera.center, half_rad: half.to_array() }
     }
 
-    /// The level whose samples are about as large as pixels.
+    /// Returns the level whose samples are about as large as physical pixels.
     pub fn level(&self) -> u32 {
         let map = self.plane_from_screen();
         let pixel_rad = map.x_axis.length().min(map.y_axis.length()) / self.pixels_per_point;
@@ -130,20 +130,20 @@ impl Screen {
 /// A smooth move between two cameras.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// Where it began.
+    /// Camera at the beginning of the move.
     pub from: Camera,
-    /// Where it will end.
+    /// Camera at the end of the move.
     pub to: Camera,
-    /// Seconds of the window's clock when it began.
+    /// Beginning of the move on the window's clock, in s.
     pub began_secs: f64,
 }
 
-/// How long a move takes, s.
+/// Duration of a move in s.
 const MOVE_SECS: f64 = 0.25;
 
 impl Move {
-    /// Where the camera is, and whether the move is over. Widths change by equal factors in
-    /// equal times, and whatever point stays in place at the end stays in place all along.
+    /// Returns the camera at a moment, and true if the move is over. The width changes
+    /// geometrically in eased time; a point that ends where it began stays there throughout.
     pub fn at(&self, now_secs: f64) -> (Camera, bool) {
         let t = ((now_secs - self.began_secs) / MOVE_SECS).clamp(0.0, 1.0);
         if t >= 1.0 {

@@ -1,5 +1,5 @@
-//! The commands that have a name and mostly a key: one list for the keyboard, the list of keys
-//! and the command palette.
+//! The commands, each with a name and most with a key: one list serves the keyboard, the list of
+//! keys and the command palette.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec2;
@@ -10,19 +10,19 @@ use super::state::{AppState, Dialog};
 use crate::engine::Accuracy;
 use crate::lab::Figure;
 
-/// Something to do by name.
+/// An action with a name.
 pub struct Command {
-    /// What it does, in a few words.
+    /// Short description of the command.
     pub name: &'static str,
-    /// The keys that do it.
+    /// Shortcuts that trigger it.
     pub keys: Vec<KeyboardShortcut>,
-    /// What happens.
+    /// Action that it triggers.
     pub action: Action,
 }
 
-/// A share of the canvas that an arrow key moves.
+/// Share of the canvas by which an arrow key moves the view.
 const STEP: f64 = 0.15;
-/// How much closer a key zooms.
+/// Zoom factor of a key press.
 const KEY_ZOOM: f64 = std::f64::consts::SQRT_2;
 
 const PLAIN: Modifiers = Modifiers::NONE;
@@ -31,7 +31,7 @@ fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(modifiers, key)
 }
 
-/// Every command, as it would act on a state.
+/// Returns every command, as it would act on a state.
 pub fn commands(state: &AppState) -> Vec<Command> {
     let mut commands = moving();
     commands.extend(showing(&state.layers));
@@ -129,15 +129,15 @@ fn doing(state: &AppState) -> Vec<Command> {
     commands
 }
 
-/// Takes the keys of commands out of the input and returns what they ask for. With `typing`,
-/// only those that no text field wants.
+/// Takes the shortcuts of commands out of the input and returns their actions. While `typing`,
+/// takes only those that no text field needs.
 pub fn pressed(input: &mut egui::InputState, state: &AppState, typing: bool) -> Vec<Action> {
     let mut actions = Vec::new();
     let mut known: Vec<(KeyboardShortcut, Action)> = commands(state)
         .into_iter()
         .flat_map(|c| c.keys.into_iter().map(move |key| (key, c.action.clone())))
         .collect();
-    // egui lets a shortcut without modifiers match with Alt held, so the specific come first.
+    // egui matches a shortcut without modifiers even with Alt held, so specific ones come first.
     known.sort_by_key(|(key, _)| std::cmp::Reverse(usize::from(key.modifiers != PLAIN)));
     for (shortcut, action) in known {
         let for_text = shortcut.modifiers == PLAIN && !is_function_key(shortcut.logical_key);
@@ -154,7 +154,7 @@ fn is_function_key(key: Key) -> bool {
     (Key::F1..=Key::F12).contains(&key)
 }
 
-/// How a shortcut is written.
+/// Returns the text of a shortcut, such as `Ctrl+K`.
 pub fn shortcut_text(shortcut: &KeyboardShortcut) -> String {
     let mut text = String::new();
     for (held, name) in [
@@ -166,7 +166,7 @@ pub fn shortcut_text(shortcut: &KeyboardShortcut) -> String {
             text.push_str(name);
         }
     }
-    // The names of arrows, since not every font has their symbols.
+    // Arrows are named, because not every font has their symbols.
     text + match shortcut.logical_key {
         Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => {
             shortcut.logical_key.name()

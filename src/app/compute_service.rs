@@ -1,4 +1,4 @@
-//! The engine behind the window, its scheduler, and what happens when one of them fails.
+//! The compute service: the engine behind the window, its scheduler, and recovery from failures.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -13,17 +13,17 @@ use crate::tiles::view_target::ViewTarget;
 /// Wakes the window from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// How long a slice may run on a graphics card while a window is open.
+/// Longest time that a slice may run on a graphics card while a window is open.
 const PACE: Duration = Duration::from_millis(15);
-/// How much less urgent than drawing computing is; 19 is the most.
+/// Niceness of the computing threads, less urgent than drawing; 19 is the most.
 #[cfg(target_os = "linux")]
 const NICENESS: i32 = 10;
-/// An engine that fails so often, each time within [`SOON`] of the last, is not opened again
-/// until the person says so.
+/// Number of failures, each within [`SOON`] of the last, after which an engine is not opened again
+/// until the user asks for it.
 const MOST_FAILURES: u32 = 3;
 const SOON: Duration = Duration::from_secs(60);
 
-/// Where the engine is in its life.
+/// The state of the engine: being opened, ready, or failed.
 enum ServiceState {
     Opening(PendingEngine),
     Ready(Box<Background>),
@@ -32,29 +32,29 @@ enum ServiceState {
 
 /// The engine and the cells it computes.
 pub struct ComputeService {
-    /// What is known and wanted.
+    /// Scheduler of the cells, with all that is known and wanted.
     pub explorer: Explorer,
     request: EngineRequest,
     verify: bool,
     stage: ServiceState,
     failures: u32,
     failed_at: Option<Instant>,
-    /// What takes so long while an engine is being opened.
+    /// Message on the slow part of opening the engine; empty if there is none.
     said: Arc<Mutex<String>>,
     wake: Wake,
 }
 
-/// What came of a turn.
+/// The result of one [`ComputeService::turn`].
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct ServiceUpdate {
-    /// Something new can be drawn.
+    /// True if something new can be drawn.
     pub news: bool,
-    /// What went wrong, in a sentence with what to do.
+    /// Sentence that says what went wrong and what to do; none without a failure.
     pub failure: Option<String>,
 }
 
 impl ComputeService {
-    /// Begins to open an engine.
+    /// Creates the service and begins to open its engine.
     pub fn new(request: EngineRequest, verify: bool, cache_bytes: usize, wake: Wake) -> Self {
         let stage = ServiceState::Failed;
         let explorer = Explorer::new(cache_bytes);
@@ -72,7 +72,7 @@ impl ComputeService {
         service
     }
 
-    /// Opens another engine, or the same anew. What was computed stays.
+    /// Opens another engine, or reopens the same one. Samples already computed stay.
     pub fn reopen(&mut self, kind: EngineKind, setting: IntegrationSetting, verify: bool) {
         self.request = EngineRequest { kind, setting, ..self.request.clone() };
         self.verify = verify;
@@ -86,7 +86,7 @@ impl ComputeService {
         let (said, waker) = (Arc::new(Mutex::new(String::new())), Arc::clone(&self.wake));
         self.said = Arc::clone(&said);
         let tell = move |text: &str| {
-            // Whoever panicked left a whole sentence.
+            // A thread that panicked while it held the lock left a whole sentence.
             text.clone_into(&mut said.lock().unwrap_or_else(PoisonError::into_inner));
             waker();
         };
@@ -101,7 +101,7 @@ impl ComputeService {
         );
     }
 
-    /// The config of the engine, once it is open.
+    /// Returns the integrator config of the engine, once it is open.
     pub fn config(&self) -> Option<IntegratorConfig> {
         match &self.stage {
             ServiceState::Ready(engine) => Some(engine.config),
@@ -109,7 +109,7 @@ impl ComputeService {
         }
     }
 
-    /// The engine, for people: its name, adapter, and why it was chosen.
+    /// Returns the name of the engine, its adapter, and why it was chosen, for display.
     pub fn engine(&self) -> Option<(&'static str, String, &str)> {
         match &self.stage {
             ServiceState::Ready(engine) => Some((engine.name(), engine.adapter(), &engine.why)),
@@ -117,7 +117,7 @@ impl ComputeService {
         }
     }
 
-    /// What it is doing that takes so long before a deep view's first pixels are known.
+    /// Describes the slow work that precedes a deep view's first pixels, while it lasts.
     pub fn following(&self) -> Option<String> {
         match &self.stage {
             ServiceState::Ready(engine) => engine.following.words(),
@@ -125,18 +125,18 @@ impl ComputeService {
         }
     }
 
-    /// While an engine is being opened, what it is doing that takes so long, if it says so.
+    /// Returns the message on the slow part of opening an engine, while one is being opened.
     pub fn opening(&self) -> Option<String> {
         let said = || self.said.lock().unwrap_or_else(PoisonError::into_inner).clone();
         matches!(self.stage, ServiceState::Opening(_)).then(said)
     }
 
-    /// Whether there is none, and none is coming.
+    /// Returns true if there is no engine and none is being opened.
     pub fn has_failed(&self) -> bool {
         matches!(self.stage, ServiceState::Failed)
     }
 
-    /// Drops what is being computed: nobody looks at the map for a while.
+    /// Cancels the work in flight, because the map will be hidden for a while.
     pub fn rest(&mut self) {
         if let ServiceState::Ready(engine) = &mut self.stage {
             engine.cancel();
@@ -144,7 +144,7 @@ impl ComputeService {
         }
     }
 
-    /// Aims at what is looked at and moves the work on, without waiting.
+    /// Sets the view target and advances the work, without waiting for the engine.
     pub fn turn(
         &mut self,
         target: impl FnOnce(IntegratorConfig) -> ViewTarget,
@@ -162,7 +162,7 @@ impl ComputeService {
         })
     }
 
-    /// Takes an engine that has been opened, or the news that it could not be.
+    /// Takes an engine that has been opened, or reports that opening it failed.
     fn take_opened(&mut self) -> Option<ServiceUpdate> {
         let ServiceState::Opening(opening) = &self.stage else { return None };
         match opening.poll()? {
@@ -174,7 +174,7 @@ impl ComputeService {
         }
     }
 
-    /// Opens the engine anew a few times, then the processor, then gives up.
+    /// Reopens the engine a few times, then falls back to the processor, then gives up.
     fn fail(&mut self, why: &str) -> ServiceUpdate {
         let again = self.failed_at.is_some_and(|at| at.elapsed() < SOON);
         self.failures = if again { self.failures + 1 } else { 1 };
@@ -197,8 +197,8 @@ impl ComputeService {
     }
 }
 
-/// Opens an engine as it is used behind a window: with short slices, and less urgent than the
-/// window's own threads.
+/// Opens an engine for use behind a window: with short slices, and less urgent than the window's
+/// own threads.
 fn open(
     request: &EngineRequest,
     verify: bool,
@@ -212,8 +212,8 @@ fn open(
     Ok(Chosen { engine, config, why, following })
 }
 
-/// Makes this thread, and those it will start, yield to the ones that draw. On Linux each thread
-/// has a niceness of its own, and hands it on.
+/// Makes this thread, and those it will start, yield to the threads that draw. On Linux each thread
+/// has a niceness of its own and passes it on to the threads it starts.
 pub(super) fn step_back() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(None, NICENESS) {

@@ -1,4 +1,4 @@
-//! Going deeper by itself: a descent in the background that the window follows.
+//! Automatic descents: a background thread goes deeper and deeper, and the window follows.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,19 +15,19 @@ use crate::engine::choice::{ChoiceError, EngineKind, EngineRequest, choose};
 use crate::scene::{Document, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
 
-/// A descent on a thread with an engine of its own. Dropped, it stops.
+/// A descent on a thread with an engine of its own. Dropping it stops the descent.
 #[derive(Debug)]
 pub struct BackgroundDescent {
     news: Receiver<DescentNews>,
     stopped: Arc<AtomicBool>,
 }
 
-/// What a descent has to tell.
+/// A message from a descent.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DescentNews {
     /// The next view.
     To(Box<Scene>),
-    /// It is over, for this reason.
+    /// The end of the descent, with its reason.
     Over(String),
 }
 
@@ -40,40 +40,40 @@ enum DescentError {
 }
 
 impl BackgroundDescent {
-    /// Goes down from a scene, at first towards a point `towards` widths from its middle.
+    /// Descends from a scene, at first towards a point `towards` widths from its middle.
     pub fn start(scene: Scene, towards: [f64; 2], engine: EngineRequest, wake: Wake) -> Self {
         let (sender, news) = channel();
         let stopped = Arc::new(AtomicBool::new(false));
         let stop = Arc::clone(&stopped);
         std::thread::spawn(move || {
             step_back();
-            // The pictures are small: a graphics card would take longer to be opened.
+            // The pictures are small: opening a graphics card would take longer.
             let engine = EngineRequest { kind: EngineKind::Cpu, adapter: None, ..engine };
             let why = match descent(scene, towards, &engine, &stop, (&sender, &wake)) {
                 Ok(()) => "Nothing near is left to see: the way down ends here.".to_string(),
                 Err(error) => format!("The way down ended: {error}."),
             };
-            // Nobody listens any more to a descent that was stopped.
+            // Sending fails if the descent was stopped: its receiver is gone.
             let _ = sender.send(DescentNews::Over(why));
             wake();
         });
         BackgroundDescent { news, stopped }
     }
 
-    /// What it has found since.
+    /// Returns the next message of the descent, if there is one.
     pub fn news(&self) -> Option<DescentNews> {
         self.news.try_recv().ok()
     }
 }
 
-/// The way down, as a window keeps it.
+/// A descent and the views it has found, as a window keeps them.
 #[derive(Debug)]
 pub struct DescentPath {
-    /// What still goes down.
+    /// Descent that is still running, if any.
     pub running: Option<BackgroundDescent>,
-    /// The views found so far, from where it began.
+    /// Views found so far, starting with the one where the descent began.
     pub scenes: Vec<Scene>,
-    /// The file for film keys.
+    /// Path of the file for film keys.
     pub path: String,
 }
 
@@ -84,7 +84,7 @@ impl Default for DescentPath {
 }
 
 impl AppModel {
-    /// Begins to go deeper towards the pointer, or the middle without one; or stops.
+    /// Starts a descent towards the pointer, or the middle without one; stops a running descent.
     pub(super) fn toggle_descent(&mut self) {
         if self.descent.running.take().is_some() {
             return;
@@ -92,7 +92,7 @@ impl AppModel {
         let screen = self.state.screen();
         let pointer = self.state.pointer.unwrap_or_default();
         let towards = (screen.offset_at(pointer) / screen.camera.width_rad).to_array();
-        // Deep places show nothing within a budget that stays behind.
+        // Deep places show nothing unless the budget grows with the depth.
         self.state.question.budget.auto = true;
         let scene = self.state.document().scene();
         self.descent.scenes = vec![scene.clone()];
@@ -101,7 +101,7 @@ impl AppModel {
             Some(BackgroundDescent::start(scene, towards, request, Arc::clone(&self.wake)));
     }
 
-    /// Follows what goes down; says whether there was anything new.
+    /// Follows the running descent. Returns true if it had anything new.
     pub(super) fn follow_descent(&mut self) -> bool {
         let Some(news) = self.descent.running.as_ref().and_then(BackgroundDescent::news) else {
             return false;
@@ -120,7 +120,7 @@ impl AppModel {
         true
     }
 
-    /// A person who moves or closes something wants to have the map to himself.
+    /// Stops the descent if the user moves the view, changes the scene or closes something.
     pub(super) fn stop_descent_for(&mut self, action: &Action) {
         let moves = matches!(action, Action::Look(look) if *look != Look::Release);
         if moves || matches!(action, Action::Escape | Action::Show(_) | Action::Scene(..)) {

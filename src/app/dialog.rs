@@ -1,18 +1,18 @@
-//! The desktop's own dialogs for files. They wait on a thread, so that the window does not.
+//! The desktop's own file dialogs. They wait on a thread, so that the window need not.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use rfd::{AsyncFileDialog, FileHandle};
 
-/// A dialog that is open.
+/// An open file dialog.
 #[derive(Debug)]
 pub struct FileDialog {
     answer: Receiver<Option<PathBuf>>,
 }
 
 impl FileDialog {
-    /// Asks where to write a file with this ending, beginning at `suggested`.
+    /// Asks where to write a file with the extension `ending`, beginning at `suggested`.
     pub fn save(ending: &str, suggested: &Path, wake: impl Fn() + Send + 'static) -> Self {
         let mut dialog = AsyncFileDialog::new().add_filter(ending, &[ending]);
         if let Some(name) = suggested.file_name().and_then(|name| name.to_str()) {
@@ -24,7 +24,7 @@ impl FileDialog {
         Self::wait_for(dialog.save_file(), wake)
     }
 
-    /// Asks for a picture of ours or a scene.
+    /// Asks for a picture written by this program or for a scene.
     pub fn open(wake: impl Fn() + Send + 'static) -> Self {
         let dialog = AsyncFileDialog::new().add_filter("pictures and scenes", &["png", "toml"]);
         Self::wait_for(dialog.pick_file(), wake)
@@ -37,19 +37,19 @@ impl FileDialog {
         let (sender, answer) = channel();
         std::thread::spawn(move || {
             let chosen = pollster::block_on(dialog).map(|file| file.path().to_path_buf());
-            // Whoever asked may be gone; then nobody wants the answer.
+            // The receiver may be gone, if the dialog was dropped; then the answer is not needed.
             let _ = sender.send(chosen);
             wake();
         });
         FileDialog { answer }
     }
 
-    /// The answer, once there is one: a file, or none if the dialog was closed.
+    /// Returns the answer once there is one: a file, or none if the dialog was closed.
     pub fn poll(&self) -> Option<Option<PathBuf>> {
         match self.answer.try_recv() {
             Ok(answer) => Some(answer),
             Err(TryRecvError::Empty) => None,
-            // The desktop has no dialogs.
+            // The desktop has no dialogs, so the thread ended without an answer.
             Err(TryRecvError::Disconnected) => Some(None),
         }
     }

@@ -1,4 +1,4 @@
-//! What actions do beyond the plain state: files, flights, engines.
+//! The effects of actions beyond the plain state: on files, flights and engines.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -18,11 +18,11 @@ use crate::physics::Theta;
 use crate::scene::palette::{Tones, equalised};
 use crate::scene::{Document, PictureTable, Scale};
 
-/// Steps of an equalised palette.
+/// Number of steps in an equalised palette.
 const EQUAL_STEPS: usize = 32;
 
 impl AppModel {
-    /// Does actions in their order; returns what only the window can do.
+    /// Applies actions in order and returns the effects that only the window can carry out.
     pub(super) fn act(&mut self, actions: Vec<Action>) -> Vec<Effect> {
         actions.iter().for_each(|action| self.stop_descent_for(action));
         let effects: Vec<Effect> =
@@ -30,7 +30,7 @@ impl AppModel {
         effects.into_iter().filter_map(|effect| self.affect(effect)).collect()
     }
 
-    /// Does what can be done without the window.
+    /// Carries out an effect, or returns it if only the window can.
     pub(super) fn affect(&mut self, effect: Effect) -> Option<Effect> {
         match effect {
             Effect::Pin(starts) => self.pin(*starts),
@@ -55,7 +55,7 @@ impl AppModel {
         None
     }
 
-    /// Pins that fly by the physics shown go on.
+    /// Relaunches the pins' flights if the physics has changed; otherwise they continue.
     fn relaunch(&mut self) {
         let wake = Arc::clone(&self.wake);
         self.state.pins.relaunch(&self.state.scene(), move || wake());
@@ -75,7 +75,7 @@ impl AppModel {
         }
     }
 
-    /// Takes the answer of a file dialog.
+    /// Takes the answer of the open file dialog, if there is one.
     pub(super) fn take_answer(&mut self) {
         let answer = match &self.asking {
             Some(Asking::Open(dialog) | Asking::Export(dialog)) => dialog.poll(),
@@ -161,7 +161,7 @@ impl AppModel {
         }
     }
 
-    /// Adds film keys to a file, and says how many it has now or why not.
+    /// Adds film keys to a file, and shows a notice of how many it now has or why none were added.
     pub(super) fn add_keys(&mut self, path: &Path, documents: &[Document]) {
         match append_keys(path, documents) {
             Ok(keys) => {

@@ -1,5 +1,5 @@
-//! egui in a window of the system: the graphics device, the input, the frames. When the device
-//! is lost, a host is thrown away and another one made; what egui remembers moves over.
+//! egui in a system window: the graphics device, the input, the frames. When the device is lost,
+//! the host is discarded and a new one takes over egui's memory.
 
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,7 +17,7 @@ use super::canvas::LAYERS;
 use super::canvas::pipeline::Canvas;
 use super::wake::Woken;
 
-/// Why there is no picture in the window.
+/// The reason why nothing can be drawn in the window.
 #[derive(Debug, thiserror::Error)]
 pub enum HostError {
     /// No adapter, or none for this window.
@@ -28,27 +28,27 @@ pub enum HostError {
     Graphics(#[from] egui_wgpu::WgpuError),
 }
 
-/// A device that draws a window.
+/// A graphics device and egui, which together draw a window.
 pub struct EguiHost {
-    /// The interface.
+    /// Context of the interface.
     pub ctx: Context,
     input: egui_winit::State,
     painter: Painter,
     window: Arc<Window>,
     lost: Arc<AtomicBool>,
     complaint: Arc<Mutex<Option<String>>>,
-    /// Whether a screen reader listens.
+    /// True if a screen reader is listening.
     screen_reader: bool,
     textures: egui::TexturesDelta,
-    /// The largest side of a surface.
+    /// Largest side of a surface in pixels.
     most_px: u32,
 }
 
-/// What is left of a host whose device is gone.
+/// The parts of a host that outlive the loss of its device.
 pub struct Remains {
-    /// What egui remembers.
+    /// State that egui remembers.
     memory: egui::Memory,
-    /// The way to screen readers: a window can have only one in its life.
+    /// Connection to screen readers: a window can have only one during its life.
     adapter: Option<egui_winit::accesskit_winit::Adapter>,
     screen_reader: bool,
 }
@@ -64,8 +64,8 @@ impl Remains {
 }
 
 impl EguiHost {
-    /// Opens a device for a window that is not shown yet, or that another host has drawn and left
-    /// these remains of.
+    /// Opens a device for a window that is not shown yet, or for one whose previous host left
+    /// `remains`.
     pub fn new(
         event_loop: &ActiveEventLoop,
         window: &Arc<Window>,
@@ -75,14 +75,14 @@ impl EguiHost {
         let ctx = Context::default();
         let waker = proxy.clone();
         ctx.set_request_repaint_callback(move |info| {
-            // Once the loop has ended nobody draws any more.
+            // After the event loop has ended, nothing is drawn any more.
             let _ = waker.send_event(Woken::after(info.delay));
         });
         let mut painter = pollster::block_on(Painter::new(
             ctx.clone(),
             configuration(event_loop.owned_display_handle()),
             false,
-            // Dithering costs where software draws, and no panel has gradients.
+            // Dithering is costly in software rendering, and no panel has gradients.
             RendererOptions { dithering: false, ..RendererOptions::default() },
         ));
         pollster::block_on(painter.set_window(ViewportId::ROOT, Some(Arc::clone(window))))?;
@@ -114,7 +114,7 @@ impl EguiHost {
         Ok(host)
     }
 
-    /// Puts the canvas on the device and listens to what goes wrong with it.
+    /// Creates the canvas on the device and listens for the loss of the device and its errors.
     fn prepare_device(&mut self, proxy: &EventLoopProxy<Woken>) {
         let Some(state) = self.painter.render_state() else { return };
         let canvas = Canvas::new(&state.device, state.target_format, LAYERS);
@@ -135,24 +135,24 @@ impl EguiHost {
         }));
     }
 
-    /// Whether the device can draw nothing more.
+    /// Returns true if the device can no longer draw.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
     }
 
-    /// The first thing the driver refused since the last call.
+    /// Takes the first complaint since the last call, such as an error of the driver.
     pub fn complaint(&self) -> Option<String> {
         self.complaint.lock().ok().and_then(|mut first| first.take())
     }
 
-    /// Throws the device away, as a driver that is reset does.
+    /// Destroys the device, as a driver reset does.
     pub fn lose_device(&self) {
         if let Some(state) = self.painter.render_state() {
             state.device.destroy();
         }
     }
 
-    /// Lets the device go and keeps what the next host needs.
+    /// Drops the device and returns what the next host needs.
     pub fn into_remains(self) -> Remains {
         Remains {
             memory: self.ctx.memory(Clone::clone),
@@ -161,7 +161,7 @@ impl EguiHost {
         }
     }
 
-    /// Takes an event; says whether something may have to be drawn.
+    /// Handles an event. Returns true if something may have to be redrawn.
     pub fn on_event(&mut self, event: &winit::event::WindowEvent) -> bool {
         if let winit::event::WindowEvent::Resized(size) = event {
             self.resize(size.width, size.height);
@@ -169,7 +169,7 @@ impl EguiHost {
         self.input.on_window_event(&self.window, event).repaint
     }
 
-    /// Gives the surface a new size, as large as it can be; says so if the window is larger.
+    /// Resizes the surface, as far as the device allows; complains if the window is larger.
     fn resize(&mut self, width: u32, height: u32) {
         let most = self.most_px.max(1);
         if width.max(height) > most
@@ -190,7 +190,7 @@ impl EguiHost {
         if listening { self.ctx.enable_accesskit() } else { self.ctx.disable_accesskit() }
     }
 
-    /// A screen reader asks for something.
+    /// Handles a request of a screen reader.
     pub fn on_accessibility(&mut self, event: accesskit_event::Event) {
         match event {
             accesskit_event::Event::Wanted => self.tell_screen_reader(true),
@@ -202,19 +202,19 @@ impl EguiHost {
         self.ctx.request_repaint();
     }
 
-    /// A device that is lost tells only when it is asked for something.
+    /// Polls the device, because a lost device reports its loss only when it is used.
     fn ask_device(&self) {
         if let Some(state) = self.painter.render_state() {
-            // What goes wrong here is what the callback for losses tells.
+            // The callback for losses reports whatever goes wrong here.
             let _ = state.device.poll(wgpu::PollType::Poll);
         }
     }
 
-    /// Draws and presents. egui's painter panics where a device is lost in the midst of it; as
-    /// with any other loss, the painter is thrown away and the window goes on.
+    /// Draws and presents a frame. egui's painter panics if the device is lost meanwhile; as with
+    /// any other loss, the painter is then discarded and the window goes on.
     fn paint(&mut self, primitives: &[egui::ClippedPrimitive], pixels_per_point: f32) {
         let EguiHost { painter, textures, window, ctx, .. } = self;
-        // What no panel covers looks like one.
+        // Areas that no panel covers look like a panel.
         let ground = ctx.global_style().visuals.panel_fill.to_normalized_gamma_f32();
         let painted = catch_unwind(AssertUnwindSafe(|| {
             painter.paint_and_update_textures(
@@ -232,7 +232,7 @@ impl EguiHost {
         }
     }
 
-    /// Shows the interface once and presents it. Returns after how long it wants to be shown
+    /// Runs the interface once and presents it. Returns the delay after which it wants to be shown
     /// again.
     pub fn frame(&mut self, event_loop: &ActiveEventLoop, show: impl FnMut(&mut Ui)) -> Duration {
         self.ask_device();
@@ -254,7 +254,7 @@ impl EguiHost {
     }
 }
 
-/// A device for a display, with little between input and picture.
+/// Returns the configuration for a display, with low latency between input and picture.
 fn configuration(display: OwnedDisplayHandle) -> WgpuConfiguration {
     WgpuConfiguration {
         surface: SurfaceConfig::LOW_LATENCY,

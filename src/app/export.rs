@@ -1,5 +1,5 @@
-//! Exports: a view as a picture or as numbers at any size, computed in the background by an
-//! engine of its own, with the loop and the files of `flipmap render`.
+//! Exports: a view as a picture or as numbers at any size, computed in the background by an engine
+//! of its own, with the same loop and files as `flipmap render`.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,53 +18,53 @@ use crate::scene::keys::{Easing, Keys};
 use crate::scene::{Document, RunTable};
 use crate::tiles::{Counts, Work};
 
-/// What a view is exported as.
+/// The content of an exported file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ExportKind {
     /// A picture.
     #[default]
     Png,
-    /// Flip times, as a NumPy array.
+    /// Flip times as a NumPy array.
     Raw,
 }
 
-/// What to export where.
+/// A request to export a view to a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportRequest {
-    /// The scene, and how it is painted.
+    /// Scene to export, and how it is painted.
     pub document: Document,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What is in it.
+    /// Content of the file.
     pub kind: ExportKind,
 }
 
-/// How far an export is.
+/// The progress of an export.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExportStage {
-    /// An engine is being started; what it says.
+    /// The engine is being started; holds its message.
     Starting(String),
-    /// It runs.
+    /// The export is running.
     Running {
         /// Share of the pixels that are done.
         share: f64,
-        /// Pixels a second.
+        /// Pixels per second.
         pixels_per_sec: f64,
     },
-    /// The file is there.
+    /// The file is complete.
     Done {
-        /// It took so long.
+        /// Duration of the export in s.
         secs: f64,
     },
-    /// It was stopped; there is no file.
+    /// The export was cancelled; there is no file.
     Cancelled,
-    /// A sentence; there is no file.
+    /// The export failed; holds the reason as a sentence. There is no file.
     Failed(String),
 }
 
-/// An export, going on or over.
+/// An export, running or finished.
 #[derive(Debug)]
 pub struct Export {
     path: PathBuf,
@@ -80,13 +80,13 @@ struct Shared {
 
 impl Shared {
     fn stage(&self) -> MutexGuard<'_, ExportStage> {
-        // A stage is replaced whole: whoever panicked left a good one.
+        // A stage is replaced as a whole, so a thread that panicked left a valid one.
         self.stage.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 }
 
 impl Export {
-    /// Begins; `wake` is called whenever the stage has changed.
+    /// Starts an export; calls `wake` whenever its stage has changed.
     pub fn start(
         request: ExportRequest,
         engine_request: EngineRequest,
@@ -111,22 +111,22 @@ impl Export {
         Export { path, shared, thread: Some(thread) }
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// How far it is.
+    /// Returns the current stage.
     pub fn stage(&self) -> ExportStage {
         self.shared.stage().clone()
     }
 
-    /// Asks it to stop, which takes a moment.
+    /// Asks the export to stop, which takes a moment.
     pub fn cancel(&self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Waits until it is over, and says how.
+    /// Waits until the export has ended and returns its last stage.
     pub fn wait(mut self) -> ExportStage {
         self.join();
         self.stage()
@@ -140,7 +140,7 @@ impl Export {
     }
 }
 
-/// An export that nobody waits for any longer leaves nothing behind.
+/// Cancels an unfinished export and waits for its thread, so that it leaves nothing behind.
 impl Drop for Export {
     fn drop(&mut self) {
         self.cancel();
@@ -148,7 +148,7 @@ impl Drop for Export {
     }
 }
 
-/// Why there is no file.
+/// The reason why there is no file.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
     #[error(transparent)]
@@ -167,7 +167,7 @@ impl From<crate::engine::EngineError> for Failure {
     }
 }
 
-/// How often the person hears of progress.
+/// Time between two reports of progress.
 const TICK: Duration = Duration::from_millis(100);
 
 fn run(
@@ -227,7 +227,7 @@ fn run_pass(
 
 impl ExportRequest {
     fn paths(&self) -> Paths {
-        // A file of that name, where the command line means standard output.
+        // A file of that name; on the command line it would mean standard output.
         let path = if self.path.as_os_str() == "-" { Path::new("./-") } else { &self.path };
         let path = Some(path.to_path_buf());
         match self.kind {
@@ -237,8 +237,8 @@ impl ExportRequest {
     }
 }
 
-/// Adds scenes to a file of film keys, which is made if it is not there; says how many keys it
-/// has now, or in a sentence why it is as it was.
+/// Adds scenes to a file of film keys, which is created if it does not exist. Returns the number of
+/// keys it then has, or a sentence that says why it was left unchanged.
 pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String> {
     let refuse = |why: &dyn std::fmt::Display| {
         format!("The film keys were not changed: {} {why}.", path.display())
@@ -251,7 +251,7 @@ pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String>
         Keys::default()
     };
     for (place, document) in documents.iter().enumerate() {
-        // The views of a way down are passed without a stop.
+        // The film passes the views of a descent without stopping.
         let easing = if place == 0 { Easing::Smooth } else { Easing::Linear };
         keys.append(document.clone(), easing);
     }

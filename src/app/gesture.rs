@@ -1,37 +1,37 @@
-//! What the pointer does on the canvas, as actions. Points are from the canvas' middle, y down.
+//! Pointer gestures on the canvas as actions. Points are measured from its middle, y down.
 
 use glam::DVec2;
 
 use super::action::{Action, Look};
 
-/// What happened on the canvas since the last frame.
+/// Pointer input on the canvas since the last frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gesture {
-    /// Where the pointer is, if it is over the canvas.
+    /// Position of the pointer, if it is over the canvas.
     pub pointer: Option<DVec2>,
-    /// How far the primary button dragged.
+    /// Distance dragged with the primary button.
     pub dragged: DVec2,
-    /// Where the drag began, as long as it lasts.
+    /// Point where the drag began, while it lasts.
     pub drag_began: Option<DVec2>,
-    /// A drag ended.
+    /// True if a drag ended.
     pub released: bool,
-    /// One click.
+    /// True if the canvas was clicked.
     pub clicked: bool,
-    /// The second of two.
+    /// True for the second click of a double click.
     pub double_clicked: bool,
-    /// Shift is held.
+    /// True if Shift is held.
     pub shift: bool,
-    /// Notches of the wheel, away from the person.
+    /// Notches that the wheel has turned, positive away from the user.
     pub notches: f64,
-    /// How much a pinch, or Ctrl and the wheel, enlarges.
+    /// Magnification by a pinch, or by Ctrl and the wheel.
     pub pinch: f64,
 }
 
-/// Notches of the wheel for twice as close.
+/// Number of wheel notches that double the magnification.
 const NOTCHES_FOR_TWICE: f64 = 3.0;
 
 impl Gesture {
-    /// What it asks for; `drawing` is the rectangle being drawn so far.
+    /// Returns the actions of the gesture; `drawing` is the rectangle being drawn so far.
     pub fn actions(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
         let mut actions = vec![Action::Hover(self.pointer)];
         let about = self.pointer.unwrap_or(DVec2::ZERO);
@@ -49,7 +49,7 @@ impl Gesture {
         actions
     }
 
-    /// Dragging moves the map; with Shift held at the beginning it draws a rectangle.
+    /// Returns the actions of a drag, which moves the map or, begun with Shift, draws a rectangle.
     fn drag(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
         match (self.drag_began, drawing) {
             (_, Some([began, to])) if self.released => {

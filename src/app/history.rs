@@ -1,24 +1,24 @@
-//! The views that were visited, as a browser keeps pages.
+//! The history of visited views, kept as a browser keeps pages.
 
 use super::camera::Camera;
 
-/// Visited views and which of them is shown.
+/// Visited views and the index of the one shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct History {
     views: Vec<Camera>,
     current: usize,
 }
 
-/// Views remembered.
+/// Largest number of views remembered.
 const MOST: usize = 200;
 
 impl History {
-    /// Begins at a view.
+    /// Creates a history that begins at a view.
     pub fn new(first: Camera) -> Self {
         History { views: vec![first], current: 0 }
     }
 
-    /// The camera came to rest somewhere: what lay ahead is forgotten.
+    /// Records the view at which the camera came to rest; a new one erases the views ahead.
     pub fn visit(&mut self, camera: Camera) {
         if self.views[self.current] == camera {
             return;
@@ -31,25 +31,25 @@ impl History {
         self.current = self.views.len() - 1;
     }
 
-    /// The view before, if there is one.
+    /// Goes back to the previous view and returns it, if there is one.
     pub fn back(&mut self) -> Option<Camera> {
         self.current = self.current.checked_sub(1)?;
         Some(self.views[self.current])
     }
 
-    /// The view that was left by going back.
+    /// Goes forward to the view left by going back and returns it, if there is one.
     pub fn forward(&mut self) -> Option<Camera> {
         let view = self.views.get(self.current + 1)?;
         self.current += 1;
         Some(*view)
     }
 
-    /// Whether there is a view before.
+    /// Returns true if there is a previous view.
     pub fn has_back(&self) -> bool {
         self.current > 0
     }
 
-    /// Whether one was left by going back.
+    /// Returns true if there is a view left by going back.
     pub fn has_forward(&self) -> bool {
         self.current + 1 < self.views.len()
     }
@@ -66,7 +66,7 @@ mod tests {
     }
 
     proptest! {
-        /// Against the plainest model: two stacks.
+        /// Compares the history with the plainest model: two stacks.
         #[test]
         fn it_is_two_stacks(steps in prop::collection::vec(0u8..4, 0..120)) {
             let mut history = History::new(view(0.0));

@@ -1,11 +1,11 @@
-//! What is under the pointer.
+//! The sample under the pointer.
 
 use crate::engine::Trust;
 use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::lattice::{Cell, SIDE, side, theta_of};
 use crate::tiles::explorer::Explorer;
 
-/// The start of the sample of a level that is drawn at an angle, and of the next one to the right.
+/// Returns the starts of the sample that a level draws at an angle and of the one to its right.
 pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
     let cell = Cell::around(angle, level);
     let [column, row] = cell.sample_at(angle);
@@ -18,8 +18,8 @@ pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
     [column, column + 1.0].map(|column| [along(column).wrapped(), up])
 }
 
-/// What the map shows of the sample at an angle within a budget; nothing while only coarser ones
-/// are there.
+/// Returns the outcome and trust that the map shows for the sample at an angle within a budget;
+/// none while only coarser samples are known.
 pub fn outcome_at(
     explorer: &mut Explorer,
     angle: [Theta; 2],
@@ -27,12 +27,12 @@ pub fn outcome_at(
     budget_secs: f64,
 ) -> Option<(Outcome, Trust)> {
     let (outcome, trust) = known_at(explorer, Cell::around(angle, level), angle)?;
-    // Computed for a larger budget, it may flip later than is asked.
+    // A sample computed for a larger budget may flip after the end of this one.
     let late = outcome.status == Status::Flipped && outcome.time > budget_secs;
     Some((if late { Outcome::without_time(Status::Unflipped) } else { outcome }, trust))
 }
 
-/// What is known of the sample at an angle inside a cell.
+/// Returns the known outcome and trust of the sample at an angle inside a cell.
 pub fn known_at(
     explorer: &mut Explorer,
     cell: Cell,

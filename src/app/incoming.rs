@@ -1,4 +1,4 @@
-//! Scenes that come in: from files, places, and pasted locations.
+//! Incoming scenes: from files, bookmarks and pasted locations.
 
 use super::camera::Camera;
 use super::state::{AppState, Effect, following};
@@ -6,7 +6,7 @@ use crate::engine::run_settings;
 use crate::scene::{Document, RunTable, location};
 
 impl AppState {
-    /// Shows a document: its pendulum, its view, its colours, and as right as it was, if it says.
+    /// Shows a document's pendulum, view and colours, with the accuracy that it states, if any.
     pub(super) fn show(&mut self, document: &Document) -> Option<Effect> {
         let scene = document.scene();
         let question = following(&scene);
@@ -21,8 +21,8 @@ impl AppState {
         (!same).then_some(Effect::Relaunch)
     }
 
-    /// Computes from now on as a run table says; one that says nothing changes nothing. Says
-    /// whether that is another way than before.
+    /// Computes as a run table says from now on; an empty table changes nothing. Returns true if
+    /// the integration setting or the checking has changed.
     fn compute_as(&mut self, run: &RunTable) -> bool {
         let words = RunTable { size: None, ..run.clone() };
         if words == RunTable::default() {

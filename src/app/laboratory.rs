@@ -1,4 +1,4 @@
-//! The laboratory in the window: its figures instead of the map, or the map explained.
+//! The laboratory in the window: its figures in place of the map, or the map with an explanation.
 
 use egui::{Align2, Ui, vec2};
 
@@ -12,16 +12,16 @@ use crate::lab::{Figure, FigureRequest};
 use crate::physics::{Scalar, Theta};
 use crate::scene::{Build, View};
 
-/// How much of the home view a start from the lab is shown in.
+/// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
 const PART: f64 = 1.0 / 16.0;
 
 impl AppModel {
-    /// Whether a figure stands where the map was.
+    /// Returns true if a figure is shown in place of the map.
     pub(super) fn lab_hides_map(&self) -> bool {
         self.state.shown.lab && self.lab.figure != Figure::Map
     }
 
-    /// The name of that figure.
+    /// Returns the name of the figure shown in place of the map.
     pub fn figure_shown(&self) -> Option<&'static str> {
         self.lab_hides_map().then(|| self.lab.figure.name())
     }
@@ -41,7 +41,7 @@ impl AppModel {
         self.show_figure(Some(figure));
     }
 
-    /// The tabs of all figures.
+    /// Shows the tabs of all figures.
     pub(super) fn figure_tabs(&self, ui: &mut Ui) -> Vec<Action> {
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
@@ -58,7 +58,7 @@ impl AppModel {
         actions
     }
 
-    /// The figure that hides the map; it moves on only while it is seen.
+    /// Shows the figure that hides the map; it advances only while it is visible.
     pub(super) fn figure(&mut self, ui: &mut Ui) -> Vec<Action> {
         let elapsed_secs = f64::from(ui.input(|input| input.stable_dt));
         if let Some(toy) = self.lab.toy() {
@@ -73,7 +73,7 @@ impl AppModel {
         actions
     }
 
-    /// The map explained, beside it.
+    /// Shows the explanation of the map beside it.
     pub(super) fn explanation(&mut self, ctx: &egui::Context) -> Vec<Action> {
         let counts = self.compute.explorer.counts();
         let seen = Seen {

@@ -1,4 +1,4 @@
-//! The map in the middle of the window: what is drawn there, and what the pointer does to it.
+//! The map in the middle of the window: its drawing, and the pointer's actions on it.
 
 use egui::{Align2, Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo};
 use glam::DVec2;
@@ -12,16 +12,16 @@ use crate::engine::Trust;
 use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::lattice::pitch_rad;
 
-/// What the map under the pointer is.
+/// The sample of the map under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hovered {
-    /// The start of the sample.
+    /// Start of the sample.
     pub start: [Theta; 2],
-    /// What is known of it; nothing while only coarser samples are there.
+    /// Known outcome and trust; none while only coarser samples are known.
     pub outcome: Option<(Outcome, Trust)>,
 }
 
-/// Shows the map and returns what was done to it.
+/// Shows the map and returns the user's actions on it.
 pub fn map(
     ui: &mut Ui,
     state: &AppState,
@@ -58,7 +58,7 @@ pub fn map(
     gesture.actions(state.drawing)
 }
 
-/// What the pointer did, in points from the canvas' middle.
+/// Reads the gesture of the pointer, in points from the middle of the canvas.
 fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
     let from_middle = |at: egui::Pos2| {
         let by = at - rect.center();
@@ -67,7 +67,7 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
     let over = response.hovered() || response.dragged();
     let dragged = response.dragged_by(egui::PointerButton::Primary);
     let drag = dragged_points(ui, response, dragged);
-    // Responses look into the input themselves, which must not happen while it is held below.
+    // Responses read the input themselves, which must not happen while it is locked below.
     let (clicked, double_clicked) = (response.clicked(), response.double_clicked());
     let released = response.drag_stopped();
     ui.input(|input| Gesture {
@@ -83,8 +83,8 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
     })
 }
 
-/// How far the pointer dragged since the last frame. The first frame of a drag has all of it since
-/// the press and the last one what came before the release, or the map would lag behind.
+/// Returns how far the pointer has dragged since the last frame. The first frame of a drag covers
+/// all since the press and the last one what precedes the release, or the map would lag behind.
 fn dragged_points(ui: &Ui, response: &egui::Response, dragged: bool) -> egui::Vec2 {
     if response.drag_started() {
         return response.total_drag_delta().filter(|_| dragged).unwrap_or_default();
@@ -103,11 +103,11 @@ fn dragged_points(ui: &Ui, response: &egui::Response, dragged: bool) -> egui::Ve
     })
 }
 
-/// Points that a touchpad scrolls for a notch of a wheel.
+/// Points of touchpad scrolling that equal one notch of a wheel.
 const POINTS_A_NOTCH: f32 = 50.0;
 
-/// Notches of the wheel since the last frame. Ctrl and the wheel are told as a pinch by egui on
-/// some systems and as a wheel on others; here the wheel always counts, whatever is held.
+/// Returns the notches of the wheel since the last frame. On some systems egui reports Ctrl and the
+/// wheel as a pinch, on others as a wheel; here the wheel always counts, with any key held.
 fn notches(input: &egui::InputState) -> f64 {
     let of = |event: &egui::Event| match event {
         egui::Event::MouseWheel { unit, delta, modifiers, .. } => {
@@ -124,7 +124,7 @@ fn notches(input: &egui::InputState) -> f64 {
     input.events.iter().map(of).sum()
 }
 
-/// How much fingers on a touchpad or a screen enlarge.
+/// Returns the magnification by fingers on a touchpad or a touch screen.
 fn pinch(input: &egui::InputState) -> f64 {
     let touch = input.multi_touch().map(|touch| f64::from(touch.zoom_delta));
     let of = |event: &egui::Event| match event {
@@ -148,7 +148,7 @@ fn draw_layers(painter: &egui::Painter, rect: Rect, state: &AppState) {
     }
 }
 
-/// A ring with a letter for every pin in view.
+/// Draws a ring with a letter for every pin in view.
 fn draw_pins(painter: &egui::Painter, rect: Rect, state: &AppState) {
     let screen = state.screen();
     for pin in state.pins.iter() {
@@ -164,7 +164,7 @@ fn draw_pins(painter: &egui::Painter, rect: Rect, state: &AppState) {
     }
 }
 
-/// The words beside the pointer, above it where there is no room below.
+/// Draws the text beside the pointer, or above it if there is no room below.
 fn draw_hovered(painter: &egui::Painter, rect: Rect, pointer: DVec2, words: &str) {
     let at = position(rect, pointer);
     if at.y > rect.bottom() - 60.0 {
@@ -174,9 +174,9 @@ fn draw_hovered(painter: &egui::Painter, rect: Rect, pointer: DVec2, words: &str
     }
 }
 
-/// Angles, and what becomes of the pendulum.
+/// Describes a sample: its angles and what becomes of the pendulum.
 pub fn words_of(hovered: &Hovered, level: u32) -> String {
-    // As many digits as tell neighbouring samples apart.
+    // Enough digits to tell neighbouring samples apart.
     let digits = (1.0 - pitch_rad(level).log10()).ceil().max(2.0) as usize;
     let [theta1, theta2] = hovered.start.map(|theta| plain(theta, digits));
     let fate = match hovered.outcome {
@@ -194,12 +194,12 @@ pub fn words_of(hovered: &Hovered, level: u32) -> String {
     format!("θ1 {theta1}, θ2 {theta2} rad · {fate}")
 }
 
-/// A number in as many digits; f64 is quicker where it has them.
+/// Formats an angle with a number of decimals; f64 is quicker if it has enough digits.
 fn plain(theta: Theta, digits: usize) -> String {
     if digits < 15 { format!("{:.digits$}", theta.to_f64()) } else { theta.decimal(digits) }
 }
 
-/// What a screen reader says of the map.
+/// Returns the description of the map for screen readers.
 fn spoken(state: &AppState, hovered: Option<Hovered>) -> String {
     let width = state.camera.width_rad;
     let [theta1, theta2] = state.camera.center.map(Theta::to_f64);

@@ -1,15 +1,15 @@
-//! How fast the map is computed lately.
+//! A meter of how fast the map is being computed.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// Counts of the last moments.
+/// Recent readings of a count.
 #[derive(Clone, Debug, Default)]
 pub struct Meter {
     readings: VecDeque<(Instant, u64)>,
 }
 
-/// What counts as lately.
+/// Length of time for which readings count as recent.
 const WINDOW: Duration = Duration::from_millis(1500);
 
 impl Meter {
@@ -23,7 +23,7 @@ impl Meter {
         }
     }
 
-    /// How much a second the count grew, 0 without two readings.
+    /// Returns the growth of the count per second; 0 with fewer than two readings.
     pub fn rate(&self) -> f64 {
         match (self.readings.front(), self.readings.back()) {
             (Some((from, first)), Some((to, last))) if to > from => {

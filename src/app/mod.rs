@@ -1,9 +1,9 @@
-//! The window: a person wanders through the map without ever waiting for it.
+//! The window, in which the user wanders through the map without ever waiting for it.
 //!
-//! Everything a person does becomes an `Action`; actions change the plain state; drawing only
-//! reads it. Panels are functions `(&mut Ui, &State) → Actions`, so that they can be shown and
-//! pictured without a window. What takes time runs on threads of its own and wakes the window
-//! when it has something to show.
+//! Everything the user does becomes an `Action`; actions change the plain state; drawing only reads
+//! it. Panels are functions `(&mut Ui, &State) → Actions`, so that they can be shown and rendered
+//! without a window. Slow work runs on threads of its own and wakes the window when there is
+//! something to show.
 
 pub mod action;
 pub mod camera;

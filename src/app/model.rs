@@ -1,5 +1,5 @@
-//! Everything a window holds but the window itself: the plain state, the compute service, the map renderer,
-//! and what is kept on disk. It shows itself in any egui, so tests need no window.
+//! The app model: a window's plain state, the compute service, the map renderer, and what is saved
+//! on disk; all but the window itself. Any egui can show it, so tests need no window.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -36,37 +36,37 @@ use crate::scene::palette::equalised;
 use crate::scene::{Document, PictureTable, RunTable};
 use crate::tiles::explorer::ViewProgress;
 
-/// How a window is opened.
+/// Options for opening a window.
 #[derive(Clone, Debug)]
 pub struct WindowOptions {
-    /// What it shows; where the window was left, if nothing is said.
+    /// Document to show; if none, the one with which the window was left.
     pub document: Option<Document>,
-    /// How it is computed, as words; as where the window was left, if nothing is said.
+    /// Run table to compute by; if none, that of the document shown.
     pub run: Option<RunTable>,
-    /// Which engine; what it is to compute follows from the words.
+    /// Engine to use; its integration setting follows from the run table.
     pub request: EngineRequest,
-    /// Where settings and bookmarks are.
+    /// Folders of the settings and bookmarks.
     pub folders: Folders,
-    /// Where the window writes what it measured of itself when it closes.
+    /// File for the window's own measurements, written at rest and when it closes.
     pub stats: Option<PathBuf>,
 }
 
-/// What the file dialog was opened for.
+/// The purpose for which the file dialog was opened.
 pub(super) enum Asking {
     Open(FileDialog),
     Export(FileDialog),
 }
 
-/// The things of a window.
+/// The app model behind a window.
 pub struct AppModel {
-    /// What is shown.
+    /// Plain state that is shown.
     pub state: AppState,
-    /// What computes it.
+    /// Service that computes it.
     pub compute: ComputeService,
     pub(super) map_renderer: MapRenderer,
     pub(super) meter: Meter,
     pub(super) store: Store,
-    /// What is kept between runs.
+    /// Settings kept between runs.
     pub settings: Settings,
     pub(super) places: Places,
     pub(super) place_form: PlaceForm,
@@ -76,31 +76,31 @@ pub struct AppModel {
     pub(super) asking: Option<Asking>,
     pub(super) descent: DescentPath,
     pub(super) forecast: Forecast,
-    /// The figures of the lesson.
+    /// Figures of the lesson.
     pub lab: Lab,
     pub(super) request: EngineRequest,
     pub(super) wake: Wake,
-    /// What the file holds, and since when.
+    /// Settings that the file holds, and the time of the last save.
     saved: Option<Settings>,
     saved_at: Instant,
-    /// Lines for the debug panel, from whoever owns the window.
+    /// Lines for the debug panel, set by the owner of the window.
     pub measured: Vec<String>,
-    /// The view that deep colours were last spread over, and whether at its finest level.
+    /// View over which deep colours were last spread, and true if at its finest level.
     spread_for: Option<(Camera, bool)>,
 }
 
-/// How often the settings are kept while the window is used.
+/// Time between saves of the settings while the window is used.
 const SAVE_EVERY: Duration = Duration::from_secs(20);
-/// How long a frame may prepare jobs.
+/// Time that a frame may spend on preparing jobs.
 const WORK: Duration = Duration::from_millis(4);
 
-/// Levels above the finest whose times will do for the colours of a deep view.
+/// Number of levels coarser than the finest whose times suffice for a deep view's colours.
 const COARSER: u32 = 3;
-/// How often the line below tells of what takes longer.
+/// Time between updates of the status line during slow work.
 const DOING: Duration = Duration::from_millis(250);
 
 impl AppModel {
-    /// Reads what was kept and begins to open an engine.
+    /// Loads what was saved and begins to open an engine.
     pub fn new(options: &WindowOptions, wake: Wake) -> Self {
         let mut store = Store::new(&options.folders);
         let Loaded { settings, notice } = store.load();
@@ -151,10 +151,10 @@ impl AppModel {
         }
     }
 
-    /// Aims the engine at what is looked at and takes what it has finished. Says whether there
-    /// is anything new to draw.
+    /// Sets the view target of the engine and takes what it has finished. Returns true if there is
+    /// anything new to draw.
     pub fn work(&mut self) -> bool {
-        // What nobody sees has time.
+        // A hidden map can wait.
         if self.lab_hides_map() {
             return false;
         }
@@ -174,9 +174,9 @@ impl AppModel {
         turn.news || spread || news || foreseen
     }
 
-    /// Spreads the palette over the times of a deep view, once it is whole at a coarse level and
-    /// again at the finest: they lie so close together that it would look flat. What a person
-    /// chose is left alone. Says whether the colours have changed.
+    /// Spreads the palette over the flip times of a deep view, once the view is complete at a
+    /// coarse level and again at the finest: the times lie so close together that it would look
+    /// flat. Colours that the user chose are left alone. Returns true if the colours have changed.
     fn spread_colours(&mut self) -> bool {
         let camera = self.state.target();
         if camera.width_rad >= PictureTable::SPREAD_BELOW_RAD {
@@ -195,7 +195,7 @@ impl AppModel {
             let moved = then.offset_of(camera.center).length() < 0.25 * camera.width_rad;
             moved && (then.width_rad / camera.width_rad).ln().abs() < 0.3
         };
-        // Whether that was at the finest level.
+        // True if the last spread was at the finest level.
         let spread = self.spread_for.filter(|(then, _)| near(then)).map(|(_, fine)| fine);
         if spread == Some(true) {
             return false;
@@ -218,13 +218,13 @@ impl AppModel {
         change
     }
 
-    /// Tells pins what the map has come to know of their pixels.
+    /// Passes to the pins the outcomes that the map now shows for their pixels.
     fn tell_pins(&mut self) {
         let (level, budget_secs) = (self.state.screen().level(), self.state.question.budget.secs);
         let silent = self.state.pins.iter().filter(|pin| pin.told.is_none());
         let silent: Vec<_> = silent.map(|pin| (pin.id, pin.start)).collect();
         for (id, start) in silent {
-            // Another level has other samples, and other answers.
+            // Another level has other samples, with other outcomes.
             if hover::sample_at(start, level)[0] == start
                 && let Some(told) =
                     hover::outcome_at(&mut self.compute.explorer, start, level, budget_secs)
@@ -234,18 +234,18 @@ impl AppModel {
         }
     }
 
-    /// How far the view is.
+    /// Returns the progress of the view.
     pub fn progress(&self) -> ViewProgress {
         self.compute.explorer.progress()
     }
 
-    /// The card's things are gone: everything is put there again.
+    /// Forgets what was on the graphics card, which is gone, so that all is uploaded again.
     pub fn forget_card(&mut self) {
         self.map_renderer = MapRenderer::default();
         self.thumbnails = Thumbnails::default();
     }
 
-    /// One pass of the whole interface. Returns what only the window can do.
+    /// Shows the whole interface once. Returns the effects that only the window can carry out.
     pub fn show(&mut self, ui: &mut Ui) -> Vec<Effect> {
         let ctx = ui.ctx().clone();
         let mut actions = self.keys(&ctx);
@@ -265,8 +265,8 @@ impl AppModel {
         }
         egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
         if self.lab_hides_map() {
-            // On what the frame was cleared with: to fill a window twice costs a program that
-            // draws in software half its frames.
+            // Drawn on the cleared frame without a fill: filling a window twice costs a software
+            // renderer half its frames.
             let frame = egui::Frame::NONE.inner_margin(8);
             egui::CentralPanel::default()
                 .frame(frame)
@@ -285,7 +285,7 @@ impl AppModel {
         self.act(actions)
     }
 
-    /// What the keyboard, the clipboard and dropped files ask for.
+    /// Returns the actions that the keyboard, the clipboard and dropped files ask for.
     fn keys(&self, ctx: &egui::Context) -> Vec<Action> {
         let typing = ctx.egui_wants_keyboard_input();
         let hidden = self.lab_hides_map();
@@ -353,7 +353,7 @@ impl AppModel {
         StatusLine { progress, width_rad, rate, simulated, engine, depth, doing, warning }
     }
 
-    /// Keeps how the window was left.
+    /// Saves the settings, including how the window was left.
     pub fn save(&mut self) {
         let AppState { animate, theme, ui_scale, layers, .. } = self.state;
         self.settings = Settings { animate, theme, ui_scale, layers, ..self.settings.clone() };
@@ -368,14 +368,14 @@ impl AppModel {
         self.saved = Some(self.settings.clone());
     }
 
-    /// Keeps it now and then too, so that a crash costs little.
+    /// Saves the settings now and then too, so that a crash costs little.
     pub fn save_sometimes(&mut self) {
         if self.saved_at.elapsed() > SAVE_EVERY {
             self.save();
         }
     }
 
-    /// Shows a file: a picture of ours or a scene.
+    /// Shows a file: a picture written by this program, or a scene.
     pub(super) fn open(&mut self, path: &Path) {
         match crate::output::read_document(path) {
             Ok(document) => {

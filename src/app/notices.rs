@@ -1,50 +1,50 @@
-//! What the window has to say: plain sentences that stay until they are read.
+//! The notices of the window: plain sentences that stay until they are read.
 
-/// One sentence.
+/// A notice of one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// Its own name.
+    /// Identifier of the notice.
     pub id: u64,
-    /// What happened, and what to do.
+    /// Text that says what happened, and what to do.
     pub text: String,
-    /// Whether something went wrong.
+    /// True if something went wrong.
     pub failure: bool,
 }
 
-/// The sentences shown, the newest last.
+/// The notices shown, the newest last.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Notices {
     list: Vec<Notice>,
     next_id: u64,
 }
 
-/// Shown at once.
+/// Largest number of notices shown at once.
 const MOST: usize = 4;
 
 impl Notices {
-    /// Says something good to know.
+    /// Shows something that is good to know.
     pub fn tell(&mut self, text: impl Into<String>) {
         self.push(text.into(), false);
     }
 
-    /// Says what went wrong and what to do.
+    /// Shows and logs what went wrong and what to do.
     pub fn fail(&mut self, text: impl Into<String>) {
         let text = text.into();
         log::warn!("{text}");
         self.push(text, true);
     }
 
-    /// Takes one away.
+    /// Removes a notice.
     pub fn dismiss(&mut self, id: u64) {
         self.list.retain(|notice| notice.id != id);
     }
 
-    /// Those shown.
+    /// Returns the notices shown.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Notice> {
         self.list.iter()
     }
 
-    /// The same sentence twice is shown once, as the newest.
+    /// Adds a notice; a sentence shown already is moved to the end, not repeated.
     fn push(&mut self, text: String, failure: bool) {
         self.list.retain(|notice| notice.text != text);
         let id = self.next_id;

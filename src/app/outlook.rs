@@ -1,5 +1,5 @@
-//! What the window expects of a view that nobody checks, found in the background once the view is
-//! computed.
+//! The outlook on an unchecked view: how much of it is expected to be right, estimated in the
+//! background once the view is computed.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
@@ -15,10 +15,10 @@ use crate::engine::{Accuracy, EngineError, IntegratorConfig};
 use crate::scene::Scene;
 use crate::tiles::outlook;
 
-/// Pixels of the picture that stands for the view.
+/// Width and height in pixels of the picture that stands for the view.
 const SIZE: [u32; 2] = [64, 64];
 
-/// The outlook of the newest view.
+/// The outlook on the newest view.
 #[derive(Default)]
 pub struct Forecast {
     asked: Option<(Scene, IntegratorConfig)>,
@@ -26,14 +26,14 @@ pub struct Forecast {
     known: Option<Outlook>,
 }
 
-/// A thread that looks at a sample of starts.
+/// A thread that estimates the outlook from a sample of starts.
 struct OutlookThread {
     answer: Receiver<Outlook>,
     stopped: Arc<AtomicBool>,
 }
 
 impl Forecast {
-    /// Asks about another view, unless it was asked about already.
+    /// Asks for the outlook on a view, unless it is the one last asked for.
     pub fn ask(&mut self, scene: Scene, config: IntegratorConfig, wake: &Wake) {
         let asked = Some((scene, config));
         if self.asked == asked {
@@ -47,7 +47,7 @@ impl Forecast {
         let Some((scene, config)) = asked else { return };
         std::thread::spawn(move || match look(&scene, config, &stopped) {
             Ok(Some(outlook)) => {
-                // Nobody listens once another view is asked about.
+                // The receiver is gone once the outlook on another view is asked for.
                 let _ = sender.send(outlook);
                 wake();
             }
@@ -56,12 +56,12 @@ impl Forecast {
         });
     }
 
-    /// Forgets everything: what is shown is checked, or of no level.
+    /// Forgets the outlook, because the view is checked or not computed at `balanced`.
     pub fn forget(&mut self) {
         *self = Forecast::default();
     }
 
-    /// Takes what has been found; whether that is news.
+    /// Takes an outlook that has been found; returns true if there is news.
     pub fn listen(&mut self) -> bool {
         if let Some(flying) = &self.flying {
             match flying.answer.try_recv() {
@@ -74,7 +74,7 @@ impl Forecast {
         false
     }
 
-    /// A warning about the newest view, if it needs one: a short one, and all of it.
+    /// Returns a warning about the newest view, if it needs one: a short form and the full text.
     pub fn warning(&self) -> Option<(String, String)> {
         let outlook = self.known?;
         let percent = 100.0 * (1.0 - outlook.expected_right());
@@ -83,7 +83,7 @@ impl Forecast {
 }
 
 impl AppModel {
-    /// Looks ahead for a view that `balanced` has computed; says whether anything is new.
+    /// Asks for the outlook on a view that `balanced` has computed; returns true if there is news.
     pub(super) fn foresee(&mut self) -> bool {
         let unchecked = self.state.setting == IntegrationSetting::Accuracy(Accuracy::Balanced)
             && !self.state.verify;
@@ -92,7 +92,7 @@ impl AppModel {
             return false;
         }
         let progress = self.progress();
-        // Views on the way down are left before anybody reads of them.
+        // Views passed during a descent are left before anyone could read a warning about them.
         let stays = self.state.moving.is_none() && self.descent.running.is_none();
         if progress.idle && progress.wanted > 0 && stays {
             let scene = self.state.document().scene();

@@ -1,4 +1,4 @@
-//! What is drawn over the colours: the energy curve, the grid of angles, borders of tiles.
+//! The overlays on the colours: the energy curve, the grid of angles, borders of tiles.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
@@ -9,21 +9,21 @@ use crate::scene::Build;
 use crate::scene::lattice::side_rad;
 use crate::tiles::explorer::MOST_CELLS;
 
-/// Points between the nodes at which the energy is looked at.
+/// Distance in points between the nodes at which the energy is evaluated.
 const CURVE_NODE: f64 = 8.0;
 
-/// Where on the canvas' rectangle a point from its middle is.
+/// Returns the position in the canvas' rectangle of a point relative to its middle.
 pub fn position(rect: Rect, point: DVec2) -> Pos2 {
     rect.center() + egui::vec2(point.x as f32, point.y as f32)
 }
 
-/// The energy of starts near a centre, over the bound above which they can never flip.
-/// Differences are kept apart from the centre's own depth, so that no digit is lost however
-/// small the view.
+/// The depth (the negated potential energy) of starts near a centre, minus the bound above which
+/// they can never flip. Differences from the centre are computed separately from its own depth, so
+/// that no digit is lost however small the view.
 struct EnergyDepth {
-    /// At the centre, J.
+    /// Value at the centre in J.
     center: f64,
-    /// P and Q, J, and sine and cosine of the centre's angles.
+    /// P and Q in J, and sine and cosine of the centre's angles.
     weights: [f64; 2],
     sines: [[f64; 2]; 2],
 }
@@ -38,7 +38,7 @@ impl EnergyDepth {
         EnergyDepth { center: depth.to_f64(), weights, sines }
     }
 
-    /// At an offset from the centre, J.
+    /// Returns the value at an offset from the centre, in J.
     fn at(&self, offset: DVec2) -> f64 {
         let rise = |i: usize, by: f64| {
             let half = (by / 2.0).sin();
@@ -49,7 +49,7 @@ impl EnergyDepth {
     }
 }
 
-/// The energy curve as short lines, in points from the canvas' middle.
+/// Returns the energy curve as short lines, in points from the middle of the canvas.
 pub fn energy_curve(screen: &Screen, build: &Build, rule: Rule) -> Vec<[DVec2; 2]> {
     let depth = EnergyDepth::new(build, rule, screen.camera.center);
     let columns = (screen.size.x / CURVE_NODE).ceil() as usize;
@@ -76,7 +76,7 @@ pub fn energy_curve(screen: &Screen, build: &Build, rule: Rule) -> Vec<[DVec2; 2
     lines
 }
 
-/// Where the curve crosses a square, by linear interpolation along its sides (marching squares).
+/// Returns the curve's lines in a square, interpolated along its sides (marching squares).
 fn crossing(corners: [(DVec2, f64); 4]) -> impl Iterator<Item = [DVec2; 2]> {
     let mut points = Vec::new();
     for side in 0..4 {
@@ -89,7 +89,7 @@ fn crossing(corners: [(DVec2, f64); 4]) -> impl Iterator<Item = [DVec2; 2]> {
     (0..pairs).map(move |pair| [points[2 * pair], points[2 * pair + 1]])
 }
 
-/// Draws the energy curve: dark, with a light rim, so that it is seen on every colour.
+/// Draws the energy curve: dark, with a light rim, so that it is visible on every colour.
 pub fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]]) {
     for stroke in
         [Stroke::new(3.0, Color32::from_white_alpha(90)), Stroke::new(1.5, Color32::BLACK)]
@@ -101,30 +101,30 @@ pub fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]]) {
     }
 }
 
-/// A line of the grid: which angle, its value as people write it, and its distance from the
+/// A line of the grid: the angle it marks, its value as people write it, and its distance from the
 /// centre in rad.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridLine {
-    /// 0 for θ1, 1 for θ2.
+    /// Index of the angle: 0 for θ1, 1 for θ2.
     pub axis: usize,
-    /// For example `π/2`.
+    /// Value of the angle, for example `π/2`.
     pub name: String,
-    /// From the centre, rad.
+    /// Offset from the centre in rad.
     pub offset_rad: f64,
 }
 
-/// Distances of grid lines: binary parts of π while they have short names, then 1, 2 and 5 times
-/// a power of ten of it.
+/// The spacing of grid lines: binary fractions of π while they have short names, then π times 1, 2
+/// or 5 times a power of ten.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Spacing {
-    /// π over 2 to this power.
+    /// π divided by 2 to this power.
     Binary(i32),
-    /// So many times π over 10 to this power.
+    /// π times the first number, divided by 10 to the power of the second.
     Decimal(i32, i32),
 }
 
 impl Spacing {
-    /// The finest one that keeps lines at least so far apart.
+    /// Returns the finest spacing that keeps lines at least this far apart, in rad.
     fn at_least(least_rad: f64) -> Self {
         let share = least_rad / std::f64::consts::PI;
         if let Some(power) = (-1..=3).rev().find(|power| 0.5f64.powi(*power) >= share) {
@@ -141,7 +141,7 @@ impl Spacing {
         times.map_or(Spacing::Decimal(1, digits), |times| Spacing::Decimal(times, digits + 1))
     }
 
-    /// The distance of lines, in π.
+    /// Returns the distance between lines in units of π.
     fn step(self) -> Theta {
         match self {
             Spacing::Binary(power) => Theta::from_f64(0.5f64.powi(power)),
@@ -151,7 +151,7 @@ impl Spacing {
         }
     }
 
-    /// A line near a place, in π: 0, or a round number with fewer digits than the lines have.
+    /// Returns a line near a place, in π: 0, or a round number of fewer digits than the lines.
     fn base(self, near: Theta) -> Theta {
         match self {
             Spacing::Binary(_) => Theta::ZERO,
@@ -161,7 +161,7 @@ impl Spacing {
         }
     }
 
-    /// The name of the line so many steps from the base, which is at `share` of π.
+    /// Returns the name of the line this many steps from the base, which is at `share` of π.
     fn name(self, steps: i64, share: Theta) -> String {
         match self {
             _ if share == Theta::ZERO => "0".to_string(),
@@ -173,7 +173,7 @@ impl Spacing {
     }
 }
 
-/// Lines at round parts of π, so many that they are easy to tell apart.
+/// Returns lines at round fractions of π, as many as are easy to tell apart.
 pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     let region = screen.region();
     let spacing = Spacing::at_least(2.0 * region.half_rad[0] / (screen.size.x / 130.0));
@@ -195,7 +195,7 @@ pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     lines
 }
 
-/// `index`/2^`power` of π, as people write it.
+/// Returns the text of `index`/2^`power` of π, as people write it.
 fn binary_part_of_pi(index: i64, power: i32) -> String {
     let (mut above, mut below) = (index, 1i64 << power.max(0));
     if power < 0 {
@@ -238,7 +238,7 @@ pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen) {
     }
 }
 
-/// Words on the map, readable on every colour, and moved as far as it takes to show them whole.
+/// Draws text on the map, readable on every colour and moved as far as needed to show it whole.
 pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
     let galley = painter.layout_no_wrap(text.to_string(), FontId::monospace(11.0), Color32::WHITE);
     let rect = align.anchor_size(at, galley.size()).expand(2.0);
@@ -291,7 +291,7 @@ mod tests {
         // cos θ2 = 1 − 2 cos θ1 at θ1 = 1.3.
         let lit = Theta::from_f64;
         let wanted = lit(1.0) - lit(2.0) * Theta::parse("1.3").unwrap().sin_cos().1;
-        // Newton's steps from the f64 arc cosine.
+        // Newton steps from the f64 arc cosine.
         let exact = (0..4).fold(lit(wanted.to_f64().acos()), |theta, _| {
             let (sin, cos) = theta.sin_cos();
             theta + (cos - wanted) / sin

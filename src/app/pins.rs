@@ -1,4 +1,4 @@
-//! The pixels that a person has pinned, each with its flight.
+//! The pixels that the user has pinned, each with its flight.
 
 use egui::Color32;
 
@@ -7,7 +7,7 @@ use crate::engine::{Question, Trust};
 use crate::physics::{Outcome, Theta};
 use crate::scene::{Build, Scene};
 
-/// How many pins there can be at once.
+/// Largest number of pins at once.
 pub const MOST_PINS: usize = 8;
 
 /// Okabe and Ito's colours, which colour-blind people can tell apart, with grey for their black.
@@ -22,47 +22,47 @@ const COLOURS: [Color32; MOST_PINS] = [
     Color32::from_rgb(0x99, 0x99, 0x99),
 ];
 
-/// A pin's name for as long as the window is open; never given again.
+/// The identifier of a pin, never reused while the window is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PinId(u64);
 
-/// What marks a pin on the map and in the panel: a letter and a colour, never a colour alone.
+/// The mark of a pin on the map and in the panel: a letter and a colour, never a colour alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Badge(usize);
 
 impl Badge {
-    /// A to H.
+    /// Returns the letter, A to H.
     pub fn letter(self) -> char {
         char::from(b'A' + self.0 as u8)
     }
 
-    /// The colour that goes with the letter.
+    /// Returns the colour that goes with the letter.
     pub fn colour(self) -> Color32 {
         COLOURS[self.0]
     }
 }
 
-/// One pinned pixel.
+/// A pinned pixel.
 #[derive(Debug)]
 pub struct Pin {
-    /// Its name.
+    /// Identifier of the pin.
     pub id: PinId,
-    /// θ1 and θ2 of the pixel, rad.
+    /// θ1 and θ2 of the pixel in rad.
     pub start: [Theta; 2],
-    /// θ1 and θ2 of the pixel beside it, rad.
+    /// θ1 and θ2 of the pixel beside it in rad.
     pub neighbour: [Theta; 2],
-    /// Its mark.
+    /// Mark of the pin.
     pub badge: Badge,
-    /// What the map said, once it has.
+    /// Outcome and trust that the map shows, once they are known.
     pub told: Option<(Outcome, Trust)>,
-    /// Its pendulum.
+    /// Flight of its pendulum.
     pub flight: Flight,
-    /// Where that is being watched.
+    /// Playback of the flight.
     pub playback: Playback,
 }
 
 impl Pin {
-    /// The moment that is shown: where it is being watched, as far as that is known yet.
+    /// Returns the moment shown, in s: the playback time, limited to what is known of the flight.
     pub fn shown_secs(&self) -> f64 {
         self.playback.time_secs().min(self.flight.record().end_secs())
     }
@@ -74,31 +74,31 @@ impl Pin {
     }
 }
 
-/// All pins are taken.
+/// The error that all pins are in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("all {MOST_PINS} pins are in use; remove one to pin another pixel")]
 pub struct NoPinLeft;
 
-/// What a person does to a pin.
+/// An action of the user on a pin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PinAction {
-    /// Shows it.
+    /// Shows the pin.
     Select(PinId),
-    /// Takes it off the map.
+    /// Removes the pin from the map.
     Remove(PinId),
-    /// Lets it go on.
+    /// Resumes the playback.
     Play(PinId),
-    /// Stops it where it is.
+    /// Pauses the playback.
     Pause(PinId),
-    /// Lets it go again from rest.
+    /// Plays again from the release.
     Restart(PinId),
-    /// Goes to so many seconds after the release.
+    /// Goes to this many seconds after the release.
     Scrub(PinId, f64),
-    /// So many simulated seconds in a second.
+    /// Sets the playback speed in simulated seconds per second.
     Speed(PinId, f64),
 }
 
-/// All pins, and the physics that they fly by.
+/// All pins, and the physics that their flights follow.
 #[derive(Debug)]
 pub struct Pins {
     build: Build,
@@ -109,7 +109,7 @@ pub struct Pins {
 }
 
 impl Pins {
-    /// None yet, for the pendulum and question of a checked scene.
+    /// Creates an empty list, for the pendulum and question of a checked scene.
     pub fn new(scene: &Scene) -> Self {
         Pins {
             build: scene.build,
@@ -120,38 +120,38 @@ impl Pins {
         }
     }
 
-    /// The pendulum as it is built.
+    /// Returns the pendulum as it is built.
     pub fn build(&self) -> &Build {
         &self.build
     }
 
-    /// The pins in the order in which they were set.
+    /// Returns the pins in the order in which they were set.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Pin> {
         self.list.iter()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no pins.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// The pin that is shown.
+    /// Returns the selected pin, which is the one shown.
     pub fn selected(&self) -> Option<&Pin> {
         self.list.iter().find(|pin| Some(pin.id) == self.selected)
     }
 
-    /// A pin by its name.
+    /// Returns the pin with an identifier.
     pub fn get(&self, id: PinId) -> Option<&Pin> {
         self.list.iter().find(|pin| pin.id == id)
     }
 
-    /// Whether the shown pendulum goes on by itself, so that the window has to be drawn again.
+    /// Returns true if the shown pendulum is playing, so that the window has to be redrawn.
     pub fn is_playing(&self) -> bool {
         self.selected().is_some_and(|pin| pin.playback.is_playing())
     }
 
-    /// Pins a pixel, lets its pendulum go and selects it. `wake` is called from the flight's
-    /// thread whenever there is more to show.
+    /// Pins a pixel, releases its pendulum and selects the pin. The flight's thread calls `wake`
+    /// whenever there is more to show.
     pub fn add(
         &mut self,
         [start, neighbour]: [[Theta; 2]; 2],
@@ -169,15 +169,15 @@ impl Pins {
         Ok(id)
     }
 
-    /// What the map says about a pin's pixel, now that it knows.
+    /// Sets the outcome that the map shows for a pin's pixel.
     pub fn tell(&mut self, id: PinId, told: (Outcome, Trust)) {
         if let Some(pin) = self.get_mut(id) {
             pin.told = Some(told);
         }
     }
 
-    /// Takes what the flights have handed over and moves the shown one's clock on by a frame;
-    /// the others wait where they were left.
+    /// Takes what the flights have computed and advances the clock of the shown pin by a frame; the
+    /// others stay where they were left.
     pub fn advance(&mut self, elapsed_secs: f64) {
         for pin in &mut self.list {
             let shown = self.selected == Some(pin.id);
@@ -185,7 +185,7 @@ impl Pins {
         }
     }
 
-    /// Does what a person asked for; a pin that is gone by now is left alone.
+    /// Does what the user asked for; ignores a pin that no longer exists.
     pub fn apply(&mut self, action: PinAction) {
         match action {
             PinAction::Select(id) => self.select(id),
@@ -202,8 +202,8 @@ impl Pins {
         }
     }
 
-    /// Follows a change of the scene: where the pendulum or the question is another, all pins
-    /// are let go anew, and the map has yet to say what it makes of them.
+    /// Follows a change of the scene: if the pendulum or the question has changed, relaunches all
+    /// flights and forgets the outcomes that the map showed for the pins.
     pub fn relaunch(&mut self, scene: &Scene, wake: impl Fn() + Clone + Send + 'static) {
         let question = Question::from(scene);
         self.build = scene.build;
@@ -233,7 +233,7 @@ impl Pins {
         }
     }
 
-    /// The pin that takes its place is selected, or else the last.
+    /// Removes a pin. If it was selected, selects the one that takes its place, or else the last.
     fn remove(&mut self, id: PinId) {
         let Some(place) = self.list.iter().position(|pin| pin.id == id) else { return };
         self.list.remove(place);

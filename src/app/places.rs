@@ -1,5 +1,5 @@
-//! Bookmarks: places that a person wants to find again. Each is a small picture in a folder; it
-//! carries its scene, as every picture of ours does.
+//! Bookmarks: places that the user wants to find again. Each is a small picture in a folder and
+//! contains its scene, as every picture written by this program does.
 
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -12,21 +12,21 @@ use crate::output::{Destination, Picture, PngError, PngWriter, SafeFile, picture
 /// A place with a name and a small picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bookmark {
-    /// Its name, and that of its file.
+    /// Name of the bookmark and of its file.
     pub name: String,
-    /// The scene and its picture.
+    /// Scene with its picture.
     pub picture: Arc<Picture>,
 }
 
-/// All bookmarks, by name.
+/// All bookmarks, sorted by name.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
-    /// None where nothing is kept: bookmarks then last as long as the window.
+    /// Folder of the files; none if nothing is kept: bookmarks then last as long as the window.
     folder: Option<PathBuf>,
     bookmarks: Vec<Bookmark>,
 }
 
-/// Why a bookmark stays as it is.
+/// The reason why a bookmark could not be changed.
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
     /// A name that no file can have.
@@ -35,29 +35,29 @@ pub enum PlaceError {
          - _ , . + ( ), the first not a dot"
     )]
     Name(String),
-    /// The name is another one's.
+    /// A name that another bookmark has.
     #[error("there is a bookmark called '{0}' already; choose another name")]
     Taken(String),
-    /// It is gone.
+    /// A bookmark that no longer exists.
     #[error("there is no bookmark called '{0}' any more")]
     Missing(String),
-    /// The file could not be changed.
+    /// A file that could not be changed.
     #[error("the bookmark '{name}' could not be {what}: {source}")]
     File {
-        /// Which.
+        /// Name of the bookmark.
         name: String,
-        /// What was to be done.
+        /// Action that failed, such as "renamed".
         what: &'static str,
-        /// Why not.
+        /// Cause of the failure.
         source: PngError,
     },
 }
 
-/// Larger pictures are no bookmarks.
+/// Longest side of a bookmark's picture in pixels; larger pictures are not bookmarks.
 const LONGEST_SIDE: u32 = 1024;
 
 impl Places {
-    /// The bookmarks in these folders; what is none is left alone and said in the log.
+    /// Loads the bookmarks in these folders; logs and leaves alone pictures that are not bookmarks.
     pub fn load(folders: &Folders) -> Self {
         let folder = folders.data.as_ref().map(|folder| folder.join("bookmarks"));
         let mut places = Places { folder, bookmarks: Vec::new() };
@@ -75,18 +75,18 @@ impl Places {
         places
     }
 
-    /// All of them, by name.
+    /// Returns all bookmarks, sorted by name.
     pub fn bookmarks(&self) -> &[Bookmark] {
         &self.bookmarks
     }
 
-    /// A name that no bookmark has yet.
+    /// Returns a name that no bookmark has yet.
     pub fn free_name(&self) -> String {
         let names = (1..).map(|k| format!("place {k}"));
         names.into_iter().find(|name| self.find(name).is_none()).expect("some number is free")
     }
 
-    /// Keeps a place.
+    /// Adds a bookmark.
     pub fn add(&mut self, name: &str, picture: Picture) -> Result<(), PlaceError> {
         let name = self.usable(name, None)?;
         if let Some(path) = self.path(&name) {
@@ -97,7 +97,7 @@ impl Places {
         Ok(())
     }
 
-    /// Gives a place another name.
+    /// Renames a bookmark.
     pub fn rename(&mut self, old: &str, new: &str) -> Result<(), PlaceError> {
         let place = self.find(old).ok_or_else(|| PlaceError::Missing(old.to_string()))?;
         let new = self.usable(new, Some(old))?;
@@ -109,7 +109,7 @@ impl Places {
         Ok(())
     }
 
-    /// Forgets a place.
+    /// Deletes a bookmark.
     pub fn delete(&mut self, name: &str) -> Result<(), PlaceError> {
         let place = self.find(name).ok_or_else(|| PlaceError::Missing(name.to_string()))?;
         match self.path(name).map(std::fs::remove_file) {
@@ -130,8 +130,8 @@ impl Places {
         self.folder.as_ref().map(|folder| folder.join(format!("{name}.png")))
     }
 
-    /// The name without white space around it, if a new bookmark can have it, or the one that
-    /// is called `old` so far.
+    /// Returns the name without white space around it, if a new bookmark, or the one called `old`
+    /// so far, can have it.
     fn usable(&self, name: &str, old: Option<&str>) -> Result<String, PlaceError> {
         let name = name.trim();
         let fits = |c: char| c.is_alphanumeric() || " -_,.+()".contains(c);
@@ -139,7 +139,7 @@ impl Places {
         if !short || !name.chars().all(fits) || name.starts_with('.') {
             return Err(PlaceError::Name(name.to_string()));
         }
-        // Some file systems do not tell capitals from small letters.
+        // Some file systems do not distinguish capitals from small letters.
         let same = |other: &str| other.to_lowercase() == name.to_lowercase();
         let mut others = self.bookmarks.iter().map(|other| other.name.as_str());
         let taken = others.any(|other| same(other) && old != Some(other));
@@ -159,7 +159,7 @@ fn failed<E: Into<PngError>>(name: &str, what: &'static str) -> impl Fn(E) -> Pl
     move |error| PlaceError::File { name: name.to_string(), what, source: error.into() }
 }
 
-/// The name of a file of ours: hidden ones are being written.
+/// Returns the bookmark's name of a PNG file; none if hidden, for then it is still being written.
 fn name_of(path: &Path) -> Option<String> {
     let name = path.file_stem()?.to_str()?;
     (path.extension()? == "png" && !name.starts_with('.')).then(|| name.to_string())

@@ -1,4 +1,4 @@
-//! How the window was left: kept between two runs in `settings.toml`.
+//! The settings, among them how the window was left, kept between runs in `settings.toml`.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,27 +9,27 @@ use super::folders::Folders;
 use crate::output::{Destination, SafeFile};
 use crate::scene::Document;
 
-/// What a person has chosen. Numbers out of range are moved into it, unknown keys ignored: a
-/// window should open.
+/// The choices of the user. Numbers out of range are clamped and unknown keys ignored, so that the
+/// window opens in any case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// Dark or light.
+    /// Theme of the window.
     pub theme: Theme,
-    /// How large everything around the map is.
+    /// Scale of everything around the map.
     pub ui_scale: f32,
-    /// Whether the view moves smoothly.
+    /// True if the view moves smoothly.
     pub animate: bool,
-    /// Whether the window opens where it was left.
+    /// True if the window opens where it was left.
     pub restore: bool,
-    /// MiB of samples that are kept for places seen before.
+    /// Size in MiB of the cache of samples for places seen before.
     pub cache_mib: u32,
     /// Files opened last, the newest first.
     pub recent: Vec<String>,
-    /// Where the window was left.
+    /// Scene shown when the window was left.
     #[serde(with = "as_text", skip_serializing_if = "Option::is_none")]
     pub last_scene: Option<Document>,
-    /// What is drawn over the map.
+    /// Layers drawn over the map.
     pub layers: Layers,
 }
 
@@ -37,7 +37,7 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Theme {
-    /// As the desktop has it.
+    /// The same as the desktop.
     #[default]
     System,
     /// Light on dark.
@@ -46,7 +46,7 @@ pub enum Theme {
     Light,
 }
 
-/// What is drawn over the map.
+/// The layers drawn over the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Layers {
@@ -82,14 +82,14 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// How many recent files are kept.
+    /// Largest number of recent files kept.
     pub const MOST_RECENT: usize = 10;
-    /// How small and large the interface can be.
+    /// Range of the scale of the interface.
     pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
-    /// How little and much can be kept in memory, MiB.
+    /// Range of the size of the cache in MiB.
     pub const CACHE_MIB: std::ops::RangeInclusive<u32> = 64..=65536;
 
-    /// Puts a file first among the recent ones. A path that is no text is not kept.
+    /// Puts a file first among the recent ones. Ignores a path that is not valid UTF-8.
     pub fn remember(&mut self, path: &Path) {
         let Some(path) = path.to_str() else { return };
         self.recent.retain(|other| other != path);
@@ -97,7 +97,7 @@ impl Settings {
         self.recent.truncate(Self::MOST_RECENT);
     }
 
-    /// The same with every number in its range.
+    /// Returns the settings with every number clamped to its range.
     fn sound(mut self) -> Self {
         let scale = if self.ui_scale.is_nan() { 1.0 } else { self.ui_scale };
         self.ui_scale = scale.clamp(*Self::UI_SCALES.start(), *Self::UI_SCALES.end());
@@ -107,8 +107,8 @@ impl Settings {
     }
 }
 
-/// The last scene as the text of its file, so that a scene this program cannot read costs only
-/// itself.
+/// Stores the last scene as the text of its file, so that a scene this program cannot read costs
+/// only itself.
 mod as_text {
     use super::Document;
     use serde::{Deserialize, Deserializer, Serializer};
@@ -127,28 +127,28 @@ mod as_text {
     }
 }
 
-/// The file that settings are kept in, or none.
+/// The file that holds the settings, or none.
 #[derive(Clone, Debug)]
 pub struct Store {
     path: Option<PathBuf>,
 }
 
-/// Settings at the start, and what the person should know about them.
+/// The settings at the start, and what the user should know about them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loaded {
-    /// What was kept, or the defaults.
+    /// Saved settings, or the defaults.
     pub settings: Settings,
-    /// A sentence, where the file could not be used.
+    /// Sentence for the user, if the file could not be used.
     pub notice: Option<String>,
 }
 
 impl Store {
-    /// The file in these folders. Without a folder nothing is ever read or written.
+    /// Returns the store in these folders. Without a folder nothing is ever read or written.
     pub fn new(folders: &Folders) -> Self {
         Store { path: folders.config.as_ref().map(|folder| folder.join("settings.toml")) }
     }
 
-    /// Reads what was kept. A file that is no settings is moved aside and not lost.
+    /// Loads the saved settings. A file that is not valid is moved aside and not lost.
     pub fn load(&mut self) -> Loaded {
         let fresh = |notice| Loaded { settings: Settings::default(), notice };
         let Some(path) = self.path.clone() else { return fresh(None) };
@@ -193,7 +193,7 @@ impl Store {
         )
     }
 
-    /// Keeps settings: the old file stays until the new one is complete.
+    /// Saves the settings; the old file stays until the new one is complete.
     pub fn save(&self, settings: &Settings) -> io::Result<()> {
         let Some(path) = &self.path else { return Ok(()) };
         if let Some(folder) = path.parent() {
@@ -204,7 +204,7 @@ impl Store {
     }
 }
 
-/// Says in the log which keys mean nothing here: those of a newer program, or misspelt ones.
+/// Logs the keys that are unknown: those of a newer program, or misspelt ones.
 fn warn_of_unknown(text: &str) {
     for key in unknown_keys(text) {
         log::warn!("settings.toml: unknown key '{key}' is ignored");

@@ -17,7 +17,7 @@ use super::panels::window::window_panel;
 use crate::lab::Figure;
 
 impl AppModel {
-    /// Shows the panels and collects what was done in them.
+    /// Shows the panels and returns the user's actions in them.
     pub(super) fn side_panel(&mut self, ui: &mut Ui) -> Vec<Action> {
         self.take_answer();
         let mut actions = Vec::new();
@@ -79,7 +79,7 @@ impl AppModel {
         actions
     }
 
-    /// Takes the selected pin's start into a figure of the laboratory.
+    /// Shows buttons that open the selected pin's start in a figure of the laboratory.
     fn lab_buttons(&self, ui: &mut Ui) -> Vec<Action> {
         let Some(pin) = self.state.pins.selected() else { return Vec::new() };
         let mut actions = Vec::new();
@@ -94,7 +94,7 @@ impl AppModel {
         actions
     }
 
-    /// Files opened last.
+    /// Shows the files opened last, and a button that opens another one.
     fn recent(&self, ui: &mut Ui, actions: &mut Vec<Action>) {
         ui.separator();
         if ui.button("Open a picture or scene…").clicked() {

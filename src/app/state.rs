@@ -1,4 +1,4 @@
-//! What the window shows, as plain data, and how actions change it.
+//! The state of the window as plain data, and how actions change it.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ use crate::physics::Theta;
 use crate::scene::{Budget, Build, Document, FlipQuestion, PictureTable, RunTable, Scene, View};
 use crate::tiles::view_target::{Physics, ViewTarget};
 
-/// What opens over or beside the map.
+/// A panel or window that opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialog {
     /// The panels at the side.
@@ -26,112 +26,112 @@ pub enum Dialog {
     Help,
     /// The command palette.
     Commands,
-    /// What the window measures of itself.
+    /// The window's measurements of itself.
     Debug,
 }
 
-/// Which dialogs are open.
+/// The dialogs that are open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OpenDialogs {
-    /// The panels at the side.
+    /// True if the panels at the side are shown.
     pub side: bool,
-    /// The list of keys.
+    /// True if the list of keys is shown.
     pub help: bool,
-    /// The command palette.
+    /// True if the command palette is shown.
     pub commands: bool,
-    /// What the window measures of itself.
+    /// True if the window's measurements of itself are shown.
     pub debug: bool,
-    /// The laboratory.
+    /// True if the laboratory is shown.
     pub lab: bool,
 }
 
-/// What has to be done outside the plain state.
+/// An effect of an action that has to be carried out outside the plain state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// Close the window.
+    /// Closes the window.
     Quit,
-    /// Switch to or from the whole screen.
+    /// Switches between full screen and a window.
     FullScreen,
-    /// Put a text into the clipboard.
+    /// Puts a text into the clipboard.
     Copy(String),
-    /// Let the person choose a file.
+    /// Asks the user for a file.
     AskForFile,
-    /// Read a file and show what is in it.
+    /// Reads a file and shows what is in it.
     Open(PathBuf),
-    /// Open an engine for the setting.
+    /// Opens an engine for the setting.
     Reopen,
-    /// Launch a flight for the pixel of these starts: itself and its neighbour.
+    /// Launches a flight for the pixel with these starts: its own and its neighbour's.
     Pin(Box<[[Theta; 2]; 2]>),
-    /// Begin or stop going deeper by itself.
+    /// Starts or stops an automatic descent.
     GoDeeper,
-    /// Show a figure of the laboratory, or the map again.
+    /// Shows a figure of the laboratory, or the map again.
     Lab(Option<Figure>),
-    /// Open a start in a figure.
+    /// Opens a start in a figure.
     OpenInLab(Figure, [Theta; 2]),
-    /// Show a start on the map.
+    /// Shows a start on the map.
     FromLab([Theta; 2]),
-    /// The pendulums fly by other physics now.
+    /// Relaunches the flights of the pins after a change of the physics.
     Relaunch,
-    /// Lose the graphics device.
+    /// Destroys the graphics device.
     LoseDevice,
 }
 
-/// What the window shows.
+/// The plain state of the window.
 #[derive(Debug)]
 pub struct AppState {
-    /// The pendulum.
+    /// Pendulum that is shown.
     pub build: Build,
-    /// What is asked about it.
+    /// Question that is asked about it.
     pub question: FlipQuestion,
-    /// How it is painted.
+    /// Colours of the map.
     pub picture: PictureTable,
-    /// Whether the times of its colours follow a deep view.
+    /// True if the times of the palette follow a deep view.
     pub spreads: bool,
-    /// How it is computed, as a scene's file says it.
+    /// Run table, as a scene's file states it.
     pub run: RunTable,
-    /// The same, for the engines.
+    /// Integration setting that follows from the run table, for the engines.
     pub setting: IntegrationSetting,
-    /// Whether every pixel is checked.
+    /// True if every pixel is checked.
     pub verify: bool,
-    /// Which kind of engine is wanted.
+    /// Kind of engine that is wanted.
     pub kind: EngineKind,
-    /// Where the window looks now.
+    /// Camera of the current view.
     pub camera: Camera,
-    /// Where it is moving.
+    /// Move in progress, if any.
     pub moving: Option<Move>,
-    /// Whether the map is being dragged.
+    /// True while the map is being dragged.
     pub dragging: bool,
-    /// Where it has been.
+    /// History of visited views.
     pub history: History,
-    /// The canvas in points.
+    /// Size of the canvas in points.
     pub canvas: DVec2,
-    /// Physical pixels a point.
+    /// Physical pixels per point.
     pub pixels_per_point: f64,
-    /// Where the pointer is on the canvas.
+    /// Position of the pointer on the canvas, if it is there.
     pub pointer: Option<DVec2>,
-    /// The rectangle being drawn.
+    /// Rectangle being drawn, if any.
     pub drawing: Option<[DVec2; 2]>,
-    /// What is drawn over the colours.
+    /// Layers drawn over the colours.
     pub layers: Layers,
-    /// Which dialogs are open.
+    /// Dialogs that are open.
     pub shown: OpenDialogs,
-    /// What the window has to say.
+    /// Notices to the user.
     pub notices: Notices,
-    /// The pinned pixels.
+    /// Pinned pixels.
     pub pins: Pins,
-    /// The pin that the last click made.
+    /// Pin that the last click made.
     pub clicked: Option<PinId>,
-    /// Whether moves are smooth.
+    /// True if moves are smooth.
     pub animate: bool,
-    /// Dark, light, or as the system is.
+    /// Theme: dark, light, or that of the system.
     pub theme: Theme,
-    /// The interface's scale.
+    /// Scale of the interface.
     pub ui_scale: f32,
-    /// The window's clock, s.
+    /// Time on the window's clock in s.
     pub now_secs: f64,
 }
 
-/// What a scene asks. A budget that is no other than the automatic one follows the depth.
+/// Returns a scene's question; a budget that equals the automatic one follows the depth.
 pub(super) fn following(scene: &Scene) -> FlipQuestion {
     let budget = scene.question.budget;
     let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view);
@@ -140,7 +140,7 @@ pub(super) fn following(scene: &Scene) -> FlipQuestion {
 }
 
 impl AppState {
-    /// Shows a document, computed as its run table says, which is settled.
+    /// Creates the state of a document whose run table has been resolved to these settings.
     pub fn new(document: &Document, setting: IntegrationSetting, verify: bool) -> Self {
         let scene = document.scene();
         let camera = Camera::from_view(&scene.view);
@@ -179,7 +179,7 @@ impl AppState {
         }
     }
 
-    /// What is shown, as people keep it.
+    /// Returns what is shown as a document.
     pub fn document(&self) -> Document {
         let curve = self.layers.curve;
         Document {
@@ -192,22 +192,22 @@ impl AppState {
         }
     }
 
-    /// What is shown, but for the view.
+    /// Returns the scene that is shown, but with the default view.
     pub fn scene(&self) -> Scene {
         Scene { build: self.build, question: self.question, view: View::default() }
     }
 
-    /// Where the window looks, or is about to.
+    /// Returns the current camera, or the one at the end of a move in progress.
     pub fn target(&self) -> Camera {
         self.moving.map_or(self.camera, |moving| moving.to)
     }
 
-    /// The canvas as it is about to look.
+    /// Returns the canvas as it will look at the end of a move.
     pub fn aimed_screen(&self) -> Screen {
         self.through(self.target())
     }
 
-    /// The canvas as it looks now.
+    /// Returns the canvas as it looks now.
     pub fn screen(&self) -> Screen {
         self.through(self.camera)
     }
@@ -216,7 +216,7 @@ impl AppState {
         Screen { camera, size: self.canvas, pixels_per_point: self.pixels_per_point }
     }
 
-    /// What the scheduler is to compute: of a move, where it ends.
+    /// Returns the view target for the scheduler; during a move, that of its end.
     pub fn view_target(&self, config: IntegratorConfig) -> ViewTarget {
         let screen = self.through(self.target());
         let pointer = self.pointer.map(|point| screen.offset_at(point).to_array());
@@ -227,7 +227,7 @@ impl AppState {
         ViewTarget { physics, budget_secs, region: screen.region(), level: screen.level(), pointer }
     }
 
-    /// Moves on to a moment of the window's clock. Says whether anything is in motion.
+    /// Advances to a moment of the window's clock. Returns true if anything is in motion.
     pub fn tick(&mut self, now_secs: f64) -> bool {
         let elapsed_secs = (now_secs - self.now_secs).max(0.0);
         self.now_secs = now_secs;
@@ -247,7 +247,7 @@ impl AppState {
         self.moving.is_some() || self.pins.is_playing()
     }
 
-    /// Does what a person wants, and says what else has to be done for it.
+    /// Applies an action of the user and returns the effect that remains to be carried out.
     pub fn apply(&mut self, action: Action) -> Option<Effect> {
         match action {
             Action::Look(look) => self.look(look),
@@ -340,7 +340,7 @@ impl AppState {
         }
     }
 
-    /// Moves smoothly, or jumps if that is preferred.
+    /// Moves to a camera: smoothly, or with a jump if the user prefers it.
     pub(super) fn go(&mut self, to: Camera) {
         if self.animate {
             self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs });
@@ -351,7 +351,7 @@ impl AppState {
 
     fn zoom_to_box(&mut self, [a, b]: [DVec2; 2]) {
         let size = (a - b).abs();
-        // A box of a few points is a click that trembled.
+        // A box of a few points is an unsteady click.
         if size.max_element() < 4.0 {
             return;
         }
@@ -361,7 +361,7 @@ impl AppState {
         self.go(there.zoomed(factor, DVec2::ZERO));
     }
 
-    /// The starts of the sample drawn at a point, and of its neighbour to the right.
+    /// Returns the starts of the sample drawn at a point, and of its neighbour to the right.
     fn pixel_at(&self, point: DVec2) -> [[Theta; 2]; 2] {
         let screen = self.screen();
         super::hover::sample_at(screen.angle_at(point), screen.level())
@@ -403,7 +403,7 @@ pub(super) mod tests {
     use crate::engine::{Method, Precision};
     use crate::physics::Scalar;
 
-    /// The home scene in a window.
+    /// Returns the state of a window with the home scene.
     pub fn state() -> AppState {
         AppState::new(&Document::default(), IntegrationSetting::Accuracy(Accuracy::Balanced), false)
     }

@@ -1,6 +1,6 @@
-//! What a window measures of itself: how soon the map is there, how often it is drawn, how fast
-//! it answers, and what it shows. Written by `flipmap explore --stats FILE` whenever the view
-//! is whole and still and when the window closes, shown in the debug panel.
+//! The measurements of a window by itself: how soon the map is there, how often it is drawn, how
+//! fast it responds, and what it shows. `flipmap explore --stats FILE` writes them whenever the
+//! view is complete and still and when the window closes; the debug panel shows them.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -19,11 +19,11 @@ pub struct Stats {
     first_coarse_secs: Option<f64>,
     full_secs: Option<f64>,
     frames: Vec<f32>,
-    /// While the map was dragged and something was computed.
+    /// Frames while the map was dragged and something was computed.
     panning: Stretch,
-    /// While a figure of the laboratory was shown.
+    /// Frames while a figure of the laboratory was shown.
     figure: Stretch,
-    /// When input that no frame has shown yet came in.
+    /// Arrival times of input that no frame has shown yet.
     waiting: Vec<Instant>,
     latencies: Vec<f32>,
 }
@@ -36,7 +36,7 @@ struct Stretch {
     secs: f64,
 }
 
-/// Measurements kept of frames and latencies; an hour's worth.
+/// Largest number of frames and of latencies measured: about an hour's worth.
 const MOST: usize = 1 << 18;
 
 impl Default for Stats {
@@ -58,80 +58,80 @@ impl Default for Stats {
 /// Quantiles of many numbers.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Quantiles {
-    /// How many there are.
+    /// Number of values.
     pub count: usize,
-    /// Half are at most this.
+    /// Median: half of the values are at most this.
     pub p50: f32,
-    /// 95 of 100 are at most this.
+    /// 95th percentile: 95 of 100 values are at most this.
     pub p95: f32,
-    /// All are.
+    /// Largest value.
     pub max: f32,
 }
 
-/// What a window shows and holds.
+/// The state of a window: what it shows and holds.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Holdings {
-    /// The view, as a line that can be pasted.
+    /// Location of the view, as a line that can be pasted.
     pub location: String,
-    /// Width and height of the map, physical pixels; it begins at the window's upper left corner.
+    /// Width and height of the map in physical pixels; it begins at the window's upper left corner.
     pub map_px: [f64; 2],
-    /// Tiles of the finest level in view.
+    /// Number of tiles of the finest level in view.
     pub tiles: usize,
-    /// Those among them that are there.
+    /// Number of those tiles that are computed.
     pub tiles_done: usize,
-    /// Whether nothing is left to compute, not even around the view.
+    /// True if nothing is left to compute, not even around the view.
     pub idle: bool,
-    /// Starts of the pinned pixels, rad.
+    /// Starts of the pinned pixels in rad.
     pub pins: Vec<[f64; 2]>,
-    /// Those among them whose pendulum was followed to its end.
+    /// Number of pins whose pendulum was followed to its end.
     pub flown: usize,
-    /// Sentences that are shown.
+    /// Notices that are shown.
     pub notices: Vec<String>,
-    /// The figure of the laboratory that is shown instead of the map.
+    /// Name of the laboratory's figure that is shown instead of the map.
     pub figure: Option<&'static str>,
-    /// What a person has set in it: the start first.
+    /// Values that the user has set in the figure, the start first.
     pub figure_set: Vec<f64>,
-    /// Starts integrated.
+    /// Number of starts integrated.
     pub simulated: u64,
-    /// Right-hand sides evaluated for them.
+    /// Number of right-hand sides evaluated for them.
     pub rhs_evaluations: u64,
-    /// Bytes of tiles held.
+    /// Size of the cached tiles in bytes.
     pub cache_bytes: usize,
 }
 
-/// Everything measured, as it is written.
+/// All measurements, in the form in which they are written.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct StatsReport {
-    /// What the window shows and holds now.
+    /// Current state of the window.
     #[serde(flatten)]
     pub holdings: Holdings,
-    /// From the start of the program to the first frame, s.
+    /// Time from the start of the program to the first frame, in s.
     pub window_secs: Option<f64>,
-    /// To the first frame with something drawn for every cell in view, s.
+    /// Time to the first frame with something drawn for every cell in view, in s.
     pub first_coarse_secs: Option<f64>,
-    /// To the first frame with the whole view at its finest level, s.
+    /// Time to the first frame with the whole view at its finest level, in s.
     pub full_secs: Option<f64>,
-    /// How long frames took to make and present, ms.
+    /// Time to make and present a frame, in ms.
     pub frame_ms: Option<Quantiles>,
-    /// From input to the frame that shows it, ms; where input came during another frame, from
-    /// that one's beginning, so never too little.
+    /// Latency from input to the frame that shows it, in ms; input that came during another frame
+    /// counts from the beginning of that frame, so the latency is never underestimated.
     pub input_ms: Option<Quantiles>,
-    /// Frames drawn while the map was dragged and something was being computed.
+    /// Number of frames drawn while the map was dragged and something was being computed.
     pub panning_frames: u32,
-    /// How long that was, s.
+    /// Duration of that dragging in s.
     pub panning_secs: f64,
-    /// Frames a second meanwhile.
+    /// Frames per second during that dragging.
     pub panning_fps: Option<f64>,
-    /// How long figures of the laboratory were shown, s.
+    /// Time for which figures of the laboratory were shown, in s.
     pub figure_secs: f64,
-    /// Frames a second meanwhile.
+    /// Frames per second during that time.
     pub figure_fps: Option<f64>,
-    /// The most memory the process ever held, bytes, where the system tells.
+    /// Largest memory the process ever held, in bytes, if the system reports it.
     pub peak_bytes: Option<u64>,
 }
 
 impl Holdings {
-    /// Those of a model.
+    /// Returns the state of the window of a model.
     pub fn of(model: &AppModel) -> Self {
         let (state, explorer) = (&model.state, &model.compute.explorer);
         let (progress, counts) = (explorer.progress(), explorer.counts());
@@ -154,17 +154,17 @@ impl Holdings {
 }
 
 impl Stats {
-    /// Counts from the start of the program.
+    /// Creates empty measurements that count from the start of the program.
     pub fn since(begun: Instant) -> Self {
         Stats { begun, ..Stats::default() }
     }
 
-    /// Input came in that `earliest` could have come.
+    /// Records an input that came at `earliest` or later.
     pub fn input(&mut self, earliest: Instant) {
         self.waiting.push(earliest);
     }
 
-    /// A frame was presented that began at `began`, and shows this much.
+    /// Records a presented frame that began at `began` and shows this progress.
     pub fn frame(&mut self, began: Instant, progress: &ViewProgress, dragging: bool) {
         let now = Instant::now();
         let secs = (now - self.begun).as_secs_f64();
@@ -182,12 +182,12 @@ impl Stats {
         self.panning.frame(now, dragging && !progress.idle);
     }
 
-    /// That frame showed a figure of the laboratory, or none.
+    /// Records whether that frame showed a figure of the laboratory.
     pub fn figure(&mut self, shown: bool) {
         self.figure.frame(Instant::now(), shown);
     }
 
-    /// What was measured so far.
+    /// Returns the measurements so far.
     pub fn report(&self, holdings: Holdings) -> StatsReport {
         StatsReport {
             holdings,
@@ -221,7 +221,7 @@ impl Stretch {
 }
 
 impl StatsReport {
-    /// Lines for people.
+    /// Returns the report as lines of text for people.
     pub fn lines(&self) -> Vec<String> {
         let secs = |name: &str, secs: Option<f64>| secs.map(|secs| format!("{name} {secs:.2} s"));
         let ms = |name: &str, all: Option<Quantiles>| {
@@ -244,7 +244,7 @@ impl StatsReport {
         .collect()
     }
 
-    /// Writes it as JSON.
+    /// Writes the report as JSON.
     pub fn write(&self, path: &Path) -> std::io::Result<()> {
         let mut file = SafeFile::create(&Destination::from(path))?;
         serde_json::to_writer_pretty(&mut file, self).map_err(std::io::Error::other)?;
@@ -270,7 +270,7 @@ fn quantiles(numbers: &[f32]) -> Option<Quantiles> {
     })
 }
 
-/// The largest resident size of this process, from Linux's account of it.
+/// Returns the largest resident size of this process in bytes, as Linux reports it.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

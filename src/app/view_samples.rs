@@ -1,4 +1,4 @@
-//! What is known of the view as samples: for a small picture of it, and for colours that fit it.
+//! The known samples of the view: for a small picture of it, and for colours that fit it.
 
 use glam::DVec2;
 
@@ -12,12 +12,12 @@ use crate::tiles::explorer::{Explorer, MOST_CELLS};
 /// Width and height of a bookmark's picture in pixels.
 pub const THUMBNAIL: [u32; 2] = [192, 144];
 
-/// Flip times of the samples in view that are known at the screen's level.
+/// Returns the known flip times of the samples in view at the screen's level.
 pub fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
     times_at(screen, screen.level(), explorer)
 }
 
-/// The finest of the `most` levels up from the screen's at which all cells in view are known.
+/// Returns the finest level, up to `most` coarser than the screen's, with all cells in view known.
 pub fn whole_level(screen: &Screen, most: u32, explorer: &mut Explorer) -> Option<u32> {
     let finest = screen.level();
     (finest.saturating_sub(most)..=finest).rev().find(|&level| {
@@ -26,7 +26,7 @@ pub fn whole_level(screen: &Screen, most: u32, explorer: &mut Explorer) -> Optio
     })
 }
 
-/// Flip times of the samples in view that are known at a level.
+/// Returns the known flip times of the samples in view at a level.
 pub fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64> {
     let mut times = Vec::new();
     for placed in screen.region().cells(level, MOST_CELLS) {
@@ -38,11 +38,11 @@ pub fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64
     times
 }
 
-/// The view as a small picture, three bytes a pixel; what is not known yet is grey.
+/// Renders the view as a small picture, three bytes per pixel; unknown pixels are grey.
 pub fn thumbnail(screen: &Screen, explorer: &mut Explorer, tones: &Tones) -> Vec<u8> {
     const UNKNOWN: [u8; 3] = [0x80; 3];
     let [width, height] = THUMBNAIL;
-    // The middle of the view in the thumbnail's shape.
+    // The thumbnail shows the middle of the view, cropped to its own shape.
     let scale = (screen.size / DVec2::new(f64::from(width), f64::from(height))).min_element();
     let mut bytes = Vec::with_capacity((3 * width * height) as usize);
     for row in 0..height {
@@ -56,7 +56,7 @@ pub fn thumbnail(screen: &Screen, explorer: &mut Explorer, tones: &Tones) -> Vec
     bytes
 }
 
-/// The finest known sample at a point.
+/// Returns the outcome of the finest known sample at a point.
 fn best_outcome(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<Outcome> {
     let angle = screen.angle_at(point);
     let around = Cell::around(angle, screen.level());

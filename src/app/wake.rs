@@ -1,40 +1,40 @@
-//! What wakes a sleeping window from outside.
+//! Events that wake a sleeping window from outside.
 
 use std::time::{Duration, Instant};
 
-/// Why the window was woken.
+/// The reason why the window was woken.
 #[derive(Debug)]
 pub enum Woken {
     /// Something is to be drawn at this moment.
     Draw(Instant),
-    /// A thread of ours has news.
+    /// A background thread has news.
     News,
     /// The window is to close.
     Quit,
-    /// A screen reader wants something.
+    /// A screen reader has a request.
     Accessibility(accesskit_event::Event),
 }
 
-/// A moment so far away that it never comes.
+/// A delay so long that it never ends.
 const NEVER: Duration = Duration::from_secs(1 << 30);
 
 impl Woken {
-    /// To draw after a delay.
+    /// Returns a request to draw after a delay.
     pub fn after(delay: Duration) -> Self {
         Woken::Draw(Instant::now() + delay.min(NEVER))
     }
 }
 
-/// What screen readers ask for.
+/// Requests of screen readers.
 pub mod accesskit_event {
-    /// A request.
+    /// A request of a screen reader.
     #[derive(Debug)]
     pub enum Event {
-        /// Begin to tell.
+        /// Asks for descriptions of the interface.
         Wanted,
-        /// Do this.
+        /// Asks for this action.
         Action(egui::accesskit::ActionRequest),
-        /// Tell no more.
+        /// Asks for no more descriptions of the interface.
         Unwanted,
     }
 }

@@ -1,4 +1,4 @@
-//! The window of the system: events in, frames out, and sleep between.
+//! The system window: events in, frames out, and sleep in between.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,19 +16,19 @@ use super::state::Effect;
 use super::stats::{Holdings, Stats};
 use super::wake::Woken;
 
-/// Why the window could not be opened or had to close.
+/// The reason why the window could not be opened or had to close.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// No display.
+    /// No display is available.
     #[error("no window can be opened here ({0}); use flipmap render for pictures without a window")]
     Display(#[from] winit::error::EventLoopError),
     /// The system refused the window.
     #[error("the system refused the window: {0}")]
     Window(#[from] winit::error::OsError),
-    /// No graphics.
+    /// No graphics device can draw the window.
     #[error(transparent)]
     Host(#[from] HostError),
-    /// It breaks again and again.
+    /// The graphics device was lost again and again.
     #[error(
         "the graphics device was lost again and again; the view was saved. Update the graphics \
          driver, or look with software graphics"
@@ -37,29 +37,29 @@ pub enum WindowError {
     /// The measurements could not be written.
     #[error("--stats: cannot write {path}: {source}")]
     Stats {
-        /// Where.
+        /// Path of the file.
         path: String,
-        /// Why not.
+        /// Cause of the failure.
         source: std::io::Error,
     },
 }
 
-/// Frames are not drawn faster than this.
+/// Shortest time between two frames.
 const FRAME: Duration = Duration::from_micros(16_600);
-/// New tiles alone wait so long for a frame: drawing takes time from computing.
+/// Time that new tiles alone wait for a frame, since drawing takes time from computing.
 const NEWS: Duration = Duration::from_millis(120);
-/// A device lost more often than this within so long is not opened again.
+/// Largest number of losses within [`LOSSES_WITHIN`] after which the device is opened again.
 const MOST_LOSSES: usize = 5;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
-/// What is there once the system has given a window: the window, its device, and what it shows.
+/// A window that the system has granted, its graphics device, and the model that it shows.
 struct OpenWindow {
     window: Arc<Window>,
     host: EguiHost,
     model: AppModel,
 }
 
-/// A window being run.
+/// The event handler of a running window.
 struct Runner {
     options: WindowOptions,
     proxy: EventLoopProxy<Woken>,
@@ -68,20 +68,20 @@ struct Runner {
     begun: Instant,
     redraw_at: Option<Instant>,
     last_frame: Instant,
-    /// Since when events may have been waiting for this turn of the loop.
+    /// Moment since which events may have been waiting for this turn of the loop.
     input_since: Instant,
-    /// When the device was lost lately.
+    /// Moments of the recent losses of the device.
     losses: Vec<Instant>,
-    /// Whether the measurements were written since the last frame.
+    /// True if the measurements were written since the last frame.
     told: bool,
     failure: Option<WindowError>,
 }
 
-/// Closes a window from any thread, as a person would.
+/// A function that closes a window from any thread, as the user would.
 pub type Closer = Box<dyn Fn() + Send>;
 
 /// Opens a window and runs it until it is closed. `begun` is when the program started; `hand_out`
-/// gets what closes the window from outside.
+/// receives the function that closes the window from outside.
 pub fn run(
     options: WindowOptions,
     begun: Instant,
@@ -90,7 +90,7 @@ pub fn run(
     let event_loop = EventLoop::<Woken>::with_user_event().build()?;
     let closing = event_loop.create_proxy();
     hand_out(Box::new(move || {
-        // Once the loop has ended the window is closed.
+        // Once the loop has ended, the window is closed already.
         let _ = closing.send_event(Woken::Quit);
     }));
     let now = Instant::now();
@@ -118,13 +118,13 @@ impl Runner {
         let model = AppModel::new(
             &self.options,
             Arc::new(move || {
-                // Once the loop has ended there is nobody to wake.
+                // Once the loop has ended, there is nothing to wake.
                 let _ = proxy.send_event(Woken::News);
             }),
         );
         let attributes = Window::default_attributes()
             .with_title("flipmap")
-            // Screen readers must know of it before it is shown.
+            // Screen readers must know of the window before it is shown.
             .with_visible(false)
             .with_inner_size(LogicalSize::new(1280.0, 800.0))
             .with_min_inner_size(LogicalSize::new(320.0, 240.0));
@@ -134,7 +134,7 @@ impl Runner {
         Ok(OpenWindow { window, host, model })
     }
 
-    /// Draws at a moment, or as soon as frames may follow each other.
+    /// Schedules a frame for a moment, or for when it may follow the last frame.
     fn draw_at(&mut self, moment: Instant) {
         let moment = moment.max(self.last_frame + FRAME);
         self.redraw_at = Some(self.redraw_at.map_or(moment, |other| other.min(moment)));
@@ -160,7 +160,7 @@ impl Runner {
             model.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
         }
         model.save_sometimes();
-        // Only now is it known what is looked at.
+        // The view of this frame is known only now.
         let news = if model.work() { NEWS } else { Duration::MAX };
         let moving = moving || model.state.moving.is_some();
         let again =
@@ -175,7 +175,7 @@ impl Runner {
         }
     }
 
-    /// What only the window can do.
+    /// Carries out an effect that only the window can.
     fn affect(&mut self, event_loop: &ActiveEventLoop, effect: Effect) {
         let Some(open) = &mut self.open else { return };
         match effect {
@@ -186,7 +186,7 @@ impl Runner {
             }
             Effect::Copy(text) => open.host.ctx.copy_text(text),
             Effect::LoseDevice => open.host.lose_device(),
-            // The model does the others.
+            // The model carries out the others.
             _ => {}
         }
         self.draw_at(Instant::now());
@@ -215,29 +215,29 @@ impl Runner {
         }
     }
 
-    /// Nothing can be drawn any more: what the person had is kept, and the program says why.
+    /// Saves the settings and closes the window with an error, since nothing can be drawn any more.
     fn give_up(&mut self, event_loop: &ActiveEventLoop, model: &mut AppModel, why: WindowError) {
         model.save();
         self.failure = Some(why);
         event_loop.exit();
     }
 
-    /// A thread has news: jobs are handed on at once, pictures a little later.
+    /// Handles news from a thread: jobs are passed on at once, pictures drawn a little later.
     fn news(&mut self) {
         let Some(open) = &mut self.open else { return };
         open.model.work();
-        // If it was no tile, then a flight, an export or a dialog: the panels tell.
+        // News other than tiles comes from flights, exports and dialogs, which the panels show.
         self.draw_at(self.last_frame + NEWS);
     }
 
-    /// The view is whole and nothing moves: a good moment to tell what was measured, without
-    /// disturbing it.
+    /// Writes the measurements if the view is complete and nothing moves, so that writing does not
+    /// disturb what is measured.
     fn rest(&mut self) {
         let (Some(open), Some(path)) = (&self.open, &self.options.stats) else { return };
         let progress = open.model.progress();
         let still = !open.model.state.dragging && progress.done == progress.wanted;
         if still && !std::mem::replace(&mut self.told, true) {
-            // A file that cannot be written is complained about when the window closes.
+            // The error of a file that cannot be written is reported when the window closes.
             let _ = self.stats.report(Holdings::of(&open.model)).write(path);
         }
     }
@@ -254,7 +254,7 @@ impl Runner {
     }
 }
 
-/// Puts the chosen theme and scale into effect.
+/// Applies the chosen theme and scale.
 fn apply_looks(open: &OpenWindow) {
     let state = &open.model.state;
     let theme = match state.theme {
@@ -266,7 +266,7 @@ fn apply_looks(open: &OpenWindow) {
     open.host.ctx.set_zoom_factor(state.ui_scale);
 }
 
-/// Whether an event is something a person did.
+/// Returns true if an event comes from the user.
 fn is_input(event: &WindowEvent) -> bool {
     matches!(
         event,
@@ -343,7 +343,7 @@ impl ApplicationHandler<Woken> for Runner {
                 event_loop.set_control_flow(ControlFlow::Wait);
             }
         }
-        // Whatever comes from now on ends the wait as it comes.
+        // An event that comes from now on ends the wait at once.
         self.input_since = now;
     }
 

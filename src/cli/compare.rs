@@ -1,4 +1,4 @@
-//! `flipmap compare`: two results of one size, and whether they differ.
+//! `flipmap compare`: compares two results of the same size.
 
 use std::io;
 use std::path::PathBuf;
@@ -13,26 +13,26 @@ use super::options::number;
 
 #[derive(Args, Debug)]
 pub struct Options {
-    /// A .npy array that render --raw wrote, or a PNG
+    /// First result: a .npy array written by render --raw, or a PNG
     a: PathBuf,
-    /// Another one of the same kind and size
+    /// Second result, of the same kind and size
     b: PathBuf,
-    /// Differences up to this do not count: seconds (default 0.001), or of pictures levels of 255
-    /// (default 0)
+    /// Largest difference that does not count, in seconds (default: 0.001), or for pictures in
+    /// levels of 255 (default: 0)
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tolerance: Option<String>,
-    /// The share of pixels that may differ by more
+    /// Share of pixels that may differ by more, 0 to 1
     #[arg(long, value_name = "SHARE", default_value = "0", allow_hyphen_values = true)]
     share: String,
-    /// A picture of the differences: the brighter the larger, red where a class changed
+    /// Picture of the differences to write: brighter for larger ones, red where the class changed
     #[arg(short, long, value_name = "DIFFERENCE.png")]
     output: Option<PathBuf>,
-    /// Print the figures as one JSON object
+    /// Print the results as one JSON object
     #[arg(long)]
     json: bool,
 }
 
-/// Allowed differences of flip times, s.
+/// Default tolerance of flip times in s.
 const TOLERANCE_SECS: f64 = 1e-3;
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
@@ -56,7 +56,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     tell(options, &comparison, times)?;
     if comparison.share() > allowed {
         let why = format!(
-            "{} of {} pixels differ by more than {tolerance}{}; {allowed} is the share allowed",
+            "{} of {} pixels differ by more than {tolerance}{}; the allowed share is {allowed}",
             comparison.differing,
             comparison.pixels,
             if times { " s" } else { " levels" }
@@ -66,7 +66,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compares and draws the differences as they come.
+/// Compares two results and draws their differences row by row.
 fn pictured(
     a: ResultRows,
     b: ResultRows,
@@ -84,7 +84,7 @@ fn pictured(
     Ok(comparison)
 }
 
-/// Dark where two pixels are alike; from the tolerance on brighter with every decade.
+/// Colour of a difference: dark up to the tolerance, then brighter with every decade.
 fn colour(difference: Difference, tolerance: f64) -> [u8; 3] {
     const ALIKE: [u8; 3] = [24; 3];
     match difference {

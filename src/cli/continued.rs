@@ -1,4 +1,4 @@
-//! `--state`: going on where an earlier render of the same scene stopped.
+//! `--state`: resumes where an earlier render of the same scene stopped.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use flipmap::tiles::SavedPixels;
 use super::exit::Exit;
 use super::run_options::prefer_engine;
 
-/// A state file, what was in it, and what goes into it next.
+/// A state file, the state that was in it, and the state to write to it next.
 pub struct Continued {
     path: PathBuf,
     file: SafeFile,
@@ -23,7 +23,7 @@ pub struct Continued {
 }
 
 impl Continued {
-    /// Reads the file if there is one, and makes sure that it can be written.
+    /// Reads the file if it exists, and makes sure that it can be written.
     pub fn open(path: &Path, document: &Document) -> anyhow::Result<Self> {
         if path.as_os_str() == "-" {
             let message = "--state is read and written: name a file, not standard output";
@@ -43,7 +43,7 @@ impl Continued {
         })
     }
 
-    /// Where the engine is free, it is the earlier one.
+    /// Requests the engine of the earlier render, unless the user chose one.
     pub fn prefer_engine(&self, request: EngineRequest) -> EngineRequest {
         match &self.earlier {
             Some(RenderState { ran, .. }) => prefer_engine(request, &ran.engine, &ran.adapter),
@@ -51,7 +51,7 @@ impl Continued {
         }
     }
 
-    /// Refuses to go on with another engine or config, and takes what is known.
+    /// Refuses to resume with another engine or config, and takes over the saved pixels.
     pub fn check_ran(
         &mut self,
         engine: &dyn Engine,
@@ -63,7 +63,7 @@ impl Continued {
                 .check_ran(&ran)
                 .map_err(|why| Exit::Usage(format!("--state {} {why}", self.path.display())))?;
             super::tell(&format!(
-                "flipmap: going on with the {} pixels that {} left",
+                "flipmap: resuming {} pixels from {}",
                 earlier.kept.paused(),
                 self.path.display()
             ));
@@ -73,19 +73,19 @@ impl Continued {
         Ok(())
     }
 
-    /// What is known so far, to be put back when the work is done.
+    /// Takes the saved pixels out; [`Self::put`] puts them back when the work is done.
     pub fn take(&mut self) -> SavedPixels {
         std::mem::take(&mut self.kept)
     }
 
-    /// What is known now.
+    /// Puts in the pixels saved by the work.
     pub fn put(&mut self, kept: SavedPixels) {
         self.kept = kept;
     }
 
-    /// Replaces the file.
+    /// Replaces the file with the new state.
     pub fn write(mut self) -> anyhow::Result<()> {
-        let ran = self.ran.context("a state is written after its engine was chosen")?;
+        let ran = self.ran.context("a state cannot be written before its engine is chosen")?;
         let state = RenderState { ran, document: self.document.text(), kept: self.kept };
         let name = self.path.display();
         state.write(&mut self.file).with_context(|| format!("cannot write {name}"))?;
@@ -104,7 +104,7 @@ fn read(path: &Path, document: &Document) -> Result<RenderState, Exit> {
 
 fn ran(engine: &dyn Engine, config: IntegratorConfig) -> RunRecord {
     let adapter = engine.adapter();
-    // Of the processor "2 threads, AVX2" only the second part matters.
+    // A processor is "2 threads, AVX2", of which only the second part matters.
     let adapter = match (engine.name(), adapter.split_once(", ")) {
         ("cpu", Some((_, set))) => set.to_string(),
         _ => adapter,

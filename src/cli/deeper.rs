@@ -1,4 +1,4 @@
-//! `flipmap deeper`: from a scene down a filament, as far as there is structure.
+//! `flipmap deeper`: descends from a scene along a filament, as far as there is structure.
 
 use std::path::{Path, PathBuf};
 
@@ -18,10 +18,10 @@ pub struct Options {
     scene: SceneOptions,
     #[command(flatten)]
     run: RunOptions,
-    /// Go down to this width in rad
+    /// Width of the view in rad at which to stop, 1e-100 to 1
     #[arg(long, value_name = "RAD", default_value = "1e-20")]
     to: String,
-    /// The views on the way as keys of a film (- for standard output)
+    /// File for the views on the way, as keys of a film (- for standard output)
     #[arg(short, long, value_name = "KEYS.toml")]
     output: Option<PathBuf>,
 }
@@ -51,7 +51,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             }
             DescentStep::Stopped => break,
             DescentStep::End => {
-                super::tell("flipmap: nothing near is left to see; the path ends here");
+                super::tell("flipmap: no structure is left nearby; the path ends here");
                 break;
             }
         }
@@ -59,7 +59,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(file) = &options.output {
         let mut keys = Keys::default();
         for scene in &path {
-            // Without a stop at each view on the way.
+            // Linear, so that the film does not stop at each view on the way.
             keys.append(document.clone().with_scene(scene.clone()), Easing::Linear);
         }
         super::write_whole(file, "-o", keys.text().as_bytes())?;
@@ -67,7 +67,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     if options.output.as_deref() != Some(Path::new("-")) {
         super::say(&location::text(&path[path.len() - 1]))?;
     }
-    // What was found is kept, whatever ended it.
+    // What was found is kept, whatever ended the descent.
     Ok(stop::check()?)
 }
 

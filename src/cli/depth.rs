@@ -1,10 +1,10 @@
-//! What a deep picture rests on: digits, horizon, and where structure ends.
+//! Reports on deep pictures: the digits used, the horizon, and where structure ends.
 
 use flipmap::engine::{DepthStats, IntegratorConfig};
 use flipmap::scene::{Budget, Scene};
 use flipmap::tiles::Counts;
 
-/// What following deep pixels has shown, for machines.
+/// Statistics of deep pixels as a JSON object.
 pub fn depth_object(
     depth: DepthStats,
     config: IntegratorConfig,
@@ -21,21 +21,21 @@ pub fn depth_object(
     })
 }
 
-/// The same for people, and what to do where nothing is left to see.
+/// Prints the statistics of deep pixels, and advice if nothing is left to see.
 pub fn tell_depth(depth: DepthStats, config: IntegratorConfig, scene: &Scene, counts: &Counts) {
     let budget = scene.question.budget;
-    let follows = if budget.auto { ", which follows the depth" } else { "" };
+    let follows = if budget.auto { " (chosen for this depth)" } else { "" };
     if depth.digits == 0 && depth.integrated == 0 {
         super::tell("flipmap: depth: all pixels are forbidden by their energy");
     } else if depth.integrated == 0 {
         super::tell(&format!(
-            "flipmap: depth: all pixels are known from polynomials, in {} digits",
+            "flipmap: depth: all pixels are known from polynomials, computed with {} digits",
             depth.digits
         ));
     } else {
         let [first, last] = depth.begins_secs;
         super::tell(&format!(
-            "flipmap: depth: followed in {} digits to {first:.1} to {last:.1} s, from there in {}; \
+            "flipmap: depth: followed with {} digits for {first:.1} to {last:.1} s, then in {}; \
              trusted {}; a budget of {} s{follows} shows structure down to widths of {:.0e}",
             depth.digits,
             config.precision,
@@ -48,7 +48,7 @@ pub fn tell_depth(depth: DepthStats, config: IntegratorConfig, scene: &Scene, co
         let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view).secs;
         super::tell(&format!(
             "flipmap: warning: nothing flips within the budget of {} s at this depth, so there is \
-             nothing to see; --budget auto takes {auto} s",
+             nothing to see; --budget auto would use {auto} s",
             budget.secs
         ));
     }

@@ -1,4 +1,4 @@
-//! `flipmap doctor`: what is here, what of it can be trusted, and what would be used.
+//! `flipmap doctor`: shows the adapters, which of them can be trusted, and what would be used.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 #[derive(Args, Debug)]
 pub struct Options {
-    /// Measure what each engine makes of each accuracy level, and keep it
+    /// Measure every engine at every accuracy level, and save the profile
     #[arg(long)]
     profile: bool,
     /// Print one JSON object instead of text
@@ -19,7 +19,7 @@ pub struct Options {
     json: bool,
 }
 
-/// What was found out about one adapter.
+/// Findings on one adapter.
 struct AdapterFinding {
     adapter: wgpu::Adapter,
     verdict: Result<Verdict, String>,
@@ -38,7 +38,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     if options.profile {
         let profile = Profile::measure(None);
         if let Err(error) = profile.keep() {
-            super::tell(&format!("flipmap: the profile could not be kept: {error}"));
+            super::tell(&format!("flipmap: the profile could not be saved: {error}"));
         }
     }
     let tell = |text: &str| super::tell(&format!("flipmap: {text}"));
@@ -81,7 +81,7 @@ fn describe_finding(text: &mut String, finding: &AdapterFinding) -> anyhow::Resu
     )?;
     writeln!(
         text,
-        "  limits: buffers of {} MiB, storage bindings of {} MiB, {} workgroups a dispatch",
+        "  limits: buffers of {} MiB, storage bindings of {} MiB, {} workgroups per dispatch",
         limits.max_buffer_size >> 20,
         limits.max_storage_buffer_binding_size >> 20,
         limits.max_compute_workgroups_per_dimension,
@@ -108,9 +108,9 @@ fn describe_finding(text: &mut String, finding: &AdapterFinding) -> anyhow::Resu
     Ok(())
 }
 
-/// What each engine makes of each level.
+/// Writes the performance of each engine at each accuracy level.
 fn describe_profile(text: &mut String, profile: &Profile) -> anyhow::Result<()> {
-    writeln!(text, "\nProfile (flipmap doctor --profile measures it anew):")?;
+    writeln!(text, "\nProfile (flipmap doctor --profile measures it again):")?;
     writeln!(text, "  level     method  setting           precision  µs/pixel  right  engine")?;
     for row in &profile.rows {
         writeln!(

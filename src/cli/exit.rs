@@ -1,4 +1,4 @@
-//! Exit codes, and the one place where errors become words.
+//! Exit codes, and the one place where errors become messages.
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -8,40 +8,40 @@ use flipmap::engine::choice::ChoiceError;
 use flipmap::output;
 use flipmap::scene::{DocumentError, SceneError};
 
-/// What the program did not do, by exit code.
+/// Failures of the program, by exit code.
 #[derive(Debug, thiserror::Error)]
 pub enum Exit {
-    /// Code 2.
+    /// Exit code 2: the command line or one of its files cannot be used.
     #[error("{0}")]
     Usage(String),
-    /// Code 3: what was compared is too different.
+    /// Exit code 3: results differ too much.
     #[error("{0}")]
     Differs(String),
-    /// Code 4: shards are not complete.
+    /// Exit code 4: shards are incomplete.
     #[error("{0}")]
     Missing(String),
-    /// Code 75.
-    #[error("stopped; what was finished is kept: run the same again to go on")]
+    /// Exit code 75: stopped, and can be resumed.
+    #[error("stopped; what was finished is kept: run the same command again to resume")]
     Again,
-    /// Code 130.
+    /// Exit code 130: stopped, and no unfinished file is left.
     #[error("stopped; no unfinished file was left")]
     Interrupted,
-    /// Code 130 too, and what there is all the same.
+    /// Exit code 130: stopped, with a message about the part that is finished.
     #[error("{0}")]
     Partly(String),
 }
 
-/// Prints an error and gives its code.
+/// Prints an error and returns its exit code.
 pub fn report(error: &anyhow::Error) -> ExitCode {
     if output::is_broken_pipe(error.as_ref()) {
         return ExitCode::SUCCESS;
     }
-    // With standard error closed too there is nobody left to tell.
+    // If standard error is closed too, there is nowhere left to report to.
     let _ = writeln!(io::stderr(), "flipmap: {}", sentence(error));
     ExitCode::from(code_of(error))
 }
 
-/// What went wrong and why; of a stop only that.
+/// Describes an error and its causes; for a stop, only the stop.
 fn sentence(error: &anyhow::Error) -> String {
     match error.downcast_ref() {
         Some(stopped @ (Exit::Interrupted | Exit::Again)) => stopped.to_string(),

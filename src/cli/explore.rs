@@ -1,4 +1,4 @@
-//! `flipmap explore`: the window.
+//! `flipmap explore`: opens the map in a window.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,10 +18,10 @@ pub struct Options {
     scene: SceneOptions,
     #[command(flatten)]
     run: RunOptions,
-    /// Neither read nor write settings and bookmarks
+    /// Do not read or write settings and bookmarks
     #[arg(long)]
     no_config: bool,
-    /// Write what the window measured of itself as JSON, whenever the view is whole and at the end
+    /// Write the window's own measurements as JSON whenever the view is complete, and on exit
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
 }
@@ -41,7 +41,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     };
     window::run(options, begun, |close| {
         if let Err(error) = stop::listen_and(close) {
-            log::warn!("signals end the window without saving: {error}");
+            log::warn!("signals will close the window without saving: {error}");
         }
     })?;
     Ok(stop::check()?)

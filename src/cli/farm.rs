@@ -1,4 +1,4 @@
-//! What `video`, `plan`, `run`, `verify` and `merge` have in common.
+//! The code that `video`, `plan`, `run`, `verify` and `merge` share.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use super::progress::{Mode, Progress};
 use super::run_options::prefer_engine;
 use super::stop;
 
-/// Reads a plan and all that follows from it.
+/// Reads a plan and derives its task.
 pub fn open(path: &Path) -> Result<Task, Exit> {
     let refuse = |why: String| Exit::Usage(format!("{} {why}", path.display()));
     let text = std::fs::read_to_string(path)
@@ -25,24 +25,24 @@ pub fn open(path: &Path) -> Result<Task, Exit> {
     Task::new(plan, path).map_err(|why| refuse(why.to_string()))
 }
 
-/// What is there, damaged files named.
+/// Finds the parts that exist already, and prints the names of damaged files.
 pub fn scan(task: &Task) -> anyhow::Result<Parts> {
     let parts = Parts::scan(&task.folder)?;
     for path in parts.damaged() {
         super::tell(&format!(
-            "flipmap: {} is cut short or altered; run computes its samples anew",
+            "flipmap: {} is cut short or altered; flipmap run computes its samples again",
             path.display()
         ));
     }
     Ok(parts)
 }
 
-/// The engine that a plan was made for, unless another is asked for.
+/// Requests the engine that a plan was made for, unless the request names another.
 pub fn wish_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
     prefer_engine(request, &plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
-/// Computes what is missing of some shards. Where nothing is, it hands back what is there.
+/// Computes what is missing from some shards; if nothing is, returns the existing parts.
 pub fn compute(
     task: &Task,
     shards: std::ops::RangeInclusive<u32>,
@@ -94,20 +94,19 @@ fn stopped(error: RunError) -> anyhow::Error {
     }
 }
 
-/// Refuses to join what is not all there.
+/// Returns the parts of a task, or an error if shards are incomplete.
 pub fn complete(task: &Task, plan: &Path) -> anyhow::Result<Parts> {
     let parts = scan(task)?;
     let missing = task.missing_shards(&parts);
     if missing.is_empty() { Ok(parts) } else { Err(lacks(&missing, task, plan).into()) }
 }
 
-/// Which shards are missing, as a failure.
+/// Failure that lists the incomplete shards.
 pub fn lacks(missing: &[u32], task: &Task, plan: &Path) -> Exit {
     let some: Vec<String> = missing.iter().take(8).map(ToString::to_string).collect();
     let more = if missing.len() > some.len() { ", …" } else { "" };
     Exit::Missing(format!(
-        "{} of {} shards are not complete ({}{more}): flipmap run {} --shard N computes what is \
-         missing of them",
+        "{} of {} shards are not complete ({}{more}): complete each with flipmap run {} --shard N",
         missing.len(),
         task.plan.shards,
         some.join(", "),
@@ -133,7 +132,7 @@ pub fn paint(
         spread(task, decades, &mut parts, options, &mut document)?;
     }
     document.picture.check()?;
-    // One scale of colours for all frames: each of them carries it.
+    // All frames share one colour scale, and each of them records it.
     if document.picture.times.is_empty() {
         document.picture.times = merge::tones(film, &document.picture)?.range_secs().to_vec();
     }
@@ -147,13 +146,13 @@ pub fn paint(
     drop(progress);
     painted.map_err(|error| match error {
         MergeError::Stopped => anyhow::Error::from(Exit::Again),
-        // Ctrl-C on a terminal reaches ffmpeg too.
+        // Ctrl-C in a terminal reaches ffmpeg too.
         MergeError::Ffmpeg(_) if stop::asked() => Exit::Again.into(),
         error => error.into(),
     })?;
     let [width, height] = film.size;
     super::tell(&format!(
-        "flipmap: {} frames of {width}x{height} at {} a second in {}",
+        "flipmap: {} frames of {width}x{height} at {} per second in {}",
         film.frames,
         film.fps,
         output.display()
@@ -161,15 +160,15 @@ pub fn paint(
     Ok(())
 }
 
-/// Refuses more or fewer samples than were planned.
+/// Rejects more or fewer samples per pixel than were planned.
 pub fn check_samples(planned: u32, document: &Document) -> Result<(), Exit> {
     if document.picture.samples == planned {
         return Ok(());
     }
-    Err(Exit::Usage(format!("--samples is {planned} in the plan; it cannot change any more")))
+    Err(Exit::Usage(format!("--samples is {planned} in the plan and can no longer change")))
 }
 
-/// How many decades a film zooms through, and the width of its narrowest key in rad.
+/// Number of decades that a film zooms through, and the width of its narrowest key in rad.
 fn depth(film: &Film) -> (f64, f64) {
     let widths = film.keys.iter().map(|key| key.scene.view.width_rad().hi);
     let (least, most) = widths.fold((f64::MAX, 0f64), |(a, b), w| (a.min(w), b.max(w)));
@@ -179,8 +178,8 @@ fn depth(film: &Film) -> (f64, f64) {
 /// Decades of zoom for each run through the palette.
 const DECADES_A_CYCLE: f64 = 2.0;
 
-/// Spreads the colours of a deep film over its own times. Each depth has later ones, so that the
-/// palette is run through again and again; where nobody chose one, it is one without an end.
+/// Spreads the colours of a deep film over its own times. Deeper views flip later, so the film
+/// runs through the palette repeatedly; unless the user chose a palette, it is a cyclic one.
 fn spread(
     task: &Task,
     decades: f64,
@@ -199,20 +198,20 @@ fn spread(
         }
     }
     super::tell(&format!(
-        "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, {}× \
-         through {}; --times budget spreads them over the whole budget",
+        "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, in {} \
+         cycles of {}; --times budget spreads them over the whole budget",
         picture.cycles, picture.palette
     ));
     Ok(())
 }
 
-/// Refuses a film that could not be written.
+/// Rejects a film that could not be written.
 pub fn check_output(output: &Path) -> Result<(), Exit> {
     FilmSink::check(output)
         .map_err(|error| Exit::Usage(format!("-o: cannot write {}: {error}", output.display())))
 }
 
-/// Where the samples of a film are kept when nobody says.
+/// Default folder for the samples of a film.
 pub fn samples_beside(output: &Path) -> PathBuf {
     let mut name = output.file_name().unwrap_or(output.as_os_str()).to_os_string();
     name.push(".samples");

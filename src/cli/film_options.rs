@@ -1,4 +1,4 @@
-//! The options that name a film, and how they become its keys.
+//! The options that describe a film, and their conversion into its keys.
 
 use std::path::Path;
 use std::str::FromStr;
@@ -16,23 +16,24 @@ use super::run_options::{RunOptions, RunSpec};
 
 #[derive(Args, Debug, Default)]
 pub struct FilmOptions {
-    /// A file of keys (.toml), or two or more scenes: .toml, .png that flipmap wrote, or built-in
+    /// A .toml file of keys, or two or more scenes (.toml, .png written by flipmap, or built-in)
     #[arg(value_name = "KEYS.toml|SCENE")]
     scenes: Vec<String>,
-    /// Zoom to this scene, from home or from the one scene named
+    /// Zoom to this scene, starting from home or from the one scene given
     #[arg(long, value_name = "SCENE")]
     zoom_to: Option<String>,
-    /// One view in which something changes: time, budget, gravity, masses or lengths, as in
-    /// time=0..30 or masses=1,1..1,5
+    /// Keep one view and vary time, budget, gravity, masses or lengths, as in time=0..30 or
+    /// masses=1,1..1,5
     #[arg(long, value_name = "WHAT=FROM..TO", allow_hyphen_values = true)]
     vary: Option<String>,
-    /// Length of the film (default: the keys', else 1.5 s for a decade of zoom, 10 s in one view)
+    /// Length of the film (default: that of the keys, else 1.5 s per decade of zoom, 10 s for one
+    /// view)
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     secs: Option<String>,
-    /// Number of frames (default: what the length needs)
+    /// Number of frames (default: as many as the length needs)
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     frames: Option<String>,
-    /// Frames a second (default 30)
+    /// Frames per second (default: 30)
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     fps: Option<String>,
     #[command(flatten)]
@@ -43,29 +44,32 @@ pub struct FilmOptions {
     pub picture: PictureOptions,
 }
 
-/// Seconds of film for a decade of zoom, and for a view that stays.
+/// Seconds of film per decade of zoom.
 const SECS_A_DECADE: f64 = 1.5;
+/// Seconds of film for a view that does not move.
 const SECS_IN_PLACE: f64 = 10.0;
+/// Minimum seconds of film between two scenes.
 const LEAST_SECS: f64 = 2.0;
-/// Frames a second where nobody says.
+/// Default frames per second.
 const FPS: f64 = 30.0;
-/// Samples a pixel along each axis where nobody says.
+/// Default samples per pixel along each axis.
 const SAMPLES: u32 = 2;
 
 impl FilmOptions {
-    /// Whether a film is meant at all.
+    /// Returns true if the options describe a film and not a still.
     pub fn says_film(&self) -> bool {
         let one_scene = self.scenes.len() < 2 && !self.scenes.iter().any(|name| is_keys(name));
         let said = [&self.vary, &self.zoom_to, &self.secs, &self.frames, &self.fps];
         !one_scene || said.into_iter().any(Option::is_some)
     }
 
-    /// The scene of a still.
+    /// Name of the scene of a still, if one was given.
     pub fn scene(&self) -> Option<String> {
         self.scenes.first().cloned()
     }
 
-    /// The film, checked, and how it is computed; colours and run stand in its first key.
+    /// Returns the checked film and its run settings; all keys get the picture and run tables of
+    /// the first.
     pub fn film(&self) -> anyhow::Result<(Film, RunSpec)> {
         let mut keys = self.keys()?;
         for key in &mut keys {
@@ -95,7 +99,7 @@ impl FilmOptions {
     fn keys(&self) -> anyhow::Result<Vec<Key>> {
         let usage = |message: &str| Err(Exit::Usage(message.to_string()).into());
         match (&self.scenes[..], &self.zoom_to, &self.vary) {
-            (_, Some(_), Some(_)) => usage("--zoom-to and --vary are two films: give one of them"),
+            (_, Some(_), Some(_)) => usage("--zoom-to and --vary exclude each other; give one"),
             ([] | [_], Some(to), None) => self.zoom(to),
             ([] | [_], None, Some(vary)) => varied(self.from()?, vary),
             ([keys], None, None) if is_toml(keys) => Ok(read_keys(keys)?),
@@ -105,7 +109,7 @@ impl FilmOptions {
                 Ok(spaced(scenes?))
             }
             _ => usage(
-                "a film needs a file of keys, two scenes or more, --zoom-to SCENE, or --vary \
+                "a film needs a file of keys, two or more scenes, --zoom-to SCENE, or --vary \
                  WHAT=FROM..TO",
             ),
         }
@@ -115,10 +119,10 @@ impl FilmOptions {
         self.scenes.first().map_or_else(|| Ok(Document::default()), |name| load(name))
     }
 
-    /// From home, or the scene named, with what is asked there.
+    /// Keys of a zoom to a scene, from the named one or from home with the target's own question.
     fn zoom(&self, to: &str) -> anyhow::Result<Vec<Key>> {
         let mut to = load(to)?;
-        // Those are for the view at the end, not for the way there.
+        // These times suit the view at the end, not the zoom towards it.
         to.picture.times.clear();
         let from = match self.scenes.first() {
             Some(name) => load(name)?,
@@ -127,7 +131,7 @@ impl FilmOptions {
         Ok(spaced(vec![from, to]))
     }
 
-    /// The keys at their times, and the frames.
+    /// Scales the keys to the requested length, and settles the number of frames and their rate.
     fn timed(&self, mut keys: Vec<Key>, size: [u32; 2]) -> Result<Film, Exit> {
         let said = |option: &str, text: &Option<String>, least: f64, most: f64| match text {
             None => Ok(None),
@@ -171,7 +175,7 @@ fn is_toml(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
 }
 
-/// Whether a file holds keys and not a scene.
+/// Returns true if a file holds keys and not a scene.
 fn is_keys(name: &str) -> bool {
     is_toml(name) && std::fs::read_to_string(name).is_ok_and(|text| text.contains("[[key]]"))
 }
@@ -182,14 +186,14 @@ fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {
         .map_err(|error| refuse(&format!("cannot be read: {error}")))?;
     if !text.contains("[[key]]") {
         return Err(refuse(
-            &"there are no keys in it, each of which begins with a line [[key]]; a film of one \
-              scene needs --zoom-to or --vary, a plan needs run and merge",
+            &"there are no keys in it (each begins with a line [[key]]); a film of one scene \
+              needs --zoom-to or --vary, and a plan is for flipmap run and merge",
         ));
     }
     Ok(Keys::parse(&text).map_err(|why| refuse(&why))?.keys)
 }
 
-/// Scenes one after the other, at one visible speed.
+/// Keys of a zoom through scenes in order, at a constant visible speed.
 fn spaced(scenes: Vec<Document>) -> Vec<Key> {
     let mut secs = 0.0;
     let mut before: Option<f64> = None;
@@ -205,11 +209,11 @@ fn spaced(scenes: Vec<Document>) -> Vec<Key> {
     scenes.into_iter().map(key).collect()
 }
 
-/// One view in which something changes.
+/// Keys of one view in which one quantity changes.
 fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
     let wrong = || {
         Exit::Usage(format!(
-            "--vary is '{vary}'; it must be time, budget, gravity, masses or lengths and two \
+            "--vary is '{vary}'; it must be time, budget, gravity, masses or lengths with two \
              values, as in time=0..30 or masses=1,1..1,5"
         ))
     };
@@ -226,7 +230,7 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
         match word {
             "time" => {
                 key.clock = Some(one()?);
-                // As long as time runs there are flips to be seen.
+                // The budget reaches the latest time, so that flips can be seen until then.
                 let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
                 let budget = &mut key.scene.question.budget;
                 budget.secs = budget.secs.max(latest);
@@ -244,7 +248,7 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
     Ok(vec![key(0.0, from)?, key(SECS_IN_PLACE, to)?])
 }
 
-/// Refuses keys that were made at different sizes, unless one is said.
+/// Rejects keys that were made at different sizes, unless `--size` gives one.
 fn same_sizes(keys: &[Key], run: &RunOptions) -> Result<(), Exit> {
     let sizes: Vec<[u32; 2]> = keys.iter().filter_map(|key| key.scene.run.size).collect();
     let other = sizes.iter().position(|size| *size != sizes[0]);

@@ -1,4 +1,4 @@
-//! `flipmap report --hunt`: random scenes in which `exact` is put to the test.
+//! `flipmap report --hunt`: tests `exact` on random scenes.
 
 use std::io::Write;
 use std::path::Path;
@@ -11,10 +11,10 @@ use flipmap::report::hunt::{Hunt, WrongPixel};
 use super::exit::Exit;
 use super::stop;
 
-/// Hunts, and keeps what was found in `hunt.json` after every window.
+/// Hunts for wrong pixels, and writes the findings to `hunt.json` after every window.
 pub fn run(minutes: f64, seed: u64, folder: &Path, request: &EngineRequest) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
-        .with_context(|| format!("-o: cannot make {}", folder.display()))?;
+        .with_context(|| format!("-o: cannot create {}", folder.display()))?;
     let path = folder.join("hunt.json");
     write(&path, &Hunt { seed, ..Hunt::default() })?;
     stop::listen()?;
@@ -29,9 +29,9 @@ pub fn run(minutes: f64, seed: u64, folder: &Path, request: &EngineRequest) -> a
     }
     let Hunt { windows, simulated, marked, judged, untold, .. } = hunt;
     super::tell(&format!(
-        "flipmap: hunted with seed {seed} through {windows} windows, {simulated} simulated pixels: {marked} \
-         marked, {judged} judged ({untold} that nobody can tell), {known} wrong and not marked; \
-         {} has them",
+        "flipmap: seed {seed}: {windows} windows with {simulated} simulated pixels: {marked} \
+         marked, {judged} judged ({untold} undecidable), {known} wrong and not marked; details \
+         are in {}",
         path.display()
     ));
     if known > 0 {
@@ -44,7 +44,7 @@ fn tell(wrong: &WrongPixel) {
     let [column, row] = wrong.pixel;
     let WrongPixel { given, truth, command, .. } = wrong;
     super::tell(&format!(
-        "flipmap: pixel ({column}, {row}) says {given}, true is {truth}: {command}"
+        "flipmap: pixel ({column}, {row}) has {given} instead of {truth}: {command}"
     ));
 }
 

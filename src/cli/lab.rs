@@ -1,4 +1,4 @@
-//! `flipmap lab`: a figure of the lesson as a still or as data.
+//! `flipmap lab`: writes a figure of the lesson as a still or as data.
 
 use std::path::PathBuf;
 
@@ -15,29 +15,29 @@ use super::run_options::sides;
 
 #[derive(Args, Debug)]
 pub struct Options {
-    /// single, ghost, double, machine, integrators, twenty or map
+    /// Name of the figure: single, ghost, double, machine, integrators, twenty or map
     name: String,
-    /// A picture of the figure
+    /// Picture of the figure to write (- for standard output)
     #[arg(short, long, value_name = "STILL.png")]
     output: Option<PathBuf>,
-    /// Its data (- for standard output)
+    /// Data of the figure to write (- for standard output)
     #[arg(long, value_name = "DATA.csv")]
     csv: Option<PathBuf>,
-    /// Seconds after its start at which the picture is taken, and until which there are data
+    /// Seconds after the figure's start at which to take the picture and end the data, 0 to 600
     #[arg(long, value_name = "SECONDS", default_value = "10", allow_hyphen_values = true)]
     at: String,
-    /// Width and height of the picture in pixels
+    /// Width and height of the picture in pixels, each 320 to 8192
     #[arg(long, value_name = "WxH", default_value = "1280x800")]
     size: String,
 }
 
-/// Seconds that a figure may be followed.
+/// Maximum seconds for which a figure may be followed.
 const MOST_SECS: f64 = 600.0;
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let figure = Figure::named(&options.name).ok_or_else(|| {
         let names = Figure::names();
-        Exit::Usage(format!("there is no figure called '{}'; there are {names}", options.name))
+        Exit::Usage(format!("there is no figure called '{}'; choose one of {names}", options.name))
     })?;
     let secs = number(&options.at).filter(|secs| (0.0..=MOST_SECS).contains(secs));
     let secs = secs.ok_or_else(|| {
@@ -61,7 +61,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The figure that is the explorer itself, of which a small map is computed here.
+/// Writes the map figure: in the window it is the explorer itself; here a small map is computed.
 fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
     let map = home_map(MAP_SIDE)?;
     if let Some(path) = &options.csv {
@@ -79,13 +79,13 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Pixels along each side of that map.
+/// Number of pixels along each side of that map.
 const MAP_SIDE: u32 = 512;
 
 fn size(text: &str) -> Result<[u32; 2], Exit> {
     let fits = |size: &[u32; 2]| size.iter().all(|side| (320..=8192).contains(side));
     sides(text).filter(fits).ok_or_else(|| {
-        Exit::Usage(format!("--size is '{text}'; it must be WxH, each 320 to 8192 pixels"))
+        Exit::Usage(format!("--size is '{text}'; it must be WxH, each between 320 and 8192 pixels"))
     })
 }
 

@@ -1,4 +1,4 @@
-//! The command line: typed options become a scene and a job.
+//! The command line: turns typed options into a scene and a job.
 
 mod compare;
 mod continued;
@@ -6,10 +6,12 @@ mod deeper;
 mod depth;
 mod doctor;
 pub mod exit;
+#[cfg(feature = "window")]
 mod explore;
 mod farm;
 mod film_options;
 mod hunt;
+#[cfg(feature = "window")]
 mod lab;
 mod options;
 mod outputs;
@@ -27,11 +29,13 @@ mod video;
 use std::path::Path;
 
 use anyhow::Context;
+#[cfg(not(feature = "window"))]
+use clap::{CommandFactory, error::ErrorKind};
 use clap::{Parser, Subcommand};
 use flipmap::output::{Destination, SafeFile};
 
-/// Every possible double pendulum at once: each pixel is a pendulum let go at rest at
-/// (θ1, θ2), its colour the time until its second bob flips over the top.
+/// Draw every possible double pendulum at once: each pixel is a pendulum released from rest at
+/// (θ1, θ2), coloured by the time until its second bob flips over the top.
 #[derive(Parser)]
 #[command(version, max_term_width = 100)]
 struct Cli {
@@ -41,37 +45,40 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Wander through the map in a window (the default).
+    /// Explore the map in a window (the default).
+    #[cfg(feature = "window")]
     Explore(Box<explore::Options>),
-    /// Draw a map to a picture, an array of flip times, or both.
+    /// Render a map as a picture, an array of flip times, or both.
     Render(Box<render::Options>),
-    /// Follow a filament from a scene to a deeper one that still has structure.
+    /// Find a deeper scene that still has structure by zooming in along a filament.
     Deeper(Box<deeper::Options>),
-    /// Make a film: a zoom, a walk through scenes, or one view in which something changes.
+    /// Make a film: a zoom, a tour of several scenes, or one view in which a parameter changes.
     Video(Box<video::Options>),
-    /// Plan a large still or a film in shards.
+    /// Plan a large still or a film as shards that can be computed independently.
     Plan(Box<plan::PlanOptions>),
-    /// Compute what is missing of a plan's shards; code 75 when stopped, then run again.
+    /// Compute what is missing from a plan's shards; exits with 75 if stopped (rerun to resume).
     Run(plan::RunShards),
-    /// Print the shards that are not complete; code 4 if there are any.
+    /// Print the numbers of a plan's incomplete shards; exits with 4 if there are any.
     Verify(plan::VerifyOptions),
-    /// Join a plan's shards when they are complete: a still's files, or a film (-o FILM.mp4, FOLDER).
+    /// Merge a plan's complete shards into a still's files or a film (-o FILM.mp4 or -o FOLDER).
     Merge(Box<plan::MergeOptions>),
-    /// Follow one pendulum with the gold standard: t, angles, speeds, energy error, flips.
+    /// Trace one pendulum with the gold standard: time, angles, speeds, energy error and flips.
     Trace(Box<trace::Options>),
-    /// Compare two results of one size; code 3 where they differ too much.
+    /// Compare two results of the same size; exits with 3 if they differ too much.
     Compare(compare::Options),
-    /// Draw a live figure of the lesson as a still, or write its data.
+    /// Draw one of the lesson's live figures as a still, or write its data.
+    #[cfg(feature = "window")]
     Lab(lab::Options),
-    /// Measure the engines of this machine, speed against error, and write a report.
+    /// Measure this machine's engines, speed against error, and write a report.
     Report(report::Options),
-    /// Show the adapters, check their arithmetic, and say what would be used and why.
+    /// List the graphics adapters, check their arithmetic, and show what would be used and why.
     Doctor(doctor::Options),
 }
 
-/// Runs the program.
+/// Parses the command line and runs the subcommand.
 pub fn run() -> anyhow::Result<()> {
-    match Cli::parse().verb.unwrap_or(Verb::Explore(Box::default())) {
+    match Cli::parse().verb.unwrap_or_else(default_verb) {
+        #[cfg(feature = "window")]
         Verb::Explore(options) => explore::run(&options),
         Verb::Render(options) => render::run(&options),
         Verb::Deeper(options) => deeper::run(&options),
@@ -82,25 +89,38 @@ pub fn run() -> anyhow::Result<()> {
         Verb::Merge(options) => plan::merge(&options),
         Verb::Trace(options) => trace::run(&options),
         Verb::Compare(options) => compare::run(&options),
+        #[cfg(feature = "window")]
         Verb::Lab(options) => lab::run(&options),
         Verb::Report(options) => report::run(&options),
         Verb::Doctor(options) => doctor::run(&options),
     }
 }
 
-/// Prints to standard error; with nobody reading there it is nobody's error.
+#[cfg(feature = "window")]
+fn default_verb() -> Verb {
+    Verb::Explore(Box::default())
+}
+
+/// Exits with a usage error: the default subcommand needs the window.
+#[cfg(not(feature = "window"))]
+fn default_verb() -> Verb {
+    let text = "this build has no window; give a subcommand, as in flipmap render -o map.png";
+    Cli::command().error(ErrorKind::MissingSubcommand, text).exit()
+}
+
+/// Prints a line to standard error; a failure is ignored, as there is nowhere left to report it.
 fn tell(text: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Prints to standard output; a reader that has gone away is an ordinary error.
+/// Prints a line to standard output; a closed pipe is an ordinary error.
 fn say(text: &str) -> anyhow::Result<()> {
     use std::io::Write;
     Ok(writeln!(std::io::stdout(), "{text}")?)
 }
 
-/// A file (- for standard output) with these bytes, or which option could not be obeyed.
+/// Writes a whole file (- for standard output); the error names the option that asked for it.
 fn write_whole(path: &Path, option: &str, bytes: &[u8]) -> anyhow::Result<()> {
     let destination = Destination::from(path);
     SafeFile::write_whole(&destination, bytes)

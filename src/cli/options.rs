@@ -1,4 +1,4 @@
-//! The options that name a scene, and how they become a checked document.
+//! The options that describe a scene, and their conversion into a checked document.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use flipmap::scene::{BuiltIn, Document, SceneError, Word};
 
 use super::exit::Exit;
 
-/// What to compute.
+/// Options that name and change a scene.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneOptions {
@@ -18,20 +18,20 @@ pub struct SceneOptions {
     pub words: SceneWords,
 }
 
-/// What to change in it.
+/// Options that change single values of a scene.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneWords {
-    /// Centre of the view in rad, as many digits as you like
+    /// Centre of the view in rad, with any number of digits
     #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
     center: Option<String>,
     /// Width of the view in rad
     #[arg(long, allow_hyphen_values = true)]
     width: Option<String>,
-    /// Simulated seconds a pixel may use
+    /// Simulated seconds that each pixel may use, 1e-9 to 1e6, or auto
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     budget: Option<String>,
-    /// Which bob is watched: second, first or either
+    /// Bob whose flip is watched: second, first or either
     #[arg(long)]
     rule: Option<String>,
     /// Masses in kg
@@ -40,27 +40,28 @@ pub struct SceneWords {
     /// Lengths in m
     #[arg(long, value_name = "l1,l2", allow_hyphen_values = true)]
     lengths: Option<String>,
-    /// Gravity in m/s²
+    /// Gravitational acceleration in m/s²
     #[arg(long, allow_hyphen_values = true)]
     gravity: Option<String>,
-    /// points: bobs on massless rods; rods: uniform bars
+    /// Kind of pendulum: points (bobs on massless rods) or rods (uniform bars)
     #[arg(long)]
     kind: Option<String>,
-    /// Turn the picture anticlockwise on the plane
+    /// Rotate the picture anticlockwise in the plane, by -360 to 360 degrees
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     rotate: Option<String>,
-    /// Stretch the picture vertically
+    /// Stretch the picture vertically by this factor, 1e-6 to 1e6
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     stretch: Option<String>,
 }
 
 impl SceneOptions {
-    /// Whether a scene was named or an option given.
+    #[cfg(feature = "window")]
+    /// Returns true if a scene was named or any of the options was given.
     pub fn says_something(&self) -> bool {
         self.scene.is_some() || self.words.said().iter().any(|(_, said)| said.is_some())
     }
 
-    /// The scene named, changed by the options, and checked.
+    /// Loads the named scene, applies the options, and checks the result.
     pub fn document(&self) -> anyhow::Result<Document> {
         let document = match &self.scene {
             Some(scene) => load(scene)?,
@@ -71,7 +72,7 @@ impl SceneOptions {
 }
 
 impl SceneWords {
-    /// A document changed by the options, and checked.
+    /// Applies the options to a document and checks the result.
     pub fn apply(&self, document: Document) -> Result<Document, SceneError> {
         let mut scene = document.scene();
         for (word, said) in self.said() {
@@ -99,10 +100,10 @@ impl SceneWords {
 }
 
 fn scene_help() -> String {
-    format!("A .toml scene, a .png that flipmap wrote, or a built-in scene: {}", BuiltIn::names())
+    format!("A .toml scene, a .png written by flipmap, or a built-in scene: {}", BuiltIn::names())
 }
 
-/// Replaces `value` by what an option says, or names the option in the refusal.
+/// Sets `value` from an option's text, if given; a usage error names the option.
 pub fn set<T, Why: std::fmt::Display>(
     value: &mut T,
     option: &str,
@@ -115,12 +116,12 @@ pub fn set<T, Why: std::fmt::Display>(
     Ok(())
 }
 
-/// A plain number.
+/// Parses a number.
 pub fn number(text: &str) -> Option<f64> {
     text.trim().parse().ok()
 }
 
-/// A scene from a file or by name.
+/// Loads a scene from a file, or a built-in one by its name.
 pub fn load(scene: &str) -> anyhow::Result<Document> {
     if let Some(built_in) = BuiltIn::named(scene) {
         return Ok(built_in.document());
@@ -128,7 +129,7 @@ pub fn load(scene: &str) -> anyhow::Result<Document> {
     match read_document(Path::new(scene)) {
         Ok(document) => Ok(document),
         Err(ReadError::Kind { .. }) => Err(Exit::Usage(format!(
-            "no scene '{scene}': name a .toml file, a .png that flipmap wrote, or one of {}",
+            "no scene '{scene}': give a .toml file, a .png written by flipmap, or one of {}",
             BuiltIn::names()
         ))
         .into()),

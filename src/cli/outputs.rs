@@ -1,4 +1,4 @@
-//! The options that name the files of a still.
+//! The options that name the output files of a still.
 
 use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
@@ -8,28 +8,28 @@ use flipmap::output::Paths;
 
 use super::exit::Exit;
 
-/// Where it goes.
+/// Options that name the output files.
 #[derive(Args, Debug)]
 pub struct OutputOptions {
-    /// The picture to write (- for standard output)
+    /// Picture to write (- for standard output)
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
-    /// The picture as tiles in a folder, with a page that shows them
+    /// Folder for the picture as tiles, with a page that shows them
     #[arg(long, value_name = "FOLDER")]
     pyramid: Option<PathBuf>,
-    /// Flip times to write as a NumPy array (- for standard output)
+    /// NumPy array of flip times to write (- for standard output)
     #[arg(long, value_name = "FILE.npy")]
     raw: Option<PathBuf>,
-    /// Flip times, statuses and doubts to write as an OpenEXR image
+    /// OpenEXR image of flip times, statuses and doubts to write
     #[arg(long, value_name = "FILE.exr")]
     exr: Option<PathBuf>,
-    /// A picture of how sure each pixel is, when they are checked
+    /// Picture of how certain each pixel is, if pixels are checked
     #[arg(long, value_name = "FILE.png")]
     trust: Option<PathBuf>,
 }
 
 impl OutputOptions {
-    /// Each with its option.
+    /// Paths of all the outputs.
     pub fn paths(&self) -> Paths {
         Paths {
             picture: self.output.clone(),
@@ -40,15 +40,15 @@ impl OutputOptions {
         }
     }
 
-    /// Refuses what cannot be written; `json` is written to standard output too, and `state` is a
-    /// file besides.
+    /// Rejects outputs that cannot be written; `json` uses standard output too, and `state` is one
+    /// more file.
     pub fn check(&self, json: bool, verified: bool, state: Option<&Path>) -> Result<(), Exit> {
         let usage = |message: String| Err(Exit::Usage(message));
         let paths = self.paths();
         let named = paths.named();
         if named.is_empty() {
-            let message = "nothing to write: give -o FILE.png, --pyramid FOLDER, --raw FILE.npy, \
-                           --exr FILE.exr or more";
+            let message = "nothing to write: give one or more of -o FILE.png, --pyramid FOLDER, \
+                           --raw FILE.npy and --exr FILE.exr";
             return usage(message.to_string());
         }
         let is_stream = |(_, path): &&(&str, &Path)| path.as_os_str() == "-";
@@ -58,7 +58,7 @@ impl OutputOptions {
         }
         if let ([stream], true) = (&streams[..], stdout().is_terminal()) {
             return usage(format!(
-                "{stream} - writes to a terminal here: redirect it, or name a file"
+                "{stream} - would write to a terminal: redirect it, or name a file"
             ));
         }
         for (k, (option, path)) in named.iter().enumerate() {
@@ -69,13 +69,13 @@ impl OutputOptions {
             }
         }
         if self.trust.is_some() && !verified {
-            let message = "--trust shows what checks found: add --verify, or --accuracy exact";
+            let message = "--trust shows the results of checks: add --verify or --accuracy exact";
             return usage(message.to_string());
         }
         self.check_pyramid(&named, state)
     }
 
-    /// A pyramid's folder is one of its own: it is replaced as a whole.
+    /// Rejects other outputs in a pyramid's folder, which is replaced as a whole.
     fn check_pyramid(&self, named: &[(&str, &Path)], state: Option<&Path>) -> Result<(), Exit> {
         let Some(folder) = self.pyramid.as_deref() else { return Ok(()) };
         if folder.as_os_str() == "-" {

@@ -1,4 +1,4 @@
-//! The options that say how samples are painted.
+//! The options that control how samples are painted.
 
 use std::str::FromStr;
 
@@ -8,27 +8,27 @@ use flipmap::scene::{Document, PictureTable, Scale};
 use super::exit::Exit;
 use super::options::{number, set};
 
-/// How to paint it.
+/// Options that control how samples are painted.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureOptions {
-    /// Colour table: batlow, viridis, magma, cividis or romao (cyclic)
+    /// Colour palette: batlow, viridis, magma, cividis or romao (cyclic)
     #[arg(long, value_name = "NAME")]
     palette: Option<String>,
-    /// N × N samples a pixel, whose colours are averaged
+    /// Average the colours of N × N samples per pixel, N from 1 to 8
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     pub samples: Option<u32>,
-    /// Give early flips the palette's last colour and late ones its first
+    /// Reverse the palette: early flips get its last colour and late ones its first
     #[arg(long)]
     reverse: bool,
-    /// Run through the palette so often, 1 to 100 times
+    /// Number of times to run through the palette, 1 to 100
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     cycles: Option<String>,
-    /// log: equal ratios of times are equal steps of colour; linear: equal differences are
+    /// Colour scale: equal steps of colour for equal ratios (log) or differences (linear) of time
     #[arg(long, value_name = "log|linear")]
     scale: Option<String>,
-    /// Seconds at which equal steps of the palette lie: a first and a last one, or more; view:
-    /// those of the view itself, as for views narrower than 1e-6 rad; budget: the whole budget
+    /// Two or more times in seconds that divide the palette into equal steps; view: times of the
+    /// view itself (the default for views narrower than 1e-6 rad); budget: the whole budget
     #[arg(long, value_name = "t1,t2,...|view|budget", allow_hyphen_values = true)]
     times: Option<String>,
     /// Leave out the energy curve
@@ -36,22 +36,22 @@ pub struct PictureOptions {
     no_curve: bool,
 }
 
-/// Words for `--times`.
+/// Keywords of `--times`.
 const OF_VIEW: &str = "view";
 const OF_BUDGET: &str = "budget";
 
 impl PictureOptions {
-    /// Whether it was said how often the palette is run through.
+    /// Returns true if `--cycles` was given.
     pub fn says_cycles(&self) -> bool {
         self.cycles.is_some()
     }
 
-    /// Whether no palette was said.
+    /// Returns true if `--palette` was not given.
     pub fn says_no_palette(&self) -> bool {
         self.palette.is_none()
     }
 
-    /// Whether the colours are to follow the view's own times.
+    /// Returns true if the colours follow the view's own times.
     pub fn spreads(&self, document: &Document) -> bool {
         let deep = document.scene().view.width_rad().hi < PictureTable::SPREAD_BELOW_RAD;
         match self.times.as_deref() {
@@ -61,7 +61,8 @@ impl PictureOptions {
         }
     }
 
-    /// Likewise the film's own, which zooms through so many decades, down to so small a width.
+    /// Returns true if the colours follow the film's own times; the film zooms through `decades`
+    /// down to `width_rad`.
     pub fn spreads_film(&self, document: &Document, decades: f64, width_rad: f64) -> bool {
         let far = decades > PictureTable::SPREAD_FILM_DECADES
             || width_rad < PictureTable::SPREAD_BELOW_RAD;
@@ -71,12 +72,12 @@ impl PictureOptions {
         }
     }
 
-    /// Whether the colours are said to follow the view's own times.
+    /// Returns true if `--times view` was given.
     pub fn says_of_view(&self) -> bool {
         self.times.as_deref() == Some(OF_VIEW)
     }
 
-    /// Puts what was said in a document.
+    /// Applies the options to a document.
     pub fn apply(&self, document: &mut Document) -> Result<(), Exit> {
         let picture = &mut document.picture;
         if let Some(palette) = &self.palette {
@@ -94,7 +95,7 @@ impl PictureOptions {
                 return Ok(Vec::new());
             }
             let times: Option<Vec<f64>> = text.split(',').map(number).collect();
-            times.ok_or("it must be numbers of seconds with commas between them, view or budget")
+            times.ok_or("it must be times in seconds separated by commas, view or budget")
         })
     }
 }

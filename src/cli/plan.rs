@@ -1,4 +1,4 @@
-//! `flipmap plan`, `run`, `verify` and `merge`: work in shards, for any machine or many.
+//! `flipmap plan`, `run`, `verify` and `merge`: work in shards, on one machine or many.
 
 use std::path::{Path, PathBuf};
 
@@ -27,48 +27,49 @@ pub struct PlanOptions {
     /// Number of shards
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shards: u32,
-    /// Compute also what --raw, --exr and --trust need beside a picture of several --samples
+    /// Plan one more sample at each pixel's centre, as --raw, --exr and --trust need when --samples
+    /// is above 1
     #[arg(long)]
     numbers: bool,
-    /// The plan to write; its parts will lie beside it
+    /// Plan file to write; the computed parts are stored next to it
     #[arg(short, long, value_name = "PLAN.toml")]
     output: PathBuf,
 }
 
 #[derive(Args, Debug)]
 pub struct RunShards {
-    /// The plan
+    /// Plan file
     plan: PathBuf,
-    /// A shard, 1 the first, or a range such as 2-5 (default: all)
+    /// Shard to compute, counted from 1, or a range such as 2-5 (default: all)
     #[arg(long, value_name = "N|A-B")]
     shard: Option<String>,
     #[command(flatten)]
     engine: EngineOptions,
-    /// How to show progress
+    /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     progress: Mode,
 }
 
 #[derive(Args, Debug)]
 pub struct VerifyOptions {
-    /// The plan
+    /// Plan file
     plan: PathBuf,
 }
 
 #[derive(Args, Debug)]
 pub struct MergeOptions {
-    /// The plan
+    /// Plan file
     plan: PathBuf,
     #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
     outputs: OutputOptions,
-    /// How to show progress
+    /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     progress: Mode,
 }
 
-/// `flipmap plan`.
+/// Runs `flipmap plan`.
 pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (mut what, how) = what(options)?;
@@ -89,7 +90,7 @@ pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
     let task = Task::new(plan, &options.output)?;
     super::tell(&format!(
-        "flipmap: {} samples in {} shards; flipmap run {} --shard N, N from 1 to {}",
+        "flipmap: {} samples in {} shards; to compute: flipmap run {} --shard N, N from 1 to {}",
         task.samples(),
         options.shards,
         options.output.display(),
@@ -98,12 +99,12 @@ pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses to replace a file that is no plan: keys and scenes are TOML too.
+/// Refuses to overwrite a file that is not a plan: keys and scenes are TOML too.
 fn spares_others(path: &Path) -> Result<(), Exit> {
     let Ok(text) = std::fs::read_to_string(path) else { return Ok(()) };
     match Plan::parse(&text) {
         Err(PlanError::Syntax(_)) => {
-            Err(Exit::Usage(format!("-o {} is there already and no plan", path.display())))
+            Err(Exit::Usage(format!("-o {} already exists and is not a plan", path.display())))
         }
         _ => Ok(()),
     }
@@ -123,7 +124,7 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, super::run_opti
     Ok((PlannedOutput::Still(Box::new(document)), how))
 }
 
-/// `flipmap run`.
+/// Runs `flipmap run`.
 pub fn run(options: &RunShards) -> anyhow::Result<()> {
     options.engine.check()?;
     let task = farm::open(&options.plan)?;
@@ -132,7 +133,7 @@ pub fn run(options: &RunShards) -> anyhow::Result<()> {
     let request = options.engine.request(IntegrationSetting::Explicit(task.config));
     let chosen = start(&farm::wish_like(&task.plan, request)).with_context(|| {
         let engine = &task.plan.engine;
-        format!("the plan was made for the {engine} engine; --engine and --adapter choose another")
+        format!("the plan is for the {engine} engine; choose another with --engine and --adapter")
     })?;
     farm::compute(&task, shards, chosen, options.engine.threads(), options.progress)?;
     Ok(())
@@ -145,13 +146,13 @@ fn shards(text: Option<&str>, count: u32) -> Result<std::ops::RangeInclusive<u32
     match range {
         Some((first, last)) if 1 <= first && first <= last && last <= count => Ok(first..=last),
         _ => Err(Exit::Usage(format!(
-            "--shard is '{text}'; it must be a number from 1 to {count}, or two with a - between \
-             them"
+            "--shard is '{text}'; it must be a number from 1 to {count}, or a range of two such \
+             numbers, as in 2-5"
         ))),
     }
 }
 
-/// `flipmap verify`.
+/// Runs `flipmap verify`.
 pub fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
     let task = farm::open(&options.plan)?;
     let parts = farm::scan(&task)?;
@@ -166,7 +167,7 @@ pub fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
     }
 }
 
-/// `flipmap merge`.
+/// Runs `flipmap merge`.
 pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     let task = farm::open(&options.plan)?;
     stop::listen()?;
@@ -174,7 +175,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
         TaskKind::Film(film, _) => {
             let paths = options.outputs.paths();
             let [("-o", output)] = paths.named()[..] else {
-                let only = "a film is merged with -o FILM.mp4, -o FILM.mkv or -o FOLDER alone";
+                let only = "a film takes one output: -o FILM.mp4, -o FILM.mkv or -o FOLDER";
                 return Err(Exit::Usage(only.to_string()).into());
             };
             if let Some(codec) = codec_of(output)? {
@@ -202,14 +203,14 @@ fn merge_still(
     let paths = options.outputs.paths();
     farm::check_samples(samples, &document)?;
     if options.picture.says_of_view() {
-        let message = "--times view is for plan, which looks at the view; merge takes times in \
+        let message = "--times view is for plan, which samples the view; merge takes times in \
                        seconds";
         return Err(Exit::Usage(message.to_string()).into());
     }
     let numbers = paths.raw.is_some() || paths.exr.is_some() || paths.trust.is_some();
     if numbers && !passes.iter().any(|pass| pass.along == 1) {
-        let message = "the plan has several --samples a pixel and no numbers at the pixels' middles; \
-                       plan with --numbers for --raw, --exr and --trust";
+        let message = "the plan has several --samples per pixel and no values at pixel centres; \
+                       --raw, --exr and --trust need a plan made with --numbers";
         return Err(Exit::Usage(message.to_string()).into());
     }
     paths.check()?;

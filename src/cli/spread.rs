@@ -1,5 +1,5 @@
-//! Colours over a view's own times: at depth they lie so close together that a palette over the
-//! whole budget would show one colour.
+//! Spreads colours over a view's own times: at depth these lie so close together that a palette
+//! over the whole budget would show a single colour.
 
 use flipmap::engine::{Engine, IntegratorConfig};
 use flipmap::physics::Status;
@@ -11,11 +11,11 @@ use flipmap::tiles::preview::preview;
 use super::exit::Exit;
 use super::stop;
 
-/// The longer side of the small picture whose times decide, in pixels.
+/// Length in pixels of the longer side of the small picture whose times are used.
 const LONGEST: u32 = 64;
 
-/// Sets the times of a document's colours to those of its own view, and says which they are.
-/// Where nothing flips they stay as they are.
+/// Sets the times of a document's colours to those of its own view, and prints their range.
+/// If nothing flips, they stay as they are.
 pub fn spread(
     document: &mut Document,
     size: [u32; 2],

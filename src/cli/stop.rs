@@ -6,12 +6,12 @@ use super::exit::Exit;
 
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// From now on signals are remembered instead of ending the program.
+/// Installs a handler that remembers signals instead of letting them end the program.
 pub fn listen() -> anyhow::Result<()> {
     listen_and(|| ())
 }
 
-/// Likewise, and whoever sleeps is woken.
+/// Installs the same handler, which also calls `wake` so that a sleeping thread notices.
 pub fn listen_and(wake: impl Fn() + Send + 'static) -> anyhow::Result<()> {
     ctrlc::set_handler(move || {
         STOP.store(true, Ordering::Relaxed);
@@ -20,12 +20,12 @@ pub fn listen_and(wake: impl Fn() + Send + 'static) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether the user has asked to stop.
+/// Returns true if the user has asked to stop.
 pub fn asked() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// An error once the user has asked to stop.
+/// Returns an error once the user has asked to stop.
 pub fn check() -> Result<(), Exit> {
     if asked() { Err(Exit::Interrupted) } else { Ok(()) }
 }

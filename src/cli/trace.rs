@@ -1,4 +1,4 @@
-//! `flipmap trace`: one pendulum, followed by the gold standard in double-double.
+//! `flipmap trace`: follows one pendulum with the gold standard in double-double.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -18,19 +18,19 @@ use super::stop;
 pub struct Options {
     #[command(flatten)]
     scene: SceneOptions,
-    /// Angles in rad at which the pendulum is let go, as many digits as you like
+    /// Angles in rad at which the pendulum is released from rest, with any number of digits
     #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
     start: String,
-    /// Simulated seconds to follow it
+    /// Simulated seconds to trace
     #[arg(long, value_name = "SECONDS", default_value = "30", allow_hyphen_values = true)]
     until: String,
-    /// Simulated seconds between two rows
+    /// Simulated seconds between rows
     #[arg(long, value_name = "SECONDS", default_value = "0.01", allow_hyphen_values = true)]
     every: String,
-    /// The table to write (default: standard output)
+    /// Table to write (default: standard output)
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
-    /// List the flips as one JSON object on standard output; needs -o
+    /// Print the flips as one JSON object on standard output; requires -o
     #[arg(long)]
     json: bool,
 }
@@ -43,7 +43,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let every = seconds("--every", &options.every, 1e-9..=1e6)?;
     if (until / every).hi > MOST_ROWS {
         let message = format!(
-            "--every {} gives {:.0e} rows until {}; at most {MOST_ROWS:e} are written",
+            "--every {} gives {:.0e} rows in {} s; at most {MOST_ROWS:e} are allowed",
             options.every,
             (until / every).hi,
             options.until
@@ -74,16 +74,16 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     tell(options, &flips)
 }
 
-/// Rows of a table that somebody may still want to read.
+/// Maximum number of rows that a table may reasonably have.
 const MOST_ROWS: f64 = 1e8;
 
-/// One passing of the top.
+/// One crossing of the top.
 struct CrossingRow {
     bob: usize,
     time: Dd,
 }
 
-/// Writes the rows and returns all passings of the top in order.
+/// Writes the rows and returns all crossings of the top in order of time.
 fn follow(
     pendulum: &Pendulum<Dd>,
     start: State<Dd>,
@@ -99,7 +99,7 @@ fn follow(
     while orbit.time() < until {
         stop::check()?;
         let step = orbit.step();
-        anyhow::ensure!(orbit.state().speed[1].is_finite(), "the motion stopped being finite");
+        anyhow::ensure!(orbit.state().speed[1].is_finite(), "the motion is no longer finite");
         passages.extend(passages_in(&step).into_iter().filter(|p| p.time <= until));
         loop {
             let time = every * Dd::new(row as f64);
@@ -134,7 +134,7 @@ fn passages_in(step: &TaylorStep<Dd>) -> Vec<CrossingRow> {
     passages
 }
 
-/// Lists the passages: the first of each bob is its flip.
+/// Prints the crossings; the first of each bob is its flip.
 fn tell(options: &Options, passages: &[CrossingRow]) -> anyhow::Result<()> {
     let first = |bob| passages.iter().find(|p| p.bob == bob).map(|p| p.time.hi);
     if options.json {
@@ -166,7 +166,8 @@ fn parse_start(text: &str) -> Result<[Dd; 2], Exit> {
             Ok(angle.map(|theta| if theta.abs() <= Dd::PI { theta } else { theta.wrapped() }))
         }
         _ => Err(Exit::Usage(format!(
-            "--start is '{text}'; it must be two angles between -1e6 and 1e6 rad with a comma between"
+            "--start is '{text}'; it must be two angles between -1e6 and 1e6 rad, separated by a \
+             comma"
         ))),
     }
 }
@@ -174,7 +175,7 @@ fn parse_start(text: &str) -> Result<[Dd; 2], Exit> {
 fn seconds(option: &str, text: &str, range: std::ops::RangeInclusive<f64>) -> Result<Dd, Exit> {
     Dd::parse(text).filter(|time| range.contains(&time.hi)).ok_or_else(|| {
         Exit::Usage(format!(
-            "{option} is '{text}'; it must be seconds between {:e} and {:e}",
+            "{option} is '{text}'; it must be a number of seconds between {:e} and {:e}",
             range.start(),
             range.end()
         ))

@@ -1,4 +1,4 @@
-//! `flipmap video`: a film from keys, from scenes, or of a zoom.
+//! `flipmap video`: makes a film from keys, from scenes, or of a zoom.
 
 use std::path::{Path, PathBuf};
 
@@ -18,16 +18,17 @@ use super::{farm, stop};
 pub struct Options {
     #[command(flatten)]
     film: FilmOptions,
-    /// The film: .mp4 or .mkv (lossless) through ffmpeg, or a folder for numbered pictures
+    /// Film to write: .mp4 or .mkv (lossless) through ffmpeg, or a folder of numbered pictures
     #[arg(short, long, value_name = "FILM")]
     output: PathBuf,
-    /// Where samples are kept, to go on after a stop and for other colours (default: FILM.samples)
+    /// Folder that keeps the samples, to resume after a stop or to change colours (default:
+    /// FILM.samples)
     #[arg(long, value_name = "FOLDER")]
     cache: Option<PathBuf>,
-    /// Show how ffmpeg is called, and do nothing
+    /// Print the ffmpeg command line and exit
     #[arg(long)]
     print_ffmpeg: bool,
-    /// How to show progress
+    /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     progress: Mode,
 }
@@ -49,7 +50,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let path = cache.join("plan.toml");
     stop::listen()?;
     let mut request = options.film.run.engine.request(how.setting);
-    // Another engine would give other last digits than the samples that are there.
+    // Another engine would differ from the existing samples in the last digits.
     if let Some(earlier) = earlier(&path) {
         request = farm::wish_like(&earlier, request);
     }
@@ -63,7 +64,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     farm::paint(&task, parts, &options.film.picture, &options.output, options.progress)
 }
 
-/// A plan of one shard, kept beside the samples.
+/// Writes a plan of a single shard next to the samples and returns its task.
 fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Result<Task> {
     check_steps(&film.keys[0].scene.scene(), chosen.config)?;
     let engine = (chosen.engine.as_ref(), chosen.config, verify);
@@ -76,11 +77,11 @@ fn earlier(path: &Path) -> Option<Plan> {
     Plan::parse(&std::fs::read_to_string(path).ok()?).ok()
 }
 
-/// By the name's ending; a folder has none.
+/// Chooses the codec by the file name's extension; a folder has none.
 pub fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
     let codec = Codec::of(output);
     let ending = output.extension().is_some() && !output.is_dir();
-    // `/` and `..` have no name to keep samples beside.
+    // The samples' folder is named after the output; `/` and `..` have no name.
     let nameless = output.file_name().is_none();
     if codec.is_none() && (ending || nameless || output.as_os_str() == "-") {
         return Err(Exit::Usage(format!(
@@ -93,7 +94,7 @@ pub fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
 
 fn print(codec: Option<Codec>, film: &Film, output: &Path) -> anyhow::Result<()> {
     let Some(codec) = codec else {
-        let message = "--print-ffmpeg is for an .mp4 or .mkv; a folder of pictures needs none";
+        let message = "--print-ffmpeg is for an .mp4 or .mkv; a folder needs no ffmpeg";
         return Err(Exit::Usage(message.to_string()).into());
     };
     let words = arguments(codec, film, output);

@@ -11,19 +11,20 @@ use super::choice::{ChoiceError, Chosen};
 use super::depth::Following;
 use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Wait};
 
-/// How long the thread computes before it looks for new jobs again.
+/// Length of one poll, after which the thread looks for new orders again.
 const TURN: Duration = Duration::from_millis(4);
-/// Jobs that wait behind those the engine works on, so that it is not idle between two frames.
+/// Number of jobs that wait behind those the engine works on, so that it is not idle between two
+/// frames.
 const AHEAD: usize = 1;
 
-/// What the caller says.
+/// A message from the caller to the thread.
 enum Order {
     Submit(Box<Job>),
-    /// Forget everything; answers from before carry an older number.
+    /// Drops all jobs; answers from before carry an older number.
     Cancel(u64),
 }
 
-/// What the thread says, with the number of the last cancellation it knew.
+/// A message from the thread to the caller, with the number of the last cancellation it has seen.
 type Reply = (u64, Result<JobResult, EngineError>);
 
 /// An engine that is being opened.
@@ -31,13 +32,13 @@ pub struct PendingEngine {
     receiver: Receiver<Result<Background, ChoiceError>>,
 }
 
-/// An engine on its thread.
+/// An engine that runs on its own thread, as its caller sees it.
 pub struct Background {
-    /// Why it was chosen, for people.
+    /// Reason for the choice of the engine, in words for the user.
     pub why: String,
-    /// What it was opened for.
+    /// The configuration that the engine was opened for.
     pub config: IntegratorConfig,
-    /// How far it follows the middle of a deep view.
+    /// Progress in following the middle of a deep view.
     pub following: Following,
     orders: Sender<Order>,
     answers: Receiver<Reply>,
@@ -58,7 +59,7 @@ pub fn open(
     std::thread::Builder::new().name("engine".to_string()).spawn(move || {
         match choose() {
             Err(error) => {
-                // Without a listener the window has gone, and so has the interest.
+                // Without a receiver the window is closed, and the error is of no interest.
                 let _ = sender.send(Err(error));
                 wake();
             }
@@ -75,12 +76,12 @@ pub fn open(
 }
 
 impl PendingEngine {
-    /// The engine or why there is none, once that is known.
+    /// Returns the engine, or why there is none, once that is known.
     pub fn poll(&self) -> Option<Result<Background, ChoiceError>> {
         self.receiver.try_recv().ok()
     }
 
-    /// Waits for it; nothing if its thread died.
+    /// Waits for the engine; returns none if its thread died.
     pub fn wait(self) -> Option<Result<Background, ChoiceError>> {
         self.receiver.recv().ok()
     }
@@ -106,7 +107,7 @@ fn beside(chosen: &Chosen) -> (Background, Receiver<Order>, Sender<Reply>) {
     (background, taken, given)
 }
 
-/// The thread's life: until the caller has gone.
+/// Runs the thread's loop until the caller is gone.
 fn serve(
     mut engine: Box<dyn Engine>,
     orders: &Receiver<Order>,
@@ -140,7 +141,7 @@ fn serve(
                 finished.into_iter().map(Ok).collect()
             }
             Err(error) => {
-                // What flew is lost with the error; the caller decides what to do anew.
+                // Jobs in flight are lost with the error; the caller decides which to submit again.
                 engine.cancel();
                 in_flight = 0;
                 vec![Err(error)]
@@ -159,7 +160,7 @@ fn serve(
 }
 
 impl Background {
-    /// Takes an answer, unless it is of something that was cancelled.
+    /// Takes an answer, unless its job was cancelled.
     fn take(&mut self, (number, answer): Reply) -> Option<Result<JobResult, EngineError>> {
         if number != self.cancellations {
             return None;
@@ -211,7 +212,7 @@ impl Engine for Background {
     fn cancel(&mut self) {
         self.cancellations += 1;
         self.in_flight = 0;
-        // An engine that has gone has nothing to forget; the next job will say so.
+        // An engine that is gone has nothing to cancel; submitting the next job reports it.
         let _ = self.orders.send(Order::Cancel(self.cancellations));
     }
 

@@ -1,5 +1,5 @@
-//! Which engine runs, and which config: what was asked for, what there is, and why the one was
-//! chosen.
+//! The choice of an engine and a configuration: what was requested, what there is, and the reason
+//! for choosing the one.
 
 use std::time::Duration;
 
@@ -10,18 +10,18 @@ use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::profile::{Profile, ProfileRow};
 use super::{Accuracy, Engine, EngineError, IntegratorConfig, Precision, selfcheck};
 
-/// What the user asked for.
+/// A user's request for an engine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngineRequest {
-    /// Which kind of engine.
+    /// The kind of engine.
     pub kind: EngineKind,
-    /// Part of the adapter's name.
+    /// Part of the adapter's name, if an adapter is requested.
     pub adapter: Option<String>,
-    /// Threads of the CPU engine.
+    /// Number of threads of the CPU engine.
     pub threads: Option<usize>,
-    /// What is to be computed with it.
+    /// The accuracy level or the configuration to compute with.
     pub setting: IntegrationSetting,
-    /// How long a slice may run on an adapter.
+    /// Longest time that a slice may run on an adapter.
     pub pace: Duration,
 }
 
@@ -38,12 +38,12 @@ impl Default for EngineRequest {
     }
 }
 
-/// How right the answers must be, or by what config they must come.
+/// The required accuracy level, or an explicit configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IntegrationSetting {
-    /// Whatever keeps the level's promise.
+    /// Any configuration that keeps the level's promise.
     Accuracy(Accuracy),
-    /// Exactly this.
+    /// Exactly this configuration.
     Explicit(IntegratorConfig),
 }
 
@@ -54,7 +54,7 @@ impl Default for IntegrationSetting {
 }
 
 impl IntegrationSetting {
-    /// The configs that meet it, the preferred one first.
+    /// The configurations that satisfy the setting, the preferred one first.
     fn configs(self) -> Vec<IntegratorConfig> {
         match self {
             IntegrationSetting::Accuracy(accuracy) => accuracy.configs(),
@@ -63,30 +63,30 @@ impl IntegrationSetting {
     }
 }
 
-/// `--engine`.
+/// The kind of engine, as `--engine` gives it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EngineKind {
-    /// The fastest of the measured profile.
+    /// The fastest engine of the measured profile.
     #[default]
     Auto,
-    /// An adapter or nothing.
+    /// A graphics adapter, or an error.
     Gpu,
     /// The processor.
     Cpu,
 }
 
-/// No engine fits the request.
+/// Reasons why no engine fits the request.
 #[derive(Debug, thiserror::Error)]
 pub enum ChoiceError {
     /// No adapter, or none that is sound, and the processor was not allowed.
     #[error("{0}")]
     NoAdapter(String),
-    /// The adapter asked for is not there.
+    /// The requested adapter is not present.
     #[error("--adapter '{wanted}' matches none of: {found}")]
     UnknownAdapter {
-        /// What was asked for.
+        /// Part of an adapter's name, as requested.
         wanted: String,
-        /// What there is.
+        /// Names of the adapters that are present.
         found: String,
     },
     /// An engine could not be started.
@@ -94,23 +94,23 @@ pub enum ChoiceError {
     Engine(#[from] EngineError),
 }
 
-/// The engine, the config, and one sentence on why.
+/// The chosen engine and configuration, with one sentence on why.
 pub struct Chosen {
-    /// Ready to run.
+    /// The engine, ready to run.
     pub engine: Box<dyn Engine>,
-    /// What to run on it.
+    /// The configuration to run on it.
     pub config: IntegratorConfig,
-    /// For people.
+    /// Reason for the choice, in words for the user.
     pub why: String,
-    /// How far it follows the middle of a deep view.
+    /// Progress in following the middle of a deep view.
     pub following: Following,
 }
 
-/// What to do on Debian when there is no adapter.
+/// Advice for Debian when there is no adapter.
 pub const INSTALL_HINT: &str = "no Vulkan adapter was found; on Debian or Ubuntu install one with: \
      apt-get install libvulkan1 mesa-vulkan-drivers";
 
-/// Chooses and starts an engine; `tell` hears of anything that takes long.
+/// Chooses and starts an engine; `tell` receives a message before anything that takes long.
 pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let chosen = match (request.kind, &request.adapter) {
         (EngineKind::Cpu, _) => cpu(request, "asked for".to_string())?,
@@ -123,8 +123,8 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
     Ok(Chosen { engine: Box::new(engine), ..chosen })
 }
 
-/// The fastest engine of the profile. Adapters are not even opened where only the processor has
-/// the method.
+/// Chooses the fastest engine of the profile. Adapters are not even opened where only the processor
+/// has the method.
 fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let configs = request.setting.configs();
     let on_cpu = configs.iter().any(CpuEngine::offers);
@@ -153,8 +153,8 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     }
 }
 
-/// The fastest row that can do what is demanded: of the level's own, or of the level whose
-/// configs are most like the one demanded.
+/// The fastest row that satisfies the setting: of the level's own, or of the level whose
+/// configurations are most like the explicit one.
 fn fastest(profile: &Profile, setting: IntegrationSetting) -> Option<&ProfileRow> {
     match setting {
         IntegrationSetting::Accuracy(accuracy) => profile.fastest(accuracy, |_| true),
@@ -183,7 +183,8 @@ fn cpu(request: &EngineRequest, why: String) -> Result<Chosen, ChoiceError> {
     Ok(Chosen { engine, config: *config, why, following: Following::default() })
 }
 
-/// The first adapter that matches and is trusted with what is demanded; otherwise what was wrong.
+/// Opens the first adapter that matches and is trusted with the setting; otherwise returns what was
+/// wrong.
 fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, ChoiceError> {
     let name = request.adapter.as_deref();
     let all = adapters();
@@ -215,7 +216,8 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
     Ok(Err(failures.join("; ")))
 }
 
-/// The configs that meet a setting, the one that is fastest on the adapter first if that is known.
+/// The configurations that satisfy a setting; the one that is fastest on the adapter comes first if
+/// it is known.
 fn recipes_on(
     adapter: &wgpu::Adapter,
     setting: IntegrationSetting,
@@ -233,7 +235,7 @@ fn recipes_on(
     configs
 }
 
-/// An engine on the adapter and the first config it is trusted with.
+/// Opens an engine on the adapter, with the first configuration that it is trusted with.
 fn sound(
     adapter: &wgpu::Adapter,
     configs: Vec<IntegratorConfig>,
@@ -242,7 +244,7 @@ fn sound(
     let mut refusals = Vec::new();
     for config in configs {
         if config.precision == Precision::Df32 {
-            // Its orbits are run only here: the kernel takes long to compile.
+            // Orbits in df32 are run only where they are needed: the kernel takes long to compile.
             let checks = selfcheck::orbits(&mut engine, &[Precision::Df32]);
             engine.judge_by(checks.map_err(|error| error.to_string())?);
         }
@@ -254,7 +256,7 @@ fn sound(
     Err(refusals.join("; "))
 }
 
-/// An engine on an opened adapter, its arithmetic judged by sums and, in f32 and f64, by short
+/// Opens an engine on an adapter, its arithmetic judged by sums and, in f32 and f64, by short
 /// orbits.
 pub fn open_checked(adapter: wgpu::Adapter) -> Result<GpuEngine, EngineError> {
     let gpu = Gpu::open(adapter)?;

@@ -1,4 +1,4 @@
-//! The user's word for how right a picture must be, and what it means in methods.
+//! Accuracy levels: the user's word for how right a picture must be, and the methods behind it.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,36 +7,36 @@ use serde::{Deserialize, Serialize};
 
 use super::{IntegratorConfig, Method, Precision};
 
-/// How right a picture must be.
+/// The accuracy that is required of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Accuracy {
-    /// RK4 at 120 steps a second in f32, as the lesson has it.
+    /// RK4 at 120 steps a second in f32, as in the lesson.
     Lesson,
-    /// As right as f32 can be.
+    /// The best accuracy of f32.
     Fast,
-    /// Right within 1 ms but for one pixel in a thousand.
+    /// Right within 1 ms, except for one pixel in a thousand.
     #[default]
     Balanced,
-    /// The same, every pixel checked, and marked where the checks disagree.
+    /// Balanced, with every pixel checked, and marked where the checks disagree.
     Exact,
 }
 
-/// `lesson`.
+/// Configuration of `lesson`.
 pub const LESSON: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
-/// `fast`.
+/// Configuration of `fast`.
 pub const FAST: IntegratorConfig =
     IntegratorConfig { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
-/// `balanced`, where f64 is trusted.
+/// Configuration of `balanced` where f64 is trusted.
 pub const BALANCED: IntegratorConfig =
     IntegratorConfig { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
-/// `balanced`, where it is not, or slower.
+/// Configuration of `balanced` where f64 is not trusted, or slower.
 pub const BALANCED_DF32: IntegratorConfig =
     IntegratorConfig { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
 
 impl Accuracy {
-    /// Every level with its word.
+    /// Every level with its name.
     pub const ALL: [(&'static str, Accuracy); 4] = [
         ("lesson", Accuracy::Lesson),
         ("fast", Accuracy::Fast),
@@ -44,7 +44,7 @@ impl Accuracy {
         ("exact", Accuracy::Exact),
     ];
 
-    /// The configs that keep the level's promise, in order of preference where nothing is
+    /// The configurations that keep the level's promise, in order of preference where nothing is
     /// measured; which of them is the fastest depends on the adapter.
     pub fn configs(self) -> Vec<IntegratorConfig> {
         match self {
@@ -54,7 +54,7 @@ impl Accuracy {
         }
     }
 
-    /// Whether every pixel is checked.
+    /// Returns true if every pixel is checked.
     pub fn verifies(self) -> bool {
         self == Accuracy::Exact
     }
@@ -94,7 +94,7 @@ impl Method {
         }
     }
 
-    /// The precision in which the method is at home.
+    /// The precision that suits a method best.
     pub fn home_precision(name: &str) -> Precision {
         match name {
             "rk4" | "dopri5" => Precision::F32,
@@ -102,7 +102,7 @@ impl Method {
         }
     }
 
-    /// The method that `precision` is at home with.
+    /// The method that suits a precision best.
     pub fn home_method(precision: Precision) -> &'static str {
         match precision {
             Precision::F32 => "dopri5",
@@ -122,7 +122,7 @@ impl Method {
         }
     }
 
-    /// Its tolerance; none for fixed steps.
+    /// The method's tolerance; none for fixed steps.
     pub fn tolerance(self) -> Option<f64> {
         match self {
             Method::Rk4 { .. } => None,

@@ -1,4 +1,4 @@
-//! Methods and precisions, and the numbers a method needs before a job can run.
+//! Methods, precisions, and the numbers that a method needs before a job can run.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,44 +8,48 @@ use crate::physics::control::Control;
 use crate::physics::trig::Turning;
 use crate::physics::{Outcome, Status, extrapolation, series};
 
-/// How a pixel is integrated.
+/// The method by which a pixel is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// The classical Runge–Kutta method with a fixed step in seconds.
     Rk4 {
-        /// Seconds.
+        /// Length of the step in seconds.
         step_secs: f64,
     },
     /// Dormand and Prince's pair of orders 5 and 4: small coefficients, for f32.
     Dopri5 {
-        /// Of one step just after the release; it rises from there (see `physics::control`).
+        /// Tolerance of one step just after the release; it rises from there (see
+        /// `physics::control`).
         tolerance: f64,
     },
     /// Dormand and Prince's pair of order 8, for everything finer.
     Dop853 {
-        /// The same.
+        /// Tolerance of one step, which rises as for [`Method::Dopri5`].
         tolerance: f64,
     },
-    /// Taylor expansions to the precision of the number type: the check, and the way to `dd`.
+    /// Taylor expansions to the precision of the number type: the check of the other methods, and
+    /// the method for `dd`.
     Taylor {
-        /// Of one step, whenever.
+        /// Tolerance of one step, the same at all times.
         tolerance: f64,
     },
-    /// Extrapolated midpoint rules: what checks expansions in `dd`. Nobody asks for it by name.
+    /// Extrapolated midpoint rules: the check of expansions in `dd`. Users cannot ask for it by
+    /// name.
     Extrapolation {
-        /// Of one step, whenever, if the last of its rules were left out.
+        /// Tolerance of one step, the same at all times, for the result without the last of its
+        /// rules.
         tolerance: f64,
     },
 }
 
 impl Method {
-    /// The lesson's: 120 steps a second.
+    /// The lesson's method: RK4 with 120 steps per second.
     pub const LESSON: Method = Method::Rk4 { step_secs: 1.0 / 120.0 };
 
-    /// Every method's word.
+    /// Names of the methods that users can ask for.
     pub const NAMES: [&str; 4] = ["rk4", "dopri5", "dop853", "taylor"];
 
-    /// Its word.
+    /// Name of the method.
     pub fn name(self) -> &'static str {
         match self {
             Method::Rk4 { .. } => "rk4",
@@ -56,7 +60,7 @@ impl Method {
         }
     }
 
-    /// Its step or tolerance as text, for people and files.
+    /// The method's step or tolerance as text, for people and files.
     pub fn setting(self) -> String {
         match self {
             Method::Rk4 { step_secs } => {
@@ -74,7 +78,7 @@ impl Method {
         }
     }
 
-    /// Right-hand sides in one step; of an expansion, its order.
+    /// Right-hand sides per step; for an expansion, its order.
     pub fn rhs_per_step(self, precision: Precision) -> u64 {
         match self {
             Method::Rk4 { .. } => 4,
@@ -86,7 +90,7 @@ impl Method {
         }
     }
 
-    /// The least tolerance that this method keeps in `precision`, if the two go together.
+    /// Least tolerance that this method can keep in `precision`, if the two go together.
     pub fn least_tolerance(self, precision: Precision) -> Option<f64> {
         match (self, precision) {
             (Method::Rk4 { .. } | Method::Dopri5 { .. } | Method::Dop853 { .. }, Precision::Dd)
@@ -104,43 +108,49 @@ impl Method {
 }
 
 impl IntegratorConfig {
-    /// Starts this close to each other (rad) are followed as cells, and integrated from where the
-    /// cells end. Adaptive methods gain by it early; explicit ones stay what they are as long as
-    /// their number type can tell the starts apart.
+    /// Returns true if pixels whose angles change by `pixel_rad` (rad) from one to the next are
+    /// deep: closer than [`IntegratorConfig::deep_below`].
+    pub fn is_deep(&self, pixel_rad: f64) -> bool {
+        pixel_rad < self.deep_below()
+    }
+
+    /// Distance between starts, in rad, below which they are followed as cells and integrated from
+    /// where the cells end. Adaptive methods gain by it early; fixed steps run from the release as
+    /// long as their number type can tell the starts apart.
     pub fn deep_below(&self) -> f64 {
         match (self.method, self.precision) {
             (_, Precision::Dd) => 1e-22,
             (Method::Rk4 { .. }, Precision::F32) => 1e-6,
             (Method::Rk4 { .. }, _) => 1e-13,
-            // Starts that round to 1e-7 are soon far from where they should be.
+            // Starts rounded to 1e-7 are soon far from where they should be.
             (_, Precision::F32) => 5e-4,
             _ => DEEP_BELOW,
         }
     }
 }
 
-/// The distance of starts from which on polynomials save more than they cost, rad (measured).
+/// Distance between starts, in rad, below which polynomials save more than they cost (measured).
 const DEEP_BELOW: f64 = 1e-4;
 
-/// Midpoint rules that an extrapolation combines (measured: the fewest right-hand sides for what
-/// double-double is asked for).
+/// Number of midpoint rules that an extrapolation combines (measured: the fewest right-hand sides
+/// for the tolerances used in double-double).
 pub const COLUMNS: usize = 9;
 
-/// The number type a pixel is integrated in.
+/// The number type in which a pixel is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Precision {
-    /// 24 bits, with a compensated state where the device can be trusted with it.
+    /// Single precision, 24 bits, with a compensated state where the device can be trusted with it.
     F32,
     /// Two f32: 48 bits, on devices whose error terms survive.
     Df32,
-    /// 53 bits.
+    /// Double precision, 53 bits.
     F64,
     /// Two f64: 106 bits, on the processor.
     Dd,
 }
 
 impl Precision {
-    /// Every precision with its word.
+    /// Every precision with its name.
     pub const ALL: [(&'static str, Precision); 4] = [
         ("f32", Precision::F32),
         ("df32", Precision::Df32),
@@ -148,7 +158,7 @@ impl Precision {
         ("dd", Precision::Dd),
     ];
 
-    /// Half the distance from 1 to the next number: what a rounding may cost.
+    /// Unit roundoff: half the distance from 1 to the next number.
     pub fn epsilon(self) -> f64 {
         match self {
             Precision::F32 => f64::from(f32::EPSILON) / 2.0,
@@ -179,17 +189,17 @@ impl FromStr for Precision {
     }
 }
 
-/// What a job's steps are measured by: fixed ones, or such as choose themselves.
+/// The steps of a job: all of one length, or adaptive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Steps of one length.
     Fixed(Steps),
-    /// Steps that follow the error.
+    /// Steps whose length follows the error.
     Adaptive(Adaptive),
 }
 
 impl Pace {
-    /// The pace of a config over a question's budget.
+    /// The pace of a configuration over a question's budget.
     pub fn new(question: &Question, config: &IntegratorConfig) -> Result<Self, EngineError> {
         let adaptive = |tolerance: f64, order: u32| {
             Ok(Pace::Adaptive(Adaptive::new(question, Control::new(tolerance, order))))
@@ -208,7 +218,7 @@ impl Pace {
         }
     }
 
-    /// About how many steps a pendulum takes that does not flip.
+    /// Approximate number of steps of a pendulum that does not flip.
     pub fn typical_steps(&self) -> f64 {
         match self {
             Pace::Fixed(steps) => f64::from(steps.count),
@@ -217,7 +227,8 @@ impl Pace {
         }
     }
 
-    /// Steps after which a pendulum is over: of fixed ones those that begin within the budget.
+    /// Number of steps after which a pendulum is stopped; for fixed steps, of those that begin
+    /// within the budget.
     pub fn most_steps(&self) -> u32 {
         match self {
             Pace::Fixed(steps) => steps.count,
@@ -226,14 +237,14 @@ impl Pace {
     }
 }
 
-/// Steps that choose their length, over a budget.
+/// Adaptive steps over a budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptive {
-    /// How they choose it.
+    /// The step size control.
     pub control: Control,
-    /// Reduced time at which a pendulum's last step has ended.
+    /// Reduced time from which on a pendulum takes no further step.
     pub budget: f64,
-    /// A pendulum that tries more steps has failed.
+    /// Number of tried steps beyond which a pendulum has failed.
     pub most_steps: u32,
     pub(super) unit_secs: f64,
     pub(super) budget_secs: f64,
@@ -243,7 +254,7 @@ impl Adaptive {
     fn new(question: &Question, control: Control) -> Self {
         let (reduced, unit_secs) = question.reduced();
         let budget = question.budget_secs / unit_secs;
-        // The fastest whip the energy allows takes a hundred steps a turn.
+        // The fastest rotation that the energy allows takes about a hundred steps per turn.
         let most = 1e5 + 20.0 * budget * reduced.greatest_speed();
         Adaptive {
             control,
@@ -255,13 +266,13 @@ impl Adaptive {
         }
     }
 
-    /// The outcome of a pendulum that passes the top at a reduced `time`.
+    /// The outcome of a pendulum that crosses the top at a reduced `time`.
     pub fn outcome_of_pass(&self, time: f64) -> Outcome {
         outcome_at(time * self.unit_secs, self.budget_secs)
     }
 }
 
-/// A flip at `time`, if that is within the budget, its end included.
+/// A flip at `time` (s) if that is within the budget, its end included; otherwise unflipped.
 fn outcome_at(time: f64, budget_secs: f64) -> Outcome {
     if time <= budget_secs {
         Outcome::flipped(time)
@@ -270,14 +281,14 @@ fn outcome_at(time: f64, budget_secs: f64) -> Outcome {
     }
 }
 
-/// A fixed step laid over a budget, in the reduced units of the kernels.
+/// Fixed steps over a budget, in the reduced units of the kernels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps {
     /// The step in reduced time units, as the kernel's number type holds it.
     pub length: f64,
-    /// The same in seconds.
+    /// Length of the step in seconds.
     pub length_secs: f64,
-    /// Steps that begin before the end of the budget.
+    /// Number of steps that begin before the end of the budget.
     pub count: u32,
     budget_secs: f64,
 }
@@ -295,7 +306,7 @@ impl Steps {
             Precision::F32 => f64::from(ideal as f32),
             _ => ideal,
         };
-        // The rounded step is what runs; its seconds follow from it, so no time is lost.
+        // The rounded step is the one that runs; its seconds follow from it, so no time is lost.
         let length_secs = step_secs * (length / ideal);
         // Rounding may add a step that begins at the budget's end; no flip is lost or gained.
         let count = (question.budget_secs / length_secs).ceil();
@@ -309,21 +320,21 @@ impl Steps {
         Ok(Steps { length, length_secs, count: count as u32, budget_secs: question.budget_secs })
     }
 
-    /// The outcome of a pendulum that passes the top `fraction` into the step that follows
-    /// `steps` whole ones: a flip if that is within the budget, its end included.
+    /// The outcome of a pendulum that crosses the top `fraction` into the step that follows `steps`
+    /// whole ones: a flip if that is within the budget, its end included.
     pub fn outcome_of_pass(&self, steps: u32, fraction: f64) -> Outcome {
         outcome_at((f64::from(steps) + fraction) * self.length_secs, self.budget_secs)
     }
 
-    /// How the stages of a step find their directions: from the greatest turn that the scene's
-    /// energy allows in one step.
+    /// The way in which the stages of a step find their directions, chosen by the greatest turn
+    /// that the scene's energy allows in one step.
     pub fn turning(&self, question: &Question, precision: Precision) -> Turning {
         let most = question.build.pendulum().greatest_speed() * self.length_secs;
         Turning::within(most, precision.epsilon())
     }
 }
 
-/// A kernel counts steps in 32 bits.
+/// Largest number of steps: kernels count them in 32 bits.
 const MOST_STEPS: u32 = 1 << 30;
 
 #[cfg(test)]

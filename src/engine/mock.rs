@@ -1,5 +1,5 @@
-//! An engine without physics, so that everything above engines can be tested in milliseconds:
-//! a start's answer is a formula of its angles, and jobs finish only when polled.
+//! An engine without physics, so that everything above engines can be tested in milliseconds: the
+//! answer to a start is a formula in its angles, and jobs finish only when polled.
 
 use std::collections::VecDeque;
 
@@ -10,19 +10,19 @@ use super::{IntegratorConfig, Question, Starts, Wait};
 use crate::physics::{Dd, Outcome, Status};
 use crate::scene::lattice::side_rad;
 
-/// Answers jobs in the order of submission, or backwards, one a poll.
+/// An engine that answers jobs in the order of submission, or in reverse, one per poll.
 pub struct MockEngine {
-    /// Answer the newest job first.
+    /// True if the newest job is answered first.
     pub backwards: bool,
-    /// Refuse the job with this number of submissions before it.
+    /// Number of submissions before the job that is refused, if any.
     pub fail_at: Option<usize>,
-    /// How many starts make a good job.
+    /// Number of starts in a job of good size.
     pub job_size: usize,
-    /// Jobs taken so far.
+    /// Number of jobs taken so far.
     pub submitted: usize,
-    /// Starts answered so far.
+    /// Number of starts answered so far.
     pub answered: usize,
-    /// Most jobs that were ever in flight.
+    /// Largest number of jobs that were in flight at once.
     pub most_in_flight: usize,
     /// Jobs in flight.
     pub queue: VecDeque<Job>,
@@ -43,9 +43,9 @@ impl Default for MockEngine {
 }
 
 impl MockEngine {
-    /// The answer to a start: early where |θ2| ≤ 1, else after more than 40 s, at a time that
-    /// tells which start it is and of which pendulum. Like a pendulum's it is that of the mirror
-    /// image.
+    /// The answer to a start: an early flip where |θ2| ≤ 1, otherwise one after more than 40 s, at
+    /// a time that identifies the start and its pendulum. As with a real pendulum, the mirror image
+    /// has the same answer.
     pub fn answer(question: &Question, angle: [Dd; 2]) -> Outcome {
         let [theta1, theta2] = angle.map(|theta| theta.hi);
         let along = (theta1 + 0.01 * theta2).abs();
@@ -54,7 +54,7 @@ impl MockEngine {
         } else {
             10.0 + along
         };
-        // Of the home scene, Q is 9.81 J.
+        // In the home scene, Q is 9.81 J.
         let secs = home_secs * 9.81 / question.build.gravity.value();
         if secs <= question.budget_secs {
             Outcome::flipped(secs)
@@ -75,20 +75,20 @@ impl MockEngine {
         IntegratorState { steps: 1, numbers }
     }
 
-    /// The angles that a pendulum on its way is at.
+    /// The present angles of a pendulum in motion.
     fn under_way(state: &Moving) -> [Dd; 2] {
         let [x1, y1, x2, y2, ..] = state.phase;
         [y1.atan2(x1), y2.atan2(x2)].map(Dd::new)
     }
 
-    /// Deep starts as far as double-double tells them apart.
+    /// The angles of a leaf's starts, as far as double-double tells them apart.
     fn angles_in(leaf: &Leaf) -> Vec<[Dd; 2]> {
         let (center, half) = (leaf.cell.center(), side_rad(leaf.cell.level + 1));
         let angle = |at: &[f64; 2]| [0, 1].map(|i| center[i].to_dd() + Dd::new(half * at[i]));
         leaf.points.iter().map(angle).collect()
     }
 
-    /// The start of a paused pendulum; refused where an engine could not go on.
+    /// The start that a saved state belongs to; refused where an engine could not continue it.
     fn resumed(question: &Question, state: &IntegratorState) -> Result<[Dd; 2], EngineError> {
         let [budget_secs, q, hi1, lo1, hi2, lo2, ..] = state.numbers;
         if q != question.build.gravity.value() || budget_secs >= question.budget_secs {

@@ -1,18 +1,19 @@
-//! What computes: a job of pendulum starts goes in, their outcomes come out.
+//! Engines: jobs of pendulum starts go in, their outcomes come out.
 //!
-//! An [`Engine`] knows no picture. It is given starts and a [`Question`] and answers with one
-//! outcome a start, in the same order, whatever it did to be fast. Four lifetimes nest here:
-//! `Gpu` (a device, as long as the process), `Kernel` (a compiled [`Recipe`]), `Slot` (the
+//! An [`Engine`] knows nothing of pictures. It takes starts and a [`Question`] and answers with one
+//! outcome per start, in the same order, however it arranges the work to be fast. Four lifetimes
+//! nest here: `Gpu` (a device, as long as the process), `Kernel` (a compiled `Design`), `Slot` (the
 //! buffers of one job in flight) and the job itself, which is plain data.
 //!
 //! * [`gpu`] runs kernels on any adapter that wgpu finds;
 //! * [`cpu`] runs the same physics over threads and SIMD lanes;
-//! * [`depth`] follows the starts of a deep zoom to where another engine can take over;
-//! * [`background`] is any of them on a thread of its own;
-//! * [`mock`] answers at once, for tests of everything above;
+//! * [`depth`] follows the starts of a deep zoom to the point where another engine can take over;
+//! * [`background`] runs any of them on a thread of its own;
+//! * [`mock`] answers at once, for tests of everything above engines;
 //! * [`trust`] checks the answers of another engine until two methods agree;
-//! * [`selfcheck`] decides which arithmetic of an adapter is believed, [`profile`] what its
-//!   configs cost, [`choice`] which engine runs which of them, [`words`] what a person asked for.
+//! * [`selfcheck`] decides which arithmetic of an adapter is trusted, [`profile`] measures what the
+//!   configurations cost, [`choice`] selects an engine and a configuration, and [`run_settings`]
+//!   reads from words what a person asks for.
 
 pub mod background;
 pub mod choice;
@@ -45,19 +46,19 @@ use method::Pace;
 pub use method::{Method, Precision};
 pub use trust::Trust;
 
-/// What is asked about every start of a job.
+/// The question that a job asks about each of its starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Question {
     /// The pendulum; gravity must pull.
     pub build: Build,
-    /// Which bob is watched.
+    /// The rule that says which bob is watched.
     pub rule: Rule,
     /// Simulated seconds a start may use.
     pub budget_secs: f64,
 }
 
 impl From<&Scene> for Question {
-    /// What a checked scene asks.
+    /// The question of a checked scene.
     fn from(scene: &Scene) -> Self {
         Question {
             build: scene.build,
@@ -68,19 +69,19 @@ impl From<&Scene> for Question {
 }
 
 impl Question {
-    /// The pendulum in units that make C = Q = 1, to the precision of the number type, and the
-    /// unit of time, s.
+    /// The pendulum in reduced units, in which C = Q = 1, to the precision of the number type, and
+    /// the unit of time in s.
     pub fn reduced_in<T: Scalar>(&self) -> (Pendulum<T>, T) {
         self.build.reduced_in()
     }
 
-    /// The same, to the precision of f64.
+    /// The pendulum in reduced units and the unit of time in s, to the precision of f64.
     pub fn reduced(&self) -> (Pendulum<f64>, f64) {
         let (pendulum, unit_secs) = self.reduced_in::<Dd>();
         (pendulum.to_f64(), unit_secs.to_f64())
     }
 
-    /// The outcome of a pendulum that flips after `secs`: unflipped if that is too late.
+    /// The outcome of a pendulum that flips after `secs`: unflipped if that is beyond the budget.
     pub fn flipped_at(&self, secs: f64) -> Outcome {
         if secs <= self.budget_secs {
             Outcome::flipped(secs)
@@ -90,64 +91,65 @@ impl Question {
     }
 }
 
-/// How it is integrated.
+/// A method with its step or tolerance, and a precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorConfig {
-    /// The method with its step.
+    /// The method with its step or tolerance.
     pub method: Method,
     /// The number type.
     pub precision: Precision,
 }
 
-/// Where the pendulums of a job begin.
+/// The states in which the pendulums of a job begin.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Starts {
-    /// Let go at rest at these angles (rad), each within (−π, π].
+    /// Released from rest at these angles (rad), each within (−π, π].
     Rest(Vec<[Dd; 2]>),
-    /// Continued from where an earlier job of the same question and config paused them.
+    /// Resumed from the states in which an earlier job left them; its question may differ in the
+    /// budget only.
     Resumed(Vec<IntegratorState>),
-    /// On their way already: what became of those of [`Starts::Deep`] in the meantime.
+    /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
     Moving(Vec<Moving>),
-    /// Let go at rest at places too close together for any number type of an engine's; only
-    /// [`depth::DepthEngine`] takes them.
+    /// Released from rest at places too close together for the number types of engines; only
+    /// [`depth::DepthEngine`] can begin them.
     Deep(Deep),
 }
 
-/// Starts by the leaves of the lattice in which they lie.
+/// Starts grouped by the leaves of the lattice in which they lie.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deep {
-    /// All of one level.
+    /// The leaves, all of one level.
     pub leaves: Vec<Leaf>,
-    /// Whether they are followed with other cuts than usual and smaller errors, to check.
+    /// True if they are followed with other cuts than usual and smaller errors, as a check.
     pub strict: bool,
 }
 
 /// Starts in one cell of the lattice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leaf {
-    /// Which.
+    /// The cell of the lattice.
     pub cell: Cell,
-    /// Where in it, in [−1, 1]²: θ1 to the right, θ2 up.
+    /// Positions in the cell, in [−1, 1]²: θ1 to the right, θ2 up.
     pub points: Vec<[f64; 2]>,
 }
 
-/// A pendulum on its way, in reduced units.
+/// A pendulum in motion, in reduced units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moving {
-    /// Since the release, and what rounding took from it.
+    /// Time since the release, and the remainder that rounding took from it.
     pub time: [f64; 2],
-    /// Unit vectors and momenta.
+    /// Unit vectors along the rods, and momenta.
     pub phase: Phase<f64>,
-    /// A step that is not too long.
+    /// Length of the first step to try, short enough to be safe.
     pub step: f64,
-    /// See [`End::clearance`].
+    /// Clearance so far, see [`End::clearance`].
     pub clearance: f64,
-    /// See [`End::grown`].
+    /// Growth so far, see [`End::grown`].
     pub grown: f64,
 }
 
 impl Starts {
-    /// How many pendulums.
+    /// Number of pendulums.
     pub fn len(&self) -> usize {
         match self {
             Starts::Rest(angles) => angles.len(),
@@ -157,79 +159,80 @@ impl Starts {
         }
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no pendulums.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// Numbers that a pendulum's state takes at most, see [`start`].
+/// Most numbers that a pendulum's state can have, see [`start`].
 pub const NUMBERS: usize = 15;
 
 /// An unfinished pendulum between two jobs, exactly as the kernel left it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct IntegratorState {
-    /// Steps done; of adaptive methods those tried.
+    /// Number of steps taken; for adaptive methods, of steps tried.
     pub steps: u32,
     /// The state in the kernel's units and in the order that [`start`] gives; exact for every
     /// precision.
     pub numbers: [f64; NUMBERS],
 }
 
-/// One piece of work.
+/// One piece of work for an engine.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The submitter's own name for it.
+    /// Identifier chosen by the submitter.
     pub id: u64,
-    /// What is asked.
+    /// The question to answer for each start.
     pub question: Question,
-    /// How it is computed.
+    /// The method and the precision.
     pub config: IntegratorConfig,
-    /// The pendulums.
+    /// The states in which the pendulums begin.
     pub starts: Starts,
-    /// What to hand back beside the outcomes.
+    /// Selects the states to return along with the outcomes.
     pub keep: Keep,
 }
 
-/// What a job hands back of its pendulums' states.
+/// A selection of the pendulums' states that a job returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Keep {
-    /// Nothing.
+    /// No states.
     #[default]
     Nothing,
-    /// Those of pendulums unflipped at the end of the budget, so that they can be continued.
+    /// The states of pendulums unflipped at the end of the budget, so that they can be continued.
     Unfinished,
-    /// Where each of them ended, so that answers can be compared.
+    /// The end of each pendulum, so that answers can be compared.
     Ends,
 }
 
-/// Where a pendulum's integration ended: at its flip, or at the end of the budget; reduced units.
+/// The state in which a pendulum's integration ended: at its flip, or at the end of the budget;
+/// reduced units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End {
-    /// Since the release.
+    /// Time since the release.
     pub time: f64,
-    /// Unit vectors and momenta.
+    /// Unit vectors along the rods, and momenta.
     pub phase: Phase<f64>,
-    /// How near a watched bob came to the top before, and turned round: at least this far from it
-    /// (as a sine). Methods that cannot say have [`passage::FAR`].
+    /// Lower bound on the distance from the top (as a sine) at which a watched bob turned round
+    /// before; [`crossing::FAR`] for methods that cannot tell.
     pub clearance: f64,
-    /// How many times farther apart neighbours were when its own integration began than when they
-    /// were let go: 1 where that was at rest, infinite where all was known without one.
+    /// Factor by which neighbours had moved apart between the release and the beginning of the
+    /// start's own integration: 1 where that began at rest, infinite where none was needed.
     pub grown: f64,
 }
 
 impl End {
-    /// Of a pendulum that has not been anywhere.
+    /// The end of a pendulum that has not moved.
     pub const NOWHERE: End =
         End { time: 0.0, phase: [0.0; 6], clearance: crossing::FAR, grown: 1.0 };
 }
 
 impl Job {
-    /// How long its steps are.
+    /// Returns the fixed steps or the step size control of the job.
     pub fn pace(&self) -> Result<Pace, EngineError> {
         let pace = Pace::new(&self.question, &self.config)?;
         Ok(match (pace, self.config.method, &self.starts) {
-            // These keep their one tolerance.
+            // These keep one tolerance throughout.
             (_, Method::Taylor { .. } | Method::Extrapolation { .. }, _) => pace,
             (Pace::Adaptive(adaptive), _, Starts::Moving(_)) => {
                 // Measured on filaments 1e-3 to 1e-22 rad wide.
@@ -245,31 +248,31 @@ impl Job {
 /// The answer to a job.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JobResult {
-    /// The job's name.
+    /// Identifier of the job.
     pub id: u64,
-    /// One for each start, in the order of the starts.
+    /// One outcome per start, in the order of the starts.
     pub outcomes: Vec<Outcome>,
-    /// For each start still unflipped, its index and state, if they were to be kept.
+    /// Index and state of each start still unflipped, if they were to be kept.
     pub unfinished: Vec<(usize, IntegratorState)>,
-    /// Where each start ended, if that was to be kept.
+    /// The end of each start, if it was to be kept.
     pub ends: Vec<End>,
-    /// How sure each outcome is; empty where nobody looked.
+    /// Trust in each outcome; empty if nothing was checked.
     pub trusts: Vec<Trust>,
-    /// What it took.
+    /// Work done for the job.
     pub effort: Effort,
 }
 
-/// Work done.
+/// Counts of work done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
-    /// What following deep starts has shown.
+    /// Statistics of following deep starts.
     pub depth: Option<DepthStats>,
-    /// Right-hand sides evaluated, those for locating flips included; an expansion to order N
+    /// Right-hand sides evaluated, including those for locating flips; an expansion to order N
     /// counts as N.
     pub rhs_evaluations: u64,
-    /// Steps tried, of all pendulums.
+    /// Steps tried, summed over all pendulums.
     pub steps: u64,
-    /// Steps that the lanes had room for while these were done.
+    /// Steps for which the lanes had room meanwhile, including those of idle lanes.
     pub lane_steps: u64,
 }
 
@@ -285,66 +288,67 @@ impl std::ops::AddAssign for Effort {
     }
 }
 
-/// How long [`Engine::poll`] may wait for something to finish.
+/// Limit on the time that [`Engine::poll`] may wait for something to finish.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wait {
-    /// As long as anything is in flight.
+    /// Waits until something finishes, as long as anything is in flight.
     UntilFinished,
-    /// Not past this moment.
+    /// Waits until this moment at the latest.
     Until(Instant),
 }
 
-/// What goes wrong inside an engine.
+/// Errors of an engine.
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
-    /// A buffer could not be had.
+    /// A buffer could not be allocated.
     #[error("the device has no room for {mib} MiB more; use a smaller --size, or --engine cpu")]
     OutOfMemory {
-        /// What was asked for.
+        /// Size of the buffer in MiB.
         mib: u64,
     },
-    /// More than the adapter's limits allow.
+    /// A request exceeds the adapter's limits.
     #[error("{what} needs {needed}, but this adapter allows at most {allowed}")]
     LimitExceeded {
-        /// What was too large.
+        /// Name of what is too large.
         what: &'static str,
-        /// How much of it.
+        /// Size that is needed.
         needed: u64,
         /// The adapter's limit.
         allowed: u64,
     },
-    /// The config is not for this engine or adapter.
+    /// The configuration is not available on this engine or adapter.
     #[error("{0}")]
     Unsupported(String),
-    /// The device is gone and could not be had again.
+    /// The device was lost and could not be opened again.
     #[error("the graphics device was lost and could not be recreated: {0}")]
     DeviceLost(String),
-    /// The driver refused something it should not have.
+    /// The driver refused something that it should have accepted.
     #[error("the graphics driver reported: {0}")]
     Driver(String),
 }
 
-/// Something that computes jobs. Nothing here blocks but [`Engine::poll`] when told to wait.
+/// An interface to anything that computes jobs. No method blocks except [`Engine::poll`] when asked
+/// to wait.
 pub trait Engine {
     /// Takes a job. The caller keeps at most [`Engine::slots`] of them in flight.
     fn submit(&mut self, job: Job) -> Result<(), EngineError>;
-    /// Moves the work on and returns what has finished, in any order.
+    /// Advances the work and returns the jobs that have finished, in any order.
     fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError>;
-    /// Forgets all jobs in flight; their answers will not come.
+    /// Drops all jobs in flight; their answers will not arrive.
     fn cancel(&mut self);
-    /// How many jobs in flight keep the engine busy.
+    /// Number of jobs in flight that keep the engine busy.
     fn slots(&self) -> usize;
-    /// How many starts make a good job.
+    /// Number of starts in a job of good size.
     fn job_size(&self) -> usize;
-    /// `gpu`, `cpu` or `mock`.
+    /// Name of the engine: `gpu`, `cpu` or `mock`.
     fn name(&self) -> &'static str;
     /// The adapter's name, or the processor's SIMD width and threads.
     fn adapter(&self) -> String;
-    /// Whether it has the config and can be trusted with it.
+    /// Reports whether the engine has the configuration and can be trusted with it.
     fn offers(&self, config: &IntegratorConfig) -> bool;
 }
 
-/// An engine lent out.
+/// A mutable reference to an engine is an engine.
 impl<E: Engine + ?Sized> Engine for &mut E {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
         (**self).submit(job)

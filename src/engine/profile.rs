@@ -1,8 +1,8 @@
-//! What the engines here can do: each level's configs, timed and judged once on every engine,
-//! and kept for the next time.
+//! Profiles of this machine's engines: the configurations of each level, timed and judged once on
+//! every engine, and cached for the next run.
 //!
-//! A profile belongs to the adapters with their drivers, the threads and the version of the
-//! program; when one of them changes it is measured anew.
+//! A profile is valid for one set of adapters with their drivers, number of threads and version of
+//! the program; when one of them changes, it is measured again.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,73 +21,76 @@ use super::{
 use crate::physics::{Dd, Outcome, Status, oracle};
 use crate::scene::{Fate, Grid, Scene};
 
-/// The engines of this machine, measured.
+/// A measurement of this machine's engines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
-    /// What it was measured on.
+    /// The machine and the program that it was measured on, as one line.
     pub key: String,
-    /// What was measured.
+    /// One row per configuration and engine measured.
     pub rows: Vec<ProfileRow>,
-    /// What an engine does not offer, and why.
+    /// Configurations and engines that are not offered, each with the reason.
     pub refused: Vec<String>,
 }
 
-/// One config on one engine.
+/// The measurement of one configuration on one engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProfileRow {
-    /// The level whose config it is.
+    /// The accuracy level that the configuration belongs to.
     pub accuracy: Accuracy,
-    /// `gpu` or `cpu`.
+    /// Name of the engine: `gpu` or `cpu`.
     pub engine: String,
-    /// The adapter as [`describe`] has it; of the processor nothing.
+    /// The adapter as [`describe`] gives it; empty for the processor.
     pub adapter: String,
-    /// The method's word.
+    /// Name of the method.
     pub method: String,
-    /// Its step or tolerance.
+    /// The method's step or tolerance, as text.
     pub setting: String,
-    /// The number type's word.
+    /// Name of the number type.
     pub precision: String,
-    /// Microseconds an integrated pixel of the home map.
+    /// Microseconds per integrated pixel of the home map.
     pub us_per_pixel: f64,
-    /// Share of a few hundred pixels within 1 ms of the gold standard.
+    /// Share of a few hundred pixels that are within 1 ms of the gold standard.
     pub right: f64,
 }
 
-/// Side of the picture whose open starts are timed, and how many of them a slow config gets.
+/// Side in pixels of the picture whose open starts are timed.
 const SIDE: u32 = 160;
+/// Number of starts that a slow configuration is timed on.
 const FEW: usize = 512;
-/// Every so many starts are compared with the gold standard.
+/// One start in so many is compared with the gold standard.
 const JUDGED_SHARE: usize = 41;
-/// A config slower than this is not timed any longer.
+/// Microseconds per pixel from which on a configuration is timed on a few starts only.
 const SLOW_US: f64 = 50.0;
 
 impl Profile {
-    /// The kept profile of this machine, or one measured now; `tell` hears that it takes a while.
+    /// Returns the cached profile of this machine, or measures one; `tell` receives a message that
+    /// this takes a while.
     pub fn get(threads: Option<usize>, tell: &dyn Fn(&str)) -> Profile {
         if let Some(kept) = Profile::kept(threads) {
             return kept;
         }
         tell("measuring the engines of this machine once; this takes some seconds");
         let profile = Profile::measure(threads);
-        // A cache that cannot be written costs the next run the same seconds and nothing else.
+        // An unwritable cache costs the next run the same seconds and nothing else.
         if let Err(error) = profile.keep() {
             tell(&format!("the measured profile could not be kept: {error}"));
         }
         profile
     }
 
-    /// The profile that an earlier run kept, if it is of this machine as it is now.
+    /// Returns the profile that an earlier run cached, if it is of this machine in its present
+    /// state.
     pub fn kept(threads: Option<usize>) -> Option<Profile> {
         let kept = path().as_deref().and_then(read)?;
         (kept.key == key(threads)).then_some(kept)
     }
 
-    /// Keeps it for the next run.
+    /// Caches the profile for the next run.
     pub fn keep(&self) -> std::io::Result<()> {
         path().map_or(Ok(()), |path| write(&path, self))
     }
 
-    /// Measures every engine here.
+    /// Measures every engine of this machine.
     pub fn measure(threads: Option<usize>) -> Profile {
         let mut profile = Profile { key: key(threads), rows: Vec::new(), refused: Vec::new() };
         let sample = Sample::new();
@@ -99,7 +102,7 @@ impl Profile {
             let (name, hardware) = (describe(&adapter), !is_software(&adapter));
             match open_checked(adapter) {
                 Ok(mut engine) => {
-                    // Pairs of f32 are far behind f64 in software, and slow to compile there.
+                    // In software, pairs of f32 are far slower than f64, and slow to compile.
                     let pairs = hardware || engine.verdict().require(Precision::F64).is_err();
                     if pairs && let Ok(checks) = selfcheck::orbits(&mut engine, &[Precision::Df32])
                     {
@@ -138,8 +141,8 @@ impl Profile {
         }
     }
 
-    /// The fastest row for a level (an exact picture is first a balanced one) among those that
-    /// `allows` lets pass.
+    /// Returns the fastest row for a level among those that `allows` accepts. An exact picture
+    /// begins as a balanced one, so the rows of that level count for it.
     pub fn fastest(
         &self,
         accuracy: Accuracy,
@@ -154,7 +157,7 @@ impl Profile {
 }
 
 impl ProfileRow {
-    /// The config of its level that this row timed.
+    /// Returns the configuration of its level that this row measured.
     pub fn config(&self) -> Option<IntegratorConfig> {
         let is = |config: &IntegratorConfig| {
             config.precision.to_string() == self.precision
@@ -165,7 +168,7 @@ impl ProfileRow {
     }
 }
 
-/// What profiles are measured with.
+/// The starts that profiles are measured on, and the true outcomes of some of them.
 struct Sample {
     question: Question,
     starts: Vec<[Dd; 2]>,
@@ -191,13 +194,13 @@ impl Sample {
         Sample { question, starts, truth }
     }
 
-    /// Microseconds a pixel and the share that is right.
+    /// Measures microseconds per pixel and the share of answers that are right.
     fn time(
         &self,
         engine: &mut dyn Engine,
         config: IntegratorConfig,
     ) -> Result<(f64, f64), super::EngineError> {
-        // The judged starts are the warm-up: kernels are compiled for them.
+        // The judged starts serve as the warm-up: kernels are compiled for them.
         let judged: Vec<[Dd; 2]> = self.starts.iter().step_by(JUDGED_SHARE).copied().collect();
         let answers = self.run(engine, config, &judged)?.outcomes;
         let close = |(answer, truth): &(&Outcome, &Outcome)| {
@@ -233,7 +236,7 @@ impl Sample {
     }
 }
 
-/// What a profile is measured on, as one line.
+/// Identifies the machine and the program that a profile is measured on, as one line.
 fn key(threads: Option<usize>) -> String {
     let adapters: Vec<String> = adapters().iter().map(describe).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -247,7 +250,7 @@ fn key(threads: Option<usize>) -> String {
     )
 }
 
-/// Where the profile is kept.
+/// Path of the cached profile.
 fn path() -> Option<PathBuf> {
     let folders = etcetera::choose_base_strategy().ok()?;
     Some(folders.cache_dir().join("flipmap").join("profile.json"))
@@ -257,7 +260,8 @@ fn read(path: &Path) -> Option<Profile> {
     serde_json::from_slice(&std::fs::read(path).ok()?).ok()
 }
 
-/// Written beside and moved into place, so that two runs at once leave a whole one.
+/// Writes a temporary file and moves it into place, so that two runs at once leave a complete
+/// profile.
 fn write(path: &Path, profile: &Profile) -> std::io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)?;

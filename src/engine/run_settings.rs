@@ -1,4 +1,4 @@
-//! How to integrate, as words: of the command line, or of the scene inside a picture.
+//! Integration settings as words, from the command line or from the scene inside a picture.
 
 use std::str::FromStr;
 
@@ -6,13 +6,14 @@ use super::choice::IntegrationSetting;
 use super::{Accuracy, IntegratorConfig, Method, Precision};
 use crate::scene::RunTable;
 
-/// Words that do not go together, or mean nothing: a sentence that names the option.
+/// Words that contradict each other or mean nothing, with a sentence that names the option.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct RunSettingsError(String);
 
-/// What words ask for, and the run table that asks for the same with nothing left open. Its
-/// verification is what was said beyond the level.
+/// Resolves words to the setting they ask for, and to the run table that asks for the same with
+/// nothing left open. With a level, that table's `verify` is only what was requested beyond the
+/// level.
 pub fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSettingsError> {
     let mut accuracy = Accuracy::default();
     set(&mut accuracy, "--accuracy", &words.accuracy, Accuracy::from_str)?;
@@ -35,16 +36,16 @@ pub fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSet
         step,
         tolerance: config.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
         precision: Some(config.precision.to_string()),
-        // The level stays in what it checks.
+        // Of the level, only its checks remain.
         verify: verify || accuracy.verifies(),
     };
     Ok((IntegrationSetting::Explicit(config), run))
 }
 
-/// The words that settle as exactly this config.
+/// The words that resolve to exactly this configuration.
 pub fn from_config(config: IntegratorConfig) -> RunTable {
     let step = match config.method {
-        // The shortest number that is read back as it was.
+        // The shortest number that reads back as the same value.
         Method::Rk4 { step_secs } => Some(format!("{step_secs:?}")),
         _ => None,
     };
@@ -57,7 +58,7 @@ pub fn from_config(config: IntegratorConfig) -> RunTable {
     }
 }
 
-/// Whether what was settled is to be checked pixel by pixel.
+/// Returns true if a resolved setting is to be checked pixel by pixel.
 pub fn verifies(setting: IntegrationSetting, run: &RunTable) -> bool {
     run.verify || matches!(setting, IntegrationSetting::Accuracy(level) if level.verifies())
 }
@@ -73,7 +74,7 @@ fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunS
     let name = match (&words.method, &words.step) {
         (Some(name), _) => name.as_str(),
         (None, Some(_)) => "rk4",
-        // The lesson is its method; the other levels have one for each precision.
+        // The lesson fixes its method; the other levels have one for each precision.
         (None, None) if precision == level.precision || accuracy == Accuracy::Lesson => {
             level.method.name()
         }
@@ -121,7 +122,7 @@ fn with_step(method: Method, step: &str) -> Result<Method, RunSettingsError> {
     }
 }
 
-/// Steps are not judged more roughly than this.
+/// Largest tolerance that is accepted.
 const LARGEST_TOLERANCE: f64 = 1e-2;
 
 fn with_tolerance(
@@ -148,7 +149,7 @@ fn with_tolerance(
     )))
 }
 
-/// Replaces `value` by what a word says, or names the option in the refusal.
+/// Replaces `value` by the meaning of a word, if there is one; an error names the option.
 fn set<T, Why: std::fmt::Display>(
     value: &mut T,
     option: &str,

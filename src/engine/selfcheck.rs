@@ -1,9 +1,9 @@
-//! Whether an adapter's arithmetic can be believed.
+//! The self-check: a test of whether an adapter's arithmetic can be trusted.
 //!
-//! Nothing protects floating point on graphics cards: compilers reorder sums, drop error terms
-//! and emit garbage for some functions. So each number type is offered only where a kernel of
+//! Nothing protects floating-point arithmetic on graphics cards: compilers reorder sums, drop error
+//! terms and emit garbage for some functions. So each number type is offered only where a kernel of
 //! known sums came out right on this very device, bit by bit where the standard says so. The
-//! judgement itself is plain code on plain numbers, so that a test can show it false answers.
+//! judgement itself is plain code on plain numbers, so that a test can give it false answers.
 
 use super::gpu::device::Gpu;
 use super::gpu::kernel::selfcheck_text;
@@ -15,36 +15,36 @@ use super::{
 use crate::physics::{Dd, Outcome, Real, Rule, oracle};
 use crate::scene::Build;
 
-/// One question put to the device, and how it did.
+/// One check of a device, and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
     /// The number type.
     pub precision: Precision,
-    /// What was asked.
+    /// Name of the check.
     pub name: &'static str,
-    /// Whether it came out right.
+    /// True if the device passed.
     pub passed: bool,
     /// The worst error, or what went wrong.
     pub detail: String,
 }
 
-/// What a device is believed to do.
+/// The arithmetic that a device is trusted with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// Every check made.
+    /// All checks that were made.
     pub checks: Vec<Check>,
-    /// f32 arithmetic is sound.
+    /// True if f32 arithmetic is sound.
     pub f32: bool,
-    /// f32 error terms survive the compiler, so states can be compensated.
+    /// True if f32 error terms survive the compiler, so that states can be compensated.
     pub compensated: bool,
-    /// Pairs of f32 keep 44 bits and more.
+    /// True if pairs of f32 keep 44 bits or more.
     pub df32: bool,
-    /// f64 arithmetic is there and sound.
+    /// True if f64 arithmetic is present and sound.
     pub f64: bool,
 }
 
 impl Verdict {
-    /// Why a precision is not offered, if so.
+    /// Returns the reason as an error if a precision is not offered.
     pub fn require(&self, precision: Precision) -> Result<(), String> {
         let offered = match precision {
             Precision::F32 => self.f32,
@@ -79,8 +79,8 @@ pub fn run(gpu: &Gpu) -> Result<Verdict, EngineError> {
     run_with(gpu, &|text| text)
 }
 
-/// The same with the kernel's text changed by `edit`: how a test shows that a wrong kernel is
-/// found out.
+/// Runs all checks with the kernel's text changed by `edit`, so that a test can show that a wrong
+/// kernel is detected.
 pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, EngineError> {
     let text = |precision| edit(selfcheck_text(precision));
     let mut checks = judge(Precision::F32, &answers_f32(gpu, text(Precision::F32))?);
@@ -98,8 +98,8 @@ pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, E
     Ok(verdict(checks))
 }
 
-/// The checks of short orbits: what the kernels make of a few starts, beside the gold standard,
-/// in each of `precisions` that is offered so far.
+/// Checks short orbits: compares the kernels' answers to a few starts with the gold standard, in
+/// each of `precisions` that is offered so far.
 pub fn orbits(
     engine: &mut dyn Engine,
     precisions: &[Precision],
@@ -129,7 +129,7 @@ pub fn orbits(
 /// Starts that flip within a second, and one that does not.
 const ORBITS: [[f64; 2]; 5] = [[3.0, 3.0], [-2.0, 3.0], [1.75, -2.5], [-3.0, -2.8], [1.2, 1.6]];
 
-/// Compares orbits with the truth: RK4 at 120 steps a second is within 0.1 ms of it here.
+/// Compares orbits with the truth, of which RK4 at 120 steps a second is within 0.1 ms here.
 pub fn judge_orbits(precision: Precision, answers: &[Outcome], truth: &[Outcome]) -> Check {
     let off = |(a, t): (&Outcome, &Outcome)| {
         if a.status == t.status { (a.time - t.time).abs() } else { f64::INFINITY }
@@ -149,7 +149,7 @@ fn worst_of(errors: impl Iterator<Item = f64>) -> f64 {
     errors.map(|error| if error.is_nan() { f64::INFINITY } else { error }).fold(0.0, f64::max)
 }
 
-/// What follows from the checks.
+/// Derives the verdict from the checks.
 pub fn verdict(checks: Vec<Check>) -> Verdict {
     let all = |precision: Precision, counts: fn(&Check) -> bool| {
         let mut of = checks.iter().filter(|c| c.precision == precision && counts(c)).peekable();
@@ -180,17 +180,17 @@ pub fn operands() -> Vec<[f64; 2]> {
     (0..1008).map(|_| [number(), number()]).chain(halves).collect()
 }
 
-/// One answer: the operands as the number type held them, and what the device made of them.
+/// One answer: the operands as the number type held them, and the device's results.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CheckResult {
-    /// The pair.
+    /// The pair of operands.
     pub operands: [f64; 2],
-    /// Sum, error of the sum (but of f32: difference), product, quotient, sin, cos, rounded;
-    /// of pairs the first four only.
+    /// Sum, error of the sum (in number types other than f32, the difference), product, quotient,
+    /// sine, cosine, rounded value; for pairs, the first four only.
     pub results: [f64; 7],
 }
 
-/// Compares the answers of a number type with what they must be.
+/// Compares the answers of a number type with the right ones.
 pub fn judge(precision: Precision, answers: &[CheckResult]) -> Vec<Check> {
     let worst = |error: &dyn Fn(&CheckResult) -> f64| worst_of(answers.iter().map(error));
     let ulp = 2.0 * precision.epsilon();
@@ -247,7 +247,7 @@ fn sum_and_error(precision: Precision, [a, b]: [f64; 2]) -> (f64, f64) {
     }
 }
 
-/// What a pair of f32 may lose: 2⁻⁴⁴.
+/// Largest relative error allowed for pairs of f32: 2⁻⁴⁴.
 const PAIR_ERROR: f64 = 5.7e-14;
 
 fn answers_f32(gpu: &Gpu, text: String) -> Result<Vec<CheckResult>, EngineError> {
@@ -282,7 +282,7 @@ fn pair_up(
         .collect()
 }
 
-/// Seven answers for each pair of operands.
+/// Asks the device for seven answers to each pair of operands.
 fn ask<T: bytemuck::Pod>(gpu: &Gpu, text: String, operands: &[T]) -> Result<Vec<T>, EngineError> {
     use wgpu::BufferUsages as Usage;
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -323,7 +323,7 @@ mod tests {
     use super::*;
     use crate::physics::Status;
 
-    /// What a sound device answers.
+    /// The answers of a sound device.
     fn sound(precision: Precision) -> Vec<CheckResult> {
         let round = |x: f64| match precision {
             Precision::F32 => f64::from(x as f32),

@@ -1,77 +1,77 @@
-//! What the host and the kernels both know. Twin: `shaders/shared.wgsl`; a test compares the
-//! offsets that naga computes for the assembled shader with the ones here.
+//! The data layout that host and kernels share. Counterpart: `shaders/shared.wgsl`; a test compares
+//! the offsets that naga computes for the assembled shader with the ones here.
 
 use bytemuck::{Pod, Zeroable};
 
-/// The head of a job, for a kernel made for its scene.
+/// The head of a job: all that a kernel made for its scene reads of it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct JobHead {
-    /// Pendulums in the job.
+    /// Number of pendulums in the job.
     pub count: u32,
-    /// Steps that begin before the end of the budget.
+    /// Number of steps after which a pendulum is stopped.
     pub most_steps: u32,
-    /// Steps that one dispatch may take with each pendulum.
+    /// Number of steps that one dispatch may take with each pendulum.
     pub slice_steps: u32,
-    /// Always 0.
+    /// Always 0, which the shader compiler cannot know.
     pub zero: u32,
     /// The fixed step in reduced time units, in two parts.
     pub step: [f32; 2],
     /// Reduced time at which adaptive steps end.
     pub budget: f32,
-    /// log₂ of the squared tolerance at the release, what a unit of time adds, and where that
-    /// ends (see `physics::control`).
+    /// log₂ of the squared tolerance at the release (see `physics::control`).
     pub start: f32,
-    /// See there.
+    /// Amount that a unit of time adds to `start`.
     pub rise: f32,
-    /// See there.
+    /// Value at which that rise ends.
     pub ceiling: f32,
 }
 
-/// What a general kernel reads besides: the scene.
+/// The scene, which a general kernel reads besides the head.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct JobScene {
-    /// 1: the first bob is watched, 2: the second, 3: both.
+    /// Bit mask of the watched bobs, 1: the first, 2: the second, 3: both.
     pub watched: u32,
-    /// WGSL aligns what follows to 8 bytes.
+    /// Padding, because WGSL aligns what follows to 8 bytes.
     pub padding: u32,
     /// A in reduced units, in two parts.
     pub a: [f32; 2],
-    /// B.
+    /// B in reduced units, in two parts.
     pub b: [f32; 2],
-    /// P.
+    /// P in reduced units, in two parts.
     pub p: [f32; 2],
-    /// AB − C².
+    /// AB − C² in reduced units, in two parts.
     pub least_det: [f32; 2],
-    /// 1 over the scale of each momentum; only adaptive kernels read it.
+    /// Reciprocal of the scale of each momentum; only adaptive kernels read it.
     pub inverse_scale: [f32; 2],
 }
 
-/// What a kernel says of a pendulum.
+/// The outcome of a pendulum, as a kernel writes it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct RawOutcome {
-    /// Low byte: the status. Above it: how many times a possible flip was looked at.
+    /// Status in the low byte; above it, the number of times that a possible flip was looked at.
     pub status: u32,
-    /// Steps done; of adaptive ones, tried.
+    /// Number of steps taken; for adaptive methods, of steps tried.
     pub steps: u32,
-    /// When the flip is, in two parts: of fixed steps the fraction of the next one, of adaptive
-    /// ones the reduced time.
+    /// Moment of the flip, in two parts: for fixed steps the fraction of the next one, for adaptive
+    /// steps the reduced time.
     pub moment: [f32; 2],
-    /// How far from the top the watched bobs have stayed before, as a sine.
+    /// Distance from the top that the watched bobs have kept so far, as a sine.
     pub clearance: f32,
-    /// WGSL aligns the next one to 8 bytes.
+    /// Padding, because WGSL aligns the next outcome to 8 bytes.
     pub padding: f32,
 }
 
-/// Lengths of the lists of pendulums.
+/// Lengths of the lists of pendulums, and the list in use.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct Queue {
-    /// Which of the first two is read.
+    /// Index of the list that is read, 0 or 1.
     pub turn: u32,
-    /// Two of those that still run, and one of those that may flip in their next step.
+    /// Lengths of the two lists of pendulums that still run, and of the list of those that may flip
+    /// in their next step.
     pub lengths: [u32; 3],
 }
 

@@ -1,7 +1,8 @@
-//! The numbers a pendulum's state is kept in, and those it begins with.
+//! The numbers in which a pendulum's state is kept, and the ones that it begins with.
 //!
 //! Fixed steps run in angles, adaptive ones in unit vectors and momenta; both in reduced units.
-//! Every name has a place, whatever the precision; a precision without rests leaves theirs at 0.
+//! Every name has its place, whatever the precision. Names in `_low` are the remainders that
+//! rounding took from the others; a precision without remainders leaves them at 0.
 
 use super::method::Pace;
 use super::{
@@ -12,24 +13,23 @@ use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
 use crate::physics::{Angle, Dd, Pendulum, Scalar, State, control};
 
-/// What the numbers of a fixed-step state are called.
+/// Names of the numbers of a fixed-step state.
 pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
 
-/// What the numbers of an adaptive state are called.
+/// Names of the numbers of an adaptive state.
 pub const PHASE: [&str; NUMBERS] = [
     "x1", "y1", "x2", "y2", "p1", "p2", "x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low",
     "time", "time_low", "h",
 ];
 
-/// Places in an adaptive state.
+/// Index of the time in an adaptive state.
 pub const TIME: usize = 12;
-/// See [`TIME`].
+/// Index of the time's remainder in an adaptive state.
 pub const TIME_LOW: usize = 13;
-/// See [`TIME`].
+/// Index of the next step's length in an adaptive state.
 pub const STEP: usize = 14;
 
-/// Where the numbers of a device's state are in [`Paused::numbers`], and
-/// their rests.
+/// Indices in [`IntegratorState::numbers`] of a device's numbers and of their remainders.
 pub fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
     let all: &[&str] = if state.contains(&"h") { &PHASE } else { &ANGLES };
     let place = |name: &str| all.iter().position(|&other| other == name);
@@ -40,7 +40,7 @@ pub fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
     state.iter().map(|name| [place(name), low(name)]).collect()
 }
 
-/// The state of a pendulum let go at rest at `angle` (rad, within (−π, π]).
+/// The state of a pendulum released from rest at `angle` (rad, within (−π, π]).
 fn at_rest(config: &IntegratorConfig, angle: [Dd; 2]) -> IntegratorState {
     let mut numbers = [0.0; NUMBERS];
     if let Method::Rk4 { .. } = config.method {
@@ -77,7 +77,7 @@ pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     }
 }
 
-/// The state of a pendulum that has come some way.
+/// The state of a pendulum that is already in motion.
 fn on_its_way(
     question: &Question,
     config: &IntegratorConfig,
@@ -100,7 +100,7 @@ fn on_its_way(
         }
         Pace::Fixed(steps) => {
             let (reduced, _) = question.reduced();
-            // Back to the end of the last whole step.
+            // Goes back to the end of the last whole step.
             let count = (moving.time[0] / steps.length).floor();
             let back = count * steps.length - moving.time[0] - moving.time[1];
             let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
@@ -121,8 +121,9 @@ pub fn phase_of(numbers: &[f64; NUMBERS]) -> Phase<f64> {
     std::array::from_fn(|i| numbers[i] + numbers[6 + i])
 }
 
-/// Where a pendulum ended that was left in a state: there, or at a flip in the step that follows
-/// it (of fixed steps the fraction of it, of adaptive ones the reduced time).
+/// The end of a pendulum that stopped in the state `left`: there, or at a flip in the step that
+/// follows. `flipped` is the fraction of that step for fixed steps, the reduced time for adaptive
+/// ones.
 pub fn end(
     reduced: &Pendulum<f64>,
     pace: &Pace,
@@ -149,7 +150,7 @@ pub fn end(
     End { time, phase: plus(&begin, &change), clearance, ..End::NOWHERE }
 }
 
-/// `value` as the number type holds it, and what that leaves.
+/// `value` as the number type holds it, and the remainder.
 fn parts(value: Dd, precision: Precision) -> [f64; 2] {
     match precision {
         Precision::F64 => [value.hi, 0.0],
@@ -161,7 +162,7 @@ fn parts(value: Dd, precision: Precision) -> [f64; 2] {
     }
 }
 
-/// Cosine and sine to the precision of f64; at the top exactly.
+/// Cosine and sine to the precision of f64; exact at the top.
 fn unit_vector(angle: Dd) -> [Dd; 2] {
     if angle.abs() == Dd::PI {
         return [Dd::new(-1.0), Dd::new(0.0)];
@@ -170,7 +171,7 @@ fn unit_vector(angle: Dd) -> [Dd; 2] {
     [Dd::new(cos - sin * angle.lo), Dd::new(sin + cos * angle.lo)]
 }
 
-/// The same to the precision of double-double.
+/// Cosine and sine to the precision of double-double; exact at the top.
 fn exact_unit_vector(angle: Dd) -> [Dd; 2] {
     if angle.abs() == Dd::PI {
         return [Dd::new(-1.0), Dd::new(0.0)];

@@ -1,10 +1,30 @@
-//! Symbols: numbers that write down what is done to them.
+//! Symbols: numbers that record what is done to them, so that a kernel's maths is printed from the
+//! equations in `physics` and not written a second time.
 //!
-//! The equations in `physics` are generic over their number type. Run once on symbols they leave
-//! a list of operations, which is printed as straight-line shader text. So a kernel's maths is
-//! the maths of `physics`, not a second copy of it; what a scene makes trivial (a factor of one,
-//! a product that is used twice) is gone before the text exists; and every value is a scalar,
-//! which on software Vulkan is three times faster than the same maths through structs.
+//! The equations are generic over their number type. A [`Symbol`] is an index into a tape, to which
+//! every operator appends a node; run once on symbols, an equation leaves a list of operations,
+//! which is printed as straight-line WGSL. Algorithmic differentiation records programs in the same
+//! way (Griewank and Walther, *Evaluating Derivatives*, 2008).
+//!
+//! ```text
+//!  x * y + (x * y) * 0.5   ──▶   0  x          ──▶
+//!                                1  y
+//!                                2  v0 * v1          let v2 = x * y;
+//!                                3  0.5
+//!                                4  v2 * v3          let v4 = v2 * 0.5f;
+//!                                5  v2 + v4          let v5 = v2 + v4;
+//! ```
+//!
+//! * Loops and decisions on plain Rust values (method, rule, coefficients) are resolved while
+//!   recording: partial evaluation. Code that branches on the numbers themselves cannot run.
+//! * Equal nodes are one node (value numbering), so common subexpressions are computed once.
+//!   Operands are not sorted: `x * y` and `y * x` are two nodes.
+//! * Operations on two literals are folded (in f64), and so are sums with 0, products with 0, 1 and
+//!   −1, quotients by 1, double negatives, and sums with negatives. Numbers are taken to be finite;
+//!   nothing is reassociated, so other roundings stay as they are.
+//! * Nodes that no result needs are not printed. Operands precede their users on the tape.
+//! * Error terms of sums pass through `guard`, because drivers fold them to zero otherwise.
+//! * Every value is a scalar: on software Vulkan three times faster than the same maths in structs.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -18,7 +38,7 @@ use crate::physics::trig::{
 };
 use crate::physics::{Angle, Real};
 
-/// What a symbol stands for.
+/// An operation on the tape, or one of its inputs.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum SymbolNode {
     /// The bits of an f64.
@@ -27,14 +47,15 @@ enum SymbolNode {
     Variable(&'static str),
     /// An operator between two symbols.
     Binary(char, u32, u32),
+    /// The negative of a symbol.
     Negative(u32),
-    /// A function of the shading language, or of the glued-on number file, of one symbol.
+    /// A function of one symbol, from the shading language or from the included number file.
     Call(&'static str, u32),
-    /// A rounding that the optimiser must not see through.
+    /// A rounded value that the optimiser must not see through.
     Guard(u32),
 }
 
-/// What the text around the maths expects of it.
+/// Properties that the surrounding shader text expects of the maths.
 #[derive(Clone, Copy, Debug)]
 pub struct Dialect {
     /// The number type.
@@ -43,6 +64,7 @@ pub struct Dialect {
     pub indent: &'static str,
 }
 
+/// The nodes recorded so far, each after its operands, and the index of every distinct one.
 struct Tape {
     dialect: Dialect,
     nodes: Vec<SymbolNode>,
@@ -53,11 +75,11 @@ thread_local! {
     static TAPE: RefCell<Option<Tape>> = const { RefCell::new(None) };
 }
 
-/// A number yet unknown.
+/// A number that is not known yet, as the index of its node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Symbol(u32);
 
-/// Shader text that computes named results, from running `maths` on symbols: one `let` a
+/// Runs `maths` on symbols and returns shader text that computes its named results: one `let` per
 /// line, then one for each result. `maths` makes its inputs with [`variable`] and [`literal`].
 pub fn write_maths(dialect: Dialect, maths: impl FnOnce() -> Vec<(String, Symbol)>) -> String {
     TAPE.with_borrow_mut(|tape| {
@@ -96,7 +118,7 @@ fn push(node: SymbolNode) -> Symbol {
 }
 
 impl Symbol {
-    /// Its value, if that is known already.
+    /// The value of the symbol if it is a literal.
     fn value(self) -> Option<f64> {
         with_tape(|tape| match tape.nodes[self.0 as usize] {
             SymbolNode::Literal(bits) => Some(f64::from_bits(bits)),
@@ -104,7 +126,7 @@ impl Symbol {
         })
     }
 
-    /// The inside of a negative.
+    /// The operand of the symbol if it is a negative.
     fn negated(self) -> Option<Symbol> {
         with_tape(|tape| match tape.nodes[self.0 as usize] {
             SymbolNode::Negative(inner) => Some(Symbol(inner)),
@@ -201,12 +223,12 @@ impl Real for Symbol {
         literal(value)
     }
 
-    /// Written as a product and a sum: drivers that have a fused unit use it by themselves.
+    /// Records a product and a sum: drivers that have a fused unit use it by themselves.
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self * factor + term
     }
 
-    /// Every rounding behind `guard`, which no optimiser can see through.
+    /// Puts every rounding behind `guard`, which no optimiser can see through.
     fn fast_two_sum(self, other: Self) -> (Self, Self) {
         let guard = |x: Symbol| push(SymbolNode::Guard(x.0));
         let sum = guard(self + other);
@@ -236,7 +258,7 @@ impl Tape {
         for (_, symbol) in results {
             needed[symbol.0 as usize] = true;
         }
-        // Operands stand before their users, so one pass backwards finds all that is needed.
+        // Operands precede their users, so one pass backwards finds all that is needed.
         for index in (0..self.nodes.len()).rev() {
             if needed[index] {
                 self.mark_operands(index, &mut needed);
@@ -301,7 +323,7 @@ impl Tape {
     }
 }
 
-/// A literal of the shading language that reads back as exactly the nearest number.
+/// Formats a literal of the shading language that reads back as exactly the nearest number.
 pub fn literal_text(precision: Precision, value: f64) -> String {
     let text = match precision {
         Precision::F32 => format!("{:?}f", value as f32),

@@ -1,4 +1,4 @@
-//! From parts to what was wanted: a still's files, or a film's frames.
+//! Joining parts into what was planned: a still's files, or a film's frames.
 
 use std::io;
 use std::path::Path;
@@ -14,36 +14,36 @@ use crate::scene::palette::{Tones, equalised};
 use crate::scene::{Document, PictureTable, SceneError};
 use crate::tiles::Samples;
 
-/// Why what was computed could not be joined.
+/// Reasons why the parts could not be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// A part.
+    /// An error of a part.
     #[error(transparent)]
     Part(#[from] PartError),
-    /// A file of a still.
+    /// An error of a still's file.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A frame.
+    /// An error of a frame.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// The film.
+    /// An error of the film.
     #[error(transparent)]
     Ffmpeg(#[from] FfmpegError),
-    /// The picture cannot be painted so.
+    /// A picture that cannot be painted with these settings.
     #[error(transparent)]
     Picture(#[from] SceneError),
-    /// The colours between parts and frames.
+    /// An error of the file that holds the colours between parts and frames.
     #[error("cannot keep colours beside the samples, which takes nearly as much room again")]
     Colours(#[from] io::Error),
-    /// It was asked to stop.
+    /// A request to stop.
     #[error("stopped; what was computed is kept, merge again")]
     Stopped,
 }
 
-/// Rows that are handed on together.
+/// Number of rows that are passed on together.
 const ROWS: u32 = 64;
 
-/// Writes a still from its parts; `go_on` hears how many samples have been.
+/// Writes a still from its parts. `go_on` takes the samples done and returns false to stop.
 pub fn still(
     document: &Document,
     passes: &[StillPass],
@@ -71,7 +71,7 @@ pub fn still(
     Ok(sinks.finish()?)
 }
 
-/// Some samples from a row on: those of the mirror image where they are not computed.
+/// Some samples from a row on: those of the mirror image where the row itself is not computed.
 fn some_rows(pass: &StillPass, parts: &mut Parts, row: u32) -> Result<Samples, PartError> {
     if row < pass.rows {
         return parts.rows(&pass.of, row, ROWS.min(pass.rows - row));
@@ -79,16 +79,16 @@ fn some_rows(pass: &StillPass, parts: &mut Parts, row: u32) -> Result<Samples, P
     parts.rows(&pass.of, pass.size[1] - 1 - row, 1).map(Samples::reversed)
 }
 
-/// Where a film goes.
+/// Destination of a film.
 pub enum FilmSink {
     /// A folder of numbered pictures.
     Frames(Box<Frames>),
-    /// One file.
+    /// A single file.
     Encoder(Encoder),
 }
 
 impl FilmSink {
-    /// Refuses what could not be written, before anything is computed.
+    /// Refuses a destination that could not be written, before anything is computed.
     pub fn check(path: &Path) -> io::Result<()> {
         if Codec::of(path).is_some() {
             return SafeFile::create(&Destination::from(path)).map(drop);
@@ -97,8 +97,8 @@ impl FilmSink {
         tempfile::tempfile_in(path).map(drop)
     }
 
-    /// By its name: a file with a known ending, or else a folder. The document says how the film
-    /// is painted.
+    /// Opens a destination by its name: a file with a known extension, or else a folder. The
+    /// document says how the film is painted.
     pub fn open(path: &Path, film: &Film, document: &Document) -> Result<Self, MergeError> {
         Ok(match Codec::of(path) {
             Some(codec) => FilmSink::Encoder(Encoder::start(codec, film, path)?),
@@ -128,13 +128,13 @@ impl FilmSink {
     }
 }
 
-/// Frames of a group that follow one another and show the same flips.
+/// Consecutive frames of a group that show the same flips.
 struct Alike {
     shown: FlipWindow,
     frames: Vec<(u32, Shot)>,
 }
 
-/// Paints a film from its parts; `go_on` hears how many frames are done.
+/// Paints a film from its parts. `go_on` takes the number of frames done and returns false to stop.
 pub fn film(
     task: &Task,
     picture: &PictureTable,
@@ -165,7 +165,7 @@ pub fn film(
     sink.finish()
 }
 
-/// The one scale of a film's colours.
+/// The single colour scale of a film.
 pub fn tones(film: &Film, picture: &PictureTable) -> Result<Tones, SceneError> {
     Tones::new(picture, film.keys[0].scene.pendulum.unit_secs(), film.budget_secs())
 }
@@ -183,7 +183,7 @@ fn alike(film: &Film, group: &FrameGroupTask) -> Vec<Alike> {
     all
 }
 
-/// The colours of a reel's patches, in a file in `folder`.
+/// The colours of a group's patches, in a file in `folder`.
 fn coloured(
     group: &FrameGroupTask,
     parts: &mut Parts,
@@ -201,12 +201,12 @@ fn coloured(
     Mip::build(&group.group.patches, folder, &mut light)
 }
 
-/// One sample of a patch in so many is looked at for the colours: from row to row in another
-/// column.
+/// Stride of a patch's samples that the spread of colours looks at: every second row, one column
+/// further each time.
 const LOOKED_AT: usize = 65;
 
-/// Times over which a deep film's colours are spread: all its depths alike, and the same in every
-/// frame. Empty where nothing flips.
+/// The times over which a deep film's colours are spread: all its depths count alike, and the times
+/// are the same in every frame. Empty if nothing flips.
 pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
     let TaskKind::Film(_, groups) = &task.work else { return Ok(Vec::new()) };
     let mut times = Vec::new();

@@ -1,9 +1,9 @@
-//! Work that is split, stopped and gone on with: large stills and films.
+//! Work that is split, stopped and resumed: large stills and films.
 //!
 //! A [`Plan`] says what is wanted and in how many shards. [`run()`] computes what is missing of a
 //! shard into [`Parts`], files of samples that are whole or not there; [`mod@merge`] reads them in
-//! order and writes what was wanted. Shards only say who computes what: the samples of a place are
-//! the same whoever computes it, so any number of machines may work, stop, and begin again.
+//! order and writes what was wanted. Shards only divide the work: the samples of a place are the
+//! same wherever they are computed, so any number of machines may work, stop, and begin again.
 
 pub mod merge;
 mod parts;

@@ -1,8 +1,24 @@
-//! Files of samples: what has been computed of a still or a film.
+//! Parts: files of samples, everything that has been computed of a still or a film.
 //!
-//! A part is written beside its place and renamed, so it is whole or not there; its checksum tells
-//! when something has happened to it since. Parts say themselves what they hold: in which order and
-//! by whom they were computed does not matter, and two that hold the same are equal.
+//! Next to a plan `map.toml` lies a folder `map.parts`, into which any number of processes write:
+//!
+//! ```text
+//! name   rows-1f0c92aa-0000128-64.part      patches-1f0c92aa-77b0e3d91a54c208.part
+//!             of       first   count                 of       digest of the cells
+//! file   "flipmap part 1\n" │ CRC-32 of the body │ body: of, holds, samples, in postcard
+//! ```
+//!
+//! `of` is the SHA-256 of everything that decides the samples: scene, size, integrator config,
+//! checking, program version. The name has eight of its digits, the body all of them. Names only
+//! tell files apart; [`Parts::scan`] reads what there is from the bodies. So it does not matter who
+//! computed a part, or in which order; parts may overlap, and two that hold the same are equal.
+//!
+//! - A part is valid if its first line, checksum and encoding are right. Any other `.part` file is
+//!   damaged: its samples count as missing, and it is removed before they are computed again.
+//! - A part is written under a temporary name and then renamed ([`SafeFile`]), so it is whole or
+//!   not there. A process that is killed leaves at most a temporary file, which the scan ignores.
+//! - Writing does not wait for the disk (no fsync). A part that lost bytes in a power failure, or
+//!   was altered later, is detected by its checksum.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::fs;
@@ -17,72 +33,72 @@ use crate::output::{Destination, SafeFile, sha256};
 use crate::physics::Fixed;
 use crate::scene::lattice::Cell;
 use crate::tiles::Samples;
-use crate::tiles::patches::SAMPLES;
+use crate::tiles::patches::PATCH_SAMPLES;
 
-/// Begins every part; the number is the format's.
+/// First bytes of every part; the number is the format's.
 const MAGIC: &[u8] = b"flipmap part 1\n";
-/// Samples of decoded parts that are kept at hand.
+/// Number of samples of decoded parts that stay in memory.
 const AT_HAND: usize = 8 << 20;
 
-/// Why a part cannot be written or read.
+/// Reasons why a part cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
-    /// The folder or a file in it.
+    /// An error of the folder or of a file in it.
     #[error("cannot {verb} {path}")]
     File {
-        /// `read` or `write`.
+        /// The verb of the message: `read` or `write`.
         verb: &'static str,
-        /// Which.
+        /// Path of the folder or file.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: io::Error,
     },
-    /// Not what was written.
+    /// A file that is not as it was written.
     #[error("{0} is cut short or altered: run its shard again, which computes it anew")]
     Damaged(PathBuf),
-    /// It was there before.
+    /// Samples that an earlier scan found and that are missing now.
     #[error("samples are missing that were there a moment ago; run again")]
     Gone,
 }
 
-/// What a part holds samples of.
+/// The rows or patches whose samples a part holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Holds {
-    /// Rows of a picture so many samples wide.
+    /// Rows of a picture `width` samples wide: `count` of them, from `first` on.
     Rows { width: u32, first: u32, count: u32 },
-    /// Patches: the levels, and the limbs of the lower left corners.
+    /// Patches: their levels, and the limbs of their lower left corners.
     Patches(Vec<(u32, [u64; 8], [u64; 8])>),
 }
 
 #[derive(Serialize, Deserialize)]
 struct Part {
-    /// What decides the samples, as a digest.
+    /// Digest of everything that decides the samples.
     of: String,
     holds: Holds,
     samples: Samples,
 }
 
-/// Writes parts of one pendulum or picture.
+/// Writes the parts of one pendulum or picture.
 pub struct PartWriter {
     folder: PathBuf,
     of: String,
 }
 
 impl PartWriter {
-    /// Into a folder, which is made if need be; `of` says what decides the samples.
+    /// Opens a folder, creating it if necessary; `of` is the digest of what decides the samples.
     pub fn open(folder: &Path, of: &str) -> Result<Self, PartError> {
         fs::create_dir_all(folder).map_err(failed("write", folder))?;
         Ok(PartWriter { folder: folder.to_path_buf(), of: of.to_string() })
     }
 
-    /// Keeps rows from `first` on.
+    /// Writes a part of rows from `first` on.
     pub fn rows(&self, width: u32, first: u32, samples: Samples) -> Result<(), PartError> {
         let count = (samples.len() / width as usize) as u32;
         let name = format!("rows-{}-{first:07}-{count}.part", &self.of[..8]);
         self.write(&name, Holds::Rows { width, first, count }, samples)
     }
 
-    /// Keeps patches, whose samples follow one another.
+    /// Writes a part of patches, whose samples follow one another.
     pub fn patches(&self, cells: &[Cell], samples: Samples) -> Result<(), PartError> {
         let places: Vec<_> =
             cells.iter().map(|cell| (cell.level, cell.x.limbs(), cell.y.limbs())).collect();
@@ -113,9 +129,9 @@ impl PartWriter {
 #[derive(Debug, Default)]
 pub struct Parts {
     paths: Vec<PathBuf>,
-    /// By what they are of and their first row: how many rows, and in which file.
+    /// Number of rows and index of the file, by digest and first row.
     rows: BTreeMap<(String, u32), (u32, usize)>,
-    /// By what they are of: in which file, and which of its patches.
+    /// Index of the file and of the patch within it, by digest and cell.
     patches: HashMap<String, HashMap<Cell, (usize, usize)>>,
     /// Files that are not as they were written.
     damaged: Vec<PathBuf>,
@@ -129,7 +145,7 @@ impl std::fmt::Debug for Part {
 }
 
 impl Parts {
-    /// Reads what is there, from the first byte to the last; no folder is an empty one.
+    /// Reads every part in a folder from the first byte to the last; a missing folder is empty.
     pub fn scan(folder: &Path) -> Result<Self, PartError> {
         let mut parts = Parts::default();
         let entries = match fs::read_dir(folder) {
@@ -175,16 +191,16 @@ impl Parts {
         &self.damaged
     }
 
-    /// Removes damaged files, so that what they held can be computed anew.
+    /// Removes damaged files, so that what they held can be computed again.
     pub fn remove_damaged(&mut self) -> Result<(), PartError> {
         self.damaged.drain(..).try_for_each(|path| match fs::remove_file(&path) {
-            // Somebody else was first.
+            // Another process removed it first.
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             removed => removed.map_err(failed("write", &path)),
         })
     }
 
-    /// Which of some rows are not there.
+    /// The rows among `rows` that no part holds.
     pub fn missing_rows(&self, of: &str, rows: Range<u32>) -> Vec<Range<u32>> {
         let mut missing = Vec::new();
         let mut next = rows.start;
@@ -208,7 +224,7 @@ impl Parts {
         self.rows.range(range)
     }
 
-    /// The samples of some rows that one part has, from `row` on; at most `most` rows.
+    /// The samples of some rows that one part holds, from `row` on; at most `most` rows.
     pub fn rows(&mut self, of: &str, row: u32, most: u32) -> Result<Samples, PartError> {
         let holds = |(key, (count, file)): (&(String, u32), &(u32, usize))| {
             (key.1..key.1 + count).contains(&row).then_some((key.1, *count, *file))
@@ -222,7 +238,7 @@ impl Parts {
         Ok(part.samples.part(from..to))
     }
 
-    /// Whether a patch is there.
+    /// Returns true if some part holds a patch.
     pub fn has_patch(&self, of: &str, cell: &Cell) -> bool {
         self.patches.get(of).is_some_and(|known| known.contains_key(cell))
     }
@@ -231,7 +247,7 @@ impl Parts {
     pub fn patch(&mut self, of: &str, cell: &Cell) -> Result<Samples, PartError> {
         let known = self.patches.get(of).and_then(|known| known.get(cell));
         let (file, place) = *known.ok_or(PartError::Gone)?;
-        Ok(self.load(file)?.samples.part(place * SAMPLES..(place + 1) * SAMPLES))
+        Ok(self.load(file)?.samples.part(place * PATCH_SAMPLES..(place + 1) * PATCH_SAMPLES))
     }
 
     fn load(&mut self, file: usize) -> Result<Arc<Part>, PartError> {
@@ -280,7 +296,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let of = sha256(b"a still");
         let writer = PartWriter::open(folder.path(), &of).unwrap();
-        // Rows 2 to 4, 4 to 8, and 3 to 5 once more by somebody else.
+        // Rows 2 to 4, 4 to 8, and 3 to 5 once more, by another process.
         writer.rows(3, 2, samples(6, 200.0)).unwrap();
         writer.rows(3, 4, samples(12, 400.0)).unwrap();
         writer.rows(3, 3, samples(6, 300.0)).unwrap();
@@ -300,10 +316,10 @@ mod tests {
         let of = sha256(b"a film");
         let writer = PartWriter::open(folder.path(), &of).unwrap();
         let [a, b, c, _] = Cell::WHOLE.children();
-        writer.patches(&[a, b], samples(2 * SAMPLES, 0.0)).unwrap();
+        writer.patches(&[a, b], samples(2 * PATCH_SAMPLES, 0.0)).unwrap();
         let mut parts = Parts::scan(folder.path()).unwrap();
         assert!(parts.has_patch(&of, &a) && !parts.has_patch(&of, &c));
-        assert_eq!(parts.patch(&of, &b).unwrap().get(1).time, SAMPLES as f64 + 1.0);
+        assert_eq!(parts.patch(&of, &b).unwrap().get(1).time, PATCH_SAMPLES as f64 + 1.0);
         let path = fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
         let whole = fs::read(&path).unwrap();
         for (at, xor) in [(0, 1), (MAGIC.len(), 1), (whole.len() / 2, 0x80), (whole.len() - 1, 1)] {

@@ -1,4 +1,4 @@
-//! The file that says what is wanted and how it is split.
+//! The plan: a file that says what is wanted and how it is split.
 
 use std::mem::take;
 
@@ -10,28 +10,28 @@ use crate::output::sha256;
 use crate::scene::film::Film;
 use crate::scene::{Document, DocumentError, RunTable};
 
-/// The format that this program reads and writes.
+/// The plan format that this program reads and writes.
 const FORMAT: u32 = 1;
-/// The program that made it: another one may compute other last digits.
+/// Version of this program; another one may compute other last digits.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// A plan, as its file has it.
+/// A plan as it stands in its file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     format: u32,
     version: String,
-    /// Of everything else in the file.
+    /// Digest of everything else in the file.
     sha256: String,
-    /// How many shards.
+    /// Number of shards.
     pub shards: u32,
-    /// Whether every sample is checked.
+    /// True if every sample is checked.
     pub verify: bool,
-    /// Whether arrays of numbers are wanted beside a picture of several samples a pixel.
+    /// True if arrays of numbers are wanted beside a picture with several samples per pixel.
     pub numbers: bool,
-    /// `gpu` or `cpu`.
+    /// The engine: `gpu` or `cpu`.
     pub engine: String,
-    /// The name of the adapter, of a `gpu`.
+    /// Name of the adapter, for a `gpu` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adapter: Option<String>,
     config: RunTable,
@@ -41,34 +41,34 @@ pub struct Plan {
     film: Option<Film>,
 }
 
-/// What is wanted.
+/// The output that is wanted.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlannedOutput {
     /// One picture.
     Still(Box<Document>),
-    /// Many.
+    /// A film of many pictures.
     Film(Film),
 }
 
-/// Why a file is no plan that can be followed.
+/// Reasons why a file is not a plan that can be followed.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
-    /// Not TOML, or not a plan.
+    /// A text that is not TOML, or not a plan.
     #[error("is no plan: {0}")]
     Syntax(String),
-    /// Made by another program.
+    /// A plan made by another version of the program.
     #[error("was made by flipmap {0}, and this is {VERSION}: plan it again with this one")]
     Version(String),
-    /// Edited.
+    /// A plan that was edited after it was made.
     #[error("was changed after it was planned: plan it again with what you want")]
     Changed,
-    /// It wants neither a still nor a film, or something that is none.
+    /// A plan without exactly one still or film, or with one that is not valid.
     #[error("holds {0}: plan it again")]
     Inside(String),
 }
 
 impl Plan {
-    /// A plan of `shards` shards for what an engine was chosen for.
+    /// A plan of `shards` shards, with the engine and configuration that were chosen for `what`.
     pub fn new(
         what: PlannedOutput,
         shards: u32,
@@ -97,7 +97,7 @@ impl Plan {
         plan
     }
 
-    /// Reads a plan.
+    /// Reads and checks a plan.
     pub fn parse(text: &str) -> Result<Self, PlanError> {
         // A newer plan may have keys of its own.
         if let Ok(Version { version }) = toml::from_str(text)
@@ -129,12 +129,12 @@ impl Plan {
         Ok(self)
     }
 
-    /// The text of its file.
+    /// The text of the plan's file.
     pub fn text(&self) -> String {
         toml::to_string(self).expect("plain tables are TOML")
     }
 
-    /// How it is computed.
+    /// The integrator config of the plan.
     pub fn config(&self) -> Result<IntegratorConfig, PlanError> {
         match run_settings::resolve(self.config.clone()) {
             Ok((IntegrationSetting::Explicit(config), _)) => Ok(config),
@@ -143,7 +143,7 @@ impl Plan {
         }
     }
 
-    /// What is wanted.
+    /// The output that is wanted.
     pub fn what(&self) -> PlannedOutput {
         match (&self.still, &self.film) {
             (_, Some(film)) => PlannedOutput::Film(film.clone()),
@@ -151,7 +151,7 @@ impl Plan {
         }
     }
 
-    /// Of all but itself.
+    /// Digest of the plan without its own digest.
     fn digest(&self) -> String {
         sha256(Plan { sha256: String::new(), ..self.clone() }.text().as_bytes())
     }

@@ -1,4 +1,4 @@
-//! Computing what is missing, kept as it comes.
+//! Computing what is missing, and keeping it as it comes.
 
 use std::time::{Duration, Instant};
 
@@ -10,31 +10,31 @@ use crate::scene::lattice::Cell;
 use crate::tiles::patch_work::PatchWork;
 use crate::tiles::{Counts, Samples, Work};
 
-/// Why not all was computed.
+/// Reasons why not everything was computed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The engine failed.
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// A part could not be kept.
+    /// A part could not be written.
     #[error("what was finished is kept: mend this, and run again to go on")]
     Part(#[from] PartError),
-    /// It was asked to stop.
+    /// A request to stop.
     #[error("stopped; what was finished is kept: run again to go on")]
     Stopped,
 }
 
-/// How often a stop is looked for.
+/// Interval at which a request to stop is looked for.
 const PATIENCE: Duration = Duration::from_millis(50);
-/// Samples in a part at most.
+/// Number of samples at which a part is written.
 const MOST: usize = 1 << 18;
-/// What is finished is kept after this time at the latest …
+/// Least time after which finished samples are written.
 const LEAST_WAIT: Duration = Duration::from_millis(500);
-/// … or after this share of the time gone, so that long runs have fewer and larger parts.
+/// Divisor of the elapsed time for a longer such time: long runs have fewer and larger parts.
 const WAIT_SHARE: u32 = 60;
 
-/// Computes pieces of a task. `go_on` hears what has been counted, and answers whether to go on;
-/// what is finished is kept then too.
+/// Computes pieces of a task. `go_on` takes the counts so far and returns false to stop; what is
+/// finished is kept then too.
 pub fn run(
     task: &Task,
     pieces: Vec<WorkPiece>,
@@ -57,15 +57,15 @@ pub fn run(
 
 /// A piece being computed.
 trait Going {
-    /// Moves on until `deadline` at most.
+    /// Advances until `deadline` at most.
     fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError>;
-    /// Whether all is computed.
+    /// Returns true if everything is computed.
     fn is_done(&self) -> bool;
-    /// What has been done.
+    /// Counts of what has been done.
     fn counts(&self) -> Counts;
-    /// Samples that are computed and not kept.
+    /// Number of samples that are computed but not yet kept.
     fn loose(&self) -> usize;
-    /// Keeps them.
+    /// Keeps those samples, as a part.
     fn keep(&mut self) -> Result<(), PartError>;
 }
 
@@ -130,7 +130,7 @@ fn drive(
 struct PendingRows {
     writer: PartWriter,
     width: u32,
-    /// The first that is not kept.
+    /// The first row that is not kept yet.
     first: u32,
     order: RowOrder,
     work: Work,

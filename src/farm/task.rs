@@ -1,4 +1,4 @@
-//! What a plan's shards have to compute.
+//! The work of a plan, and its division among shards.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -11,56 +11,56 @@ use crate::output::sha256;
 use crate::scene::film::Film;
 use crate::scene::lattice::Cell;
 use crate::scene::{Document, Scene};
-use crate::tiles::patches::{SAMPLES, canonical};
+use crate::tiles::patches::{PATCH_SAMPLES, canonical};
 
-/// Patches that are dealt to one shard together, at most …
+/// Largest number of patches in a hand, which is dealt to one shard.
 const DEALT: usize = 64;
-/// … and so few that every shard gets as many hands, where there are enough.
+/// Number of hands for every shard; hands are smaller where they would otherwise be too few.
 const HANDS: usize = 8;
 
-/// A plan with all that follows from it.
+/// A plan with everything that follows from it.
 pub struct Task {
     /// The plan.
     pub plan: Plan,
-    /// How it is computed.
+    /// The integrator config.
     pub config: IntegratorConfig,
-    /// Where its parts are.
+    /// Folder of the parts.
     pub folder: PathBuf,
-    /// What is wanted, and of what.
+    /// The work, with the still or film that it is for.
     pub work: TaskKind,
 }
 
-/// What is to be computed.
+/// The work to be done.
 pub enum TaskKind {
-    /// A still: its rows once for every number of samples a pixel.
+    /// A still: its rows, once for every number of samples per pixel.
     Still(Box<Document>, Vec<StillPass>),
     /// A film: the patches of its groups.
     Film(Film, Vec<FrameGroupTask>),
 }
 
-/// The rows of a still with so many samples a pixel.
+/// The rows of a still at one number of samples per pixel.
 pub struct StillPass {
-    /// Samples a pixel along each axis.
+    /// Samples per pixel along each axis.
     pub along: u32,
     /// Width and height in samples.
     pub size: [u32; 2],
-    /// Rows to compute; mirror images of some may be the others.
+    /// Number of rows to compute; the others may be mirror images of some.
     pub rows: u32,
-    /// What decides its samples.
+    /// Digest of everything that decides its samples.
     pub of: String,
 }
 
-/// A group of a film.
+/// A group of a film's frames with its work.
 pub struct FrameGroupTask {
-    /// Its frames and patches.
+    /// The frames and patches of the group.
     pub group: FrameGroup,
-    /// Patches to compute, in the order in which they are; shared like those of the groups.
+    /// Patches to compute, in the order of computation; shared like those of the groups.
     pub cells: Arc<[Cell]>,
-    /// What decides its samples.
+    /// Digest of everything that decides its samples.
     pub of: String,
 }
 
-/// Something to compute: of which pass or group.
+/// A piece of work, with the index of its pass or group.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WorkPiece {
     /// Rows of a still.
@@ -70,12 +70,12 @@ pub enum WorkPiece {
 }
 
 impl Task {
-    /// Of a plan whose file is `path`; the parts lie beside it.
+    /// The task of a plan whose file is `path`; the parts lie beside that file.
     pub fn new(plan: Plan, path: &Path) -> Result<Self, PlanError> {
         let config = plan.config()?;
         let IntegratorConfig { method, precision } = config;
-        // Another version may compute other last digits.
-        // `Recipe` is what the configuration was called when the first parts were written.
+        // Another version may compute other last digits. `Recipe` is what the configuration was
+        // called when the first parts were written.
         let config_text = format!("Recipe {{ method: {method:?}, precision: {precision:?} }}");
         let how = format!("{config_text} {} {}", plan.verify, env!("CARGO_PKG_VERSION"));
         let work = match plan.what() {
@@ -91,19 +91,19 @@ impl Task {
         Ok(Task { plan, config, folder: path.with_extension("parts"), work })
     }
 
-    /// The samples that are to be computed in all.
+    /// Number of samples to be computed in all.
     pub fn samples(&self) -> u64 {
         match &self.work {
             TaskKind::Still(_, passes) => {
                 passes.iter().map(|pass| u64::from(pass.rows) * u64::from(pass.size[0])).sum()
             }
             TaskKind::Film(_, groups) => {
-                groups.iter().map(|group| (group.cells.len() * SAMPLES) as u64).sum()
+                groups.iter().map(|group| (group.cells.len() * PATCH_SAMPLES) as u64).sum()
             }
         }
     }
 
-    /// What is missing of a shard, 1 the first.
+    /// The pieces that are missing of a shard, counted from 1.
     pub fn missing(&self, shard: u32, parts: &Parts) -> Vec<WorkPiece> {
         match &self.work {
             TaskKind::Still(_, passes) => (0..)
@@ -118,20 +118,20 @@ impl Task {
         }
     }
 
-    /// Shards of which something is missing.
+    /// The shards of which something is missing.
     pub fn missing_shards(&self, parts: &Parts) -> Vec<u32> {
         let shards = 1..=self.plan.shards;
         shards.filter(|shard| !self.missing(*shard, parts).is_empty()).collect()
     }
 
-    /// A shard's rows: they follow one another.
+    /// The rows of a shard, which are consecutive.
     fn rows_of(&self, shard: u32, rows: u32) -> Range<u32> {
         let at =
             |shard: u32| (u64::from(rows) * u64::from(shard) / u64::from(self.plan.shards)) as u32;
         at(shard - 1)..at(shard)
     }
 
-    /// A shard's patches: they are dealt like cards, since deep ones take longer.
+    /// The missing patches of a shard. Patches are dealt like cards, since deep ones take longer.
     fn missing_patches(
         &self,
         groups: &[FrameGroupTask],
@@ -161,19 +161,19 @@ impl Task {
 }
 
 impl WorkPiece {
-    /// How many samples.
+    /// Number of samples in the piece.
     pub fn samples(&self, task: &Task) -> u64 {
         match (self, &task.work) {
             (WorkPiece::Rows(pass, rows), TaskKind::Still(_, passes)) => {
                 u64::from(rows.end - rows.start) * u64::from(passes[*pass].size[0])
             }
-            (WorkPiece::Patches(_, cells), _) => (cells.len() * SAMPLES) as u64,
+            (WorkPiece::Patches(_, cells), _) => (cells.len() * PATCH_SAMPLES) as u64,
             (WorkPiece::Rows(..), TaskKind::Film(..)) => 0,
         }
     }
 }
 
-/// The picture's pass, and if need be one of the numbers at the pixels' middles.
+/// The picture's pass and, if necessary, one of the numbers at the pixels' middles.
 fn passes(document: &Document, numbers: bool, how: &str) -> Vec<StillPass> {
     let scene = document.scene();
     let size = document.run.size.unwrap_or([1, 1]);
@@ -191,7 +191,7 @@ fn passes(document: &Document, numbers: bool, how: &str) -> Vec<StillPass> {
     all.into_iter().map(pass).collect()
 }
 
-/// What is computed for the groups of a film.
+/// The work for the groups of a film.
 fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
     let mut tasks: Vec<FrameGroupTask> = Vec::new();
     for group in groups {
@@ -201,7 +201,7 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
             }
             _ => {
                 let mut cells = canonical(&group.patches);
-                // Jobs hold patches of one level; a stable sort keeps neighbours together.
+                // A job holds patches of one level; a stable sort keeps neighbours together.
                 cells.sort_by_key(|cell| cell.level);
                 cells.into()
             }
@@ -269,7 +269,7 @@ mod tests {
             rows.sort_unstable();
             let height = |pass: usize| if pass == 0 { size[1] * samples } else { size[1] };
             let passes = if samples > 1 { 2 } else { 1 };
-            // The home map is its own image: half of the rows, and the middle one.
+            // The home map is its own image: half of the rows and the middle one are computed.
             let all: Vec<(usize, u32)> = (0..passes)
                 .flat_map(|pass| (0..height(pass).div_ceil(2)).map(move |row| (pass, row)))
                 .collect();
@@ -297,7 +297,7 @@ mod tests {
             dealt.sort_unstable();
             dealt.dedup();
             assert_eq!(dealt.len(), count, "none twice");
-            assert_eq!((count * SAMPLES) as u64, task.samples());
+            assert_eq!((count * PATCH_SAMPLES) as u64, task.samples());
             let TaskKind::Film(_, found) = &task.work else { panic!("a film") };
             assert_eq!(found.len(), groups);
             assert!(found.windows(2).all(|two| Arc::ptr_eq(&two[0].cells, &two[1].cells)));

@@ -1,4 +1,4 @@
-//! Samples of a patch as linear light.
+//! The samples of a patch as linear light.
 
 use super::WAITING;
 use super::mip::Light;
@@ -7,7 +7,7 @@ use crate::scene::film::Shot;
 use crate::scene::palette::{Rgb, Tones, UNFLIPPED, light_table};
 use crate::tiles::Samples;
 
-/// Which flips a frame shows, and what the others look like.
+/// The flips that a frame shows, and the colour of starts that have not flipped by then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlipWindow {
     secs: f64,
@@ -15,7 +15,7 @@ pub struct FlipWindow {
 }
 
 impl FlipWindow {
-    /// What a shot shows: all within its budget, or within its clock.
+    /// The flips that a shot shows: all within its budget, or those within its clock.
     pub fn of(shot: &Shot) -> Self {
         match shot.clock_secs {
             Some(secs) => FlipWindow { secs, others: WAITING },
@@ -24,14 +24,14 @@ impl FlipWindow {
     }
 }
 
-/// The colours of a whole film: a time has the same in every frame.
+/// The colours of a whole film: a time has the same colour in every frame.
 pub struct Colours {
     tones: Tones,
     light: [u16; 256],
 }
 
 impl Colours {
-    /// By these tones.
+    /// The colours of a film with these tones.
     pub fn new(tones: Tones) -> Self {
         Colours { tones, light: light_table() }
     }

@@ -1,7 +1,7 @@
-//! Films as one file, by ffmpeg: a child process that is fed raw frames.
+//! Films as one file, encoded by ffmpeg: a child process that is fed raw frames.
 //!
 //! It writes beside the destination, and the film takes its place when it is complete. Its flags
-//! keep out dates, versions and numbers of threads, so that equal frames are equal files.
+//! keep dates, versions and thread counts out of the file, so that equal frames are equal files.
 
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Write};
@@ -12,51 +12,51 @@ use std::thread::JoinHandle;
 use crate::output::{Destination, SafeFile};
 use crate::scene::film::Film;
 
-/// What a film is encoded with.
+/// Codec of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Codec {
-    /// `.mp4` for anyone.
+    /// H.264 in an `.mp4`, which anyone can play.
     H264,
-    /// `.mkv` without loss.
+    /// FFV1 in an `.mkv`, without loss.
     Ffv1,
 }
 
-/// Why there is no film.
+/// Reasons why there is no film.
 #[derive(Debug, thiserror::Error)]
 pub enum FfmpegError {
-    /// It cannot be run.
+    /// An ffmpeg that cannot be run.
     #[error(
         "cannot run ffmpeg ({0}); on Debian or Ubuntu: apt-get install ffmpeg, or name a folder \
          for numbered pictures, which need nothing"
     )]
     Missing(io::Error),
-    /// It was built without the codec.
+    /// An ffmpeg that was built without the codec.
     #[error("this ffmpeg has no encoder {0}; install one that has, or write {1}")]
     Codec(&'static str, &'static str),
-    /// The codec takes only even sides.
+    /// An odd side, where the codec takes only even ones.
     #[error(
         "--size is {}x{}; an .mp4 needs even sides, such as {}x{}; .mkv takes any",
         .0[0], .0[1], .0[0].next_multiple_of(2), .0[1].next_multiple_of(2)
     )]
     Odd([u32; 2]),
-    /// No codec takes a single row or column.
+    /// A single row or column, which no codec takes.
     #[error("--size is {}x{}; a film needs 2 pixels a side or more, a folder takes any", .0[0], .0[1])]
     Thin([u32; 2]),
-    /// It gave up.
+    /// A failure of ffmpeg, in its own words.
     #[error("ffmpeg failed: {0}")]
     Failed(String),
-    /// The file could not be put in its place.
+    /// A file that could not be put in its place.
     #[error("cannot write {path}")]
     File {
-        /// The film.
+        /// Path of the film.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: io::Error,
     },
 }
 
 impl Codec {
-    /// By the ending of a film's name.
+    /// The codec for the extension of a film's name.
     pub fn of(path: &Path) -> Option<Codec> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -80,7 +80,7 @@ impl Codec {
         }
     }
 
-    /// The container, which the temporary name does not tell.
+    /// Name of the container, which the temporary file's name does not reveal.
     fn container(self) -> &'static str {
         match self {
             Codec::H264 => "mp4",
@@ -118,7 +118,7 @@ impl Codec {
     }
 }
 
-/// What ffmpeg is called with to write `film` to `to`, its frames coming on standard input.
+/// The arguments with which ffmpeg writes `film` to `to`, reading frames from standard input.
 pub fn arguments(codec: Codec, film: &Film, to: &Path) -> Vec<OsString> {
     let [width, height] = film.size;
     let text = format!(
@@ -133,7 +133,7 @@ pub fn arguments(codec: Codec, film: &Film, to: &Path) -> Vec<OsString> {
     words.chain([to.as_os_str().to_owned()]).collect()
 }
 
-/// A film being encoded; dropped unfinished it leaves nothing.
+/// A film being encoded; dropped unfinished, it leaves nothing.
 pub struct Encoder {
     child: Child,
     errors: Option<JoinHandle<Vec<String>>>,
@@ -141,7 +141,7 @@ pub struct Encoder {
     path: PathBuf,
 }
 
-/// Lines of ffmpeg's that are shown when it fails.
+/// Number of ffmpeg's last lines that are shown when it fails.
 const LAST_LINES: usize = 5;
 
 impl Encoder {
@@ -163,22 +163,22 @@ impl Encoder {
         Ok(Encoder { child, errors, file: Some(file), path: path.to_path_buf() })
     }
 
-    /// Hands on a frame.
+    /// Passes a frame on to ffmpeg.
     pub fn write(&mut self, rgb: &[u8]) -> Result<(), FfmpegError> {
         let Some(stdin) = &mut self.child.stdin else { return Ok(()) };
         if stdin.write_all(rgb).is_ok() {
             return Ok(());
         }
-        // It has stopped listening, and says why.
+        // ffmpeg has stopped reading, and its messages say why.
         Err(self.failure())
     }
 
-    /// Waits for the film and puts it in its place.
+    /// Waits until ffmpeg is done, and puts the film in its place.
     pub fn finish(mut self) -> Result<(), FfmpegError> {
         drop(self.child.stdin.take());
         let status = self.child.wait();
         let lines = self.last_lines();
-        // On a full disk it may complain and still end as if all were well.
+        // On a full disk ffmpeg may complain and still exit as if all were well.
         if !lines.is_empty() || !status.is_ok_and(|status| status.success()) {
             return Err(failed(lines, "it ended early"));
         }
@@ -204,7 +204,7 @@ fn failed(lines: Vec<String>, ended: &str) -> FfmpegError {
 
 impl Drop for Encoder {
     fn drop(&mut self) {
-        // It may be done already.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -11,7 +11,7 @@ use crate::output::{Destination, PngError, PngWriter, SafeFile, sha256};
 use crate::scene::film::{Film, Shot};
 use crate::scene::{Document, location};
 
-/// Why a frame could not be kept.
+/// An error that kept a frame from being written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {path}")]
 pub struct FrameError {
@@ -19,21 +19,21 @@ pub struct FrameError {
     source: PngError,
 }
 
-/// What stands beside a frame.
+/// The contents of the JSON file beside a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Beside {
-    /// Which, from 0.
+    /// Number of the frame, from 0.
     frame: u32,
-    /// When in the film, s.
+    /// Time of the frame in the film, s.
     secs: f64,
-    /// What it shows, as a line that can be pasted.
+    /// The location that the frame shows, as a line that can be pasted.
     location: String,
-    /// Simulated seconds that have passed, where they run.
+    /// Simulated seconds that have passed, if the film has a clock.
     #[serde(skip_serializing_if = "Option::is_none")]
     clock: Option<f64>,
-    /// Of the text inside the picture: scene, colours and how it was computed.
+    /// Digest of the text inside the picture: scene, colours and the settings it was computed with.
     scene_sha256: String,
-    /// Of the file.
+    /// Digest of the PNG file.
     png_sha256: String,
 }
 
@@ -52,13 +52,13 @@ pub struct Frames {
     folder: PathBuf,
     size: [u32; 2],
     fps: f64,
-    /// Colours and run, and any scene.
+    /// Colours and run settings of all frames; its scene does not matter.
     document: Document,
     done: Vec<Beside>,
 }
 
 impl Frames {
-    /// Opens a folder, which is made if need be. The document says how all frames are painted.
+    /// Opens a folder, creating it if necessary. The document says how all frames are painted.
     pub fn open(folder: &Path, film: &Film, document: &Document) -> Result<Self, FrameError> {
         let refused =
             |source: io::Error| FrameError { path: folder.to_path_buf(), source: source.into() };
@@ -77,7 +77,7 @@ impl Frames {
         })
     }
 
-    /// Whether a frame is there, whole and as it should be.
+    /// Returns true if a frame is there, whole and as it should be.
     pub fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         let [png, json] = self.paths(frame);
         let Ok(text) = fs::read_to_string(json) else { return false };
@@ -90,7 +90,7 @@ impl Frames {
         same
     }
 
-    /// Keeps a frame.
+    /// Writes a frame and the JSON file beside it.
     pub fn write(&mut self, frame: u32, shot: &Shot, rgb: &[u8]) -> Result<(), FrameError> {
         let [png, json] = self.paths(frame);
         let failed = |path: &Path| {
@@ -112,7 +112,7 @@ impl Frames {
         Ok(())
     }
 
-    /// Says that all frames are there.
+    /// Writes the manifest, which says that all frames are there.
     pub fn finish(self) -> Result<(), FrameError> {
         let Frames { folder, size, fps, done, .. } = self;
         let frames = done.len() as u32;
@@ -143,7 +143,7 @@ impl Frames {
     }
 }
 
-/// Removes frames of an earlier, longer film: what players find in the folder is this one.
+/// Removes frames of an earlier, longer film, so that players find only this one in the folder.
 fn remove_from(folder: &Path, frames: u32) -> Result<(), FrameError> {
     for frame in frames.. {
         let [png, json] = ["png", "json"].map(|ending| folder.join(format!("{frame:06}.{ending}")));

@@ -1,7 +1,7 @@
-//! The colours of patches, and of every cell above them at a half, a quarter, … of their samples.
+//! The colours of patches, and of every cell above them at 1/2, 1/4, … of their resolution.
 //!
-//! They lie in a nameless file, which the system keeps in memory as far as there is room: a film
-//! of a deep zoom may have more of them than fit.
+//! They lie in an unnamed file, which the system keeps in memory as far as there is room: a deep
+//! zoom may have more colours than fit.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -10,24 +10,24 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::scene::lattice::Cell;
-use crate::tiles::patches::{SAMPLES, SIDE};
+use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE};
 
-/// Linear light of a patch, three numbers a sample, row by row from the top.
+/// Linear light of a patch: three numbers per sample, row by row from the top.
 pub type Light = Arc<[u16]>;
 
-/// Numbers in a patch.
-const NUMBERS: usize = 3 * SAMPLES;
+/// Count of the numbers in a patch's light.
+const NUMBERS: usize = 3 * PATCH_SAMPLES;
 
-/// Colours by cell.
+/// The colours of cells, in a file.
 pub struct Mip {
     file: File,
-    /// Each cell's place in the file, and whether it is a patch.
+    /// Index of each cell in the file, and true if it is a patch.
     places: HashMap<Cell, (u32, bool)>,
 }
 
 impl Mip {
-    /// Of patches in the order of the quarters of quarters, whose light comes in that order; the
-    /// file lies in `folder`.
+    /// Builds the mip of `patches`, given in depth-first order of quarters of quarters; `light`
+    /// returns theirs one by one in that order. The file lies in `folder`.
     pub fn build<E: From<io::Error>>(
         patches: &[Cell],
         folder: &Path,
@@ -45,12 +45,12 @@ impl Mip {
         Ok(Mip { file, places: builder.places })
     }
 
-    /// Whether a cell has colours, and whether it is a patch.
+    /// Returns true for a patch, false for a cell above patches, `None` where there are no colours.
     pub fn is_patch(&self, cell: &Cell) -> Option<bool> {
         self.places.get(cell).map(|(_, patch)| *patch)
     }
 
-    /// The colours of a cell that has some.
+    /// Reads the colours of a cell that has some.
     pub fn light(&mut self, cell: &Cell) -> io::Result<Light> {
         let (place, _) = self.places[cell];
         let mut numbers = vec![0u16; NUMBERS];
@@ -67,7 +67,7 @@ struct Builder<'a, E> {
 }
 
 impl<E: From<io::Error>> Builder<'_, E> {
-    /// The colours of a cell of which these are the patches.
+    /// Writes and returns the colours of a cell, whose patches these are.
     fn build(&mut self, cell: Cell, patches: &[Cell]) -> Result<Light, E> {
         let is_patch = patches == [cell];
         let light = if is_patch { (self.light)()? } else { self.halved(&cell, patches)? };
@@ -88,7 +88,7 @@ impl<E: From<io::Error>> Builder<'_, E> {
             rest = others;
             if !own.is_empty() {
                 let light = self.build(child, own)?;
-                // The left two from below, then the right two; rows count from the top.
+                // Children: the left two from below, then the right two; rows count from the top.
                 put_quarter(&mut all, &light, [k / 2, 1 - k % 2]);
             }
         }
@@ -96,9 +96,9 @@ impl<E: From<io::Error>> Builder<'_, E> {
     }
 }
 
-/// Puts a patch's means into the quarter of another one that is so many quarters right and down.
+/// Puts a patch's means into the quarter of another, so many quarters to the right and down.
 fn put_quarter(all: &mut [u16], light: &[u16], [right, down]: [usize; 2]) {
-    let side = SIDE as usize;
+    let side = PATCH_SIDE as usize;
     let half = side / 2;
     for row in 0..half {
         for column in 0..half {
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(mip.is_patch(&a), Some(true));
         assert_eq!(mip.is_patch(&d), Some(false));
         assert_eq!(mip.is_patch(&d.children()[2]), None);
-        let side = SIDE as usize;
+        let side = PATCH_SIDE as usize;
         let at = |light: &Light, column: usize, row: usize| light[3 * (row * side + column)];
         let whole = mip.light(&Cell::WHOLE).unwrap();
         let corners = [[0, side - 1], [0, 0], [side - 1, side - 1], [side - 1, 0]];

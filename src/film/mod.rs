@@ -1,9 +1,27 @@
-//! Films: frames painted from the samples that their patches hold.
+//! Films: frames painted from samples that were computed beforehand.
 //!
-//! A film is computed before it is painted. Its patches (see [`crate::tiles::patches`]) hold every
-//! sample once, whatever frames show it; [`Mip`] keeps their colours and those of everything coarser,
-//! and a [`Painter`] takes each frame out of it. So other colours and other times compute
-//! nothing, and no pixel changes its mind between two frames.
+//! Frames are not computed one by one. The camera's path determines how closely the frames look at
+//! each place, and it is sampled once, as finely as the nearest look needs: in patches, cells of
+//! the lattice with 32 × 32 samples each ([`crate::tiles::patches`]). Along one axis of a zoom:
+//!
+//! ```text
+//! frames    ├─────────────────────────────┤
+//!                           ├─────┤
+//!                               ├─┤
+//! patches  ├───────┼───────┼───┼─┼─┼───────┤    fine where some frame comes near
+//!
+//! keys ─▶ shots ─▶ patches ─▶ samples ─▶ Mip ─▶ FramePainter ─▶ Frames, or ffmpeg's Encoder
+//! ```
+//!
+//! The [`Mip`] holds the colours of the patches and, averaged over 2 × 2 samples a level, those of
+//! every cell above them up to the whole torus; the [`FramePainter`] takes each frame out of it.
+//!
+//! - A zoom costs as many samples as a few frames per octave, however many frames it has.
+//! - A place has the same samples in every frame, so no pixel changes its mind between two frames.
+//! - Other colours, and other times to show ([`FlipWindow`]), compute nothing. Another pendulum is
+//!   another [`FrameGroup`] with samples of its own.
+//! - All samples have the largest budget of the keys; a frame with a smaller one hides later flips.
+//! - Only one of a patch and its mirror image is computed.
 
 mod colours;
 pub mod ffmpeg;
@@ -23,18 +41,18 @@ use crate::scene::lattice::Cell;
 use crate::scene::{Scene, View};
 use crate::tiles::patches::{Sight, patches};
 
-/// The frames of one pendulum, and the patches they are painted from.
+/// The frames of one pendulum, and the patches from which they are painted.
 #[derive(Clone, Debug)]
 pub struct FrameGroup {
-    /// The pendulum and the question, its budget that of the whole film; the view does not matter.
+    /// The pendulum and the question, with the budget of the whole film; the view does not matter.
     pub scene: Scene,
-    /// The first frame, and the one after the last.
+    /// The range from the first frame to the one after the last.
     pub frames: std::ops::Range<u32>,
-    /// In the order of the quarters of quarters; shared by groups that are looked at alike.
+    /// Patches in depth-first order of quarters of quarters; shared by groups with equal views.
     pub patches: Arc<[Cell]>,
 }
 
-/// The groups of a film: one, or where the pendulum changes one for every frame.
+/// The groups of a film: one for each run of frames with the same pendulum.
 pub fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     let samples = film.keys[0].scene.picture.samples;
     let shots: Vec<Shot> = (0..film.frames).map(|frame| film.shot(frame)).collect();
@@ -60,7 +78,7 @@ pub fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     groups
 }
 
-/// Shots without those that look where the one before did.
+/// Shots without those that have the view of the one before.
 fn different_views(shots: &[Shot]) -> Vec<&Shot> {
     let moved = |two: &&[Shot]| two[0].scene.view != two[1].scene.view;
     shots.first().into_iter().chain(shots.windows(2).filter(moved).map(|two| &two[1])).collect()

@@ -1,9 +1,9 @@
-//! One frame out of the colours of its patches.
+//! A frame, painted from the colours of its patches.
 //!
-//! A pixel is the mean of several points in it; each is looked up in two levels of the mip, the
-//! one whose samples lie just closer than the points and the next finer one, and mixed by where
-//! the frame's scale lies between them (Williams, Pyramidal parametrics, 1983). As the camera
-//! moves on everything so changes by and by: nothing pops where levels meet.
+//! A pixel is the mean of several points in it. Each point is looked up in two levels of the mip,
+//! the one whose samples lie about as close as the points and the next finer one, and the two are
+//! mixed by where the frame's scale lies between them (Williams, Pyramidal parametrics, 1983).
+//! Everything thus changes gradually as the camera moves on: nothing pops where levels meet.
 
 use std::collections::HashMap;
 use std::io;
@@ -18,32 +18,32 @@ use crate::scene::film::Shot;
 use crate::scene::lattice::{Cell, Turn, side, turn_of};
 use crate::scene::palette::Rgb;
 use crate::scene::{Grid, PictureTable, Scene};
-use crate::tiles::patches::{SIDE, SLACK, Sight, offset_rad, pitch_rad};
+use crate::tiles::patches::{PATCH_SIDE, SLACK, Sight, offset_rad, patch_pitch_rad};
 
-/// What has not flipped yet while time runs.
+/// Colour of starts that have not flipped yet while the clock runs.
 pub const WAITING: Rgb = [0x16, 0x18, 0x1d];
 
-/// Takes frames out of a mip.
+/// Paints frames from a mip.
 pub struct FramePainter {
     size: [u32; 2],
     samples: u32,
     curve: bool,
-    /// sRGB of every linear light.
+    /// The sRGB value of every linear light.
     encode: Vec<u8>,
-    /// What the frame before used.
+    /// Light of the cells that the previous frame used.
     used: HashMap<Cell, Light>,
 }
 
-/// The cells of a level around a frame.
+/// The cells of one level around a frame.
 struct Layer {
     level: u32,
-    /// From the centre to the lower left corner of the first cell, in samples.
+    /// Offset from the frame's centre to the lower left corner of the first cell, in samples.
     origin: [f64; 2],
     columns: usize,
     cells: Vec<Option<Entry>>,
 }
 
-/// Where the samples of a cell are: in its own colours, or in those of a coarser patch around it.
+/// Place of a cell's samples: in its own colours, or in those of a coarser patch around it.
 struct Entry {
     light: Light,
     shift: u32,
@@ -51,19 +51,19 @@ struct Entry {
 }
 
 impl FramePainter {
-    /// Of frames of this size.
+    /// A painter of frames of this size.
     pub fn new(size: [u32; 2], picture: &PictureTable) -> Self {
         let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
         let PictureTable { samples, curve, .. } = *picture;
         FramePainter { size, samples, curve, encode, used: HashMap::new() }
     }
 
-    /// Other colours follow.
+    /// Forgets the previous frame's colours, because other colours follow.
     pub fn forget(&mut self) {
         self.used.clear();
     }
 
-    /// The pixels of a frame, three bytes each, rows from the top.
+    /// Paints the pixels of a frame, three bytes each, rows from the top.
     pub fn paint(&mut self, shot: &Shot, mip: &mut Mip) -> io::Result<Vec<u8>> {
         let sight = Sight::new(&shot.scene, self.size, self.samples);
         let level = sight.level();
@@ -123,7 +123,7 @@ impl FramePainter {
         now: &mut HashMap<Cell, Light>,
     ) -> io::Result<Layer> {
         let [right, up] = Grid::new(scene, self.size).pixel_axes();
-        let pitch = pitch_rad(level);
+        let pitch = patch_pitch_rad(level);
         let center = scene.view.center_rad().map(turn_of);
         let middle = Cell::at(center, level);
         let corner = offset_rad([middle.x, middle.y], center).map(|rad| rad / pitch);
@@ -133,7 +133,7 @@ impl FramePainter {
             0.5 * extent / pitch + 1.0
         });
         let cells_to =
-            |i: usize, samples: f64| ((samples - corner[i]) / f64::from(SIDE)).floor() as i64;
+            |i: usize, samples: f64| ((samples - corner[i]) / f64::from(PATCH_SIDE)).floor() as i64;
         let [x, y] = [0, 1].map(|i| cells_to(i, -half[i])..=cells_to(i, half[i]));
         let mut cells = Vec::new();
         for row in y.clone() {
@@ -143,11 +143,11 @@ impl FramePainter {
             }
         }
         let origin = [(0, &x), (1, &y)]
-            .map(|(i, range)| corner[i] + (*range.start() * i64::from(SIDE)) as f64);
+            .map(|(i, range)| corner[i] + (*range.start() * i64::from(PATCH_SIDE)) as f64);
         Ok(Layer { level, origin, columns: x.count(), cells })
     }
 
-    /// The colours for a cell: its own, or of the patch that it lies in.
+    /// Finds the colours for a cell: its own, or those of the patch in which it lies.
     fn entry(
         &self,
         cell: Cell,
@@ -158,7 +158,7 @@ impl FramePainter {
         let known = |level: u32| Some(cell.ancestor(level)).filter(|at| mip.is_patch(at).is_some());
         let Some(holder) = levels.into_iter().find_map(known) else { return Ok(None) };
         let shift = cell.level - holder.level;
-        // What is coarser and no patch is so only where no frame looks.
+        // A coarser cell that is not a patch is found only where no frame looks.
         if shift > 0 && mip.is_patch(&holder) == Some(false) {
             return Ok(None);
         }
@@ -167,15 +167,15 @@ impl FramePainter {
             None => mip.light(&holder)?,
         };
         now.insert(holder, light.clone());
-        let first = cell.index_in(&holder).map(|sides| (sides * f64::from(SIDE)) as u32);
+        let first = cell.index_in(&holder).map(|sides| (sides * f64::from(PATCH_SIDE)) as u32);
         Ok(Some(Entry { light, shift, first }))
     }
 }
 
 impl Layer {
-    /// The light at a place, given from the frame's centre in rad: between four samples.
+    /// The light at a place in rad from the frame's centre, interpolated between four samples.
     fn light(&self, from_center: [f64; 2]) -> Option<[f32; 3]> {
-        let pitch = pitch_rad(self.level);
+        let pitch = patch_pitch_rad(self.level);
         let at = [0, 1].map(|i| from_center[i] / pitch - self.origin[i] - 0.5);
         let first = at.map(f64::floor);
         let [across, above] = [0, 1].map(|i| (at[i] - first[i]) as f32);
@@ -195,16 +195,16 @@ impl Layer {
         Some(sum)
     }
 
-    /// A sample by its place from the lower left corner.
+    /// The sample at a place, counted from the lower left corner.
     fn sample(&self, [x, y]: [i64; 2]) -> Option<&[u16; 3]> {
-        let side = i64::from(SIDE);
+        let side = i64::from(PATCH_SIDE);
         let [column, row] = [x, y].map(|at| usize::try_from(at.div_euclid(side)));
         let column = column.ok().filter(|column| *column < self.columns)?;
         let entry = self.cells.get(row.ok()? * self.columns + column)?.as_ref()?;
         let within =
             |at: i64, first: u32| ((at.rem_euclid(side) as u32 + first) >> entry.shift) as usize;
         let (column, below) = (within(x, entry.first[0]), within(y, entry.first[1]));
-        let place = (SIDE as usize - 1 - below) * SIDE as usize + column;
+        let place = (PATCH_SIDE as usize - 1 - below) * PATCH_SIDE as usize + column;
         entry.light.as_chunks::<3>().0.get(place)
     }
 }
@@ -215,10 +215,10 @@ fn moved(cell: &Cell, by: [i64; 2]) -> Cell {
     Cell::at([cell.x + far[0], cell.y + far[1]], cell.level)
 }
 
-/// How much of the finer of two levels is mixed in: none where the coarser one's samples lie as
-/// close as they ever do for a frame that begins with it, all where they lie as far apart.
+/// Share of the finer of two levels in the mix: none where the coarser one's samples lie as close
+/// together as they ever do for a frame that begins with it, all where they lie as far apart.
 fn fine_share(sight: &Sight, level: u32) -> f32 {
-    let closer = (SLACK * sight.pitch_rad() / pitch_rad(level)).log2();
+    let closer = (SLACK * sight.pitch_rad() / patch_pitch_rad(level)).log2();
     (1.0 - closer).clamp(0.0, 1.0) as f32
 }
 
@@ -226,7 +226,7 @@ fn fine_share(sight: &Sight, level: u32) -> f32 {
 mod tests {
     use super::*;
     use crate::scene::View;
-    use crate::tiles::patches::{SAMPLES, patches};
+    use crate::tiles::patches::{PATCH_SAMPLES, patches};
 
     const SIZE: [u32; 2] = [96, 64];
     const SAMPLES_ALONG: u32 = 2;
@@ -237,16 +237,17 @@ mod tests {
         Shot { scene: Scene { view, ..Scene::default() }, clock_secs: None }
     }
 
-    /// A mip of waves over the plane, so long (rad), in the first channel.
+    /// A mip of waves over the plane in the first channel, whose phase turns 1 rad in `wave_rad`.
     fn waves(shots: &[Shot], wave_rad: f64) -> Mip {
         let sights: Vec<Sight> =
             shots.iter().map(|shot| Sight::new(&shot.scene, SIZE, SAMPLES_ALONG)).collect();
         let cells = patches(&sights);
         let mut next = cells.iter();
         let mut light = || {
-            let grid = next.next().expect("a patch").grid(&Scene::default(), SIDE);
-            let numbers = (0..SAMPLES as u32).flat_map(|place| {
-                let angle = grid.angle_from_pixel(place % SIDE, place / SIDE).map(|a| a.hi);
+            let grid = next.next().expect("a patch").grid(&Scene::default(), PATCH_SIDE);
+            let numbers = (0..PATCH_SAMPLES as u32).flat_map(|place| {
+                let angle =
+                    grid.angle_from_pixel(place % PATCH_SIDE, place / PATCH_SIDE).map(|a| a.hi);
                 [(65535.0 * wave(angle, wave_rad)) as u16, 0, 0]
             });
             Ok::<Light, io::Error>(numbers.collect())
@@ -286,7 +287,7 @@ mod tests {
     #[test]
     fn nothing_pops_where_levels_meet() {
         let level = |width: f64| Sight::new(&shot(width, 0.0).scene, SIZE, SAMPLES_ALONG).level();
-        // The width at which the levels change, to the last digits.
+        // The width at which the level changes, to the last digits.
         let (mut above, mut below) = (0.6, 0.3);
         assert_eq!(level(above) + 1, level(below));
         while above - below > 1e-9 {

@@ -1,4 +1,4 @@
-//! Curves against an axis: linear, logarithmic, or logarithmic on both sides of zero.
+//! Curves on axes that are linear, logarithmic, or logarithmic on both sides of zero.
 
 use std::ops::RangeInclusive;
 
@@ -9,73 +9,73 @@ use egui::{
 
 use super::drawing::{CANVAS, FAINT, INK};
 
-/// How values become places.
+/// The mapping of values to places along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxisScale {
-    /// Equal differences are equal lengths.
+    /// Linear: equal differences are equal lengths.
     Linear,
-    /// Equal ratios are.
+    /// Logarithmic: equal ratios are equal lengths.
     Log,
-    /// Equal ratios on both sides of zero, linear within this distance of it.
+    /// Logarithmic on both sides of zero, and linear within this distance of it.
     SignedLog(f64),
 }
 
-/// One direction of a chart.
+/// One axis of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What it is, with its unit.
+    /// Name of the quantity, with its unit.
     pub name: String,
-    /// What is seen.
+    /// Range of values shown.
     pub range: RangeInclusive<f64>,
-    /// How.
+    /// Scale of the axis.
     pub scale: AxisScale,
 }
 
-/// One curve.
+/// One curve of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// For the legend; none if empty.
+    /// Name in the legend; a curve with an empty one is not listed.
     pub name: String,
-    /// Its colour.
+    /// Colour of the line.
     pub colour: Color32,
-    /// Across and up, in order.
+    /// Points of the curve as (across, up), in order.
     pub points: Vec<[f64; 2]>,
-    /// Whether it is only a guide.
+    /// True if the curve is a guide, drawn dashed.
     pub dashed: bool,
 }
 
-/// A chart.
+/// A chart of curves on two axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// Across.
+    /// The horizontal axis.
     pub across: Axis,
-    /// Up.
+    /// The vertical axis.
     pub up: Axis,
-    /// The curves.
+    /// The curves of the chart.
     pub curves: Vec<Curve>,
-    /// Places with a dot.
+    /// Places marked with a dot.
     pub marks: Vec<[f64; 2]>,
 }
 
-/// What numbers and names beside the chart take, points.
+/// Space for the numbers and names to the left of the chart and below it, in points.
 const MARGIN: Vec2 = vec2(52.0, 32.0);
-/// Points of a curve at most; more could not be told apart.
+/// Greatest number of points of a curve; more could not be told apart.
 const MOST_POINTS: usize = 800;
 
 impl Curve {
-    /// A line with a name in the legend.
+    /// Creates a solid curve with a name in the legend.
     pub fn line(name: &str, colour: Color32, points: Vec<[f64; 2]>) -> Self {
         Curve { name: name.to_string(), colour, points, dashed: false }
     }
 
-    /// A dashed one.
+    /// Creates a dashed curve with a name in the legend.
     pub fn guide(name: &str, colour: Color32, points: Vec<[f64; 2]>) -> Self {
         Curve { dashed: true, ..Curve::line(name, colour, points) }
     }
 }
 
 impl Axis {
-    /// An axis with its name.
+    /// Creates an axis with its name, range and scale.
     pub fn new(name: &str, range: RangeInclusive<f64>, scale: AxisScale) -> Self {
         Axis { name: name.to_string(), range, scale }
     }
@@ -88,13 +88,13 @@ impl Axis {
         }
     }
 
-    /// Where a value lies, 0 at one end and 1 at the other; what is not in range lies at an end.
+    /// Returns the position of a value along the axis, clamped to [0, 1].
     fn share(&self, value: f64) -> f32 {
         let [from, to] = [*self.range.start(), *self.range.end()].map(|end| self.stretched(end));
         ((self.stretched(value) - from) / (to - from)).clamp(0.0, 1.0) as f32
     }
 
-    /// Values worth a line, with their words.
+    /// Returns the values marked by gridlines, with their labels.
     fn ticks(&self) -> Vec<(f64, String)> {
         let (from, to) = (*self.range.start(), *self.range.end());
         let decade = |k: i32| 10f64.powi(k);
@@ -123,21 +123,21 @@ impl Axis {
     }
 }
 
-/// The next number above `least` of the form 1, 2 or 5 times a power of ten.
+/// Returns the next number of the form 1, 2 or 5 times a power of ten that is at least `least`.
 pub fn round_step(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
     factor.unwrap_or(10.0) * power
 }
 
-/// A number with at most three digits after the point, without zeros that say nothing.
+/// Formats a number with at most three decimals, without trailing zeros.
 pub fn plain(value: f64) -> String {
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 impl Chart {
-    /// Shows the chart; `told` is what a screen reader says of it.
+    /// Shows the chart; `told` is its description for a screen reader.
     pub fn show(&self, ui: &mut Ui, size: Vec2, told: &str) {
         let (response, painter) = ui.allocate_painter(size, Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told));
@@ -171,7 +171,7 @@ impl Chart {
     fn places(&self, area: Rect, points: &[[f64; 2]]) -> Vec<Pos2> {
         let stride = points.len().div_ceil(MOST_POINTS).max(1);
         let some = points.iter().step_by(stride).chain(points.last());
-        // Some numbers are no places, and none of them may reach the screen.
+        // Values that are not finite have no place and must not reach the screen.
         some.filter(|point| point.iter().all(|x| x.is_finite()))
             .map(|point| self.place(area, point))
             .collect()

@@ -1,25 +1,25 @@
-//! Time in fixed steps: what is computed does not depend on how often it is drawn.
+//! Time in fixed steps, so that the results do not depend on the frame rate.
 
-/// Steps of one length, and the time that is left between the last one and now.
+/// Steps of one length, and the time left between the last one and now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// Seconds a step.
+    /// Length of a step in seconds.
     pub step_secs: f64,
-    /// Steps taken since the start.
+    /// Number of steps taken since the start.
     pub taken: u64,
     left_secs: f64,
 }
 
-/// More time than this is never made up for at once, s: a window that was away does not race.
+/// Most seconds caught up at once, so that a window that was away does not race.
 const MOST_SECS: f64 = 0.25;
 
 impl Clock {
-    /// Begins at 0.
+    /// Creates a clock at 0.
     pub fn new(step_secs: f64) -> Self {
         Clock { step_secs, taken: 0, left_secs: 0.0 }
     }
 
-    /// How many steps are due after so many more seconds; they count as taken.
+    /// Adds `elapsed_secs` and returns the number of steps now due, which count as taken.
     pub fn due(&mut self, elapsed_secs: f64) -> usize {
         self.left_secs += elapsed_secs.clamp(0.0, MOST_SECS);
         let due = (self.left_secs / self.step_secs + 1e-9).floor();
@@ -28,12 +28,12 @@ impl Clock {
         due as usize
     }
 
-    /// Seconds since the start at the last step.
+    /// Seconds from the start to the last step.
     pub fn secs(&self) -> f64 {
         self.taken as f64 * self.step_secs
     }
 
-    /// How far now is from the last step towards the next one, in [0, 1].
+    /// Returns the progress from the last step towards the next one, in [0, 1].
     pub fn share(&self) -> f64 {
         (self.left_secs / self.step_secs).clamp(0.0, 1.0)
     }

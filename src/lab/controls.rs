@@ -1,4 +1,4 @@
-//! Sliders that never leave their range, and say so.
+//! Sliders that never leave their range, and that show the range at its ends.
 
 use std::ops::RangeInclusive;
 
@@ -7,8 +7,8 @@ use egui::{Color32, Grid, Slider, SliderClamping, Ui};
 use crate::physics::Decimal;
 use crate::scene::{Build, Kind};
 
-/// A named number with a slider in a row of a grid; whether it was changed. What is typed outside
-/// the range is brought back to it, and the range is shown.
+/// Shows a named number with a slider in a row of a grid; returns true if it was changed. A typed
+/// value outside the range is clamped to it, and the range is shown.
 pub fn number(
     ui: &mut Ui,
     name: &str,
@@ -20,7 +20,7 @@ pub fn number(
     number_on(ui, name, unit, value, range, wide)
 }
 
-/// The same on a scale that is logarithmic or not.
+/// Does the same as [`number`], on a logarithmic scale or a linear one.
 pub fn number_on(
     ui: &mut Ui,
     name: &str,
@@ -49,7 +49,7 @@ pub fn number_on(
     response.changed() && *value != before
 }
 
-/// Four digits that count.
+/// Formats a number with four significant digits, or as a power of ten with three.
 pub fn brief(value: f64) -> String {
     if value == 0.0 {
         return "0".to_string();
@@ -66,21 +66,21 @@ pub fn brief(value: f64) -> String {
     }
 }
 
-/// A named value in a row of a grid.
+/// Shows a named value in a row of a grid.
 pub fn row(ui: &mut Ui, name: &str, value: impl Into<String>) {
     ui.label(name);
     ui.monospace(value.into());
     ui.end_row();
 }
 
-/// A named value in a colour.
+/// Shows a named value in a row of a grid, with the name in a colour.
 pub fn coloured_row(ui: &mut Ui, name: &str, colour: Color32, value: impl Into<String>) {
     ui.colored_label(colour, name);
     ui.monospace(value.into());
     ui.end_row();
 }
 
-/// The same for a number that may have more digits than a slider shows.
+/// Does the same as [`number`] for a decimal, which may have more digits than a slider shows.
 fn decimal(ui: &mut Ui, name: &str, unit: &str, value: &mut Decimal, range: RangeInclusive<f64>) {
     let mut new = value.value();
     if number(ui, name, unit, &mut new, range) {
@@ -88,7 +88,7 @@ fn decimal(ui: &mut Ui, name: &str, unit: &str, value: &mut Decimal, range: Rang
     }
 }
 
-/// The masses, lengths, gravity and kind of a double pendulum; whether any was changed.
+/// Shows the kind, masses, lengths and gravity of a double pendulum; returns true if any changed.
 pub fn build(ui: &mut Ui, build: &mut Build) -> bool {
     let before = *build;
     ui.horizontal(|ui| {

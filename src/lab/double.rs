@@ -7,7 +7,7 @@ use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end, ends, wrapped};
 use super::{FigureRequest, LiveFigure};
 
-/// Two angles, and the second pivot riding on the first bob.
+/// A live figure of two angles, and of the second pivot riding on the first bob.
 #[derive(Clone, Debug)]
 pub struct Double(DoublePendulumSimulation);
 

@@ -1,4 +1,4 @@
-//! A double pendulum in fixed steps: what figures three and four share.
+//! A double pendulum simulated in fixed steps, shared by the third and fourth figures.
 
 use egui::Response;
 
@@ -9,31 +9,32 @@ use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, State};
 use crate::scene::{Build, Kind};
 
-/// Steps a second.
+/// Number of steps per second.
 const STEPS_A_SEC: f64 = 960.0;
-/// Points of the trail, and steps between two.
+/// Number of points of the trail.
 const TRAIL: usize = 480;
+/// Number of steps between two points of the trail.
 const TRAIL_EVERY: u64 = 8;
 
-/// A double pendulum, let go at rest.
+/// A double pendulum, released from rest.
 #[derive(Clone, Debug)]
 pub struct DoublePendulumSimulation {
-    /// What it is made of.
+    /// The pendulum's kind, masses, lengths and gravity.
     pub build: Build,
-    /// Where it was let go, rad.
+    /// Angles of the release in rad.
     pub start: [f64; 2],
-    /// At the last step.
+    /// State at the last step.
     pub state: State<f64>,
-    /// The clock.
+    /// The clock of the steps.
     pub clock: Clock,
-    /// Where the second bob has been, m, the latest last.
+    /// Past positions of the second bob in metres, the latest last.
     pub trail: Vec<[f64; 2]>,
-    /// Which bob somebody holds.
+    /// Index of the bob that the user holds.
     pub held: Option<usize>,
 }
 
 impl DoublePendulumSimulation {
-    /// Let go at two angles.
+    /// Creates a default pendulum released at two angles.
     pub fn from(start: [f64; 2]) -> Self {
         DoublePendulumSimulation {
             build: Build::default(),
@@ -45,7 +46,7 @@ impl DoublePendulumSimulation {
         }
     }
 
-    /// Lets go again from two angles.
+    /// Releases the pendulum again, at two angles.
     pub fn release(&mut self, start: [f64; 2]) {
         self.start = start;
         self.state = State::rest(start);
@@ -53,19 +54,19 @@ impl DoublePendulumSimulation {
         self.trail.clear();
     }
 
-    /// The start, and what it is made of.
+    /// Returns the start, the masses, the lengths and the gravity.
     pub fn set(&self) -> Vec<f64> {
         let gravity = self.build.gravity.value();
         let (masses, lengths) = (self.build.masses_kg(), self.build.lengths_m());
         [&self.start[..], &masses, &lengths, &[gravity]].concat()
     }
 
-    /// The five numbers.
+    /// Returns the five coefficients of the equations of motion.
     pub fn pendulum(&self) -> Pendulum<f64> {
         self.build.pendulum()
     }
 
-    /// Moves on.
+    /// Advances by `elapsed_secs`, unless a bob is held.
     pub fn advance(&mut self, elapsed_secs: f64) {
         if self.held.is_some() {
             return;
@@ -83,19 +84,19 @@ impl DoublePendulumSimulation {
         self.trail.drain(..old);
     }
 
-    /// The state now, between two steps.
+    /// Returns the current state, between two steps.
     pub fn now(&self) -> State<f64> {
         let share = self.clock.share() * self.clock.step_secs;
         let change = rk4(&self.pendulum(), &self.state, share, Turning::Fresh);
         self.state.plus(&change)
     }
 
-    /// Seconds since it was let go.
+    /// Seconds since the release.
     pub fn secs(&self) -> f64 {
         self.clock.secs() + self.clock.share() * self.clock.step_secs
     }
 
-    /// A dragged bob is held, and both are let go from rest where they are left.
+    /// Holds the bob nearest the pointer while it is dragged, then releases both from rest.
     pub fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
         let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) else {
             self.held = None;
@@ -110,7 +111,7 @@ impl DoublePendulumSimulation {
         self.release(angle);
     }
 
-    /// Draws it with its trail.
+    /// Draws the pendulum with its trail.
     pub fn draw(&self, stage: &FigureCanvas) {
         let [first, second] = ends(self.build.lengths_m(), self.now().angle);
         stage.trail(&self.trail, COLOURS[1]);
@@ -131,7 +132,7 @@ impl DoublePendulumSimulation {
     }
 }
 
-/// The five numbers of the default pendulum.
+/// Returns the five coefficients of the default pendulum's equations of motion.
 pub fn pendulum() -> Pendulum<f64> {
     Build::default().pendulum()
 }

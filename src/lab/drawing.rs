@@ -1,4 +1,4 @@
-//! Pendulums, arrows and words on a dark stage.
+//! Pendulums, arrows and words on a dark canvas.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -7,13 +7,13 @@ use egui::{
     WidgetInfo, vec2,
 };
 
-/// The stage is dark in the light theme too.
+/// Background colour of the canvas, dark in the light theme too.
 pub const CANVAS: Color32 = Color32::from_gray(24);
-/// Lines and words on it.
+/// Colour of lines and words on the canvas.
 pub const INK: Color32 = Color32::from_gray(225);
-/// What stays behind.
+/// Colour of guides and other background details.
 pub const FAINT: Color32 = Color32::from_gray(130);
-/// Okabe and Ito's, which colour-blind people tell apart: orange, sky, green, yellow.
+/// Okabe and Ito's colours, distinct to colour-blind people: orange, sky blue, green, yellow.
 pub const COLOURS: [Color32; 4] = [
     Color32::from_rgb(0xe6, 0x9f, 0x00),
     Color32::from_rgb(0x56, 0xb4, 0xe9),
@@ -21,24 +21,24 @@ pub const COLOURS: [Color32; 4] = [
     Color32::from_rgb(0xf0, 0xe4, 0x42),
 ];
 
-/// A place to draw on, in metres around a pivot, y up.
+/// A canvas to draw on, in metres from a pivot, y up.
 pub struct FigureCanvas {
-    /// What draws.
+    /// The painter of the canvas.
     pub painter: Painter,
-    /// Where, in points.
+    /// The area of the canvas, in points.
     pub rect: Rect,
     pivot: Pos2,
     points_per_m: f32,
 }
 
 impl FigureCanvas {
-    /// A stage of `size` points on which `reach_m` metres around the pivot are seen; `told` is
-    /// what a screen reader says of it. What is on it can be dragged.
+    /// Creates a canvas of `size` points that shows `reach_m` metres around the pivot; `told` is
+    /// its description for a screen reader. The canvas senses clicks and drags.
     pub fn new(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> (FigureCanvas, Response) {
         FigureCanvas::sensing(ui, size, reach_m, told, Sense::click_and_drag())
     }
 
-    /// A stage that is only looked at.
+    /// Creates a canvas that senses no clicks or drags.
     pub fn seen(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> FigureCanvas {
         FigureCanvas::sensing(ui, size, reach_m, told, Sense::hover()).0
     }
@@ -53,7 +53,7 @@ impl FigureCanvas {
         let (response, painter) = ui.allocate_painter(size, sense);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
         let rect = response.rect;
-        // In the dark there is nothing to darken, and filling costs where software draws.
+        // The dark theme needs no fill, and filling is slow with a software renderer.
         if !ui.visuals().dark_mode {
             painter.rect_filled(rect, 4.0, CANVAS);
         }
@@ -61,35 +61,35 @@ impl FigureCanvas {
         (FigureCanvas { painter, rect, pivot: rect.center(), points_per_m }, response)
     }
 
-    /// The point of a place in metres.
+    /// Returns the screen point of a place given in metres.
     pub fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
         self.pivot + vec2(x as f32, -y as f32) * self.points_per_m
     }
 
-    /// The place under a point, m.
+    /// Returns the place under a screen point, in metres.
     pub fn place(&self, at: Pos2) -> [f64; 2] {
         let by = (at - self.pivot) / self.points_per_m;
         [f64::from(by.x), -f64::from(by.y)]
     }
 
-    /// A rod from one place to another.
+    /// Draws a rod from one place to another.
     pub fn rod(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
         self.painter.line_segment([self.at(from), self.at(to)], Stroke::new(2.0, colour));
     }
 
-    /// A dashed line.
+    /// Draws a dashed line from one place to another.
     pub fn dashed(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
         let stroke = Stroke::new(1.0, colour);
         self.painter.extend(Shape::dashed_line(&[self.at(from), self.at(to)], stroke, 5.0, 4.0));
     }
 
-    /// A bob whose area follows its mass in kg.
+    /// Draws a bob whose area is proportional to its mass in kg, within limits.
     pub fn bob(&self, at: [f64; 2], mass: f64, colour: Color32) {
         let radius = (9.0 * mass.sqrt() as f32).clamp(3.0, 26.0);
         self.painter.circle(self.at(at), radius, colour, Stroke::new(1.0, INK));
     }
 
-    /// A uniform bar whose width follows its mass in kg.
+    /// Draws a uniform bar whose width grows as the square root of its mass in kg, within limits.
     pub fn bar(&self, from: [f64; 2], to: [f64; 2], mass: f64, colour: Color32) {
         let width = (9.0 * mass.sqrt() as f32).clamp(3.0, 26.0);
         let stroke = Stroke::new(width, colour.gamma_multiply(0.8));
@@ -97,19 +97,19 @@ impl FigureCanvas {
         self.painter.circle_filled(self.at(from), 3.0, INK);
     }
 
-    /// The pivot.
+    /// Draws the pivot.
     pub fn pivot(&self) {
         self.painter.circle_filled(self.pivot, 4.0, INK);
     }
 
-    /// An arrow by so many metres.
+    /// Draws an arrow from a place by a displacement in metres.
     pub fn arrow(&self, from: [f64; 2], by: [f64; 2], colour: Color32) {
         let tip = self.at([from[0] + by[0], from[1] + by[1]]);
         let start = self.at(from);
         self.painter.arrow(start, tip - start, Stroke::new(2.0, colour));
     }
 
-    /// The arc of an angle from the downward vertical at a place.
+    /// Draws the arc of an angle at a place, from the downward vertical.
     pub fn arc(&self, at: [f64; 2], angle: f64, radius_m: f64, colour: Color32) {
         let angle = wrapped(angle);
         let (center, radius) = (self.at(at), radius_m as f32 * self.points_per_m);
@@ -120,7 +120,7 @@ impl FigureCanvas {
         self.painter.add(Shape::line((0..=24).map(point).collect(), Stroke::new(1.5, colour)));
     }
 
-    /// Words to the right of a place.
+    /// Writes words to the right of a place.
     pub fn label(&self, at: [f64; 2], words: &str, colour: Color32) {
         let at = self.at(at) + vec2(12.0, 0.0);
         let font = FontId::proportional(14.0);
@@ -131,14 +131,14 @@ impl FigureCanvas {
         self.painter.galley(corner, galley, colour);
     }
 
-    /// Words in the upper left corner.
+    /// Writes words in the upper left corner.
     pub fn note(&self, words: &str) {
         let corner = self.rect.left_top() + vec2(8.0, 6.0);
         let font = FontId::proportional(12.0);
         self.painter.text(corner, Align2::LEFT_TOP, words, font, FAINT);
     }
 
-    /// A line through places, the older the fainter.
+    /// Draws a line through places, fainter towards the first.
     pub fn trail(&self, places: &[[f64; 2]], colour: Color32) {
         const BAND: usize = 24;
         for first in (0..places.len().saturating_sub(1)).step_by(BAND) {
@@ -151,30 +151,30 @@ impl FigureCanvas {
     }
 }
 
-/// The ends of both rods, m, for angles from the downward vertical, anticlockwise.
+/// Returns the ends of both rods in metres, for angles from the downward vertical, anticlockwise.
 pub fn ends(lengths: [f64; 2], angle: [f64; 2]) -> [[f64; 2]; 2] {
     let [x1, y1] = end([0.0; 2], lengths[0], angle[0]);
     [[x1, y1], end([x1, y1], lengths[1], angle[1])]
 }
 
-/// The end of a rod that hangs at a place.
+/// Returns the end of a rod that hangs from a place.
 pub fn end(from: [f64; 2], length: f64, angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [from[0] + length * sin, from[1] - length * cos]
 }
 
-/// The upper left corner of a box of a `size` that was wanted at `corner`, moved into an `area`.
-/// In an area too small for the box, as in a window of a few points, its upper left part is seen.
+/// Returns the upper left corner of a box of a `size`, moved from `corner` into an `area`. If the
+/// area is too small, as in a window of a few points, the upper left part of the box is seen.
 pub fn corner_inside(area: Rect, size: Vec2, corner: Pos2) -> Pos2 {
     corner.min(area.max - size).max(area.min)
 }
 
-/// The angle of a rod from one place towards another, rad.
+/// Returns the angle of a rod from one place towards another, in rad.
 pub fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).atan2(from[1] - to[1])
 }
 
-/// An angle without whole turns, in (−π, π].
+/// Returns an angle without whole turns, in (−π, π].
 pub fn wrapped(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let turned = angle.rem_euclid(TAU);

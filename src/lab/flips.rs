@@ -1,4 +1,4 @@
-//! Figure 7: what the flip-time map shows, in words, with the numbers of a scene.
+//! Figure 7: the flip-time map explained in words, with the numbers of a scene.
 
 use egui::{Grid, Image, TextureHandle, Ui, vec2};
 
@@ -7,18 +7,18 @@ use super::chart::plain;
 use super::controls::row;
 use crate::scene::{Build, Kind};
 
-/// What is known of the map that is seen.
+/// Counts of the map's known pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// Pixels known so far.
+    /// Number of pixels known so far.
     pub pixels: u64,
-    /// Those that energy forbids to flip.
+    /// Number of starts that conservation of energy keeps from flipping.
     pub forbidden: u64,
-    /// Those that were integrated; mirror images and forbidden ones were not.
+    /// Number of starts that were integrated; mirror images and forbidden starts were not.
     pub simulated: u64,
 }
 
-/// A picture of the map beside its explanation: the figure without a window.
+/// Shows a picture of the map beside its explanation: the figure without a window.
 pub fn show(ui: &mut Ui, map: &TextureHandle, build: &Build, seen: &Seen) {
     let figure = Figure::Map;
     ui.heading(figure.title());
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, map: &TextureHandle, build: &Build, seen: &Seen) {
     });
 }
 
-/// Explains the map; answers with the other kind of pendulum where the person wants that one.
+/// Explains the map; returns the other kind of pendulum if the user chooses it.
 pub fn explain(ui: &mut Ui, build: &Build, seen: &Seen) -> Option<Kind> {
     let [p, q] = [build.pendulum().p, build.pendulum().q];
     ui.label(
@@ -63,14 +63,14 @@ pub fn explain(ui: &mut Ui, build: &Build, seen: &Seen) -> Option<Kind> {
     (kind != build.kind).then_some(kind)
 }
 
-/// The forbidden region's formula with the fewest numbers: of equal bobs 2cos θ1 + cos θ2 > 1, of
-/// equal bars 3cos θ1 + cos θ2 > 2.
+/// Formats the condition of the forbidden region with the fewest numbers: for equal bobs
+/// 2cos θ1 + cos θ2 > 1, for equal bars 3cos θ1 + cos θ2 > 2.
 fn curve_words(p: f64, q: f64) -> String {
     let ratio = p / q;
     format!("forbidden: {} cos θ1 + cos θ2 > {}", plain(ratio), plain(ratio - 1.0))
 }
 
-/// The share of the torus on which `ratio` cos θ1 + cos θ2 > `ratio` − 1.
+/// Returns the fraction of the torus on which `ratio` cos θ1 + cos θ2 > `ratio` − 1.
 pub fn forbidden_share(ratio: f64) -> f64 {
     const STEPS: u32 = 200_000;
     let strip = |k: u32| {

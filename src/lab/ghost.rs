@@ -9,7 +9,7 @@ use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use crate::physics::simple::MOST_AMPLITUDE;
 
-/// A swing and its ghost.
+/// A live figure of a swing and its ghost.
 #[derive(Clone, Debug)]
 pub struct Ghost(SinglePendulumSimulation);
 
@@ -20,7 +20,7 @@ impl Default for Ghost {
 }
 
 impl Ghost {
-    /// The period against the amplitude, in units of the small-angle period.
+    /// Returns a chart of the period against the amplitude, in units of the small-angle period.
     fn chart(&self) -> Chart {
         let simple = self.0.simple;
         let ratio = |amplitude: f64| simple.period_secs(amplitude) / simple.small_period_secs();

@@ -14,15 +14,15 @@ use crate::tiles::{Samples, Work};
 
 /// A small picture of the whole torus.
 pub struct HomeMap {
-    /// In colours, with the energy curve.
+    /// The picture in colours, with the energy curve.
     pub image: ColorImage,
-    /// What is on it.
+    /// Counts of the picture's pixels.
     pub seen: Seen,
     scene: Scene,
     samples: Samples,
 }
 
-/// The home map of `side` × `side` pixels, at the accuracy fast.
+/// Computes the home map of `side` × `side` pixels at the accuracy level `fast`.
 pub fn home_map(side: u32) -> Result<HomeMap, EngineError> {
     let Document { picture, .. } = Document::default();
     let (scene, size) = (Scene::default(), [side; 2]);
@@ -40,12 +40,12 @@ pub fn home_map(side: u32) -> Result<HomeMap, EngineError> {
 }
 
 impl HomeMap {
-    /// The picture as egui draws it, as long as somebody holds it.
+    /// Returns the picture as an egui texture, which lives as long as its handle.
     pub fn texture(&self, ctx: &Context) -> TextureHandle {
         ctx.load_texture("map", self.image.clone(), TextureOptions::LINEAR)
     }
 
-    /// Every pixel: its start in rad, what became of it, and when, s.
+    /// Returns every pixel's start in rad, status and flip time in seconds as CSV.
     pub fn csv(&self) -> String {
         let side = self.image.size[0] as u32;
         let grid = Grid::new(&self.scene, [side; 2]);

@@ -1,4 +1,4 @@
-//! Figure 5: three integrators from one start at one Δt, and what each makes of the energy.
+//! Figure 5: three integrators from one start with one Δt, and the energy error of each.
 
 use egui::{Color32, Grid, Ui, vec2};
 
@@ -12,26 +12,26 @@ use crate::physics::integrator::{euler, rk4, semi_implicit_euler};
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, State};
 
-/// One of the three.
+/// One of the three integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Integrator {
-    /// Order 1; gains energy.
+    /// Explicit Euler, of order 1; gains energy.
     Euler,
-    /// Order 1; its energy error stays bounded for long.
+    /// Semi-implicit Euler, of order 1; its energy error stays bounded for long.
     SemiImplicit,
-    /// Order 4.
+    /// The classical Runge–Kutta method, of order 4.
     Rk4,
 }
 
 impl Integrator {
-    /// All, with their names and colours.
+    /// All integrators, with their names and colours.
     pub const ALL: [(Integrator, &'static str, Color32); 3] = [
         (Integrator::Euler, "explicit Euler", COLOURS[0]),
         (Integrator::SemiImplicit, "semi-implicit Euler", COLOURS[1]),
         (Integrator::Rk4, "RK4", COLOURS[2]),
     ];
 
-    /// The state after a step.
+    /// Returns the state after a step of `secs`.
     pub fn step(self, pendulum: &Pendulum<f64>, state: &State<f64>, secs: f64) -> State<f64> {
         state.plus(&match self {
             Integrator::Euler => euler(pendulum, state, secs),
@@ -40,7 +40,7 @@ impl Integrator {
         })
     }
 
-    /// The state after `secs` in steps of about `step_secs`.
+    /// Returns the state `secs` after a release at `start`, in equal steps of about `step_secs`.
     fn run(
         self,
         pendulum: &Pendulum<f64>,
@@ -57,22 +57,22 @@ impl Integrator {
     }
 }
 
-/// How errors fall with the step: the steps and each method's error, and the slope of each.
+/// The errors of the three integrators for several steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Steps, s.
+    /// Steps in seconds.
     pub steps_secs: Vec<f64>,
-    /// Distance of the end states from those of far smaller steps, method by method.
+    /// Distance in rad of the final angles from those of a far smaller step, by integrator.
     pub errors: [Vec<f64>; 3],
 }
 
-/// Seconds after which a sweep compares.
+/// Simulated time in seconds after which a sweep compares.
 const SWEEP_SECS: f64 = 1.0;
-/// Speeds beyond this are no pendulum's, rad/s.
+/// Speed in rad/s beyond which a run has diverged: no pendulum is that fast.
 const DIVERGED_SPEED: f64 = 1e6;
 
 impl Sweep {
-    /// Of a pendulum let go at `start`.
+    /// Computes the sweep of a pendulum released at `start`.
     pub fn of(pendulum: &Pendulum<f64>, start: [f64; 2]) -> Self {
         let truth = Integrator::Rk4.run(pendulum, start, SWEEP_SECS, 1.0 / 65536.0);
         let steps_secs: Vec<f64> = (6..=11).map(|k| 0.5f64.powi(k)).collect();
@@ -87,7 +87,7 @@ impl Sweep {
         Sweep { steps_secs, errors }
     }
 
-    /// The order of a method: the slope of the logarithm of its error.
+    /// Returns the order of an integrator: the slope of log error against log step.
     pub fn order(&self, method: usize) -> f64 {
         let (errors, steps) = (&self.errors[method], &self.steps_secs);
         let last = steps.len() - 1;
@@ -108,26 +108,26 @@ impl Sweep {
     }
 }
 
-/// One method's run.
+/// The run of one integrator.
 #[derive(Clone, Debug)]
 struct MethodRun {
     state: State<f64>,
-    /// A step earlier: what is drawn lies between the two.
+    /// State one step earlier: the drawn state lies between the two.
     before: State<f64>,
-    /// Time and relative energy error.
+    /// Times in seconds with relative energy errors.
     errors: Vec<[f64; 2]>,
     diverged_at: Option<f64>,
 }
 
 impl MethodRun {
-    /// The angles that are drawn `share` of a step after the last one.
+    /// Returns the angles to draw, `share` of the way from the state before to the last one.
     fn drawn(&self, share: f64) -> [f64; 2] {
         let (from, to) = (self.before.angle, self.state.angle);
         [0, 1].map(|i| from[i] + share * (to[i] - from[i]))
     }
 }
 
-/// The three.
+/// The live figure of the three integrators.
 #[derive(Clone, Debug)]
 pub struct Integrators {
     start: [f64; 2],
@@ -137,7 +137,7 @@ pub struct Integrators {
     sweep: Sweep,
 }
 
-/// The chart begins anew after so long, s.
+/// Simulated time in seconds after which the figure starts anew.
 const LONGEST_SECS: f64 = 120.0;
 
 impl Default for Integrators {
@@ -147,7 +147,7 @@ impl Default for Integrators {
 }
 
 impl Integrators {
-    /// From a start at one step.
+    /// Creates the figure: three pendulums released at `start`, with steps of `step_secs`.
     pub fn new(start: [f64; 2], step_secs: f64) -> Self {
         let state = State::rest(start);
         let run = MethodRun { state, before: state, errors: vec![[0.0; 2]], diverged_at: None };
@@ -160,7 +160,7 @@ impl Integrators {
         }
     }
 
-    /// From a start that was found elsewhere.
+    /// Restarts the figure from a start found elsewhere.
     pub fn open(&mut self, start: [f64; 2]) {
         *self = Integrators::new(start, self.step_secs);
     }
@@ -309,12 +309,12 @@ mod tests {
 
     #[test]
     fn explicit_euler_grows_as_it_is_known_to() {
-        // A small oscillation in a normal mode: every step multiplies its energy by 1 + h²ω².
+        // In a small oscillation in a normal mode every step multiplies the energy by 1 + h²ω².
         let pendulum = pendulum();
         let omega2 = 9.81 * (2.0 - 2f64.sqrt());
         let start = [1e-4, 2f64.sqrt() * 1e-4];
         let lowest = -(pendulum.p + pendulum.q);
-        // The quadratic part: rounding of the whole energy would hide it.
+        // Only the quadratic part: rounding of the whole energy would hide the growth.
         let energy = |s: &State<f64>| {
             let [t1, t2] = s.angle;
             let [w1, w2] = s.speed;

@@ -1,4 +1,4 @@
-//! Figure 4: the whole machine, its matrix equation live.
+//! Figure 4: the whole machine, with its matrix equation live.
 
 use egui::{Grid, ProgressBar, Ui};
 
@@ -7,7 +7,7 @@ use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, wrapped};
 use super::{FigureRequest, LiveFigure};
 
-/// The machine.
+/// A live figure of the double pendulum with its equation and energy.
 #[derive(Clone, Debug)]
 pub struct MachineFigure(DoublePendulumSimulation);
 
@@ -18,7 +18,7 @@ impl Default for MachineFigure {
 }
 
 impl MachineFigure {
-    /// Let go from a start that was found elsewhere.
+    /// Releases the pendulum at a start found elsewhere.
     pub fn open(&mut self, start: [f64; 2]) {
         self.0.release(start);
     }
@@ -64,7 +64,7 @@ impl LiveFigure for MachineFigure {
     }
 }
 
-/// M α = τ with its numbers now.
+/// Shows M α = τ with its current numbers.
 fn equation(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     let (pendulum, state) = (simulation.pendulum(), simulation.state);
     let equation = pendulum.equation(&state);
@@ -89,7 +89,7 @@ fn equation(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     });
 }
 
-/// Kinetic and potential energy as shares of what there is above hanging at rest.
+/// Shows kinetic and potential energy as shares of the total above hanging at rest.
 fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     let pendulum = simulation.pendulum();
     let (state, start) = (simulation.state, crate::physics::State::rest(simulation.start));
@@ -105,7 +105,7 @@ fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     ui.label(format!("relative energy error {error:.1e}"));
 }
 
-/// The motion from the start as CSV, a hundred lines a second.
+/// Returns the motion from the start as CSV, a hundred lines per second.
 pub fn motion(simulation: &DoublePendulumSimulation, secs: f64) -> String {
     let mut toy = DoublePendulumSimulation { held: None, ..simulation.clone() };
     toy.release(simulation.start);

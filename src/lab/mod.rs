@@ -1,9 +1,9 @@
 //! The laboratory: the seven figures of the lesson that this program grew from, live.
 //!
-//! Each figure is a [`Toy`]: a state that moves on in fixed steps whatever the frames, a drawing,
-//! controls, and its data as CSV. A window shows one at a time; [`still`] draws one without a
-//! window. The physics is the core's: no equation is written here. The seventh figure is the map
-//! itself; [`flips`] explains what is seen on it.
+//! Each figure is a [`LiveFigure`]: a state that advances in fixed steps whatever the frame rate, a
+//! drawing, controls, and its data as CSV. A window shows one at a time; [`still`] draws one
+//! without a window. The physics is the core's: no equation is written here. The seventh figure is
+//! the map itself; [`flips`] explains it.
 
 pub mod chart;
 pub mod clock;
@@ -23,7 +23,7 @@ pub mod twenty;
 
 use egui::{ScrollArea, Ui, vec2};
 
-/// A figure.
+/// A figure of the lesson.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
     /// The single pendulum.
@@ -32,7 +32,7 @@ pub enum Figure {
     Ghost,
     /// The double pendulum.
     Double,
-    /// The whole machine.
+    /// The double pendulum as a machine, with its matrix equation.
     Machine,
     /// Three integrators.
     Integrators,
@@ -43,7 +43,7 @@ pub enum Figure {
 }
 
 impl Figure {
-    /// All, in the lesson's order: each with its name, its title, and what to try.
+    /// All figures, in the lesson's order: each with its name, its title, and a suggestion to try.
     pub const ALL: [(Figure, &'static str, &'static str, &'static str); 7] = [
         (
             Figure::Single,
@@ -95,57 +95,57 @@ impl Figure {
         ),
     ];
 
-    /// The one with this name.
+    /// Returns the figure with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, known, ..)| *known == name).map(|(figure, ..)| *figure)
     }
 
-    /// All names, with commas between them.
+    /// Returns all names, separated by commas.
     pub fn names() -> String {
         Self::ALL.map(|(_, name, ..)| name).join(", ")
     }
 
-    /// Its name on the command line.
+    /// Returns the figure's name on the command line.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].1
     }
 
-    /// Its title.
+    /// Returns the figure's title.
     pub fn title(self) -> &'static str {
         Self::ALL[self as usize].2
     }
 
-    /// What to try.
+    /// Returns a sentence on what the figure shows and what to try.
     pub fn sentence(self) -> &'static str {
         Self::ALL[self as usize].3
     }
 }
 
-/// What a figure asks of the window.
+/// A request from a figure to the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FigureRequest {
-    /// Show this start (θ1, θ2 in rad) on the map.
+    /// Shows this start (θ1, θ2 in rad) on the map.
     ToMap([f64; 2]),
 }
 
-/// A live figure.
+/// A figure that runs live and that the user can change.
 pub trait LiveFigure {
-    /// Moves on by so many seconds.
+    /// Advances the figure by `elapsed_secs`.
     fn advance(&mut self, elapsed_secs: f64);
-    /// Draws it on so many points.
+    /// Draws the figure in an area of `size` points.
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2);
-    /// Its sliders and numbers.
+    /// Shows the figure's sliders and numbers; returns a request to the window if there is one.
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest>;
-    /// What a person has set in it: the start first, rad.
+    /// Returns the values set by the user, with the start first, in rad.
     fn set(&self) -> Vec<f64>;
-    /// Its data over so many seconds from its start, with a line of names.
+    /// Returns the data as CSV with a header; data against time cover `secs` from the start.
     fn csv(&self, secs: f64) -> String;
 }
 
-/// All figures but the map, and which one is shown.
+/// All figures except the map, and the one that is shown.
 #[derive(Clone, Debug)]
 pub struct Lab {
-    /// The one that is shown.
+    /// The figure that is shown.
     pub figure: Figure,
     single: single::Single,
     ghost: ghost::Ghost,
@@ -155,11 +155,11 @@ pub struct Lab {
     twenty: twenty::Twenty,
 }
 
-/// What the controls take, points.
+/// Width of the controls in points.
 const CONTROLS_WIDTH: f32 = 330.0;
 
 impl Lab {
-    /// Every figure at its beginning.
+    /// Creates every figure in its initial state, and shows one.
     pub fn new(figure: Figure) -> Self {
         Lab {
             figure,
@@ -172,7 +172,7 @@ impl Lab {
         }
     }
 
-    /// The figure that is shown; none where that is the map.
+    /// Returns the figure that is shown; none if that is the map.
     pub fn toy(&mut self) -> Option<&mut dyn LiveFigure> {
         Some(match self.figure {
             Figure::Single => &mut self.single,
@@ -185,7 +185,7 @@ impl Lab {
         })
     }
 
-    /// What a person has set in the figure that is shown.
+    /// Returns the values that the user has set in the figure that is shown.
     pub fn set(&self) -> Vec<f64> {
         match self.figure {
             Figure::Single => self.single.set(),
@@ -198,7 +198,7 @@ impl Lab {
         }
     }
 
-    /// Opens a start (θ1, θ2 in rad) in the figures that take one.
+    /// Shows a figure and opens a start (θ1, θ2 in rad) in it, or in the machine if it takes none.
     pub fn open(&mut self, figure: Figure, start: [f64; 2]) {
         self.figure = figure;
         match figure {

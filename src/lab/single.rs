@@ -7,7 +7,7 @@ use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 
-/// One coordinate, one mass, one rod, gravity.
+/// A live figure of one coordinate, one mass, one rod, and gravity.
 #[derive(Clone, Debug)]
 pub struct Single(SinglePendulumSimulation);
 
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn rows_are_states_at_their_moments() {
         let text = Single(SinglePendulumSimulation::from(2.5)).csv(0.1);
-        // What a tenth of a thousandth of a second's steps come to.
+        // The reference is the same motion in steps of 1e-4 s.
         let simple = SinglePendulumSimulation::from(2.5).simple;
         let mut swing = SinglePendulumSimulation::from(2.5).swing;
         for (k, line) in text.lines().skip(1).enumerate() {

@@ -1,4 +1,4 @@
-//! A single pendulum in fixed steps: what the first two figures share.
+//! A single pendulum simulated in fixed steps, shared by the first two figures.
 
 use egui::{Grid, Response, Ui};
 
@@ -7,30 +7,30 @@ use super::controls::number;
 use super::drawing::{FigureCanvas, angle_of, end};
 use crate::physics::simple::{Crossings, MOST_AMPLITUDE, Simple, Swing};
 
-/// Steps a second.
+/// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
 
-/// A mass on a rod, let go.
+/// A mass on a rod, released from rest.
 #[derive(Clone, Debug)]
 pub struct SinglePendulumSimulation {
-    /// The pendulum.
+    /// Length and gravity of the pendulum.
     pub simple: Simple,
-    /// kg.
+    /// Mass in kg.
     pub mass: f64,
-    /// Where it was let go, rad.
+    /// Angle of the release in rad.
     pub amplitude: f64,
-    /// Its state at the last step.
+    /// State at the last step.
     pub swing: Swing,
-    /// The clock.
+    /// The clock of the steps.
     pub clock: Clock,
-    /// Its zero crossings.
+    /// Zero crossings of the angle since the release.
     pub crossings: Crossings,
-    /// Whether somebody holds it.
+    /// True while the user holds the bob.
     pub held: bool,
 }
 
 impl SinglePendulumSimulation {
-    /// Let go at an angle.
+    /// Creates a pendulum released at an angle.
     pub fn from(amplitude: f64) -> Self {
         SinglePendulumSimulation {
             simple: Simple { length: 1.0, gravity: 9.81 },
@@ -43,7 +43,7 @@ impl SinglePendulumSimulation {
         }
     }
 
-    /// Lets go again from an angle.
+    /// Releases the pendulum again, at an angle.
     pub fn release(&mut self, amplitude: f64) {
         self.amplitude = amplitude.clamp(-MOST_AMPLITUDE, MOST_AMPLITUDE);
         self.swing = Swing { angle: self.amplitude, speed: 0.0 };
@@ -51,7 +51,7 @@ impl SinglePendulumSimulation {
         self.crossings = Crossings::default();
     }
 
-    /// Moves on.
+    /// Advances by `elapsed_secs`, unless the bob is held.
     pub fn advance(&mut self, elapsed_secs: f64) {
         if self.held {
             return;
@@ -64,27 +64,27 @@ impl SinglePendulumSimulation {
         }
     }
 
-    /// The state now, between two steps.
+    /// Returns the current state, between two steps.
     pub fn now(&self) -> Swing {
         self.simple.step(self.swing, self.clock.share() * self.clock.step_secs)
     }
 
-    /// The angle now.
+    /// Returns the current angle in rad.
     pub fn angle(&self) -> f64 {
         self.now().angle
     }
 
-    /// Seconds since it was let go.
+    /// Seconds since the release.
     pub fn secs(&self) -> f64 {
         self.clock.secs() + self.clock.share() * self.clock.step_secs
     }
 
-    /// Where the bob is, m.
+    /// Returns the position of the bob in metres.
     pub fn bob(&self) -> [f64; 2] {
         end([0.0; 2], self.simple.length, self.angle())
     }
 
-    /// A dragged bob is held, and let go from rest where it is left.
+    /// Holds the bob while it is dragged, and releases it from rest where the drag ends.
     pub fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
         if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             self.held = true;
@@ -94,7 +94,7 @@ impl SinglePendulumSimulation {
         }
     }
 
-    /// Length, mass, gravity and the angle to let it go from.
+    /// Shows the sliders for length, mass, gravity and the angle of release, and a release button.
     pub fn controls(&mut self, ui: &mut Ui) {
         let mut amplitude = self.amplitude;
         let mut changed = false;
@@ -126,7 +126,7 @@ mod tests {
         (0..30).for_each(|_| seldom.advance(0.1));
         assert!((often.swing.angle - seldom.swing.angle).abs() < 1e-12);
         assert!((often.secs() - 3.0).abs() < 1e-6);
-        // Held, it does not move.
+        // A pendulum that is held does not move.
         often.held = true;
         let before = often.swing;
         often.advance(1.0);

@@ -8,20 +8,20 @@ use crate::engine::EngineError;
 use crate::engine::choice::INSTALL_HINT;
 use crate::engine::gpu::device::{Gpu, adapters};
 
-/// A picture, three bytes a pixel, rows from the top.
+/// A picture in RGB, in rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Still {
-    /// Width and height, pixels.
+    /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The pixels.
+    /// The pixels, three bytes each.
     pub rgb: Vec<u8>,
 }
 
-/// Frames a second in which a figure is brought to its time.
+/// Number of frames per second in which a figure is advanced to its time.
 const FRAMES_A_SEC: f64 = 60.0;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// A figure `secs` after its start.
+/// Draws a figure `secs` after its start.
 pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64) -> Result<Still, EngineError> {
     if let Some(toy) = lab.toy() {
         let frames = (secs * FRAMES_A_SEC).round() as u32;
@@ -32,7 +32,7 @@ pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64) -> Result<Still, EngineEr
     })
 }
 
-/// What `show` shows, as a picture.
+/// Draws what `show` lays out, as a picture.
 pub fn draw(size: [u32; 2], mut show: impl FnMut(&mut Ui)) -> Result<Still, EngineError> {
     let adapter = adapters().into_iter().next();
     let adapter = adapter.ok_or_else(|| EngineError::Unsupported(INSTALL_HINT.to_string()))?;
@@ -46,7 +46,7 @@ pub fn draw(size: [u32; 2], mut show: impl FnMut(&mut Ui)) -> Result<Still, Engi
     ctx.set_theme(Theme::Dark);
     let mut renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
     let mut shapes = Vec::new();
-    // egui needs a second look at what it lays out.
+    // egui needs more than one pass to settle its layout.
     for _ in 0..3 {
         let mut output = ctx.run_ui(input(size), |ui| {
             egui::CentralPanel::default().show(ui, &mut show);

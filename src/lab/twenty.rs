@@ -13,7 +13,7 @@ use crate::physics::separation::{Growth, Reading, Ruler, SATURATED_RAD};
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, State};
 
-/// Pendulums from almost one start.
+/// Pendulums released from almost the same start.
 #[derive(Clone, Debug)]
 pub struct Twenty {
     start: [f64; 2],
@@ -22,15 +22,17 @@ pub struct Twenty {
     clock: Clock,
     states: Vec<State<f64>>,
     readings: Vec<Reading>,
-    /// What a forecast may be off by at last, and at first, rad.
+    /// Tolerated error of a forecast at its end, in rad.
     tolerance_rad: f64,
+    /// Uncertainty of a forecast's start, in rad.
     precision_rad: f64,
 }
 
-/// Steps a second, and between two readings.
+/// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
+/// Number of steps between two readings.
 const READ_EVERY: u64 = 12;
-/// Nothing new happens after so long, s.
+/// Longest simulated time in seconds; nothing new happens after it.
 const LONGEST_SECS: f64 = 60.0;
 
 impl Default for Twenty {
@@ -40,7 +42,7 @@ impl Default for Twenty {
 }
 
 impl Twenty {
-    /// `count` pendulums, each `nudge_rad` further in θ1 than the one before.
+    /// Creates `count` pendulums, each released `nudge_rad` further in θ1 than the one before.
     pub fn new(start: [f64; 2], count: usize, nudge_rad: f64) -> Self {
         let at = |k: usize| State::rest([start[0] + k as f64 * nudge_rad, start[1]]);
         Twenty {
@@ -55,7 +57,7 @@ impl Twenty {
         }
     }
 
-    /// From a start that was found elsewhere.
+    /// Restarts the figure from a start found elsewhere.
     pub fn open(&mut self, start: [f64; 2]) {
         self.restart(start, self.count, self.nudge_rad);
     }
@@ -83,12 +85,12 @@ impl Twenty {
         self.readings.push(Reading { secs, energy_error: 0.0, separation_rad });
     }
 
-    /// The climb so far.
+    /// Returns the fitted growth of the separation so far; none while it cannot be fitted.
     pub fn growth(&self) -> Option<Growth> {
         Growth::fit(&self.readings)
     }
 
-    /// How long a forecast holds whose start is known to `precision_rad`, s.
+    /// Returns how long a forecast holds if its start is known to `precision_rad`, in seconds.
     fn horizon_secs(&self, rate_per_sec: f64) -> f64 {
         (self.tolerance_rad / self.precision_rad).ln() / rate_per_sec
     }
@@ -112,7 +114,7 @@ impl Twenty {
     }
 }
 
-/// From orange to sky.
+/// Returns the colour of pendulum `k` of `count`, from orange to sky blue.
 fn shade(k: usize, count: usize) -> Color32 {
     COLOURS[0].lerp_to_gamma(COLOURS[1], k as f32 / (count - 1).max(1) as f32)
 }
@@ -211,8 +213,8 @@ mod tests {
         let mut toy = Twenty::new([2.2, 2.5], 2, 1e-10);
         (0..150).for_each(|_| toy.advance(0.1));
         let fitted = toy.growth().unwrap();
-        // The growth of a nudge that stays infinitesimal, in another method's double-double,
-        // read and fitted as the toy's is.
+        // The reference is the growth of a nudge that stays infinitesimal, integrated in
+        // double-double by another method, and read and fitted in the same way.
         let nudge = 1e-22;
         let orbit = |angle| Orbit::new(Build::default().pendulum_in::<Dd>(), State::rest(angle));
         let start = [2.2, 2.5].map(Dd::new);

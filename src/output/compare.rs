@@ -1,4 +1,4 @@
-//! Two results of one size, pixel by pixel: arrays of flip times, or pictures.
+//! A comparison of two results of one size, pixel by pixel: arrays of flip times, or pictures.
 //!
 //! Both are read row by row, so that their size does not matter.
 
@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-/// A result that is read from the top.
+/// A result that is read row by row, from the top.
 pub struct ResultRows {
     path: PathBuf,
     size: [u32; 2],
@@ -24,30 +24,30 @@ enum ResultRow {
     Colours(Vec<u8>),
 }
 
-/// How two pixels differ.
+/// The difference between two pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Difference {
-    /// By so many seconds, or by so many of 255 levels in the channel that differs most.
+    /// A difference in seconds, or in levels out of 255 in the channel that differs most.
     By(f64),
-    /// One has a time and the other has not, or they lack it for different reasons.
+    /// A time in one and none in the other, or none in both for different reasons.
     Class,
 }
 
-/// What came of a comparison.
+/// The summary of a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Comparison {
-    /// Pixels of each.
+    /// Number of pixels in each result.
     pub pixels: u64,
-    /// Those that differ by more than was allowed, class changes included.
+    /// Number of pixels that differ by more than was allowed, class changes included.
     pub differing: u64,
-    /// Those among them that changed their class.
+    /// Number of those that changed their class.
     pub classes: u64,
     /// The largest difference.
     pub largest: f64,
     histogram: Histogram,
 }
 
-/// Counts of differences by size, a hundred to a decade.
+/// Counts of differences by size, in a hundred bins per decade.
 #[derive(Clone, Debug, PartialEq)]
 struct Histogram {
     none: u64,
@@ -58,50 +58,50 @@ const LEAST_DECADE: f64 = -18.0;
 const DECADES: usize = 24;
 const BINS_A_DECADE: f64 = 100.0;
 
-/// Why two files cannot be compared.
+/// Reasons why two files cannot be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    /// It cannot be read.
+    /// A file that cannot be read.
     #[error("cannot read {path}")]
     File {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: io::Error,
     },
-    /// The differences could not be handed on.
+    /// A difference picture that cannot be written.
     #[error("cannot write the difference picture")]
     Picture(#[source] io::Error),
-    /// It is no result.
+    /// A file that is not a result.
     #[error("{path} {why}; compare takes .npy arrays that render --raw wrote, and RGB PNGs")]
     Kind {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault, as a phrase.
         why: String,
     },
-    /// Times beside colours.
+    /// Flip times compared with colours.
     #[error("{a} has flip times and {b} colours, or the other way round: compare like with like")]
     Unlike {
-        /// One.
+        /// Path of one result.
         a: PathBuf,
-        /// The other.
+        /// Path of the other result.
         b: PathBuf,
     },
-    /// Of different size.
+    /// Results of different sizes.
     #[error(
         "{a} is {} and {b} {} pixels: only results of one size can be compared",
         by(a_size),
         by(b_size)
     )]
     Size {
-        /// One.
+        /// Path of one result.
         a: PathBuf,
-        /// Its size.
+        /// Size of that result in pixels.
         a_size: [u32; 2],
-        /// The other.
+        /// Path of the other result.
         b: PathBuf,
-        /// Its size.
+        /// Size of that result in pixels.
         b_size: [u32; 2],
     },
 }
@@ -111,7 +111,7 @@ fn by([width, height]: &[u32; 2]) -> String {
 }
 
 impl ResultRows {
-    /// Opens a result.
+    /// Opens a result and reads its size.
     pub fn open(path: &Path) -> Result<Self, CompareError> {
         let unreadable = |source| CompareError::File { path: path.to_path_buf(), source };
         let foreign = |why: String| CompareError::Kind { path: path.to_path_buf(), why };
@@ -140,7 +140,7 @@ impl ResultRows {
         self.size
     }
 
-    /// Whether it holds flip times.
+    /// Returns true if it holds flip times.
     pub fn has_times(&self) -> bool {
         matches!(self.kind, ResultKind::Times(_))
     }
@@ -171,7 +171,7 @@ impl ResultRows {
     }
 }
 
-/// Width and height of a `.npy` array of f64, from its header.
+/// Reads width and height of a `.npy` array of f64 from its header.
 fn npy_size(file: &mut impl Read) -> Option<[u32; 2]> {
     let mut head = [0; 10];
     file.read_exact(&mut head).ok()?;
@@ -189,7 +189,7 @@ fn npy_size(file: &mut impl Read) -> Option<[u32; 2]> {
 }
 
 impl Difference {
-    /// Of two flip times: finite, +inf where there was none, NaN where there can be none.
+    /// The difference of two flip times: finite, +inf without a flip, NaN where there can be none.
     pub fn of_times(a: f64, b: f64) -> Self {
         if a.is_finite() && b.is_finite() {
             Difference::By((a - b).abs())
@@ -200,7 +200,7 @@ impl Difference {
         }
     }
 
-    /// Of two colours.
+    /// The difference of two colours.
     fn of_colours(a: &[u8], b: &[u8]) -> Self {
         let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
         Difference::By(f64::from(most))
@@ -259,7 +259,7 @@ impl Comparison {
         self.differing as f64 / (self.pixels as f64).max(1.0)
     }
 
-    /// The difference that this share of the pixels does not exceed, right to a fortieth of
+    /// The difference that this share of the pixels does not exceed, accurate to a fortieth of
     /// itself; class changes do not count.
     pub fn quantile(&self, share: f64) -> f64 {
         self.histogram.quantile(share).min(self.largest)

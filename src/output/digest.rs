@@ -1,4 +1,4 @@
-//! Checksums as people and other programs read them.
+//! Checksums in the form that people and other programs read.
 
 use sha2::{Digest, Sha256};
 

@@ -15,28 +15,28 @@ use crate::engine::Trust;
 use crate::scene::Document;
 use crate::tiles::Samples;
 
-/// The channels in the order of a file, which is that of the alphabet.
+/// The channels in the order of the file, which is alphabetical.
 const CHANNELS: [&str; 3] = ["status", "time", "uncertain"];
 
-/// Rows up to this many pixels are packed sixteen at a time: longer ones are more than the
-/// compressor looks back over, so that several would only cost memory.
+/// Longest row in pixels that is compressed together with others, sixteen at a time. Longer rows
+/// exceed what the compressor looks back over, so that several would only cost memory.
 const SHORT_ROW: u32 = 1 << 14;
 
-/// Writes blocks of rows as the samples come, and at the end where each block lies.
+/// Writes blocks of rows as the samples come, and at the end the table of the blocks' offsets.
 pub struct ExrWriter<W: Write + Seek> {
     out: W,
     header: Header,
-    /// Where the table of the blocks' places lies.
+    /// File offset of the table of the blocks' offsets.
     table_at: u64,
-    /// Where each block that is written lies.
+    /// File offset of each block that is written.
     places: Vec<u64>,
-    /// Where the next one will.
+    /// File offset of the next block.
     end: u64,
-    /// The rows of the next one, each channel after channel.
+    /// Rows of the next block; within each row, channel after channel.
     block: Vec<u8>,
     /// The channels of the row that is being filled.
     row: [Vec<f32>; 3],
-    /// Rows that are filled.
+    /// Number of rows that are filled.
     rows: usize,
 }
 
@@ -47,7 +47,7 @@ impl<W: Write + Seek> ExrWriter<W> {
         let mut bytes = Vec::new();
         begin(&mut bytes, &header).map_err(cause)?;
         let table_at = bytes.len() as u64;
-        // The table's room, until what it holds is known.
+        // Room for the table, until its contents are known.
         bytes.resize(bytes.len() + size_of::<u64>() * header.chunk_count, 0);
         out.write_all(&bytes)?;
         Ok(ExrWriter {
@@ -112,7 +112,7 @@ impl<W: Write + Seek> ExrWriter<W> {
         Ok(())
     }
 
-    /// Completes the image and gives the file back.
+    /// Completes the image and returns the file.
     pub fn finish(mut self) -> io::Result<W> {
         let height = self.header.layer_size.height();
         if self.rows < height {
@@ -127,7 +127,7 @@ impl<W: Write + Seek> ExrWriter<W> {
     }
 }
 
-/// What an image holds, and how.
+/// The header of an image: its channels and how they are encoded.
 fn header(size: [u32; 2], document: &Document) -> Header {
     let channels = CHANNELS.map(|name| ChannelDescription::named(name, SampleType::F32));
     let compression = if size[0] <= SHORT_ROW { Compression::ZIP16 } else { Compression::ZIP1 };
@@ -139,7 +139,7 @@ fn header(size: [u32; 2], document: &Document) -> Header {
         .with_attributes(attributes)
 }
 
-/// All that comes before the table of the blocks' places.
+/// Writes everything that precedes the table of the blocks' offsets.
 fn begin(bytes: &mut Vec<u8>, header: &Header) -> exr::error::UnitResult {
     let requirements = MetaData::validate(from_ref(header), true)?;
     magic_number::write(bytes)?;
@@ -147,7 +147,7 @@ fn begin(bytes: &mut Vec<u8>, header: &Header) -> exr::error::UnitResult {
     Header::write_all(from_ref(header), bytes, false)
 }
 
-/// Nothing is written by the encoder itself, so that its own errors are all there are.
+/// Converts an error of the encoder, which writes nothing itself, so that all errors are its own.
 fn cause(error: Error) -> io::Error {
     io::Error::other(error)
 }
@@ -174,7 +174,7 @@ mod tests {
         samples
     }
 
-    /// In parts of so many samples.
+    /// The file of an image that is written `part` samples at a time.
     fn written(size: [u32; 2], samples: &Samples, part: usize) -> Vec<u8> {
         let out = Cursor::new(Vec::new());
         let mut writer = ExrWriter::new(out, size, &Document::default()).unwrap();
@@ -201,7 +201,7 @@ mod tests {
         found.sample_data.values_as_f32().collect()
     }
 
-    /// The same image by the library's own writer, which wants all of it at once.
+    /// The same image by the library's own writer, which needs all of it at once.
     fn by_the_library(size: [u32; 2], samples: &Samples, compression: Compression) -> Vec<u8> {
         let values = |value: &dyn Fn(usize) -> f32| (0..samples.len()).map(value).collect();
         let channels: [Vec<f32>; 3] = [

@@ -1,4 +1,4 @@
-//! What goes wrong between samples and files, and errors as one sentence.
+//! Errors between samples and files, and any error as one sentence.
 
 use std::error::Error;
 use std::io;
@@ -7,59 +7,59 @@ use super::{Destination, PngError};
 use crate::engine::EngineError;
 use crate::scene::SceneError;
 
-/// Why a file could not be written.
+/// Reasons why a file could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// It could not be begun.
+    /// A file that could not be begun.
     #[error("{option}: cannot write {name}")]
     Create {
-        /// The option that named it.
+        /// The option that named the file.
         option: &'static str,
-        /// Where it was to go.
+        /// The destination.
         name: Destination,
-        /// Why not.
+        /// The cause.
         source: io::Error,
     },
-    /// It could not be written or put in its place.
+    /// A file that could not be written or put in its place.
     #[error("cannot write {name}")]
     Write {
-        /// Where it was to go.
+        /// The destination.
         name: Destination,
-        /// Why not.
+        /// The cause.
         source: PngError,
     },
-    /// The picture cannot be painted so.
+    /// A picture that cannot be painted with these settings.
     #[error("{0}")]
     Picture(#[from] SceneError),
 }
 
-/// Why a picture was not completed.
+/// Reasons why a picture was not completed.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// The engine failed.
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// A file did.
+    /// A file could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// It was asked to stop.
+    /// A request to stop.
     #[error("stopped; no unfinished file was left")]
     Stopped,
 }
 
-/// An error and its causes.
+/// An error and its causes, outermost first.
 fn causes<'a>(error: &'a (dyn Error + 'static)) -> impl Iterator<Item = &'a (dyn Error + 'static)> {
     std::iter::successors(Some(error), |cause| (*cause).source())
 }
 
-/// The causes from the outermost in, each said once: some libraries repeat their source.
+/// The causes as one sentence, outermost first, each only once: some libraries repeat their source.
 pub fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut causes: Vec<String> = causes(error).map(ToString::to_string).collect();
     causes.dedup();
     causes.join(": ")
 }
 
-/// Whether the reader at the other end went away.
+/// Returns true if the reader at the other end has gone.
 pub fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
     let broken = |cause: &io::Error| cause.kind() == io::ErrorKind::BrokenPipe;
     causes(error).any(|cause| cause.downcast_ref().is_some_and(broken))

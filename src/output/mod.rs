@@ -1,8 +1,8 @@
-//! Samples to files: pictures, arrays, and the safety of what was there before.
+//! Writing samples to files: pictures, arrays, and the safety of what was there before.
 //!
-//! Every file is written beside its destination and renamed onto it when it is complete, so a
-//! failure or an interruption leaves what was there. All are written as rows of samples come, and
-//! of those only a few are held: pictures can be larger than memory.
+//! Every regular file is written beside its destination and renamed onto it when it is complete, so
+//! that a failure or an interruption leaves what was there. All are written as rows of samples
+//! come, and only a few rows are held: pictures can be larger than memory.
 
 pub mod compare;
 mod digest;

@@ -16,7 +16,7 @@ impl<W: Write> NpyWriter<W> {
     pub fn new(mut out: W, [width, height]: [u32; 2]) -> io::Result<Self> {
         let shape =
             format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({height}, {width}), }}");
-        // Magic, version and length take 10 bytes; the whole is padded to a multiple of 64.
+        // Magic, version and length take 10 bytes; the whole header is padded to a multiple of 64.
         let padded = (10 + shape.len() + 1).next_multiple_of(64) - 10;
         out.write_all(b"\x93NUMPY\x01\x00")?;
         out.write_all(&(padded as u16).to_le_bytes())?;
@@ -29,7 +29,7 @@ impl<W: Write> NpyWriter<W> {
         samples.iter().try_for_each(|outcome| self.out.write_all(&number_of(outcome).to_le_bytes()))
     }
 
-    /// The file, complete.
+    /// Returns the complete file.
     pub fn into_inner(self) -> W {
         self.out
     }

@@ -1,4 +1,4 @@
-//! Samples to colours: the palette, the mean of several samples a pixel, and the energy curve.
+//! The colours of samples: the palette, the mean of several samples per pixel, the energy curve.
 
 use crate::scene::palette::{Rgb, Tones, light};
 use crate::scene::{Grid, PictureTable, Scene, SceneError};
@@ -11,15 +11,15 @@ pub struct RowPainter {
     samples_along: u32,
     grid: Grid,
     next_row: u32,
-    /// Samples of a row of pixels that is not complete.
+    /// Samples of a row of pixels that is not yet complete.
     pending: Vec<Rgb>,
 }
 
-/// Half the width of the energy curve, in pixels.
+/// Half the width of the energy curve in pixels.
 const CURVE_HALF_WIDTH: f64 = 0.75;
 
 impl RowPainter {
-    /// For a `size` picture of a checked scene; refuses a table that cannot be painted with.
+    /// A painter of a `size` picture of a checked scene; refuses a table that cannot be used.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let Scene { build, question, .. } = scene;
         Ok(RowPainter {
@@ -32,8 +32,8 @@ impl RowPainter {
         })
     }
 
-    /// The next rows of samples as rows of RGB bytes. With several samples a pixel, rows come
-    /// out as they are complete.
+    /// Paints the next rows of samples as rows of RGB bytes. With several samples per pixel, a row
+    /// comes out when it is complete.
     pub fn paint(&mut self, samples: &Samples) -> Vec<u8> {
         self.pending.extend(samples.iter().map(|outcome| self.tones.colour(&outcome)));
         let along = self.samples_along as usize;
@@ -52,7 +52,7 @@ impl RowPainter {
         bytes
     }
 
-    /// Black over `colour` where the energy curve passes.
+    /// Darkens `colour` towards black where the energy curve passes.
     fn with_curve(&self, colour: Rgb, column: u32) -> Rgb {
         if !self.curve {
             return colour;
@@ -62,13 +62,13 @@ impl RowPainter {
     }
 }
 
-/// How much of a pixel the energy curve covers, from its distance to the pixel's middle.
+/// Share of a pixel that the energy curve covers, from its distance to the pixel's middle.
 pub fn curve_cover(grid: &Grid, column: u32, row: u32) -> f64 {
     let distance = grid.pixels_from_curve(column, row);
     (CURVE_HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
 }
 
-/// The mean colour of `along` × `along` samples from `first`, in linear light.
+/// The mean colour of `along` × `along` samples from index `first` on, in linear light.
 fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
     if along == 1 {
         return row[first];
@@ -84,7 +84,7 @@ fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
     sum.map(|sum| encoded(sum / (along * along) as f64))
 }
 
-/// Linear light to sRGB: [`light`] undone.
+/// Converts linear light to sRGB: the inverse of [`light`].
 pub fn encoded(linear: f64) -> u8 {
     let c =
         if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
@@ -134,7 +134,7 @@ mod tests {
         let bytes = painter(size, 1, true).paint(&Samples::unflipped(64 * 64));
         let dark = bytes.chunks(3).filter(|rgb| rgb[0] < 64).count();
         assert!((60..400).contains(&dark), "{dark}");
-        // cos θ2 = −1 + … at θ1 = 0: 2 + cos θ2 = 1 only at θ2 = π; at θ2 = 0, θ1 = ±π/2.
+        // The curve is 2 cos θ1 + cos θ2 = 1: at θ1 = 0 only θ2 = π, and at θ2 = 0 it is θ1 = ±π/2.
         let at = |x: usize, y: usize| bytes[3 * (y * 64 + x)];
         assert!(at(48, 32) < 64 || at(47, 32) < 64);
         assert_eq!(at(32, 32), 255);

@@ -1,4 +1,4 @@
-//! PNG written row by row, with the scene inside; and the scene read back from one.
+//! PNG files written row by row with the scene inside, and the scene read back from one.
 
 use std::cell::RefCell;
 use std::io::{self, BufRead, Seek, Write};
@@ -9,27 +9,27 @@ use crate::scene::Document;
 /// The keyword of the text chunk.
 const KEYWORD: &str = "flipmap";
 
-/// Why a PNG could not be written, or gives no scene.
+/// Reasons why a PNG could not be written, or has no scene.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
     /// Reading or writing failed.
     #[error("{0}")]
     File(#[from] io::Error),
-    /// Not a PNG, or cut short.
+    /// A file that is not a PNG, or was cut short.
     #[error("is not a complete PNG ({0})")]
     Broken(#[from] png::DecodingError),
-    /// A PNG of some other program.
+    /// A PNG by some other program.
     #[error("is a PNG, but flipmap did not write it: it has no '{KEYWORD}' text")]
     Foreign,
-    /// More pixels than are wanted here.
+    /// A picture larger than is read here.
     #[error("is {side} pixels long; at most {longest_side} are read here")]
     Large {
-        /// Its longer side.
+        /// The side that is too long, in pixels.
         side: u32,
-        /// The longest that is read.
+        /// The longest side that is read, in pixels.
         longest_side: u32,
     },
-    /// Our text, but no scene.
+    /// A text of ours that is not a scene.
     #[error("has a damaged '{KEYWORD}' text: {0}")]
     Text(#[from] crate::scene::DocumentError),
 }
@@ -46,7 +46,7 @@ impl<W: Write + 'static> PngWriter<W> {
         Self::begin(out, size, Some(document.text()))
     }
 
-    /// Begins a `size` picture of something that is no scene.
+    /// Begins a `size` picture that carries no scene.
     pub fn without_scene(out: W, size: [u32; 2]) -> Result<Self, PngError> {
         Self::begin(out, size, None)
     }
@@ -63,12 +63,12 @@ impl<W: Write + 'static> PngWriter<W> {
         Ok(PngWriter { out, stream })
     }
 
-    /// Writes the next rows, three bytes a pixel.
+    /// Writes the next rows, three bytes per pixel.
     pub fn write(&mut self, rgb: &[u8]) -> Result<(), PngError> {
         self.stream.write_all(rgb).map_err(|error| self.out.explain(error).into())
     }
 
-    /// Completes the picture and gives the file back.
+    /// Completes the picture and returns the file.
     pub fn finish(self) -> Result<W, PngError> {
         let PngWriter { out, stream } = self;
         stream.finish().map_err(|error| out.explain(error.into()))?;
@@ -82,12 +82,12 @@ struct Shared<W>(Rc<RefCell<Inner<W>>>);
 
 struct Inner<W> {
     out: W,
-    /// The first thing that went wrong; the encoder only hands on its words.
+    /// The first error of the file; the encoder passes on only its words.
     failure: Option<io::Error>,
 }
 
 impl<W> Shared<W> {
-    /// What really went wrong when the encoder reported `error`.
+    /// The file's own error behind the `error` that the encoder reported.
     fn explain(&self, error: io::Error) -> io::Error {
         self.0.borrow_mut().failure.take().unwrap_or(error)
     }
@@ -123,15 +123,15 @@ impl<W: Write> Write for Shared<W> {
 /// A picture that flipmap wrote, in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// The scene it carries.
+    /// The scene that it carries.
     pub document: Document,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Three bytes a pixel, rows from the top.
+    /// The pixels, three bytes each, rows from the top.
     pub rgb: Vec<u8>,
 }
 
-/// The document inside a PNG that flipmap wrote. The whole file is read, so that one that was
+/// Reads the document inside a PNG that flipmap wrote. The whole file is read, so that one that was
 /// cut short is not taken for a picture.
 pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> {
     let mut reader = png::Decoder::new(file).read_info()?;
@@ -140,7 +140,7 @@ pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> 
     document_of(reader.info())
 }
 
-/// A whole picture that flipmap wrote, if no side is longer than `longest_side`.
+/// Reads a whole picture that flipmap wrote, if no side is longer than `longest_side`.
 pub fn picture_in_png(file: impl BufRead + Seek, longest_side: u32) -> Result<Picture, PngError> {
     let mut reader = png::Decoder::new(file).read_info()?;
     let size = [reader.info().width, reader.info().height];

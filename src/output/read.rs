@@ -1,4 +1,4 @@
-//! Scenes read from files: pictures of ours, and TOML.
+//! Scenes read from files: pictures that flipmap wrote, and TOML.
 
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -7,42 +7,42 @@ use std::path::{Path, PathBuf};
 use super::png::{PngError, document_in_png};
 use crate::scene::{Document, DocumentError};
 
-/// Why a file gives no scene.
+/// Reasons why a file has no scene.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// It could not be read.
+    /// A file that could not be read.
     #[error("cannot read the scene {path}: {source}")]
     File {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: io::Error,
     },
     /// A PNG without a scene.
     #[error("{path} {source}")]
     Picture {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: PngError,
     },
-    /// TOML, but no scene.
+    /// A TOML file that is not a scene.
     #[error("{path}: {source}")]
     Scene {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: DocumentError,
     },
-    /// Neither.
+    /// A file of neither kind.
     #[error("{path} is neither a .png that flipmap wrote nor a .toml scene")]
     Kind {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
     },
 }
 
-/// The document in a picture of ours or a scene file.
+/// Reads the document in a picture that flipmap wrote, or in a scene file.
 pub fn read_document(path: &Path) -> Result<Document, ReadError> {
     let is =
         |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));

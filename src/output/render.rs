@@ -1,4 +1,4 @@
-//! The loop from a picture's work to its files: the same on the command line and in a window.
+//! The loop from a picture's work to its files, the same on the command line and in a window.
 
 use std::time::{Duration, Instant};
 
@@ -7,20 +7,20 @@ use super::{RowOrder, SinkPass, Sinks};
 use crate::engine::Engine;
 use crate::tiles::{Counts, Work};
 
-/// How long was spent.
+/// Time spent on a render.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RenderClock {
-    /// Computing samples.
+    /// Time spent on computing samples.
     pub compute: Duration,
-    /// Painting and writing them.
+    /// Time spent on painting and writing them.
     pub output: Duration,
 }
 
-/// How often a stop is looked for.
+/// Interval at which a request to stop is looked for.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Runs one pass and hands its samples on, rows from the top. `go_on` hears what has been done,
-/// at least every few hundredths of a second, and answers whether to go on.
+/// Runs one pass and hands its samples to `sinks`, rows from the top. `go_on` takes the counts so
+/// far, at least every few hundredths of a second, and returns false to stop.
 pub fn render_pass(
     work: &mut Work,
     engine: &mut dyn Engine,

@@ -1,4 +1,4 @@
-//! Tiles that finish in any order, handed on as rows from the top.
+//! Tiles that finish in any order, passed on as rows from the top.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ pub struct RowOrder {
 }
 
 impl RowOrder {
-    /// Of bands from this row on.
+    /// Expects bands from this row on.
     pub fn from(next_row: u32) -> Self {
         RowOrder { next_row, waiting: BTreeMap::new() }
     }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempPath;
 
-/// Where output goes.
+/// Destination of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Destination {
     /// A file.
@@ -37,14 +37,14 @@ impl fmt::Display for Destination {
     }
 }
 
-/// A file being written beside its destination, or standard output.
+/// A file being written beside its destination, or a device or standard output.
 pub enum SafeFile {
-    /// Renamed onto the path at the end.
+    /// A temporary file, renamed onto the path at the end.
     Beside(BufWriter<File>, TempPath, PathBuf),
-    /// A pipe or a device, written as it comes: there is nothing to keep safe, and a rename
+    /// A pipe or a device, written as the bytes come: there is nothing to keep safe, and a rename
     /// would put a file in its place.
     Device(BufWriter<File>),
-    /// Written as it comes.
+    /// Standard output, written as the bytes come.
     Stdout(BufWriter<io::Stdout>),
 }
 
@@ -65,7 +65,7 @@ impl SafeFile {
             let device = OpenOptions::new().write(true).open(path)?;
             return Ok(SafeFile::Device(BufWriter::new(device)));
         }
-        // What a link points to is replaced, not the link.
+        // The target of a link is replaced, not the link.
         let path = path.canonicalize().unwrap_or_else(|_| path.clone());
         let folder = existing_folder_of(&path)?;
         let mut builder = tempfile::Builder::new();
@@ -77,14 +77,14 @@ impl SafeFile {
         Ok(SafeFile::Beside(BufWriter::new(file), beside, path))
     }
 
-    /// A destination with these bytes and nothing else in it.
+    /// Writes a destination that holds these bytes and nothing else.
     pub fn write_whole(destination: &Destination, bytes: &[u8]) -> io::Result<()> {
         let mut file = SafeFile::create(destination)?;
         file.write_all(bytes)?;
         file.finish()
     }
 
-    /// Where a file is that will be renamed: another program may write it.
+    /// Path of a file that will be renamed, for another program to write to.
     pub fn beside(&self) -> Option<&Path> {
         match self {
             SafeFile::Beside(_, beside, _) => Some(beside),
@@ -105,10 +105,10 @@ impl SafeFile {
     }
 }
 
-/// How the names of what is not finished begin.
+/// Prefix of the names of unfinished files.
 pub(super) const UNFINISHED: &str = ".flipmap-";
 
-/// The folder that a path lies in.
+/// The folder in which a path lies; an error if it does not exist.
 pub(super) fn existing_folder_of(path: &Path) -> io::Result<&Path> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

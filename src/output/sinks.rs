@@ -1,4 +1,4 @@
-//! What a render writes, as its samples come.
+//! The outputs of a render, written as its samples come.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -11,23 +11,23 @@ use super::{
 use crate::scene::Document;
 use crate::tiles::Samples;
 
-/// Where what is asked to go, by option.
+/// Paths of the outputs, by option.
 #[derive(Clone, Debug, Default)]
 pub struct Paths {
-    /// `-o`.
+    /// The picture, from `-o`.
     pub picture: Option<PathBuf>,
-    /// `--pyramid`.
+    /// The pyramid of tiles, from `--pyramid`.
     pub pyramid: Option<PathBuf>,
-    /// `--raw`.
+    /// The array of flip times, from `--raw`.
     pub raw: Option<PathBuf>,
-    /// `--exr`.
+    /// The image with all channels, from `--exr`.
     pub exr: Option<PathBuf>,
-    /// `--trust`.
+    /// The picture of trust, from `--trust`.
     pub trust: Option<PathBuf>,
 }
 
 impl Paths {
-    /// Each path with its option.
+    /// Each path that is given, with its option.
     pub fn named(&self) -> Vec<(&'static str, &Path)> {
         let all = [
             ("-o", &self.picture),
@@ -55,11 +55,11 @@ impl Paths {
 /// The option whose output is a folder.
 const PYRAMID: &str = "--pyramid";
 
-/// One run over the picture, for the outputs that want its samples.
+/// One run over the picture, for the outputs that need its samples.
 pub struct SinkPass {
-    /// Samples a pixel along each axis.
+    /// Samples per pixel along each axis.
     pub along: u32,
-    /// Whether it is the picture's; the other outputs want one sample at each pixel's centre.
+    /// True if it is for the painted outputs; the others need one sample at each pixel's centre.
     picture: bool,
     others: bool,
 }
@@ -73,14 +73,14 @@ enum Sink {
     Trust(PngWriter<SafeFile>),
 }
 
-/// An output with everything in it, not yet in its place.
+/// An output that is complete, but not yet in its place.
 enum Complete {
     File(SafeFile),
     Folder(PyramidFolder),
 }
 
 impl Sink {
-    /// Begins an output; refuses at once what cannot be created.
+    /// Begins an output; refuses at once one that cannot be created.
     fn begin(
         option: &'static str,
         path: &Path,
@@ -106,12 +106,12 @@ impl Sink {
         begun.map_err(|source| write_error(&name, source))
     }
 
-    /// Whether it is made of the picture's colours.
+    /// Returns true if it is made of the picture's colours.
     fn is_painted(&self) -> bool {
         matches!(self, Sink::Picture(_) | Sink::Pyramid(_))
     }
 
-    /// Writes samples, or what was painted of them.
+    /// Writes samples, or what was painted from them.
     fn write(&mut self, samples: &Samples, painted: &[u8]) -> Result<(), PngError> {
         match self {
             Sink::Picture(png) => png.write(painted),
@@ -135,7 +135,7 @@ impl Sink {
 }
 
 impl Complete {
-    /// Puts it in its place.
+    /// Puts the output in its place.
     fn finish(self) -> std::io::Result<()> {
         match self {
             Complete::File(file) => file.finish(),
@@ -146,7 +146,7 @@ impl Complete {
 
 /// The outputs being written.
 pub struct Sinks {
-    /// Paints once for all that are painted.
+    /// Painter shared by all outputs that are painted.
     painter: Option<RowPainter>,
     open: Vec<(Sink, Destination)>,
 }
@@ -164,8 +164,8 @@ impl Sinks {
         Ok(Sinks { painter, open })
     }
 
-    /// With several samples a pixel all but the picture still hold the samples at the pixels'
-    /// centres, in a pass of their own.
+    /// The passes over a picture with `along` × `along` samples per pixel. With several, outputs
+    /// that are not painted hold the samples at the pixels' centres, from a pass of their own.
     pub fn passes(&self, along: u32) -> Vec<SinkPass> {
         let is_painted = |(sink, _): &(Sink, _)| sink.is_painted();
         let picture = self.open.iter().any(is_painted);
@@ -180,8 +180,8 @@ impl Sinks {
         passes
     }
 
-    /// Hands samples, rows from the top, to the outputs of a pass. An output whose reader has
-    /// left is given up if there is another one.
+    /// Passes samples, rows from the top, to the outputs of a pass. An output whose reader has left
+    /// is given up if there is another one.
     pub fn write(&mut self, pass: &SinkPass, samples: &Samples) -> Result<(), OutputError> {
         let painted = match &mut self.painter {
             Some(painter) if pass.picture => painter.paint(samples),

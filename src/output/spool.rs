@@ -1,4 +1,4 @@
-//! Files that are not written from front to back, wherever they go.
+//! Files that are not written from front to back, whatever their destination.
 
 use std::env::temp_dir;
 use std::fs::File;
@@ -9,21 +9,21 @@ use tempfile::TempPath;
 
 use super::SafeFile;
 
-/// A file that is written in any order. What goes to a stream, which cannot be, waits in an
+/// A file that is written in any order. What goes to a stream, which cannot seek, waits in an
 /// unnamed temporary file until it is complete.
 pub struct Spool {
     file: BufWriter<File>,
     then: Then,
 }
 
-/// What becomes of the file.
+/// The last step, which takes the file to its destination.
 enum Then {
     Rename(TempPath, PathBuf),
     Copy(SafeFile),
 }
 
 impl Spool {
-    /// For a destination of which nothing is written.
+    /// A spool for a destination to which nothing has been written.
     pub fn new(destination: SafeFile) -> io::Result<Self> {
         Ok(match destination {
             SafeFile::Beside(file, beside, path) => {
@@ -36,7 +36,7 @@ impl Spool {
         })
     }
 
-    /// The destination with everything in it.
+    /// Returns the destination with everything in it.
     pub fn into_file(self) -> io::Result<SafeFile> {
         let Spool { mut file, then } = self;
         match then {
@@ -57,7 +57,7 @@ impl Spool {
     }
 }
 
-/// Says which disk is meant: it is not the destination's.
+/// Names the temporary folder in an error: its disk may not be the destination's.
 fn in_temporary_folder(error: io::Error) -> io::Error {
     let folder = temp_dir();
     let text = format!("in the temporary folder {}: {error}", folder.display());
@@ -90,7 +90,7 @@ mod tests {
     use std::io::Read;
     use std::path::Path;
 
-    /// "done", its first letter last.
+    /// Writes "done", its first letter last.
     fn write(path: &Path) -> io::Result<()> {
         let mut spool = Spool::new(SafeFile::create(&Destination::from(path))?)?;
         spool.write_all(b"gone")?;

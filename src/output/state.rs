@@ -1,6 +1,6 @@
 //! The state of a render, kept in a file for a later run with a larger budget.
 //!
-//! The format is [postcard](https://docs.rs/postcard): compact, and every f64 exact.
+//! The format is [postcard](https://docs.rs/postcard): compact, and exact for every f64.
 
 use std::io::{self, Write};
 
@@ -9,32 +9,32 @@ use serde::{Deserialize, Serialize};
 use crate::scene::Document;
 use crate::tiles::SavedPixels;
 
-/// Begins every state file; the number is the format's.
+/// First bytes of every state file; the number is the format's.
 const MAGIC: &str = "flipmap state 1\n";
 
-/// A render that can go on.
+/// A render that can be resumed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RenderState {
-    /// What ran: only the same can go on to the same answers.
+    /// Record of what ran: only the same engine and configuration lead to the same answers.
     pub ran: RunRecord,
-    /// The scene's file, its budget the one that was reached.
+    /// The scene's file, with the budget that was reached.
     pub document: String,
-    /// The pixels.
+    /// The saved pixels.
     pub kept: SavedPixels,
 }
 
-/// What a render ran on and by.
+/// The engine and the configuration of a render.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunRecord {
-    /// `gpu` or `cpu`.
+    /// The engine: `gpu` or `cpu`.
     pub engine: String,
-    /// The adapter; of the processor its instruction set. Threads change no answer.
+    /// Name of the adapter, or the processor's instruction set. Threads change no answer.
     pub adapter: String,
-    /// The method's word.
+    /// Name of the method.
     pub method: String,
-    /// Its step or tolerance.
+    /// Step or tolerance of the method.
     pub setting: String,
-    /// The number type's word.
+    /// Name of the number type.
     pub precision: String,
 }
 
@@ -45,28 +45,28 @@ impl std::fmt::Display for RunRecord {
     }
 }
 
-/// Why a file gives no state to go on from.
+/// Reasons why a file has no state to resume.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
-    /// Not a state file of this format, or damaged.
+    /// A file that is not a state of this format, or is damaged.
     #[error("is not a state that this flipmap wrote, or it is damaged")]
     Foreign,
-    /// Of something else.
+    /// A state of something else.
     #[error("belongs to another {what}: it has {kept}, and now it is {now}")]
     Different {
-        /// What differs.
+        /// The property that differs.
         what: &'static str,
-        /// There.
+        /// Value in the state.
         kept: String,
-        /// Here.
+        /// Value of this run.
         now: String,
     },
-    /// Gone further than asked.
+    /// A state beyond the budget that is requested.
     #[error("has gone to {kept} s already; --budget is {now} and must be at least that")]
     Further {
-        /// There.
+        /// Budget that the state has reached, s.
         kept: f64,
-        /// Here.
+        /// Budget of this run, s.
         now: f64,
     },
 }
@@ -85,7 +85,7 @@ impl RenderState {
         out.write_all(&body)
     }
 
-    /// Refuses to go on with another scene than the one it belongs to.
+    /// Refuses to resume with another scene than the state's own, or with a smaller budget.
     pub fn check_scene(&self, now: &Document) -> Result<(), StateError> {
         let kept = Document::parse(&self.document).map_err(|_| StateError::Foreign)?;
         let differ = |what, kept: String, now: String| {
@@ -100,7 +100,7 @@ impl RenderState {
         if now < kept { Err(StateError::Further { kept, now }) } else { Ok(()) }
     }
 
-    /// Refuses to go on with another engine or config.
+    /// Refuses to resume with another engine or integrator config.
     pub fn check_ran(&self, now: &RunRecord) -> Result<(), StateError> {
         if self.ran == *now {
             return Ok(());

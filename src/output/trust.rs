@@ -5,8 +5,8 @@ use crate::physics::Status;
 use crate::scene::palette::{FORBIDDEN, Rgb};
 use crate::tiles::Samples;
 
-/// Dark for what a cheap check confirmed, brighter for what took more, red for what stays open:
-/// the order holds in grey too.
+/// Colours by trust: dark for what a cheap check confirmed, brighter for what took more, red for
+/// what stays open. The order holds in grey too.
 const COLOURS: [(Trust, Rgb); 5] = [
     (Trust::Unchecked, [0x60, 0x60, 0x60]),
     (Trust::Agreed, [0x10, 0x28, 0x40]),
@@ -15,7 +15,7 @@ const COLOURS: [(Trust, Rgb); 5] = [
     (Trust::Uncertain, [0xff, 0x30, 0x20]),
 ];
 
-/// RGB bytes of samples by their trust; forbidden ones as in any picture.
+/// RGB bytes of samples by their trust; forbidden samples are coloured as in any picture.
 pub fn trust_colours(samples: &Samples) -> Vec<u8> {
     let colour = |(index, status): (usize, Status)| match status {
         Status::Forbidden => FORBIDDEN,

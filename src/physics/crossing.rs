@@ -1,19 +1,19 @@
-//! Where inside an adaptive step a bob passes the top, without angles.
+//! Crossings: the moments inside an adaptive step at which a bob passes the top, without angles.
 //!
-//! The bob is at the top where `y` changes its sign while `x` is negative. Steps are long, so
+//! A bob is at the top where `y` changes sign while `x` is negative. Steps are long, so
 //! interpolation only says where to look: every value that decides anything comes from a step of
 //! the method itself, shortened to end there. DOPRI5 has another test, on the polynomial that it
-//! gives over its step (see [`super::embedded::quartic`]); so one can check the other.
+//! provides over its step (see [`super::embedded::quartic`]), so each can check the other.
 
 use super::phase::Phase;
 use super::real::Scalar;
 
-/// The state somewhere inside a step.
+/// The state at a moment inside a step.
 #[derive(Clone, Copy, Debug)]
 pub struct StepState<T> {
-    /// Unit vectors and momenta, reduced units.
+    /// Unit vectors and momenta in reduced units.
     pub phase: Phase<T>,
-    /// ω1 and ω2.
+    /// Angular velocities ω1 and ω2 in reduced units.
     pub speed: [T; 2],
 }
 
@@ -24,30 +24,30 @@ impl<T: Scalar> StepState<T> {
     fn y(&self, bob: usize) -> T {
         self.phase[2 * bob + 1]
     }
-    /// dy/dt.
+    /// The rate of change dy/dt.
     fn rise(&self, bob: usize) -> T {
         self.speed[bob] * self.x(bob)
     }
 }
 
-/// How a bob's way over an interval lies to the top, judged by the cubic that has `y` and its rate
-/// of change at both ends. Its control points enclose it, and the two in the middle are set back
-/// by [`SLACK`] for what the cubic does not know.
+/// The position of a bob's path over an interval relative to the top, judged by the cubic that has
+/// `y` and its rate of change at both ends. The cubic lies within its control points, and the
+/// clearance is reduced by [`SLACK`] for what the cubic does not capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach<T> {
-    /// The bob stays at least this far from the top (as a sine); not positive where it may not.
+    /// Lower bound on the bob's distance from the top (as a sine); not positive if it may reach it.
     pub clearance: T,
-    /// It passes the top exactly once.
+    /// True if the bob passes the top exactly once.
     pub crosses: bool,
 }
 
-/// Share of how far the cubic's middle control points are off its chord by which they are set
-/// back (counterparts in the engines).
+/// Slack taken off the clearance, as a share of the distance of the cubic's middle control points
+/// from its chord (with counterparts in the engines).
 pub const SLACK: f64 = 0.2;
-/// The clearance of a bob that is below its pivot.
+/// Clearance of a bob that is below its pivot.
 pub const FAR: f64 = 2.0;
 
-/// The approach of `bob` between two moments `length` apart.
+/// Judges the path of `bob` between two moments `length` apart.
 pub fn approach<T: Scalar>(
     before: &StepState<T>,
     after: &StepState<T>,
@@ -79,19 +79,19 @@ pub fn approach<T: Scalar>(
     }
 }
 
-/// What became of a bob in a step.
+/// The crossing of a bob within a step, if there is one, and its clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepCrossing<T> {
-    /// The fraction in (0, 1] of the step at which it first passed the top.
+    /// The fraction in (0, 1] of the step at which the bob first passes the top.
     pub fraction: Option<T>,
-    /// How near the top it came before, and did not pass it.
+    /// Least distance from the top until then, or in the whole step without a crossing (as a sine).
     pub clearance: T,
 }
 
-/// What became of `bob` in a step of length `step`; `at` gives the moment after a fraction of it.
+/// Finds the crossing of `bob` in a step of length `step`; `at` returns the state at a fraction.
 ///
-/// Parts of the step are decided one after the other by their [`Approach`], and halved until it
-/// is plain: so neither a pass that falls back at once is missed, nor two that follow each other.
+/// Each part of the step in turn is decided by its [`Approach`], and halved until that is possible:
+/// neither a pass that falls back at once nor one of two in succession is missed.
 pub fn within<T: Scalar>(
     at: impl Fn(T) -> StepState<T>,
     bob: usize,
@@ -131,9 +131,9 @@ pub fn within<T: Scalar>(
     StepCrossing { fraction: None, clearance }
 }
 
-/// What is shorter than this share of a step is no pass that anyone could tell from none.
+/// Share of a step below which parts are not halved: a shorter pass is as good as none.
 const SHORTEST_PART: f64 = 1e-7;
-/// Parts that a step is decided in; a graze takes some sixty.
+/// Maximum number of parts in which a step is decided; a graze takes about sixty.
 const MOST_PARTS: usize = 400;
 
 pub(super) fn crosses<T: Scalar>(before: &StepState<T>, after: &StepState<T>, bob: usize) -> bool {
@@ -141,8 +141,8 @@ pub(super) fn crosses<T: Scalar>(before: &StepState<T>, after: &StepState<T>, bo
     (y0 > zero && y1 <= zero) || (y0 < zero && y1 >= zero)
 }
 
-/// Where `y` is zero between two moments, given with their fractions of a step: Newton's steps
-/// from the cubic through both, kept inside a shrinking bracket.
+/// Finds the zero of `y` between two moments, each given with its fraction of a step: Newton's
+/// method from the cubic through both, kept inside a shrinking bracket.
 pub(super) fn crossing<T: Scalar>(
     at: &impl Fn(T) -> StepState<T>,
     bob: usize,
@@ -161,7 +161,7 @@ pub(super) fn crossing<T: Scalar>(
         let moment = at(fraction);
         let newton = fraction - moment.y(bob) / (moment.rise(bob) * step);
         let moved = (newton - fraction).abs().to_f64();
-        // Newton's error is about the square of its step, over which this one is not checked.
+        // Newton's error is about the square of its last step, so the result is not checked again.
         if moved < T::EPSILON.sqrt() && newton >= low.0 && newton <= high.0 {
             return (newton, moment);
         }
@@ -175,10 +175,10 @@ pub(super) fn crossing<T: Scalar>(
     high
 }
 
-/// Enough for 106 bits by bisection alone, should Newton never help.
+/// Maximum number of iterations: enough for 106 bits by bisection alone, should Newton never help.
 const MOST_STEPS: usize = 120;
 
-/// The fraction at y = 0 of the cubic for fraction(y) that has the values and slopes of both ends.
+/// The fraction at y = 0 on the cubic fraction(y) that has the values and slopes of both ends.
 fn inverse_cubic<T: Scalar>(
     bob: usize,
     low: &(T, StepState<T>),
@@ -197,7 +197,7 @@ fn inverse_cubic<T: Scalar>(
         - slope(high) * s2 * rest
 }
 
-/// Where the bob turns round: ω = 0 by the Illinois variant of the false position.
+/// Finds where the bob turns round, ω = 0, by the Illinois variant of false position.
 pub(super) fn turning_point<T: Scalar>(
     at: &impl Fn(T) -> StepState<T>,
     bob: usize,
@@ -214,7 +214,7 @@ pub(super) fn turning_point<T: Scalar>(
         let speed = moment.speed[bob];
         let moved = (fraction - turn.0).abs().to_f64();
         turn = (fraction, moment);
-        // An extremum is flat: half of the digits in time give all of them in height.
+        // An extremum is flat: half of the digits in time give all digits in height.
         if speed == zero || moved < T::EPSILON.sqrt() * 1e-2 {
             break;
         }

@@ -1,4 +1,4 @@
-//! Double-double numbers: an unevaluated sum of two `f64`, about 32 decimal digits.
+//! Double-double numbers: unevaluated sums of two `f64`, about 32 decimal digits.
 //!
 //! The algorithms are those of Joldes, Muller and Popescu, *Tight and rigorous error bounds for
 //! basic building blocks of double-word arithmetic* (ACM TOMS 44, 2017); the exact product is
@@ -20,7 +20,7 @@ use super::real::{Angle, Real, Scalar};
 pub struct Dd {
     /// The nearest `f64`.
     pub hi: f64,
-    /// What `hi` leaves.
+    /// The remainder that `hi` leaves.
     pub lo: f64,
 }
 
@@ -30,12 +30,12 @@ impl Dd {
     /// 2π to 106 bits.
     pub const TAU: Dd = Dd { hi: std::f64::consts::TAU, lo: 2.449_293_598_294_706_4e-16 };
 
-    /// The exact value of `hi`.
+    /// The number that equals `hi` exactly.
     pub const fn new(hi: f64) -> Self {
         Dd { hi, lo: 0.0 }
     }
 
-    /// `hi + lo`, renormalised; needs |hi| ≥ |lo| or hi = 0.
+    /// Renormalises `hi + lo`; requires |hi| ≥ |lo| or hi = 0.
     fn fast_sum(hi: f64, lo: f64) -> Self {
         let sum = hi + lo;
         Dd { hi: sum, lo: lo - (sum - hi) }
@@ -48,13 +48,13 @@ impl Dd {
         Dd { hi, lo: ((ah * bh - hi) + ah * bl + al * bh) + al * bl }
     }
 
-    /// The nearest integer (ties as `f64::round_ties_even` on the leading part).
+    /// The nearest integer (ties as in `f64::round_ties_even` on the leading part).
     pub fn round(self) -> Self {
         let hi = self.hi.round_ties_even();
         if hi == self.hi { Dd::fast_sum(hi, self.lo.round_ties_even()) } else { Dd::new(hi) }
     }
 
-    /// This number without whole turns, in (−π, π].
+    /// The number without whole turns, in (−π, π].
     pub fn wrapped(self) -> Self {
         let turns = (self / Dd::TAU).round();
         let angle = self - turns * Dd::TAU;
@@ -67,7 +67,7 @@ impl Dd {
         }
     }
 
-    /// The nearest number to an arbitrarily long decimal.
+    /// The number nearest to a decimal of any length.
     pub fn from_decimal(value: &DBig) -> Self {
         let nearest = |x: &DBig| x.to_f64().value();
         let hi = nearest(value);
@@ -79,10 +79,10 @@ impl Dd {
     }
 }
 
-/// As many digits as any f64 has in decimal.
+/// Number of decimal digits, enough for the exact value of any f64.
 const DIGITS: usize = 800;
 
-/// A finite f64 in decimal, exactly. As it is m/2ᵏ it is also m·5ᵏ/10ᵏ: whole numbers, where a
+/// The exact value of a finite f64 in decimal. As m/2ᵏ equals m·5ᵏ/10ᵏ, whole numbers suffice; a
 /// change of base would go by logarithms and take a thousand times as long.
 fn exact_decimal(x: f64) -> DBig {
     let binary = FBig::<HalfEven, 2>::try_from(x).expect("a finite f64 has a binary value");
@@ -97,14 +97,14 @@ fn exact_decimal(x: f64) -> DBig {
     exact.with_precision(DIGITS).value()
 }
 
-/// The sum and its error, whatever the magnitudes (Knuth).
+/// The sum and its rounding error, for any magnitudes (Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let part = sum - a;
     (sum, (a - (sum - part)) + (b - part))
 }
 
-/// Veltkamp's split into two halves of 26 bits.
+/// Veltkamp's split of an f64 into two halves of 26 bits.
 fn split(a: f64) -> (f64, f64) {
     const SPLITTER: f64 = 134_217_729.0; // 2^27 + 1
     let t = SPLITTER * a;
@@ -176,7 +176,7 @@ impl Real for Dd {
 }
 
 impl Angle for Dd {
-    /// Taylor series after taking out quarter turns; good to a few units of 1e-32 for |x| < 1e3.
+    /// Sums Taylor series after removing quarter turns; good to a few units of 1e-32 for |x| < 1e3.
     fn sin_cos(self) -> (Self, Self) {
         let half_pi = Dd { hi: Dd::PI.hi / 2.0, lo: Dd::PI.lo / 2.0 };
         let quarters = (self / half_pi).round();
@@ -191,7 +191,7 @@ impl Angle for Dd {
     }
 }
 
-/// Σ ± r^n / n! over every second n from `order`, whose term is `first`.
+/// Sums ± r^n / n! over every second n from `order`, whose term is `first`.
 fn series(r: Dd, first: Dd, order: f64) -> Dd {
     let square = r * r;
     let (mut term, mut sum, mut n) = (first, first, order);
@@ -232,7 +232,7 @@ impl Scalar for Dd {
 }
 
 impl Dd {
-    /// This number with so many digits after the point, without trailing zeros.
+    /// Formats the number with `digits` digits after the point, without trailing zeros.
     pub fn decimal(self, digits: usize) -> String {
         let text = format!("{self:.digits$}");
         let trimmed = text.trim_end_matches('0').trim_end_matches('.');
@@ -241,7 +241,7 @@ impl Dd {
 }
 
 impl fmt::Display for Dd {
-    /// 32 significant digits, or as many after the point as are asked for.
+    /// Writes 32 significant digits, or as many after the point as the precision requests.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.hi.is_finite() {
             return write!(f, "{}", self.hi);

@@ -10,16 +10,16 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use super::fixed::Theta;
 use super::real::Scalar;
 
-/// A number as a person gave it. Every number type takes the nearest value of its own from it:
-/// the f64 nearest to 0.6 is not 0.6, and a pendulum built with it is another one in every digit
-/// after the sixteenth.
+/// A number as the user wrote it. Every number type takes its own nearest value from it: the f64
+/// nearest to 0.6 is not 0.6, and a pendulum built with it differs in every digit after the
+/// sixteenth.
 ///
-/// An f64 stands for the shortest decimal that is read back as it.
+/// An f64 stands for the shortest decimal that reads back as the same f64.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Decimal {
-    /// The nearest f64; what is not finite or beyond 2⁶³ has no exact value.
+    /// The nearest f64; a number that is not finite or beyond 2⁶³ has no exact value.
     value: f64,
-    /// Right to 1e-134.
+    /// The exact value, right to 1e-134.
     exact: Theta,
 }
 
@@ -34,7 +34,7 @@ impl Decimal {
         self.exact
     }
 
-    /// Whether the nearest f64 says all there is to say.
+    /// Returns true if the number is the shortest decimal of its nearest f64.
     fn is_short(&self) -> bool {
         *self == Decimal::from(self.value)
     }
@@ -62,7 +62,7 @@ impl PartialEq<f64> for Decimal {
     }
 }
 
-/// Digits after the point that every exact value has.
+/// Number of digits after the point that every exact value has.
 const DIGITS: usize = 134;
 
 impl fmt::Display for Decimal {
@@ -83,7 +83,7 @@ impl fmt::Debug for Decimal {
     }
 }
 
-/// A number in files, or a string where a float would lose digits.
+/// Writes a number into files, or a string where a float would lose digits.
 impl Serialize for Decimal {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if self.is_short() || !self.value.is_finite() {
@@ -119,12 +119,12 @@ impl<'de> Deserialize<'de> for Decimal {
     }
 }
 
-/// Longer strings are not numbers that anybody means.
+/// Maximum length of a number in characters; longer strings are not meant as numbers.
 pub const MOST_CHARACTERS: usize = 1000;
-/// Nor have they larger exponents.
+/// Maximum magnitude of a decimal exponent, for the same reason.
 const MOST_EXPONENT: isize = 2000;
 
-/// A decimal number, if it is one; exponents are allowed, digit separators are not.
+/// Parses a decimal number, if it is one; exponents are allowed, digit separators are not.
 pub fn parse(text: &str) -> Option<DBig> {
     let text = text.trim();
     if text.len() > MOST_CHARACTERS || text.contains('_') {
@@ -134,7 +134,7 @@ pub fn parse(text: &str) -> Option<DBig> {
     (value.repr().exponent().abs() <= MOST_EXPONENT).then_some(value)
 }
 
-/// The nearest whole number to a decimal times 2^`bits`.
+/// Reads a decimal as the integer nearest to its product with 2^`bits`.
 pub fn read(text: &str, bits: usize) -> Option<IBig> {
     let (significand, exponent) = parse(text)?.into_repr().into_parts();
     let power = IBig::from(10).pow(exponent.unsigned_abs());
@@ -142,7 +142,7 @@ pub fn read(text: &str, bits: usize) -> Option<IBig> {
     Some(if exponent >= 0 { scaled * power } else { nearest(scaled, power) })
 }
 
-/// `value` / 2^`bits` with so many digits after the point, without trailing zeros.
+/// Formats `value` / 2^`bits` with `digits` digits after the point, without trailing zeros.
 pub fn written(value: IBig, bits: usize, digits: usize) -> String {
     let negative = value < IBig::ZERO;
     let scaled = nearest(value * IBig::from(10).pow(digits), IBig::from(1) << bits);
@@ -155,7 +155,7 @@ pub fn written(value: IBig, bits: usize, digits: usize) -> String {
     format!("{sign}{whole}{point}{fraction}")
 }
 
-/// The whole number nearest to a quotient by a positive number.
+/// The integer nearest to the quotient by a positive `divisor`.
 fn nearest(dividend: IBig, divisor: IBig) -> IBig {
     let (quotient, rest) = (&dividend).div_rem(&divisor);
     let twice = rest * IBig::from(2);

@@ -1,27 +1,27 @@
-//! One trial step of each embedded Runge–Kutta pair, with the error it says it made.
+//! Trial steps of the embedded Runge–Kutta pairs, each with its own estimate of its error.
 //!
-//! Coefficients are data from the papers named. The stages are written out, because code for
-//! SIMD lanes and for shaders has to be straight.
+//! The coefficients are data from the papers cited. The stages are written out, because code for
+//! SIMD lanes and for shaders has to be straight-line.
 
 use super::pendulum::Pendulum;
 use super::phase::Phase;
 use super::real::Real;
 
-/// A step that may be taken, or tried again shorter.
+/// A trial step, to be taken or tried again with a shorter length.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial<T> {
-    /// What it changes.
+    /// Change of the phase over the step.
     pub change: Phase<T>,
-    /// The square of its error: root mean square over the six, momenta in units of their scale.
+    /// Square of the root mean square error of the six components, momenta in units of their scale.
     pub error_squared: T,
-    /// What [`quartic`] needs to know of the way of y1 and of y2 between the ends; 0 for a pair
-    /// that says nothing of it.
+    /// Fourth-order terms by which [`quartic`] follows y1 and y2 between the ends; 0 for a pair
+    /// that provides none.
     pub bow: [T; 2],
 }
 
-/// Dormand and Prince's pair of orders 8 and 5 with 3 (Hairer, Nørsett and Wanner, *Solving
-/// Ordinary Differential Equations I*, 2nd ed., II.5 and II.10): 12 right-hand sides.
-/// `inverse_scale` is 1 over the scale of each momentum.
+/// Takes a trial step of Dormand and Prince's pair of orders 8 and 5 with 3 (Hairer, Nørsett and
+/// Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.5 and II.10): 12 right-hand
+/// sides. `inverse_scale` is 1 over the scale of each momentum.
 #[inline(always)]
 pub fn dop853<T: Real>(
     pendulum: &Pendulum<T>,
@@ -150,7 +150,7 @@ pub fn dop853<T: Real>(
             -0.022355307863886294,
         ],
     );
-    // The third-order solution is the eighth-order one but for three terms.
+    // The third-order solution differs from the eighth-order one in three terms only.
     let third = less(
         &rate,
         [&k1, &k9, &k12],
@@ -167,11 +167,11 @@ pub fn dop853<T: Real>(
     }
 }
 
-/// Keeps a resting pendulum's error from being 0/0.
+/// Addend that keeps the error of a pendulum at rest from being 0/0.
 const TINY: f64 = 1e-30;
 
-/// Dormand and Prince's pair of orders 5 and 4 (J. Comp. Appl. Math. 6, 1980): 7 right-hand
-/// sides.
+/// Takes a trial step of Dormand and Prince's pair of orders 5 and 4 (J. Comp. Appl. Math. 6,
+/// 1980): 7 right-hand sides.
 #[inline(always)]
 pub fn dopri5<T: Real>(
     pendulum: &Pendulum<T>,
@@ -251,7 +251,7 @@ pub fn quartic<T: Real>([y0, y1]: [T; 2], [rise0, rise1]: [T; 2], bow: T) -> [T;
     ]
 }
 
-/// `phase + step · Σ weightⱼ kⱼ`.
+/// Computes `phase + step · Σ weightⱼ kⱼ`.
 #[inline(always)]
 fn moved<T: Real, const N: usize>(
     phase: &Phase<T>,
@@ -266,7 +266,7 @@ fn moved<T: Real, const N: usize>(
     rate
 }
 
-/// `Σ weightⱼ kⱼ`.
+/// Computes `Σ weightⱼ kⱼ`.
 #[inline(always)]
 fn sum<T: Real, const N: usize>(k: [&Phase<T>; N], weights: [f64; N]) -> Phase<T> {
     let mut sum = *k[0];
@@ -279,7 +279,7 @@ fn sum<T: Real, const N: usize>(k: [&Phase<T>; N], weights: [f64; N]) -> Phase<T
     sum
 }
 
-/// `rate − Σ weightⱼ kⱼ`.
+/// Computes `rate − Σ weightⱼ kⱼ`.
 #[inline(always)]
 fn less<T: Real, const N: usize>(
     rate: &Phase<T>,
@@ -304,7 +304,7 @@ fn scaled<T: Real>(rate: &Phase<T>, step: T) -> Phase<T> {
     change
 }
 
-/// `phase + change`.
+/// Computes `phase + change`.
 #[inline(always)]
 pub fn plus<T: Real>(phase: &Phase<T>, change: &Phase<T>) -> Phase<T> {
     let mut next = *phase;
@@ -314,7 +314,7 @@ pub fn plus<T: Real>(phase: &Phase<T>, change: &Phase<T>) -> Phase<T> {
     next
 }
 
-/// The sum of squares, momenta in units of their scale.
+/// The sum of the squares of the six components, with momenta in units of their scale.
 #[inline(always)]
 pub fn square<T: Real>(rate: &Phase<T>, inverse_scale: [T; 2]) -> T {
     let (p1, p2) = (rate[4] * inverse_scale[0], rate[5] * inverse_scale[1]);

@@ -1,21 +1,21 @@
-//! One trial step by extrapolation of Gragg's midpoint rule: a method of any order whose
-//! coefficients are whole numbers, so that it is as exact in double-double and in fixed point as
-//! in f64. It shares nothing with expansions and embedded pairs, which is why it can check both.
+//! Trial steps by extrapolation of Gragg's midpoint rule, a method of any order whose coefficients
+//! are ratios of whole numbers, so that it is as exact in double-double and in fixed point as in
+//! f64. It shares nothing with expansions and embedded pairs, so it can check both.
 //!
-//! The rule with 2, 4, … 2K midpoints errs in even powers of its step only; their combination
-//! without the first K − 1 of these is of order 2K (Gragg 1965; Bulirsch and Stoer 1966; Hairer,
-//! Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.9).
+//! The errors of the rule with 2, 4, … 2K midpoints contain only even powers of its step; the
+//! combination that cancels the first K − 1 of these is of order 2K (Gragg 1965; Bulirsch and Stoer
+//! 1966; Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.9).
 
 use super::pendulum::Pendulum;
 use super::phase::Phase;
 use super::real::{Real, Scalar};
 
-/// How the rules with 2, 4, … 2K midpoints are combined.
+/// The weights with which the rules with 2, 4, … 2K midpoints are combined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights<T, const K: usize> {
-    /// All of them.
+    /// Weights of all rules in their combination.
     pub all: [T; K],
-    /// What that differs from the combination without the last: the error of the latter.
+    /// Differences from the weights without the last rule: the error of that combination.
     pub error: [T; K],
 }
 
@@ -45,12 +45,12 @@ impl<T: Scalar, const K: usize> Default for Weights<T, K> {
     }
 }
 
-/// Right-hand sides in a step.
+/// Number of right-hand sides in a step.
 pub const fn rhs_per_step(columns: usize) -> usize {
     columns * (columns + 1) + 1
 }
 
-/// What changes in a step, and the error of the combination without the last rule.
+/// The change over a step, and the error of the combination without the last rule.
 #[inline(always)]
 pub fn trial<T: Real, const K: usize>(
     pendulum: &Pendulum<T>,
@@ -71,7 +71,7 @@ pub fn trial<T: Real, const K: usize>(
     [change, error]
 }
 
-/// What Gragg's rule with `count` midpoints changes; `rate` is that at the beginning.
+/// The change by Gragg's rule with `count` midpoints; `rate` is the derivative at the beginning.
 #[inline(always)]
 fn midpoints<T: Real>(
     pendulum: &Pendulum<T>,
@@ -80,7 +80,7 @@ fn midpoints<T: Real>(
     step: T,
     count: usize,
 ) -> Phase<T> {
-    // Divided, because the literal 1/count would be right to f64 only.
+    // A division, because the literal 1/count would be accurate to f64 only.
     let length = step / step.lit(count as f64);
     let twice = length + length;
     let mut before = *phase;

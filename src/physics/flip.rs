@@ -1,4 +1,4 @@
-//! What counts as a flip, what a pixel remembers of it, and where inside a step it happens.
+//! Flips: what counts as one, what a pixel stores of it, and where inside a step it happens.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,7 +9,7 @@ use super::pendulum::{Pendulum, State};
 use super::polynomial::{first_rise, quintic_hermite};
 use super::real::Scalar;
 
-/// Which bob is watched.
+/// The rule that says which bob is watched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Rule {
@@ -18,12 +18,12 @@ pub enum Rule {
     Second,
     /// The first, inner bob.
     First,
-    /// Whichever is first.
+    /// Both bobs, whichever flips first.
     Either,
 }
 
 impl Rule {
-    /// Every rule with its word.
+    /// All rules, each with its name.
     pub const ALL: [(&'static str, Rule); 3] =
         [("second", Rule::Second), ("first", Rule::First), ("either", Rule::Either)];
 
@@ -55,33 +55,33 @@ impl FromStr for Rule {
     }
 }
 
-/// How a pixel's simulation ended.
+/// The way in which a pixel's simulation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Status {
-    /// Not within the budget.
+    /// No flip within the budget.
     Unflipped = 0,
-    /// At the time beside it.
+    /// A flip at the outcome's time.
     Flipped = 1,
-    /// Proved impossible by energy conservation; never simulated.
+    /// A flip proved impossible by energy conservation; never simulated.
     Forbidden = 2,
-    /// The numbers stopped being finite, or the step limit was reached.
+    /// A failure: the numbers stopped being finite, or the step limit was reached.
     Failed = 3,
 }
 
-/// The default pendulum's unit of time, √(1 m / 9.81 m/s²), s.
+/// The default pendulum's unit of time, √(1 m / 9.81 m/s²), in s.
 const DEFAULT_UNIT_SECS: f64 = 0.319_275_428_540_718_2;
 
-/// How far off a flip time may be and still be right, s: 1 ms, or the same share of its unit of
-/// time for a pendulum that is faster than the default one.
+/// Greatest error in s with which a flip time is still right: 1 ms, or the same share of its unit
+/// of time for a pendulum that is faster than the default one.
 pub fn right_secs(unit_secs: f64) -> f64 {
     1e-3 * (unit_secs / DEFAULT_UNIT_SECS).min(1.0)
 }
 
-/// What a pixel remembers: its status and, if flipped, when (s; otherwise 0).
+/// The outcome of a pixel: its status and, if it flipped, the time (s; otherwise 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome<T = f64> {
-    /// How it ended.
+    /// Status at the end of the simulation.
     pub status: Status,
     /// Simulated seconds from the release to the flip.
     pub time: T,
@@ -94,17 +94,17 @@ impl<T: Scalar> Outcome<T> {
         Outcome { status, time }
     }
 
-    /// A flip at `time`.
+    /// The outcome of a flip at `time`.
     pub fn flipped(time: T) -> Self {
         Outcome { status: Status::Flipped, time }
     }
 }
 
-/// The fraction in (0, 1] of a step at which `bob` first reaches the top moving outward, from
-/// the motion at both ends of the step of `step` seconds: the root of the quintic that has the
-/// angle, speed and acceleration of both ends. Finds passes that fall back inside the step.
+/// The fraction in (0, 1] of a step of `step` seconds at which `bob` first reaches the top moving
+/// outward, from the states at both ends: the root of the quintic that has the angle, speed and
+/// acceleration of both ends. It also finds passes that fall back inside the step.
 ///
-/// The sign test is cheap; the accelerations are only computed where a pass is possible.
+/// The preliminary test is cheap; the accelerations are only computed where a pass is possible.
 #[inline]
 pub fn fraction_of_step<T: Scalar>(
     pendulum: &Pendulum<T>,
@@ -128,11 +128,11 @@ pub fn fraction_of_step<T: Scalar>(
     first_rise(&quintic_hermite(end(before), end(after)))
 }
 
-/// Whether `bob` can have been at the top in this step: it ends beyond it, or it turned back
-/// within a step's travel of it.
+/// Returns true if `bob` can have been at the top in this step: it ends beyond the top, or it
+/// turned back within a step's travel of it.
 #[inline(always)]
 pub fn may_pass<T: Scalar>(before: &State<T>, after: &State<T>, bob: usize, step: T) -> bool {
-    // A bob let go at rest may turn round at once.
+    // A bob released from rest may turn round at once.
     let turned = before.speed[bob] * after.speed[bob] <= T::zero();
     let far = before.angle[bob].abs().max(after.angle[bob].abs());
     let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());

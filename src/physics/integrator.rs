@@ -1,7 +1,7 @@
 //! One step of each fixed-step method, as the change it makes to the state.
 //!
-//! Changes rather than new states, because a change is small: added with
-//! [`State::plus_with_rest`] an f32 angle loses nothing over thousands of steps.
+//! The methods return changes rather than new states because a change is small: added with
+//! [`State::plus_with_rest`], an f32 angle loses nothing over thousands of steps.
 
 use super::pendulum::{Pendulum, State};
 use super::real::{Angle, Real};
@@ -31,7 +31,7 @@ pub fn rk4<T: Angle>(
 
     let inner = sums(&alpha2, &alpha3);
     let mean_speed = pushed(&state.speed, &sums(&alpha1, &inner), sixth);
-    // The last stage is waited for last.
+    // The last stage's result is used last, so that nothing else waits for it.
     let known = sums(&alpha1, &sums(&inner, &inner));
     State {
         angle: [mean_speed[0] * step, mean_speed[1] * step],
@@ -39,14 +39,14 @@ pub fn rk4<T: Angle>(
     }
 }
 
-// Pairs are written out: closures are not inlined into code for SIMD lanes.
+// Pairs are written out, because closures are not inlined into code for SIMD lanes.
 
 #[inline(always)]
 fn sines<T: Angle>(angle: &[T; 2]) -> [(T, T); 2] {
     [angle[0].sin_cos(), angle[1].sin_cos()]
 }
 
-/// The directions after turning at `rate` for `time`.
+/// The directions of both rods after turning at `rate` for `time`.
 #[inline(always)]
 fn turned<T: Angle>(
     turning: Turning,
@@ -61,7 +61,7 @@ fn turned<T: Angle>(
     ]
 }
 
-/// `base + rate · time`.
+/// Computes `base + rate · time`.
 #[inline(always)]
 fn pushed<T: Real>(base: &[T; 2], rate: &[T; 2], time: T) -> [T; 2] {
     [rate[0].mul_add(time, base[0]), rate[1].mul_add(time, base[1])]
@@ -78,8 +78,8 @@ pub fn euler<T: Angle>(pendulum: &Pendulum<T>, state: &State<T>, step: T) -> Sta
     State { angle: state.speed.map(|w| w * step), speed: alpha.map(|a| a * step) }
 }
 
-/// The change over `step` seconds by the semi-implicit Euler method (order 1): speeds first,
-/// then angles with the new speeds.
+/// The change over `step` seconds by the semi-implicit Euler method (order 1): first the speeds,
+/// then the angles with the new speeds.
 pub fn semi_implicit_euler<T: Angle>(
     pendulum: &Pendulum<T>,
     state: &State<T>,
@@ -90,14 +90,14 @@ pub fn semi_implicit_euler<T: Angle>(
 }
 
 impl<T: Real> State<T> {
-    /// This state changed by `change`.
+    /// Adds `change` to the state.
     #[inline(always)]
     pub fn plus(&self, change: &State<T>) -> State<T> {
         State { angle: sums(&self.angle, &change.angle), speed: sums(&self.speed, &change.speed) }
     }
 
-    /// This state, from whose angles rounding took `rest`, changed by `change`: the new state
-    /// and what rounding took from its angles (Kahan 1965).
+    /// Adds `change` to a state whose angles lost `rest` to rounding; returns the new state and
+    /// what its angles lost to rounding (Kahan 1965).
     #[inline(always)]
     pub fn plus_with_rest(&self, rest: [T; 2], change: &State<T>) -> (State<T>, [T; 2]) {
         let change_and_rest = sums(&rest, &change.angle);
@@ -107,7 +107,7 @@ impl<T: Real> State<T> {
         (next, [rest1, rest2])
     }
 
-    /// The same with rests of the speeds too.
+    /// Adds `change` in the same way, with the rounding losses of the speeds as well.
     pub fn plus_compensated(&self, rest: &State<T>, change: &State<T>) -> (State<T>, State<T>) {
         let (mut next, angle) = self.plus_with_rest(rest.angle, change);
         let speed = [0, 1].map(|i| self.speed[i].fast_two_sum(rest.speed[i] + change.speed[i]));
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn explicit_euler_gains_energy_by_the_known_factor() {
-        // Each normal mode is an oscillator whose energy grows by 1 + h²ω² a step.
+        // Each normal mode is an oscillator whose energy grows by a factor of 1 + h²ω² per step.
         let (theta1, step, steps) = (1e-4, 1e-2, 1000);
         let start = State::rest([theta1, 2f64.sqrt() * theta1]);
         let height = |state: &State<f64>| unit().energy(state) + 3.0;

@@ -2,68 +2,68 @@
 //! them carries a whole neighbourhood of pendulums at once.
 //!
 //! Both coordinates run from −1 to 1 over the cell. The sum of a degree's coefficients bounds what
-//! that degree contributes, and how fast these sums fall says what was cut off.
+//! that degree contributes, and the fall of these sums tells how much was cut off.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::real::Real;
 
-/// Higher powers of the coordinates are cut off.
+/// Highest degree kept; higher powers of the coordinates are cut off.
 pub const DEGREE: usize = 6;
-/// Coefficients of a polynomial.
+/// Number of coefficients of a polynomial.
 const TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
 
-/// Where the coefficients of a degree begin: those of x^(n−j) y^j for j = 0 … n follow.
+/// Index of the first coefficient of a degree: those of x^(n−j) y^j for j = 0 … n begin there.
 const fn first(degree: usize) -> usize {
     degree * (degree + 1) / 2
 }
 
-/// Σ c x^i y^j over i + j ≤ [`DEGREE`].
+/// The polynomial Σ c x^i y^j over i + j ≤ [`DEGREE`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
     c: [f64; TERMS],
-    /// Whether any coefficient but the first can differ from zero: constants are much cheaper.
+    /// True if any coefficient but the first can differ from zero; constants are much cheaper.
     varies: bool,
 }
 
 impl Jet {
-    /// The same number everywhere.
+    /// The polynomial that has the same value everywhere.
     pub const fn constant(value: f64) -> Self {
         let mut c = [0.0; TERMS];
         c[0] = value;
         Jet { c, varies: false }
     }
 
-    /// `half` times one of the coordinates: how far a start is from the cell's middle.
+    /// The polynomial `half` times one coordinate: the offset of a start from the cell's middle.
     pub const fn coordinate(axis: usize, half: f64) -> Self {
         let mut c = [0.0; TERMS];
         c[1 + axis] = half;
         Jet { c, varies: true }
     }
 
-    /// Its value in the middle.
+    /// Value in the middle of the cell.
     pub fn middle(&self) -> f64 {
         self.c[0]
     }
 
-    /// The same with another value in the middle.
+    /// The polynomial with another value in the middle.
     pub fn with_middle(mut self, value: f64) -> Self {
         self.c[0] = value;
         self
     }
 
-    /// A bound on how far it is from its middle anywhere in the cell.
+    /// A bound on the distance from its value in the middle, anywhere in the cell.
     pub fn spread(&self) -> f64 {
         self.c[1..].iter().map(|c| c.abs()).sum()
     }
 
-    /// What one degree contributes at most.
+    /// A bound on the contribution of one degree.
     fn size(&self, degree: usize) -> f64 {
         self.c[first(degree)..first(degree + 1)].iter().map(|c| c.abs()).sum()
     }
 
-    /// About how much was cut off: the sums of the last degrees, continued as a geometric series;
-    /// infinite where they do not fall.
+    /// An estimate of what was cut off: the sums of the last degrees, continued as a geometric
+    /// series; infinite unless each is less than half of the previous one.
     pub fn tail(&self) -> f64 {
         let last = self.size(DEGREE);
         if last == 0.0 {
@@ -74,9 +74,9 @@ impl Jet {
         if ratio < 0.5 { last * ratio / (1.0 - ratio) } else { f64::INFINITY }
     }
 
-    /// Its value at a point of the cell.
+    /// Value at a point of the cell.
     pub fn at(&self, [x, y]: [f64; 2]) -> f64 {
-        // By powers of y, each a polynomial in x.
+        // Horner's rule in y, whose coefficients are polynomials in x.
         (0..=DEGREE).rev().fold(0.0, |sum, j| {
             let row = (0..=DEGREE - j).rev().fold(0.0, |row, i| row * x + self.c[first(i + j) + j]);
             sum * y + row
@@ -100,7 +100,7 @@ impl Jet {
         out
     }
 
-    /// Replaces one coordinate by itself plus `by` (repeated synthetic division).
+    /// Adds `by` to one coordinate of the argument (repeated synthetic division).
     fn shift(&mut self, axis: usize, by: f64) {
         let place = |along: usize, across: usize| {
             let n = along + across;
@@ -121,7 +121,7 @@ impl Jet {
         self
     }
 
-    /// 1 over it, degree by degree; its middle must not be zero.
+    /// The reciprocal, degree by degree; the value in the middle must not be zero.
     fn reciprocal(&self) -> Self {
         let inverse = 1.0 / self.c[0];
         let mut out = Jet::constant(inverse);
@@ -227,7 +227,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A polynomial whose degrees fall.
+    /// Polynomials whose coefficients fall from degree to degree.
     fn jets() -> impl Strategy<Value = Jet> {
         prop::array::uniform32(-1.0..1.0f64).prop_map(|raw| {
             let mut jet = Jet { c: [0.0; TERMS], varies: true };

@@ -1,16 +1,16 @@
 //! The mathematics of the double pendulum, generic over the number type.
 //!
-//! No file, thread or graphics card is known here. Everything else in the crate asks this
-//! module what is true:
+//! This module knows no files, threads or graphics cards; the rest of the crate takes the physics
+//! from here:
 //!
 //! * [`pendulum`] holds the five numbers and the equations of motion, written once for scalars,
 //!   SIMD lanes and the symbols from which the GPU's kernels are printed;
 //! * [`phase`] writes the same motion without angles;
 //! * [`integrator`] holds the fixed-step methods, [`embedded`] and [`series`] those that choose
-//!   their steps, [`control`] how;
-//! * [`taylor`] and [`gold`] are the *gold standard* that every engine is judged by;
-//! * [`simple`] is the single pendulum, [`separation`] how fast two pendulums part;
-//! * [`flip`] and [`passage`] find the moment at which a bob passes the top.
+//!   their steps, [`control`] their step size control;
+//! * [`taylor`] and [`oracle`] are the *gold standard* by which every engine is judged;
+//! * [`simple`] is the single pendulum, [`separation`] measures how fast two pendulums diverge;
+//! * [`flip`] and [`crossing`] find the moment at which a bob passes the top.
 
 pub mod control;
 pub mod crossing;

@@ -1,10 +1,10 @@
-//! The first moments after a release: which bobs that are let go near the top pass it at once.
+//! The first moments after a release: which bobs released near the top pass it at once.
 //!
-//! From rest every angle is an even function of time, so that its way is a polynomial in the
-//! square of time, whose lowest coefficients follow from the equations of motion ([`Series`]). Near the top
-//! the distance to it, the acceleration there and even the next derivative can all be as small as
-//! one likes, and their signs decide: so the answer is computed in more and more digits until
-//! coefficients moved by more than their rounding give the same one.
+//! From rest every angle is an even function of time, so a bob's path is a polynomial in the square
+//! of time, whose lowest coefficients follow from the equations of motion ([`MotionSeries`]). Near
+//! the top the distance to it, the acceleration there and even the next derivative can all be
+//! arbitrarily small, and their signs decide. The answer is therefore computed with more and more
+//! digits until changing the coefficients by more than their rounding errors leaves it unchanged.
 
 use super::pendulum::Pendulum;
 use super::polynomial::first_rise;
@@ -12,22 +12,22 @@ use super::real::Scalar;
 use super::series::MotionSeries;
 use super::{Dd, Rule, Theta};
 
-/// Coefficients of the expansions in time; every second one of them vanishes.
+/// Number of coefficients of the expansions in time; every second one vanishes.
 const ORDER: usize = 14;
-/// Of their polynomials in the square of time.
+/// Number of coefficients of the polynomials in the square of time.
 const COUNT: usize = ORDER / 2;
-/// How far the fastest bob turns in an opening, about, rad. Each power of the square of time
-/// contributes less than the one before by the square of this.
+/// Approximate angle in rad through which the fastest bob turns in an opening. Each power of the
+/// square of time contributes less than the previous one by a factor of the square of this angle.
 const TURN: f64 = 0.03;
-/// Roundings of a coefficient, of the largest that it can be.
+/// Rounding error of a coefficient, in epsilons of the largest value that it can have.
 const ROUNDINGS: f64 = 256.0;
-/// Moments of a pass that differ by less are the same, in openings.
+/// Difference below which two times of a pass count as the same, in lengths of the opening.
 const SAME: f64 = 1e-9;
 
-/// The first moments of one pendulum, in reduced units.
+/// The opening of one pendulum, in reduced units.
 #[derive(Clone, Debug)]
 pub struct Opening {
-    /// In units of its length: the exact numbers, and rounded.
+    /// The pendulum with the opening's length as its unit of time: exact, and `rounded`.
     exact: Pendulum<Theta>,
     rounded: Pendulum<Dd>,
     rule: Rule,
@@ -35,25 +35,25 @@ pub struct Opening {
     near_rad: f64,
 }
 
-/// How a start near the top begins.
+/// The course of an opening for a start near the top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Begin {
-    /// A watched bob passes the top, at this reduced time.
+    /// A watched bob passes the top at this reduced time.
     Passes(f64),
-    /// None does within the opening.
+    /// No watched bob passes the top within the opening.
     Stays,
 }
 
-/// How long nothing but the opening can pass the top, reduced: no bob farther from it than
-/// [`near_rad`] comes there so soon.
+/// Length of the opening in reduced time: no bob that starts farther than [`near_rad`] from the top
+/// reaches it so soon.
 ///
-/// At rest |α| ≤ (B P + C Q) / (AB − C²) and its mirror; speeds that have grown meanwhile add less
-/// than a thousandth of it.
+/// At rest |α| ≤ (B P + C Q) / (AB − C²), and the same with the bobs exchanged; the speeds gained
+/// meanwhile add less than a thousandth of that.
 pub fn length(pendulum: &Pendulum<f64>) -> f64 {
     TURN / greatest_pull(pendulum).max(1.0)
 }
 
-/// See [`length`].
+/// Distance from the top in rad that no bob covers within the opening's [`length`].
 pub fn near_rad(pendulum: &Pendulum<f64>) -> f64 {
     greatest_pull(pendulum) * length(pendulum).powi(2)
 }
@@ -62,13 +62,13 @@ fn greatest_pull(Pendulum { a, b, c, p, q, least_det }: &Pendulum<f64>) -> f64 {
     (b * p + c * q).max(a * q + c * p) / least_det
 }
 
-/// An angle's distance to the top, rad: positive just beyond the seam, negative just before it.
+/// The distance of an angle from the top in rad: positive just beyond the seam, negative before.
 pub fn from_top<T: Scalar>(angle: T) -> T {
     if angle < T::zero() { angle + T::pi() } else { angle - T::pi() }
 }
 
 impl Opening {
-    /// Of a pendulum in reduced units.
+    /// The opening of a pendulum in reduced units.
     pub fn new(pendulum: &Pendulum<Theta>, rule: Rule) -> Self {
         let near = pendulum.to_f64();
         let length = length(&near);
@@ -81,13 +81,13 @@ impl Opening {
         }
     }
 
-    /// Whether a watched bob is let go so near the top that [`Opening::begin`] has to be asked;
-    /// `angle` within [−π, π].
+    /// Returns true if a watched bob is released so near the top that [`Opening::begin`] must
+    /// decide; `angle` within [−π, π].
     pub fn concerns(&self, angle: [f64; 2]) -> bool {
         self.rule.watched().iter().any(|&bob| from_top(angle[bob]).abs() <= 1.01 * self.near_rad)
     }
 
-    /// How a release at rest begins; `angle` within (−π, π].
+    /// Decides the course of the opening after a release at rest; `angle` within (−π, π].
     pub fn begin(&self, angle: [Theta; 2]) -> Begin {
         let from_top = angle.map(from_top);
         let plain = self.rounded.to_f64();
@@ -99,12 +99,12 @@ impl Opening {
             .unwrap_or(Begin::Stays)
     }
 
-    /// See [`settled`].
+    /// Applies [`settled`] to a start of this pendulum.
     pub fn settled(&self, angle: [Theta; 2]) -> [Theta; 2] {
         settled(&self.exact, angle)
     }
 
-    /// How it begins as far as the digits of a number type can tell.
+    /// Decides the course as far as the digits of `T` allow; `None` if they do not suffice.
     fn told<T: Scalar>(
         &self,
         pendulum: &Pendulum<T>,
@@ -112,7 +112,7 @@ impl Opening {
         from_top: [T; 2],
     ) -> Option<Begin> {
         if T::FLOATING && from_top.iter().any(|distance| *distance == T::zero()) {
-            // Which of all the digits that are not here decide?
+            // The digits that decide are beyond this number type.
             return None;
         }
         let ways = ways(pendulum, angle, from_top);
@@ -135,8 +135,8 @@ impl Opening {
     }
 }
 
-/// `angle` (rad, within [−π, π]), where a bob let go exactly at the top is put on the side to which
-/// its first motion leads, whichever derivative that is.
+/// Returns `angle` (rad, within [−π, π]) with each bob released exactly at the top put on the side
+/// to which its first motion leads, whichever derivative causes it.
 pub fn settled<T: Scalar>(pendulum: &Pendulum<T>, angle: [T; 2]) -> [T; 2] {
     if angle.iter().all(|theta| theta.abs() < T::pi()) {
         return angle;
@@ -156,17 +156,17 @@ pub fn settled<T: Scalar>(pendulum: &Pendulum<T>, angle: [T; 2]) -> [T; 2] {
     })
 }
 
-/// A pendulum of reduced units in which `length` is the unit of time.
+/// A pendulum in reduced units, rescaled so that `length` is the unit of time.
 fn in_units<T: Scalar>(pendulum: &Pendulum<T>, length: f64) -> Pendulum<T> {
     let square = T::from_f64(length) * T::from_f64(length);
     Pendulum { p: pendulum.p * square, q: pendulum.q * square, ..*pendulum }
 }
 
-/// Both bobs' distances to the top as polynomials in the square of time.
+/// The distances of both bobs from the top as polynomials in the square of time.
 fn ways<T: Scalar>(pendulum: &Pendulum<T>, angle: [T; 2], from_top: [T; 2]) -> [[T; COUNT]; 2] {
     let zero = T::zero();
     let vectors = [0, 1].map(|bob| {
-        // Near the top its distance has more digits than the angle.
+        // Near the top, the distance from it carries more digits than the angle.
         if from_top[bob].to_f64().abs() < 0.5 {
             let (sin, cos) = from_top[bob].sin_cos();
             [-cos, -sin]
@@ -185,16 +185,16 @@ fn ways<T: Scalar>(pendulum: &Pendulum<T>, angle: [T; 2], from_top: [T; 2]) -> [
     })
 }
 
-/// The first coefficient that moves a bob.
+/// The first coefficient beyond `doubt` that moves a bob.
 fn first_motion<T: Scalar>(way: &[T; COUNT], doubt: T) -> Option<T> {
     way[1..].iter().copied().find(|coefficient| coefficient.abs() > doubt)
 }
 
-/// The square of the time at which a bob is first beyond the top, if the first coefficient is off
-/// `by` so much.
+/// The square of the time at which a bob is first beyond the top, if the first coefficient of its
+/// motion is off by `by`.
 fn pass<T: Scalar>(way: &[T; COUNT], by: T) -> Option<T> {
     let mut way = *way;
-    // A start exactly at the top is on the side to which it moves.
+    // A start exactly at the top counts as on the side to which it moves.
     let side = if way[0] == T::zero() { first_motion(&way, by.abs())? } else { way[0] };
     if way[0] == T::zero() {
         way.iter_mut().filter(|c| c.abs() <= by.abs()).for_each(|c| *c = T::zero());
@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use crate::physics::{Fixed, Status, oracle};
 
-    /// Starts around a point where bobs are at the top, at all distances from it.
+    /// Starts around a point at which bobs are at the top, at many distances from it.
     fn around(corner: [f64; 2]) -> Vec<[Theta; 2]> {
         let quarter = Theta::pi().halved(1);
         let mut starts = Vec::new();
@@ -232,7 +232,7 @@ mod tests {
         starts
     }
 
-    /// Points or bars in reduced units.
+    /// A pendulum of points or bars in reduced units.
     fn reduced(bars: bool, masses: [f64; 2], lengths: [f64; 2]) -> Pendulum<Theta> {
         let make = if bars { Pendulum::rods } else { Pendulum::points };
         let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Theta::from_f64));
@@ -290,7 +290,7 @@ mod tests {
     fn a_start_exactly_at_the_top_is_put_where_it_moves() {
         let pendulum = reduced(false, [1.0; 2], [1.0; 2]);
         let quarter = Theta::pi().halved(1);
-        // Without acceleration the next derivative decides: released there, it stays on one side.
+        // Where the acceleration vanishes, the next derivative decides: the bob stays on one side.
         for start in
             [[quarter, Theta::pi()], [-quarter, Theta::pi()], [Theta::from_f64(2.0), Theta::pi()]]
         {

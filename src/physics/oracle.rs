@@ -1,9 +1,8 @@
-//! The gold standard: flip times from the Taylor integrator, with every pass of the top found.
+//! The oracle: gold-standard flip times from the Taylor integrator, every pass of the top found.
 //!
-//! Whether a bob is at the top inside a step is decided by bounds, not by samples: the step is
-//! halved until on each part the polynomial provably stays away, provably moves one way, or is
-//! too short to matter. So a pass that just touches the top is seen, and one that just misses
-//! it is not.
+//! Bounds, not samples, decide whether a bob is at the top inside a step: the step is halved until
+//! on each part the polynomial provably stays away or provably moves one way, or the part is too
+//! short to matter. So a pass that just touches the top is seen, and a near miss is not counted.
 
 use super::flip::{Outcome, Rule, Status};
 use super::opening::settled;
@@ -12,7 +11,7 @@ use super::polynomial::{evaluate, root_between};
 use super::real::Scalar;
 use super::taylor::{Orbit, TaylorStep};
 
-/// The outcome of letting go at rest at `angle` (rad, within (−π, π]), with flips up to and
+/// The outcome of a release from rest at `angle` (rad, within (−π, π]), with flips up to and
 /// including `budget` seconds.
 pub fn outcome<T: Scalar>(
     pendulum: &Pendulum<T>,
@@ -44,12 +43,12 @@ pub fn outcome<T: Scalar>(
     Outcome::without_time(Status::Unflipped)
 }
 
-/// Whether both rods stand or hang exactly upright, where a pendulum at rest stays for ever.
+/// Returns true if both rods are exactly vertical, where a pendulum at rest stays for ever.
 pub fn is_balanced<T: Scalar>(angle: [T; 2]) -> bool {
     angle.iter().all(|&theta| theta == T::zero() || theta.abs() == T::pi())
 }
 
-/// Seconds into `step` at which `rule` is first met.
+/// Seconds into `step` at which `rule` is first met, if it is.
 pub fn flip_within<T: Scalar>(step: &TaylorStep<T>, rule: Rule) -> Option<T> {
     let units = step.length * T::from_f64(1.0 / step.unit_secs);
     rule.watched()
@@ -59,8 +58,8 @@ pub fn flip_within<T: Scalar>(step: &TaylorStep<T>, rule: Rule) -> Option<T> {
         .map(|tau| tau * T::from_f64(step.unit_secs))
 }
 
-/// All moments in (0, length] at which an unwrapped angle passes an odd multiple of π, either
-/// way.
+/// All moments in (0, length] at which an unwrapped angle passes an odd multiple of π, in either
+/// direction.
 pub fn passages<T: Scalar>(angle: &[T], length: T) -> Vec<T> {
     let turn = 2.0 * std::f64::consts::PI;
     let reach = reach(angle, length).to_f64();
@@ -89,7 +88,7 @@ fn reach<T: Scalar>(angle: &[T], length: T) -> T {
 
 /// The first moment in (0, length] at which |angle| reaches π moving outward.
 fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
-    // Bounds of the whole step first: most steps never come near the top.
+    // The bound on the whole step comes first: most steps never come near the top.
     if angle[0].abs() + reach(angle, length) < T::pi() {
         return None;
     }
@@ -103,16 +102,16 @@ fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
         .reduce(|a, b| if b < a { b } else { a })
 }
 
-/// Angles that move by less than 8 epsilons are at rest as far as anyone can tell.
+/// Smallest motion of an angle that can be resolved, 8 epsilons; below it the angle is at rest.
 fn resolved<T: Scalar>() -> T {
     T::from_f64(8.0 * T::EPSILON)
 }
 
-/// Below 2⁻⁵⁰ of a step nothing is left to separate.
+/// Maximum number of halvings: below 2⁻⁵⁰ of a step nothing is left to separate.
 const MOST_HALVINGS: usize = 50;
 
-/// The first time in (from, to] at which `f` rises to zero from below; where it moves by less
-/// than `least`, nobody can tell.
+/// The first time in (from, to] at which `f` rises to zero from below; parts in which it moves by
+/// less than `least` cannot be resolved.
 fn first_rise<T: Scalar>(f: &[T], [from, to]: [T; 2], least: T, halvings: usize) -> Option<T> {
     let half = T::from_f64(0.5);
     let (middle, radius) = ((from + to) * half, (to - from) * half);
@@ -143,7 +142,7 @@ fn first_rise<T: Scalar>(f: &[T], [from, to]: [T; 2], least: T, halvings: usize)
         .or_else(|| first_rise(f, [middle, to], least, halvings - 1))
 }
 
-/// For parts in which nothing can be resolved: their middle, if `f` has risen by then.
+/// Decides parts in which nothing can be resolved: returns the middle if `f` has risen by then.
 fn rises_through<T: Scalar>(f: &[T], from: T, middle: T, at_middle: T) -> Option<T> {
     (evaluate(f, from) < T::zero() && at_middle >= T::zero()).then_some(middle)
 }

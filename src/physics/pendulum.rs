@@ -1,47 +1,47 @@
 //! The five numbers of a double pendulum, its equations of motion, energy and forbidden starts.
 //!
-//! Kinetic energy ½A ω1² + ½B ω2² + C ω1 ω2 cos(θ1−θ2), potential −P cos θ1 − Q cos θ2: every
-//! point-mass and rod pendulum is such five numbers. Lagrange's equations follow as
+//! The kinetic energy is ½A ω1² + ½B ω2² + C ω1 ω2 cos(θ1−θ2), the potential −P cos θ1 − Q cos θ2:
+//! every point-mass or rod pendulum is five such numbers. Lagrange's equations follow as
 //!
 //! ```text
 //! A α1 + C c α2 = −C s ω2² − P sin θ1        c = cos(θ1−θ2)
 //! C c α1 + B α2 =  C s ω1² − Q sin θ2        s = sin(θ1−θ2)
 //! ```
 //!
-//! whose determinant AB − C² c² = (AB − C²) + C² s² is positive; the constant part is carried as
-//! a sixth number, because computing it from the other five cancels for light first bobs.
+//! Their determinant AB − C² c² = (AB − C²) + C² s² is positive; its constant part is carried as a
+//! sixth number, because computing it from the other five cancels for light first bobs.
 
 use super::flip::Rule;
 use super::real::{Angle, Real, Scalar};
 
-/// The five numbers (kg m² and J) and what follows from them.
+/// The five numbers of a pendulum (kg m² and J), and the constant that follows from them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pendulum<T> {
-    /// Inertia of the first angle, kg m².
+    /// Inertia of the first angle in kg m².
     pub a: T,
-    /// Inertia of the second angle, kg m².
+    /// Inertia of the second angle in kg m².
     pub b: T,
-    /// Coupling of the two, kg m².
+    /// Coupling of the two angles in kg m².
     pub c: T,
-    /// Weight of the first angle, J.
+    /// Weight of the first angle in J.
     pub p: T,
-    /// Weight of the second angle, J.
+    /// Weight of the second angle in J.
     pub q: T,
-    /// AB − C², kg² m⁴: the least value of the determinant.
+    /// Least value of the determinant, AB − C², in kg² m⁴.
     pub least_det: T,
 }
 
-/// Angles from the downward vertical (rad, anticlockwise, unwrapped) and their speeds (rad/s).
+/// The state of a pendulum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State<T> {
-    /// θ1 and θ2.
+    /// Angles θ1 and θ2 from the downward vertical in rad, anticlockwise, unwrapped.
     pub angle: [T; 2],
-    /// ω1 and ω2.
+    /// Angular velocities ω1 and ω2 in rad/s.
     pub speed: [T; 2],
 }
 
 impl<T> State<T> {
-    /// A pendulum held at the two angles and let go.
+    /// The state of a pendulum released from rest at the two angles.
     pub fn rest(angle: [T; 2]) -> Self
     where
         T: Real,
@@ -52,7 +52,7 @@ impl<T> State<T> {
 }
 
 impl<T: Scalar> Pendulum<T> {
-    /// Bobs on massless rods: masses in kg, lengths in m, gravity in m/s².
+    /// A pendulum of bobs on massless rods: masses in kg, lengths in m, gravity in m/s².
     pub fn points(masses: [T; 2], lengths: [T; 2], gravity: T) -> Self {
         let ([m1, m2], [l1, l2]) = (masses, lengths);
         Pendulum {
@@ -65,7 +65,7 @@ impl<T: Scalar> Pendulum<T> {
         }
     }
 
-    /// Uniform bars: masses in kg, lengths in m, gravity in m/s².
+    /// A pendulum of uniform bars: masses in kg, lengths in m, gravity in m/s².
     pub fn rods(masses: [T; 2], lengths: [T; 2], gravity: T) -> Self {
         let ([m1, m2], [l1, l2]) = (masses, lengths);
         let lit = T::from_f64;
@@ -81,8 +81,8 @@ impl<T: Scalar> Pendulum<T> {
 
     /// The same motion in units that make C = Q = 1, and the unit of time, √(C/Q), in s.
     ///
-    /// Kernels run in these: the default pendulum becomes A = 2, B = 1, P = 2 without rounding,
-    /// whatever its gravity. Needs Q > 0.
+    /// Kernels run in these units: the default pendulum becomes A = 2, B = 1, P = 2 without
+    /// rounding, whatever its gravity. Requires Q > 0.
     pub fn reduced(&self) -> (Self, T) {
         let one = T::from_f64(1.0);
         let reduced = Pendulum {
@@ -96,7 +96,7 @@ impl<T: Scalar> Pendulum<T> {
         (reduced, (self.c / self.q).sqrt())
     }
 
-    /// A bound on both bobs' angular speeds (rad/s) after any release from rest: the energy can
+    /// A bound on both bobs' speeds (rad/s) after any release from rest: the potential energy can
     /// fall by at most 2(P + Q), and ½ω2²(AB − C²c²)/A ≤ kinetic energy, likewise for ω1.
     pub fn greatest_speed(&self) -> f64 {
         let [a, b, p, q, least_det] =
@@ -104,14 +104,14 @@ impl<T: Scalar> Pendulum<T> {
         (4.0 * (p + q) * a.max(b) / least_det).sqrt()
     }
 
-    /// How low a start at rest lies: its potential energy turned round, P cos θ1 + Q cos θ2, J,
-    /// from the cosines of its angles.
+    /// The depth of a start at rest, its negated potential energy P cos θ1 + Q cos θ2 in J, from
+    /// the cosines of its angles.
     pub fn depth(&self, cos: [T; 2]) -> T {
         self.p * cos[0] + self.q * cos[1]
     }
 
-    /// Starts that lie lower than this cannot meet `rule`, J: the watched bob at the top costs
-    /// more than they have, even with the other one at the bottom.
+    /// Depth in J beyond which starts cannot meet `rule`: the watched bob at the top costs more
+    /// than they have, even with the other one at the bottom.
     pub fn least_depth(&self, rule: Rule) -> T {
         match rule {
             Rule::Second => self.p - self.q,
@@ -120,13 +120,13 @@ impl<T: Scalar> Pendulum<T> {
         }
     }
 
-    /// Whether energy conservation proves that a pendulum let go at rest at `angle` can never
-    /// meet `rule`. Nothing moves without gravity, so then every start is forbidden.
+    /// Returns true if energy conservation proves that a pendulum released from rest at `angle` can
+    /// never meet `rule`. Nothing moves without gravity, so then every start is forbidden.
     pub fn forbids(&self, rule: Rule, angle: [T; 2]) -> bool {
         self.forbids_depth(rule, self.depth(angle.map(|theta| theta.sin_cos().1)))
     }
 
-    /// The same from [`Pendulum::depth`].
+    /// Returns the same as [`Pendulum::forbids`], from a start's [`Pendulum::depth`].
     pub fn forbids_depth(&self, rule: Rule, depth: T) -> bool {
         self.q <= T::zero() || depth > self.least_depth(rule)
     }
@@ -138,7 +138,7 @@ impl<T: Scalar> Pendulum<T> {
 }
 
 impl<T: Copy> Pendulum<T> {
-    /// Each number through `f`.
+    /// Applies `f` to each number.
     #[inline(always)]
     pub fn map<U>(&self, f: impl Fn(T) -> U) -> Pendulum<U> {
         Pendulum {
@@ -153,7 +153,7 @@ impl<T: Copy> Pendulum<T> {
 }
 
 impl<T: Real> Pendulum<T> {
-    /// The angular accelerations α1, α2 in rad/s², from the angles' `(sine, cosine)`.
+    /// The angular accelerations α1 and α2 in rad/s², from the angles' `(sine, cosine)`.
     #[inline(always)]
     pub fn acceleration_towards(&self, direction: [(T, T); 2], speed: [T; 2]) -> [T; 2] {
         let [(sin1, cos1), (sin2, cos2)] = direction;
@@ -169,17 +169,17 @@ impl<T: Real> Pendulum<T> {
     }
 }
 
-/// The matrix equation M α = τ at a moment.
+/// The matrix equation M α = τ for the accelerations at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equation<T> {
-    /// M, kg m².
+    /// The matrix M in kg m².
     pub mass: [[T; 2]; 2],
-    /// τ, N m: centrifugal terms and weight.
+    /// The right-hand sides τ in N m: centrifugal terms and weight.
     pub torque: [T; 2],
 }
 
 impl<T: Real> Pendulum<T> {
-    /// The right-hand sides, J, with `cs` = C sin(θ1−θ2).
+    /// The right-hand sides τ in N m, with `cs` = C sin(θ1−θ2).
     #[inline(always)]
     fn torques(&self, cs: T, [sin1, sin2]: [T; 2], [w1, w2]: [T; 2]) -> [T; 2] {
         [-(cs * (w2 * w2)) - self.p * sin1, cs * (w1 * w1) - self.q * sin2]
@@ -198,14 +198,14 @@ impl<T: Angle> Pendulum<T> {
         }
     }
 
-    /// The angular accelerations α1, α2 in rad/s².
+    /// The angular accelerations α1 and α2 in rad/s².
     #[inline(always)]
     pub fn acceleration(&self, state: &State<T>) -> [T; 2] {
         let direction = [state.angle[0].sin_cos(), state.angle[1].sin_cos()];
         self.acceleration_towards(direction, state.speed)
     }
 
-    /// Kinetic plus potential energy in J, zero for both rods level and at rest.
+    /// Kinetic plus potential energy in J; zero if both rods are level and at rest.
     pub fn energy(&self, state: &State<T>) -> T {
         let (sin1, cos1) = state.angle[0].sin_cos();
         let (sin2, cos2) = state.angle[1].sin_cos();

@@ -1,24 +1,24 @@
 //! The pendulum without angles: unit vectors along the rods, and momenta.
 //!
-//! Sines and cosines are needed once, for the start. After that a right-hand side is some twenty
-//! multiply-adds and one division, on any device, and the top is where `y` changes its sign
-//! while `x` is negative.
+//! Sines and cosines are needed only once, for the start. After that, a right-hand side takes some
+//! twenty multiply-adds and one division on any device, and the top is where `y` changes sign while
+//! `x` is negative.
 
 use super::pendulum::{Pendulum, State};
 use super::real::{Real, Scalar};
 
-/// x1, y1, x2, y2, p1, p2: cosine and sine of θ1 and of θ2, and the conjugate momenta
+/// The phase x1, y1, x2, y2, p1, p2: cosine and sine of θ1 and of θ2, and the conjugate momenta
 /// p = ∂L/∂ω in kg m²/s.
 ///
-/// An array, because a Runge–Kutta step treats all six alike.
+/// It is an array because a Runge–Kutta step treats all six alike.
 pub type Phase<T> = [T; 6];
 
 impl<T: Real> Pendulum<T> {
     /// The time derivative of `phase`.
     ///
-    /// With C cos = C cos(θ1−θ2) and C sin likewise, the speeds solve A ω1 + C cos ω2 = p1,
-    /// C cos ω1 + B ω2 = p2; then x′ = −ωy, y′ = ωx, p1′ = −C sin ω1ω2 − P y1 and
-    /// p2′ = C sin ω1ω2 − Q y2.
+    /// With c = cos(θ1−θ2) and s = sin(θ1−θ2), the speeds solve A ω1 + C c ω2 = p1 and
+    /// C c ω1 + B ω2 = p2; then x′ = −ωy, y′ = ωx, p1′ = −C s ω1ω2 − P y1 and
+    /// p2′ = C s ω1ω2 − Q y2.
     #[inline(always)]
     pub fn flow(&self, phase: &Phase<T>) -> Phase<T> {
         let [x1, y1, x2, y2, _, _] = *phase;
@@ -34,13 +34,13 @@ impl<T: Real> Pendulum<T> {
         ]
     }
 
-    /// ω1 and ω2 in rad/s.
+    /// The angular velocities ω1 and ω2 in rad/s.
     #[inline(always)]
     pub fn speeds(&self, phase: &Phase<T>) -> [T; 2] {
         self.speeds_and_sine(phase).0
     }
 
-    /// The speeds, and C sin(θ1−θ2).
+    /// The angular velocities and C sin(θ1−θ2).
     #[inline(always)]
     fn speeds_and_sine(&self, phase: &Phase<T>) -> ([T; 2], T) {
         let [x1, y1, x2, y2, p1, p2] = *phase;
@@ -54,8 +54,8 @@ impl<T: Real> Pendulum<T> {
 }
 
 impl<T: Scalar> Pendulum<T> {
-    /// `state` as unit vectors and momenta. An angle of exactly ±π in the number type stands for
-    /// the top itself.
+    /// Converts `state` to unit vectors and momenta. An angle of exactly ±π in the number type
+    /// stands for the top itself.
     pub fn phase(&self, state: &State<T>) -> Phase<T> {
         let [(y1, x1), (y2, x2)] = state.angle.map(|theta| {
             if theta.abs() == T::pi() { (T::zero(), -T::from_f64(1.0)) } else { theta.sin_cos() }
@@ -65,7 +65,7 @@ impl<T: Scalar> Pendulum<T> {
         [x1, y1, x2, y2, self.a * w1 + cos * w2, cos * w1 + self.b * w2]
     }
 
-    /// How large each momentum can be, roughly: √(inertia × weight). Errors are judged by it.
+    /// Approximate limit of each momentum, √(inertia × weight), by which errors are judged.
     pub fn momentum_scale(&self) -> [T; 2] {
         let weight = self.p + self.q;
         [(self.a * weight).sqrt(), (self.b * weight).sqrt()]
@@ -87,7 +87,7 @@ mod tests {
             let [w1, w2] = pendulum.speeds(&phase);
             assert!((w1 - 3.0).abs() < 1e-13 && (w2 + 4.0).abs() < 1e-13);
             let flow = pendulum.flow(&phase);
-            // A step of ε along the angles' motion, differenced.
+            // A central difference over ±ε along the motion of the angles.
             let epsilon = 1e-6;
             let alpha = pendulum.acceleration(&state);
             let moved = |sign: f64| {

@@ -2,19 +2,19 @@
 
 use super::real::{Real, Scalar};
 
-/// Σ cₖ xᵏ by Horner's rule.
+/// Evaluates Σ cₖ xᵏ by Horner's rule.
 #[inline]
 pub fn evaluate<T: Scalar>(coefficients: &[T], x: T) -> T {
     coefficients.iter().rev().fold(T::zero(), |sum, &c| sum.mul_add(x, c))
 }
 
-/// The quintic on [0, 1] with value, first and second derivative `at0` and `at1` at its ends.
+/// The quintic on [0, 1] with the value, first and second derivative `at0` at 0 and `at1` at 1.
 #[inline]
 pub fn quintic_hermite<T: Real>(at0: [T; 3], at1: [T; 3]) -> [T; 6] {
     let lit = |value| at0[0].lit(value);
     let ([f0, d0, s0], [f1, d1, s1]) = (at0, at1);
     let half = s0 * lit(0.5);
-    // What is left for the three upper powers to make up at x = 1.
+    // The remainders at x = 1 that the three highest powers must supply.
     let value = f1 - (f0 + d0 + half);
     let slope = d1 - (d0 + s0);
     let bend = s1 - s0;
@@ -28,8 +28,8 @@ pub fn quintic_hermite<T: Real>(at0: [T; 3], at1: [T; 3]) -> [T; 6] {
     ]
 }
 
-/// The first x in (0, 1] at which a polynomial that begins below zero rises to it, however
-/// briefly; 0 where it begins at zero and rises.
+/// The first x in (0, 1] at which a polynomial that begins below zero rises to it, however briefly;
+/// 0 if it begins at zero and rises.
 #[inline]
 pub fn first_rise<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Option<T> {
     let mut coefficients = *coefficients;
@@ -37,13 +37,13 @@ pub fn first_rise<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Option<T>
         if coefficients[1] > T::zero() {
             return Some(T::zero());
         }
-        // Only a start at zero itself is above it, by a rounding.
+        // Only a start at zero can lie above it, by a rounding error.
         coefficients[0] = T::zero();
     }
     course(&bernstein(&coefficients), -T::from_f64(1.0)).change
 }
 
-/// The control points of the polynomial with these coefficients over [0, 1]: it begins at the
+/// The control points over [0, 1] of the polynomial with these coefficients: it begins at the
 /// first, ends at the last, and lies between the least and the greatest (Bernstein 1912).
 pub fn bernstein<T: Scalar, const N: usize>(coefficients: &[T; N]) -> [T; N] {
     std::array::from_fn(|k| {
@@ -58,18 +58,18 @@ pub fn bernstein<T: Scalar, const N: usize>(coefficients: &[T; N]) -> [T; N] {
     })
 }
 
-/// How a polynomial over [0, 1] that begins on one side of zero goes on.
+/// The course over [0, 1] of a polynomial that begins on one side of zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course<T> {
     /// The first x in (0, 1] at which it is no longer on that side.
     pub change: Option<T>,
-    /// It stays at least this far from zero before it falls to it for good.
+    /// Lower bound on the distance from zero that it keeps until its final fall to zero.
     pub clearance: T,
 }
 
-/// The course of the polynomial with these control points, which begins on `side` of zero (1 or
-/// −1), or at zero. Decided by the control points of ever smaller parts: all on the side, so
-/// nothing happens; all falling, so once at most.
+/// Determines the course of the polynomial with these control points, which begins on `side` of
+/// zero (1 or −1), or at zero. The control points of ever smaller parts decide: if all are on that
+/// side, nothing happens; if all fall, zero is crossed at most once.
 pub fn course<T: Scalar, const N: usize>(control: &[T; N], side: T) -> Course<T> {
     let clearance = control.iter().fold(T::zero(), |most, &c| most.max(c.abs()));
     let mut search = RootSearch { side, parts: MOST_PARTS, clearance };
@@ -77,8 +77,8 @@ pub fn course<T: Scalar, const N: usize>(control: &[T; N], side: T) -> Course<T>
     Course { change, clearance: search.clearance }
 }
 
-/// Parts into which a polynomial is cut at most: a pass takes some sixty, one that is noise
-/// around zero any number.
+/// Maximum number of parts into which a polynomial is cut: a pass takes about sixty, noise around
+/// zero any number.
 const MOST_PARTS: u32 = 400;
 
 struct RootSearch<T> {
@@ -100,7 +100,7 @@ impl<T: Scalar> RootSearch<T> {
             return (end <= T::zero()).then(|| from + (to - from) * only_zero(control, self.side));
         }
         let middle = (from + to) * T::from_f64(0.5);
-        // What is shorter is no pass that anyone could tell from none.
+        // A shorter pass cannot be distinguished from none.
         if self.parts == 0 || (to - from).to_f64() < T::EPSILON.sqrt() {
             self.clearance = self::least(self.clearance, end.abs());
             return (end < T::zero()).then_some(to);
@@ -114,7 +114,7 @@ fn least<T: Scalar>(a: T, b: T) -> T {
     if b < a { b } else { a }
 }
 
-/// The control points before and after `x` (de Casteljau 1959).
+/// The control points of the parts before and after `x` (de Casteljau 1959).
 pub fn halves<T: Scalar, const N: usize>(control: &[T; N], x: T) -> [[T; N]; 2] {
     let (mut first, mut second) = (*control, *control);
     for (k, first) in first.iter_mut().enumerate().skip(1) {
@@ -126,8 +126,8 @@ pub fn halves<T: Scalar, const N: usize>(control: &[T; N], x: T) -> [[T; N]; 2] 
     [first, second]
 }
 
-/// Where a polynomial that falls from `side` to beyond zero is zero: the false position, with
-/// Illinois' halving of the end that stays.
+/// The zero of a polynomial that falls from `side` to beyond zero, by false position with the
+/// Illinois halving of the retained end.
 fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
     let (half, zero) = (T::from_f64(0.5), T::zero());
     let (mut low, mut high) = (zero, T::from_f64(1.0));
@@ -135,7 +135,7 @@ fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
     let mut x = high;
     for _ in 0..ROOT_STEPS {
         let next = (low * at_high - high * at_low) / (at_high - at_low);
-        // Roots near zero keep their own digits.
+        // Roots near zero keep their relative accuracy.
         let size = if T::FLOATING { next.to_f64() } else { 1.0 };
         let still = (next - x).abs().to_f64() <= T::EPSILON * size;
         x = next;
@@ -152,8 +152,8 @@ fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
     x.max(low)
 }
 
-/// The root between `low`, where `f` is negative, and `high`, where it is not: Newton's steps
-/// kept inside a shrinking bracket, until they no longer move.
+/// The root between `low`, where `f` is negative, and `high`, where it is not: Newton's method,
+/// kept inside a shrinking bracket until it no longer moves.
 pub fn root_between<T: Scalar>(f: &[T], slope: &[T], mut low: T, mut high: T) -> T {
     let half = T::from_f64(0.5);
     let mut x = (low + high) * half;
@@ -175,7 +175,7 @@ pub fn root_between<T: Scalar>(f: &[T], slope: &[T], mut low: T, mut high: T) ->
     x
 }
 
-/// Enough for 106 bits by bisection alone, should Newton never help.
+/// Maximum number of iterations: enough for 106 bits by bisection alone, should Newton never help.
 const ROOT_STEPS: usize = 120;
 
 #[cfg(test)]
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn a_pass_between_two_turns_is_found() {
-        // Up over zero and down again, and up: both ends fall back, neither shows it.
+        // Up over zero, down and up again: both ends lie below zero, so neither shows the pass.
         for over in [1e-2, 1e-5, 1e-9] {
             let f = |x: f64| over - 8.0 * (x - 0.3).powi(2) * (1.1 - x);
             let fit: [f64; 4] = [over - 0.792, 6.0, -13.6, 8.0];

@@ -1,15 +1,15 @@
-//! The two number traits: [`Real`] for arithmetic, [`Scalar`] for what can also be compared.
+//! The number traits: [`Real`] for arithmetic, [`Angle`] for sines, [`Scalar`] for ordered numbers.
 
 use std::fmt::{Debug, Display};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::fixed::Theta;
 
-/// A number that the equations can be written in: one value, a register of SIMD lanes, or a
-/// symbol that remembers what was done to it.
+/// A number in which the equations can be written: one value, a register of SIMD lanes, or a symbol
+/// that records the operations on it.
 ///
-/// Literals are made from a number at hand ([`Real::lit`]), because SIMD lanes and symbols
-/// belong to a context that a bare literal does not have.
+/// Literals are made from an existing number ([`Real::lit`]), because SIMD lanes and symbols belong
+/// to a context that a bare literal does not have.
 pub trait Real:
     Copy
     + Debug
@@ -19,15 +19,15 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// The literal `value`, in the context of `self`.
+    /// Returns the literal `value` in the context of `self`.
     fn lit(self, value: f64) -> Self;
 
-    /// `self · factor + term`, fused where the type can do so at no cost.
+    /// Returns `self · factor + term`, fused where the type can do so at no cost.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
-    /// `(sum, error)` with `sum + error == self + other` exactly, if |self| ≥ |other| (Dekker
-    /// 1971); otherwise the error is still right to a rounding of `other`. Types whose compiler
-    /// may not be trusted with it say so in their own module.
+    /// Returns `(sum, error)` with `sum + error == self + other` exactly, if |self| ≥ |other|
+    /// (Dekker 1971); otherwise the error is still right to a rounding of `other`. Types whose
+    /// compiler cannot be trusted with this note it in their own module.
     #[inline(always)]
     fn fast_two_sum(self, other: Self) -> (Self, Self) {
         let sum = self + other;
@@ -45,7 +45,7 @@ pub trait Angle: Real {
 pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     /// Distance from 1 to the next number.
     const EPSILON: f64;
-    /// Whether small numbers have as many digits as large ones.
+    /// True if small numbers have as many digits as large ones.
     const FLOATING: bool = true;
 
     /// The nearest number of this type.
@@ -54,26 +54,26 @@ pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     fn to_f64(self) -> f64;
     /// π to the precision of the type.
     fn pi() -> Self;
-    /// Square root.
+    /// The square root.
     fn sqrt(self) -> Self;
-    /// Parses a decimal straight into the type, correctly rounded; `None` if it is not a number.
+    /// Parses a decimal directly into the type, correctly rounded; `None` if it is not a number.
     fn parse(text: &str) -> Option<Self>;
-    /// The nearest number to a long fixed-point one.
+    /// The number nearest to a long fixed-point one.
     fn from_theta(value: Theta) -> Self;
 
-    /// Zero.
+    /// The number zero.
     fn zero() -> Self {
         Self::from_f64(0.0)
     }
-    /// Magnitude.
+    /// The absolute value.
     fn abs(self) -> Self {
         if self < Self::zero() { -self } else { self }
     }
-    /// The larger of two.
+    /// The larger of two numbers.
     fn max(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
-    /// Neither infinite nor NaN.
+    /// Returns true if the number is neither infinite nor NaN.
     fn is_finite(self) -> bool {
         self.to_f64().is_finite()
     }

@@ -1,6 +1,6 @@
-//! The trajectory that a patch of starts is followed along, in as many digits as its depth needs.
+//! The trajectory along which a patch of starts is followed, in as many digits as its depth needs.
 //!
-//! Only the middle of a patch has to be known to all digits: what is around it are differences,
+//! Only the middle of a patch must be known to all digits: the states around it are differences,
 //! and those keep their own leading digits in f64.
 
 use super::phase::Phase;
@@ -9,15 +9,15 @@ use super::real::Scalar;
 use super::taylor::{Orbit, TaylorStep};
 use super::{Fixed, Pendulum, State, Theta};
 
-/// A trajectory known better than f64 can say, in reduced units.
+/// A trajectory known to more digits than f64 holds, in reduced units.
 pub trait Reference: Send {
-    /// How far it is known beyond where it is now; more than nothing.
+    /// Time from now up to which the trajectory is known; always positive.
     fn reach(&mut self) -> f64;
-    /// Its unit vectors and momenta so long from now, at most at its reach.
+    /// Unit vectors and momenta at the time `after` from now, which is at most the reach.
     fn phase(&self, after: f64) -> Phase<f64>;
     /// The sine of `bob`'s angle where it turns round near `after`, close to the top.
     fn turn(&self, bob: usize, after: f64) -> f64;
-    /// Moves on.
+    /// Advances the present moment by `by`.
     fn advance(&mut self, by: f64);
 }
 
@@ -26,17 +26,17 @@ struct FixedReference<const N: usize> {
     pendulum: Pendulum<Fixed<N>>,
     orbit: Orbit<Fixed<N>>,
     step: TaylorStep<Fixed<N>>,
-    /// How far into the step it is.
+    /// Time from the beginning of the step to the present moment.
     into: Fixed<N>,
 }
 
-/// Decimal digits after the point of the numbers whose errors are at most 2^−`bits`.
+/// Number of decimal digits after the point in the numbers whose errors are at most 2^−`bits`.
 pub fn digits_for(bits: u32) -> u32 {
     (f64::from(64 * bits.div_ceil(64).clamp(2, 7)) * std::f64::consts::LOG10_2) as u32
 }
 
-/// The trajectory of a pendulum in reduced units from rest at `angle` (rad), with errors of about
-/// 2^−`bits`.
+/// Computes the trajectory of a pendulum in reduced units, released from rest at `angle` (rad),
+/// with errors of about 2^−`bits`.
 pub fn reference(pendulum: &Pendulum<Theta>, angle: [Theta; 2], bits: u32) -> Box<dyn Reference> {
     match bits.div_ceil(64) {
         0..=2 => Box::new(FixedReference::<3>::new(pendulum, angle)),

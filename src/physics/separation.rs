@@ -1,26 +1,26 @@
-//! How far two pendulums are apart, and how fast that grows.
+//! The separation of two pendulums, and the rate at which it grows.
 //!
-//! The distance is taken in phase space: √(Δθ1² + Δθ2² + (Δω1² + Δω2²) T²), in rad, with angles
-//! the short way round and T = √(C/Q), the pendulum's natural unit of time (√(l1/g) for points),
-//! so that it does not depend on the units of a clock.
+//! The distance is taken in phase space: √(Δθ1² + Δθ2² + (Δω1² + Δω2²) T²), in rad, with angle
+//! differences taken the short way round and T = √(C/Q), the pendulum's natural unit of time
+//! (√(l1/g) for points), so that it does not depend on the unit of a clock.
 
 use super::{Dd, Pendulum, State};
 
-/// What measures the distance of two states.
+/// A measure of the distance between two states.
 #[derive(Clone, Copy, Debug)]
 pub struct Ruler {
-    /// T in the module's words, s.
+    /// The unit of time T of the module's documentation, in s.
     unit_secs: f64,
 }
 
 impl Ruler {
-    /// The ruler for a pendulum's states.
+    /// The ruler for the states of `pendulum`.
     pub fn new(pendulum: &Pendulum<f64>) -> Self {
         let unit_secs = natural_secs(pendulum);
         Ruler { unit_secs }
     }
 
-    /// The distance of two states, rad.
+    /// The distance between two states in rad.
     pub fn distance(&self, a: &State<Dd>, b: &State<Dd>) -> f64 {
         let angle = [0, 1].map(|i| (a.angle[i] - b.angle[i]).wrapped().hi);
         let speed = [0, 1].map(|i| (a.speed[i] - b.speed[i]).hi * self.unit_secs);
@@ -28,44 +28,44 @@ impl Ruler {
     }
 }
 
-/// √(C/Q), the unit of time in which a pendulum moves, s; 1 where nothing moves.
+/// The natural unit of time of a pendulum, √(C/Q), in s; 1 if nothing moves.
 pub fn natural_secs(pendulum: &Pendulum<f64>) -> f64 {
     if pendulum.q > 0.0 { pendulum.reduced().1 } else { 1.0 }
 }
 
-/// What is read off at the end of a step.
+/// A reading taken at the end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Seconds since the release.
+    /// Time since the release in s.
     pub secs: f64,
-    /// What the energy has changed by, relative to P + Q.
+    /// Change of the energy relative to P + Q.
     pub energy_error: f64,
-    /// The distance of the pendulum from its ghost, rad.
+    /// Distance of the pendulum from its ghost in rad.
     pub separation_rad: f64,
 }
 
-/// Beyond this distance the two no longer know of each other, rad.
+/// Distance in rad beyond which the two pendulums move independently of each other.
 pub const SATURATED_RAD: f64 = 0.1;
 
-/// Separation ≈ `at_release_rad` · exp(`rate_per_sec` · t), until it saturates.
+/// Exponential growth: separation ≈ `at_release_rad` · exp(`rate_per_sec` · t), until it saturates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
-    /// By how many factors of e it grows in a second.
+    /// Growth rate: the number of factors of e per second.
     pub rate_per_sec: f64,
-    /// One standard error of that: neighbouring readings, which err alike, count as few.
+    /// One standard error of the rate; neighbouring readings err alike and so count as fewer.
     pub uncertainty_per_sec: f64,
-    /// What the fitted line has at time 0, rad.
+    /// Value of the fitted line at time 0, in rad.
     pub at_release_rad: f64,
-    /// Up to when it was fitted, s.
+    /// Time up to which the line was fitted, in s.
     pub until_secs: f64,
 }
 
-/// Readings that make a line.
+/// Minimum number of readings for a fit.
 const FEWEST_READINGS: usize = 8;
 
 impl Growth {
-    /// The least-squares line through the logarithms of the readings, up to the first that is
-    /// saturated; none where that is too soon, or where nothing separates.
+    /// Fits the least-squares line through the logarithms of the readings, up to the first that is
+    /// saturated; `None` if that comes too soon, or if nothing separates.
     pub fn fit(readings: &[Reading]) -> Option<Growth> {
         let count = readings.iter().position(|reading| reading.separation_rad >= SATURATED_RAD);
         let readings = &readings[..count.unwrap_or(readings.len())];
@@ -89,14 +89,14 @@ impl Growth {
         })
     }
 
-    /// The fitted line at `secs`, rad.
+    /// The separation on the fitted line at `secs`, in rad.
     pub fn separation_rad(&self, secs: f64) -> f64 {
         self.at_release_rad * (self.rate_per_sec * secs).exp()
     }
 }
 
-/// The variance of what is left of a fitted line, times how many readings in a row err alike
-/// (from their first autocorrelation).
+/// The variance of the residuals of a fitted line, times the number of readings in a row whose
+/// errors are alike (from their first autocorrelation).
 fn variance(off: &[f64]) -> f64 {
     let squares: f64 = off.iter().map(|x| x * x).sum();
     if squares == 0.0 {

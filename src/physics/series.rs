@@ -1,25 +1,25 @@
 //! One adaptive Taylor step of the motion without angles, for lanes of pendulums.
 //!
-//! The gold standard's [`super::taylor`] does the same for single pendulums in angles and with an
+//! The gold standard's [`super::taylor`] does the same for single pendulums, in angles and with an
 //! order that fits its number type; here the order is part of the type and every lane chooses its
-//! own length. The two share no recurrence, which is why one can check the other.
+//! own step length. The two share no recurrence, so each can check the other.
 
 use super::pendulum::Pendulum;
 use super::phase::Phase;
 use super::real::Real;
 
-/// The motion in powers of the time since the beginning of a step; `N` coefficients each, lowest
-/// first.
+/// The motion as power series in the time since the beginning of a step: `N` coefficients each,
+/// lowest order first.
 #[derive(Clone, Copy, Debug)]
 pub struct MotionSeries<T, const N: usize> {
-    /// Of x1, y1, x2, y2, p1, p2.
+    /// Series of x1, y1, x2, y2, p1 and p2.
     pub phase: [[T; N]; 6],
-    /// Of ω1 and ω2 (the last coefficient is not filled).
+    /// Series of ω1 and ω2 (the last coefficient is not filled in).
     pub speed: [[T; N]; 2],
 }
 
 impl<T: Real, const N: usize> MotionSeries<T, N> {
-    /// The expansion of the motion through `phase`.
+    /// Expands the motion through `phase`.
     #[inline(always)]
     pub fn expand(pendulum: &Pendulum<T>, phase: &Phase<T>) -> Self {
         let zero = phase[0].lit(0.0);
@@ -45,7 +45,7 @@ impl<T: Real, const N: usize> MotionSeries<T, N> {
             w[1][k] = (pull2 - later_product(&det, &w[1], k)) * inverse_det;
             both[k] = product(&w[0], &w[1], k);
             let drive = product(&sin, &both, k);
-            // Divided, because the literal 1/(k+1) would be right to f64 only.
+            // A division, because the literal 1/(k+1) would be accurate to f64 only.
             let over = zero.lit(1.0) / zero.lit((k + 1) as f64);
             let next = [
                 -product(&w[0], y1, k),
@@ -62,7 +62,7 @@ impl<T: Real, const N: usize> MotionSeries<T, N> {
         MotionSeries { phase: z, speed: w }
     }
 
-    /// What changes in `time`, without the state it began with.
+    /// The change of the phase after `time`, without the initial phase itself.
     #[inline(always)]
     pub fn change(&self, time: T) -> Phase<T> {
         let mut change = [time; 6];
@@ -77,19 +77,19 @@ impl<T: Real, const N: usize> MotionSeries<T, N> {
     }
 }
 
-/// Order `k` of the product of two series.
+/// The coefficient of order `k` of the product of two series.
 #[inline(always)]
 fn product<T: Real, const N: usize>(x: &[T; N], y: &[T; N], k: usize) -> T {
     from_first(x[0] * y[k], &x[1..k + 1], &y[..k])
 }
 
-/// The same without the first of `x`, whose partner is not known yet.
+/// The same coefficient without the term in `x[0]`, whose partner is not known yet.
 #[inline(always)]
 fn later_product<T: Real, const N: usize>(x: &[T; N], y: &[T; N], k: usize) -> T {
     from_first(x[0].lit(0.0), &x[1..k + 1], &y[..k])
 }
 
-/// `first + Σ xⱼ y₋ⱼ`, in two sums so that one need not wait for the other.
+/// Computes `first + Σ xⱼ y₋ⱼ` in two sums, so that neither need wait for the other.
 #[inline(always)]
 fn from_first<T: Real>(first: T, x: &[T], y: &[T]) -> T {
     let (mut even, mut odd) = (first, first.lit(0.0));
@@ -105,9 +105,9 @@ fn from_first<T: Real>(first: T, x: &[T], y: &[T]) -> T {
     even + odd
 }
 
-/// Order of the f64 steps: what Jorba and Zou's rule gives for errors of 1e-13 a step.
+/// Order of the f64 steps, as Jorba and Zou's rule gives it for errors of 1e-13 per step.
 pub const ORDER_F64: usize = 16;
-/// Order of the double-double steps, for 1e-25.
+/// Order of the double-double steps, for errors of 1e-25 per step.
 pub const ORDER_DD: usize = 30;
 
 #[cfg(test)]

@@ -1,55 +1,55 @@
-//! The single pendulum: a mass on a rod, its period as it is measured and as it is known.
+//! The single pendulum, a mass on a rod, with its measured and its exact period.
 //!
-//! θ″ = −(g/r) sin θ. Released from rest at θ0 its period is 2π √(r/g) / agm(1, cos(θ0/2))
-//! (Gauss 1799, by the arithmetic–geometric mean).
+//! The equation of motion is θ″ = −(g/r) sin θ. Released from rest at θ0, the pendulum has the
+//! period 2π √(r/g) / agm(1, cos(θ0/2)), with the arithmetic–geometric mean agm (Gauss 1799).
 
 use std::f64::consts::{PI, TAU};
 
-/// Angle from the downward vertical, rad, and its speed, rad/s.
+/// The state of a single pendulum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
-    /// Anticlockwise.
+    /// Angle from the downward vertical in rad, anticlockwise.
     pub angle: f64,
-    /// Likewise.
+    /// Angular velocity in rad/s, anticlockwise.
     pub speed: f64,
 }
 
-/// A rod with a mass at its end. The mass does not matter to how it moves.
+/// A rod with a mass at its end. The mass does not affect the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Simple {
-    /// m.
+    /// Length of the rod in m.
     pub length: f64,
-    /// m/s².
+    /// Gravitational acceleration in m/s².
     pub gravity: f64,
 }
 
 impl Simple {
-    /// g/r, 1/s².
+    /// The ratio g/r in 1/s².
     fn stiffness(&self) -> f64 {
         self.gravity / self.length
     }
 
-    /// The angular acceleration, rad/s².
+    /// The angular acceleration at `angle` in rad/s².
     pub fn acceleration(&self, angle: f64) -> f64 {
         -self.stiffness() * angle.sin()
     }
 
-    /// 2π √(r/g), s: the period of swings that are hardly swings.
+    /// The period of infinitesimal swings, 2π √(r/g), in s.
     pub fn small_period_secs(&self) -> f64 {
         TAU / self.stiffness().sqrt()
     }
 
-    /// The period after a release from rest at an angle, s; infinite upright.
+    /// The period in s after a release from rest at `amplitude` (rad); it diverges towards the top.
     pub fn period_secs(&self, amplitude: f64) -> f64 {
         self.small_period_secs() / agm(1.0, (0.5 * amplitude).cos().abs())
     }
 
-    /// Where the pendulum of small swings would be `secs` after a release from rest.
+    /// The angle of the pendulum of small swings, `secs` after a release from rest.
     pub fn ghost(&self, amplitude: f64, secs: f64) -> f64 {
         amplitude * (self.stiffness().sqrt() * secs).cos()
     }
 
-    /// The state after a step of the classical Runge–Kutta method (Kutta 1901).
+    /// The state after a step of `secs` by the classical Runge–Kutta method (Kutta 1901).
     pub fn step(&self, swing: Swing, secs: f64) -> Swing {
         let half = 0.5 * secs;
         let at = |by: f64, rate: Swing| Swing {
@@ -68,8 +68,8 @@ impl Simple {
         at(secs, Swing { angle: mean(|s| s.angle), speed: mean(|s| s.speed) })
     }
 
-    /// How long after `swing`, within a step of `secs` over which its angle changes sign, it is
-    /// at the bottom, s: by Newton's method on steps shortened to end there.
+    /// The time in s from `swing` to the bottom, within a step of `secs` over which the angle
+    /// changes sign: Newton's method on steps shortened to end there.
     pub fn crossing_secs(&self, swing: Swing, secs: f64) -> f64 {
         let mut within = 0.5 * secs;
         for _ in 0..8 {
@@ -80,15 +80,15 @@ impl Simple {
     }
 }
 
-/// Zero crossings of a swing, and the period between those of one direction.
+/// The zero crossings of a swing, and the period between those in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Crossings {
-    /// The last two moments at which it went through the bottom to the left, s.
+    /// Times in s of the last two passages of the bottom towards the left.
     falls: [Option<f64>; 2],
 }
 
 impl Crossings {
-    /// Looks at a step that began at `from_secs`.
+    /// Examines the step that begins at `from_secs` in the state `before`.
     pub fn look(&mut self, simple: &Simple, from_secs: f64, before: Swing, step_secs: f64) {
         let after = simple.step(before, step_secs);
         if before.angle > 0.0 && after.angle <= 0.0 && after.speed < 0.0 {
@@ -97,13 +97,13 @@ impl Crossings {
         }
     }
 
-    /// The measured period, s, once there are two.
+    /// The measured period in s, once two crossings have been seen.
     pub fn period_secs(&self) -> Option<f64> {
         Some(self.falls[1]? - self.falls[0]?)
     }
 }
 
-/// The arithmetic–geometric mean of two numbers that are not negative.
+/// The arithmetic–geometric mean of two non-negative numbers.
 fn agm(mut a: f64, mut b: f64) -> f64 {
     while (a - b).abs() > 4.0 * f64::EPSILON * a {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
@@ -114,7 +114,7 @@ fn agm(mut a: f64, mut b: f64) -> f64 {
     a
 }
 
-/// Amplitudes that a period is plotted against: up to a hundredth of a radian below the top.
+/// The largest amplitude for which a period is plotted: a hundredth of a radian below the top.
 pub const MOST_AMPLITUDE: f64 = PI - 0.01;
 
 #[cfg(test)]

@@ -1,23 +1,23 @@
 //! The adaptive Taylor integrator behind the gold standard.
 //!
-//! Every step expands the motion in powers of time to an order and over a length that the
-//! number type's own precision asks for (Jorba and Zou, *A software package for the numerical
-//! integration of ODEs by means of high-order Taylor methods*, Exp. Math. 14, 2005). The
-//! expansion is kept, so the motion is known at every moment inside the step, not only at its end.
+//! Every step expands the motion in powers of time, to an order and over a length that follow from
+//! the number type's own precision (Jorba and Zou, *A software package for the numerical
+//! integration of ODEs by means of high-order Taylor methods*, Exp. Math. 14, 2005). The expansion
+//! is kept, so the motion is known at every moment inside the step, not only at its end.
 
 use super::pendulum::{Pendulum, State};
 use super::polynomial::evaluate;
 use super::real::Scalar;
 
-/// One step: the four polynomials in the time since its beginning.
+/// A step: the four polynomials in the time since its beginning.
 #[derive(Clone, Debug)]
 pub struct TaylorStep<T> {
-    /// The polynomials' unit of time in seconds: 1 in floating-point types; in others a power of
+    /// The polynomials' unit of time in seconds: 1 for floating-point types; for others a power of
     /// two near the radius of convergence, so that coefficients neither grow nor vanish.
     pub unit_secs: f64,
     /// Seconds from the release to the beginning of the step.
     pub start: T,
-    /// Its length in seconds.
+    /// Length of the step in seconds.
     pub length: T,
     /// Coefficients of θ1 and θ2, rad/unitᵏ.
     pub angle: [Vec<T>; 2],
@@ -47,12 +47,12 @@ impl<T: Scalar> TaylorStep<T> {
 pub struct Orbit<T> {
     pendulum: Pendulum<T>,
     state: State<T>,
-    /// What rounding took from `state`.
+    /// The part of `state` that was lost to rounding.
     low: State<T>,
-    /// Seconds since the release, and what rounding took from them.
+    /// Seconds since the release, and the part of them that was lost to rounding.
     time: (T, T),
     series: RecurrenceSeries<T>,
-    /// See [`Step::unit_secs`].
+    /// Unit of time of the next step; see [`TaylorStep::unit_secs`].
     unit_secs: f64,
     latest: Option<TaylorStep<T>>,
 }
@@ -119,7 +119,7 @@ impl<T: Scalar> Orbit<T> {
     }
 }
 
-/// A pendulum whose seconds are units.
+/// A pendulum in a unit of time of `unit` seconds.
 fn in_units<T: Scalar>(pendulum: &Pendulum<T>, unit: T) -> Pendulum<T> {
     let square = unit * unit;
     Pendulum { p: pendulum.p * square, q: pendulum.q * square, ..*pendulum }
@@ -129,13 +129,13 @@ fn in_units_of<T: Scalar>(state: &State<T>, unit: T) -> State<T> {
     State { angle: state.angle, speed: state.speed.map(|speed| speed * unit) }
 }
 
-/// The power of two below the radius of convergence that allowed a step. From one step to the
-/// next the radius falls by a seventh at most, and by so much coefficients may grow.
+/// The power of two below the radius of convergence that allowed a step. From one step to the next
+/// the radius falls by a seventh at most, and the coefficients may grow by as much.
 fn unit_for(length_secs: f64) -> f64 {
     (length_secs / SAFETY).log2().floor().exp2()
 }
 
-/// The unit of a first step, from an expansion in f64.
+/// The unit of time of a first step, from an expansion in f64.
 fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
     let near = State { angle: state.angle.map(T::to_f64), speed: state.speed.map(T::to_f64) };
     let mut series = RecurrenceSeries::<f64>::new(order_for::<f64>());
@@ -143,18 +143,18 @@ fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
     unit_for(series.step_length())
 }
 
-/// Jorba and Zou's order for relative errors of the size of the type's epsilon.
+/// The order of Jorba and Zou for relative errors of the size of the type's epsilon.
 fn order_for<T: Scalar>() -> usize {
     (1.0 - 0.5 * T::EPSILON.ln()).ceil() as usize + 1
 }
 
-/// Coefficients of the motion and of all that its recurrences need, lowest order first.
+/// Coefficients of the motion and of everything that its recurrences need, lowest order first.
 #[derive(Clone, Debug)]
 struct RecurrenceSeries<T> {
     order: usize,
     angle: [Vec<T>; 2],
     speed: [Vec<T>; 2],
-    /// Sine and cosine of θ1, θ2 and θ1 − θ2.
+    /// Sines and cosines of θ1, θ2 and θ1 − θ2.
     sin: [Vec<T>; 3],
     cos: [Vec<T>; 3],
     delta: Vec<T>,
@@ -181,7 +181,7 @@ impl<T: Scalar> RecurrenceSeries<T> {
         }
     }
 
-    /// Fills all coefficients for the motion through `state`.
+    /// Fills in all coefficients for the motion through `state`.
     fn expand(&mut self, pendulum: &Pendulum<T>, state: &State<T>) {
         for i in 0..2 {
             self.angle[i][0] = state.angle[i];
@@ -198,7 +198,7 @@ impl<T: Scalar> RecurrenceSeries<T> {
         }
     }
 
-    /// Order `k` of θ1 − θ2 and of the sines and cosines, from sin′ = θ′ cos, cos′ = −θ′ sin.
+    /// Extends θ1 − θ2, the sines and the cosines to order `k`, from sin′ = θ′ cos, cos′ = −θ′ sin.
     fn extend_angles(&mut self, k: usize) {
         self.delta[k] = self.angle[0][k] - self.angle[1][k];
         let angles = [&self.angle[0], &self.angle[1], &self.delta];
@@ -220,7 +220,7 @@ impl<T: Scalar> RecurrenceSeries<T> {
         }
     }
 
-    /// Order `k` of the accelerations.
+    /// Extends the accelerations to order `k`.
     fn extend_forces(&mut self, pendulum: &Pendulum<T>, k: usize) {
         let Pendulum { a, b, c, p, q, .. } = *pendulum;
         for i in 0..2 {
@@ -241,8 +241,8 @@ impl<T: Scalar> RecurrenceSeries<T> {
         }
     }
 
-    /// Jorba and Zou's step (their eq. 3-8): e⁻² of the radius of convergence that the last two
-    /// orders show.
+    /// The step length of Jorba and Zou (their eq. 3-8): e⁻² times the radius of convergence that
+    /// the last two orders indicate.
     fn step_length(&self) -> T {
         let radius = |order: usize| {
             let largest = [&self.angle, &self.speed]
@@ -265,8 +265,8 @@ impl<T: Scalar> RecurrenceSeries<T> {
     }
 }
 
-/// Sine and cosine, where half and whole turns in the number type stand for exact ones, so that
-/// a pendulum put upright stays upright.
+/// Sine and cosine; half and whole turns in the number type stand for exact ones, so that a
+/// pendulum placed upright stays upright.
 fn sin_cos_exact<T: Scalar>(angle: T) -> (T, T) {
     let one = T::from_f64(1.0);
     if angle.abs() == T::pi() {
@@ -278,12 +278,12 @@ fn sin_cos_exact<T: Scalar>(angle: T) -> (T, T) {
     }
 }
 
-/// e⁻², and Jorba and Zou's safety exp(−0.7/(p−1)) taken once for all orders used.
+/// The factor e⁻² and Jorba and Zou's safety exp(−0.7/(p−1)), taken once for all orders used.
 const SAFETY: f64 = 0.135_335_283 * 0.95;
-/// Seconds; a pendulum at an equilibrium has no scale of its own.
+/// Maximum length of a step in its unit of time: a pendulum at an equilibrium has no time scale.
 const LONGEST_STEP: f64 = 1e3;
 
-/// Order `k` of the product of two series.
+/// The coefficient of order `k` of the product of two series.
 fn product<T: Scalar>(x: &[T], y: &[T], k: usize) -> T {
     (0..=k).fold(T::zero(), |sum, j| x[j].mul_add(y[k - j], sum))
 }

@@ -1,13 +1,13 @@
 //! Sine and cosine from sums and products only.
 //!
-//! SIMD lanes and graphics cards get theirs from here: the shading language promises its own
-//! only to 2⁻¹¹, and for f64 drivers return garbage (wgpu issue 6087).
+//! SIMD lanes and graphics cards take theirs from here: the shading language promises its own only
+//! to 2⁻¹¹, and for f64 drivers return garbage (wgpu issue 6087).
 
 use super::real::{Angle, Real};
 
 /// A number that can be rounded to an integer.
 pub trait Rounding: Real {
-    /// The nearest integer, ties to even.
+    /// Returns the nearest integer, ties to even.
     fn nearest(self) -> Self;
 }
 
@@ -18,7 +18,7 @@ pub struct SinCosSeries<const S: usize, const C: usize> {
     cos: [f64; C],
 }
 
-/// Interpolated at Chebyshev's points over [0, 1.01 π²/4] with 50 digits; error 2e-9.
+/// Series for f32, interpolated at Chebyshev points over [0, 1.01 π²/4] with 50 digits; error 2e-9.
 pub const SERIES_F32: SinCosSeries<4, 5> = SinCosSeries {
     sin: [
         -0.16666665935514005,
@@ -35,7 +35,7 @@ pub const SERIES_F32: SinCosSeries<4, 5> = SinCosSeries {
     ],
 };
 
-/// The same for f64; error 2e-17.
+/// Series for f64, obtained in the same way; error 2e-17.
 pub const SERIES_F64: SinCosSeries<8, 8> = SinCosSeries {
     sin: [
         -0.16666666666666666,
@@ -59,16 +59,16 @@ pub const SERIES_F64: SinCosSeries<8, 8> = SinCosSeries {
     ],
 };
 
-/// π for f32 in two parts, the first so short (8 bits) that a small integer times it is exact
-/// (Cody and Waite 1980); good for up to 2¹⁰ half turns.
+/// Two parts of π for f32, the first so short (8 bits) that a small integer times it is exact (Cody
+/// and Waite 1980); good for up to 2¹⁰ half turns.
 pub const PI_PARTS_F32: [f64; 2] = [3.140625, 9.676535897932384e-4];
-/// The same for f64, with 33 bits in the first part.
+/// Two parts of π for f64, with 33 bits in the first.
 pub const PI_PARTS_F64: [f64; 2] = [3.141_592_653_468_251_2, 1.215_420_101_301_238e-10];
 
-/// Sine and cosine of `x` (rad): half turns are taken out, then both series are summed on
+/// Sine and cosine of `x` (rad): half turns are removed, then both series are summed on
 /// [−π/2, π/2], which leaves no quadrant to choose and hence no branch.
 ///
-/// Exactly odd in the sine and even in the cosine, so that mirrored starts stay mirrored.
+/// The sine is exactly odd and the cosine exactly even, so that mirrored starts stay mirrored.
 /// `pi_parts` and `series` are those of the number type, above.
 #[inline(always)]
 pub fn sin_cos_with<T: Rounding, const S: usize, const C: usize>(
@@ -79,7 +79,7 @@ pub fn sin_cos_with<T: Rounding, const S: usize, const C: usize>(
     let half_turns = (x * x.lit(std::f64::consts::FRAC_1_PI)).nearest();
     let r = half_turns.mul_add(x.lit(-pi_parts[0]), x);
     let r = half_turns.mul_add(x.lit(-pi_parts[1]), r);
-    // (−1)^half_turns, from how far half of it is from an integer: 0 or ±½.
+    // (−1)^half_turns, from the distance of half of it from the nearest integer: 0 or ±½.
     let half = half_turns * x.lit(0.5);
     let odd = half - half.nearest();
     let sign = (odd * odd).mul_add(x.lit(-8.0), x.lit(1.0));
@@ -92,8 +92,8 @@ pub fn sin_cos_with<T: Rounding, const S: usize, const C: usize>(
     ((sin * square).mul_add(signed, signed), (cos * square).mul_add(sign, sign))
 }
 
-/// Σ termₖ xᵏ with `square` = x²: neighbours are joined first, so that half of the work need
-/// not wait for the other half (Estrin 1960).
+/// Sums termₖ xᵏ with `square` = x²: neighbouring terms are joined first, so that half of the work
+/// need not wait for the other half (Estrin 1960).
 #[inline(always)]
 fn in_pairs<T: Real, const N: usize>(x: T, square: T, terms: &[f64; N]) -> T {
     let last = (N - 1) / 2 * 2;
@@ -104,24 +104,24 @@ fn in_pairs<T: Real, const N: usize>(x: T, square: T, terms: &[f64; N]) -> T {
     sum
 }
 
-/// Two neighbours of a series: termₖ + termₖ₊₁ x.
+/// Two neighbouring terms of a series: termₖ + termₖ₊₁ x.
 #[inline(always)]
 fn pair<T: Real, const N: usize>(x: T, terms: &[f64; N], k: usize) -> T {
     if k + 1 < N { x.mul_add(x.lit(terms[k + 1]), x.lit(terms[k])) } else { x.lit(terms[k]) }
 }
 
-/// How the directions of a step's inner stages are found from the direction at its beginning.
+/// Method by which the directions of a step's inner stages are found from that at its beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turning {
-    /// Each by a sine and cosine of its own.
+    /// A sine and cosine computed afresh for each stage.
     Fresh,
-    /// By turning the first one through the small angle between: this many terms after the
-    /// first, of each series. A third of the work, and no range to reduce.
+    /// The first direction turned through the small angle between, with this many terms after the
+    /// first of each series. A third of the work, and no range to reduce.
     Small(usize),
 }
 
 impl Turning {
-    /// What turns through at most `most` rad need to stay within `epsilon` (relative).
+    /// The method that turns through at most `most` rad with a relative error below `epsilon`.
     pub fn within(most: f64, epsilon: f64) -> Self {
         let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
         let left = |terms: usize| most.powi(2 * terms as i32 + 2) / factorial(2 * terms + 2);
@@ -131,7 +131,7 @@ impl Turning {
             .map_or(Turning::Fresh, Turning::Small)
     }
 
-    /// `(sine, cosine)` of `angle + change`, where `direction` is that of `angle`.
+    /// Returns `(sine, cosine)` of `angle + change`, where `direction` is the pair of `angle`.
     #[inline(always)]
     pub fn turned<T: Angle>(self, direction: (T, T), angle: T, change: T) -> (T, T) {
         let Turning::Small(terms) = self else {
@@ -139,16 +139,16 @@ impl Turning {
         };
         let (sin, cos) = small_series(change, terms);
         let (y, x) = direction;
-        // cos = 1 + cos−1: the small parts are summed first.
+        // cos = 1 + (cos − 1): the small parts are summed first.
         (x.mul_add(sin, y.mul_add(cos, y)), (-y).mul_add(sin, x.mul_add(cos, x)))
     }
 }
 
-/// Few choices, because the processor's kernels are compiled for each; more terms than the last
-/// cost as much as a fresh sine and cosine.
+/// Available numbers of terms: few, because the processor's kernels are compiled for each; more
+/// terms than the last would cost as much as a fresh sine and cosine.
 pub const TURNING_TERMS: [usize; 3] = [2, 4, 6];
 
-/// `(sin x, cos x − 1)` of a small x, with `terms` terms after the first of the sine.
+/// Computes `(sin x, cos x − 1)` of a small `x`, with `terms` terms after the first of the sine.
 #[inline(always)]
 fn small_series<T: Real>(x: T, terms: usize) -> (T, T) {
     let square = x * x;
@@ -161,7 +161,7 @@ fn small_series<T: Real>(x: T, terms: usize) -> (T, T) {
     ((sin * square).mul_add(x, x), cos * square)
 }
 
-/// 1/n! with the signs of the sine (odd n) and the cosine (even n).
+/// Coefficients 1/n! with the signs of the sine (odd n) and the cosine (even n).
 const TAYLOR: [f64; 14] = {
     let mut terms = [1.0; 14];
     let (mut n, mut factorial) = (1, 1.0);
@@ -178,7 +178,7 @@ mod tests {
     use super::*;
     use std::ops::{Add, Div, Mul, Neg, Sub};
 
-    /// f64 that takes its sine from here instead of the C library.
+    /// An f64 that takes its sine from this module instead of the C library.
     #[derive(Clone, Copy, Debug)]
     struct Plain(f64);
     macro_rules! operator {

@@ -1,4 +1,4 @@
-//! The engines that are measured.
+//! The engines that a report measures.
 
 use super::{Refusal, ReportError, StopTest};
 use crate::engine::choice::{ChoiceError, INSTALL_HINT, open_checked};
@@ -7,29 +7,29 @@ use crate::engine::gpu::GpuEngine;
 use crate::engine::gpu::device::{adapters, describe};
 use crate::engine::{Engine, EngineError};
 
-/// An engine that takes part.
+/// An engine that a report measures.
 pub enum Backend {
-    /// The processor, on so many threads.
+    /// The processor, with its number of threads.
     Cpu(Box<CpuEngine>, usize),
-    /// An adapter.
+    /// A graphics adapter.
     Gpu(Box<GpuEngine>),
 }
 
-/// Which engines are wanted.
+/// Selection of the engines to measure.
 #[derive(Clone, Debug, Default)]
 pub struct BackendFilter {
-    /// Without the processor.
+    /// True to leave out the processor.
     pub only_gpu: bool,
-    /// Without adapters.
+    /// True to leave out the adapters.
     pub only_cpu: bool,
-    /// Part of the names of the adapters wanted.
+    /// Case-insensitive part of the requested adapters' names.
     pub adapter: Option<String>,
     /// Threads of the CPU engine.
     pub threads: Option<usize>,
 }
 
 impl Backend {
-    /// As the engine that it is.
+    /// Returns the backend as an engine.
     pub fn engine(&mut self) -> &mut dyn Engine {
         match self {
             Backend::Cpu(engine, _) => engine.as_mut(),
@@ -53,7 +53,7 @@ impl Backend {
         }
     }
 
-    /// Threads of the processor that it computes on, if that is what computes.
+    /// Number of threads if the processor computes, `None` for an adapter.
     pub fn threads(&self) -> Option<usize> {
         match self {
             Backend::Cpu(_, threads) => Some(*threads),
@@ -61,12 +61,12 @@ impl Backend {
         }
     }
 
-    /// Its full name.
+    /// The engine's full name: `cpu` or `gpu`, and the adapter.
     pub fn full_name(&self) -> String {
         format!("{}: {}", self.name(), self.adapter())
     }
 
-    /// See [`short_name`].
+    /// The engine's short name, by [`short_name`].
     pub fn short_name(&self) -> String {
         short_name(self.name(), &self.adapter())
     }
@@ -80,7 +80,7 @@ pub fn short_name(engine: &str, adapter: &str) -> String {
     }
 }
 
-/// Starts every engine wanted that is here; those that do not start are refusals.
+/// Starts every requested engine of this machine; adapters that do not start become refusals.
 pub fn discover(
     field: &BackendFilter,
     stop: StopTest,
@@ -109,7 +109,7 @@ pub fn discover(
     Ok((backends, refusals))
 }
 
-/// The adapters that are wanted; to ask for one that is not there is an error.
+/// Returns the requested adapters; requesting one that is not present is an error.
 fn fitting(field: &BackendFilter) -> Result<Vec<wgpu::Adapter>, ChoiceError> {
     if field.only_cpu {
         return Ok(Vec::new());

@@ -1,4 +1,4 @@
-//! What every speed is a multiple of: the loop that one would write first.
+//! The baseline of every speed: the loop that one would write first.
 
 use std::time::Instant;
 
@@ -6,10 +6,10 @@ use crate::engine::Question;
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, Outcome, State, Status, flip, integrator};
 
-/// Its step in seconds.
+/// Step of the loop in seconds.
 pub const STEP_SECS: f64 = 1.0 / 120.0;
 
-/// One pendulum by plain RK4 in f64 at 120 steps a second.
+/// Integrates one pendulum by plain RK4 in f64 at 120 steps per second.
 pub fn outcome(question: &Question, angle: [Dd; 2]) -> Outcome {
     let pendulum = question.build.pendulum();
     let steps = (question.budget_secs / STEP_SECS).round() as u32;
@@ -29,7 +29,7 @@ pub fn outcome(question: &Question, angle: [Dd; 2]) -> Outcome {
     Outcome::without_time(Status::Unflipped)
 }
 
-/// Microseconds that one start takes the loop, on one core.
+/// Microseconds per start that the loop takes on one core.
 pub fn us_per_pixel(question: &Question, starts: &[[Dd; 2]]) -> f64 {
     let begun = Instant::now();
     for &angle in starts {

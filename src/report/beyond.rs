@@ -1,4 +1,4 @@
-//! Measurements in windows: `balanced` beside the truth, and `exact` where flips come late.
+//! Measurements in windows: `balanced` against the truth, and `exact` where flips come late.
 
 use serde::Serialize;
 
@@ -15,58 +15,58 @@ use crate::engine::trust::TrustEngine;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::physics::{Dd, Outcome, Rule, Status};
 
-/// A window, and how right `balanced` is in it.
+/// A window, and the errors of `balanced` in it.
 #[derive(Clone, Debug, Serialize)]
 pub struct WindowRow {
-    /// Its name.
+    /// Name of the window.
     pub window: String,
-    /// Where it is.
+    /// Centre and width of the window, in words.
     pub place: String,
-    /// Which bob is watched.
+    /// The bob or bobs that are watched.
     pub rule: Rule,
-    /// What answered.
+    /// Short name of the engine that answered.
     pub engine: String,
-    /// How.
+    /// The integrator config of the answers.
     #[serde(flatten, serialize_with = "as_words")]
     pub config: IntegratorConfig,
-    /// What it was compared with.
+    /// The truth that the answers were compared with, in words.
     pub judge: &'static str,
-    /// How far it is off.
+    /// Errors of the answers.
     #[serde(flatten)]
     pub errors: Errors,
-    /// When its starts flip.
+    /// Flip times of the window's starts.
     #[serde(flatten)]
     pub flips: Flips,
-    /// The least share of right pixels that was hoped for.
+    /// The target: the least share of right pixels.
     pub least_right: f64,
 }
 
-/// A late window, and what checking is worth in it.
+/// A window of late flips, and the results of checking in it.
 #[derive(Clone, Debug, Serialize)]
 pub struct LateRow {
-    /// Its name.
+    /// Name of the window.
     pub window: String,
-    /// Where it is.
+    /// Centre and width of the window, in words.
     pub place: String,
-    /// What answered.
+    /// Short name of the engine that answered.
     pub engine: String,
-    /// When its starts flip.
+    /// Flip times of the window's starts.
     #[serde(flatten)]
     pub flips: Flips,
-    /// What came of the checks.
+    /// Results of the checks.
     pub checks: Checks,
-    /// Starts about which the gold standard was asked too.
+    /// Number of starts that the gold standard answered as well.
     pub gold_asked: usize,
-    /// And those on which it does not agree with the truth used here.
+    /// Number of those on which it disagrees with the truth used here.
     pub gold_disagrees: usize,
 }
 
-/// When starts flip in truth.
+/// Statistics of the true flip times.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Flips {
-    /// The share that does not flip within the budget.
+    /// Share of starts that do not flip within the budget.
     pub unflipped: Option<f64>,
-    /// The median of the times of those that do, s.
+    /// Median flip time of the others, s.
     pub median_secs: Option<f64>,
 }
 
@@ -83,7 +83,7 @@ impl Flips {
 }
 
 impl Bench<'_> {
-    /// `balanced` in a window.
+    /// Measures `balanced` in a window.
     pub fn window(&self, window: &Window, backend: &mut Backend) -> Result<WindowRow, ReportError> {
         let config = recipe_for(backend.engine(), Accuracy::Balanced)?;
         self.window_with(window, backend, config)
@@ -113,7 +113,7 @@ impl Bench<'_> {
         })
     }
 
-    /// `exact` in a window of late flips, beside double-double.
+    /// Measures `exact` in a window of late flips, against double-double.
     pub fn late(&self, window: &Window, backend: &mut Backend) -> Result<LateRow, ReportError> {
         let config = recipe_for(backend.engine(), Accuracy::Exact)?;
         let (question, starts) = (window.question(), window.starts(self.care.late_starts));
@@ -142,7 +142,7 @@ impl Bench<'_> {
     }
 }
 
-/// How many outcomes are further apart than right means.
+/// Number of outcomes that are further apart than [`RIGHT_SECS`].
 fn disagreements(a: &[Outcome], b: &[Outcome]) -> usize {
     a.iter().zip(b).filter(|(a, b)| apart(a, b) > RIGHT_SECS).count()
 }

@@ -6,7 +6,7 @@ use super::plan::{self, BALANCED, BALANCED_DF32};
 use super::{Checks, Flips, Report, Row};
 use crate::engine::Accuracy;
 
-/// The accuracy levels; nothing while there is no row of any.
+/// The chapter on the accuracy levels, or `None` while no level has a row.
 pub fn levels(report: &Report) -> Option<Section> {
     let levels = level_table(report);
     if levels.rows.is_empty() {
@@ -81,13 +81,13 @@ fn exact_table(report: &Report) -> Table {
     Table::new("Exact: pixels by trust", &head, rows.collect())
 }
 
-/// Balanced in df32 beside f64, on the adapters that have both.
+/// The table of balanced in df32 beside balanced in f64, on the adapters that have both.
 fn forced_table(report: &Report) -> Table {
     let head = ["engine", "f64, µs/pixel", "df32, µs/pixel", "times slower", "right in df32"];
     let in_f64 = rows_with(report, BALANCED);
     let rows = rows_with(report, BALANCED_DF32).into_iter().map(|forced| {
         let beside = in_f64.iter().find(|row| row.full_name() == forced.full_name());
-        // Multiples of the scalar loop, because they stand what disturbs a shared machine.
+        // From multiples of the scalar loop, which withstand what disturbs a shared machine.
         let slower = beside.map(|row| row.times_scalar / forced.times_scalar);
         vec![
             forced.short_name(),
@@ -100,7 +100,7 @@ fn forced_table(report: &Report) -> Table {
     Table::new("Balanced forced to df32", &head, rows.collect())
 }
 
-/// Everything away from the home map.
+/// The chapters on measurements away from the home map.
 pub fn beyond(report: &Report) -> Vec<Section> {
     [windows(report), late(report), hard(report)].into_iter().flatten().collect()
 }

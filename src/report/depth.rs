@@ -1,8 +1,9 @@
-//! Deep zoom, measured: how right, how many steps and how long a pixel takes, from a view a
-//! thousandth wide down to 1e-50.
+//! Measurements of deep zoom: share of right pixels, steps and time per pixel, in views from 2e-3
+//! down to 2e-50 rad wide.
 //!
 //! The truth about a pixel is the gold standard in fixed-point numbers long enough for its depth,
-//! each pixel integrated on its own from its release: nothing in common with start maps.
+//! with each pixel integrated on its own from its release: it has nothing in common with start
+//! maps.
 
 use std::time::Instant;
 
@@ -20,51 +21,51 @@ use crate::scene::{Budget, Scene, View};
 use crate::tiles::preview::preview;
 use crate::tiles::{Samples, Work};
 
-/// A place on the way down a filament, found by going deeper from 1.0, 2.0.
+/// A view on a filament, found by zooming in from (1.0, 2.0).
 #[derive(Clone, Copy, Debug)]
 pub struct FilamentPlace {
-    /// θ1, θ2, rad.
+    /// θ1, θ2 of the centre, rad.
     pub center: [&'static str; 2],
     /// Width of the view, rad.
     pub width: &'static str,
 }
 
-/// Pixels along each side of the picture that is compared.
+/// Pixels along each side of the picture that is compared with the truth.
 const SIDE: u32 = 24;
-/// And of the one that is timed.
+/// Pixels along each side of the picture that is timed.
 const TIMED_SIDE: u32 = 128;
-/// How often that is timed, after once to warm up.
+/// Number of timed pictures, after one to warm up.
 const ROUNDS: usize = 3;
 
-/// A config at a depth.
+/// Results of a config in a deep view.
 #[derive(Clone, Debug, Serialize)]
 pub struct DepthRow {
-    /// What answered.
+    /// Short name of the engine that answered.
     pub engine: String,
-    /// How pixels were integrated from where the start map ends.
+    /// The integrator config of the pixels from where the start map ends.
     #[serde(flatten, serialize_with = "as_words")]
     pub config: IntegratorConfig,
     /// Width of the view, rad.
     pub width_rad: f64,
-    /// The budget that follows it, s.
+    /// Budget of the view, which follows its width, s.
     pub budget_secs: f64,
-    /// Decimal digits in which the middle is followed; 0 where every pixel begins at its release.
+    /// Decimal digits in which the anchor is followed; 0 if every pixel begins at its release.
     pub digits: u32,
-    /// Seconds until the first picture of 24 × 24 is there: the reference, mostly.
+    /// Seconds until the first picture of 24 × 24 is complete, mostly spent on the reference.
     pub first_secs: f64,
-    /// How far it is off.
+    /// Errors of the answers.
     #[serde(flatten)]
     pub errors: Errors,
-    /// Right-hand sides for a pixel of a larger picture.
+    /// Right-hand side evaluations per pixel of the larger, timed picture.
     pub rhs_per_pixel: f64,
-    /// Steps tried for it.
+    /// Steps tried per pixel of that picture.
     pub steps_per_pixel: f64,
-    /// Microseconds for it, once the reference is known: the median of the rounds.
+    /// Microseconds per pixel of that picture, with the reference known: the median of the rounds.
     pub us_per_pixel: f64,
 }
 
 impl FilamentPlace {
-    /// The view, with a budget that follows its depth.
+    /// The scene of the view, with a budget that follows its depth.
     fn scene(&self) -> Scene {
         let center = self.center.map(str::to_string);
         let view = View { center, width: self.width.to_string(), ..View::default() };
@@ -74,12 +75,12 @@ impl FilamentPlace {
         scene
     }
 
-    /// How wide it is, rad.
+    /// Width of the view, rad.
     fn width_rad(&self) -> f64 {
         self.scene().view.width_rad().to_f64()
     }
 
-    /// The truth about some pixels of the picture that is compared.
+    /// Computes the truth about some pixels of the picture that is compared.
     fn truth(&self, pixels: &[usize], stop: StopTest) -> Result<Vec<Outcome>, ReportError> {
         let one = |pixel: &usize| {
             if stop() {
@@ -109,7 +110,7 @@ impl FilamentPlace {
     }
 }
 
-/// Truths that were asked for, so that every config can be compared with the same.
+/// Cache of the truths computed so far, so that every config is compared with the same ones.
 #[derive(Debug, Default)]
 pub struct Truths(Vec<(&'static str, Vec<(usize, Outcome)>)>);
 
@@ -125,7 +126,7 @@ impl Truths {
             Some(known) => known,
             None => {
                 let all = (SIDE * SIDE) as usize;
-                // Evenly spread over the picture, no two in one row and column.
+                // Evenly spread over the picture, no pixel twice.
                 let pixels: Vec<usize> =
                     (0..count).map(|k| (k * all + all / 2) / count.max(1)).collect();
                 let truth = place.truth(&pixels, stop)?;
@@ -138,7 +139,7 @@ impl Truths {
 }
 
 impl Bench<'_> {
-    /// A config at a place.
+    /// Measures a config at a place.
     pub fn depth(
         &self,
         place: &FilamentPlace,
@@ -194,7 +195,8 @@ impl Bench<'_> {
     }
 }
 
-/// The places, each a thousand times narrower than the one before, and two far below.
+/// The places: each a thousand times narrower than the one before down to 2e-18, then 2e-22, 2e-30
+/// and 2e-50 rad.
 pub const PLACES: [FilamentPlace; 9] = [
     FilamentPlace { center: ["1.186751171875", "2.043855078125"], width: "2e-3" },
     FilamentPlace { center: ["1.186731091796875", "2.044025366796875"], width: "2e-6" },

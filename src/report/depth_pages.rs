@@ -20,7 +20,7 @@ const PLOTS: [(&str, &str, Value); 3] = [
     ("Time of a pixel, over the width", "µs per pixel", |row| Some(row.us_per_pixel)),
 ];
 
-/// Deep zoom, engine by engine; nothing while there is no row of it.
+/// The chapters on deep zoom, one for each engine that has rows of it.
 pub fn depth(report: &Report) -> Result<Vec<Section>, ReportError> {
     let engines = report.depth.chunk_by(|a, b| a.engine == b.engine);
     engines.map(of_engine).collect()

@@ -1,5 +1,5 @@
-//! What checking is worth: answers that say how sure they are, beside the truth and beside those
-//! that nobody checked.
+//! The benefit of checking: answers with their trust, compared with the truth and with the same
+//! config's unchecked answers.
 
 use serde::Serialize;
 
@@ -15,41 +15,41 @@ use crate::physics::{Dd, Outcome};
 /// A pixel answered with and without checks.
 #[derive(Clone, Copy, Debug)]
 pub struct Checked {
-    /// What came of checking.
+    /// The answer with checks.
     pub answer: Outcome,
-    /// How sure it is.
+    /// Trust in that answer.
     pub trust: Trust,
-    /// What there is without.
+    /// The answer without checks.
     pub unchecked: Outcome,
-    /// What is true.
+    /// The true outcome.
     pub truth: Outcome,
 }
 
-/// The answers of `exact`, counted.
+/// Counts of the answers of `exact`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Checks {
-    /// How many pixels.
+    /// Number of pixels.
     pub pixels: usize,
-    /// Those with which a cheap check agreed,
+    /// Pixels with which a cheap check agreed.
     pub agreed: usize,
-    /// with which an expensive one did,
+    /// Pixels that an expensive check confirmed.
     pub confirmed: usize,
-    /// that were decided in double-double,
+    /// Pixels that double-double decided.
     pub settled: usize,
-    /// and that were marked as uncertain.
+    /// Pixels marked as uncertain.
     pub marked: usize,
-    /// Those wrong and not marked: there must be none.
+    /// Wrong pixels that are not marked: there must be none.
     pub unmarked_wrong: usize,
-    /// Those that the same config without checks has wrong,
+    /// Pixels that the same config gets wrong without checks.
     pub unchecked_wrong: usize,
-    /// and of these those that are right now,
+    /// Pixels of `unchecked_wrong` that are right with checks.
     pub corrected: usize,
-    /// and those that are not, but marked.
+    /// Pixels of `unchecked_wrong` that are still wrong, but marked.
     pub wrong_but_marked: usize,
 }
 
 impl Checks {
-    /// Counts.
+    /// Counts `pixels`.
     pub fn of(pixels: &[Checked]) -> Self {
         let count =
             |fits: &dyn Fn(&Checked) -> bool| pixels.iter().filter(|pixel| fits(pixel)).count();
@@ -69,12 +69,12 @@ impl Checks {
         }
     }
 
-    /// Those wrong without checks that checking corrected or marked.
+    /// Number of pixels wrong without checks that checking corrected or marked.
     pub fn caught(&self) -> usize {
         self.corrected + self.wrong_but_marked
     }
 
-    /// The share marked as uncertain.
+    /// Share of pixels marked as uncertain, or `None` if there are no pixels.
     pub fn marked_share(&self) -> Option<f64> {
         (self.pixels > 0).then(|| self.marked as f64 / self.pixels as f64)
     }
@@ -97,7 +97,7 @@ impl std::iter::Sum for Checks {
 }
 
 impl Checked {
-    /// Puts answers side by side.
+    /// Combines the answers pixel by pixel.
     pub fn all(
         answers: &[Outcome],
         trusts: &[Trust],
@@ -128,7 +128,7 @@ impl Checked {
     }
 }
 
-/// The first config of `level` that the engine has.
+/// Returns the first config of `level` that the engine offers.
 pub fn recipe_for(engine: &dyn Engine, level: Accuracy) -> Result<IntegratorConfig, ReportError> {
     let offered = level.configs().into_iter().find(|config| engine.offers(config));
     let none = || EngineError::Unsupported(format!("it has no recipe for the accuracy {level}"));
@@ -136,7 +136,7 @@ pub fn recipe_for(engine: &dyn Engine, level: Accuracy) -> Result<IntegratorConf
 }
 
 impl Bench<'_> {
-    /// The row of the level `exact`, with what its checks found.
+    /// Measures the row of the level `exact`, with the results of its checks.
     pub fn exact(&self, backend: &mut Backend) -> Result<Row, ReportError> {
         let config = recipe_for(backend.engine(), Accuracy::Exact)?;
         let mut row = Row::new(backend, config);
@@ -153,8 +153,8 @@ impl Bench<'_> {
         Ok(row)
     }
 
-    /// Asks the gold standard again, in double-double, wherever it is contradicted: among so
-    /// many starts, it is not always the answer that is wrong.
+    /// Asks the gold standard again, in double-double, about every pixel that contradicts it: among
+    /// so many starts, it is not always the answer that is wrong.
     fn judge_again(&self, compared: &mut Compared, unchecked: &[Outcome]) {
         let contradicted = contradicted(&compared.pairs(), unchecked, &compared.truth);
         let starts: Vec<[Dd; 2]> = contradicted.iter().map(|&i| compared.starts[i]).collect();
@@ -164,7 +164,7 @@ impl Bench<'_> {
     }
 }
 
-/// The numbers of the pixels in which either answer is not the truth.
+/// Indices of the pixels for which either answer contradicts the truth.
 fn contradicted(pairs: &[OutcomePair], unchecked: &[Outcome], truth: &[Outcome]) -> Vec<usize> {
     let is_fine = |i: usize| is_right(&pairs[i]) && is_right(&(unchecked[i], truth[i]));
     (0..pairs.len()).filter(|&i| !is_fine(i)).collect()

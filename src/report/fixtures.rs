@@ -1,9 +1,9 @@
-//! A report that nobody measured, for the tests of those that write it.
+//! An invented report for the tests of the code that writes reports.
 
 use super::*;
 use crate::physics::{Outcome, Status};
 
-/// Two rows and a refusal of an engine, one measurement missing.
+/// A report with two rows, a refusal by an engine, and one measurement missing.
 pub fn report() -> Report {
     let flip = |time| Outcome::flipped(time);
     let still = Outcome::without_time(Status::Unflipped);

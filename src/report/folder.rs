@@ -1,4 +1,4 @@
-//! The folder that a report is kept in: three files, each whole at every moment.
+//! The folder that holds a report: three files, each complete at every moment.
 
 use std::fs;
 use std::io::{self, Write};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::{Report, ReportError, html, markdown, pages};
 use crate::output::{Destination, SafeFile};
 
-/// The files by name.
+/// Names of the files.
 pub const NAMES: [&str; 3] = ["report.json", "report.md", "report.html"];
 
 /// A folder that can be written to.
@@ -15,8 +15,8 @@ pub const NAMES: [&str; 3] = ["report.json", "report.md", "report.html"];
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// Makes the folder, and refuses one in which the files could not be written. Files that
-    /// are there stay as they are.
+    /// Creates the folder and checks that the files can be written there. Existing files stay as
+    /// they are.
     pub fn create(path: &Path) -> Result<Self, ReportError> {
         let failed = |why: io::Error| {
             let path = path.display().to_string();
@@ -33,12 +33,12 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.0
     }
 
-    /// Puts the report in place of the one before.
+    /// Writes the report in place of the previous one.
     pub fn write(&self, report: &Report) -> Result<(), ReportError> {
         let sections = pages::sections(report)?;
         let title = pages::title(report);

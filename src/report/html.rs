@@ -1,4 +1,4 @@
-//! A report as one page that needs nothing else.
+//! A report as one self-contained HTML page.
 
 use std::fmt::Write;
 
@@ -22,7 +22,7 @@ svg { max-width: 100%; height: auto; }
 svg text { fill: currentColor; }
 ";
 
-/// The page.
+/// Writes the page.
 pub fn write(title: &str, sections: &[Section]) -> String {
     let title = escaped(title);
     let mut page = format!(

@@ -1,4 +1,4 @@
-//! Which rows of a report speak of which accuracy level.
+//! Selection of the report's rows by accuracy level.
 
 use super::{Report, Row};
 use crate::engine::{Accuracy, IntegratorConfig};
@@ -8,8 +8,8 @@ pub fn rows_with(report: &Report, config: IntegratorConfig) -> Vec<&Row> {
     report.rows.iter().filter(|row| row.config == config).collect()
 }
 
-/// The rows of a level, one for each engine: that with the first of its configs that the engine
-/// has, or of a level that verifies that in which it did.
+/// The rows of a level, one for each engine: the row with the first of the level's configs that the
+/// engine has, or, for a level that verifies, the row measured with its checks.
 pub fn rows_at(report: &Report, level: Accuracy) -> Vec<&Row> {
     if level.verifies() {
         return report.exact.iter().collect();

@@ -1,4 +1,4 @@
-//! What a report was measured on.
+//! The machine that a report was measured on.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -17,12 +17,12 @@ pub struct Machine {
     pub engines: Vec<String>,
     /// Version of flipmap.
     pub flipmap: String,
-    /// Year-month-day, UTC.
+    /// Year-month-day, UTC, of the measurement.
     pub date: String,
 }
 
 impl Machine {
-    /// This one, with the engines found on it.
+    /// The machine that this process runs on, with the engines found on it.
     pub fn here(engines: Vec<String>) -> Self {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Machine {
@@ -36,7 +36,7 @@ impl Machine {
     }
 }
 
-/// What Linux and Windows call the processor; elsewhere its architecture.
+/// The processor's name on Linux and Windows; elsewhere its architecture.
 fn cpu_model() -> String {
     let listed = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = listed.lines().find_map(|line| {
@@ -48,8 +48,8 @@ fn cpu_model() -> String {
         .unwrap_or_else(|| std::env::consts::ARCH.to_string())
 }
 
-/// The date so many days after 1970-01-01 (Hinnant's *chrono-compatible low-level date
-/// algorithms*: years begin in March, so that the leap day is the last).
+/// The date `days` days after 1970-01-01 (Hinnant's *chrono-compatible low-level date algorithms*:
+/// years begin in March, so that the leap day is the last).
 fn date(days: u64) -> String {
     let days = days + 719_468;
     let (era, day_of_era) = (days / 146_097, days % 146_097);

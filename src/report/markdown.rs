@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::pages::{Block, Section, Table};
 
-/// The sections below a title.
+/// Writes the sections below a title.
 pub fn write(title: &str, sections: &[Section]) -> String {
     let mut text = format!("# {title}\n");
     for section in sections {
@@ -40,7 +40,7 @@ fn write_table(text: &mut String, table: &Table) {
     }
 }
 
-/// Text with everything escaped that Markdown would take for its own.
+/// The text with every character escaped that Markdown would interpret.
 fn plain(text: &str) -> String {
     let mut plain = String::new();
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! One row: an engine with a config, its speed and its errors.
+//! Measurement of one row: an engine with a config, its speed and its errors.
 
 use super::backend::Backend;
 use super::plan::Thoroughness;
@@ -11,46 +11,46 @@ use crate::physics::{Dd, Outcome};
 
 /// Starts of the first run, which compiles kernels, and of the second, which is timed roughly.
 const FIRST_STARTS: usize = 64;
-/// A run of fewer is no measurement.
+/// Least number of starts that makes a measurement.
 const LEAST_STARTS: usize = 256;
-/// The same of a fast config: the last, longest pendulums must not be most of the time. Graphics
-/// cards, in software too, want full jobs to show what they can do.
+/// Least number of starts for a fast config: the last, longest pendulums must not take most of the
+/// time. Graphics cards, including software ones, need full jobs to show their speed.
 const LEAST_STARTS_OF_FAST: usize = 1 << 14;
-/// See [`LEAST_STARTS_OF_FAST`].
+/// Least number of starts for a fast config on an adapter; see [`LEAST_STARTS_OF_FAST`].
 const LEAST_STARTS_OF_GPU: usize = 1 << 16;
-/// See [`least_starts_of_exact`].
+/// Least number of starts for a fast config with checks; see [`least_starts_of_exact`].
 const LEAST_STARTS_OF_EXACT: usize = 1 << 17;
 
-/// What measuring needs besides an engine and a config.
+/// The context of a measurement besides an engine and a config.
 pub struct Bench<'a> {
-    /// The starts.
+    /// The starts, and the truth about some of them.
     pub test_set: &'a TestSet,
-    /// How carefully.
+    /// The thoroughness of the report.
     pub care: &'a Thoroughness,
-    /// Threads of the processor where it checks or judges; one for every core if nothing is said.
+    /// Threads of the processor where it checks or judges; `None` for one per core.
     pub threads: Option<usize>,
-    /// Whether to give up.
+    /// Test that returns true to abandon the measurement.
     pub stop: StopTest<'a>,
 }
 
-/// Repeated times of a run and, between them, of the scalar loop on some of the same starts.
+/// Repeated times of a run, and of the scalar loop on some of the same starts between the runs.
 struct Times {
     us: Vec<f64>,
     scalar_us: Vec<f64>,
 }
 
-/// Answers beside the truth.
+/// Answers with the truth about them.
 pub struct Compared {
-    /// The starts asked about.
+    /// The starts that were asked about.
     pub starts: Vec<[Dd; 2]>,
     /// The gold standard's answers.
     pub truth: Vec<Outcome>,
-    /// The engine's.
+    /// The engine's answers.
     pub ran: TimedRun,
 }
 
 impl Compared {
-    /// Each answer with its truth.
+    /// Pairs each answer with its truth.
     pub fn pairs(&self) -> Vec<OutcomePair> {
         self.ran.outcomes.iter().copied().zip(self.truth.iter().copied()).collect()
     }
@@ -65,8 +65,8 @@ impl Bench<'_> {
         Ok(row)
     }
 
-    /// Measures what a new row says of `engine`, by the clock on at least so many starts; returns
-    /// the answers it was compared by.
+    /// Fills a new row with measurements of `engine`, timed on at least `least` starts; returns the
+    /// answers that its errors come from.
     pub fn fill(
         &self,
         row: &mut Row,
@@ -98,8 +98,8 @@ impl Bench<'_> {
         Ok(compared)
     }
 
-    /// What a kernel made for its scene gains over one that reads the scene as data; nothing
-    /// for the processor, which has one kind only.
+    /// Measures the gain of a kernel made for its scene over one that reads the scene as data;
+    /// `None` for the processor, which has only one kind.
     pub fn specialising(
         &self,
         backend: &mut Backend,
@@ -138,7 +138,7 @@ impl Bench<'_> {
         }))
     }
 
-    /// The home map's starts through an engine.
+    /// Runs starts of the home map through an engine.
     pub fn run(
         &self,
         engine: &mut dyn Engine,
@@ -148,7 +148,7 @@ impl Bench<'_> {
         stopwatch::run(engine, &self.test_set.question, config, starts, self.stop)
     }
 
-    /// Microseconds a pixel, too many rather than too few, after everything is compiled.
+    /// Microseconds per pixel once everything is compiled, rather too many than too few.
     fn rough_us(
         &self,
         engine: &mut dyn Engine,
@@ -159,7 +159,7 @@ impl Bench<'_> {
         Ok(self.run(engine, config, &few)?.us_per_pixel)
     }
 
-    /// The engine's answers beside the truth, for as many of the sample as there is time for.
+    /// Compares the engine with the truth, on as many starts of the sample as time allows.
     fn compare(
         &self,
         engine: &mut dyn Engine,
@@ -173,7 +173,7 @@ impl Bench<'_> {
         Ok(Compared { starts, truth, ran })
     }
 
-    /// As many starts as fill a round, warmed up.
+    /// Returns as many starts as fill a round, after a warm-up run on them.
     fn timed_starts(
         &self,
         engine: &mut dyn Engine,
@@ -185,7 +185,7 @@ impl Bench<'_> {
             let count = (self.care.round_secs * 1e6 / us) as usize;
             spread(&self.test_set.starts, count.max(least))
         };
-        // A first guess from few starts is too slow: graphics cards want to be full.
+        // The first guess from few starts is too slow: graphics cards need to be full.
         let guess = fill(rough_us);
         let us = self.run(engine, config, &guess)?.us_per_pixel;
         if us * 2.0 > rough_us {
@@ -202,7 +202,7 @@ impl Bench<'_> {
     }
 }
 
-/// A run of fewer starts is no measurement of a config.
+/// Least number of starts that makes a measurement of a config.
 pub fn least_starts(config: &IntegratorConfig, is_gpu: bool) -> usize {
     match (is_slow(config), is_gpu) {
         (true, _) => LEAST_STARTS,
@@ -211,7 +211,7 @@ pub fn least_starts(config: &IntegratorConfig, is_gpu: bool) -> usize {
     }
 }
 
-/// The same where each start is checked: several jobs must be on their way, because each waits
+/// Least number of starts where each is checked: several jobs must be in flight, because each waits
 /// for its most doubtful pixel.
 pub fn least_starts_of_exact(config: &IntegratorConfig) -> usize {
     if is_slow(config) { LEAST_STARTS } else { LEAST_STARTS_OF_EXACT }
@@ -222,8 +222,8 @@ fn is_slow(config: &IntegratorConfig) -> bool {
 }
 
 impl Times {
-    /// Medians of the rounds; the multiple is that of each round, not of the medians, because
-    /// what disturbs a shared machine lasts longer than a round.
+    /// Writes the medians of the rounds to `row`; the multiple is formed round by round, not from
+    /// the medians, because disturbances on a shared machine last longer than a round.
     fn put(&self, row: &mut Row) {
         let fold = |f: fn(f64, f64) -> f64| self.us.iter().copied().reduce(f).unwrap_or(f64::NAN);
         let multiples: Vec<f64> =
@@ -238,7 +238,7 @@ impl Times {
     }
 }
 
-/// Why an engine does not offer a config, if that is what an error says.
+/// Returns the reason an engine does not offer a config, if the error gives one.
 pub fn refusal(error: &ReportError) -> Option<String> {
     match error {
         ReportError::Engine(EngineError::Unsupported(why)) => Some(why.clone()),

@@ -1,9 +1,9 @@
-//! What this machine's engines are worth: speed against error, measured.
+//! Reports on this machine's engines: speed against error, measured.
 //!
-//! A [`Session`] works through a list of tasks ([`plan`]) on the same [`Ground`]: the open
-//! starts of the home map and the gold standard's answers to some of them. After each task the
-//! [`Report`] is complete in itself and says what is still missing; [`pages`] lays it out for
-//! people, [`Folder`] writes it.
+//! A [`Session`] works through a list of tasks ([`plan`]) on the same [`TestSet`]: the open starts
+//! of the home map and the gold standard's answers to some of them. After each task the [`Report`]
+//! is complete in itself and lists what is still missing; [`pages`] lays it out for readers, and
+//! [`Folder`] writes it.
 
 pub mod backend;
 pub mod baseline;
@@ -54,16 +54,16 @@ pub use statistics::{Band, Errors};
 pub use targets::Target;
 pub use test_set::TestSet;
 
-/// Asked again and again: whether to stop.
+/// Stop test, polled throughout the work: returns true to stop it.
 pub type StopTest<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// Why there is no more of a report.
+/// The reason a report ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// As was asked for.
+    /// Stopped on request.
     #[error("stopped")]
     Stopped,
-    /// No engine fits what was asked for.
+    /// No engine fits the request.
     #[error(transparent)]
     Choice(#[from] ChoiceError),
     /// An engine failed.
@@ -72,97 +72,97 @@ pub enum ReportError {
     /// A file could not be written.
     #[error("cannot write {path}: {why}")]
     Write {
-        /// Which.
+        /// Path of the file.
         path: String,
-        /// Why.
+        /// The I/O error.
         why: std::io::Error,
     },
-    /// A plot could not be drawn, or a table not be written as JSON.
+    /// A plot could not be drawn, or a table could not be written as JSON.
     #[error("cannot lay out the report: {0}")]
     Layout(String),
 }
 
-/// Everything measured so far.
+/// The results of all measurements so far.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What it was measured on.
+    /// The machine that was measured.
     pub machine: Machine,
-    /// With fewer settings and starts.
+    /// True if measured with fewer settings and starts.
     pub quick: bool,
-    /// Starts compared with the gold standard, at most.
+    /// Largest number of starts compared with the gold standard.
     pub sample: usize,
-    /// Whether nothing is missing.
+    /// True if nothing is missing.
     pub complete: bool,
-    /// Measurements that were planned and not made.
+    /// Planned measurements that have not been made.
     pub missing: Vec<String>,
-    /// Engine by engine, config by config.
+    /// Speed and errors, engine by engine, config by config.
     pub rows: Vec<Row>,
-    /// What the engines do not offer.
+    /// Requests that an engine refused.
     pub not_offered: Vec<Refusal>,
-    /// What kernels made for their scene gain.
+    /// Gains of kernels made for their scene.
     pub specialising: Vec<Specialising>,
-    /// Errors in angle and energy.
+    /// Errors in angle and energy, by method and time.
     pub motion: Vec<MotionError>,
-    /// What was hoped for, and what came of it.
+    /// The targets, and the results compared with them.
     pub targets: Vec<Target>,
-    /// The accuracy `exact`, engine by engine.
+    /// Rows of the accuracy `exact`, engine by engine.
     pub exact: Vec<Row>,
-    /// Windows beyond the home map.
+    /// Errors of `balanced` in windows beyond the home map.
     pub windows: Vec<WindowRow>,
-    /// `exact` beside double-double, where flips come late.
+    /// Comparison of `exact` with double-double, where flips come late.
     pub late: Vec<LateRow>,
-    /// Deep zoom, place by place.
+    /// Results of deep zoom, place by place.
     pub depth: Vec<DepthRow>,
-    /// The hard cases.
+    /// Results of the hard cases.
     pub hard: Vec<HardRow>,
 }
 
-/// An engine with a config.
+/// Measurements of an engine with a config.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// `cpu` or `gpu`.
     pub engine: String,
-    /// Its full name.
+    /// Full name of the adapter, or the processor's threads and SIMD width.
     pub adapter: String,
-    /// Threads of the processor, where it is the processor that computes.
+    /// Number of threads if the processor computes, `None` for an adapter.
     pub threads: Option<usize>,
-    /// How it was integrated.
+    /// The integrator config that was measured.
     #[serde(flatten, serialize_with = "as_words")]
     pub config: IntegratorConfig,
-    /// Starts in each timed round.
+    /// Number of starts in each timed round.
     pub starts: usize,
-    /// Timed rounds.
+    /// Number of timed rounds.
     pub rounds: usize,
-    /// Microseconds for each integrated pixel: the median of the rounds.
+    /// Microseconds per integrated pixel: the median of the rounds.
     pub us_per_pixel: f64,
-    /// Of the fastest round.
+    /// Microseconds per pixel of the fastest round.
     pub us_least: f64,
-    /// Of the slowest round.
+    /// Microseconds per pixel of the slowest round.
     pub us_most: f64,
-    /// From the fastest to the slowest round, as a share of the median.
+    /// Difference between the slowest and the fastest round, as a share of the median.
     pub spread: f64,
-    /// What the scalar loop took between the rounds.
+    /// Microseconds per pixel of the scalar loop, run between the rounds.
     pub scalar_us_per_pixel: f64,
-    /// How many times faster than the scalar loop.
+    /// Speed as a multiple of the scalar loop's.
     pub times_scalar: f64,
-    /// Against the gold standard.
+    /// Errors against the gold standard.
     #[serde(flatten)]
     pub errors: Errors,
-    /// Right-hand sides; an expansion to order N counts as N.
+    /// Right-hand side evaluations per pixel; an expansion to order N counts as N.
     pub rhs_per_pixel: f64,
-    /// Steps tried.
+    /// Steps tried per pixel.
     pub steps_per_pixel: f64,
-    /// Share of the lanes' steps that were of use.
+    /// Share of the lanes' steps that were useful.
     pub lane_use: f64,
     /// The errors by true flip time.
     pub bands: Vec<Band>,
-    /// What came of checking every pixel, if that was done.
+    /// Results of checking every pixel, if that was done.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub checks: Option<Checks>,
 }
 
 impl Row {
-    /// A row in which nothing was measured yet.
+    /// A row without measurements yet.
     pub fn new(backend: &Backend, config: IntegratorConfig) -> Self {
         Row::named(backend.name(), &backend.adapter(), backend.threads(), config)
     }
@@ -206,34 +206,34 @@ impl Row {
     }
 }
 
-/// Something that an engine does not do.
+/// A request that an engine refused.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Refusal {
-    /// Its name.
+    /// Name of the engine.
     pub engine: String,
-    /// What it was asked for.
+    /// The request.
     pub what: String,
-    /// What it answered.
+    /// The engine's reason.
     pub reason: String,
 }
 
-/// A kernel made for its scene beside the general one.
+/// Comparison of a kernel made for its scene with the general one.
 #[derive(Clone, Debug, Serialize)]
 pub struct Specialising {
-    /// On which adapter.
+    /// Full name of the adapter.
     pub adapter: String,
-    /// How it was integrated.
+    /// The integrator config that was measured.
     #[serde(flatten, serialize_with = "as_words")]
     pub config: IntegratorConfig,
-    /// Median microseconds of the general kernel.
+    /// Median microseconds per pixel of the general kernel.
     pub general_us_per_pixel: f64,
-    /// Median microseconds of the other.
+    /// Median microseconds per pixel of the specialised kernel.
     pub specialised_us_per_pixel: f64,
-    /// How many times faster it is, the median of the rounds.
+    /// Speed-up by the specialised kernel: the median of the rounds' ratios.
     pub ratio: f64,
 }
 
-/// A config as the three texts by which files know it.
+/// Serialises a config as the three texts that stand for it in files.
 fn as_words<S: serde::Serializer>(
     config: &IntegratorConfig,
     serializer: S,

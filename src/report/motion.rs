@@ -1,7 +1,7 @@
 //! Errors in angle and energy at fixed times, against the gold standard in double-double.
 //!
-//! The methods run here as plain scalars, one pendulum at a time, with the same step-size
-//! control as in the engines. Times need not be hit: the truth is known at every moment.
+//! The methods run here as plain scalars, one pendulum at a time, with the same step size control
+//! as in the engines. Steps need not end at these times: the truth is known at every moment.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -17,10 +17,10 @@ use crate::physics::trig::Turning;
 use crate::physics::{Angle, Dd, Pendulum, Scalar, State, integrator};
 use crate::scene::Scene;
 
-/// Seconds after the release at which errors are looked at.
+/// Seconds after the release at which errors are evaluated.
 pub const TIMES_SECS: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];
 
-/// Starts (rad) that f32 holds exactly, so that every method is given the same pendulum.
+/// Starts (rad) that f32 represents exactly, so that every method gets the same pendulum.
 const GROUPS: [(&str, [[f64; 2]; 4]); 2] = [
     ("regular", [[0.5, -0.25], [0.75, 1.0], [1.0, 0.5], [0.25, -0.5]]),
     ("chaotic", [[3.0, 3.0], [2.0, 2.5], [-2.0, 3.0], [1.75, -2.5]]),
@@ -31,21 +31,21 @@ const GROUPS: [(&str, [[f64; 2]; 4]); 2] = [
 pub struct MotionError {
     /// `regular` or `chaotic`.
     pub motion: &'static str,
-    /// How it was integrated.
+    /// The integrator config that was measured.
     #[serde(flatten, serialize_with = "as_words")]
     pub config: IntegratorConfig,
     /// Seconds since the release.
     pub secs: f64,
-    /// The larger error of the two angles, rad, without whole turns.
+    /// Angle error in rad, the larger of the two, modulo whole turns.
     pub angle_rad: f64,
-    /// Error of the energy, as a share of P + Q.
+    /// Error of the energy as a share of P + Q.
     pub energy_share: f64,
 }
 
-/// A state on the way, and the reduced time at which it was reached.
+/// A state during the motion, with the reduced time at which it was reached.
 type TimedState = (f64, State<f64>);
 
-/// The errors of every config; those that are none for a plain scalar are left out.
+/// Computes the errors of every config; a precision other than f32 runs as f64.
 pub fn errors(
     configs: &[IntegratorConfig],
     stop: StopTest,
@@ -96,7 +96,7 @@ fn worst(
     worst
 }
 
-/// The motion in double-double, every step of it kept.
+/// The motion in double-double, with all its steps.
 struct Truth {
     start: [f64; 2],
     steps: Vec<TaylorStep<Dd>>,
@@ -113,7 +113,7 @@ impl Truth {
         Truth { start, steps }
     }
 
-    /// Of the angles (rad) and of the energy (share of P + Q).
+    /// Errors of the angles (rad) and of the energy (share of P + Q).
     fn error(&self, pendulum: &Pendulum<f64>, (time, state): &TimedState) -> [f64; 2] {
         let time = Dd::new(*time);
         let after = self.steps.partition_point(|step| step.end() < time);
@@ -128,7 +128,7 @@ impl Truth {
     }
 }
 
-/// The states at the first step's ends not before each of the reduced `times`.
+/// The states at the end of the first step that reaches each of the reduced `times`.
 fn moments<T: Scalar>(
     pendulum: &Pendulum<f64>,
     method: Method,
@@ -160,7 +160,7 @@ fn moments<T: Scalar>(
     }
 }
 
-/// RK4, the angles' rests kept as the engines keep them in f32.
+/// Integrates by RK4, carrying the rounding remainders of the angles as the engines do in f32.
 fn fixed<T: Scalar>(
     pendulum: &Pendulum<T>,
     mut state: State<T>,
@@ -185,10 +185,10 @@ fn fixed<T: Scalar>(
     found
 }
 
-/// A step from a phase at a reduced time: its length, and the change.
+/// A function that makes a step from a phase at a reduced time: its length, and the change.
 type Stepper<'a, T> = dyn FnMut(&Phase<T>, f64) -> (T, Phase<T>) + 'a;
 
-/// A method that chooses its steps, the rests of all six numbers kept.
+/// Integrates by adaptive steps, carrying the rounding remainders of all six numbers.
 fn free<T: Scalar>(
     pendulum: &Pendulum<T>,
     exact: &Pendulum<f64>,
@@ -214,23 +214,23 @@ fn free<T: Scalar>(
     found
 }
 
-/// A phase as angles and speeds.
+/// Converts a phase to angles and speeds.
 fn angles(pendulum: &Pendulum<f64>, phase: &Phase<f64>) -> State<f64> {
     let [x1, y1, x2, y2, _, _] = *phase;
     State { angle: [y1.atan2(x1), y2.atan2(x2)], speed: pendulum.speeds(phase) }
 }
 
-/// A step tried by an embedded pair.
+/// A trial step of an embedded pair.
 type Trying<T> = fn(&Pendulum<T>, [T; 2], &Phase<T>, T) -> Trial<T>;
 
-/// An embedded pair with its step-size control.
+/// An embedded pair with its step size control.
 struct ControlledPair<T> {
     trial: Trying<T>,
     control: Control,
 }
 
 impl<T: Scalar> ControlledPair<T> {
-    /// Steps that are tried until their error is small enough.
+    /// A stepper that retries each step until its error is small enough.
     fn stepper(&self, pendulum: &Pendulum<T>) -> impl FnMut(&Phase<T>, f64) -> (T, Phase<T>) {
         let scale = pendulum.momentum_scale().map(|scale| T::from_f64(1.0) / scale);
         let mut step = FIRST;
@@ -248,7 +248,7 @@ impl<T: Scalar> ControlledPair<T> {
     }
 }
 
-/// A Taylor step with Jorba and Zou's length: the last two orders promise errors of `tolerance`.
+/// A Taylor step of Jorba and Zou's length: the last two orders promise errors of `tolerance`.
 fn expanded<T: Scalar>(
     pendulum: &Pendulum<T>,
     momentum_scale: [f64; 2],
@@ -290,7 +290,7 @@ mod tests {
         assert!(of("regular", "dop853", Precision::F64, 20.0) < 1e-8);
         assert!(of("regular", "dopri5", Precision::F32, 1.0) < 1e-5);
         assert!(of("regular", "rk4", Precision::F64, 1.0) < 1e-5);
-        // The growth of errors is seen, and so is a coarse step.
+        // The growth of errors shows, and so does a coarse step.
         let taylor = |secs| of("chaotic", "taylor", Precision::F64, secs);
         assert!(taylor(20.0) > 10.0 * taylor(1.0) && taylor(20.0) < 1e-3);
         assert!(of("chaotic", "rk4", Precision::F64, 20.0) > 1e-6);

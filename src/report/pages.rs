@@ -1,4 +1,4 @@
-//! A report laid out for people: sections of text, tables and plots, the same for every format.
+//! A report laid out for readers: sections of text, tables and plots, the same for every format.
 
 use serde::Serialize;
 
@@ -8,12 +8,12 @@ use super::plot::{Plot, Series};
 use super::statistics::Errors;
 use super::{Report, ReportError, Row, Target, chapters, depth_pages};
 
-/// A chapter.
+/// A chapter of a report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Section {
-    /// Its title.
+    /// Title of the chapter.
     pub title: String,
-    /// What is in it.
+    /// Contents of the chapter.
     pub blocks: Vec<Block>,
 }
 
@@ -23,36 +23,36 @@ pub struct Section {
 pub enum Block {
     /// A paragraph of plain text.
     Text(String),
-    /// A table.
+    /// A table with a caption.
     Table(Table),
-    /// A drawing.
+    /// A drawing with a caption.
     Figure {
-        /// What it shows.
+        /// Caption of the drawing.
         caption: String,
         /// An `<svg>` element.
         svg: String,
     },
 }
 
-/// Plain texts in rows and columns.
+/// A table of plain texts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Table {
-    /// What it shows; may be empty.
+    /// Caption of the table; may be empty.
     pub caption: String,
-    /// The columns' names.
+    /// Names of the columns.
     pub head: Vec<String>,
-    /// As many texts in each as there are columns.
+    /// Cells, row by row; each row has as many as there are columns.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table.
+    /// A table with a caption, the names of its columns, and its rows.
     pub fn new(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Self {
         let head = head.iter().map(ToString::to_string).collect();
         Table { caption: caption.to_string(), head, rows }
     }
 
-    /// Whether a column holds numbers, or dashes for want of them.
+    /// Returns true if a column other than the first holds numbers, or dashes for missing ones.
     pub fn is_numeric(&self, column: usize) -> bool {
         let is_number =
             |cell: &String| cell == "–" || cell.starts_with(|c: char| c.is_ascii_digit());
@@ -80,12 +80,12 @@ pub fn sections(report: &Report) -> Result<Vec<Section>, ReportError> {
     Ok(sections)
 }
 
-/// A chapter.
+/// A chapter with a title and contents.
 pub fn section(title: &str, blocks: Vec<Block>) -> Section {
     Section { title: title.to_string(), blocks }
 }
 
-/// Whether everything is there, and what is not.
+/// The chapter on completeness: whether anything is missing, and the list of it.
 fn state(report: &Report) -> Section {
     let kind =
         if report.quick { "a quick report: fewer settings and starts" } else { "a full report" };
@@ -113,7 +113,7 @@ fn targets(report: &Report) -> Section {
     section("Targets", vec![Block::Text(missed(report)), Block::Table(table)])
 }
 
-/// The targets that were missed, in words.
+/// Summarises the targets that were missed.
 fn missed(report: &Report) -> String {
     let measured = report.targets.iter().filter(|target| target.met.is_some()).count();
     let missed: Vec<String> = report
@@ -128,7 +128,7 @@ fn missed(report: &Report) -> String {
     format!("{} of {measured} targets are MISSED: {}.", missed.len(), missed.join("; "))
 }
 
-/// Counts as such, everything else with four digits.
+/// Formats a target's measured value: whole numbers as such, others with four decimals.
 fn found(target: &Target) -> String {
     target.measured.map_or("–".to_string(), |value| {
         if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.4}") }
@@ -151,14 +151,14 @@ fn machine(report: &Report) -> Section {
     section("Machine", vec![Block::Table(Table::new("", &["", ""], rows))])
 }
 
-/// The engines of the rows, each once.
+/// Full names of the rows' engines, each once.
 fn engines(rows: &[Row]) -> Vec<String> {
     let mut labels: Vec<String> = rows.iter().map(Row::full_name).collect();
     labels.dedup();
     labels
 }
 
-/// Everything about one engine.
+/// The chapter on one engine's speed and errors.
 fn speeds(report: &Report, engine: &str) -> Result<Section, ReportError> {
     let rows: Vec<&Row> = report.rows.iter().filter(|row| row.full_name() == engine).collect();
     let mut blocks = vec![Block::Table(speed_table(&rows))];
@@ -221,7 +221,7 @@ const PLOTS: [(&str, &str, Value); 2] = [
     ("Median error of the flip time, over time", "median |Δt|, s", |row| row.errors.median),
 ];
 
-/// The rows' points, method by method and precision by precision.
+/// Groups the rows' points into series, one per method and precision.
 fn series(rows: &[&Row], value: Value) -> Vec<Series> {
     let mut all: Vec<Series> = Vec::new();
     for row in rows {
@@ -337,18 +337,18 @@ fn words(row: &Row) -> String {
     super::plan::words(&row.config)
 }
 
-/// Three digits that count.
+/// Formats a number with three significant digits.
 pub fn short(value: f64) -> String {
     let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 6) as usize;
     format!("{value:.digits$}")
 }
 
-/// A share with four digits, or a dash.
+/// Formats a share with four decimals, or as a dash.
 pub fn share(value: Option<f64>) -> String {
     value.map_or("–".to_string(), |value| format!("{value:.4}"))
 }
 
-/// Two digits and a power of ten, or a dash.
+/// Formats a number with two digits and a power of ten, or as a dash.
 pub fn brief(value: Option<f64>) -> String {
     value.map_or("–".to_string(), |value| format!("{value:.1e}"))
 }

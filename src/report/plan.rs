@@ -1,37 +1,37 @@
-//! What is measured: every method in every precision, at settings from coarse to fine.
+//! The plan of a report: every method in every precision, at settings from coarse to fine.
 
 pub use crate::engine::level::{BALANCED, BALANCED_DF32, FAST, LESSON};
 use crate::engine::{IntegratorConfig, Method, Precision};
 
-/// How much time a report takes.
+/// The time and the number of starts that a report may spend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thoroughness {
-    /// Fewer settings.
+    /// True to measure fewer settings.
     pub quick: bool,
-    /// Starts compared with the gold standard, at most.
+    /// Largest number of starts compared with the gold standard.
     pub sample: usize,
-    /// Times that each measurement is repeated.
+    /// Number of repetitions of each measurement.
     pub rounds: usize,
     /// Seconds that one repetition should take.
     pub round_secs: f64,
     /// Seconds that comparing a config with the gold standard may take.
     pub compare_secs: f64,
-    /// Starts of the scalar loop in each repetition.
+    /// Number of the scalar loop's starts in each repetition.
     pub scalar_starts: usize,
-    /// Starts of each window in which `balanced` is measured.
+    /// Number of starts of each window in which `balanced` is measured.
     pub window_starts: usize,
-    /// Starts of each late window in which `exact` is.
+    /// Number of starts of each late window in which `exact` is measured.
     pub late_starts: usize,
-    /// Those of them about which the gold standard is asked in double-double.
+    /// Number of those that the gold standard answers too, in double-double.
     pub gold_starts: usize,
-    /// Pixels of each deep place that are compared with numbers as long as its depth needs.
+    /// Number of pixels of each deep place that are compared, in numbers as long as it needs.
     pub depth_starts: usize,
-    /// And of each place deeper than 1e-24, where each takes seconds.
+    /// The same for each place deeper than 1e-24 rad, where each pixel takes seconds.
     pub deepest_starts: usize,
 }
 
 impl Thoroughness {
-    /// Some twenty minutes on two cores and an adapter in software.
+    /// A full report: some twenty minutes on two cores and a software adapter.
     pub const FULL: Self = Thoroughness {
         quick: false,
         sample: 20_000,
@@ -45,7 +45,7 @@ impl Thoroughness {
         depth_starts: 192,
         deepest_starts: 24,
     };
-    /// Two minutes at most.
+    /// A quick report: two minutes at most.
     pub const QUICK: Self = Thoroughness {
         quick: true,
         sample: 5000,
@@ -61,7 +61,7 @@ impl Thoroughness {
     };
 }
 
-/// Every config that an engine is asked for, those with a kernel in common side by side.
+/// Every config that is requested from an engine, those that share a kernel side by side.
 pub fn configs(quick: bool) -> Vec<IntegratorConfig> {
     let rk4 = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
     let dopri5 = |tolerance| Method::Dopri5 { tolerance };
@@ -100,15 +100,15 @@ pub fn configs(quick: bool) -> Vec<IntegratorConfig> {
     groups.concat()
 }
 
-/// Recipes for pixels of a deep zoom.
+/// Integrator configs for pixels of a deep zoom.
 pub const DEEP: [IntegratorConfig; 3] = [BALANCED, BALANCED_DF32, FAST];
 
-/// The configs whose kernels are measured both made for their scene and general.
+/// The configs for which the kernel made for its scene is compared with the general one.
 pub fn specialised(quick: bool) -> &'static [IntegratorConfig] {
     if quick { &[LESSON] } else { &[LESSON, FAST, BALANCED] }
 }
 
-/// Methods of the table of errors in angle and energy.
+/// Configs of the table of errors in angle and energy.
 pub fn motions() -> Vec<IntegratorConfig> {
     let step = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
     let mut configs = Vec::new();
@@ -126,7 +126,7 @@ pub fn motions() -> Vec<IntegratorConfig> {
     configs
 }
 
-/// A config as people say it.
+/// Describes a config for readers.
 pub fn words(config: &IntegratorConfig) -> String {
     format!("{}, {}, {}", config.method.name(), config.method.setting(), config.precision)
 }

@@ -12,34 +12,34 @@ use crate::engine::{IntegratorConfig, Method, Precision};
 /// Points of one method in one precision, in the order of its settings.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Decides the colour and the marker.
+    /// The config that decides the colour and the marker.
     pub config: IntegratorConfig,
-    /// Across and up.
+    /// Points as horizontal and vertical values.
     pub points: Vec<(f64, f64)>,
 }
 
-/// What a plot shows.
+/// The contents of a plot.
 #[derive(Clone, Debug)]
 pub struct Plot<'a> {
-    /// The axis across.
+    /// Label of the horizontal axis.
     pub across: &'a str,
-    /// The axis up.
+    /// Label of the vertical axis.
     pub up: &'a str,
-    /// The curves.
+    /// Curves of the plot.
     pub series: Vec<Series>,
 }
 
 const SIZE: (u32, u32) = (760, 420);
 const LEGEND_LEFT: u32 = 620;
-/// Readable on white and on black.
+/// A grey that is readable on white and on black.
 const GREY: RGBColor = RGBColor(128, 128, 128);
 const FONT: (&str, i32) = ("sans-serif", 13);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 impl Plot<'_> {
-    /// The plot as an `<svg>` element to be put into a page. Values that are not positive lie on
-    /// the lower edge, for they have no logarithm; what is not finite is left out.
+    /// Draws the plot as an `<svg>` element to embed in a page. Values that are not positive have
+    /// no logarithm and lie on the lower edge; points that are not finite are left out.
     pub fn svg(&self) -> Result<String, ReportError> {
         let mut text = String::new();
         let complain = |why: String| ReportError::Layout(why);
@@ -50,7 +50,7 @@ impl Plot<'_> {
             self.draw_legend(&legend).map_err(|error| complain(error.to_string()))?;
             root.present().map_err(|error| complain(error.to_string()))?;
         }
-        // Inside a page the name space is known; without it the page names no address at all.
+        // Inside a page the namespace is known; without it the page contains no address at all.
         Ok(text.replace(" xmlns=\"http://www.w3.org/2000/svg\"", ""))
     }
 
@@ -108,7 +108,7 @@ fn is_finite((x, y): &&(f64, f64)) -> bool {
     x.is_finite() && y.is_finite()
 }
 
-/// Whole decades around the positive `values`; one decade more below for those that are not.
+/// Whole decades around the positive `values`, and one decade below if some are not positive.
 fn axis(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (positive, others): (Vec<f64>, Vec<f64>) = values.partition(|&value| value > 0.0);
     let least = positive.iter().copied().reduce(f64::min).unwrap_or(1e-3);
@@ -123,7 +123,7 @@ fn tick(value: f64) -> String {
     if (0.01..10_000.0).contains(&value) { format!("{value}") } else { format!("{value:.0e}") }
 }
 
-/// Okabe and Ito's, which colour-blind people tell apart.
+/// The method's colour in Okabe and Ito's palette, which colour-blind readers can tell apart.
 fn colour(method: Method) -> RGBColor {
     match method {
         Method::Rk4 { .. } => RGBColor(213, 94, 0),
@@ -134,7 +134,7 @@ fn colour(method: Method) -> RGBColor {
     }
 }
 
-/// Precision by shape: f32 a ring, f64 a disc, pairs of numbers a large ring.
+/// The marker of a config, by precision: f32 a ring, f64 a disc, pairs of numbers a large ring.
 fn marker<C>(at: C, config: &IntegratorConfig) -> Circle<C, i32> {
     let colour = colour(config.method);
     match config.precision {

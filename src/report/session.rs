@@ -1,4 +1,4 @@
-//! The work of a report, one task after the other.
+//! The tasks of a report, done one after the other.
 
 use super::backend::{self, BackendFilter};
 use super::depth::{FilamentPlace, PLACES, Truths};
@@ -11,29 +11,28 @@ use super::{
 };
 use crate::engine::IntegratorConfig;
 
-/// Something to be measured, in a list of such; numbers are places in the lists of backends,
-/// windows and cases.
+/// A task of a session; its number is an index into the list of backends.
 #[derive(Clone, Copy)]
 enum Measurement {
     /// A row of a backend.
     Row(usize, IntegratorConfig),
-    /// The accuracy `exact` on it.
+    /// The accuracy `exact` on a backend.
     Exact(usize),
-    /// What specialising buys on it.
+    /// The gain of specialised kernels on a backend.
     Specialising(usize, IntegratorConfig),
     /// Errors in angle and energy.
     Motion,
     /// A window on a backend.
     Window(usize, Window),
-    /// A late one.
+    /// A window of late flips on a backend.
     Late(usize, Window),
-    /// A config at a deep place.
+    /// A config at a deep place on a backend.
     Depth(usize, IntegratorConfig, FilamentPlace),
     /// A hard case on a backend.
     Hard(usize, HardCase),
 }
 
-/// Engines, starts and tasks.
+/// A report in progress: its engines, starts and tasks.
 pub struct Session {
     backends: Vec<Backend>,
     test_set: TestSet,
@@ -46,7 +45,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Starts the engines and asks the gold standard; nothing is timed yet.
+    /// Starts the engines and obtains the gold standard's answers; nothing is timed yet.
     pub fn open(
         field: &BackendFilter,
         care: Thoroughness,
@@ -78,32 +77,33 @@ impl Session {
         Ok(Session { backends, test_set, care, threads, tasks, done: 0, truths, report })
     }
 
-    /// What is known so far.
+    /// The results so far.
     pub fn report(&self) -> &Report {
         &self.report
     }
 
-    /// How many tasks there are.
+    /// Number of tasks.
     pub fn len(&self) -> usize {
         self.tasks.len()
     }
 
-    /// Whether there is nothing to do.
+    /// Returns true if there are no tasks.
     pub fn is_empty(&self) -> bool {
         self.tasks.is_empty()
     }
 
-    /// How many are done.
+    /// Number of tasks done.
     pub fn done(&self) -> usize {
         self.done
     }
 
-    /// What comes next.
+    /// Name of the next task, or `None` when all are done.
     pub fn next_name(&self) -> Option<&str> {
         self.report.missing.first().map(String::as_str)
     }
 
-    /// Does the next task; afterwards the report says so. Stopped, it is as if never begun.
+    /// Does the next task and adds its results to the report. A task that is stopped adds nothing
+    /// and stays the next one.
     pub fn advance(&mut self, stop: StopTest) -> Result<(), ReportError> {
         let Some(&task) = self.tasks.get(self.done) else { return Ok(()) };
         if let Err(error) = self.perform(task, stop) {
@@ -118,7 +118,7 @@ impl Session {
     }
 
     fn perform(&mut self, task: Measurement, stop: StopTest) -> Result<(), ReportError> {
-        // Some tasks, short ones, do not look themselves.
+        // Some short tasks do not check this themselves.
         if stop() {
             return Err(ReportError::Stopped);
         }
@@ -152,8 +152,8 @@ impl Session {
         Ok(())
     }
 
-    /// Engines refuse a method in a precision whatever its setting: one line for all of them.
-    /// What specialising buys goes without saying then.
+    /// Records a refusal. Engines refuse a method in a precision whatever its setting, so one line
+    /// covers all settings; a refused comparison of kernels needs no line of its own.
     fn refuse(&mut self, task: Measurement, reason: String) {
         let (index, what) = match task {
             Measurement::Specialising(..) | Measurement::Motion => return,
@@ -175,7 +175,7 @@ impl Session {
     }
 }
 
-/// Deep places in a quick report.
+/// Number of deep places in a quick report.
 const QUICK_PLACES: usize = 5;
 
 fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
@@ -190,12 +190,12 @@ fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
         }
     }
     tasks.push(Measurement::Motion);
-    // The processor, if it takes part.
+    // The last backend is the processor, if it takes part.
     let last = backends.len() - 1;
     tasks.extend(windows::WINDOWS.map(|window| Measurement::Window(last, window)));
     tasks.extend(windows::LATE.map(|window| Measurement::Late(last, window)));
     for index in 0..backends.len() {
-        // In a quick report only the processor, and nothing that takes minutes.
+        // A quick report includes only the last backend, and nothing that takes minutes.
         if index == last || !quick {
             let places = &PLACES[..if quick { QUICK_PLACES } else { PLACES.len() }];
             let configs = plan::DEEP.into_iter();
@@ -229,7 +229,7 @@ fn name(task: &Measurement, backends: &[Backend]) -> String {
     }
 }
 
-/// What a task measures, whoever is asked.
+/// Describes what a task measures, without the engine.
 fn what(task: &Measurement) -> String {
     match task {
         Measurement::Row(_, config) => plan::words(config),

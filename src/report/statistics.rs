@@ -1,49 +1,49 @@
-//! How far answers are from the truth: shares, quantiles, and both by flip time.
+//! Statistics of the answers' errors: shares and quantiles, overall and by flip time.
 
 use serde::Serialize;
 
 use crate::physics::{Outcome, Status};
 
-/// A flip this close to the true one is right, s.
+/// Largest error of a flip time that counts as right, s.
 pub const RIGHT_SECS: f64 = 1e-3;
 
-/// Bounds of the bands of true flip times, s; beside them stands the band of those unflipped.
+/// Bounds of the bands of true flip times, s; the unflipped starts are a band of their own.
 const BAND_BOUNDS: [f64; 6] = [0.0, 2.0, 5.0, 10.0, 20.0, 30.0];
 
-/// The answers to some starts, beside the truth.
+/// Errors of the answers to some starts, against the truth.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Errors {
-    /// How many starts.
+    /// Number of starts compared.
     pub compared: usize,
-    /// Share of the right class and, if flipped, within [`RIGHT_SECS`].
+    /// Share of answers with the right status and, if flipped, within [`RIGHT_SECS`].
     pub right_1ms: Option<f64>,
-    /// Share whose status is not the true one.
+    /// Share of answers whose status is not the true one.
     pub wrong_class: Option<f64>,
-    /// Of |Δt| in s over starts flipped in both.
+    /// Median of |Δt| in s over the starts that flip in both.
     pub median: Option<f64>,
-    /// The same: nine in ten are nearer.
+    /// 90th percentile of that |Δt|, s.
     pub p90: Option<f64>,
-    /// The same: 99 in a hundred are nearer.
+    /// 99th percentile of that |Δt|, s.
     pub p99: Option<f64>,
-    /// The largest |Δt|.
+    /// Largest |Δt| of those, s.
     pub max: Option<f64>,
 }
 
 /// The errors of the starts whose true flip time lies in a band.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Band {
-    /// `2–5 s`, or `unflipped`.
+    /// Name of the band: `2–5 s`, or `unflipped`.
     pub name: String,
-    /// Their errors.
+    /// Errors of the starts in the band.
     #[serde(flatten)]
     pub errors: Errors,
 }
 
-/// An answer and the truth.
+/// An answer and the true outcome.
 pub type OutcomePair = (Outcome, Outcome);
 
 impl Errors {
-    /// Of pairs of an answer and the truth.
+    /// Computes the errors of some answers.
     pub fn of(pairs: &[OutcomePair]) -> Self {
         let share = |fits: fn(&OutcomePair) -> bool| {
             let count = pairs.iter().filter(|pair| fits(pair)).count();
@@ -72,14 +72,14 @@ fn distance((answer, truth): &OutcomePair) -> f64 {
     (answer.time - truth.time).abs()
 }
 
-/// Whether an answer is that of the truth beside it.
+/// Returns true if the status and, for a flip, the time (within [`RIGHT_SECS`]) match the truth.
 pub fn is_right(pair: &OutcomePair) -> bool {
     let same = pair.0.status == pair.1.status;
     // Written so that a NaN is wrong.
     same && (pair.1.status != Status::Flipped || distance(pair) <= RIGHT_SECS)
 }
 
-/// The same for each band of true flip times; those empty are there too.
+/// Computes the errors for each band of true flip times, including empty bands.
 pub fn bands(pairs: &[OutcomePair]) -> Vec<Band> {
     let band = |name: String, fits: &dyn Fn(&Outcome) -> bool| {
         let inside: Vec<OutcomePair> = pairs.iter().filter(|pair| fits(&pair.1)).copied().collect();
@@ -99,7 +99,7 @@ pub fn bands(pairs: &[OutcomePair]) -> Vec<Band> {
     timed.chain([unflipped]).collect()
 }
 
-/// The least of `sorted` that a share of `q` of them does not exceed.
+/// Returns the smallest member of `sorted` that at least a share `q` of the members do not exceed.
 pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     let rank = (q * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.saturating_sub(1)).copied()

@@ -1,4 +1,4 @@
-//! Starts through an engine, by the clock.
+//! Timed runs of starts through an engine.
 
 use std::time::{Duration, Instant};
 
@@ -9,22 +9,22 @@ use crate::engine::{
 };
 use crate::physics::{Dd, Outcome};
 
-/// What came of a run.
+/// The results of a run.
 pub struct TimedRun {
-    /// One for each start, in their order.
+    /// Outcomes of the starts, in their order.
     pub outcomes: Vec<Outcome>,
-    /// How sure each is; empty where nobody looked.
+    /// Trust in each outcome; empty if nothing was checked.
     pub trusts: Vec<Trust>,
-    /// What it took.
+    /// Effort of the run, summed over its jobs.
     pub effort: Effort,
-    /// Microseconds for each start, from the first submission to the last answer.
+    /// Microseconds per start, from the first submission to the last answer.
     pub us_per_pixel: f64,
 }
 
-/// How often a stop is looked for.
+/// Longest wait for answers between two checks for a stop.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// All `starts` in jobs of the engine's size, with as many in flight as it wants.
+/// Runs all `starts` in jobs of the engine's size, with as many in flight as it has slots.
 pub fn run(
     engine: &mut dyn Engine,
     question: &Question,

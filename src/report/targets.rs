@@ -1,4 +1,4 @@
-//! What was hoped for, beside what was measured.
+//! Targets, compared with what was measured.
 
 use serde::Serialize;
 
@@ -8,30 +8,30 @@ use super::windows::{WINDOWS, Window};
 use super::{Checks, DepthRow, Report, Row};
 use crate::engine::{Accuracy, IntegratorConfig, Precision};
 
-/// One hope.
+/// A target and its result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Target {
-    /// What it is about, and on which engine.
+    /// Quantity that the target is about, and its engine.
     pub name: String,
-    /// What it asks for.
+    /// Required value, in words.
     pub target: String,
-    /// What there is; nothing if it was not measured.
+    /// Measured value, or `None` if it was not measured.
     pub measured: Option<f64>,
-    /// Whether that is enough.
+    /// True if the measured value meets the target, or `None` if it was not measured.
     pub met: Option<bool>,
 }
 
-/// A hope for every engine that has rows of a kind.
+/// A target for every engine that has rows of a kind.
 struct TargetSpec {
     about: &'static str,
     of: RowSelector,
     target: &'static str,
     measure: fn(&Row) -> Option<f64>,
-    /// Least and greatest that will do.
+    /// Least and greatest value that meet the target.
     bounds: [f64; 2],
 }
 
-/// Which rows.
+/// Selection of the rows that a target is about.
 enum RowSelector {
     Level(Accuracy),
     Recipe(IntegratorConfig),
@@ -47,7 +47,7 @@ fn times_scalar(row: &Row) -> Option<f64> {
     Some(row.times_scalar)
 }
 
-/// How many times faster than the scalar loop each thread is; of the processor only.
+/// Speed of each thread as a multiple of the scalar loop's, for the processor only.
 fn times_scalar_per_core(row: &Row) -> Option<f64> {
     Some(row.times_scalar / row.threads? as f64)
 }
@@ -60,7 +60,7 @@ fn marked_share(row: &Row) -> Option<f64> {
     row.checks?.marked_share()
 }
 
-/// The hopes.
+/// Targets for the rows of the home map.
 const TARGETS: [TargetSpec; 11] = [
     TargetSpec {
         about: "lesson: share right within 1 ms",
@@ -141,7 +141,7 @@ const TARGETS: [TargetSpec; 11] = [
     },
 ];
 
-/// Every hope beside everything that it is about; one without is there unmeasured.
+/// Judges every target on all that it is about; one without measurements is listed unmeasured.
 pub fn judge(report: &Report) -> Vec<Target> {
     let mut targets: Vec<Target> = TARGETS.iter().flat_map(|hope| hope.judge(report)).collect();
     targets.extend(WINDOWS.iter().map(|window| of_window(report, window)));
@@ -159,7 +159,7 @@ fn of_window(report: &Report, window: &Window) -> Target {
     Target::new(name, &format!("at least {least}"), measured, [least, ENDLESS])
 }
 
-/// All late windows together.
+/// The target for all late windows together.
 fn of_late(report: &Report) -> Target {
     let checks: Checks = report.late.iter().map(|row| row.checks).sum();
     let measured = (checks.pixels > 0).then_some(checks.unmarked_wrong as f64);
@@ -167,7 +167,7 @@ fn of_late(report: &Report) -> Target {
     Target::new(name.to_string(), "none", measured, [0.0, 0.0])
 }
 
-/// Deep zoom, engine by engine and precision by precision, the worst of all widths.
+/// The targets for deep zoom, by engine and precision, judged by the worst of all widths.
 fn of_depth(report: &Report) -> Vec<Target> {
     let mut targets = Vec::new();
     for rows in report.depth.chunk_by(|a, b| a.engine == b.engine && a.config == b.config) {
@@ -193,11 +193,11 @@ fn of_depth(report: &Report) -> Vec<Target> {
 
 type Cost = (&'static str, f64, fn(&DepthRow) -> f64);
 
-/// What a deep pixel may cost.
+/// Limits on the cost of a deep pixel, as multiples of the cost in the widest view.
 const COSTS: [Cost; 2] =
     [("steps", 1.0, |row| row.steps_per_pixel), ("time", 1.3, |row| row.us_per_pixel)];
 
-/// The hard cases, engine by engine.
+/// The targets for the hard cases, by engine.
 fn of_hard(report: &Report) -> Vec<Target> {
     let mut engines: Vec<&str> = report.hard.iter().map(|row| row.engine.as_str()).collect();
     engines.dedup();
@@ -239,7 +239,7 @@ impl TargetSpec {
 }
 
 impl Target {
-    /// Met if `measured` is no less than the first of `bounds` and no more than the second.
+    /// A target that is met if `measured` lies within `bounds`, both included.
     fn new(name: String, target: &str, measured: Option<f64>, bounds: [f64; 2]) -> Self {
         let met = measured.map(|measured| measured >= bounds[0] && measured <= bounds[1]);
         Target { name, target: target.to_string(), measured, met }

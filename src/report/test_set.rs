@@ -1,4 +1,4 @@
-//! The starts that everything is measured on, and the truth about some of them.
+//! The starts that all measurements share, and the truth about some of them.
 
 use rayon::prelude::*;
 
@@ -7,21 +7,21 @@ use crate::engine::Question;
 use crate::physics::{Dd, Outcome, oracle};
 use crate::scene::{Fate, Grid, Scene};
 
-/// Pixels along each side of the home map whose open starts are measured on.
+/// Pixels along each side of the home map from which the open starts are taken.
 const SIDE: u32 = 1024;
 
 /// The open starts of the home map.
 pub struct TestSet {
-    /// What is asked about them.
+    /// The question that is asked about the starts.
     pub question: Question,
-    /// All of them, in the order of the pixels.
+    /// All the open starts, in the order of the pixels.
     pub starts: Vec<[Dd; 2]>,
-    /// Some of them, evenly spread, with the gold standard's answers.
+    /// Some of the starts, evenly spread, with the gold standard's answers.
     pub sample: Vec<([Dd; 2], Outcome)>,
 }
 
 impl TestSet {
-    /// The home map's, the truth known about `sample` of them.
+    /// The test set of the home map, with the truth about `sample` of its starts.
     pub fn home(sample: usize, stop: StopTest) -> Result<Self, ReportError> {
         let scene = Scene::default();
         let question = Question::from(&scene);
@@ -50,7 +50,7 @@ fn truth(question: &Question, angle: [Dd; 2]) -> Outcome {
     oracle::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
 }
 
-/// `count` of `all`, evenly spread and in their order.
+/// Returns `count` elements of `all`, evenly spread and in their order.
 pub fn spread<T: Copy>(all: &[T], count: usize) -> Vec<T> {
     let count = count.min(all.len());
     (0..count).map(|k| all[k * all.len() / count]).collect()

@@ -1,5 +1,5 @@
-//! What answers are compared with: the gold standard, and where it would take too long or f64 is
-//! not above suspicion, expansions in double-double.
+//! The truth that answers are compared with: the gold standard or, where that would take too long
+//! or f64 is not above suspicion, expansions in double-double.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::engine::cpu::CpuEngine;
 use crate::engine::{IntegratorConfig, Method, Precision, Question};
 use crate::physics::{Dd, Outcome, Scalar, oracle};
 
-/// As fine as steps in double-double can be: what decides late and narrow windows.
+/// The config with the finest steps of double-double, which decides late and narrow windows.
 pub const FINEST: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
 
@@ -17,7 +17,7 @@ pub fn oracle_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     solve(question, starts, |theta| theta)
 }
 
-/// The same in f64.
+/// The gold standard's outcomes in f64.
 pub fn oracle_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     solve(question, starts, |theta| theta.hi)
 }

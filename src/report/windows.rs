@@ -7,32 +7,32 @@ use crate::physics::{Dd, Outcome, Rule};
 use crate::report::test_set::{open_starts, spread};
 use crate::scene::{Build, FlipQuestion as Asked, Kind, Scene, View};
 
-/// Pixels along each side of a window whose open starts are measured on.
+/// Pixels along each side of a window from which the open starts are taken.
 const SIDE: u32 = 96;
 
-/// A window, and what its answers are compared with.
+/// A window, and the truth that its answers are compared with.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// A few words.
+    /// Name of the window in a few words.
     pub name: &'static str,
-    /// θ1, θ2 of its middle, rad.
+    /// θ1, θ2 of the centre, rad.
     pub center: [&'static str; 2],
-    /// How wide it is, rad.
+    /// Width of the window, rad.
     pub width: &'static str,
-    /// The pendulum.
+    /// Function that returns the pendulum.
     pub build: fn() -> Build,
-    /// Which bob is watched.
+    /// The bob or bobs that are watched.
     pub rule: Rule,
-    /// Which truth.
+    /// The kind of truth for the window.
     pub judge: ComparedWith,
 }
 
-/// What answers are compared with.
+/// The kind of truth that answers are compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ComparedWith {
     /// The gold standard in f64.
     Gold,
-    /// Taylor expansions in double-double, where flips are late, or starts close together.
+    /// Taylor expansions in double-double, where flips are late or starts close together.
     Finest,
 }
 
@@ -51,7 +51,7 @@ const fn deep(name: &'static str, center: [&'static str; 2], width: &'static str
     Window { name, center, width, judge: ComparedWith::Finest, ..WHOLE }
 }
 
-/// Flips come late, after more chaos than f64 has digits for at some starts.
+/// The home map by rule first: flips come late, some after more chaos than f64 has digits for.
 const FIRST: Window =
     Window { name: "rule first", rule: Rule::First, judge: ComparedWith::Finest, ..WHOLE };
 
@@ -94,7 +94,7 @@ pub const LATE: [Window; 5] = [
 ];
 
 impl Window {
-    /// As a scene.
+    /// The window as a scene.
     pub fn scene(&self) -> Scene {
         let (center, width) = (self.center.map(str::to_string), self.width.to_string());
         let question = Asked { rule: self.rule, ..Asked::default() };
@@ -102,27 +102,27 @@ impl Window {
         Scene { build: (self.build)(), question, view }
     }
 
-    /// What is asked about its starts.
+    /// The question that is asked about the window's starts.
     pub fn question(&self) -> Question {
         Question::from(&self.scene())
     }
 
-    /// `count` of its open starts, evenly spread.
+    /// Returns `count` of the window's open starts, evenly spread.
     pub fn starts(&self, count: usize) -> Vec<[Dd; 2]> {
         spread(&open_starts(&self.scene(), SIDE), count)
     }
 
-    /// The least share of right pixels that is hoped for.
+    /// The target: the least share of right pixels.
     pub fn least_right(&self) -> f64 {
         if self.rule == Rule::First { 0.98 } else { 0.99 }
     }
 
-    /// Where it is, in words.
+    /// Centre and width of the window, in words.
     pub fn place(&self) -> String {
         format!("{}, {}; {} wide", self.center[0], self.center[1], self.width)
     }
 
-    /// The truth about `starts`.
+    /// Computes the truth about `starts`.
     pub fn truth(
         &self,
         starts: &[[Dd; 2]],
@@ -137,7 +137,7 @@ impl Window {
 }
 
 impl ComparedWith {
-    /// In words.
+    /// Describes the kind of truth.
     pub fn words(self) -> &'static str {
         match self {
             ComparedWith::Gold => "gold, f64",

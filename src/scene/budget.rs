@@ -1,34 +1,35 @@
-//! How long a pixel may fall: so many seconds, or as long as the depth of the view needs.
+//! The budget of a pixel: a number of simulated seconds, or as many as the view's depth needs.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Build, View};
 use crate::physics::Scalar;
 
-/// Simulated seconds a pixel may use.
+/// Simulated seconds that a pixel may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
-    /// How many.
+    /// Number of seconds.
     pub secs: f64,
-    /// Whether they follow the view's width.
+    /// True if the seconds follow the view's width.
     pub auto: bool,
 }
 
-/// What the home map has, in units of the default pendulum's time (30 s).
+/// The least automatic budget: that of the home map (30 s), in the default pendulum's units.
 const LEAST_UNITS: f64 = 93.962_758_580_194_95;
-/// Neighbours move apart by at most about 0.3 decades a second: until those of a view ten times
-/// smaller are as far apart, and flip as differently, it takes 3.3 s more (10.4 units).
+/// Units of time per decade of width. Neighbours move apart by at most about 0.3 decades a second,
+/// so those of a view ten times smaller need 3.3 s (10.4 units) more to be as far apart, and to
+/// flip as differently.
 const UNITS_A_DECADE: f64 = 10.44;
-/// Budgets grow in steps, so that moving a little computes nothing anew.
+/// Step of automatic budgets in units of time, so that moving a little recomputes nothing.
 const STEP_UNITS: f64 = 31.320_919_526_731_65;
 
 impl Budget {
-    /// So many seconds.
+    /// A fixed budget of `secs` seconds.
     pub const fn secs(secs: f64) -> Self {
         Budget { secs, auto: false }
     }
 
-    /// The same, following the width of a view if it is to.
+    /// The same budget, fitted to the width of a view if it is automatic.
     pub fn for_width(self, build: &Build, width_rad: f64) -> Self {
         if !self.auto {
             return self;
@@ -36,11 +37,11 @@ impl Budget {
         let decades = (std::f64::consts::TAU / width_rad).log10();
         let steps = ((UNITS_A_DECADE * decades).max(LEAST_UNITS) / STEP_UNITS).ceil();
         let secs = steps * STEP_UNITS * build.unit_secs();
-        // Of the default pendulum whole seconds.
+        // Whole seconds for the default pendulum.
         Budget { secs: (secs * 100.0).round() / 100.0, auto: true }
     }
 
-    /// The same for a checked view.
+    /// The same budget, fitted to a checked view if it is automatic.
     pub fn for_view(self, build: &Build, view: &View) -> Self {
         self.for_width(build, view.width_rad().to_f64())
     }
@@ -52,7 +53,7 @@ impl Default for Budget {
     }
 }
 
-/// What stands in files, lines and options.
+/// The form in files, locations and options: the number of seconds, or `auto`.
 impl std::fmt::Display for Budget {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.auto { f.write_str("auto") } else { self.secs.fmt(f) }

@@ -1,12 +1,12 @@
-//! The places worth seeing that come with the program, each with a sentence: the first line of
-//! its file.
+//! The built-in scenes: places worth seeing, each described by one sentence, the first line of its
+//! file.
 
 use super::Document;
 
 /// A scene of `assets/scenes`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub name: &'static str,
     text: &'static str,
 }
@@ -20,29 +20,29 @@ macro_rules! scenes {
     };
 }
 
-/// All of them, in the order in which they are shown: from the whole map inwards, then others.
+/// All built-in scenes as they are shown: from the whole map inwards, then the others.
 pub const BUILT_IN: [BuiltIn; 15] = scenes! {
     "home" "filigree" "threads" "deep" "abyss" "trench" "seabed" "shore" "tip" "upright" "island" "either" "first" "rods"
     "heavy"
 };
 
 impl BuiltIn {
-    /// The one called `name`.
+    /// Finds the scene called `name`.
     pub fn named(name: &str) -> Option<Self> {
         BUILT_IN.into_iter().find(|scene| scene.name == name)
     }
 
-    /// All names, with commas between them.
+    /// The names of all built-in scenes, separated by commas.
     pub fn names() -> String {
         BUILT_IN.map(|scene| scene.name).join(", ")
     }
 
-    /// What there is to see.
+    /// The sentence that says what there is to see.
     pub fn sentence(&self) -> &'static str {
         self.text.lines().next().unwrap_or_default().trim_start_matches("# ")
     }
 
-    /// The scene.
+    /// The scene, parsed.
     pub fn document(&self) -> Document {
         Document::parse(self.text).expect("a test reads every built-in scene")
     }

@@ -1,10 +1,10 @@
-//! A scene as a file: TOML, every key with a default, unknown keys refused.
+//! A scene as a TOML file: every key has a default, and unknown keys are refused.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Build, FlipQuestion, PictureTable, Scene, SceneError, View};
 
-/// The newest format this program reads, and the one it writes.
+/// The newest file format that this program reads, and the one that it writes.
 pub const FORMAT: u32 = 1;
 
 /// A scene file. The tables after the view never change what is computed.
@@ -15,39 +15,39 @@ pub struct Document {
     pub format: u32,
     /// The pendulum.
     pub pendulum: Build,
-    /// What is asked about it.
+    /// The question asked about every start.
     pub question: FlipQuestion,
-    /// Which part of the plane.
+    /// The part of the plane that is shown.
     pub view: View,
-    /// How it was painted.
+    /// Settings with which the picture is painted.
     pub picture: PictureTable,
-    /// How it was computed.
+    /// Settings with which it was computed.
     pub run: RunTable,
 }
 
-/// How a picture was computed: kept for the record, and the default when it is opened again.
+/// Settings of a picture's computation: a record, and the defaults when it is opened again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunTable {
     /// Width and height in pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[u32; 2]>,
-    /// The accuracy's word, where no method is said.
+    /// Name of the accuracy level, where no method is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<String>,
-    /// The method's word.
+    /// Name of the method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
-    /// Its step, as on the command line.
+    /// Step of the method, as on the command line.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<String>,
-    /// Its tolerance, likewise.
+    /// Tolerance of the method, as on the command line.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<String>,
-    /// The number type's word.
+    /// Name of the number type.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub precision: Option<String>,
-    /// Whether every pixel was checked, beyond what the accuracy asks for.
+    /// True if every pixel was checked, beyond what the accuracy level requires.
     #[serde(skip_serializing_if = "is_false")]
     pub verify: bool,
 }
@@ -70,24 +70,24 @@ impl Default for Document {
     }
 }
 
-/// Why a text is no scene.
+/// Reasons why a text is not a valid scene.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
-    /// Not the TOML that a scene is: says where and why.
+    /// A text that is not the TOML of a scene; the message says where and why.
     #[error("{0}")]
     Syntax(String),
-    /// Written by a newer program.
+    /// A file written by a newer program.
     #[error("the file has format {found}; this program reads format 1 to {FORMAT}")]
     Future {
-        /// Its format.
+        /// Format of the file.
         found: String,
     },
-    /// A number out of its range.
+    /// A number out of range.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }
 
-/// Only the version, so that a newer file is called newer and not wrong.
+/// The version alone, read first so that a newer file is reported as newer and not as wrong.
 #[derive(Deserialize)]
 struct Version {
     format: Option<toml::Value>,
@@ -103,7 +103,7 @@ impl Document {
     }
 
     /// Checks every number of the scene and of its picture, and settles a budget that follows the
-    /// depth: it is known only with the view.
+    /// depth, which is known only with the view.
     pub fn checked(mut self) -> Result<Self, DocumentError> {
         self.question = self.scene().checked()?.question;
         self.picture.check()?;
@@ -116,24 +116,24 @@ impl Document {
         Ok(self.picture.check()?)
     }
 
-    /// The text of this document.
+    /// The document as TOML.
     pub fn text(&self) -> String {
         toml::to_string(self).expect("plain tables are TOML")
     }
 
-    /// What to compute.
+    /// The scene: what to compute.
     pub fn scene(&self) -> Scene {
         Scene { build: self.pendulum, question: self.question, view: self.view.clone() }
     }
 
-    /// The same picture and run of another scene.
+    /// Returns this document with another scene, and with the same picture and run tables.
     pub fn with_scene(self, scene: Scene) -> Self {
         let Scene { build, question, view } = scene;
         Document { pendulum: build, question, view, ..self }
     }
 }
 
-/// Refuses the file of a newer program before its newer keys are called unknown.
+/// Refuses the file of a newer program, before its newer keys are reported as unknown.
 pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
     let Ok(Version { format: Some(found) }) = toml::from_str(text) else { return Ok(()) };
     if found.as_integer().is_some_and(|found| (1..=i64::from(FORMAT)).contains(&found)) {
@@ -142,7 +142,7 @@ pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
     Err(DocumentError::Future { found: found.to_string() })
 }
 
-/// A TOML error as one sentence with line and column.
+/// A TOML error as one sentence, with its line and column.
 pub(super) fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().replace('\n', ", ");
     let Some(span) = error.span() else {

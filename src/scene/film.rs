@@ -1,8 +1,8 @@
-//! A film: the camera's path through its keys, and the frames taken on the way.
+//! A film: the camera's path through its keys, and the frames along it.
 //!
-//! Between two keys the width changes by equal ratios in equal times and the centre keeps one
-//! point of the plane where it is on the screen, so that a zoom has one visible speed however deep
-//! it goes. Everything else changes evenly.
+//! Between two keys the width changes by equal ratios in equal times, and the centre moves so that
+//! one point of the plane stays where it is on the screen: a zoom has one visible speed however
+//! deep it goes. The stretch changes by equal ratios too, everything else linearly.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,86 +10,86 @@ use super::keys::Key;
 use super::{Budget, Build, FlipQuestion, Scene, View};
 use crate::physics::{Decimal, Scalar, Theta};
 
-/// Frames of one size along keys.
+/// Frames of one size along a path of keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Film {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// How many; the first shows the first key and the last the last one.
+    /// Number of frames; the first shows the first key and the last shows the last one.
     pub frames: u32,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f64,
-    /// Where the camera is when.
+    /// The keys of the camera's path, ordered by time.
     #[serde(rename = "key")]
     pub keys: Vec<Key>,
 }
 
-/// What one frame shows.
+/// The content of one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
-    /// The scene, its budget that of the moment.
+    /// The scene, with the budget of that moment.
     pub scene: Scene,
-    /// Simulated seconds that have passed, where they run: what flips later waits in the dark.
+    /// Simulated seconds that have passed, if the film has a clock: what flips later is still dark.
     pub clock_secs: Option<f64>,
 }
 
-/// Why keys are no film.
+/// Reasons why keys do not make a film.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FilmError {
-    /// There is nowhere to go.
+    /// Too few keys: the camera has nowhere to go.
     #[error("a film needs two keys or more, and this one has {0}")]
     Few(usize),
-    /// What cannot change by and by.
+    /// A change of something that cannot change gradually.
     #[error("key {number} has another {what} than the first; in a film it stays the same")]
     Jumps {
-        /// Which key, from 1.
+        /// Number of the key, from 1.
         number: usize,
-        /// What differs.
+        /// The property that differs.
         what: &'static str,
     },
-    /// Time that begins or ends to run somewhere in the middle.
+    /// A clock that starts or stops partway through the film.
     #[error("key {number} {has} a clock and the first {first}: give it to all keys or to none")]
     Clock {
-        /// Which key, from 1.
+        /// Number of the key, from 1.
         number: usize,
-        /// What it has.
+        /// The word for this key: `has` or `lacks`.
         has: &'static str,
-        /// What the first has.
+        /// The word for the first key.
         first: &'static str,
     },
-    /// More than memory holds while it is planned.
+    /// A frame with more samples than fit in memory while the film is planned.
     #[error(
         "--size {}x{} with --samples {samples} is too much for a film: at most 500 million samples \
          fit in a frame", .size[0], .size[1]
     )]
     Large {
-        /// Width and height.
+        /// Width and height in pixels.
         size: [u32; 2],
-        /// Along each side of a pixel.
+        /// Samples along each side of a pixel.
         samples: u32,
     },
-    /// A number out of its range.
+    /// A number out of range.
     #[error("{option} is {value}; it must lie between {least} and {most}")]
     Range {
         /// The option.
         option: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
-        /// The least that can be used.
+        /// The least value that can be used.
         least: f64,
-        /// The most.
+        /// The greatest value that can be used.
         most: f64,
     },
 }
 
-/// Most samples of a frame.
+/// Largest number of samples in a frame.
 const MOST_SAMPLES: u64 = 500_000_000;
-/// Most frames of a film.
+/// Largest number of frames in a film.
 const MOST_FRAMES: u32 = 1_000_000;
 
 impl Film {
-    /// Refuses what is no film; the keys have been checked one by one.
+    /// Refuses keys that do not make a film; each key has been checked by itself before.
     pub fn check(&self) -> Result<(), FilmError> {
         let range = |option, value: f64, least: f64, most: f64| {
             let fine = (least..=most).contains(&value);
@@ -120,24 +120,24 @@ impl Film {
         Ok(())
     }
 
-    /// The one budget to which every sample of the film is computed, s.
+    /// The one budget to which every sample of the film is computed, in s.
     pub fn budget_secs(&self) -> f64 {
         self.keys.iter().map(|key| key.scene.question.budget.secs).fold(0.0, f64::max)
     }
 
-    /// Whether it is of one view.
+    /// True if all keys have one view.
     fn stays(&self) -> bool {
         self.keys.iter().all(|key| key.scene.view == self.keys[0].scene.view)
     }
 
-    /// What a frame shows, 0 the first.
+    /// The content of frame `frame`, counted from 0.
     pub fn shot(&self, frame: u32) -> Shot {
         let [first, last] = [&self.keys[0], &self.keys[self.keys.len() - 1]];
         let share = f64::from(frame) / f64::from((self.frames - 1).max(1));
         self.at(first.secs + (last.secs - first.secs) * share.min(1.0))
     }
 
-    /// What is seen at a time of the keys, s.
+    /// The content at time `secs` of the keys, in s.
     fn at(&self, secs: f64) -> Shot {
         let next = self.keys.partition_point(|key| key.secs <= secs);
         let next = next.clamp(1, self.keys.len() - 1);
@@ -146,7 +146,7 @@ impl Film {
         self.between(from, to, to.easing.share(time))
     }
 
-    /// What is seen after a share of the way from a key to the next one.
+    /// The content after `share` of the way from one key to the next.
     fn between(&self, from: &Key, to: &Key, share: f64) -> Shot {
         let [a, b] = [from.scene.scene(), to.scene.scene()];
         let mix = |a: f64, b: f64| if a == b { a } else { a + (b - a) * share };
@@ -161,7 +161,7 @@ impl Film {
             lengths: pair(a.build.lengths, b.build.lengths),
             gravity: exact(a.build.gravity, b.build.gravity),
         };
-        // Where the camera moves, a film has one budget.
+        // A film whose camera moves has one budget throughout.
         let budget = if self.stays() {
             mix(a.question.budget.secs, b.question.budget.secs)
         } else {
@@ -174,7 +174,7 @@ impl Film {
     }
 }
 
-/// The view after a share of the way from one to another.
+/// The view after `share` of the way from `a` to `b`.
 fn between_views(a: &View, b: &View, share: f64) -> View {
     if share == 0.0 || a == b {
         return a.clone();
@@ -199,8 +199,8 @@ fn between_views(a: &View, b: &View, share: f64) -> View {
     }
 }
 
-/// The width after a share of a zoom, and the share of the way that the centre has still to go
-/// then: it shrinks as the width does, which keeps a point of the plane in its place.
+/// The width after `share` of a zoom, and the share of the way that the centre still has to go.
+/// That share shrinks as the width does, which keeps one point of the plane in its place.
 fn zoomed(from: f64, to: f64, share: f64) -> (f64, f64) {
     let ratio = (from / to).ln();
     let width = to * (ratio * (1.0 - share)).exp();
@@ -245,7 +245,7 @@ mod tests {
             assert_eq!(shots[10].view, film.keys[1].scene.view);
             let width = |k: usize| shots[k].view.width_rad().to_f64();
             let ratio = width(1) / width(0);
-            // The fixed point of the whole zoom, from the middle in widths of the view.
+            // The fixed point of the whole zoom, measured from the middle in widths of the view.
             let [a, b] = [0, 10].map(|k: usize| shots[k].view.center_rad());
             let fixed = [0, 1].map(|i| {
                 b[i] + (a[i] - b[i]) * Theta::from_f64(-width(10) / (width(0) - width(10)))

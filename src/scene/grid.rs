@@ -1,4 +1,4 @@
-//! From pixels to starts: where each pixel's pendulum is let go, and what is known before it is.
+//! The starts of a picture's pixels, and what is known of them before anything is computed.
 
 use super::Scene;
 use super::leaf_grid::{Grouped, LeafGrid};
@@ -12,7 +12,7 @@ pub struct Grid {
     center: [Dd; 2],
     exact_center: [Theta; 2],
     spots: LeafGrid,
-    /// What one pixel to the right, and one up, adds to θ1 and θ2.
+    /// Change of (θ1, θ2) per pixel to the right, rad; `up` is the change per pixel upwards.
     right: [Dd; 2],
     up: [Dd; 2],
     pendulum: Pendulum<f64>,
@@ -23,17 +23,17 @@ pub struct Grid {
     budget_secs: f64,
 }
 
-/// What becomes of a pixel before any step is taken.
+/// The outcome of a pixel if it is known before any step is taken, or else its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
-    /// All of it is known: energy conservation forbids the flip, it is balanced for ever, or passes
-    /// the top in its first moments.
+    /// The whole outcome is known: energy conservation forbids the flip, or the pendulum is
+    /// balanced for ever, or it passes the top in its first moments.
     Known(Outcome),
-    /// It has to be simulated from these angles, within (−π, π].
+    /// The pixel has to be simulated from these angles, in [−π, π] (rad).
     Open([Dd; 2]),
 }
 
-/// Nearer to the top than this, double-double does not tell its sides apart, rad.
+/// Distance from the top below which double-double does not tell its two sides apart, rad.
 const INDISTINCT_RAD: f64 = 1e-29;
 
 impl Grid {
@@ -44,13 +44,14 @@ impl Grid {
         Grid::spanned(scene, scene.view.center_rad(), right, up, size)
     }
 
-    /// `size` square pixels of `pixel` rad around a centre, upright whatever the scene's view.
+    /// The grid of `size` pixels, each `pixel` rad square, upright whatever the scene's view.
     pub fn square(scene: &Scene, center: [Theta; 2], pixel: Dd, size: [u32; 2]) -> Self {
         let zero = Dd::new(0.0);
         Grid::spanned(scene, center, [pixel, zero], [zero, pixel], size)
     }
 
-    /// What one pixel to the right and one up add, as the scene's view is turned and stretched.
+    /// Change of (θ1, θ2) per pixel to the right and per pixel upwards, as the scene's view is
+    /// turned and stretched.
     fn axes(scene: &Scene, pixel: Dd) -> ([Dd; 2], [Dd; 2]) {
         let tall = pixel / Dd::new(scene.view.stretch);
         let zero = Dd::new(0.0);
@@ -91,39 +92,39 @@ impl Grid {
         self.size
     }
 
-    /// The same pixels in the leaves of another grid, which is finer: both are then followed along
-    /// the same references.
+    /// The same pixels in the leaves of another, finer grid, so that both are followed along the
+    /// same references.
     pub fn in_leaves_of(self, other: &Grid) -> Self {
         Grid { spots: self.spots.in_leaves_of(&other.spots), ..self }
     }
 
-    /// Pixels by the leaves of the lattice that they lie in, with their places among `pixels`.
+    /// Groups pixels by the leaves in which they lie, with their places among `pixels`.
     pub fn grouped(&self, pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
         self.spots.grouped(self.size, pixels)
     }
 
-    /// What one pixel to the right, and one up, adds to θ1 and θ2, rad.
+    /// Change of (θ1, θ2) per pixel to the right and per pixel upwards, rad.
     pub fn pixel_axes(&self) -> [[f64; 2]; 2] {
         [self.right, self.up].map(|by| by.map(|part| part.hi))
     }
 
-    /// A bound on how far one pixel to the right and one up moves each angle, rad.
+    /// A bound on the change of either angle over one pixel to the right and one upwards, rad.
     pub fn pixel_rad(&self) -> f64 {
         let [right, up] = [self.right, self.up].map(|by| by[0].hi.hypot(by[1].hi));
         right + up
     }
 
-    /// θ1 and θ2 of pixel (`column`, `row`), row 0 at the top, in (−π, π].
+    /// The angles (θ1, θ2) of pixel (`column`, `row`), row 0 at the top, in (−π, π].
     pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
         let [x, y] = self.pixels_from_center(column, row).map(Dd::new);
         [0, 1].map(|i| {
             let angle = self.center[i] + (x * self.right[i] + y * self.up[i]);
-            // Inside a turn there is nothing to take out, and no rounding to fear.
+            // Within one turn there is nothing to wrap, and no rounding to fear.
             if angle <= Dd::PI && angle > -Dd::PI { angle } else { angle.wrapped() }
         })
     }
 
-    /// The same to all digits.
+    /// The same angles to all digits.
     fn exact_angle_from_pixel(&self, column: u32, row: u32) -> [Theta; 2] {
         let [x, y] = self.pixels_from_center(column, row).map(Theta::from_f64);
         let along = |by: [Dd; 2]| by.map(Theta::from_dd);
@@ -131,14 +132,14 @@ impl Grid {
         [0, 1].map(|i| (self.exact_center[i] + (x * right[i] + y * up[i])).wrapped())
     }
 
-    /// How far a pixel's middle is to the right of the centre and above it, in pixels.
+    /// Offset of a pixel's middle from the centre, to the right and upwards, in pixels.
     fn pixels_from_center(&self, column: u32, row: u32) -> [f64; 2] {
         let [width, height] = self.size.map(f64::from);
         [f64::from(column) + 0.5 - width / 2.0, height / 2.0 - f64::from(row) - 0.5]
     }
 
-    /// How many pixels the middle of a pixel is from the energy curve, to first order: the
-    /// energy's depth there over its slope. Large where it is flat.
+    /// Distance from the middle of a pixel to the energy curve in pixels, to first order: the
+    /// energy's depth there over its slope. Large where the energy is flat.
     pub fn pixels_from_curve(&self, column: u32, row: u32) -> f64 {
         let angle = self.angle_from_pixel(column, row);
         let Pendulum { p, q, .. } = self.pendulum;
@@ -151,8 +152,8 @@ impl Grid {
         if a_pixel > 0.0 { depth.abs() / a_pixel } else { f64::INFINITY }
     }
 
-    /// How deep in the forbidden region a start is: P cos θ1 + Q cos θ2 over its bound, J.
-    /// Zero on the energy curve.
+    /// Depth of a start in the forbidden region: P cos θ1 + Q cos θ2 less its bound, J. Zero on the
+    /// energy curve.
     fn energy_depth(&self, angle: [f64; 2]) -> f64 {
         self.pendulum.depth(angle.map(f64::cos)) - self.pendulum.least_depth(self.rule)
     }
@@ -162,7 +163,7 @@ impl Grid {
         self.exact.depth(cos) - self.exact.least_depth(self.rule)
     }
 
-    /// What is known of a pixel beforehand.
+    /// Determines as much of a pixel's outcome as is known beforehand.
     pub fn fate(&self, column: u32, row: u32) -> Fate {
         let angle = self.angle_from_pixel(column, row);
         if self.is_forbidden(angle) {
@@ -177,7 +178,7 @@ impl Grid {
         }
     }
 
-    /// The outcome of a pixel that passes the top in its first moments.
+    /// The outcome of a pixel that passes the top in its first moments; `None` for any other.
     pub fn opening(&self, column: u32, row: u32) -> Option<Outcome> {
         let near = self.angle_from_pixel(column, row).map(|theta| theta.hi);
         if !self.opening.concerns(near) {
@@ -192,8 +193,8 @@ impl Grid {
         }
     }
 
-    /// A start that stays on its side of the top at first, where double-double cannot tell the
-    /// sides apart.
+    /// The angles of a start that stays on its side of the top at first, kept on that side where
+    /// double-double cannot tell the sides apart.
     fn kept_inside(&self, angle: [Dd; 2], column: u32, row: u32) -> [Dd; 2] {
         if angle.iter().all(|&theta| from_top(theta).abs().hi > INDISTINCT_RAD) {
             return angle;
@@ -205,7 +206,7 @@ impl Grid {
         })
     }
 
-    /// The energy test in f64, and in double-double where f64 cannot tell.
+    /// True if energy forbids the flip: tested in f64, or in double-double where f64 cannot tell.
     fn is_forbidden(&self, angle: [Dd; 2]) -> bool {
         let Pendulum { p, q, .. } = self.pendulum;
         let near = self.energy_depth(angle.map(|theta| theta.hi));
@@ -288,7 +289,7 @@ mod tests {
         let known = |status| Fate::Known(Outcome::without_time(status));
         assert_eq!(fate(["0", "0"], Rule::Second), known(Status::Forbidden));
         assert!(matches!(fate(["3", "3"], Rule::Second), Fate::Open(_)));
-        // Just before the top with θ1 = 2: the second bob is pushed over it, with θ1 = −2 away.
+        // Just before the top, θ1 = 2 pushes the second bob over it, and θ1 = −2 away from it.
         let Fate::Known(Outcome { status: Status::Flipped, time }) = fate(["2", pi], Rule::Second)
         else {
             panic!()

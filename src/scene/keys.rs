@@ -1,4 +1,4 @@
-//! The keys of a film: scenes, and when the camera is at each of them.
+//! The keys of a film: scenes, each with the time at which the camera is there.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,41 +11,41 @@ use super::{Document, document::FORMAT};
 pub struct Keys {
     /// Version of the file format.
     pub format: u32,
-    /// The keys, by time.
+    /// The keys, ordered by time.
     #[serde(rename = "key")]
     pub keys: Vec<Key>,
 }
 
-/// The camera is somewhere at some time.
+/// A scene and the time at which the camera is there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Key {
     /// Time in the film, s.
     pub secs: f64,
-    /// How the camera comes there from the key before.
+    /// Motion of the camera on its way from the previous key.
     #[serde(default)]
     pub easing: Easing,
-    /// Simulated seconds that have passed: later flips are not shown yet.
+    /// Simulated seconds that have passed by then: later flips are not shown yet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clock: Option<f64>,
-    /// Where it is, and what it sees.
+    /// The scene that the camera sees.
     #[serde(default)]
     pub scene: Document,
 }
 
-/// How the camera moves between two keys.
+/// Motion of the camera between two keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Easing {
-    /// It starts and stops gently.
+    /// A motion that starts and stops gently.
     #[default]
     Smooth,
-    /// At one speed.
+    /// A motion at constant speed.
     Linear,
 }
 
 impl Easing {
-    /// The share of the way gone after a share of the time.
+    /// The share of the way covered after a share of the time.
     pub fn share(self, time: f64) -> f64 {
         match self {
             Easing::Smooth => time * time * (3.0 - 2.0 * time),
@@ -54,8 +54,8 @@ impl Easing {
     }
 }
 
-/// Seconds from the key before to one that is appended: where the camera stops, and where it
-/// passes a view on its way down.
+/// Seconds from the previous key to an appended one at which the camera stops; `PASS_SECS` for a
+/// view that it only passes on its way in.
 const STOP_SECS: f64 = 5.0;
 const PASS_SECS: f64 = 1.0;
 
@@ -65,18 +65,18 @@ impl Default for Keys {
     }
 }
 
-/// Why a text is no film.
+/// Reasons why a text is not a file of keys.
 #[derive(Debug, thiserror::Error)]
 pub enum KeysError {
-    /// A key's scene, or the file as a whole.
+    /// An error in a key's scene, or in the file as a whole.
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// Times that a film cannot have.
+    /// A time that a key cannot have.
     #[error("key {number} is at {secs} s; each must be later than the one before, from 0 to 1e6 s")]
     Time {
-        /// Which key, from 1.
+        /// Number of the key, from 1.
         number: usize,
-        /// Its time.
+        /// Time of the key, s.
         secs: f64,
     },
 }
@@ -98,13 +98,13 @@ impl Keys {
         Ok(keys)
     }
 
-    /// The text of these keys.
+    /// The keys as TOML.
     pub fn text(&self) -> String {
         toml::to_string(self).expect("plain tables are TOML")
     }
 
-    /// Adds a scene after the last one, the first at 0: five seconds later for a smooth stop, one
-    /// for a view that is passed.
+    /// Appends a scene after the last key, the first one at 0 s: five seconds later for a smooth
+    /// stop, one second later for a view that is only passed.
     pub fn append(&mut self, scene: Document, easing: Easing) {
         let step = if easing == Easing::Smooth { STOP_SECS } else { PASS_SECS };
         let secs = self.keys.last().map_or(0.0, |last| last.secs + step);

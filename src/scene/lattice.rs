@@ -1,9 +1,27 @@
-//! The dyadic lattice on the torus from whose cells the window is drawn.
+//! The lattice: the torus of starts in quarters of quarters.
 //!
-//! Level 0 is one cell, the whole torus from −π to π in both angles; every level halves the side
-//! of its cells. A cell is always sampled in the same [`SIDE`] × [`SIDE`] places, so a place seen
-//! before is the same tile whatever the view was. Mirrored about the origin the lattice is itself,
-//! and so is the map from rest: of a cell and its image only one is ever computed.
+//! Level 0 is one cell, the whole torus from −π to π in both angles. Each level cuts every cell
+//! into four quarters, so that 2^level cells lie along each axis, down to level [`DEEPEST`].
+//!
+//! ```text
+//!   π ┌───────────────┬───────┬───────┐   The numbers are indices into `Cell::children`: the
+//!     │               │   1   │   3   │   left two from below, then the right two. Quarter 3 of
+//!     │       1       ├───┬───┼───────┤   the torus is cut again here, and quarter 0 of that too.
+//!     │               │ 1 │ 3 │       │
+//!  θ2 │               ├───┼───┤   2   │   The left edge is the right one, and the lower edge the
+//!     │               │ 0 │ 2 │       │   upper one: a region beyond ±π meets the same cells
+//!     ├───────────────┼───┴───┴───────┤   again.
+//!     │       0       │       2       │
+//!  −π └───────────────┴───────────────┘
+//!    −π              θ1               π
+//! ```
+//!
+//! - Corners are multiples of 2^−level turns, which 448 bits after the point hold exactly.
+//! - A cell knows nothing of a view. The window always samples it in the same [`SIDE`] × [`SIDE`]
+//!   places (films in fewer, see `tiles::patches`): a place is the same tile in every view.
+//! - (θ1, θ2) → (−θ1, −θ2) maps the lattice onto itself and keeps the flip times from rest. A cell
+//!   and its image have the same samples in reverse order, and only one of the two is ever computed
+//!   ([`Cell::canonical`]). Only the whole torus is its own image.
 
 use crate::physics::{Fixed, Scalar, Theta};
 use crate::scene::leaf_grid::Grouped;
@@ -13,54 +31,54 @@ use crate::scene::{Grid, Scene};
 pub const SIDE: u32 = 128;
 /// Samples in a cell.
 pub const SAMPLES: usize = (SIDE * SIDE) as usize;
-/// Samples along each side of the leaves that start maps belong to.
+/// Samples along each side of the leaves to which start maps belong.
 const LEAF: u32 = 16;
-/// The deepest level: its cells are 1e-105 rad wide.
+/// The deepest level: its cells are about 7e-106 rad wide.
 pub const DEEPEST: u32 = 352;
 
-/// A place along one axis of the torus in turns: 0 at θ = −π, 1 a turn further.
+/// A place along one axis of the torus, in turns: 0 at θ = −π, 1 one turn further.
 pub type Turn = Fixed<8>;
 
 /// A square of the torus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Cell {
-    /// 2^level cells lie along each axis.
+    /// Level of the cell: 2^level cells lie along each axis.
     pub level: u32,
-    /// Its left side, in [0, 1).
+    /// Left side in turns, in [0, 1).
     pub x: Turn,
-    /// Its lower side, in [0, 1).
+    /// Lower side in turns, in [0, 1).
     pub y: Turn,
 }
 
-/// A rectangle of the plane around a centre, in which cells are looked for.
+/// A rectangle of the plane around a centre, to be searched for cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
-    /// θ1, θ2 in rad.
+    /// Centre (θ1, θ2) in rad.
     pub center: [Theta; 2],
-    /// Half its extent along θ1 and θ2, rad.
+    /// Half the extent along θ1 and θ2 in rad.
     pub half_rad: [f64; 2],
 }
 
-/// A cell where it appears in a region: the torus repeats.
+/// A cell at one of the places where it appears in a region: the torus repeats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
-    /// Which.
+    /// The cell itself.
     pub cell: Cell,
-    /// Its middle less the region's centre, rad.
+    /// Offset of the cell's middle from the region's centre, rad.
     pub offset: [f64; 2],
 }
 
-/// The side of a level's cells in rad.
+/// Side of a level's cells in rad.
 pub fn side_rad(level: u32) -> f64 {
     std::f64::consts::TAU * 0.5f64.powi(level as i32)
 }
 
-/// The distance of a level's samples in rad.
+/// Distance between a level's samples in rad.
 pub fn pitch_rad(level: u32) -> f64 {
     side_rad(level) / f64::from(SIDE)
 }
 
-/// The side of a level's cells in turns.
+/// Side of a level's cells in turns.
 pub fn side(level: u32) -> Turn {
     one().halved(level)
 }
@@ -69,27 +87,27 @@ fn one() -> Turn {
     Turn::from_f64(1.0)
 }
 
-/// Where an angle is, in turns.
+/// The place of an angle, in turns.
 pub fn turn_of(theta: Theta) -> Turn {
     static PER_TURN: std::sync::OnceLock<Theta> = std::sync::OnceLock::new();
     let per_turn = *PER_TURN.get_or_init(|| one() / Theta::pi().doubled(1));
     one().halved(1) + theta * per_turn
 }
 
-/// The angle of a place; exactly odd about the middle of the torus.
+/// The angle of a place, in rad; exactly odd about the middle of the torus.
 pub fn theta_of(turn: Turn) -> Theta {
     let from_middle = turn - one().halved(1);
     let theta = from_middle.abs() * Theta::pi().doubled(1);
     if from_middle.is_negative() { -theta } else { theta }
 }
 
-/// The side at or below a place of the level's cell around it.
+/// Rounds a place down to the nearest side of a cell of the level.
 fn floor(turn: Turn, level: u32) -> Turn {
     let rest = Turn::BITS - level;
     turn.halved(rest).doubled(rest)
 }
 
-/// A place without whole turns, in [0, 1).
+/// The place without whole turns, in [0, 1).
 pub fn wrapped(turn: Turn) -> Turn {
     turn - floor(turn, 0)
 }
@@ -109,27 +127,27 @@ impl Cell {
         Cell { level, x, y }
     }
 
-    /// Its middle in rad, in (−π, π); exactly odd about the origin.
+    /// Middle of the cell in rad, in (−π, π); exactly odd about the origin.
     pub fn center(&self) -> [Theta; 2] {
         self.middle().map(theta_of)
     }
 
-    /// Its middle in turns.
+    /// Middle of the cell in turns.
     pub fn middle(&self) -> [Turn; 2] {
         [self.x, self.y].map(|corner| corner + side(self.level + 1))
     }
 
-    /// The cell a level up that it is a quarter of.
+    /// The cell one level up of which this is a quarter; none for the whole torus.
     pub fn parent(&self) -> Option<Cell> {
         Some(self.ancestor(self.level.checked_sub(1)?))
     }
 
-    /// The cell of a coarser level that it is part of.
+    /// The cell of a coarser level that contains this one.
     pub fn ancestor(&self, level: u32) -> Cell {
         Cell { level, x: floor(self.x, level), y: floor(self.y, level) }
     }
 
-    /// Its quarters: the left two from below, then the right two.
+    /// The quarters of the cell: the left two from below, then the right two.
     pub fn children(&self) -> [Cell; 4] {
         let half = side(self.level + 1);
         let zero = Turn::ZERO;
@@ -140,20 +158,21 @@ impl Cell {
         })
     }
 
-    /// How many of its own sides its lower left corner is from that of a cell that holds it.
+    /// Offset of the lower left corner from that of a containing cell, in sides of this cell.
     pub fn index_in(&self, ancestor: &Cell) -> [f64; 2] {
         let sides = 2f64.powi(self.level as i32);
         [self.x - ancestor.x, self.y - ancestor.y].map(|by| by.to_f64() * sides)
     }
 
-    /// A place inside it in [−1, 1]².
+    /// A place inside the cell, mapped to [−1, 1]².
     pub fn point(&self, place: [Turn; 2]) -> [f64; 2] {
         let half = 2f64.powi(self.level as i32 + 1);
         let corner = [self.x, self.y];
         [0, 1].map(|i| wrapped(place[i] - corner[i]).to_f64() * half - 1.0)
     }
 
-    /// Its `samples` × `samples` samples by the leaves that start maps belong to, a power of two of them.
+    /// Groups the cell's `samples` × `samples` samples by the leaves to which start maps belong, a
+    /// power of two of them along each side.
     pub fn leaves(&self, samples: u32) -> Grouped {
         let leaves = samples / LEAF;
         let level = self.level + leaves.ilog2();
@@ -175,26 +194,26 @@ impl Cell {
         groups
     }
 
-    /// Its image under (θ1, θ2) → (−θ1, −θ2).
+    /// The cell's image under (θ1, θ2) → (−θ1, −θ2).
     pub fn mirrored(&self) -> Cell {
         let last = one() - side(self.level);
         Cell { level: self.level, x: last - self.x, y: last - self.y }
     }
 
-    /// Of the cell and its image the one that is computed, and whether that is the image.
+    /// Returns the cell or its image, whichever is computed, and true if that is the image.
     pub fn canonical(&self) -> (Cell, bool) {
         let image = self.mirrored();
         if image < *self { (image, true) } else { (*self, false) }
     }
 
-    /// Its `samples` × `samples` samples as a picture of `scene`'s pendulum, row 0 at the top.
+    /// The `samples` × `samples` samples as a picture of `scene`'s pendulum, row 0 at the top.
     pub fn grid(&self, scene: &Scene, samples: u32) -> Grid {
         let side = Theta::pi().doubled(1).halved(self.level);
         let pixel = side / Theta::from_f64(f64::from(samples));
         Grid::square(scene, self.center(), pixel.to_dd(), [samples; 2])
     }
 
-    /// The sample nearest to a start inside the cell: its column and row.
+    /// Column and row of the sample nearest to a start inside the cell.
     pub fn sample_at(&self, angle: [Theta; 2]) -> [u32; 2] {
         let center = self.center();
         let pitch = pitch_rad(self.level);
@@ -206,8 +225,8 @@ impl Cell {
 }
 
 impl Region {
-    /// The cells of a level that touch the region, wherever they appear in it, row by row.
-    /// At most `most` of them; none if there are more.
+    /// The cells of a level that touch the region, at every place where they appear in it, row by
+    /// row; none at all if there are more than `most`.
     pub fn cells(&self, level: u32, most: usize) -> Vec<Placed> {
         let side_rad = side_rad(level);
         let count = |half: f64| 2.0 * half / side_rad;
@@ -225,7 +244,7 @@ impl Region {
             .collect()
     }
 
-    /// The region `times` as large.
+    /// The same region, `times` as large.
     pub fn scaled(&self, times: f64) -> Region {
         Region { half_rad: self.half_rad.map(|half| half * times), ..*self }
     }

@@ -1,16 +1,16 @@
-//! Where in the lattice the pixels of a deep picture lie.
+//! The places in the lattice at which the pixels of a deep picture lie.
 //!
-//! Start maps belong to cells of the lattice, never to a picture, a tile or a shard: so a pixel
-//! is a leaf of the lattice and a point in it.
+//! Start maps belong to cells of the lattice, never to a picture, a tile or a shard. A pixel is
+//! therefore a leaf of the lattice and a point in it.
 
 use super::lattice::{Cell, Turn, turn_of};
 use crate::physics::{Dd, Scalar, Theta};
 
-/// Pixels along the side of a leaf, about: with fewer, pixels begin later and f32 errs less; with
-/// more, fewer cells are followed (measured).
+/// Approximate number of pixels along the side of a leaf. With fewer, pixels begin later and f32
+/// errs less; with more, fewer cells are followed (measured).
 const LEAF_PIXELS: f64 = 16.0;
 
-/// Pixels by the leaf they lie in: for each its place among all, and its point in [−1, 1]².
+/// Pixels by the leaf in which they lie: for each its place among all and its point in [−1, 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
 
 /// The pixels of a grid as places on the torus.
@@ -19,12 +19,12 @@ pub struct LeafGrid {
     middle: [Turn; 2],
     right: [Turn; 2],
     up: [Turn; 2],
-    /// The leaves' level.
+    /// Level of the leaves.
     level: u32,
 }
 
 impl LeafGrid {
-    /// Of the grid around `center` (rad) whose pixels to the right and up add so much.
+    /// The places of the grid around `center` with steps `right` and `up` per pixel, rad.
     pub fn new(center: [Theta; 2], right: [Dd; 2], up: [Dd; 2]) -> Self {
         let from_zero = |by: Dd| turn_of(Theta::from_dd(by)) - turn_of(Theta::ZERO);
         let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
@@ -38,13 +38,13 @@ impl LeafGrid {
         }
     }
 
-    /// The same places in the leaves of others, which lie closer.
+    /// The same places in the leaves of another grid, whose pixels lie closer.
     pub fn in_leaves_of(self, others: &LeafGrid) -> Self {
         LeafGrid { level: others.level, ..self }
     }
 
-    /// The leaf of a point `across` pixels right of the centre and `above` over it, and where
-    /// in it that is.
+    /// The leaf of a point `across` pixels to the right of the centre and `above` pixels above it,
+    /// and the point's place in that leaf.
     fn leaf_point(&self, across: f64, above: f64) -> (Cell, [f64; 2]) {
         let [across, above] = [across, above].map(Turn::from_f64);
         let place = [0, 1].map(|i| self.middle[i] + self.right[i] * across + self.up[i] * above);
@@ -52,7 +52,7 @@ impl LeafGrid {
         (cell, cell.point(place))
     }
 
-    /// Pixels of a picture of `size` by their leaves.
+    /// Groups pixels of a picture of `size` by their leaves.
     pub fn grouped(&self, size: [u32; 2], pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
         let mut groups = std::collections::BTreeMap::<Cell, Vec<_>>::new();
         for (place, [column, row]) in (0..).zip(pixels) {

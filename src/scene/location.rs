@@ -1,19 +1,19 @@
 //! A scene as one line, to be copied and pasted:
 //! `flipmap:center=-1.66,0.1;width=0.4;budget=60;rule=either`.
 //!
-//! The words are those of the command line. Centre and width are always there, other words where
-//! they differ from the home scene.
+//! The words are those of the command line. Centre and width are always present, the other words
+//! only where they differ from the home scene.
 
 use super::words::Word;
 use super::{Scene, SceneError};
 
-/// How every location begins.
+/// Prefix of every location.
 const PREFIX: &str = "flipmap:";
 
-/// Why a text is no location.
+/// Reasons why a text is not a location.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LocationError {
-    /// Something else was copied.
+    /// A text of some other kind.
     #[error(
         "this is not a location: it must begin with '{PREFIX}', as in \
          {PREFIX}center=-1.66,0.1;width=0.4, or be three numbers θ1,θ2,width"
@@ -27,10 +27,10 @@ pub enum LocationError {
     Unknown {
         /// The word.
         word: String,
-        /// Those there are.
+        /// The words that exist, separated by commas.
         known: String,
     },
-    /// A word that is there twice.
+    /// A word that appears twice.
     #[error("the location says {0} twice; leave one of them out")]
     Twice(&'static str),
     /// A value that cannot be used.
@@ -42,7 +42,7 @@ fn name(option: &'static str) -> &'static str {
     option.trim_start_matches("--")
 }
 
-/// The line that [`parse`] makes the same scene of.
+/// A scene as one line, which [`parse`] turns back into the same scene.
 pub fn text(scene: &Scene) -> String {
     let home = Scene::default();
     let mut parts = Vec::new();
@@ -55,7 +55,7 @@ pub fn text(scene: &Scene) -> String {
     format!("{PREFIX}{}", parts.join(";"))
 }
 
-/// The scene of a line, white space around it or its parts allowed.
+/// Reads the scene of a line; white space is allowed around the line and its parts.
 pub fn parse(text: &str) -> Result<Scene, LocationError> {
     let text = text.trim();
     let Some(parts) = text.strip_prefix(PREFIX) else { return three_numbers(text) };
@@ -82,7 +82,7 @@ fn known(key: &str) -> Result<Word, LocationError> {
     })
 }
 
-/// `θ1,θ2,width`, as people write it in a message.
+/// Reads `θ1,θ2,width`, as people write it in a message.
 fn three_numbers(text: &str) -> Result<Scene, LocationError> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     let [theta1, theta2, width] = parts[..] else { return Err(LocationError::Foreign) };

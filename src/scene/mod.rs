@@ -1,8 +1,8 @@
-//! What a picture shows, as plain data: never how it is computed.
+//! The content of a picture as plain data, never how it is computed.
 //!
 //! A [`Scene`] is a pendulum, a question and a view. Two scenes are the same work exactly when
-//! their pendulums and questions are equal; the view only says which starts are asked for.
-//! [`Document`] is a scene as people keep it: a TOML file, or the text inside a PNG.
+//! their pendulums and questions are equal; the view only selects the starts. [`Document`] is a
+//! scene as people keep it: a TOML file, or the text inside a PNG.
 
 mod budget;
 mod built_in;
@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
 
-/// How a pendulum is built.
+/// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -43,7 +43,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Every kind with its word.
+    /// Every kind with its name.
     pub const ALL: [(&'static str, Kind); 2] = [("points", Kind::Points), ("rods", Kind::Rods)];
 }
 
@@ -53,11 +53,11 @@ impl Kind {
 pub struct Build {
     /// Bobs or bars.
     pub kind: Kind,
-    /// m1, m2 in kg.
+    /// Masses m1, m2 in kg.
     pub masses: [Decimal; 2],
-    /// l1, l2 in m.
+    /// Lengths l1, l2 in m.
     pub lengths: [Decimal; 2],
-    /// g in m/s².
+    /// Gravity g in m/s².
     pub gravity: Decimal,
 }
 
@@ -74,22 +74,22 @@ impl Build {
         Build { kind, masses, lengths, gravity: gravity.into() }
     }
 
-    /// m1 and m2 as the nearest f64.
+    /// Masses m1, m2 as the nearest f64, in kg.
     pub fn masses_kg(&self) -> [f64; 2] {
         self.masses.map(|mass| mass.value())
     }
 
-    /// l1 and l2 as the nearest f64.
+    /// Lengths l1, l2 as the nearest f64, in m.
     pub fn lengths_m(&self) -> [f64; 2] {
         self.lengths.map(|length| length.value())
     }
 
-    /// The five numbers to the precision of f64.
+    /// The pendulum's five numbers to the precision of f64.
     pub fn pendulum(&self) -> Pendulum<f64> {
         self.pendulum_in::<Dd>().to_f64()
     }
 
-    /// The five numbers, formed in the number type from the decimals that were given.
+    /// The pendulum's five numbers, computed in `T` from the decimals that were given.
     pub fn pendulum_in<T: Scalar>(&self) -> Pendulum<T> {
         let [masses, lengths] =
             [self.masses, self.lengths].map(|pair| pair.map(|x| T::from_theta(x.exact())));
@@ -100,8 +100,8 @@ impl Build {
         }
     }
 
-    /// The five numbers in units that make C = Q = 1, and the unit of time, √(C/Q), s. They are
-    /// formed from ratios, so that no product leaves the range of a fixed-point number.
+    /// The five numbers in reduced units, in which C = Q = 1, and the unit of time, √(C/Q), in s.
+    /// They are formed from ratios, so that no product leaves the range of a fixed-point number.
     pub fn reduced_in<T: Scalar>(&self) -> (Pendulum<T>, T) {
         let of = |decimal: Decimal| T::from_theta(decimal.exact());
         let [[m1, m2], [l1, l2]] = [self.masses, self.lengths].map(|pair| pair.map(of));
@@ -120,19 +120,19 @@ impl Build {
         (Pendulum { a, b, c: one, p, q: one, least_det }, unit_secs)
     }
 
-    /// The pendulum's natural unit of time; without gravity, when nothing moves, 1 s.
+    /// The pendulum's natural unit of time in s; 1 s without gravity, when nothing moves.
     pub fn unit_secs(&self) -> f64 {
         if self.gravity.value() > 0.0 { self.reduced_in::<Dd>().1.to_f64() } else { 1.0 }
     }
 }
 
-/// What is asked about every start.
+/// The question asked about every start.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FlipQuestion {
-    /// Which bob is watched.
+    /// The rule: which bob is watched.
     pub rule: Rule,
-    /// Simulated seconds a pixel may use.
+    /// Simulated seconds that a pixel may use.
     pub budget: Budget,
 }
 
@@ -142,31 +142,31 @@ impl Default for FlipQuestion {
     }
 }
 
-/// What to compute, never how.
+/// A description of what to compute, never of how.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// The pendulum.
     pub build: Build,
-    /// What is asked about it.
+    /// The question asked about every start.
     pub question: FlipQuestion,
-    /// From where to where.
+    /// The part of the plane that is shown.
     pub view: View,
 }
 
-/// A number of a scene that cannot be used, with the range that can.
+/// A number of a scene that cannot be used, with the range of those that can.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{option} is {value}; {range}")]
 pub struct SceneError {
     /// The option or key.
     pub option: &'static str,
-    /// What was given.
+    /// The given value.
     pub value: String,
-    /// What is allowed, as a phrase.
+    /// The allowed range, as a phrase.
     pub range: &'static str,
 }
 
 impl Scene {
-    /// Checks every number, so that nothing after this needs to.
+    /// Checks every number, so that nothing later needs to, and settles an automatic budget.
     pub fn checked(mut self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
         let refuse = |option, value: &dyn std::fmt::Debug, range| {

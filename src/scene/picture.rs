@@ -1,4 +1,4 @@
-//! How a picture is painted from its samples: nothing here changes what is computed.
+//! The settings of painting a picture from its samples; none changes what is computed.
 
 use std::str::FromStr;
 
@@ -7,28 +7,28 @@ use serde::{Deserialize, Serialize};
 use super::SceneError;
 use super::palette::{Palette, rise};
 
-/// The table `[picture]` of a scene's file. The keys that came after the first release are
-/// written only where they differ from their defaults, so that older pictures stay the same files.
+/// The table `[picture]` of a scene's file. Keys added after the first release are written only
+/// where they differ from their defaults, so that older pictures remain the same files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PictureTable {
-    /// Name of the colour table.
+    /// Name of the palette.
     pub palette: String,
-    /// Whether the energy curve is drawn.
+    /// True if the energy curve is drawn.
     pub curve: bool,
-    /// Samples a pixel along each axis.
+    /// Samples per pixel along each axis.
     pub samples: u32,
-    /// Whether late flips have the palette's first colour.
+    /// True if late flips have the palette's first colour.
     #[serde(skip_serializing_if = "is_default")]
     pub reverse: bool,
-    /// How often the palette is run through.
+    /// Number of times that the palette is run through.
     #[serde(skip_serializing_if = "is_once")]
     pub cycles: f64,
-    /// How times between two of `times` are spread.
+    /// Scale between two entries of `times`.
     #[serde(skip_serializing_if = "is_default")]
     pub scale: Scale,
-    /// Seconds at which equal steps of the palette lie: none for the pendulum's natural unit of
-    /// time and the budget, two for a range, more for one that is stretched.
+    /// Seconds at which equal steps of the palette lie: none for the range from the pendulum's
+    /// natural unit of time to the budget, two for another range, more for a stretched one.
     #[serde(skip_serializing_if = "is_default")]
     pub times: Vec<f64>,
 }
@@ -56,19 +56,19 @@ fn is_once(cycles: &f64) -> bool {
     *cycles == 1.0
 }
 
-/// How colours follow times.
+/// The relation between times and colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scale {
     /// Equal ratios of times are equal steps of colour.
     #[default]
     Log,
-    /// Equal differences are.
+    /// Equal differences of times are equal steps of colour.
     Linear,
 }
 
 impl Scale {
-    /// Every scale with its word.
+    /// Every scale with its name.
     pub const ALL: [(&'static str, Scale); 2] = [("log", Scale::Log), ("linear", Scale::Linear)];
 }
 
@@ -81,29 +81,29 @@ impl FromStr for Scale {
 }
 
 impl PictureTable {
-    /// Views narrower than this have colours over their own times unless a person wants others,
-    /// rad.
+    /// Width of a view in rad below which its colours are spread over its own times, unless the
+    /// user chooses others.
     pub const SPREAD_BELOW_RAD: f64 = 1e-6;
-    /// And films that zoom through more decades have colours over theirs.
+    /// Decades of a film's zoom above which its colours are spread over its own times.
     pub const SPREAD_FILM_DECADES: f64 = 3.0;
-    /// Steps of such colours.
+    /// Number of steps of such colours.
     pub const SPREAD_STEPS: usize = 64;
 
-    /// Samples a pixel along each axis.
+    /// Range of samples per pixel along each axis.
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
-    /// How often the palette can be run through.
+    /// Range of the number of times that the palette can be run through.
     pub const CYCLES: std::ops::RangeInclusive<f64> = 1.0..=100.0;
-    /// Seconds that colours can stand for.
+    /// Range of the times that colours can stand for, s.
     pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
-    /// Steps that a stretched range may have.
+    /// Largest number of times in a stretched range.
     pub const MOST_TIMES: usize = 257;
 
-    /// Longest side of a picture.
+    /// Longest side of a picture in pixels.
     pub const LONGEST_SIDE: u32 = 1_000_000;
-    /// Samples in a row of a picture.
+    /// Largest number of samples in a row of a picture.
     const LONGEST_ROW: u32 = 1 << 20;
 
-    /// Checks that a picture of this size can be painted so.
+    /// Checks that a picture of this size can be painted with these settings.
     pub fn check_size(&self, size: [u32; 2]) -> Result<(), SceneError> {
         let value = format!("{}x{}", size[0], size[1]);
         let refuse = |value, range| Err(SceneError { option: "--size", value, range });
@@ -117,7 +117,7 @@ impl PictureTable {
         Ok(())
     }
 
-    /// Checks that everything can be used.
+    /// Checks that every setting can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         Palette::named(&self.palette)?;
         let refuse = |option, value, range| Err(SceneError { option, value, range });

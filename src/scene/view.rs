@@ -1,25 +1,25 @@
-//! Which part of the plane of starts a picture shows.
+//! The part of the plane of starts that a picture shows.
 
 use serde::{Deserialize, Serialize};
 
 use super::SceneError;
 use crate::physics::{Dd, Scalar, Theta};
 
-/// Views are at least this wide, rad.
+/// Smallest width of a view in rad.
 pub const LEAST_WIDTH: f64 = 1e-100;
 
-/// A centre, a width and how the picture lies on the plane. Coordinates are decimal strings,
+/// A centre, a width, and the way the picture lies on the plane. Coordinates are decimal strings,
 /// so that no digit is lost between a file and the arithmetic.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct View {
-    /// θ1, θ2 in rad.
+    /// Centre (θ1, θ2) in rad.
     pub center: [String; 2],
     /// Length of the horizontal axis in rad; pixels are square.
     pub width: String,
-    /// The picture's horizontal axis is turned anticlockwise by this, in degrees.
+    /// Angle by which the picture's horizontal axis is turned anticlockwise, in degrees.
     pub rotate: f64,
-    /// The vertical axis shows this many times fewer radians than square pixels would.
+    /// Factor by which the vertical axis shows fewer radians than square pixels would.
     pub stretch: f64,
 }
 
@@ -34,7 +34,7 @@ impl Default for View {
     }
 }
 
-/// The first characters of a text that may be absurdly long, with dots for the others.
+/// The first characters of a text that may be absurdly long, with an ellipsis for the rest.
 fn shortened(text: &str) -> String {
     let mut first: String = text.chars().take(SHOWN).collect();
     if first.len() < text.len() {
@@ -43,7 +43,7 @@ fn shortened(text: &str) -> String {
     first
 }
 
-/// Characters of a coordinate that is complained about.
+/// Number of characters shown of a refused coordinate.
 const SHOWN: usize = 60;
 
 impl View {
@@ -76,7 +76,7 @@ impl View {
         Dd::parse(&self.width).unwrap_or(Dd::TAU)
     }
 
-    /// Whether the picture maps onto itself under (θ1, θ2) → (−θ1, −θ2), pixel by pixel.
+    /// True if the picture maps onto itself under (θ1, θ2) → (−θ1, −θ2), pixel by pixel.
     pub fn is_symmetric(&self) -> bool {
         self.center_rad().iter().all(|theta| *theta == Theta::ZERO)
     }

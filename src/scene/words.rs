@@ -1,37 +1,37 @@
-//! A scene's numbers as words: `--rule either` on the command line, `rule=either` in a location.
+//! The numbers of a scene as words: `--rule either` as an option, `rule=either` in a location.
 
 use super::{Kind, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
 
-/// One number of a scene, or a pair of them, that has an option.
+/// One number of a scene, or a pair of numbers, that has an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Word {
-    /// θ1, θ2 of the middle.
+    /// Centre of the view, θ1 and θ2.
     Center,
-    /// The view's width.
+    /// Width of the view.
     Width,
-    /// How it is turned.
+    /// Rotation of the view.
     Rotate,
-    /// How it is stretched.
+    /// Stretch of the view.
     Stretch,
-    /// How long a pixel is followed.
+    /// Budget of a pixel.
     Budget,
-    /// Which bob is watched.
+    /// The rule: which bob is watched.
     Rule,
-    /// Bobs or bars.
+    /// Kind of pendulum: bobs or bars.
     Kind,
-    /// m1, m2.
+    /// Masses m1, m2.
     Masses,
-    /// l1, l2.
+    /// Lengths l1, l2.
     Lengths,
-    /// g.
+    /// Gravity g.
     Gravity,
 }
 
 const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comma between them";
 
 impl Word {
-    /// Every word with its option, where first and then what.
+    /// Every word with its option: the view first, then the question and the pendulum.
     pub const ALL: [(&'static str, Word); 10] = [
         ("--center", Word::Center),
         ("--width", Word::Width),
@@ -45,12 +45,12 @@ impl Word {
         ("--gravity", Word::Gravity),
     ];
 
-    /// Its option.
+    /// The word's option.
     pub fn option(self) -> &'static str {
         Self::ALL[self as usize].0
     }
 
-    /// Changes the scene to what `text` says of this word; [`Scene::checked`] looks at ranges.
+    /// Sets this word of a scene from `text`; [`Scene::checked`] checks the ranges.
     pub fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
         self.apply(scene, text.trim()).map_err(|range| SceneError {
             option: self.option(),
@@ -95,7 +95,7 @@ impl Word {
         Ok(())
     }
 
-    /// The text that [`Word::set`] makes the same of.
+    /// The value of the word as text, which [`Word::set`] reads back.
     pub fn text(self, scene: &Scene) -> String {
         let Scene { build, question, view } = scene;
         let pair = |[first, second]: [Decimal; 2]| format!("{first},{second}");

@@ -3,9 +3,11 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use super::open_tile::Known;
 use super::samples::Samples;
+use super::saved_pixels::SavedPixel;
 use crate::engine::{IntegratorState, Trust};
-use crate::physics::Outcome;
+use crate::physics::{Outcome, Status};
 use crate::scene::lattice::{Cell, SAMPLES};
 
 /// What is known of a cell.
@@ -18,7 +20,7 @@ pub struct CachedCell {
     /// Changes whenever the samples do, and is never used twice.
     pub serial: u64,
     /// Where the unflipped ones are, by their places among the samples.
-    pub(super) paused: Vec<(u32, IntegratorState)>,
+    pub(super) unfinished: Vec<(u32, IntegratorState)>,
     used: u64,
 }
 
@@ -38,7 +40,7 @@ pub struct Cache {
     serial: u64,
 }
 
-/// Bytes of a tile without paused pendulums.
+/// Bytes of a tile without unfinished pendulums.
 pub const TILE_BYTES: usize = SAMPLES * Samples::BYTES;
 
 impl CachedCell {
@@ -47,8 +49,18 @@ impl CachedCell {
         (self.samples.get(place), self.samples.trust(place))
     }
 
+    /// The sample at a place as a run to a larger budget needs it.
+    pub(super) fn known(&self, place: u32) -> Option<Known> {
+        let (outcome, trust) = self.at(place as usize);
+        if outcome.status != Status::Unflipped {
+            return Some((SavedPixel::Over(outcome), trust));
+        }
+        let state = self.unfinished.binary_search_by_key(&place, |(place, _)| *place).ok()?;
+        Some((SavedPixel::Unfinished(self.unfinished[state].1), trust))
+    }
+
     fn bytes(&self) -> usize {
-        TILE_BYTES + self.paused.capacity() * size_of::<(u32, IntegratorState)>()
+        TILE_BYTES + self.unfinished.capacity() * size_of::<(u32, IntegratorState)>()
     }
 }
 
@@ -114,14 +126,14 @@ impl Cache {
         cell: Cell,
         samples: Samples,
         budget_secs: f64,
-        mut paused: Vec<(u32, IntegratorState)>,
+        mut unfinished: Vec<(u32, IntegratorState)>,
     ) {
-        paused.shrink_to_fit();
+        unfinished.shrink_to_fit();
         self.clock += 1;
         self.serial += 1;
         let samples = Arc::new(samples);
         let (serial, used) = (self.serial, self.clock);
-        let known = CachedCell { samples, budget_secs, serial, paused, used };
+        let known = CachedCell { samples, budget_secs, serial, unfinished, used };
         self.bytes += known.bytes();
         if let Some(old) = self.known.insert((physics, cell), known) {
             self.bytes -= old.bytes();
@@ -129,7 +141,7 @@ impl Cache {
         self.shrink();
     }
 
-    /// Lets go until it fits: first of states where others' pendulums are paused, which a larger
+    /// Lets go until it fits: first of states where others' pendulums are unfinished, which a larger
     /// budget would begin anew; then of the others; last of states of what is wanted. The longest
     /// unused always goes first.
     fn shrink(&mut self) {
@@ -165,7 +177,7 @@ impl Cache {
     fn drop_states(&mut self, key: &CacheKey) {
         if let Some(known) = self.known.get_mut(key) {
             self.bytes -= known.bytes();
-            known.paused = Vec::new();
+            known.unfinished = Vec::new();
             self.bytes += known.bytes();
         }
     }
@@ -188,18 +200,18 @@ mod tests {
         Cell { level: 10, x: Turn::from_f64(x as f64 / 1024.0), y: Turn::ZERO }
     }
 
-    fn fill(cache: &mut Cache, x: u32, paused: usize) {
+    fn fill(cache: &mut Cache, x: u32, unfinished: usize) {
         let state = IntegratorState { steps: 0, numbers: [0.0; NUMBERS] };
-        let paused = (0..paused as u32).map(|place| (place, state)).collect();
-        cache.insert(0, cell(x), Samples::unflipped(SAMPLES), 30.0, paused);
+        let unfinished = (0..unfinished as u32).map(|place| (place, state)).collect();
+        cache.insert(0, cell(x), Samples::unflipped(SAMPLES), 30.0, unfinished);
     }
 
     fn want(cache: &mut Cache, cells: std::ops::Range<u32>) {
         cache.want(0, cells.map(cell));
     }
 
-    fn paused(cache: &Cache, x: u32) -> usize {
-        cache.peek(0, cell(x)).unwrap().paused.len()
+    fn unfinished(cache: &Cache, x: u32) -> usize {
+        cache.peek(0, cell(x)).unwrap().unfinished.len()
     }
 
     #[test]
@@ -219,7 +231,7 @@ mod tests {
         (0..4).for_each(|x| fill(&mut cache, x, 1000));
         assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
         assert!(cache.bytes() <= 4 * TILE_BYTES);
-        assert_eq!(paused(&cache, 0), 0);
+        assert_eq!(unfinished(&cache, 0), 0);
         fill(&mut cache, 9, 0);
         assert!(cache.peek(0, cell(9)).is_none(), "there is no room for what nobody wants");
         assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
@@ -233,7 +245,10 @@ mod tests {
         fill(&mut cache, 2, 300);
         fill(&mut cache, 3, 0);
         assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
-        assert_eq!((paused(&cache, 0), paused(&cache, 1), paused(&cache, 2)), (0, 300, 0));
+        assert_eq!(
+            (unfinished(&cache, 0), unfinished(&cache, 1), unfinished(&cache, 2)),
+            (0, 300, 0)
+        );
     }
 
     #[test]

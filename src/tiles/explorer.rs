@@ -9,15 +9,13 @@ use std::collections::{HashSet, VecDeque};
 use std::time::Instant;
 
 use super::cache::{Cache, CachedCell};
-use super::in_flight::{FinishedBatch, InFlightJobs, OpenTile};
+use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
+use super::open_tile::OpenTile;
 use super::order;
 use super::samples::{Counts, Samples};
-use super::saved_pixels;
 use super::view_target::{Physics, ViewTarget};
-use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Keep, Trust, Wait};
-use crate::physics::{Outcome, Status};
+use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Keep, Wait};
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
-use crate::scene::{Grid, Grouped, Scene};
 
 /// How far the newest target is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,7 +39,7 @@ const MOST_IN_JOB: usize = 16;
 
 /// Cells on their way: of which physics, to which budget.
 #[derive(Debug)]
-struct Batch {
+pub(super) struct Batch {
     physics: usize,
     budget_secs: f64,
     cells: Vec<Cell>,
@@ -154,15 +152,12 @@ impl Explorer {
         }
         let mut news = false;
         loop {
-            news |= self.submit(engine, deadline)?;
+            news |= self.submit_until(engine, deadline)?;
             let wait = deadline.map_or(Wait::UntilFinished, |_| Wait::Until(Instant::now()));
-            for finished in self.in_flight.poll(engine, wait)? {
-                self.take(finished);
-                news = true;
-            }
+            news |= self.collect(engine, wait)?;
             if let Some(deadline) = deadline {
                 if Instant::now() < deadline {
-                    news |= self.submit(engine, Some(deadline))?;
+                    news |= self.submit_until(engine, Some(deadline))?;
                 }
                 return Ok(news);
             }
@@ -170,6 +165,20 @@ impl Explorer {
                 return Ok(news);
             }
         }
+    }
+
+    fn submit_until(
+        &mut self,
+        engine: &mut dyn Engine,
+        deadline: Option<Instant>,
+    ) -> Result<bool, EngineError> {
+        let late = |_: &Self| deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let submitted = self.submit(engine, late);
+        if submitted.is_err() {
+            // Cells that the engine refused are in no queue any more.
+            self.plan();
+        }
+        submitted
     }
 
     /// Whether cells wait and nothing flies whose landing would wake anybody: with a deadline,
@@ -189,52 +198,10 @@ impl Explorer {
         self.plan();
     }
 
-    fn submit(
-        &mut self,
-        engine: &mut dyn Engine,
-        deadline: Option<Instant>,
-    ) -> Result<bool, EngineError> {
-        let Some(target) = self.target else { return Ok(false) };
-        let in_job = (engine.job_size() / (2 * SAMPLES)).clamp(1, MOST_IN_JOB);
-        let mut news = false;
-        while self.in_flight.len() < engine.slots() && !self.waiting.is_empty() {
-            let cells = self.next_cells(in_job);
-            let batch = Batch { physics: self.key, budget_secs: target.budget_secs, cells };
-            news |= self.send(engine, &target, batch)?;
-            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                break;
-            }
-        }
-        Ok(news)
-    }
-
-    /// Sends a batch to the engine; without an open pixel it is known at once, and this says so.
-    fn send(
-        &mut self,
-        engine: &mut dyn Engine,
-        target: &ViewTarget,
-        batch: Batch,
-    ) -> Result<bool, EngineError> {
-        let open = self.open(target, &batch);
-        if open.is_settled() {
-            self.keep(&batch, &open.into_samples(), Vec::new());
-            return Ok(true);
-        }
-        let asked = (target.question(), target.physics.config);
-        // Checks begin at the release, so checked pixels cannot be continued.
-        let keep = if target.physics.verified { Keep::Nothing } else { Keep::Unfinished };
-        let sent = self.in_flight.submit(engine, batch, open, asked, keep);
-        if sent.is_err() {
-            // The batch is gone from the queue, and nobody computes it.
-            self.plan();
-        }
-        sent.map(|()| false)
-    }
-
     /// The next cells that can share a job: all new, or all to be continued.
     fn next_cells(&mut self, most: usize) -> Vec<Cell> {
         let continues = |cell: &Cell| {
-            self.cache.peek(self.key, *cell).is_some_and(|known| !known.paused.is_empty())
+            self.cache.peek(self.key, *cell).is_some_and(|known| !known.unfinished.is_empty())
         };
         let Some(first) = self.waiting.front().map(continues) else { return Vec::new() };
         let level = self.waiting.front().map(|cell| cell.level);
@@ -243,73 +210,19 @@ impl Explorer {
         self.waiting.drain(..count).collect()
     }
 
-    /// What is known of the cells beforehand.
-    fn open(&self, target: &ViewTarget, batch: &Batch) -> OpenTile {
-        if batch.cells.first().is_some_and(|cell| target.is_deep_at(cell.level)) {
-            return self.open_deep(&target.scene(), batch);
-        }
-        let scene = target.scene();
-        OpenTile::new(batch.cells.iter().flat_map(|cell| {
-            let grid = cell.grid(&scene, SIDE);
-            let known = self.cache.peek(batch.physics, *cell);
-            let mut states = known.map_or(&[][..], |known| &known.paused).iter().peekable();
-            (0..SAMPLES as u32).map(move |place| {
-                let fate = grid.fate(place % SIDE, place / SIDE);
-                let state = states.next_if(|(at, _)| *at == place).map(|(_, state)| *state);
-                (fate, known.and_then(|known| known_of(known, place, state)))
-            })
-        }))
-    }
-
-    /// Likewise of cells too deep for angles in any number type of an engine's.
-    fn open_deep(&self, scene: &Scene, batch: &Batch) -> OpenTile {
-        let grids: Vec<Grid> = batch.cells.iter().map(|cell| cell.grid(scene, SIDE)).collect();
-        let mut groups = Grouped::new();
-        for (k, cell) in (0..).zip(&batch.cells) {
-            let moved = |(place, point)| (k * SAMPLES as u32 + place, point);
-            groups.extend(
-                cell.leaves(SIDE)
-                    .into_iter()
-                    .map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect())),
-            );
-        }
-        let known = |place: u32| {
-            let (k, place) = (place as usize / SAMPLES, place % SAMPLES as u32);
-            let before = self.cache.peek(batch.physics, batch.cells[k]);
-            let before = before.map(|known| known.at(place as usize));
-            before.filter(|(outcome, _)| outcome.status != Status::Unflipped).or_else(|| {
-                let outcome = grids[k].opening(place % SIDE, place / SIDE)?;
-                Some((outcome, Trust::Agreed))
-            })
-        };
-        OpenTile::deep(batch.cells.len() * SAMPLES, groups, known)
-    }
-
-    fn take(&mut self, finished: FinishedBatch<Batch>) {
-        self.counts.simulated += finished.computed.len() as u64;
-        self.counts.effort += finished.effort;
-        self.depth = finished.effort.depth;
-        let FinishedBatch { tile: batch, samples, paused, .. } = finished;
-        self.keep(&batch, &samples, paused);
-        // The budget has been raised since.
-        if self.target.is_some_and(|target| batch.budget_secs < target.budget_secs) {
-            self.plan();
-        }
-    }
-
     /// Puts a batch's samples where they belong.
-    fn keep(&mut self, batch: &Batch, samples: &Samples, paused: Vec<(u32, IntegratorState)>) {
+    fn keep(&mut self, batch: &Batch, samples: &Samples, unfinished: &[(u32, IntegratorState)]) {
         self.counts.add(samples);
         for (k, cell) in batch.cells.iter().enumerate() {
             let places = k * SAMPLES..(k + 1) * SAMPLES;
             let first = places.start as u32;
-            let paused = paused
+            let unfinished = unfinished
                 .iter()
                 .filter(|(place, _)| places.contains(&(*place as usize)))
                 .map(|(place, state)| (place - first, *state))
                 .collect();
             let samples = samples.part(places.clone());
-            self.cache.insert(batch.physics, *cell, samples, batch.budget_secs, paused);
+            self.cache.insert(batch.physics, *cell, samples, batch.budget_secs, unfinished);
         }
     }
 
@@ -372,16 +285,38 @@ impl Explorer {
     }
 }
 
-/// What is known of one pixel of a tile that had a smaller budget.
-fn known_of(
-    known: &CachedCell,
-    place: u32,
-    state: Option<IntegratorState>,
-) -> Option<(saved_pixels::SavedPixel, Trust)> {
-    let outcome: Outcome = known.samples.get(place as usize);
-    let trust = known.samples.trust(place as usize);
-    if outcome.status != Status::Unflipped {
-        return Some((saved_pixels::SavedPixel::Over(outcome), trust));
+impl TileSource for Explorer {
+    type Tile = Batch;
+
+    fn in_flight(&mut self) -> &mut InFlightJobs<Batch> {
+        &mut self.in_flight
     }
-    state.map(|state| (saved_pixels::SavedPixel::Unfinished(state), trust))
+
+    fn next_tile(&mut self, job_size: usize) -> Option<NextTile<Batch>> {
+        let target = self.target?;
+        let cells = self.next_cells((job_size / (2 * SAMPLES)).clamp(1, MOST_IN_JOB));
+        if cells.is_empty() {
+            return None;
+        }
+        let batch = Batch { physics: self.key, budget_secs: target.budget_secs, cells };
+        let config = target.physics.config;
+        let before = |k: usize, place| self.cache.peek(batch.physics, batch.cells[k])?.known(place);
+        let open = OpenTile::of_cells(&target.scene(), config, &batch.cells, SIDE, before);
+        // Checks begin at the release, so checked pixels cannot be continued.
+        let keep = if target.physics.verified { Keep::Nothing } else { Keep::Unfinished };
+        Some(NextTile { tile: batch, open, question: target.question(), config, keep })
+    }
+
+    fn take(&mut self, finished: FinishedBatch<Batch>) {
+        finished.count_work(&mut self.counts);
+        if !finished.computed.is_empty() {
+            self.depth = finished.effort.depth;
+        }
+        let FinishedBatch { tile: batch, samples, unfinished, .. } = finished;
+        self.keep(&batch, &samples, &unfinished);
+        // The budget has been raised since.
+        if self.target.is_some_and(|target| batch.budget_secs < target.budget_secs) {
+            self.plan();
+        }
+    }
 }

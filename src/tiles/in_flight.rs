@@ -1,120 +1,104 @@
-//! Jobs in the air: what pictures and the lattice of a window have in common.
+//! The one loop from tiles to samples, shared by pictures, films and the window.
 //!
-//! A tile's pixels are first asked what is known without computing; what stays open becomes a
-//! job. The answers come back as samples in the order of the pixels.
+//! A [`TileSource`] hands out its tiles with what is already known of their pixels. What is left
+//! becomes one job a tile; its answers come back as samples in the order of the pixels.
+//!
+//! ```text
+//! next_tile ──► known in full ──────────────────────► take
+//!      └──────► InFlightJobs ──► engine ──► collect ──► take
+//! ```
 
 use std::collections::HashMap;
 
-use super::samples::Samples;
-use super::saved_pixels::SavedPixel;
-use crate::engine::{Deep, Keep, Leaf, Trust, Wait};
+use super::open_tile::OpenTile;
+use super::samples::{Counts, Samples};
 use crate::engine::{
-    Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Question,
-    Starts,
+    Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult,
 };
-use crate::physics::Outcome;
-use crate::scene::{Fate, Grouped};
+use crate::engine::{Keep, Question, Starts, Wait};
 
-/// A tile before its job: what is known of it, and the starts of the rest.
-#[derive(Debug)]
-pub struct OpenTile {
-    samples: Samples,
-    /// For each start, its place among the samples.
-    places: Vec<u32>,
-    starts: Starts,
-}
-
-impl OpenTile {
-    /// Sorts pixels, in order, by what becomes of them and what is known already.
-    pub fn new(pixels: impl Iterator<Item = (Fate, Option<(SavedPixel, Trust)>)>) -> Self {
-        let pixels: Vec<_> = pixels.collect();
-        let mut samples = Samples::unflipped(pixels.len());
-        let (mut places, mut angles, mut paused) = (Vec::new(), Vec::new(), Vec::new());
-        for (place, (fate, known)) in (0..).zip(pixels) {
-            let at = place as usize;
-            match (fate, known) {
-                (Fate::Known(outcome), _) => {
-                    samples.set(at, outcome);
-                    samples.set_trust(at, Trust::of_proved(&outcome));
-                }
-                (Fate::Open(_), Some((SavedPixel::Over(outcome), trust))) => {
-                    samples.set(at, outcome);
-                    samples.set_trust(at, trust);
-                }
-                (Fate::Open(_), Some((SavedPixel::Unfinished(state), _))) => {
-                    places.push(place);
-                    paused.push(state);
-                }
-                (Fate::Open(angle), None) => {
-                    places.push(place);
-                    angles.push(angle);
-                }
-            }
-        }
-        let starts = if paused.is_empty() { Starts::Rest(angles) } else { Starts::Resumed(paused) };
-        OpenTile { samples, places, starts }
-    }
-
-    /// Sorts `count` pixels of a deep picture, given by their leaves, by what is known already.
-    pub fn deep(
-        count: usize,
-        groups: Grouped,
-        known: impl Fn(u32) -> Option<(Outcome, Trust)>,
-    ) -> Self {
-        let mut samples = Samples::unflipped(count);
-        let (mut places, mut leaves) = (Vec::new(), Vec::new());
-        for (cell, pixels) in groups {
-            let mut points = Vec::with_capacity(pixels.len());
-            for (place, point) in pixels {
-                if let Some((outcome, trust)) = known(place) {
-                    samples.set(place as usize, outcome);
-                    samples.set_trust(place as usize, trust);
-                } else {
-                    places.push(place);
-                    points.push(point);
-                }
-            }
-            if !points.is_empty() {
-                leaves.push(Leaf { cell, points });
-            }
-        }
-        OpenTile { samples, places, starts: Starts::Deep(Deep { leaves, strict: false }) }
-    }
-
-    /// Whether there is nothing to compute.
-    pub fn is_settled(&self) -> bool {
-        self.places.is_empty()
-    }
-
-    /// What has to be computed.
-    pub fn into_starts(self) -> Starts {
-        self.starts
-    }
-
-    /// What is known without computing; the rest is unflipped.
-    pub fn into_samples(self) -> Samples {
-        self.samples
-    }
-}
-
-/// A tile whose answers have come.
-#[derive(Debug)]
-pub struct FinishedBatch<T> {
-    /// Which.
+/// A tile to compute, and how.
+pub(super) struct NextTile<T> {
     pub tile: T,
-    /// All its samples.
+    pub open: OpenTile,
+    pub question: Question,
+    pub config: IntegratorConfig,
+    pub keep: Keep,
+}
+
+/// A supply of tiles that takes their samples back.
+pub(super) trait TileSource {
+    type Tile;
+
+    /// Removes the next tile from the queue; its job should have about `job_size` starts.
+    fn next_tile(&mut self, job_size: usize) -> Option<NextTile<Self::Tile>>;
+
+    /// Takes a finished tile.
+    fn take(&mut self, batch: FinishedBatch<Self::Tile>);
+
+    fn in_flight(&mut self) -> &mut InFlightJobs<Self::Tile>;
+
+    /// Fills the engine's slots until `enough`; tiles without open pixels are finished at once.
+    /// Returns true if there were any.
+    fn submit(
+        &mut self,
+        engine: &mut dyn Engine,
+        enough: impl Fn(&Self) -> bool,
+    ) -> Result<bool, EngineError> {
+        let mut news = false;
+        while self.in_flight().len() < engine.slots() {
+            let Some(next) = self.next_tile(engine.job_size()) else { break };
+            if next.open.is_settled() {
+                self.take(FinishedBatch::settled(next.tile, next.open.samples));
+                news = true;
+            } else {
+                self.in_flight().submit(engine, next)?;
+            }
+            if enough(self) {
+                break;
+            }
+        }
+        Ok(news)
+    }
+
+    /// Moves the engine on and takes what has come back. Returns true if anything has.
+    fn collect(&mut self, engine: &mut dyn Engine, wait: Wait) -> Result<bool, EngineError> {
+        let batches = self.in_flight().poll(engine, wait)?;
+        let news = !batches.is_empty();
+        batches.into_iter().for_each(|batch| self.take(batch));
+        Ok(news)
+    }
+}
+
+/// A tile with all its samples.
+#[derive(Debug)]
+pub(super) struct FinishedBatch<T> {
+    pub tile: T,
     pub samples: Samples,
     /// Places of the samples that were computed now.
     pub computed: Vec<u32>,
     /// Places and states of those among them that have not flipped, if they were to be kept.
-    pub paused: Vec<(u32, IntegratorState)>,
-    /// What it took.
+    pub unfinished: Vec<(u32, IntegratorState)>,
     pub effort: Effort,
 }
 
-/// The tiles that an engine is computing.
+impl<T> FinishedBatch<T> {
+    /// A tile of which everything was known.
+    fn settled(tile: T, samples: Samples) -> Self {
+        let (computed, unfinished, effort) = (Vec::new(), Vec::new(), Effort::default());
+        FinishedBatch { tile, samples, computed, unfinished, effort }
+    }
+
+    /// Adds the work of the batch to what was done before; its samples are counted where they go.
+    pub fn count_work(&self, counts: &mut Counts) {
+        counts.simulated += self.computed.len() as u64;
+        counts.effort += self.effort;
+    }
+}
+
+/// The tiles that an engine is computing, by the names of their jobs.
 #[derive(Debug)]
-pub struct InFlightJobs<T> {
+pub(super) struct InFlightJobs<T> {
     jobs: HashMap<u64, (T, Samples, Vec<u32>)>,
     next_id: u64,
 }
@@ -126,32 +110,26 @@ impl<T> Default for InFlightJobs<T> {
 }
 
 impl<T> InFlightJobs<T> {
-    /// How many.
+    /// Number of jobs.
     pub fn len(&self) -> usize {
         self.jobs.len()
     }
 
-    /// Whether the engine has nothing to do.
+    /// Returns true if the engine has nothing to do.
     pub fn is_empty(&self) -> bool {
         self.jobs.is_empty()
     }
 
-    /// The tiles, in no order.
+    /// The tiles of all jobs, in no order.
     pub fn tiles(&self) -> impl Iterator<Item = &T> {
         self.jobs.values().map(|(tile, ..)| tile)
     }
 
     /// Sends a tile's open pixels to the engine.
-    pub fn submit(
-        &mut self,
-        engine: &mut dyn Engine,
-        tile: T,
-        open: OpenTile,
-        (question, config): (Question, IntegratorConfig),
-        keep: Keep,
-    ) -> Result<(), EngineError> {
+    fn submit(&mut self, engine: &mut dyn Engine, next: NextTile<T>) -> Result<(), EngineError> {
+        let NextTile { tile, open, question, config, keep } = next;
         let OpenTile { samples, places, starts } = open;
-        // A pendulum that begins at the end of its cell's way is no state of its start's alone.
+        // A pendulum that begins where its cell's flow patch ends has no state of its own start.
         let keep = if let Starts::Deep(_) = starts { Keep::Nothing } else { keep };
         let id = self.next_id;
         self.next_id += 1;
@@ -161,7 +139,7 @@ impl<T> InFlightJobs<T> {
     }
 
     /// Moves the engine on and returns the tiles that have come back.
-    pub fn poll(
+    fn poll(
         &mut self,
         engine: &mut dyn Engine,
         wait: Wait,
@@ -169,21 +147,21 @@ impl<T> InFlightJobs<T> {
         if self.is_empty() {
             return Ok(Vec::new());
         }
-        Ok(engine.poll(wait)?.into_iter().filter_map(|answer| self.land(answer)).collect())
+        Ok(engine.poll(wait)?.into_iter().filter_map(|answer| self.finish(answer)).collect())
     }
 
-    /// Forgets all of them; their answers will not come.
+    /// Cancels and forgets all jobs.
     pub fn cancel(&mut self, engine: &mut dyn Engine) {
         engine.cancel();
         self.forget();
     }
 
-    /// Forgets all of them; answers that still come are nobody's, for no name is used twice.
+    /// Forgets all jobs. Results that still arrive are ignored, because no job name is used twice.
     pub fn forget(&mut self) {
         self.jobs.clear();
     }
 
-    fn land(&mut self, answer: JobResult) -> Option<FinishedBatch<T>> {
+    fn finish(&mut self, answer: JobResult) -> Option<FinishedBatch<T>> {
         let (tile, mut samples, places) = self.jobs.remove(&answer.id)?;
         for (k, &place) in places.iter().enumerate() {
             samples.set(place as usize, answer.outcomes[k]);
@@ -191,7 +169,8 @@ impl<T> InFlightJobs<T> {
                 samples.set_trust(place as usize, trust);
             }
         }
-        let paused = answer.unfinished.into_iter().map(|(k, state)| (places[k], state)).collect();
-        Some(FinishedBatch { tile, samples, computed: places, paused, effort: answer.effort })
+        let unfinished = answer.unfinished.into_iter();
+        let unfinished = unfinished.map(|(k, state)| (places[k], state)).collect();
+        Some(FinishedBatch { tile, samples, computed: places, unfinished, effort: answer.effort })
     }
 }

@@ -1,34 +1,38 @@
 //! A second opinion on a deep picture: some of its pixels integrated directly.
 
-use super::sample;
-use crate::engine::trust::Opinion;
-use crate::engine::{Engine, EngineError, IntegratorConfig, Question, Starts};
-use crate::scene::Scene;
+use super::open_tile::OpenTile;
+use crate::engine::trust::{Opinion, TrustEngine};
+use crate::engine::{EngineError, IntegratorConfig, Question, Starts};
+use crate::scene::{Grid, Scene};
 
-/// Pixels that are integrated directly,
+/// Pixels that are integrated directly.
 const MOST: usize = 8;
-/// drawn from so many, of which some may be forbidden or marked.
+/// Pixels from which they are drawn, because some may be forbidden or marked.
 const CANDIDATES: usize = 32;
 
-/// What direct integration says of a picture of `size` pixels that `engine` checks, if it is deep; none
-/// once `go_on` says no.
+/// Integrates some pixels of a picture of `size` pixels directly, if it is deep. Where that
+/// contradicts the start maps, `engine` marks every pixel from then on. Returns `None` for a
+/// picture that is not deep, and once `go_on` says no.
 pub fn opinion(
     scene: &Scene,
     size: [u32; 2],
     config: IntegratorConfig,
-    engine: &mut dyn Engine,
+    engine: &mut TrustEngine<'_>,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Opinion>, EngineError> {
-    let pixels = random_pixels(scene, size);
-    match sample::open(scene, size, config, &pixels).into_starts() {
+    let grid = Grid::new(scene, size);
+    let open = OpenTile::of_pixels(&grid, config, &random_pixels(scene, size), |_| None);
+    let opinion = match open.starts {
         Starts::Deep(deep) if !deep.leaves.is_empty() => {
-            Opinion::on(engine, (Question::from(scene), config), &deep, MOST, go_on)
+            Opinion::on(engine, (Question::from(scene), config), &deep, MOST, go_on)?
         }
-        _ => Ok(None),
-    }
+        _ => None,
+    };
+    engine.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
+    Ok(opinion)
 }
 
-/// Other ones in every view, and always the same in one.
+/// Draws pixels, the same ones each time for a view and others for another view.
 fn random_pixels(scene: &Scene, size: [u32; 2]) -> Vec<[u32; 2]> {
     let text = scene.view.center.concat() + &scene.view.width;
     let seed = text.bytes().fold(0u64, |seed, byte| seed.wrapping_mul(31) + u64::from(byte));

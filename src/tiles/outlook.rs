@@ -1,6 +1,6 @@
 //! What to expect of a picture that nobody checks, by a sample of its pixels.
 
-use super::sample;
+use super::open_tile::OpenTile;
 use crate::engine::trust::Outlook;
 use crate::engine::{Engine, EngineError, IntegratorConfig, Question};
 use crate::scene::{Grid, Scene};
@@ -18,14 +18,14 @@ pub fn outlook(
     engine: &mut dyn Engine,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Outlook>, EngineError> {
-    let together =
-        if Grid::new(scene, size).pixel_rad() < config.deep_below() { TOGETHER } else { 1 };
+    let grid = Grid::new(scene, size);
+    let together = if config.is_deep(grid.pixel_rad()) { TOGETHER } else { 1 };
     let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place, together)).collect();
-    let open = sample::open(scene, size, config, &pixels);
+    let open = OpenTile::of_pixels(&grid, config, &pixels, |_| None);
     if open.is_settled() {
         return Ok(Some(Outlook::default()));
     }
-    Outlook::of(engine, Question::from(scene), config, &open.into_starts(), go_on)
+    Outlook::of(engine, Question::from(scene), config, &open.starts, go_on)
 }
 
 /// Pixels that fill a picture evenly, however many are taken, or groups of them that do: steps along

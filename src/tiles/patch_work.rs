@@ -3,12 +3,13 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use super::in_flight::{InFlightJobs, OpenTile};
-use super::patches::{SAMPLES, SIDE, pitch_rad};
+use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
+use super::open_tile::OpenTile;
+use super::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Trust, Wait};
+use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Wait};
+use crate::scene::Scene;
 use crate::scene::lattice::Cell;
-use crate::scene::{Grid, Grouped, Scene};
 
 /// Patches in a job at most.
 const MOST_IN_JOB: usize = 256;
@@ -20,6 +21,7 @@ pub struct PatchWork {
     config: IntegratorConfig,
     waiting: VecDeque<Cell>,
     in_flight: InFlightJobs<Vec<Cell>>,
+    finished: Vec<(Cell, Samples)>,
     counts: Counts,
 }
 
@@ -32,6 +34,7 @@ impl PatchWork {
             config,
             waiting: cells.collect(),
             in_flight: InFlightJobs::default(),
+            finished: Vec::new(),
             counts: Counts::default(),
         }
     }
@@ -42,19 +45,14 @@ impl PatchWork {
         engine: &mut dyn Engine,
         deadline: Instant,
     ) -> Result<Vec<(Cell, Samples)>, EngineError> {
-        let mut finished = Vec::new();
-        while finished.is_empty() && !self.is_done() {
-            self.submit(engine, &mut finished)?;
-            for batch in self.in_flight.poll(engine, Wait::Until(deadline))? {
-                self.counts.simulated += batch.computed.len() as u64;
-                self.counts.effort += batch.effort;
-                self.finish(batch.tile, &batch.samples, &mut finished);
-            }
+        while self.finished.is_empty() && !self.is_done() {
+            self.submit(engine, |work| !work.finished.is_empty())?;
+            self.collect(engine, Wait::Until(deadline))?;
             if Instant::now() >= deadline {
                 break;
             }
         }
-        Ok(finished)
+        Ok(std::mem::take(&mut self.finished))
     }
 
     /// Whether every patch has been handed back.
@@ -67,36 +65,6 @@ impl PatchWork {
         self.counts
     }
 
-    /// Fills the engine's slots; patches without open samples are finished at once.
-    fn submit(
-        &mut self,
-        engine: &mut dyn Engine,
-        finished: &mut Vec<(Cell, Samples)>,
-    ) -> Result<(), EngineError> {
-        let most = (engine.job_size() / SAMPLES).clamp(1, MOST_IN_JOB);
-        while self.in_flight.len() < engine.slots() {
-            let cells = self.next_cells(most);
-            let Some(first) = cells.first() else { return Ok(()) };
-            let open = if self.is_deep_at(first.level) {
-                deep(&self.scene, &cells)
-            } else {
-                self.open(&cells)
-            };
-            if open.is_settled() {
-                self.finish(cells, &open.into_samples(), finished);
-                return Ok(());
-            }
-            self.in_flight.submit(
-                engine,
-                cells,
-                open,
-                (self.question, self.config),
-                Keep::Nothing,
-            )?;
-        }
-        Ok(())
-    }
-
     /// The next patches that can share a job: of one level.
     fn next_cells(&mut self, most: usize) -> Vec<Cell> {
         let level = self.waiting.front().map(|cell| cell.level);
@@ -104,42 +72,33 @@ impl PatchWork {
         let count = alike.count();
         self.waiting.drain(..count).collect()
     }
-
-    /// Whether a level's samples lie closer than the recipe's number type can tell apart.
-    fn is_deep_at(&self, level: u32) -> bool {
-        2.0 * pitch_rad(level) < self.config.deep_below()
-    }
-
-    fn open(&self, cells: &[Cell]) -> OpenTile {
-        OpenTile::new(cells.iter().flat_map(|cell| {
-            let grid = cell.grid(&self.scene, SIDE);
-            (0..SIDE * SIDE).map(move |place| (grid.fate(place % SIDE, place / SIDE), None))
-        }))
-    }
-
-    fn finish(&mut self, cells: Vec<Cell>, samples: &Samples, finished: &mut Vec<(Cell, Samples)>) {
-        self.counts.add(samples);
-        for (k, cell) in cells.into_iter().enumerate() {
-            finished.push((cell, samples.part(k * SAMPLES..(k + 1) * SAMPLES)));
-        }
-    }
 }
 
-/// Patches whose samples no number type of an engine's tells apart.
-fn deep(scene: &Scene, cells: &[Cell]) -> OpenTile {
-    let grids: Vec<Grid> = cells.iter().map(|cell| cell.grid(scene, SIDE)).collect();
-    let mut groups = Grouped::new();
-    for (k, cell) in (0..).zip(cells) {
-        let moved = |(place, point)| (k * SAMPLES as u32 + place, point);
-        let leaves = cell.leaves(SIDE).into_iter();
-        groups.extend(
-            leaves.map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect::<Vec<_>>())),
-        );
+impl TileSource for PatchWork {
+    type Tile = Vec<Cell>;
+
+    fn in_flight(&mut self) -> &mut InFlightJobs<Vec<Cell>> {
+        &mut self.in_flight
     }
-    OpenTile::deep(cells.len() * SAMPLES, groups, |place| {
-        let (grid, place) = (&grids[place as usize / SAMPLES], place % SAMPLES as u32);
-        grid.opening(place % SIDE, place / SIDE).map(|outcome| (outcome, Trust::Agreed))
-    })
+
+    fn next_tile(&mut self, job_size: usize) -> Option<NextTile<Vec<Cell>>> {
+        let cells = self.next_cells((job_size / PATCH_SAMPLES).clamp(1, MOST_IN_JOB));
+        if cells.is_empty() {
+            return None;
+        }
+        let open = OpenTile::of_cells(&self.scene, self.config, &cells, PATCH_SIDE, |_, _| None);
+        let (question, config) = (self.question, self.config);
+        Some(NextTile { tile: cells, open, question, config, keep: Keep::Nothing })
+    }
+
+    fn take(&mut self, batch: FinishedBatch<Vec<Cell>>) {
+        batch.count_work(&mut self.counts);
+        self.counts.add(&batch.samples);
+        for (k, cell) in batch.tile.into_iter().enumerate() {
+            let samples = batch.samples.part(k * PATCH_SAMPLES..(k + 1) * PATCH_SAMPLES);
+            self.finished.push((cell, samples));
+        }
+    }
 }
 
 #[cfg(test)]
@@ -149,7 +108,7 @@ mod tests {
     use crate::engine::{Method, Precision};
     use crate::scene::Fate;
 
-    const RECIPE: IntegratorConfig =
+    const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 
     #[test]
@@ -158,14 +117,15 @@ mod tests {
         let cells = Cell::WHOLE.children().into_iter().flat_map(|cell| cell.children());
         let cells: Vec<Cell> = cells.collect();
         for backwards in [false, true] {
-            let mut engine = MockEngine { backwards, job_size: 3 * SAMPLES, ..Default::default() };
-            let mut work = PatchWork::new(&scene, RECIPE, cells.iter().copied());
+            let mut engine =
+                MockEngine { backwards, job_size: 3 * PATCH_SAMPLES, ..Default::default() };
+            let mut work = PatchWork::new(&scene, CONFIG, cells.iter().copied());
             let mut seen = Vec::new();
             while !work.is_done() {
                 for (cell, samples) in work.work(&mut engine, Instant::now()).unwrap() {
-                    let grid = cell.grid(&scene, SIDE);
-                    for place in 0..SAMPLES as u32 {
-                        let expected = match grid.fate(place % SIDE, place / SIDE) {
+                    let grid = cell.grid(&scene, PATCH_SIDE);
+                    for place in 0..PATCH_SAMPLES as u32 {
+                        let expected = match grid.fate(place % PATCH_SIDE, place / PATCH_SIDE) {
                             Fate::Open(angle) => MockEngine::answer(&Question::from(&scene), angle),
                             Fate::Known(outcome) => outcome,
                         };
@@ -178,7 +138,7 @@ mod tests {
             let mut all = cells.clone();
             all.sort();
             assert_eq!(seen, all);
-            assert_eq!(work.counts().pixels as usize, cells.len() * SAMPLES);
+            assert_eq!(work.counts().pixels as usize, cells.len() * PATCH_SAMPLES);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The plane as a film samples it: every place once, as finely as the nearest look at it.
 //!
-//! A [`Patch`](Cell) is a cell of the lattice with [`SIDE`] × [`SIDE`] samples. Where any frame
+//! A [`Patch`](Cell) is a cell of the lattice with [`PATCH_SIDE`] × [`PATCH_SIDE`] samples. Where any frame
 //! comes so near that these lie too far apart, the cell's quarters are patches instead. So the
 //! samples of a place are the same in every frame that shows it, and nothing pops.
 
@@ -11,9 +11,9 @@ use crate::scene::lattice::{Cell, DEEPEST, Turn, side_rad, turn_of, wrapped};
 use crate::scene::{Grid, Scene};
 
 /// Samples along each side of a patch.
-pub const SIDE: u32 = 32;
+pub const PATCH_SIDE: u32 = 32;
 /// Samples of a patch.
-pub const SAMPLES: usize = (SIDE * SIDE) as usize;
+pub const PATCH_SAMPLES: usize = (PATCH_SIDE * PATCH_SIDE) as usize;
 /// Samples may lie this much farther apart than is asked for: levels differ by twice, so that
 /// they are as often farther as they are closer.
 pub const SLACK: f64 = std::f64::consts::SQRT_2;
@@ -21,8 +21,8 @@ pub const SLACK: f64 = std::f64::consts::SQRT_2;
 const MARGIN_PIXELS: f64 = 1.5;
 
 /// The distance of a level's samples, rad.
-pub fn pitch_rad(level: u32) -> f64 {
-    side_rad(level) / f64::from(SIDE)
+pub fn patch_pitch_rad(level: u32) -> f64 {
+    side_rad(level) / f64::from(PATCH_SIDE)
 }
 
 /// What a frame looks at, and how closely.
@@ -59,7 +59,7 @@ impl Sight {
 
     /// Whether a level's samples lie too far apart for it.
     fn wants_finer(&self, level: u32) -> bool {
-        pitch_rad(level) > SLACK * self.pitch_rad
+        patch_pitch_rad(level) > SLACK * self.pitch_rad
     }
 
     /// The level whose samples lie as close as it wants, neither much farther nor much closer.
@@ -152,7 +152,7 @@ mod tests {
                 let at = [-1.66 + across * width, 0.1 + above * width].map(Theta::from_f64);
                 let holds = |cell: &&Cell| Cell::around(at, cell.level) == **cell;
                 let patch = patches.iter().find(holds).expect("a patch");
-                assert!(pitch_rad(patch.level) <= SLACK * sight.pitch_rad, "frame {k}");
+                assert!(patch_pitch_rad(patch.level) <= SLACK * sight.pitch_rad, "frame {k}");
             }
         }
     }
@@ -161,7 +161,7 @@ mod tests {
     fn a_zoom_costs_a_few_frames_an_octave() {
         // Ten decades are 33 octaves; a frame is 128 × 128 pixels of 2 × 2 samples.
         let patches = patches(&zoom(6e-10, 600));
-        let frames = (patches.len() * SAMPLES) as f64 / (4.0 * 128.0 * 128.0);
+        let frames = (patches.len() * PATCH_SAMPLES) as f64 / (4.0 * 128.0 * 128.0);
         assert!((30.0..110.0).contains(&frames), "{frames}");
     }
 

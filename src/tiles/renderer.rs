@@ -10,11 +10,11 @@ use crate::scene::Scene;
 /// Renders scenes to arrays of samples, one engine for all of them.
 ///
 /// ```
-/// use flipmap::engine::choice::{Kind, Wish};
+/// use flipmap::engine::choice::{EngineKind, EngineRequest};
 /// use flipmap::scene::Scene;
 /// use flipmap::tiles::Renderer;
 ///
-/// let mut renderer = Renderer::new(&Wish { kind: Kind::Cpu, ..Wish::default() })?;
+/// let mut renderer = Renderer::new(&EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() })?;
 /// let samples = renderer.render(&Scene::default(), [16, 16])?;
 /// assert_eq!(samples.len(), 256);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -66,8 +66,7 @@ impl Renderer {
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Samples>, EngineError> {
         if let Maker::Checked(engine) = &mut self.engine {
-            let opinion = opinion(scene, size, self.config, engine.as_mut(), go_on)?;
-            engine.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
+            opinion(scene, size, self.config, engine.as_mut(), go_on)?;
         }
         let engine: &mut dyn Engine = match &mut self.engine {
             Maker::Unchecked(engine) => engine.as_mut(),

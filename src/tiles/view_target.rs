@@ -2,7 +2,7 @@
 
 use crate::engine::{IntegratorConfig, Question};
 use crate::physics::Rule;
-use crate::scene::lattice::{Region, pitch_rad};
+use crate::scene::lattice::Region;
 use crate::scene::{self, Budget, Build, Scene};
 
 /// What decides a pixel's answer, but for the budget.
@@ -44,10 +44,5 @@ impl ViewTarget {
     /// What is asked of every pixel.
     pub(super) fn question(&self) -> Question {
         Question::from(&self.scene())
-    }
-
-    /// Whether a level's samples lie closer than the recipe's number type can tell apart.
-    pub(super) fn is_deep_at(&self, level: u32) -> bool {
-        2.0 * pitch_rad(level) < self.physics.config.deep_below()
     }
 }

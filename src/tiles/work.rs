@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::time::Instant;
 
-use super::in_flight::{FinishedBatch, InFlightJobs, OpenTile};
+use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
+use super::open_tile::OpenTile;
 use super::plan::{Tile, plan};
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
@@ -29,6 +30,7 @@ pub struct Work {
     mirrored: bool,
     waiting: VecDeque<Tile>,
     in_flight: InFlightJobs<Tile>,
+    finished: Vec<FinishedTile>,
     counts: Counts,
     /// What is known from an earlier run, and what a later one will want to know.
     kept: Option<SavedPixels>,
@@ -67,7 +69,7 @@ impl Work {
         rows: Range<u32>,
     ) -> Self {
         let grid = Grid::new(scene, size);
-        let is_deep = grid.pixel_rad() < config.deep_below();
+        let is_deep = config.is_deep(grid.pixel_rad());
         let leaves = (LEAF_ROWS * size[0] as usize).min(MOST_DEEP);
         let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
         Work {
@@ -77,6 +79,7 @@ impl Work {
             mirrored: false,
             waiting: plan(size[0], rows, tile_pixels).into(),
             in_flight: InFlightJobs::default(),
+            finished: Vec::new(),
             counts: Counts::default(),
             kept: None,
         }
@@ -106,21 +109,17 @@ impl Work {
         engine: &mut dyn Engine,
         deadline: Option<Instant>,
     ) -> Result<Vec<FinishedTile>, EngineError> {
-        let mut finished = Vec::new();
-        while finished.is_empty() && !self.is_done() {
-            self.submit(engine, &mut finished)?;
+        while self.finished.is_empty() && !self.is_done() {
+            self.submit(engine, |work| !work.finished.is_empty())?;
             if self.in_flight.is_empty() {
                 continue;
             }
-            let wait = deadline.map_or(Wait::UntilFinished, Wait::Until);
-            for batch in self.in_flight.poll(engine, wait)? {
-                self.take(batch, &mut finished);
-            }
+            self.collect(engine, deadline.map_or(Wait::UntilFinished, Wait::Until))?;
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 break;
             }
         }
-        Ok(finished)
+        Ok(std::mem::take(&mut self.finished))
     }
 
     /// Whether every tile has been handed back.
@@ -139,46 +138,6 @@ impl Work {
         self.counts
     }
 
-    /// Fills the engine's slots; tiles without open pixels are finished at once.
-    fn submit(
-        &mut self,
-        engine: &mut dyn Engine,
-        finished: &mut Vec<FinishedTile>,
-    ) -> Result<(), EngineError> {
-        while self.in_flight.len() < engine.slots() {
-            let Some(tile) = self.waiting.pop_front() else {
-                return Ok(());
-            };
-            let open = self.open(&tile);
-            if open.is_settled() {
-                self.finish(tile, open.into_samples(), finished);
-                return Ok(());
-            }
-            let asked = (self.question, self.config);
-            let keep = if self.kept.is_some() { Keep::Unfinished } else { Keep::Nothing };
-            self.in_flight.submit(engine, tile, open, asked, keep)?;
-        }
-        Ok(())
-    }
-
-    /// What is known beforehand, and what is not.
-    fn open(&self, tile: &Tile) -> OpenTile {
-        if self.grid.pixel_rad() < self.config.deep_below() {
-            let pixels: Vec<_> = tile.pixels().collect();
-            let groups = self.grid.grouped(tile.pixels());
-            return OpenTile::deep(pixels.len(), groups, |place| {
-                let [column, row] = pixels[place as usize];
-                match self.known([column, row]) {
-                    Some(SavedPixel::Over(outcome)) => Some((outcome, Trust::Unchecked)),
-                    // A pendulum on its way keeps no state: a larger budget begins it anew.
-                    _ => self.grid.opening(column, row).map(|outcome| (outcome, Trust::Agreed)),
-                }
-            });
-        }
-        let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
-        OpenTile::new(tile.pixels().map(|[x, y]| (self.grid.fate(x, y), known([x, y]))))
-    }
-
     fn known(&self, pixel: [u32; 2]) -> Option<SavedPixel> {
         self.kept.as_ref().and_then(|kept| kept.known(self.index(pixel)))
     }
@@ -186,13 +145,6 @@ impl Work {
     /// A pixel's place in the picture, row by row from the top.
     fn index(&self, [x, y]: [u32; 2]) -> u64 {
         u64::from(y) * u64::from(self.grid.size()[0]) + u64::from(x)
-    }
-
-    fn take(&mut self, batch: FinishedBatch<Tile>, finished: &mut Vec<FinishedTile>) {
-        self.counts.simulated += batch.computed.len() as u64;
-        self.counts.effort += batch.effort;
-        self.keep(&batch);
-        self.finish(batch.tile, batch.samples, finished);
     }
 
     fn keep(&mut self, finished: &FinishedBatch<Tile>) {
@@ -204,18 +156,18 @@ impl Work {
                 kept.finish(self.index(pixels[place as usize]), outcome);
             }
         }
-        for &(place, state) in &finished.paused {
+        for &(place, state) in &finished.unfinished {
             kept.pause(self.index(pixels[place as usize]), state);
         }
         self.kept = Some(kept);
     }
 
     /// Hands a tile back, and its mirror image.
-    fn finish(&mut self, tile: Tile, samples: Samples, finished: &mut Vec<FinishedTile>) {
+    fn finish(&mut self, tile: Tile, samples: Samples) {
         let image = if self.mirrored { self.mirror_of(&tile, &samples) } else { None };
         for part in [Some(FinishedTile { tile, samples }), image].into_iter().flatten() {
             self.counts.add(&part.samples);
-            finished.push(part);
+            self.finished.push(part);
         }
     }
 
@@ -232,6 +184,29 @@ impl Work {
         let origin = [0, height - tile.origin[1] - rows];
         let tile = Tile { origin, size: [width, rows] };
         Some(FinishedTile { tile, samples: image.reversed() })
+    }
+}
+
+impl TileSource for Work {
+    type Tile = Tile;
+
+    fn in_flight(&mut self) -> &mut InFlightJobs<Tile> {
+        &mut self.in_flight
+    }
+
+    fn next_tile(&mut self, _job_size: usize) -> Option<NextTile<Tile>> {
+        let tile = self.waiting.pop_front()?;
+        let pixels: Vec<_> = tile.pixels().collect();
+        let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
+        let open = OpenTile::of_pixels(&self.grid, self.config, &pixels, known);
+        let keep = if self.kept.is_some() { Keep::Unfinished } else { Keep::Nothing };
+        Some(NextTile { tile, open, question: self.question, config: self.config, keep })
+    }
+
+    fn take(&mut self, batch: FinishedBatch<Tile>) {
+        batch.count_work(&mut self.counts);
+        self.keep(&batch);
+        self.finish(batch.tile, batch.samples);
     }
 }
 

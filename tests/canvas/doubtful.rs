@@ -1,4 +1,4 @@
-//! The mock engine with failures and doubts, so that every kind of sample is seen.
+//! The mock engine with failures and doubts added, so that every kind of sample occurs.
 
 use std::collections::HashMap;
 
@@ -12,12 +12,12 @@ pub struct Doubtful {
     starts: HashMap<u64, Vec<[Dd; 2]>>,
 }
 
-/// Whether the integration from there fails; alike for mirror images.
+/// Returns true if the integration from a start fails; equal for mirror images.
 pub fn fails(angle: [Dd; 2]) -> bool {
     (40.0 * angle[0].hi).cos() > 0.95
 }
 
-/// Whether there is doubt about a start.
+/// Returns true if the answer to a start is uncertain.
 pub fn is_uncertain(angle: [Dd; 2]) -> bool {
     (25.0 * angle[1].hi).cos() > 0.6
 }

@@ -1,5 +1,5 @@
-//! The map on the card holds the same colours as a picture painted on the processor: sample for
-//! sample, in mirror images, under stand-ins and doubts.
+//! The map drawn on the graphics card has the same colours as a picture painted on the processor:
+//! sample by sample, in mirror images, with stand-ins and with doubts.
 
 #[macro_use]
 #[path = "../common/adapter.rs"]
@@ -49,14 +49,15 @@ fn scene(budget: f64) -> Scene {
     }
 }
 
-/// A corner of four cells in whose surroundings starts are forbidden, flip, and flip late.
+/// A common corner of four cells, around which some starts are forbidden, some flip, and some flip
+/// late.
 fn middle() -> [Theta; 2] {
     let cell = Cell::around([1.2, 1.0].map(Theta::from_f64), LEVEL);
     let half = Theta::from_f64(side_rad(LEVEL) / 2.0);
     cell.center().map(|theta| theta + half)
 }
 
-/// A screen on which a sample of the level is a pixel.
+/// A screen on which each pixel is one sample of the level.
 fn screen(center: [Theta; 2], level: u32) -> Screen {
     let width_rad = f64::from(SIZE[0]) * pitch_rad(level);
     Screen {
@@ -85,7 +86,7 @@ fn explored(screen: &Screen, scene: &Scene) -> Explorer {
     explorer
 }
 
-/// The starts under the pixels of a screen that shows samples as pixels.
+/// The starts under the pixels of a screen that shows one sample per pixel.
 fn grid(screen: &Screen, scene: &Scene) -> Grid {
     let pixel = Dd::new(pitch_rad(screen.level()));
     Grid::square(scene, screen.camera.center, pixel, SIZE)
@@ -99,7 +100,7 @@ fn outcome(fate: Fate, scene: &Scene) -> Outcome {
     }
 }
 
-/// The colours that the processor paints, from starts and not from tiles.
+/// The colours that the processor paints, computed from starts and not from tiles.
 fn painted(screen: &Screen, scene: &Scene, picture: &PictureTable) -> Vec<Rgb> {
     let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget.secs).unwrap();
     let grid = grid(screen, scene);
@@ -107,7 +108,7 @@ fn painted(screen: &Screen, scene: &Scene, picture: &PictureTable) -> Vec<Rgb> {
     pixels.map(|(x, y)| tones.colour(&outcome(grid.fate(x, y), scene))).collect()
 }
 
-/// The share of pixels that are further from their colours than this in some channel.
+/// The share of pixels that differ from their expected colours by more than `least` in any channel.
 fn beyond(least: u8, pixels: &[u8], colours: &[Rgb]) -> f64 {
     let far = |pixel: &[u8], colour: &Rgb| {
         pixel[3] != 255 || pixel.iter().zip(colour).any(|(a, b)| a.abs_diff(*b) > least)
@@ -116,9 +117,8 @@ fn beyond(least: u8, pixels: &[u8], colours: &[Rgb]) -> f64 {
     pairs.filter(|(pixel, colour)| far(pixel, colour)).count() as f64 / colours.len() as f64
 }
 
-/// The share of pixels that have not the colour they should. Where an entry of the card's table
-/// lies between two colours of the palette, the neighbour counts as right: they differ by 4 at
-/// most.
+/// The share of pixels with a wrong colour. Where an entry of the card's table lies between two
+/// colours of the palette, the neighbouring colour counts as right: they differ by at most 4.
 fn wrong(pixels: &[u8], colours: &[Rgb]) -> f64 {
     beyond(4, pixels, colours)
 }
@@ -127,7 +127,7 @@ fn share_of(colour: Rgb, colours: &[Rgb]) -> f64 {
     colours.iter().filter(|other| **other == colour).count() as f64 / colours.len() as f64
 }
 
-/// Pictures that use the table in different ways.
+/// Picture settings that use the colour table in different ways.
 fn pictures() -> [PictureTable; 3] {
     let plain = PictureTable::default();
     let times = vec![9.0, 14.0, 39.0, 64.0];
@@ -161,7 +161,7 @@ mod checks {
             }
             last = pixels;
         }
-        // What is not the picture is seen not to be it.
+        // A wrong picture is detected as wrong.
         let [plain, _, linear] = pictures();
         assert!(wrong(&last, &painted(&screen, &scene, &plain)) > 0.3, "another palette");
         let aside = screen.camera.moved(DVec2::splat(pitch_rad(LEVEL)));
@@ -211,14 +211,14 @@ mod checks {
         }
     }
 
-    /// The sRGB value of linear light, by the standard's own formula.
+    /// The sRGB value of linear light, by the formula of the standard.
     fn encoded(light: f64) -> u8 {
         let curve = 1.055 * light.powf(1.0 / 2.4) - 0.055;
         let value = if light <= 0.003_130_8 { 12.92 * light } else { curve };
         (255.0 * value).round() as u8
     }
 
-    /// The light of the four samples of a tile around a place in it, by how near they are.
+    /// The light of the four samples around a point of a tile, interpolated by distance.
     fn mixed(explorer: &mut Explorer, tones: &Tones, cell: Cell, at: [f64; 2]) -> Rgb {
         let (known, mirrored) = explorer.known(cell).expect("a tile that was computed");
         let last = f64::from(SIDE - 1);
@@ -254,7 +254,7 @@ mod checks {
         let paint = Paint { picture, scene: &scene, trust: false };
         let pixels = Studio::new(PLAIN).draw(&fine, &mut explorer, &paint);
         assert!(wrong(&pixels, &truth) <= 0.001, "{}", wrong(&pixels, &truth));
-        // It is not what it stands in for.
+        // The stand-in differs from the samples that it replaces.
         assert!(wrong(&pixels, &painted(&fine, &scene, picture)) > 0.01);
     }
 
@@ -289,7 +289,7 @@ mod checks {
             let (x, y) = (k as u32 % SIZE[0], k as u32 / SIZE[0]);
             if matches!(grid.fate(x, y), Fate::Open(angle) if is_uncertain(angle)) {
                 let stripe = (x + y) % 6 < 3;
-                // 0.6 of the light is 203 of 255 in sRGB.
+                // A linear light of 0.6 is 203 of 255 in sRGB.
                 *colour = if stripe { [0, 0, 0] } else { [255, 0, 203] };
                 marked += 1;
                 dark += usize::from(stripe);
@@ -311,7 +311,7 @@ mod checks {
         explorer.target(target(&screen, &moon));
         let paint = Paint { picture, scene: &moon, trust: false };
         let pixels = studio.draw(&screen, &mut explorer, &paint);
-        // What was known, in the colours of what is aimed at.
+        // The previous samples are shown, in the colours of the new view target.
         assert!(wrong(&pixels, &painted(&screen, &home, picture)) <= 0.001);
         explorer.work(&mut Doubtful::default(), None).unwrap();
         let pixels = studio.draw(&screen, &mut explorer, &paint);
@@ -336,7 +336,7 @@ mod checks {
             let pixels = Studio::new(PLAIN).draw(&view, &mut explorer, &paint);
             let bare = pixels.chunks(4).filter(|pixel| pixel[3] != 255).count();
             assert_eq!(bare, 0, "{camera:?}");
-            // Away from edges, light is mixed of equal colours: those of the samples below.
+            // Away from edges, the light is a mixture of equal colours: those of the samples below.
             let truth: Vec<Rgb> = (0..SIZE[0] * SIZE[1])
                 .map(|k| [k % SIZE[0], k / SIZE[0]].map(|at| f64::from(at) + 0.5))
                 .map(|at| {

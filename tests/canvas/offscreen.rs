@@ -10,23 +10,23 @@ use flipmap::tiles::explorer::Explorer;
 
 use crate::common::gpu_engine;
 
-/// Pixels of the pictures here; rows of a texture are read in units of 256 bytes.
+/// Size of the test pictures in pixels; rows of a texture are read back in units of 256 bytes.
 pub const SIZE: [u32; 2] = [256, 192];
 
-/// What the colours of a frame depend on.
+/// The settings that the colours of a frame depend on.
 pub struct Paint<'a> {
     pub picture: &'a PictureTable,
     pub scene: &'a Scene,
     pub trust: bool,
 }
 
-/// A device, and a canvas on it.
+/// A graphics device with a canvas on it.
 pub struct Studio {
     gpu: Gpu,
     canvas: Canvas,
     map_renderer: MapRenderer,
     format: wgpu::TextureFormat,
-    /// Tiles that the last picture put on the card.
+    /// Number of tiles that the last picture uploaded to the card.
     pub uploads: usize,
 }
 
@@ -37,7 +37,7 @@ impl Studio {
         Studio { gpu, canvas, map_renderer: MapRenderer::default(), format, uploads: 0 }
     }
 
-    /// The pixels of a screen, four bytes each; where nothing is drawn they are 0.
+    /// Draws a screen and returns its pixels, four bytes each; pixels where nothing is drawn are 0.
     pub fn draw(&mut self, screen: &Screen, explorer: &mut Explorer, paint: &Paint) -> Vec<u8> {
         let Paint { picture, scene, trust } = paint;
         let (uniforms, table) = colours(picture, &scene.build, &scene.question, *trust).unwrap();

@@ -1,7 +1,7 @@
-//! Which tests need a graphics adapter.
+//! A macro for tests that need a graphics adapter.
 
-/// Tests of the functions of a module that need a graphics adapter: where one is declared absent
-/// they show as ignored.
+/// Declares tests that call the functions of a module and need a graphics adapter. If the adapter
+/// is declared absent, they show as ignored.
 macro_rules! needs_adapter {
     ($module:ident: $($name:ident)*) => {
         $(

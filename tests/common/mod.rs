@@ -1,5 +1,5 @@
-//! What the engines' tests share: starts of a scene, the gold standard's answers to them, a
-//! scalar RK4 of the plain kind, and shares of pixels that are right.
+//! Helpers shared by the engines' tests: starts of a scene, the gold standard's answers to them, a
+//! plain scalar RK4, and shares of right pixels.
 #![allow(dead_code)]
 
 use flipmap::engine::choice::open_checked;
@@ -12,13 +12,13 @@ use flipmap::report::baseline;
 use flipmap::scene::{Fate, Grid, Scene};
 use rayon::prelude::*;
 
-/// RK4 at 120 steps a second.
+/// The configuration of the lesson: RK4 at 120 steps a second.
 pub fn lesson(precision: Precision) -> IntegratorConfig {
     IntegratorConfig { method: Method::LESSON, precision }
 }
 
-/// An engine on the first adapter, software preferred so that results are the same everywhere;
-/// without one the test fails and says what to install.
+/// An engine on the first adapter, preferring a software adapter so that results are the same
+/// everywhere. Without an adapter the test fails with a message on what to install.
 pub fn gpu_engine() -> GpuEngine {
     let adapter = device::adapters().into_iter().next_back();
     let adapter = adapter.unwrap_or_else(|| {
@@ -31,7 +31,7 @@ pub fn gpu_engine() -> GpuEngine {
     open_checked(adapter).expect("the adapter opens")
 }
 
-/// The question of a scene.
+/// The question that a scene asks.
 pub fn question(scene: &Scene) -> Question {
     Question::from(scene)
 }
@@ -50,7 +50,7 @@ pub fn open_starts(scene: &Scene, side: u32, every: u32) -> Vec<[Dd; 2]> {
         .collect()
 }
 
-/// All answers of an engine, in the order of the starts.
+/// An engine's answers, in the order of the starts.
 pub fn answers(
     engine: &mut dyn Engine,
     question: &Question,
@@ -60,7 +60,7 @@ pub fn answers(
     finished(engine, question, config, Starts::Rest(starts.to_vec())).outcomes
 }
 
-/// One job run to its end, its unfinished states kept.
+/// Runs one job to its end, keeping the states of unflipped pendulums.
 pub fn finished(
     engine: &mut dyn Engine,
     question: &Question,
@@ -74,7 +74,7 @@ pub fn finished(
     finished.remove(0)
 }
 
-/// The truth in f64.
+/// The gold standard's answers in f64.
 pub fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let one = |angle: &[Dd; 2]| {
         let angle = angle.map(|theta| theta.hi);
@@ -83,12 +83,12 @@ pub fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     starts.par_iter().map(one).collect()
 }
 
-/// Plain RK4 at 120 steps a second in f64, one pendulum at a time.
+/// Answers of a plain RK4 at 120 steps a second in f64, one pendulum at a time.
 pub fn scalar_rk4(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     starts.par_iter().map(|&angle| baseline::outcome(question, angle)).collect()
 }
 
-/// The share of outcomes of the same status and within `secs` of the other's time.
+/// The share of answers with the true status and, if flipped, a time within `secs` of the true one.
 pub fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) -> f64 {
     assert!(!truth.is_empty() && answers.len() == truth.len());
     let close = |(a, b): &(&Outcome, &Outcome)| {
@@ -97,7 +97,7 @@ pub fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) -> f64 {
     answers.iter().zip(truth).filter(close).count() as f64 / truth.len() as f64
 }
 
-/// The pairs whose true flip comes before `secs`.
+/// The answers and true outcomes of the starts whose true flip comes before `secs`.
 pub fn flips_before(
     secs: f64,
     answers: &[Outcome],

@@ -1,10 +1,10 @@
-//! The program as its users run it.
+//! The built program, run as its users run it.
 
 use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// The program in a folder, with a cache that only tests share.
+/// A command that runs the program in a folder, with a cache that only tests share.
 pub fn program(folder: &TempDir, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_flipmap"));
     command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
@@ -20,7 +20,7 @@ pub fn error_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Runs it and insists that it succeeds.
+/// Runs the program, asserts that it succeeds, and returns its standard output.
 #[allow(dead_code, reason = "not every test needs it")]
 pub fn done(folder: &TempDir, arguments: &[&str]) -> String {
     let output = flipmap(folder, arguments);
@@ -28,7 +28,7 @@ pub fn done(folder: &TempDir, arguments: &[&str]) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Runs it and insists that it fails with a code; what it says.
+/// Runs the program, asserts that it fails with an exit code, and returns its error message.
 #[allow(dead_code, reason = "not every test needs it")]
 pub fn refused(folder: &TempDir, code: i32, arguments: &[&str]) -> String {
     let output = flipmap(folder, arguments);

@@ -1,4 +1,4 @@
-//! Views, and what is seen in them held against the mock's formula.
+//! Views for the tests, and checks of the samples in view against the mock engine's formula.
 
 use std::time::{Duration, Instant};
 
@@ -24,7 +24,7 @@ pub fn physics(gravity: f64) -> Physics {
     }
 }
 
-/// A view two or three cells wide.
+/// A view that is two or three cells wide.
 pub fn target(center: [f64; 2], level: u32) -> ViewTarget {
     let half = 0.7 * side_rad(level);
     ViewTarget {
@@ -53,24 +53,24 @@ pub fn explored(target: ViewTarget, engine: &mut Ledger) -> Explorer {
     explorer
 }
 
-/// The deadline of a frame in which there is time for everything but to wait.
+/// The deadline of a frame that has time for everything except waiting.
 pub fn in_time() -> Option<Instant> {
     Some(Instant::now() + Duration::from_secs(60))
 }
 
-/// One frame of a window; jobs are still flying when it ends.
+/// Works for one frame of a window; jobs are still in flight when it ends.
 pub fn frame(explorer: &mut Explorer, engine: &mut Ledger) {
     explorer.work(engine, in_time()).unwrap();
 }
 
-/// The jobs that were sent while a window drew so many frames.
+/// The jobs that were submitted while a window drew `frames` frames.
 pub fn jobs_of_frames(explorer: &mut Explorer, engine: &mut Ledger, frames: usize) -> Vec<Job> {
     let sent = engine.jobs.len();
     (0..frames).for_each(|_| frame(explorer, engine));
     engine.jobs[sent..].to_vec()
 }
 
-/// The canonical cells that were computed from rest, in the order in which they were begun.
+/// The canonical cells that were computed from rest, in the order in which they were started.
 pub fn cells_of(jobs: &[Job], levels: &[u32]) -> Vec<Cell> {
     jobs.iter()
         .filter_map(Ledger::first_start)
@@ -82,7 +82,7 @@ pub fn in_view(target: &ViewTarget) -> Vec<Cell> {
     target.region.cells(target.level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
 }
 
-/// What a window with this budget shows of an outcome.
+/// The outcome as a window with this budget shows it.
 pub fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
     if outcome.status == Status::Flipped && outcome.time > budget_secs {
         return Outcome::without_time(Status::Unflipped);
@@ -90,7 +90,8 @@ pub fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
     outcome
 }
 
-/// Holds a cell's samples against the mock's formula; how many of them differ, if it is known.
+/// Compares a cell's samples with the mock engine's formula. Returns the number of samples that
+/// differ, or `None` if the cell is not known.
 pub fn wrong(explorer: &mut Explorer, target: &ViewTarget, cell: Cell) -> Option<usize> {
     let (known, mirrored) = explorer.known(cell)?;
     let (scene, question) = (scene(target), Question::from(&scene(target)));
@@ -107,7 +108,7 @@ pub fn wrong(explorer: &mut Explorer, target: &ViewTarget, cell: Cell) -> Option
     Some(drawn.zip(truth).filter(|(drawn, truth)| drawn != truth).count())
 }
 
-/// The level and cell from which a job's first start comes, among some levels.
+/// The cell from which a job's first start comes, searched for among the given levels.
 pub fn cell_of(angle: [Theta; 2], levels: &[u32]) -> Cell {
     let fits = |level: &&u32| {
         let cell = Cell::around(angle, **level);

@@ -1,5 +1,5 @@
-//! The mock engine behind a ledger: which pendulums were run from when to when, and whether any
-//! of them twice.
+//! The mock engine behind a ledger, which records the time span over which each pendulum was
+//! simulated and detects spans that were simulated twice.
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,10 +9,10 @@ use flipmap::engine::{
 };
 use flipmap::physics::Dd;
 
-/// A pendulum, by all that tells it from others.
+/// The identity of a pendulum: the bits of its start and its gravity.
 type Name = [u64; 5];
 
-/// Part of a pendulum's time.
+/// A span of a pendulum's simulated time.
 #[derive(Clone, Copy)]
 struct Span {
     name: Name,
@@ -23,18 +23,18 @@ struct Span {
 #[derive(Default)]
 pub struct Ledger {
     pub mock: MockEngine,
-    /// Poll fails, and forgets what flew, as a lost device does.
+    /// True if the next poll fails and drops the jobs in flight, as a lost device does.
     pub fail_poll: bool,
-    /// Answers cancelled jobs all the same.
+    /// True if cancelled jobs are answered all the same.
     pub deaf: bool,
-    /// Pendulums simulated twice over the same time.
+    /// Number of pendulums simulated twice over the same time.
     pub again: usize,
-    /// Pendulums sent while they were flying.
+    /// Number of pendulums submitted while they were already in flight.
     pub doubled: usize,
     pub cancels: usize,
-    /// The jobs taken, without all but the first of their starts.
+    /// The submitted jobs, each with only the first of its starts.
     pub jobs: Vec<Job>,
-    /// How many starts were sent from rest, and how many to be continued.
+    /// Numbers of starts submitted from rest, and of starts submitted to be resumed.
     pub sent: [usize; 2],
     flying: HashMap<u64, Vec<Span>>,
     done_secs: HashMap<Name, f64>,
@@ -44,8 +44,8 @@ fn name(question: &Question, [theta1, theta2]: [Dd; 2]) -> Name {
     [theta1.hi, theta1.lo, theta2.hi, theta2.lo, question.build.gravity.value()].map(f64::to_bits)
 }
 
-/// The time that a job gives its pendulums; of one pendulum in eight, so that the ledger stays
-/// small.
+/// The time spans over which a job simulates its pendulums, for one pendulum in eight, so that the
+/// ledger stays small.
 fn spans(job: &Job) -> Vec<Span> {
     let span = |angle, from_secs| Span {
         name: name(&job.question, angle),
@@ -74,7 +74,7 @@ impl Ledger {
         Ledger { mock, ..Ledger::default() }
     }
 
-    /// The first start of a job that was sent from rest.
+    /// The first start of a job whose starts are at rest.
     pub fn first_start(job: &Job) -> Option<[Dd; 2]> {
         match &job.starts {
             Starts::Rest(angles) => angles.first().copied(),

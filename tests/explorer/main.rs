@@ -1,5 +1,5 @@
-//! The window's scheduler without a window: what is computed in which order, that nothing is lost
-//! or done twice whatever a person does, and that what comes out is what the engine answered.
+//! The window's scheduler without a window: it computes cells in the right order, loses nothing and
+//! does nothing twice whatever the user does, and shows exactly what the engine answered.
 
 mod common;
 mod ledger;

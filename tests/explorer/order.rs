@@ -1,4 +1,4 @@
-//! What is computed first, and what no longer.
+//! The order in which cells are computed, and the work that is abandoned.
 
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
@@ -12,7 +12,8 @@ use flipmap::tiles::view_target::ViewTarget;
 use super::common::*;
 use super::ledger::Ledger;
 
-/// How far a canonical cell is from what is looked at, wherever it or its image appears.
+/// Distances of the canonical cells of a region from the pointer or the middle of the view,
+/// whichever is nearer, taken over all places where a cell or its image appears.
 fn distances(target: &ViewTarget, region: &Region, level: u32) -> HashMap<Cell, f64> {
     let mut nearest = HashMap::new();
     for placed in region.cells(level, MOST_CELLS) {
@@ -26,7 +27,7 @@ fn distances(target: &ViewTarget, region: &Region, level: u32) -> HashMap<Cell, 
 
 #[test]
 fn coarse_comes_first_then_what_is_near_then_the_ring() {
-    // Five by three cells, whose neighbours are less than half a cell away.
+    // The view spans five by three cells; the cells around it are less than half a cell away.
     let (middle, side) = (Cell::around([2.0, 1.0].map(Theta::from_f64), 9), side_rad(9));
     let [x, y] = [2.3 * side, 1.2 * side];
     let region = Region { center: middle.center(), half_rad: [x, y] };
@@ -98,7 +99,7 @@ fn late_answers_of_a_grounded_engine_are_nobodys() {
     let mut explorer = Explorer::new(ROOMY);
     explorer.target(lively(7));
     frame(&mut explorer, &mut engine);
-    // Its old jobs are still in it, and come out first.
+    // The engine still holds its old jobs, and returns them first.
     explorer.target(target([-1.0, 2.5], 7));
     explorer.ground();
     engine.deaf = true;
@@ -127,7 +128,7 @@ fn a_frame_without_time_prepares_one_job() {
 
 #[test]
 fn among_cells_without_an_open_pixel_a_frame_asks_to_go_on() {
-    // Around (0, 0) nothing can ever flip: hardly anything flies whose landing wakes a window.
+    // Around (0, 0) nothing can ever flip, so hardly any job is in flight that would wake a window.
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
     explorer.target(ViewTarget {

@@ -1,4 +1,4 @@
-//! Whatever a person does, and whatever befalls the engine.
+//! Random sequences of user actions and engine failures.
 
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 use super::common::*;
 use super::ledger::Ledger;
 
-/// A person's doing, and the engine's.
+/// An action of the user, or an event of the engine.
 #[derive(Clone, Debug)]
 enum Action {
     Pan([f64; 2]),
@@ -49,7 +49,7 @@ fn actions() -> impl Strategy<Value = Vec<Action>> {
     proptest::collection::vec(action, 1..12)
 }
 
-/// An explorer, its engine, and what it was aimed at.
+/// An explorer, its engine, and its current view target.
 struct Session {
     explorer: Explorer,
     engine: Ledger,
@@ -69,7 +69,7 @@ impl Session {
         self.explorer.target(self.target);
     }
 
-    /// Works on; an engine that fails is replaced as the window does.
+    /// Lets the explorer work; a failed engine is replaced, as the window does.
     fn work(&mut self, deadline: Option<Instant>) {
         if self.explorer.work(&mut self.engine, deadline).is_err() {
             self.engine.cancel();
@@ -87,7 +87,7 @@ impl Session {
                     [0, 1].map(|i| (center[i] + Theta::from_f64(by[i] * side)).wrapped());
             }),
             Action::Zoom(by) => {
-                // Deeper ones are followed as cells, which keep no states.
+                // Deeper views are followed as cells, which keep no integrator states.
                 self.look(|target| target.level = target.level.saturating_add_signed(by).min(16));
             }
             Action::Jump(to, level) => self.look(|target| {
@@ -112,7 +112,7 @@ impl Session {
         }
     }
 
-    /// Everything in view is there, and right.
+    /// Checks that every cell in view is known and right.
     fn check_view(&mut self) -> Result<(), TestCaseError> {
         let progress = self.explorer.progress();
         prop_assert!(progress.idle && progress.covered, "{progress:?}");
@@ -159,7 +159,7 @@ proptest! {
         session.work(None);
         prop_assert!(session.explorer.bytes() <= then.max(room) * TILE_BYTES);
         prop_assert!(session.explorer.progress().idle, "what does not fit is not tried for ever");
-        // Two coarse passes of 4 cells and 3 × 3 in view.
+        // Two coarse passes of 4 cells each, and 3 × 3 cells in view.
         if then >= 17 && room >= 17 {
             session.check_view()?;
         }

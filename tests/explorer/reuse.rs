@@ -1,5 +1,5 @@
-//! What is known is not computed again: places seen before, budgets, mirror images, turns of the
-//! torus; and while nothing is known, what was known before.
+//! Known samples are not computed again: places seen before, other budgets, mirror images, and
+//! turns around the torus. Until new samples are known, the previous ones are shown.
 
 use std::collections::HashSet;
 
@@ -37,7 +37,8 @@ fn a_view_seen_before_is_not_computed_again() {
     assert_eq!((explorer.counts().simulated, engine.jobs.len()), (simulated, jobs));
 }
 
-/// The unflipped samples of the view and its ring: everything of its own level that is known.
+/// Number of unflipped samples in the known cells of the view and the ring around it, at the
+/// level of the view.
 fn unflipped(explorer: &mut Explorer, target: &ViewTarget) -> usize {
     let cells = target.region.scaled(3.0).cells(target.level, MOST_CELLS);
     let cells: HashSet<Cell> = cells.into_iter().map(|placed| placed.cell.canonical().0).collect();
@@ -61,7 +62,7 @@ fn a_larger_budget_continues_what_did_not_flip() {
         explorer.target(large);
         explorer.work(&mut engine, None).unwrap();
         assert_eq!(explorer.counts().simulated - simulated, left as u64);
-        // A check begins at the release, so checked pendulums begin anew.
+        // A check begins at the release, so checked pendulums start again from rest.
         let [rest, continued] = if verified { [left, 0] } else { [0, left] };
         assert_eq!(engine.sent, [sent[0] + rest, sent[1] + continued]);
         assert!(unflipped(&mut explorer, &large) < left, "some flip before 50 s");
@@ -116,7 +117,7 @@ fn mirror_images_are_computed_once() {
     explorer.work(&mut engine, None).unwrap();
     assert_eq!(explorer.counts().simulated, simulated);
     assert!(in_view(&image).into_iter().all(|cell| wrong(&mut explorer, &image, cell) == Some(0)));
-    // A view that holds the images of its own cells: half of them is enough.
+    // A view that contains the images of its own cells: half of the cells suffice.
     let middle =
         ViewTarget { region: Region { half_rad: [2.5; 2], ..image.region }, ..target([0.0; 2], 4) };
     let middle =
@@ -153,7 +154,7 @@ fn several_turns_in_view_are_computed_once() {
     let mut explorer = explored(target, &mut engine);
     let placed = target.region.cells(2, MOST_CELLS).len();
     assert!(placed > 60, "{placed}");
-    // 16 cells of level 2, of which energy forbids none whole; one of level 0.
+    // 16 cells of level 2, none of them entirely forbidden, and one cell of level 0.
     assert_eq!(cells_of(&engine.jobs, &[0, 2]).len(), 8 + 1);
     assert_eq!((engine.again, engine.doubled), (0, 0));
     assert!(
@@ -173,7 +174,7 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
     assert!(cells.iter().all(|cell| before(&mut explorer, cell).is_none()));
     let of_home: Vec<u64> =
         cells.iter().map(|cell| explorer.known(*cell).expect("computed").0.serial).collect();
-    // A slider passes several on its way, and of those little or nothing becomes known.
+    // A slider passes through several values, for which few or no samples become known.
     for gravity in [9.0, 8.0, 7.0, 6.0] {
         explorer.target(ViewTarget { physics: physics(gravity), ..home });
         for (cell, serial) in cells.iter().zip(&of_home) {
@@ -193,7 +194,7 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
 
 #[test]
 fn what_is_in_view_stays_where_there_is_no_room_for_more() {
-    // Nothing here is paused, so that every tile is as large as any other.
+    // No pendulum here has a saved state, so all tiles have the same size.
     let path = (0..6).map(|step| target([2.0 + 0.5 * side_rad(8) * f64::from(step), 0.5], 8));
     let mut engine = Ledger::default();
     let most = path.clone().map(|target| explored(target, &mut engine).bytes()).max();

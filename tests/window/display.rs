@@ -1,5 +1,5 @@
-//! A display of our own, without a person: an X server in memory, and a connection that moves the
-//! pointer, presses keys and looks at the screen as any X program could.
+//! A private virtual display: an X server in memory, and a connection that moves the pointer,
+//! presses keys and reads the screen as any X program could.
 
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader};
@@ -16,29 +16,29 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-/// The size of the screen in pixels.
+/// Width and height of the screen in pixels.
 pub const SCREEN: [u16; 2] = [1600, 1000];
 
 /// The X server and a connection to it.
 pub struct Display {
     server: Child,
-    /// As `DISPLAY` names it.
+    /// Name of the display, as in `DISPLAY`.
     pub name: String,
     connection: RustConnection,
     root: u32,
-    /// Where the keys are: code, and whether Shift is held.
+    /// Key code of each X keysym, and true if Shift must be held.
     keys: HashMap<u32, (u8, bool)>,
 }
 
-/// The first button of a mouse, as X counts them.
+/// Number of the left mouse button in X.
 pub const LEFT: u8 = 1;
-/// The wheel away from the person and towards the person are buttons too.
+/// Numbers of the buttons that X reports for the wheel: away from the user, and towards the user.
 const WHEEL: [u8; 2] = [4, 5];
 
 const BUTTON_PRESS: u8 = x11rb::protocol::xproto::BUTTON_PRESS_EVENT;
 const BUTTON_RELEASE: u8 = x11rb::protocol::xproto::BUTTON_RELEASE_EVENT;
 
-/// Asks again and again until there is an answer; fails after a while and says what for.
+/// Polls `ask` until it returns an answer; panics with a message naming `what` after `most_secs`.
 pub fn wait_for<T>(what: &str, most_secs: u64, mut ask: impl FnMut() -> Option<T>) -> T {
     let begun = Instant::now();
     loop {
@@ -77,7 +77,7 @@ impl Display {
         Display { server, name, connection, root, keys }
     }
 
-    /// The window with this title, once it is shown.
+    /// The window with this title, or `None` while it is not shown.
     pub fn window(&self, title: &str) -> Option<u32> {
         let windows = self.connection.query_tree(self.root).ok()?.reply().ok()?.children;
         windows.into_iter().find(|window| {
@@ -91,7 +91,7 @@ impl Display {
         })
     }
 
-    /// What is on the screen.
+    /// Takes a screenshot of the whole screen.
     pub fn shot(&self) -> RgbImage {
         let [w, h] = SCREEN;
         let image = self
@@ -104,13 +104,13 @@ impl Display {
         RgbImage::from_raw(w.into(), h.into(), rgb.collect()).expect("four bytes a pixel")
     }
 
-    /// Keys go to this window: without a window manager nobody else says so.
+    /// Gives a window the keyboard focus, which no window manager does here.
     pub fn focus(&self, window: u32) {
         let focus = self.connection.set_input_focus(InputFocus::PARENT, window, 0u32);
         focus.expect("the server is there").check().expect("the window is there");
     }
 
-    /// Moves the pointer.
+    /// Moves the pointer to a point of the screen.
     pub fn point(&self, x: f64, y: f64) {
         self.fake(MOTION_NOTIFY_EVENT, 0, [x.round() as i16, y.round() as i16]);
     }
@@ -120,19 +120,19 @@ impl Display {
         self.fake(BUTTON_PRESS, button, [0, 0]);
     }
 
-    /// Lets it go.
+    /// Releases a button.
     pub fn release(&self, button: u8) {
         self.fake(BUTTON_RELEASE, button, [0, 0]);
     }
 
-    /// Both.
+    /// Presses and releases a button.
     pub fn click(&self, button: u8) {
         self.press(button);
         self.release(button);
     }
 
-    /// Turns the wheel, away from the person if positive. The window hears two notches a time: one
-    /// when the button for it goes down and one when it comes up.
+    /// Turns the wheel `times` times, away from the user if positive. The window receives two
+    /// notches each time: one when the wheel's button goes down, and one when it comes up.
     pub fn wheel_twice(&self, times: i32) {
         let button = WHEEL[usize::from(times < 0)];
         (0..times.abs()).for_each(|_| self.click(button));
@@ -152,14 +152,14 @@ impl Display {
         self.release(LEFT);
     }
 
-    /// Presses keys held together, as in `ctrl+q` or `F1`.
+    /// Presses and releases keys together, such as `ctrl+q` or `F1`.
     pub fn key(&self, chord: &str) {
         let codes: Vec<u8> = chord.split('+').flat_map(|name| self.codes(keysym(name))).collect();
         codes.iter().for_each(|code| self.fake(KEY_PRESS_EVENT, *code, [0, 0]));
         codes.iter().rev().for_each(|code| self.fake(KEY_RELEASE_EVENT, *code, [0, 0]));
     }
 
-    /// Types a text.
+    /// Types a text, letter by letter.
     pub fn type_in(&self, text: &str) {
         for letter in text.chars() {
             let codes = self.codes(letter.into());
@@ -168,7 +168,7 @@ impl Display {
         }
     }
 
-    /// Gives a window another size.
+    /// Resizes a window.
     pub fn resize(&self, window: u32, [width, height]: [u32; 2]) {
         let size = ConfigureWindowAux::new().width(width).height(height);
         let asked = self.connection.configure_window(window, &size);
@@ -200,7 +200,7 @@ impl Display {
 
 impl Drop for Display {
     fn drop(&mut self) {
-        // A server that is gone already is what is wanted.
+        // An error means that the server is already gone, which is fine.
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
@@ -208,7 +208,7 @@ impl Drop for Display {
 
 const SHIFT: u32 = 0xffe1;
 
-/// The X name of a key.
+/// The X keysym of a named key.
 fn keysym(name: &str) -> u32 {
     match name {
         "ctrl" => 0xffe3,
@@ -232,7 +232,7 @@ fn keysym(name: &str) -> u32 {
     }
 }
 
-/// Where every key is on the server's keyboard.
+/// The code of every key on the server's keyboard, and whether it needs Shift.
 fn keys(connection: &RustConnection) -> HashMap<u32, (u8, bool)> {
     let setup = connection.setup();
     let (first, last) = (setup.min_keycode, setup.max_keycode);

@@ -1,4 +1,4 @@
-//! How much a window looks like the picture that an export makes of the same view.
+//! Comparison of a window with the picture that an export makes of the same view.
 
 use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
 use flipmap::engine::Accuracy;
@@ -10,16 +10,16 @@ use image::{Rgb, RgbImage};
 
 use super::session::Told;
 
-/// Every so manieth pixel is compared, each way.
+/// Distance between the compared pixels, in both directions.
 const EVERY: f64 = 5.0;
-/// Colours that differ by no more in any channel count as the same.
+/// Largest difference in any channel between colours that count as the same.
 const TOLERANCE: u8 = 20;
-/// At least this share of the calm pixels is alike where the picture is right.
+/// Smallest share of the calm pixels that must be alike if the picture is right.
 const ENOUGH: f64 = 0.9;
-/// A few pixels off, so much less of all pixels is.
+/// Amount by which the share of all pixels must drop if the shot is moved by a few pixels.
 const MARGIN: f64 = 0.03;
 
-/// The picture of a scene, as `flipmap render` writes it: decoded, and its bytes.
+/// The picture of a scene as `flipmap render` writes it: decoded, and as bytes.
 pub fn picture(scene: Scene, size: [u32; 2]) -> (RgbImage, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.png");
@@ -33,29 +33,29 @@ pub fn picture(scene: Scene, size: [u32; 2]) -> (RgbImage, Vec<u8>) {
     (image::open(&path).unwrap().into_rgb8(), std::fs::read(path).unwrap())
 }
 
-/// The picture of what a window shows, one pixel for every [`EVERY`] each way.
+/// The picture of the view in a window, with one pixel for every [`EVERY`] in both directions.
 pub fn expected(told: &Told) -> RgbImage {
     let map = told.map_px();
     let size = map.map(|side| (side / EVERY).floor() as u32);
     let mut scene = told.scene();
-    // The picture has pixels of the same distance as those compared.
+    // The picture's pixels are as far apart as the compared ones.
     let width = scene.view.width_rad() * Dd::new(EVERY * f64::from(size[0]) / map[0]);
     scene.view.width = width.decimal(30);
     picture(scene, size).0
 }
 
-/// How much of what a shot shows is what a picture has there.
+/// Shares of the pixels of a shot that agree with a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Likeness {
-    /// Of all pixels compared, this share looks alike.
+    /// Share of all compared pixels that look alike.
     pub all: f64,
-    /// Of those whose neighbours on the screen look alike: away from chaos, where samples that
-    /// lie a little apart have other answers.
+    /// Share that looks alike among the pixels whose neighbours on the screen look alike: those
+    /// away from chaos, where samples a little apart have different answers.
     pub calm: f64,
 }
 
-/// Compares a shot, taken to be moved by so many pixels, with a picture. The one-coloured
-/// forbidden region is left out.
+/// Compares a shot, assumed to be displaced by `moved` pixels, with a picture. The forbidden
+/// region, which has a single colour, is left out.
 pub fn likeness(told: &Told, shot: &RgbImage, picture: &RgbImage, moved: [f64; 2]) -> Likeness {
     let map = told.map_px();
     let forbidden = forbidden(&told.scene());
@@ -76,7 +76,7 @@ pub fn likeness(told: &Told, shot: &RgbImage, picture: &RgbImage, moved: [f64; 2
     Likeness { all: all.value(), calm: calm.value() }
 }
 
-/// Whether the window shows what it says, and exactly there.
+/// Returns true if the window shows the view that it reports, at exactly that position.
 pub fn is_right(told: &Told, shot: &RgbImage) -> bool {
     let expected = expected(told);
     let here = likeness(told, shot, &expected, [0.0; 2]);
@@ -97,7 +97,7 @@ fn alike(a: &Rgb<u8>, b: &Rgb<u8>) -> bool {
     a.0.iter().zip(b.0).all(|(a, b)| a.abs_diff(b) <= TOLERANCE)
 }
 
-/// Counts how often something holds.
+/// A count of the times that a condition holds.
 #[derive(Default)]
 struct Share {
     holds: u32,

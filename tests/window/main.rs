@@ -1,4 +1,4 @@
-//! The real window: the built program on a display in memory, software graphics and the CPU
+//! The real window: the built program on a virtual display, with software graphics and the CPU
 //! engine, driven by X events. Screenshots are kept under `target/window-shots`.
 #![cfg(target_os = "linux")]
 
@@ -54,7 +54,7 @@ fn side(told: &Told, shot: &RgbImage) -> RgbImage {
     crop_imm(shot, map_width, 0, WINDOW[0] - map_width, map_height).to_image()
 }
 
-/// A scene whose budget follows the depth, as a window's does that nobody has set.
+/// The scene with a budget that follows the depth, as in a window where the user has not set it.
 fn following(mut scene: Scene) -> Scene {
     scene.question.budget = "auto".parse().unwrap();
     scene
@@ -75,7 +75,7 @@ mod checks {
         let shot = session.shot("map");
         assert_eq!(told.scene(), following(Scene::default()));
         assert!(is_right(&told, &shot));
-        // The comparison can fail: the mirrored map has the same colours elsewhere.
+        // The comparison can fail: the mirrored map has the same colours in other places.
         let [width, height] = told.map_px().map(|side| side as u32);
         let mirrored = flip_horizontal(&crop_imm(&shot, 0, 0, width, height).to_image());
         assert!(likeness(&told, &mirrored, &expected(&told), [0.0; 2]).calm < 0.5);
@@ -127,7 +127,7 @@ mod checks {
         );
         let (grabbed, under) = (before.angle_at(from), dragged.angle_at(to));
         for axis in [0, 1] {
-            // To a pixel, which is where a pointer can be.
+            // Accurate to one pixel, the resolution of a pointer.
             let pixel_rad = dragged.width_rad() / dragged.map_px()[0];
             assert!(close_by(grabbed[axis], under[axis], pixel_rad), "{grabbed:?}, {under:?}");
         }
@@ -234,7 +234,7 @@ mod checks {
             |display| {
                 display.point(300.0, 240.0);
                 display.key("d");
-                // The map follows the way down, and is never at rest for long.
+                // The map follows the descent, and is never at rest for long.
                 sleep(Duration::from_secs(6));
                 display.key("Escape");
             },
@@ -279,7 +279,7 @@ mod checks {
         let mut session = Session::open("lost", &[]);
         session.display.key("F12");
         session.display.key("ctrl+k");
-        // What is typed before the field is there is not for it.
+        // Text typed before the field is shown would not reach it.
         sleep(Duration::from_millis(300));
         session.display.type_in("lose the");
         sleep(Duration::from_millis(300));
@@ -290,7 +290,7 @@ mod checks {
         );
         let again = likeness(&told, &session.shot("again"), &expected(&told), [0.0; 2]);
         assert!(again.calm > 0.8, "{again:?}: more is wrong than the notice covers");
-        // It goes on as before.
+        // The window works as before.
         session.after(
             "a zoom",
             |display| display.key("plus"),
@@ -302,7 +302,7 @@ mod checks {
     pub fn a_window_at_rest_costs_nothing() {
         let session = Session::open("rest", &[]);
         session.rest("all around", Told::is_idle);
-        // Whatever follows the last tile has a moment to end.
+        // Gives any work after the last tile a moment to finish.
         sleep(Duration::from_millis(500));
         let (frames, secs) = (session.told().unwrap().frames(), session.processor_secs());
         sleep(Duration::from_secs(3));

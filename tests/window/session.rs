@@ -1,4 +1,4 @@
-//! A run of the program in a window on a display of its own.
+//! A run of the program in a window on its own display.
 
 use std::cell::RefCell;
 use std::fs::{self, File};
@@ -18,62 +18,62 @@ use tempfile::TempDir;
 
 use super::display::{Display, SCREEN, wait_for};
 
-/// Windows one after another: two at once would wait for each other's engines.
+/// A lock that runs windows one after another: two at once would slow down each other's engines.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// Its width and height in pixels.
+/// Width and height of the window in pixels.
 pub const WINDOW: [u32; 2] = [900, 640];
 
-/// A window that is open.
+/// A running program with an open window.
 pub struct Session {
-    /// Where it is.
+    /// The display that the window is on.
     pub display: Display,
-    /// Its X window.
+    /// X identifier of the window.
     pub window: u32,
     name: &'static str,
     shots: u32,
     child: RefCell<Child>,
-    /// Taken out at the end.
+    /// Home of the run; taken out at the end.
     folder: Option<TempDir>,
     _alone: MutexGuard<'static, ()>,
 }
 
-/// What the window has last told of itself.
+/// The statistics that the window has last written.
 #[derive(Debug)]
 pub struct Told(Value);
 
 impl Told {
-    /// A number.
+    /// A number of the statistics.
     pub fn number(&self, key: &str) -> f64 {
         self.0[key].as_f64().unwrap_or_else(|| panic!("{key} of {}", self.0))
     }
 
-    /// A text.
+    /// A text of the statistics.
     pub fn text(&self, key: &str) -> &str {
         self.0[key].as_str().unwrap_or_else(|| panic!("{key} of {}", self.0))
     }
 
-    /// Some numbers.
+    /// An array of numbers of the statistics.
     pub fn numbers(&self, key: &str) -> Vec<f64> {
         serde_json::from_value(self.0[key].clone()).unwrap()
     }
 
-    /// The scene it shows.
+    /// The scene that the window shows.
     pub fn scene(&self) -> Scene {
         location::parse(self.0["location"].as_str().unwrap()).unwrap()
     }
 
-    /// How wide the view is, rad.
+    /// Width of the view, rad.
     pub fn width_rad(&self) -> f64 {
         self.scene().view.width_rad().hi
     }
 
-    /// Where its middle is.
+    /// Centre of the view, rad.
     pub fn center_rad(&self) -> [Theta; 2] {
         self.scene().view.center_rad()
     }
 
-    /// Width and height of the map, pixels.
+    /// Width and height of the map in pixels.
     pub fn map_px(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.0["map_px"][axis].as_f64().unwrap())
     }
@@ -83,17 +83,17 @@ impl Told {
         serde_json::from_value(self.0["pins"].clone()).unwrap()
     }
 
-    /// Sentences that are shown.
+    /// Messages that are shown.
     pub fn notices(&self) -> Vec<String> {
         serde_json::from_value(self.0["notices"].clone()).unwrap()
     }
 
-    /// Whether nothing is left to compute, not even around the view.
+    /// Returns true if nothing is left to compute, not even around the view.
     pub fn is_idle(&self) -> bool {
         self.0["idle"] == true
     }
 
-    /// Frames drawn so far.
+    /// Number of frames drawn so far.
     pub fn frames(&self) -> u64 {
         self.0["frame_ms"]["count"].as_u64().unwrap()
     }
@@ -108,16 +108,16 @@ impl Told {
 }
 
 impl Session {
-    /// Opens the window in a home of its own and waits until its map is whole.
+    /// Opens the window in its own home folder and waits until its map is complete.
     pub fn open(name: &'static str, arguments: &[&str]) -> Self {
         Self::open_in(tempfile::tempdir().unwrap(), name, arguments)
     }
 
-    /// Likewise in the home that another run has left.
+    /// Opens the window in the home folder of an earlier run and waits until its map is complete.
     pub fn open_in(folder: TempDir, name: &'static str, arguments: &[&str]) -> Self {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let display = Display::open();
-        // What an earlier run told is not this one's.
+        // The statistics of an earlier run must not be taken for those of this one.
         let _ = fs::remove_file(folder.path().join("stats.json"));
         let child = Command::new(env!("CARGO_BIN_EXE_flipmap"))
             .args(["explore", "--engine", "cpu", "--accuracy", "fast", "--stats"])
@@ -136,10 +136,10 @@ impl Session {
             .spawn()
             .unwrap();
         let window = wait_for("the window", 30, || display.window("flipmap"));
-        // A quarter of the work that the usual size would be.
+        // A quarter of the work of the default size.
         display.resize(window, WINDOW);
         display.focus(window);
-        // Out of the way of what is compared.
+        // Moves the pointer out of the area that is compared.
         display.point(f64::from(SCREEN[0]), f64::from(SCREEN[1]));
         let (folder, child) = (Some(folder), RefCell::new(child));
         let session = Session { display, window, name, shots: 0, child, folder, _alone: alone };
@@ -147,13 +147,13 @@ impl Session {
         session
     }
 
-    /// What the window told when it last came to rest.
+    /// The statistics that the window wrote when it last came to rest.
     pub fn told(&self) -> Option<Told> {
         let text = fs::read(self.path("stats.json")).ok()?;
         Some(Told(serde_json::from_slice(&text).expect("the file is whole")))
     }
 
-    /// Waits until the window rests, its map whole, and something holds.
+    /// Waits until the window is at rest with a complete map and a condition holds.
     pub fn rest(&self, what: &str, holds: impl Fn(&Told) -> bool) -> Told {
         let holds = |told: &Told| {
             told.number("tiles") > 0.0
@@ -175,13 +175,13 @@ impl Session {
         )
     }
 
-    /// Fails if the program has ended by itself.
+    /// Panics if the program has ended by itself.
     pub fn check_alive(&self) {
         let ended = self.child.borrow_mut().try_wait().unwrap();
         assert!(ended.is_none(), "the window is gone ({ended:?}): {}", self.log());
     }
 
-    /// Does something and waits until the window rests after it and something holds.
+    /// Performs an action and waits until the window is at rest after it and a condition holds.
     pub fn after(
         &self,
         what: &str,
@@ -193,7 +193,7 @@ impl Session {
         self.rest(what, |told| told.frames() > frames && holds(told))
     }
 
-    /// What is on the screen, kept for people under `target/window-shots`.
+    /// Takes a screenshot and keeps it for inspection under `target/window-shots`.
     pub fn shot(&mut self, what: &str) -> RgbImage {
         let image = self.display.shot();
         self.shots += 1;
@@ -204,7 +204,7 @@ impl Session {
         image
     }
 
-    /// What the program said so far.
+    /// The output of the program so far.
     pub fn log(&self) -> String {
         fs::read_to_string(self.path("log")).unwrap()
     }
@@ -213,18 +213,18 @@ impl Session {
     pub fn processor_secs(&self) -> f64 {
         let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.borrow().id())).unwrap();
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
-        // User and system time, in hundredths of a second on every Linux there is.
+        // User and system time, in hundredths of a second on every common Linux system.
         let ticks = |place: usize| fields[place].parse::<f64>().unwrap();
         (ticks(11) + ticks(12)) / 100.0
     }
 
-    /// Sends it a signal.
+    /// Sends the program a signal.
     pub fn signal(&self, signal: Signal) {
         let id = Pid::from_raw(self.child.borrow().id() as i32).unwrap();
         kill_process(id, signal).unwrap();
     }
 
-    /// Waits until the program has ended by itself: its code, its last words, what it told.
+    /// Waits until the program has ended by itself; returns its exit code, output and statistics.
     pub fn ended(mut self) -> Ended {
         let status = wait_for("the end", 30, || self.child.borrow_mut().try_wait().unwrap());
         let told = self.told();
@@ -233,7 +233,7 @@ impl Session {
         Ended { code: status.code(), log, told, folder: self.folder.take().unwrap() }
     }
 
-    /// Quits by the keyboard; nothing may have gone wrong.
+    /// Quits with the keyboard, and panics if anything went wrong.
     pub fn quit(self) -> Ended {
         self.display.key("ctrl+q");
         let ended = self.ended();
@@ -241,7 +241,7 @@ impl Session {
         ended
     }
 
-    /// A file of this session.
+    /// Path of a file of this session.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.as_ref().expect("it is there until the end").path().join(name)
     }
@@ -251,21 +251,21 @@ impl Drop for Session {
     fn drop(&mut self) {
         let child = self.child.get_mut();
         if child.try_wait().is_ok_and(|status| status.is_none()) {
-            // Ended meanwhile is as good.
+            // An error means that the program has ended meanwhile, which is fine.
             let _ = child.kill();
             let _ = child.wait();
         }
     }
 }
 
-/// What is left of a run.
+/// The result of a finished run.
 pub struct Ended {
-    /// Its exit code.
+    /// Exit code of the program.
     pub code: Option<i32>,
-    /// What it said.
+    /// Output of the program.
     pub log: String,
-    /// What it told of itself at the end.
+    /// Statistics written at the end.
     pub told: Option<Told>,
-    /// Its home.
+    /// Home folder of the run.
     pub folder: TempDir,
 }

@@ -1,7 +1,7 @@
-//! Random input for as long as one likes: whatever a hand can do to the window, it goes on, keeps
-//! to its memory, and has nothing to complain about.
+//! Random input for an arbitrarily long time: whatever a user does to the window, it keeps running,
+//! stays within its memory limit, and logs no unexpected warnings.
 //!
-//! `FLIPMAP_SOAK_SECS` says for how long (30), `FLIPMAP_SOAK_SEED` with what (1).
+//! `FLIPMAP_SOAK_SECS` sets the duration (default 30), `FLIPMAP_SOAK_SEED` the seed (default 1).
 
 use std::fs;
 use std::thread::sleep;
@@ -12,10 +12,10 @@ use flipmap::app::settings::Settings;
 use super::display::{Display, LEFT};
 use super::session::{Session, WINDOW};
 
-/// What the process may hold beside the tiles that are kept.
+/// Memory that the process may use in addition to its tile cache, MiB.
 const BESIDE_MIB: f64 = 300.0;
 
-/// Keys that neither quit nor choose from a list by chance.
+/// Keys that neither quit nor can select from a list by accident.
 const KEYS: [&str; 24] = [
     "Left",
     "Right",
@@ -43,14 +43,15 @@ const KEYS: [&str; 24] = [
     "shift+Tab",
 ];
 
-/// Commands that are found by name.
+/// Commands to run by name.
 const COMMANDS: [&str; 6] = ["whole", "zoom in", "borders", "light", "dark", "smooth moves"];
 
-/// Every so many doings the graphics device is lost, if what the window measures is shown then.
+/// Number of actions between simulated losses of the graphics device, which happen only while the
+/// window's statistics are shown.
 const LOSE_EVERY: u32 = 120;
 
-/// Warnings of the machine, which has neither a real screen nor a clipboard manager, of a device
-/// that is lost on purpose, and of a hand that pins too much.
+/// Expected warnings: the machine has neither a real screen nor a clipboard manager, the device is
+/// lost on purpose, and the random user pins too many pixels.
 const EXPECTED: [&str; 5] = [
     "winit::platform_impl",
     "clipboard manager",
@@ -59,7 +60,7 @@ const EXPECTED: [&str; 5] = [
     "pins are in use",
 ];
 
-/// SplitMix64: the same doings for the same seed.
+/// SplitMix64 generator: the same actions for the same seed.
 struct Chance(u64);
 
 impl Chance {
@@ -70,7 +71,7 @@ impl Chance {
         z ^ (z >> 31)
     }
 
-    /// Less than `count`.
+    /// Returns a random number below `count`.
     fn below(&mut self, count: usize) -> usize {
         (self.next() % count as u64) as usize
     }
@@ -84,7 +85,7 @@ impl Chance {
     }
 }
 
-/// Does one thing; answers with the window's size after it.
+/// Performs one random action; returns the window's size after it.
 fn act(session: &Session, chance: &mut Chance, size: [u32; 2]) -> [u32; 2] {
     let display = &session.display;
     let [x, y] = chance.point(size);
@@ -114,24 +115,24 @@ fn act(session: &Session, chance: &mut Chance, size: [u32; 2]) -> [u32; 2] {
     size
 }
 
-/// Runs a command from the palette by its name.
+/// Runs a command by name from the command palette.
 fn command(display: &Display, name: &str) {
     display.key("ctrl+k");
-    // What is typed before the field is there is not for it.
+    // Text typed before the field is shown would not reach it.
     sleep(Duration::from_millis(250));
     display.type_in(name);
     display.key("Return");
     sleep(Duration::from_millis(50));
-    // Where nothing was found, the list is still open.
+    // If nothing was found, the list is still open.
     display.key("Escape");
 }
 
-/// A number from the environment.
+/// A number from an environment variable, or a default.
 fn request(name: &str, else_this: u64) -> u64 {
     std::env::var(name).map_or(else_this, |text| text.parse().expect("a whole number"))
 }
 
-/// Plays about and looks at what is left.
+/// Performs random actions, then checks memory use and warnings.
 pub fn soak() {
     let (secs, seed) = (request("FLIPMAP_SOAK_SECS", 30), request("FLIPMAP_SOAK_SEED", 1));
     let home = tempfile::tempdir().unwrap();

@@ -1,13 +1,13 @@
-//! Which tile lies in which slot of the graphics card's atlas. Knows no card.
+//! The assignment of tiles to slots of the graphics card's atlas. Independent of any graphics API.
 
 use std::collections::HashMap;
 
-/// Slots along a side of a layer (counterpart in shaders/picture.wgsl).
+/// Number of slots along a side of a layer (counterpart in shaders/picture.wgsl).
 pub const SLOTS_ALONG: u32 = 8;
-/// Slots in a layer.
+/// Number of slots in a layer.
 pub const SLOTS_IN_LAYER: u32 = SLOTS_ALONG * SLOTS_ALONG;
 
-/// Slots by the serial numbers of the samples in them; the longest unused is given away first.
+/// Slots by the serial numbers of the samples in them; the least recently used is evicted first.
 #[derive(Debug)]
 pub struct Atlas {
     slots: HashMap<u64, AtlasSlot>,
@@ -21,28 +21,28 @@ struct AtlasSlot {
     used: u64,
 }
 
-/// Where samples lie.
+/// The slot of some samples, and whether they are already in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtlasPlace {
-    /// They are there.
+    /// The samples are already in this slot.
     There(u32),
-    /// They have to be put there.
+    /// The samples must first be uploaded to this slot.
     New(u32),
 }
 
 impl Atlas {
-    /// With so many layers.
+    /// Creates an empty atlas of `layers` layers.
     pub fn new(layers: u32) -> Self {
         let free = (0..layers * SLOTS_IN_LAYER).rev().collect();
         Atlas { slots: HashMap::new(), free, frame: 0 }
     }
 
-    /// A new frame begins: what is used from now on stays until the next one.
+    /// Begins a new frame: slots used from now on are not evicted before the next one.
     pub fn begin_frame(&mut self) {
         self.frame += 1;
     }
 
-    /// A slot for the samples with this serial number; none if all are in use in this frame.
+    /// Returns a slot for the samples with this serial number; none if this frame uses all slots.
     pub fn place(&mut self, serial: u64) -> Option<AtlasPlace> {
         if let Some(slot) = self.slots.get_mut(&serial) {
             slot.used = self.frame;

@@ -1,12 +1,12 @@
-//! A picture's colours as the card takes them: a table over the logarithm of time, and the light
-//! of what has no time. They change with the palette and never with a sample.
+//! A picture's colours in the form that the card takes: a table over the logarithm of time, and the
+//! linear light of outcomes without a time. They change with the palette, never with a sample.
 
 use super::pipeline::{TABLE_ENTRIES, Uniforms};
 use crate::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
 use crate::scene::{Build, FlipQuestion, PictureTable, SceneError};
 
-/// The uniforms, and the table's sRGB colours with four bytes each; `trust` hatches what is
-/// uncertain. Refuses a picture that cannot be painted.
+/// Returns the uniforms, and the table's sRGB colours as four bytes each; `trust` hatches uncertain
+/// pixels. Fails if the picture cannot be painted.
 pub fn colours(
     picture: &PictureTable,
     build: &Build,
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
     use crate::physics::Outcome;
 
-    /// The entry that the shader takes for a time.
+    /// Index of the table entry that the shader takes for a time.
     fn entry(uniforms: &Uniforms, secs: f64) -> usize {
         let along = (secs as f32).log2() - uniforms.first_log2;
         let entry = (along * uniforms.entries_per_octave).round();

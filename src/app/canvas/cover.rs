@@ -1,5 +1,5 @@
-//! What is drawn for every cell in view: its own samples, or the best that is known until they
-//! come; and while nothing is known of a changed pendulum, what was known of the one before.
+//! The choice of samples to draw for every cell in view: the cell's own, or the best known ones
+//! until those arrive; and while nothing is known of a changed pendulum, those of the previous one.
 
 use glam::DVec2;
 
@@ -7,29 +7,29 @@ use crate::app::camera::Screen;
 use crate::scene::lattice::{Cell, Placed, SIDE, side_rad};
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
-/// Part of a tile's samples as a parallelogram on the canvas.
+/// A part of a tile's samples, drawn as a parallelogram on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// The cell whose samples are drawn, as computed.
     pub source: Cell,
-    /// Whether they are of the physics that was aimed at before.
+    /// True if the samples belong to the previous target's physics.
     pub before: bool,
-    /// The first corner and the way along its sides, in points from the canvas' middle, y down.
+    /// The first (upper left) corner, in points from the middle of the canvas, y down.
     pub corner: DVec2,
-    /// To the right.
+    /// The side from the first corner to the right, in points.
     pub right: DVec2,
-    /// Down.
+    /// The side from the first corner downwards, in points.
     pub down: DVec2,
-    /// Of the first corner among the samples, from their upper left.
+    /// Position of the first corner among the samples, in samples from their upper left.
     pub texel: DVec2,
-    /// Samples across; negative for the mirror image.
+    /// Number of samples along each side; negative for the mirror image.
     pub span: DVec2,
 }
 
-/// Levels below a cell that stand in for it while it is not known, as when one has zoomed out.
+/// Number of finer levels that stand in for an unknown cell, as after zooming out.
 const FINER_LEVELS: u32 = 2;
 
-/// The patches of a screen at its level, in the order in which they are drawn.
+/// Returns the patches of a screen at its level, in drawing order.
 pub fn cover(screen: &Screen, explorer: &mut Explorer) -> Vec<Patch> {
     let mut patches = Vec::new();
     for placed in screen.region().cells(screen.level(), MOST_CELLS) {
@@ -44,9 +44,9 @@ pub fn cover(screen: &Screen, explorer: &mut Explorer) -> Vec<Patch> {
 
 /// The best that is known of a cell.
 struct Best {
-    /// In the order in which they are drawn.
+    /// The patches in drawing order.
     patches: Vec<Patch>,
-    /// Whether they leave nothing of the cell free.
+    /// True if the patches cover the whole cell.
     whole: bool,
 }
 
@@ -65,7 +65,7 @@ fn is_known(explorer: &mut Explorer, cell: Cell, before: bool) -> bool {
     if before { explorer.known_before(cell).is_some() } else { explorer.known(cell).is_some() }
 }
 
-/// What is known of the quarters of a cell, and of theirs.
+/// Appends the patches of a cell's known descendants, searched down `levels` levels.
 fn finer(
     screen: &Screen,
     explorer: &mut Explorer,
@@ -87,7 +87,7 @@ fn finer(
     }
 }
 
-/// The part of `source`'s samples that covers a cell inside it.
+/// Returns the part of `source`'s samples that covers a cell inside it.
 fn patch(screen: &Screen, placed: &Placed, source: Cell, before: bool) -> Patch {
     let side = side_rad(placed.cell.level);
     let middle = DVec2::from_array(placed.offset);

@@ -1,8 +1,8 @@
-//! The map on the screen: samples of tiles as quads through a colour table.
+//! The map on the screen: samples of tiles, drawn as quads through a colour table.
 //!
-//! [`mod@cover`] finds what to draw for every cell in view, [`atlas`] where its samples lie on the
-//! card, [`pipeline`] puts them there and draws. The samples are what is kept on the card: other
-//! colours are another table, and computing nothing.
+//! [`mod@cover`] chooses what to draw for every cell in view, [`atlas`] assigns the samples a slot
+//! on the card, and [`pipeline`] uploads and draws them. The card keeps samples, not colours: a
+//! change of colours uploads another table and computes nothing.
 
 pub mod atlas;
 pub mod colours;
@@ -18,10 +18,10 @@ use self::pipeline::{MapFrame, Quad, Uniforms};
 use crate::app::camera::Screen;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
-/// Layers of the atlas: room for as many tiles as are ever drawn at once.
+/// Number of layers of the atlas: enough for one tile per cell in view.
 pub const LAYERS: u32 = MOST_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
 
-/// The state between frames.
+/// The map's state between frames.
 #[derive(Debug)]
 pub struct MapRenderer {
     atlas: Atlas,
@@ -35,7 +35,7 @@ impl Default for MapRenderer {
 }
 
 impl MapRenderer {
-    /// The frame that shows a screen, in colours given as uniforms and a table.
+    /// Returns the frame that shows a screen, in colours given as uniforms and a table.
     pub fn frame(
         &mut self,
         screen: &Screen,

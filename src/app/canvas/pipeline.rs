@@ -1,4 +1,4 @@
-//! The graphics card's part of the map: an atlas of samples, a colour table, quads.
+//! The graphics card's part of the map: an atlas of samples, a colour table, and quads.
 
 use std::sync::Arc;
 
@@ -11,63 +11,63 @@ use super::sample::word_of;
 use crate::scene::lattice::SIDE;
 use crate::tiles::Samples;
 
-/// The shader, compiled when a window opens.
+/// The shader's source, compiled when a window opens.
 pub const SHADER: &str = include_str!("../../../shaders/picture.wgsl");
 
-/// One rectangle of the map (counterpart in the shader).
+/// One parallelogram of the map (counterpart in the shader).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Quad {
-    /// Its first corner in clip space, and the way along its sides.
+    /// The first (upper left) corner in clip space.
     pub corner: [f32; 2],
-    /// To the right.
+    /// The side from the first corner to the right, in clip space.
     pub right: [f32; 2],
-    /// Down.
+    /// The side from the first corner downwards, in clip space.
     pub down: [f32; 2],
-    /// Of the first corner among the slot's samples.
+    /// Position of the first corner among the slot's samples, in samples.
     pub texel: [f32; 2],
-    /// Samples across.
+    /// Number of samples along each side; negative for the mirror image.
     pub span: [f32; 2],
-    /// Where the samples lie.
+    /// Index of the slot that holds the samples.
     pub slot: u32,
 }
 
-/// What all quads share (counterpart in the shader).
+/// The values shared by all quads (counterpart in the shader).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Uniforms {
-    /// log2 of the seconds at the colour table's beginning.
+    /// log2 of the first time in the colour table, in seconds.
     pub first_log2: f32,
-    /// Its entries a doubling of the time.
+    /// Number of table entries per doubling of the time.
     pub entries_per_octave: f32,
-    /// log2 of the simulated seconds: later flips are not shown.
+    /// log2 of the budget in simulated seconds: later flips are not shown.
     pub budget_log2: f32,
-    /// 1 when doubts are hatched.
+    /// 1 if uncertain pixels are hatched, else 0.
     pub trust: u32,
-    /// Linear light of what did not flip, cannot, and failed.
+    /// Linear light of unflipped starts.
     pub unflipped: [f32; 4],
-    /// Likewise.
+    /// Linear light of forbidden starts.
     pub forbidden: [f32; 4],
-    /// Likewise.
+    /// Linear light of failed starts.
     pub failed: [f32; 4],
 }
 
-/// Entries of the colour table.
+/// Number of entries of the colour table.
 pub const TABLE_ENTRIES: usize = 1024;
 
 /// One frame of the map.
 pub struct MapFrame {
-    /// What is drawn, in order.
+    /// The quads in drawing order.
     pub quads: Vec<Quad>,
-    /// Samples that are not in their slots yet.
+    /// Slots with the samples that are yet to be uploaded to them.
     pub uploads: Vec<(u32, Arc<Samples>)>,
     /// Colours and marks.
     pub uniforms: Uniforms,
-    /// [`TABLE_ENTRIES`] sRGB colours, four bytes each, if they have changed.
+    /// [`TABLE_ENTRIES`] sRGB colours of four bytes each, if they have changed.
     pub table: Option<Vec<u8>>,
 }
 
-/// What lives on the card as long as the window's device.
+/// The resources on the card that live as long as the window's device.
 pub struct Canvas {
     pipeline: wgpu::RenderPipeline,
     bindings: wgpu::BindGroup,
@@ -79,7 +79,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// With an atlas of so many layers, for a target format.
+    /// Creates the resources, with an atlas of `layers` layers, for a target format.
     pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat, layers: u32) -> Self {
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
@@ -101,7 +101,7 @@ impl Canvas {
         Canvas { pipeline, bindings, uniforms, atlas, table, quads, count: 0 }
     }
 
-    /// Puts a frame's data on the card.
+    /// Uploads a frame's data to the card.
     pub fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
         for (slot, samples) in &frame.uploads {
             self.upload(queue, *slot, samples);
@@ -146,7 +146,7 @@ impl Canvas {
         queue.write_texture(target, bytemuck::cast_slice(&words), layout, size);
     }
 
-    /// Draws what was loaded.
+    /// Draws the loaded frame.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'static>) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bindings, &[]);
@@ -173,7 +173,7 @@ fn texture(
     })
 }
 
-/// What the shader reads, in the order of its bindings.
+/// Creates the bind group of the shader's resources, in the order of their bindings.
 fn bindings(
     device: &wgpu::Device,
     pipeline: &wgpu::RenderPipeline,
@@ -207,7 +207,7 @@ fn bindings(
     })
 }
 
-/// A buffer with room for these quads and some more.
+/// Creates a vertex buffer of these quads, with room for twice as many, at least 256.
 fn quad_buffer(device: &wgpu::Device, quads: &[Quad]) -> wgpu::Buffer {
     let mut room = quads.to_vec();
     room.resize((2 * quads.len()).max(256), Quad::zeroed());

@@ -1,18 +1,18 @@
-//! A sample in one word, as the atlas holds it (counterpart: shaders/picture.wgsl).
+//! A sample packed into one word, as the atlas holds it (counterpart: shaders/picture.wgsl).
 
 use crate::engine::Trust;
 use crate::physics::Outcome;
 
-/// Logarithms are counted from 2^-32 s (counterpart in the shader).
+/// Offset of the stored logarithms: they count from 2^-32 s (counterpart in the shader).
 pub const LOG_BIAS: f64 = 32.0;
-/// In so many steps an octave.
+/// Number of steps of the stored logarithms per octave.
 pub const LOG_STEPS: f64 = (1 << 21) as f64;
 
-/// The status' number in the lowest two bits, trust in the next three, and the logarithm of the
-/// time in the rest: finer than any colour, and nothing for the card to work out.
+/// Packs the status into the lowest two bits, trust into the next three, and the logarithm of the
+/// time into the rest: finer than any colour, and nothing for the card to work out.
 pub fn word_of(outcome: &Outcome, trust: Trust) -> u32 {
     let steps = (outcome.time.log2() + LOG_BIAS) * LOG_STEPS;
-    // What has no time has a logarithm of −∞, which becomes 0.
+    // Outcomes without a time have a logarithm of −∞, which becomes 0.
     ((steps.round() as u32) << 5) | ((trust as u32) << 2) | outcome.status as u32
 }
 

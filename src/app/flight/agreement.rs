@@ -1,23 +1,23 @@
-//! Whether the map and the flight say the same about a pixel.
+//! The comparison of the map's outcome with the flight's for one pixel.
 
 use crate::physics::{Dd, Outcome, Status};
 
-/// Flip times that differ by no more are the same to a person, s.
+/// Largest difference of flip times, in seconds, that still counts as the same.
 pub const TOLERATED_SECS: f64 = 1e-3;
 
-/// What two answers about one pixel make together.
+/// The result of comparing two outcomes of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Agreement {
-    /// They say the same.
+    /// Equal statuses, and flip times within [`TOLERATED_SECS`].
     Same,
-    /// Both flip, at times that differ by so many seconds.
+    /// Two flips at times that differ by this many seconds.
     Apart(f64),
-    /// They end differently.
+    /// Different statuses.
     OtherStatus,
 }
 
 impl Agreement {
-    /// Compares what the map said with what the gold standard says.
+    /// Compares the map's outcome with that of the gold standard.
     pub fn of(told: &Outcome, flown: &Outcome<Dd>) -> Self {
         if told.status != flown.status {
             return Agreement::OtherStatus;

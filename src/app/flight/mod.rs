@@ -1,10 +1,10 @@
-//! A flight: the pendulum of a pixel let go from rest, and beside it, as a ghost, the pendulum
-//! one pixel away.
+//! A flight: the pendulum of a pixel, released from rest, together with a ghost, the pendulum one
+//! pixel away.
 //!
 //! Both are integrated by the gold standard in double-double on a thread of the flight's own, so
-//! that what flies is what the pixel says. The thread hands over what it has as it goes and wakes
-//! the window; what has arrived is kept as polynomials ([`motion`]), so that every moment of it
-//! can be shown at once. [`playback`] is the clock that it is watched by.
+//! that the flight shows exactly the pixel's outcome. The thread hands over its results as it goes
+//! and wakes the window; they are stored as polynomials ([`motion`]), so that any moment can be
+//! shown at once. [`playback`] is the clock by which a flight is watched.
 
 pub mod agreement;
 pub mod motion;
@@ -20,23 +20,23 @@ pub use self::record::{Ending, Flip, Record, Track};
 use crate::engine::Question;
 use crate::physics::{Dd, Outcome, Pendulum, Status, Theta};
 
-/// A flight is followed for at least this long, whatever the budget, s.
+/// Shortest simulated duration of a flight, whatever the budget, in seconds.
 pub const LEAST_SECS: f64 = 30.0;
 
 /// One flight, as far as it has come.
 #[derive(Debug)]
 pub struct Flight {
     question: Question,
-    /// Whether the pendulum, and whether its ghost, can never flip.
+    /// True for the pendulum, and for its ghost, if it can never flip.
     forbidden: [bool; 2],
     record: Record,
     incoming: Receiver<Record>,
 }
 
 impl Flight {
-    /// Lets go at `start` and at `neighbour` (rad, each within (−π, π]). `wake` is called from
-    /// the flight's thread whenever [`Flight::receive`] has something to take. The thread ends
-    /// with the flight, or soon after the flight is dropped.
+    /// Releases the pendulum at `start` and its ghost at `neighbour` (rad, each within (−π, π]).
+    /// The flight's thread calls `wake` whenever [`Flight::receive`] has something to take. The
+    /// thread ends with the flight, or soon after the flight is dropped.
     pub fn launch(
         question: Question,
         start: [Theta; 2],
@@ -53,7 +53,7 @@ impl Flight {
                 wanted
             });
         };
-        // Without a thread the sender is dropped, which `receive` takes for what it is.
+        // Without a thread the sender is dropped, and `receive` reports the flight as broken off.
         if let Err(error) = std::thread::Builder::new().name("flight".into()).spawn(fly) {
             log::error!("no thread for a flight: {error}");
         }
@@ -62,7 +62,7 @@ impl Flight {
         Flight { question, forbidden, record: Record::default(), incoming }
     }
 
-    /// Takes what the thread has handed over since; whether there was anything.
+    /// Takes the parts handed over since the last call; returns true if there were any.
     pub fn receive(&mut self) -> bool {
         let mut any = false;
         while self.record.ending.is_none() {
@@ -76,22 +76,22 @@ impl Flight {
         any
     }
 
-    /// What is known of it.
+    /// Returns the record so far.
     pub fn record(&self) -> &Record {
         &self.record
     }
 
-    /// What it is asked.
+    /// Returns the flight's question.
     pub fn question(&self) -> &Question {
         &self.question
     }
 
-    /// What the gold standard says about the pixel, bit for bit; none while that is not known.
+    /// Returns the gold standard's outcome of the pixel, bit for bit; none while that is not known.
     pub fn outcome(&self) -> Option<Outcome<Dd>> {
         self.outcome_of(&self.record.own, self.forbidden[0])
     }
 
-    /// The same about the pixel beside it.
+    /// Returns the gold standard's outcome of the neighbouring pixel.
     pub fn ghost_outcome(&self) -> Option<Outcome<Dd>> {
         self.outcome_of(&self.record.ghost, self.forbidden[1])
     }
@@ -129,7 +129,7 @@ mod tests {
         Question { rule, budget_secs, ..Question::from(&Scene::default()) }
     }
 
-    /// A start and the one beside it, 1e-3 rad away.
+    /// A start and its neighbour, 1e-3 rad away.
     fn pair(start: [Dd; 2]) -> [[Dd; 2]; 2] {
         [start, [start[0] - Dd::new(1e-3), start[1]]]
     }

@@ -1,20 +1,20 @@
-//! One pendulum's motion kept whole: polynomials from step to step, so that every moment of it
+//! The complete motion of one pendulum, stored as a polynomial for each step, so that any moment
 //! can be shown at once.
 
 use crate::physics::polynomial::evaluate;
 use crate::physics::taylor::TaylorStep;
 use crate::physics::{Dd, State};
 
-/// One step of the integrator, in f64 and without the terms that nobody could see.
+/// One step of the integrator, in f64 and without the terms too small to be seen.
 #[derive(Clone, Debug)]
 struct MotionPiece {
     start_secs: f64,
     end_secs: f64,
-    /// Coefficients of θ1 and θ2, rad/sᵏ; the speeds are their slopes.
+    /// Coefficients of θ1 and θ2, rad/sᵏ; the speeds are their derivatives.
     angle: [Box<[f64]>; 2],
 }
 
-/// Terms that add less than this to an angle by the end of a step are left out, rad.
+/// Contribution to an angle at the end of a step, in rad, below which a term is dropped.
 const UNSEEN_RAD: f64 = 1e-16;
 
 impl MotionPiece {
@@ -41,45 +41,45 @@ impl MotionPiece {
     }
 }
 
-/// The derivative of Σ cₖ xᵏ, by Horner's rule.
+/// Returns the derivative of Σ cₖ xᵏ, by Horner's rule.
 fn slope(coefficients: &[f64], x: f64) -> f64 {
     let terms = coefficients.iter().enumerate().skip(1).rev();
     terms.fold(0.0, |sum, (k, c)| sum.mul_add(x, k as f64 * c))
 }
 
-/// A motion from the release to as far as it is known.
+/// A motion from the release up to the time to which it is known.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
     pieces: Vec<MotionPiece>,
 }
 
 impl Motion {
-    /// Continues by a step, of which nothing after `until_secs` is kept.
+    /// Appends a step, cut off at `until_secs`.
     pub fn push(&mut self, step: &TaylorStep<Dd>, until_secs: f64) {
         self.pieces.push(MotionPiece::new(step, step.end().hi.min(until_secs)));
     }
 
-    /// Continues by what was recorded after it.
+    /// Appends a later part of the same motion.
     pub fn append(&mut self, mut later: Motion) {
         self.pieces.append(&mut later.pieces);
     }
 
-    /// Steps kept.
+    /// Number of steps stored.
     pub fn len(&self) -> usize {
         self.pieces.len()
     }
 
-    /// Whether nothing is known yet.
+    /// Returns true if nothing is known yet.
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()
     }
 
-    /// Seconds from the release to where the knowledge ends.
+    /// Seconds from the release to the end of the known motion.
     pub fn end_secs(&self) -> f64 {
         self.pieces.last().map_or(0.0, |piece| piece.end_secs)
     }
 
-    /// The state `secs` after the release; none outside what is known.
+    /// Returns the state `secs` after the release; none outside the known motion.
     pub fn state_at(&self, secs: f64) -> Option<State<f64>> {
         let after = self.pieces.partition_point(|piece| piece.start_secs <= secs);
         let piece = self.pieces.get(after.checked_sub(1)?)?;

@@ -1,5 +1,5 @@
-//! The thread's work: a pendulum and its ghost integrated side by side, handed over piece by
-//! piece.
+//! The work of a flight's thread: it integrates a pendulum and its ghost side by side and hands the
+//! results over piece by piece.
 
 use std::time::{Duration, Instant};
 
@@ -10,13 +10,13 @@ use crate::physics::separation::{Reading, Ruler};
 use crate::physics::taylor::{Orbit, TaylorStep};
 use crate::physics::{Dd, Pendulum, Rule, Scalar, State, oracle};
 
-/// How long pieces are gathered before they are handed over: about a frame.
+/// Time for which results are gathered before they are handed over: about a frame.
 const GATHERED: Duration = Duration::from_millis(16);
-/// Steps that are kept of one motion: of the home pendulum seven minutes, in 6 MiB.
+/// Greatest number of steps stored of one motion: seven minutes of the home pendulum, in 6 MiB.
 pub const MOST_STEPS: usize = 20_000;
 
-/// Integrates the pendulum from `start` and its ghost from `neighbour` up to `until_secs`;
-/// stops as soon as `hand_over` answers false.
+/// Integrates the pendulum from `start` and its ghost from `neighbour` up to `until_secs`; stops as
+/// soon as `hand_over` returns false.
 pub fn fly(
     question: &Question,
     [start, neighbour]: [[Dd; 2]; 2],
@@ -38,16 +38,16 @@ pub fn fly(
     }
 }
 
-/// One pendulum on its way, recorded as it goes.
+/// One pendulum in flight, recorded as it goes.
 struct Flyer {
     orbit: Orbit<Dd>,
-    /// The rule while it may still be met.
+    /// The rule, as long as it may still be met.
     rule: Option<Rule>,
     steps: usize,
 }
 
 impl Flyer {
-    /// At rest at `angle`, exactly as the gold standard releases it.
+    /// Releases a pendulum from rest at `angle`, exactly as the gold standard does.
     fn new(pendulum: Pendulum<Dd>, angle: [Dd; 2], rule: Rule) -> Self {
         let rule = (!pendulum.forbids(rule, angle)).then_some(rule);
         Flyer {
@@ -57,7 +57,7 @@ impl Flyer {
         }
     }
 
-    /// One step further, kept in `track` up to `until`; none where the numbers stop being finite.
+    /// Advances by one step and records it in `track` up to `until`; none if a value is not finite.
     fn step(&mut self, track: &mut Track, until: Dd) -> Option<TaylorStep<Dd>> {
         let step = self.orbit.step();
         self.steps += 1;
@@ -73,7 +73,7 @@ impl Flyer {
     }
 }
 
-/// The first flip inside a step, by the gold standard's own test.
+/// Returns the first flip within a step, by the gold standard's own test.
 fn flip_within(step: &TaylorStep<Dd>, rule: Rule) -> Option<Flip> {
     let of_bob = |&bob: &usize| {
         let tau = oracle::flip_within(step, [Rule::First, Rule::Second][bob])?;
@@ -83,7 +83,7 @@ fn flip_within(step: &TaylorStep<Dd>, rule: Rule) -> Option<Flip> {
     rule.watched().iter().filter_map(of_bob).reduce(earlier)
 }
 
-/// The pendulum, its ghost, and what is measured of them.
+/// The pendulum, its ghost, and the reference values of their readings.
 struct GhostPair {
     own: Flyer,
     ghost: Flyer,
@@ -109,7 +109,7 @@ impl GhostPair {
         }
     }
 
-    /// One step of the pendulum, as many of the ghost as it takes to keep up, and a reading.
+    /// Takes a step of the pendulum, enough of the ghost for it to catch up, and a reading.
     fn advance(&mut self, fresh: &mut Record) -> Option<Ending> {
         let Some(step) = self.own.step(&mut fresh.own, self.until) else {
             return Some(Ending::NotFinite);

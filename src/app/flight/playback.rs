@@ -1,11 +1,11 @@
-//! The clock that a flight is watched by.
+//! The clock by which a flight is watched.
 
 use std::ops::RangeInclusive;
 
-/// How many simulated seconds may pass in a second.
+/// Range of playback speeds, in simulated seconds per second.
 pub const SPEEDS: RangeInclusive<f64> = 0.1..=10.0;
 
-/// Where a watched flight is, and how it goes on.
+/// The playback state of a watched flight: its time, speed, and whether it plays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playback {
     time_secs: f64,
@@ -14,7 +14,7 @@ pub struct Playback {
 }
 
 impl Default for Playback {
-    /// From the release, as fast as it is, going.
+    /// Starts at the release, playing in real time.
     fn default() -> Self {
         Playback { time_secs: 0.0, speed: 1.0, playing: true }
     }
@@ -26,18 +26,18 @@ impl Playback {
         self.time_secs
     }
 
-    /// Simulated seconds in a second.
+    /// Playback speed in simulated seconds per second.
     pub fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// Whether it goes on by itself.
+    /// Returns true if the playback is running.
     pub fn is_playing(&self) -> bool {
         self.playing
     }
 
-    /// Goes on by `elapsed_secs` of real time in a flight known up to `end_secs`. At the end of
-    /// a `complete` flight it stops; before, it waits there for more.
+    /// Advances by `elapsed_secs` of real time in a flight known up to `end_secs`. Stops at the end
+    /// of a `complete` flight; waits for more at that of an incomplete one.
     pub fn advance(&mut self, elapsed_secs: f64, end_secs: f64, complete: bool) {
         if self.playing {
             let ahead = self.time_secs + elapsed_secs * self.speed;
@@ -49,7 +49,7 @@ impl Playback {
         }
     }
 
-    /// Goes on from where it is, or from the release where it had come to `end_secs`.
+    /// Resumes from the current time, or from the release if the playback had reached `end_secs`.
     pub fn play(&mut self, end_secs: f64) {
         if self.time_secs >= end_secs {
             self.time_secs = 0.0;
@@ -57,23 +57,23 @@ impl Playback {
         self.playing = true;
     }
 
-    /// Stops where it is.
+    /// Stops at the current time.
     pub fn pause(&mut self) {
         self.playing = false;
     }
 
-    /// Goes on from the release.
+    /// Plays from the release.
     pub fn restart(&mut self) {
         self.time_secs = 0.0;
         self.playing = true;
     }
 
-    /// Goes to a moment; whether it plays does not change.
+    /// Jumps to a moment, without starting or stopping the playback.
     pub fn scrub(&mut self, secs: f64) {
         self.time_secs = secs.max(0.0);
     }
 
-    /// Simulated seconds in a second from now on, within [`SPEEDS`].
+    /// Sets the speed in simulated seconds per second, clamped to [`SPEEDS`].
     pub fn set_speed(&mut self, speed: f64) {
         self.speed = speed.clamp(*SPEEDS.start(), *SPEEDS.end());
     }

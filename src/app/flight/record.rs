@@ -1,4 +1,4 @@
-//! What is known of a flight: two motions, their flips, and readings along the way.
+//! The record of a flight: two motions, their flips, and readings along the way.
 
 use super::motion::Motion;
 use crate::physics::Dd;
@@ -7,18 +7,18 @@ use crate::physics::separation::Reading;
 /// The moment at which the rule is first met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flip {
-    /// The index of the bob that flips.
+    /// Index of the bob that flips.
     pub bob: usize,
     /// Seconds from the release.
     pub secs: Dd,
 }
 
-/// One pendulum of a flight.
+/// The record of one pendulum of a flight.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
-    /// How it moves.
+    /// The pendulum's motion.
     pub motion: Motion,
-    /// Its flip, once that is known; also when it comes after the budget.
+    /// The pendulum's flip, once known, even if it comes after the budget.
     pub flip: Option<Flip>,
 }
 
@@ -29,34 +29,34 @@ impl Track {
     }
 }
 
-/// Why a record does not grow any further.
+/// The reason why a record grows no further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// It reaches as far as was asked for.
+    /// The record reaches the requested time.
     Complete,
-    /// More steps are not kept.
+    /// The record has reached its greatest number of steps.
     Full,
-    /// The numbers stopped being finite.
+    /// A value stopped being finite.
     NotFinite,
     /// The thread could not be started, or broke off.
     BrokenOff,
 }
 
-/// All of a flight, or a part of it that continues an earlier part.
+/// A whole flight, or a part of it that continues an earlier part.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// The pendulum of the pixel.
     pub own: Track,
     /// The pendulum one pixel away.
     pub ghost: Track,
-    /// One at the release, and one at the end of each step of the pendulum.
+    /// Readings at the release and at the end of each step of the pendulum.
     pub readings: Vec<Reading>,
-    /// Set with the last part.
+    /// The reason for the end; set only in the last part.
     pub ending: Option<Ending>,
 }
 
 impl Record {
-    /// Continues by a later part.
+    /// Appends a later part.
     pub fn append(&mut self, mut later: Record) {
         self.own.append(later.own);
         self.ghost.append(later.ghost);

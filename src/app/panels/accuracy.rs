@@ -1,4 +1,4 @@
-//! How right the map is, and what computes it.
+//! The accuracy of the map, and the engine that computes it.
 
 use egui::{RichText, Ui};
 
@@ -6,24 +6,24 @@ use crate::app::action::Action;
 use crate::engine::choice::{EngineKind, IntegrationSetting};
 use crate::engine::{Accuracy, IntegratorConfig};
 
-/// What the panel tells.
+/// The state shown in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Computing {
-    /// A level or a config.
+    /// The integration setting: an accuracy level, or an explicit integrator config.
     pub setting: IntegrationSetting,
-    /// The kind of engine wanted.
+    /// The requested kind of engine.
     pub kind: EngineKind,
-    /// What runs now.
+    /// The integrator config in use.
     pub config: Option<IntegratorConfig>,
-    /// The engine: its name, adapter and why it was chosen.
+    /// Name of the engine, its adapter, and the reason why it was chosen.
     pub engine: Option<(String, String, String)>,
-    /// Whether there is no engine and none is coming.
+    /// True if there is no engine and none is being opened.
     pub failed: bool,
-    /// Microseconds an integrated pixel of each level took lately, where it was measured.
+    /// Microseconds per integrated pixel of each level, lately, where it was measured.
     pub cost_us: Vec<(Accuracy, f64)>,
 }
 
-/// What a level promises.
+/// Returns the promise of a level, in words.
 fn promise(accuracy: Accuracy) -> &'static str {
     match accuracy {
         Accuracy::Lesson => "RK4 at 120 steps a second: nine pixels of ten are right",
@@ -33,7 +33,7 @@ fn promise(accuracy: Accuracy) -> &'static str {
     }
 }
 
-/// Shows levels and engines.
+/// Shows the levels and the engines; returns the user's actions.
 pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
     let mut actions = Vec::new();
     for (word, accuracy) in Accuracy::ALL {
@@ -85,7 +85,7 @@ pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
     actions
 }
 
-/// A config in words.
+/// Returns an integrator config in words.
 pub fn words(config: &IntegratorConfig) -> String {
     format!("{} {} in {}", config.method.name(), config.method.setting(), config.precision)
 }

@@ -1,4 +1,4 @@
-//! How times become colours, with a legend. Nothing here recomputes anything.
+//! The mapping of times to colours, with a legend. Nothing here recomputes anything.
 
 use egui::{Color32, Grid, Mesh, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -7,17 +7,17 @@ use crate::physics::Outcome;
 use crate::scene::palette::{FAILED, FORBIDDEN, Palette, Rgb, Tones, UNFLIPPED};
 use crate::scene::{Build, FlipQuestion, PictureTable, Scale};
 
-/// What the person wants of the colours.
+/// An action of the user on the colours.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColourAction {
-    /// Paint so.
+    /// Paints the map with these picture settings.
     Paint(PictureTable),
-    /// Spread the palette over the times in view.
+    /// Spreads the palette over the times in view.
     Equalise,
 }
 
-/// Shows how the picture of a scene is painted; `has_samples` says whether there is anything in
-/// view to spread the palette over.
+/// Shows how the picture of a scene is painted; `has_samples` is true if the view has samples to
+/// spread the palette over.
 pub fn colours_panel(
     ui: &mut Ui,
     picture: &PictureTable,
@@ -45,7 +45,7 @@ pub fn colours_panel(
     (new != *picture && new.check().is_ok()).then_some(ColourAction::Paint(new))
 }
 
-/// Back to the colours of a new window; layers and samples stay.
+/// Shows a button that restores the default colours; the energy curve and the samples stay.
 fn back(ui: &mut Ui, picture: &PictureTable) -> Option<ColourAction> {
     let PictureTable { curve, samples, .. } = *picture;
     let plain = PictureTable { curve, samples, ..PictureTable::default() };
@@ -99,10 +99,10 @@ fn range(ui: &mut Ui, picture: &mut PictureTable, tones: &Tones) {
     }
 }
 
-/// A range ends at least this much later than it begins.
+/// Least ratio of the end of a range to its beginning.
 const APART: f64 = 1.001;
 
-/// All colours with times under them, and those of the pixels that have no time.
+/// Shows all colours with times under them, and those of the outcomes without a time.
 fn legend(ui: &mut Ui, tones: &Tones, name: &str) {
     let [from, to] = tones.range_secs().map(plain);
     let response = strip(ui, 22.0, |share| tones.colour(&Outcome::flipped(tones.secs_at(share))));
@@ -120,7 +120,7 @@ fn legend(ui: &mut Ui, tones: &Tones, name: &str) {
     });
 }
 
-/// Times at quarters of the strip.
+/// Shows times at the quarters of the strip.
 fn ticks(ui: &mut Ui, strip: Rect, tones: &Tones) {
     let (rect, _) = ui.allocate_exact_size(vec2(strip.width(), 16.0), Sense::hover());
     let font = egui::TextStyle::Small.resolve(ui.style());
@@ -140,13 +140,13 @@ fn ticks(ui: &mut Ui, strip: Rect, tones: &Tones) {
     }
 }
 
-/// Times need no more beside a colour.
+/// Formats seconds to three significant digits, enough beside a colour.
 fn three_digits(secs: f64) -> String {
     let unit = 10f64.powf(secs.log10().floor() - 2.0);
     plain((secs / unit).round() * unit)
 }
 
-/// A band of colours, from the left to the right.
+/// Draws a band of colours from left to right.
 fn strip(ui: &mut Ui, height: f32, colour: impl Fn(f64) -> Rgb) -> Response {
     const STEPS: u32 = 256;
     let width = ui.available_width().min(360.0);

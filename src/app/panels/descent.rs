@@ -1,34 +1,34 @@
-//! Going deeper: the views found on the way down, and what becomes of them.
+//! The descent panel: the views found by descending, and ways to open and keep them.
 
 use egui::{Button, TextEdit, Ui};
 
 use crate::scene::Scene;
 
-/// What the panel shows.
+/// The state shown in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DescentView<'a> {
-    /// Whether it still goes down.
+    /// True if the descent is still running.
     pub going: bool,
     /// The views so far, the widest first.
     pub scenes: &'a [Scene],
-    /// The file for film keys.
+    /// Path of the file for film keys.
     pub path: &'a str,
 }
 
-/// What the person wants.
+/// An action of the user in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DescentAction {
-    /// Begin at the middle of the view, or stop.
+    /// Starts a descent at the middle of the view, or stops it.
     Toggle,
-    /// Go to this view, counted from 0.
+    /// Opens the view with this index.
     Open(usize),
-    /// The file is now called so.
+    /// Changes the path of the file to this one.
     Path(String),
-    /// Add all views to it as film keys.
+    /// Adds all views to the file as film keys.
     Keep,
 }
 
-/// Shows the way down; answers with what the person does.
+/// Shows the descent; returns the user's actions.
 pub fn descent_panel(ui: &mut Ui, way: &DescentView) -> Vec<DescentAction> {
     let mut actions = Vec::new();
     ui.label(

@@ -1,4 +1,4 @@
-//! What the view is exported as, and how far exports are.
+//! The form for exporting the view, and the progress of exports.
 
 use std::path::Path;
 
@@ -8,38 +8,38 @@ use super::field::number;
 use crate::app::export::ExportStage;
 use crate::scene::PictureTable;
 
-/// What is asked for next.
+/// The next export, as entered in the form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExportForm {
-    /// The file.
+    /// Path of the file.
     pub path: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// What is in it.
+    /// The content of the file.
     pub what: ExportSubject,
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ExportSubject {
     /// A picture.
     #[default]
     Png,
-    /// Flip times.
+    /// Flip times as raw numbers.
     Raw,
     /// One more key of a film.
     Key,
 }
 
 impl ExportSubject {
-    /// Each with its name and the ending of its files.
+    /// All contents, each with its name and the extension of its files.
     pub const ALL: [(&'static str, &'static str, ExportSubject); 3] = [
         ("picture", "png", ExportSubject::Png),
         ("raw numbers", "npy", ExportSubject::Raw),
         ("film key", "toml", ExportSubject::Key),
     ];
 
-    /// The ending of its files.
+    /// Returns the extension of the files.
     pub fn ending(self) -> &'static str {
         Self::ALL[self as usize].1
     }
@@ -48,28 +48,28 @@ impl ExportSubject {
 /// An export, as the panel shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportStatus {
-    /// The file's name.
+    /// Name of the file.
     pub name: String,
-    /// How far it is.
+    /// The progress of the export.
     pub stage: ExportStage,
 }
 
-/// What the person wants.
+/// An action of the user in the panel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ExportAction {
-    /// The form is now so.
+    /// Changes the form to this one.
     Change(ExportForm),
-    /// Choose the file in the desktop's dialog.
+    /// Lets the user choose the file in the desktop's dialog.
     Browse,
-    /// Begin what the form says.
+    /// Starts the export described by the form.
     Start,
-    /// Stop this one, counted from 0.
+    /// Cancels the export with this index.
     Cancel(usize),
-    /// Take this one, which is over, off the list.
+    /// Removes the finished export with this index from the list.
     Dismiss(usize),
 }
 
-/// Sizes that people ask for.
+/// Common sizes to choose from, in pixels.
 const PRESETS: [(&str, [u32; 2]); 6] = [
     ("1024 × 1024", [1024, 1024]),
     ("4096 × 4096", [4096, 4096]),
@@ -86,7 +86,7 @@ impl Default for ExportForm {
 }
 
 impl ExportForm {
-    /// Why it cannot begin, as a sentence.
+    /// Returns the reason why the export cannot begin, as a sentence; none if it can.
     pub fn problem(&self) -> Option<String> {
         if self.path.trim().is_empty() {
             return Some("Name the file to write.".to_string());
@@ -97,12 +97,12 @@ impl ExportForm {
         PictureTable::default().check_size(self.size).err().map(|error| error.to_string())
     }
 
-    /// Whether a file is there that would be replaced; keys are added to theirs.
+    /// Returns true if the export would replace an existing file; film keys are added to theirs.
     pub fn replaces(&self) -> bool {
         self.what != ExportSubject::Key && Path::new(&self.path).is_file()
     }
 
-    /// The same for another kind of file, the ending with it.
+    /// Returns the form for another content; an extension that fits the old content changes too.
     fn of(&self, what: ExportSubject) -> Self {
         let old = format!(".{}", self.what.ending());
         let path = match self.path.strip_suffix(&old) {
@@ -113,7 +113,7 @@ impl ExportForm {
     }
 }
 
-/// Shows the form and every export; answers with what the person does.
+/// Shows the form and every export; returns the user's actions.
 pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) -> Vec<ExportAction> {
     let (mut new, mut actions) = (form.clone(), Vec::new());
     Grid::new("export").num_columns(2).show(ui, |ui| {
@@ -223,7 +223,7 @@ fn status(ui: &mut Ui, index: usize, export: &ExportStatus, actions: &mut Vec<Ex
     }
 }
 
-/// A count with its thousands apart.
+/// Formats a count with non-breaking spaces between its thousands.
 fn thousands(count: f64) -> String {
     let digits = format!("{count:.0}");
     let groups: Vec<&str> =

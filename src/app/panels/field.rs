@@ -1,11 +1,11 @@
-//! A number in a panel: named, with its unit, and never out of its range.
+//! A number field of a panel: named, with its unit, and always within its range.
 
 use std::ops::RangeInclusive;
 
 use egui::{DragValue, Ui};
 
-/// Shows a named number, to be dragged or typed; answers with the new one when it is changed.
-/// Values over many magnitudes move by a share of themselves.
+/// Shows a named number, to be dragged or typed; returns the new one if it has changed. Dragging
+/// changes a value in proportion to its size.
 pub fn number(
     ui: &mut Ui,
     name: &str,
@@ -26,7 +26,7 @@ pub fn number(
     (response.changed() && inside != value && !inside.is_nan()).then_some(inside)
 }
 
-/// A number for people: six digits that count, and powers of ten only where zeros would hide it.
+/// Formats a number with six significant digits; in powers of ten below 1e-4 and from 1e7 on.
 pub fn plain(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
@@ -38,7 +38,7 @@ pub fn plain(value: f64) -> String {
     short(&format!("{value:.*}", (5 - exponent).max(0) as usize))
 }
 
-/// Without zeros that say nothing.
+/// Removes trailing zeros after the decimal point.
 fn short(text: &str) -> String {
     let (digits, power) = text.split_once('e').map_or((text, None), |(d, p)| (d, Some(p)));
     let digits = match digits.contains('.') {

@@ -6,7 +6,7 @@ use crate::app::action::Action;
 use crate::app::commands::{Command, shortcut_text};
 use crate::app::state::Dialog;
 
-/// What the pointer does, for the list of keys.
+/// Actions of the pointer, for the list of keys.
 pub const POINTER: [(&str, &str); 8] = [
     ("Drag", "Move the map"),
     ("Wheel, pinch, Ctrl+wheel", "Zoom about the pointer"),
@@ -18,12 +18,12 @@ pub const POINTER: [(&str, &str); 8] = [
     ("Tab, Shift+Tab", "Go through all controls"),
 ];
 
-/// The keys of a command as text.
+/// Returns the keys of a command as text.
 fn keys(command: &Command) -> String {
     command.keys.iter().map(shortcut_text).collect::<Vec<_>>().join(", ")
 }
 
-/// The list of keys.
+/// Shows the list of keys; returns an action if it is closed.
 pub fn help(ctx: &egui::Context, commands: &[Command]) -> Option<Action> {
     let mut open = true;
     egui::Window::new("Keys")
@@ -55,7 +55,7 @@ fn row(ui: &mut Ui, keys: &str, does: &str) {
     ui.end_row();
 }
 
-/// The commands whose names hold every word of a query, in their order.
+/// Returns the commands whose names contain every word of a query, in their original order.
 pub fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let fits = |command: &&Command| {
@@ -65,8 +65,8 @@ pub fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
     commands.iter().filter(fits).collect()
 }
 
-/// What is typed into the palette, and which of the commands found is chosen. It lives in egui's
-/// memory as long as the palette is open.
+/// The text typed into the palette, and the chosen one of the commands found. Kept in egui's memory
+/// as long as the palette is open.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct CommandSearch {
     query: String,
@@ -77,12 +77,12 @@ fn memory() -> egui::Id {
     egui::Id::unique("command palette")
 }
 
-/// Forgets what was typed: the palette is closed.
+/// Discards the typed text of a palette that has been closed.
 pub fn close_palette(ctx: &egui::Context) {
     ctx.data_mut(|data| data.remove::<CommandSearch>(memory()));
 }
 
-/// The command palette.
+/// Shows the command palette; returns the user's actions.
 pub fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> {
     let mut actions = Vec::new();
     let modal = Modal::new(memory()).show(ctx, |ui| {

@@ -1,11 +1,11 @@
-//! What is drawn over the colours.
+//! The layers drawn over the colours.
 
 use egui::Ui;
 
 use crate::app::action::Action;
 use crate::app::settings::Layers;
 
-/// One checkbox a layer.
+/// Shows one checkbox per layer; returns an action if one has changed.
 pub fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
     let mut changed = *layers;
     for (layer, name, sentence) in [

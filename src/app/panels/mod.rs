@@ -1,4 +1,4 @@
-//! The panels beside the map: what they show is plain state, what they answer are actions.
+//! The panels beside the map: each shows plain state and returns the user's actions.
 
 pub mod accuracy;
 pub mod colours;

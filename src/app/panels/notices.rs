@@ -1,4 +1,4 @@
-//! Sentences over the map, until they are read.
+//! Notices shown over the map until they are read.
 
 use egui::{Align2, Area, Color32, Frame, RichText};
 

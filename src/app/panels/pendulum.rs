@@ -1,4 +1,4 @@
-//! The pendulum of the selected pin: flown, scrubbed, and held against what the map said.
+//! The pendulum of the selected pin: played, scrubbed, and compared with the map's outcome.
 
 mod drawing;
 mod facts;
@@ -10,8 +10,8 @@ use crate::app::flight::playback::SPEEDS;
 use crate::app::pins::{Pin, PinAction, Pins};
 use crate::lab::drawing::{CANVAS, FAINT, INK};
 
-/// Shows the pins and the selected one's pendulum; answers with what the person does to them.
-/// Asks for another frame only while that pendulum plays.
+/// Shows the pins and the selected one's pendulum; returns the user's actions on them. Requests
+/// another frame only while that pendulum plays.
 pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
     let mut actions = Vec::new();
     tabs(ui, pins, &mut actions);
@@ -33,7 +33,7 @@ pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
     actions
 }
 
-/// One button a pin, with its colour and letter.
+/// Shows one button per pin, with its colour and letter.
 fn tabs(ui: &mut Ui, pins: &Pins, actions: &mut Vec<PinAction>) {
     let selected = pins.selected().map(|pin| pin.id);
     ui.horizontal_wrapped(|ui| {
@@ -53,7 +53,7 @@ fn tabs(ui: &mut Ui, pins: &Pins, actions: &mut Vec<PinAction>) {
     });
 }
 
-/// Play and pause, restart, remove; the moment and the speed.
+/// Shows the buttons to play or pause, restart and remove, and the sliders for time and speed.
 fn clock(ui: &mut Ui, pin: &Pin, actions: &mut Vec<PinAction>) {
     let Pin { id, playback, .. } = *pin;
     ui.horizontal(|ui| {
@@ -70,7 +70,7 @@ fn clock(ui: &mut Ui, pin: &Pin, actions: &mut Vec<PinAction>) {
         button("Restart", PinAction::Restart(id));
         button("Remove", PinAction::Remove(id));
     });
-    // The rails take what the names and the numbers leave.
+    // The rails take the width that the names and the numbers leave.
     let rail_width = (ui.available_width() - 170.0).max(60.0);
     egui::Grid::new("clock").num_columns(3).show(ui, |ui| {
         ui.spacing_mut().slider_width = rail_width;
@@ -87,7 +87,7 @@ fn clock(ui: &mut Ui, pin: &Pin, actions: &mut Vec<PinAction>) {
     });
 }
 
-/// The scrubber with the flip marked on it.
+/// Shows the time slider with the flip marked on it.
 fn moment(ui: &mut Ui, pin: &Pin, actions: &mut Vec<PinAction>) {
     let record = pin.flight.record();
     let (end_secs, mut secs) = (record.end_secs(), pin.shown_secs());
@@ -103,14 +103,14 @@ fn moment(ui: &mut Ui, pin: &Pin, actions: &mut Vec<PinAction>) {
     ui.label(format!("{:.2} of {} s", pin.shown_secs(), facts::round_secs(end_secs)));
 }
 
-/// A tick through the rail at a share of its length.
+/// Draws a tick across the rail at a fraction of its length.
 fn mark_flip(ui: &Ui, rail: &Response, share: f32) {
     let shape = ui.visuals().handle_shape;
     let aspect = match shape {
         egui::style::HandleShape::Rect { aspect_ratio } => aspect_ratio,
         egui::style::HandleShape::Circle => 1.0,
     };
-    // Where egui lets the middle of a handle travel.
+    // The range over which egui lets the middle of a handle travel.
     let travel = rail.rect.x_range().shrink(rail.rect.height() / 2.5 * aspect);
     let x = egui::lerp(travel.min..=travel.max, share);
     let stroke = Stroke::new(2.0, ui.visuals().strong_text_color());

@@ -1,4 +1,4 @@
-//! Places worth seeing, and those that a person has kept.
+//! Built-in places worth seeing, and the user's bookmarks.
 
 use std::sync::Arc;
 
@@ -11,33 +11,33 @@ use crate::app::places::{Bookmark, Places};
 use crate::output::Picture;
 use crate::scene::{BUILT_IN, Document};
 
-/// What is being typed and asked.
+/// The panel's unfinished input: names being typed, and the deletion to be confirmed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PlaceForm {
-    /// The name of the next bookmark.
+    /// Name of the next bookmark.
     pub name: String,
-    /// The bookmark that is about to be deleted.
+    /// Name of the bookmark whose deletion is to be confirmed.
     pub deleting: Option<String>,
-    /// The bookmark that is being renamed, and its new name so far.
+    /// Name of the bookmark being renamed, and its new name so far.
     pub renaming: Option<(String, String)>,
 }
 
-/// What the person wants.
+/// An action of the user in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlaceAction {
-    /// The form is now so.
+    /// Changes the form to this one.
     Change(PlaceForm),
-    /// Go there.
+    /// Opens this document.
     Open(Box<Document>),
-    /// Keep the view under this name.
+    /// Adds a bookmark of the view under this name.
     Add(String),
-    /// Give the first one the second name.
+    /// Renames the bookmark with the first name to the second name.
     Rename(String, String),
-    /// Forget it.
+    /// Deletes the bookmark with this name.
     Delete(String),
 }
 
-/// The bookmarks' pictures as the window draws them.
+/// The bookmarks' pictures as textures of the window.
 #[derive(Default)]
 pub struct Thumbnails {
     textures: Vec<(Arc<Picture>, TextureHandle)>,
@@ -56,7 +56,7 @@ impl Thumbnails {
         &self.textures[place].1
     }
 
-    /// Forgets the pictures of bookmarks that are gone.
+    /// Drops the pictures of deleted bookmarks.
     fn retain(&mut self, places: &Places) {
         self.textures.retain(|(picture, _)| {
             places.bookmarks().iter().any(|other| Arc::ptr_eq(&other.picture, picture))
@@ -64,7 +64,7 @@ impl Thumbnails {
     }
 }
 
-/// Shows the built-in places and the bookmarks; answers with what the person does.
+/// Shows the built-in places and the bookmarks; returns the user's actions.
 pub fn places_panel(
     ui: &mut Ui,
     places: &Places,
@@ -96,7 +96,7 @@ pub fn places_panel(
     actions
 }
 
-/// The field and the button that keep the view.
+/// Shows the field and the button that bookmark the view.
 fn keep(ui: &mut Ui, form: &mut PlaceForm, actions: &mut Vec<PlaceAction>) {
     ui.horizontal(|ui| {
         let label = ui.label("Name");
@@ -132,7 +132,7 @@ fn row(
     });
 }
 
-/// Renaming, and deleting after a second look.
+/// Shows the buttons to rename and to delete a bookmark; a deletion asks for confirmation.
 fn change(ui: &mut Ui, name: &str, form: &mut PlaceForm, actions: &mut Vec<PlaceAction>) {
     if form.deleting.as_deref() == Some(name) {
         if named(ui, "Delete for good", &format!("Delete {name} for good")) {
@@ -166,12 +166,12 @@ fn change(ui: &mut Ui, name: &str, form: &mut PlaceForm, actions: &mut Vec<Place
     }
 }
 
-/// Whether what was typed was ended with the return key.
+/// Returns true if the return key has just ended the input to a field.
 fn entered(ui: &Ui, field: &Response) -> bool {
     field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
 }
 
-/// A button whose name says more than its text; whether it was pressed.
+/// Shows a button whose accessible name says more than its text; returns true if it was clicked.
 fn named(ui: &mut Ui, text: &str, name: &str) -> bool {
     let response = ui.button(text);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));

@@ -1,4 +1,4 @@
-//! What is asked: which pendulum, which bob is watched, and for how long.
+//! The question: which pendulum, which bob is watched, and for how long.
 
 use egui::{Grid, Ui};
 
@@ -6,11 +6,11 @@ use super::field::number;
 use crate::physics::{Decimal, Rule};
 use crate::scene::{Budget, Build, FlipQuestion, Kind, Scene};
 
-/// What a mass or a length can be, kg or m.
+/// Range of a mass in kg or a length in m.
 const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
-/// Shows the pendulum and the question; answers with both when one has changed. Only what can be
-/// computed comes out.
+/// Shows the pendulum and the question; returns both if one has changed. Returns only what can be
+/// computed.
 pub fn scene_panel(
     ui: &mut Ui,
     build: &Build,
@@ -46,7 +46,7 @@ fn built(ui: &mut Ui, build: &mut Build) {
     pair(ui, ["Mass m1", "Mass m2"], " kg", &mut build.masses);
     pair(ui, ["Length l1", "Length l2"], " m", &mut build.lengths);
     if let Some(gravity) = number(ui, "Gravity g", " m/s²", build.gravity.value(), 0.0..=1e9) {
-        // Less than the smallest gravity is none.
+        // Gravity below the smallest allowed positive value becomes none.
         build.gravity = if gravity < 1e-9 { 0.0 } else { gravity }.into();
     }
     ui.end_row();

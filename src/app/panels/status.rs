@@ -1,28 +1,28 @@
-//! The line below the map: what is shown, how far it is, what computes it.
+//! The line below the map: the view, its progress, and the engine that computes it.
 
 use egui::{ProgressBar, Ui};
 
 use crate::engine::{DepthStats, Precision};
 use crate::tiles::explorer::ViewProgress;
 
-/// What the line tells.
+/// The content of the line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StatusLine {
-    /// How far the view is.
+    /// The progress of the view.
     pub progress: ViewProgress,
-    /// Width of the view, rad.
+    /// Width of the view in rad.
     pub width_rad: f64,
-    /// Starts integrated a second, lately; 0 while nothing is computed.
+    /// Number of starts integrated per second, lately; 0 while nothing is computed.
     pub rate: f64,
-    /// Starts integrated since the window was opened.
+    /// Number of starts integrated since the window was opened.
     pub simulated: u64,
-    /// What is known of a deep view's depth: a short word on it, and all of it.
+    /// Facts about a deep view's depth: a short text, and the full one.
     pub depth: Option<(String, String)>,
-    /// What is not to be expected of it: a short word on it, and all of it.
+    /// A warning about the view, if it needs one: a short text, and the full one.
     pub warning: Option<(String, String)>,
-    /// What goes on that takes longer.
+    /// The longer task in progress.
     pub doing: Option<String>,
-    /// The engine with its config, or what is happening to it.
+    /// The engine with its integrator config, or its state while there is none.
     pub engine: String,
 }
 
@@ -59,7 +59,7 @@ pub fn status_line(ui: &mut Ui, status: &StatusLine) {
     });
 }
 
-/// How deep a view is, in digits and seconds.
+/// Describes a view's depth in digits and seconds: a short text, and the full one.
 pub fn depth_words(depth: &DepthStats, precision: Precision, budget_secs: f64) -> (String, String) {
     let [first, last] = depth.begins_secs;
     let short = format!("{} digits · budget {budget_secs:.0} s", depth.digits);
@@ -79,12 +79,12 @@ pub fn depth_words(depth: &DepthStats, precision: Precision, budget_secs: f64) -
     (short, format!("The cells' middles are followed in {} digits. {began}", depth.digits))
 }
 
-/// A width as people write it.
+/// Formats a width in rad, in powers of ten if it is small.
 fn width_text(rad: f64) -> String {
     if rad >= 1e-3 { format!("{rad:.4} rad wide") } else { format!("{rad:.3e} rad wide") }
 }
 
-/// A count with thin spaces between its thousands.
+/// Formats a count with thin spaces between its thousands.
 fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
@@ -97,7 +97,7 @@ fn grouped(count: u64) -> String {
     text
 }
 
-/// A rate in thousands or millions.
+/// Formats a rate in thousands or millions.
 fn short(rate: f64) -> String {
     match rate {
         r if r >= 1e6 => format!("{:.1} M", r / 1e6),

@@ -1,4 +1,4 @@
-//! The window's own manners: colours, scale, motion, what is kept.
+//! The window's own settings: theme, scale, animation, restoring the view, and cache size.
 
 use egui::{Slider, Ui};
 
@@ -6,7 +6,7 @@ use crate::app::action::Action;
 use crate::app::settings::{Settings, Theme};
 use crate::app::state::{AppState, Dialog};
 
-/// Shows them.
+/// Shows the settings; returns the user's actions.
 pub fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Settings) -> Vec<Action> {
     let mut actions = Vec::new();
     ui.horizontal(|ui| {

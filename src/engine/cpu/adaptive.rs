@@ -1,5 +1,5 @@
-//! Steps that choose their length: embedded Runge–Kutta pairs on unit vectors and momenta, every
-//! lane with a time and a step of its own.
+//! Adaptive steps: embedded Runge–Kutta pairs on unit vectors and momenta, every lane with a time
+//! and a step of its own.
 
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
@@ -72,14 +72,14 @@ pub fn idle() -> [f64; NUMBERS] {
     numbers
 }
 
-/// The lanes in registers.
+/// The state of all lanes in registers.
 #[derive(Clone, Copy)]
 struct LaneState<N: Number> {
     phase: Phase<N>,
     time: N::Leading,
     time_low: N::Leading,
     step: N::Leading,
-    /// How far from the top the watched bobs have stayed.
+    /// Distance from the top that the watched bobs have kept so far, as a sine.
     clearance: N::Leading,
 }
 
@@ -112,8 +112,8 @@ impl<N: Number> LaneState<N> {
         self.step.store(&mut rows[STEP]);
     }
 
-    /// How far each lane's error is above what is allowed there, in log₂ of squares: negative
-    /// where the step can be taken.
+    /// Excess of each lane's error over what is allowed there, in log₂ of squares: negative where
+    /// the step can be taken.
     #[inline(always)]
     fn excess(&self, adaptive: &Adaptive, error_squared: N::Leading) -> N::Leading {
         let control = &adaptive.control;
@@ -122,8 +122,8 @@ impl<N: Number> LaneState<N> {
         error_squared.rough_log2() - limit.min(lit(control.ceiling))
     }
 
-    /// How far from the top the watched bobs stay in the step to `next`; not positive in lanes
-    /// where one may have passed.
+    /// Distance from the top that the watched bobs keep in the step to `next`; not positive in
+    /// lanes where one may have crossed it.
     #[inline(always)]
     fn clearance<P: EmbeddedPair>(
         &self,
@@ -147,7 +147,8 @@ impl<N: Number> LaneState<N> {
         least
     }
 
-    /// Takes the step where `excess` is negative, and chooses the next one's length everywhere.
+    /// Takes the step where `excess` is negative, and chooses the length of the next one in every
+    /// lane.
     #[inline(always)]
     fn advance(&mut self, adaptive: &Adaptive, next: &Phase<N>, excess: N::Leading) {
         let control = &adaptive.control;
@@ -165,7 +166,7 @@ impl<N: Number> LaneState<N> {
     }
 }
 
-/// A scheduler in adaptive steps. Its rows are those of [`crate::engine::start::PHASE`].
+/// A lane scheduler for adaptive steps. Its rows are those of [`crate::engine::start::PHASE`].
 struct AdaptiveLanes<'a> {
     scheduler: LaneScheduler<'a>,
     reduced: Pendulum<f64>,
@@ -173,8 +174,8 @@ struct AdaptiveLanes<'a> {
 }
 
 impl AdaptiveLanes<'_> {
-    /// After a step in which some lane's bob may have been at the top, by its `clearance`: looks
-    /// for the pass, and finishes those that made it.
+    /// Decides a step in which some lane's bob may have been at the top, by its `clearance`: looks
+    /// for the crossing, and finishes the pendulums that made it.
     #[inline(always)]
     fn decide<N: Number, P: EmbeddedPair>(
         &mut self,
@@ -230,13 +231,13 @@ impl AdaptiveLanes<'_> {
             clearance: self.scheduler.clearance[lane],
             ..End::NOWHERE
         };
-        // A paused pendulum continues from before the step it flips in.
+        // A saved pendulum continues from before the step in which it flips.
         self.scheduler.put(lane, *numbers);
         self.scheduler.finish(lane, self.adaptive.outcome_of_pass(time), end);
     }
 }
 
-/// Frees the lanes whose budget is used, until every lane has work or none is left.
+/// Frees the lanes whose budget is used up, until every lane has work or none is left.
 pub fn finish_those_over(scheduler: &mut LaneScheduler, adaptive: &Adaptive) {
     loop {
         scheduler.refill();

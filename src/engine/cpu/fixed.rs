@@ -1,4 +1,4 @@
-//! Fixed steps: RK4 in angles, a register's worth of pendulums together.
+//! Fixed steps: RK4 in angles, a register of pendulums at a time.
 
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
@@ -61,7 +61,8 @@ pub fn run<L: Lanes, const TERMS: usize>(
 /// The f32 next below π: lanes compare with it, the exact test follows in f64.
 const PI_BELOW: f64 = 3.141_592_5;
 
-/// How near any lane may have come to the top in a step (counterpart: `flip::may_pass`).
+/// Largest angle from hanging, in rad, that a watched bob of any lane may have reached in a step
+/// (counterpart: `flip::may_pass`).
 #[inline(always)]
 fn nearest_pass<L: Lanes>(
     question: &Question,
@@ -74,14 +75,15 @@ fn nearest_pass<L: Lanes>(
         let end = after.angle[bob].abs();
         let far = before.angle[bob].abs().max(end);
         let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());
-        // 0 is below the smallest product that matters: at rest a bob may turn round at once.
+        // 1e-37 is below any product that matters, and makes 0 negative: at rest a bob may turn
+        // round at once.
         let turned = before.speed[bob] * after.speed[bob] - nearest.lit(1e-37);
         nearest = nearest.max(end).max((far + travel).where_negative(turned));
     }
     nearest.largest()
 }
 
-/// A scheduler in fixed steps. Its rows are θ1, θ2, ω1, ω2 and the rests of the angles.
+/// A lane scheduler for fixed steps. Its rows are θ1, θ2, ω1, ω2 and the remainders of the angles.
 struct FixedStepLanes<'a> {
     scheduler: LaneScheduler<'a>,
     reduced: Pendulum<f64>,
@@ -99,7 +101,7 @@ impl FixedStepLanes<'_> {
         [State { angle, speed }, State { angle: rest, speed: [zero, zero] }]
     }
 
-    /// Takes the lanes' state after `taken` steps.
+    /// Stores the lanes' state after `taken` steps.
     #[inline(always)]
     fn store<L: Lanes>(&mut self, [state, rest]: [&State<L>; 2], taken: u32) {
         let rows = [state.angle, state.speed, rest.angle];
@@ -151,7 +153,7 @@ impl FixedStepLanes<'_> {
         self.scheduler.finish(lane, self.steps.outcome_of_pass(steps, fraction), end);
     }
 
-    /// Frees the lanes whose budget is used, until every lane has work or none is left.
+    /// Frees the lanes whose budget is used up, until every lane has work or none is left.
     fn finish_those_over(&mut self) {
         loop {
             self.scheduler.refill();
@@ -178,7 +180,7 @@ impl FixedStepLanes<'_> {
         End { time: steps * self.steps.length, phase, ..End::NOWHERE }
     }
 
-    /// Steps until the first lane's budget is used.
+    /// Number of steps until the first lane's budget is used up.
     fn steps_left(&self) -> u32 {
         let left = |lane: usize| self.steps.count - self.scheduler.taken[lane];
         self.scheduler.running().map(left).min().unwrap_or(0)

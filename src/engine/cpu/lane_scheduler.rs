@@ -1,5 +1,29 @@
-//! The lanes' bookkeeping: which pendulum is in which lane, and the next one for a lane whose
-//! pendulum is done, so that no lane idles while there is work.
+//! The lane scheduler: keeps every lane of a SIMD register busy although pendulums finish at very
+//! different times.
+//!
+//! A register steps all of its pendulums at once, and some flip after a second while others use up
+//! the budget. If each register waited for its slowest pendulum, most lanes would idle. So a lane
+//! whose pendulum is done takes the next start of the chunk at once, as rays are replaced in the
+//! persistent threads of Aila and Laine (*Understanding the efficiency of ray traversal on GPUs*,
+//! 2009).
+//!
+//! ```text
+//!  lane 0   start 0 ──────────── flip│start 4 ────────────────────────────
+//!  lane 1   start 1 ──────────────────────────────────── over│start 5 ────
+//!  lane 2   start 2 ── flip│start 3 ──────────────────────────────────────
+//!  stretch  ├──────────────┼─────────┼───────────────────────┼────────────
+//! ```
+//!
+//! The integrators run in *stretches*: load the rows into registers, step in a tight loop until a
+//! watched bob may be at the top, a budget ends or [`PATIENCE`] is reached, and store them again.
+//! Between stretches the scheduler works lane by lane: it finishes pendulums and refills lanes.
+//!
+//! * Each lane has its own time, step and counts, so an answer does not depend on the lanes beside
+//!   it; results are stored by start, so the order in which pendulums finish does not matter.
+//! * A lane without work runs a harmless pendulum, so the loop needs no mask.
+//! * Lanes idle only at the tail of a chunk, when no start is left.
+//!   [`Effort::steps`] over [`Effort::lane_steps`] is the share of lanes in use.
+//! * Cancellation is noticed between stretches.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,61 +34,64 @@ use crate::engine::{Effort, End, IntegratorConfig, IntegratorState, NUMBERS, Que
 use crate::physics::crossing::FAR;
 use crate::physics::{Outcome, Status};
 
-/// What one chunk of a job needs.
+/// A chunk of a job, with all that its lanes need.
 pub struct Chunk<'a> {
-    /// What is asked.
+    /// The question to answer for each start.
     pub question: &'a Question,
-    /// How it is computed.
+    /// The method and the precision.
     pub config: IntegratorConfig,
-    /// Its steps over the budget.
+    /// The steps over the budget.
     pub pace: Pace,
-    /// Where each pendulum begins, in reduced units.
+    /// States in which the pendulums begin, in reduced units.
     pub starts: &'a [IntegratorState],
-    /// Set when nobody wants the answer any more.
+    /// Flag that is set when the answer is no longer needed.
     pub cancelled: &'a AtomicBool,
 }
 
-/// What became of a chunk: per start its outcome and last state, and the work done.
+/// The result of a chunk: for each start its outcome, last state and end, and the work done.
 #[derive(Default)]
 pub struct ChunkResult {
-    /// In the order of the starts.
+    /// Outcomes, in the order of the starts.
     pub outcomes: Vec<Outcome>,
-    /// Likewise; of flipped ones the state at the beginning of the step in which they did.
+    /// Last states, in that order; for flipped pendulums, at the beginning of the step in which
+    /// they flipped.
     pub states: Vec<IntegratorState>,
-    /// Likewise, where each ended.
+    /// Ends, in that order.
     pub ends: Vec<End>,
-    /// What it took.
+    /// Work done for the chunk.
     pub effort: Effort,
 }
 
-/// Steps between two looks at whether the work is still wanted.
+/// Number of steps between two checks for cancellation.
 pub const PATIENCE: u32 = 512;
 
-/// The lanes between stretches of steps.
+/// The lanes of a chunk between stretches of steps.
 pub struct LaneScheduler<'a> {
-    /// What is done.
+    /// The chunk that is computed.
     pub chunk: &'a Chunk<'a>,
     /// Each number of the state, lane by lane.
     pub rows: [[f64; MOST_LANES]; NUMBERS],
-    /// Steps each lane's pendulum has taken.
+    /// Number of steps that each lane's pendulum has taken.
     pub taken: [u32; MOST_LANES],
-    /// How far from the top the watched bobs of each lane's pendulum have stayed.
+    /// Distance from the top that the watched bobs of each lane's pendulum have kept so far, as a
+    /// sine.
     pub clearance: [f64; MOST_LANES],
-    /// What became of those that are done.
+    /// The results of the pendulums that are done.
     pub answer: ChunkResult,
     lanes: usize,
-    /// Which start each lane runs.
+    /// Index of the start that each lane runs.
     start: [usize; MOST_LANES],
     idle: [f64; NUMBERS],
     next_start: usize,
     busy: usize,
 }
 
+/// Marks a lane without work in `start`.
 const IDLE: usize = usize::MAX;
 
 impl<'a> LaneScheduler<'a> {
-    /// A scheduler of `lanes` lanes with the chunk's first starts; `idle` is the state of a pendulum
-    /// that harms nobody in a lane without work.
+    /// A scheduler of `lanes` lanes with the chunk's first starts; `idle` is the harmless state of
+    /// a pendulum in a lane without work.
     pub fn new(chunk: &'a Chunk<'a>, lanes: usize, idle: [f64; NUMBERS]) -> Self {
         let answer = ChunkResult {
             outcomes: vec![Outcome::without_time(Status::Unflipped); chunk.starts.len()],
@@ -89,12 +116,12 @@ impl<'a> LaneScheduler<'a> {
         scheduler
     }
 
-    /// Whether any pendulum is not done.
+    /// Returns true if any pendulum is not done.
     pub fn is_busy(&self) -> bool {
         self.busy > 0
     }
 
-    /// Whether nobody wants the answer.
+    /// Returns true if the answer is no longer needed.
     pub fn is_cancelled(&self) -> bool {
         self.chunk.cancelled.load(Ordering::Relaxed)
     }
@@ -131,7 +158,7 @@ impl<'a> LaneScheduler<'a> {
         (0..self.lanes).filter(move |&lane| start[lane] != IDLE)
     }
 
-    /// Counts `steps` steps of every lane with a pendulum.
+    /// Counts `steps` steps for every lane with a pendulum.
     pub fn count_steps(&mut self, steps: u32) {
         let rhs = self.chunk.config.method.rhs_per_step(self.chunk.config.precision);
         for lane in self.running() {
@@ -142,7 +169,7 @@ impl<'a> LaneScheduler<'a> {
         self.answer.effort.lane_steps += u64::from(steps) * self.lanes as u64;
     }
 
-    /// Where the pendulum in a lane is, if its numbers are unit vectors and momenta.
+    /// The end of the pendulum in a lane, if its numbers are unit vectors and momenta.
     pub fn end_of_phase(&self, lane: usize) -> End {
         let numbers = self.numbers(lane);
         End {
@@ -153,7 +180,7 @@ impl<'a> LaneScheduler<'a> {
         }
     }
 
-    /// Keeps a lane's outcome, state and end, and leaves the lane idle.
+    /// Records a lane's outcome, state and end, and leaves the lane idle.
     pub fn finish(&mut self, lane: usize, outcome: Outcome, end: End) {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;

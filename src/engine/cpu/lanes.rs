@@ -13,16 +13,16 @@ use crate::physics::{Angle, Real};
 pub trait Lanes: Rounding + Angle {
     /// The instruction set.
     type Set: Simd;
-    /// How many.
+    /// Number of lanes.
     const COUNT: usize;
 
-    /// The same value in every lane.
+    /// Puts the same value into every lane.
     fn splat(set: Self::Set, value: f64) -> Self;
-    /// One value a lane, from the first [`Lanes::COUNT`] of `values`.
+    /// Loads one value per lane from the first [`Lanes::COUNT`] of `values`.
     fn load(set: Self::Set, values: &[f64]) -> Self;
-    /// One value a lane, to the first [`Lanes::COUNT`] of `values`.
+    /// Stores one value per lane to the first [`Lanes::COUNT`] of `values`.
     fn store(self, values: &mut [f64]);
-    /// Magnitudes.
+    /// The magnitudes, lane by lane.
     fn abs(self) -> Self;
     /// The larger of two, lane by lane.
     fn max(self, other: Self) -> Self;
@@ -30,21 +30,21 @@ pub trait Lanes: Rounding + Angle {
     fn min(self, other: Self) -> Self;
     /// `self · factor + term` with one rounding.
     fn fused(self, factor: Self, term: Self) -> Self;
-    /// Lane by lane `self` where `test` is negative, otherwise `other`.
+    /// Selects, lane by lane, `self` where `test` is negative, otherwise `other`.
     fn select(self, test: Self, other: Self) -> Self;
     /// log₂ of the magnitude to 0.09, from the bits of the number.
     fn rough_log2(self) -> Self;
-    /// 2^x to 6 % for |x| < 100: undoes [`Lanes::rough_log2`] exactly.
+    /// 2^x to 6 % for |x| < 100; undoes [`Lanes::rough_log2`] exactly.
     fn rough_exp2(self) -> Self;
     /// `self` where `test` is negative, otherwise 0.
     fn where_negative(self, test: Self) -> Self;
-    /// The largest of the lanes, NaNs passed over or not.
+    /// The largest of the lanes; NaNs may be passed over or not.
     fn largest(self) -> f64;
-    /// The smallest of the lanes, NaNs passed over or not.
+    /// The smallest of the lanes; NaNs may be passed over or not.
     fn smallest(self) -> f64;
 }
 
-/// Most lanes that any register has.
+/// Largest number of lanes in any register.
 pub const MOST_LANES: usize = 16;
 
 macro_rules! lanes {
@@ -92,7 +92,7 @@ macro_rules! lanes {
         }
 
         impl<S: Simd> Rounding for $name<S> {
-            /// Adding 1.5 · 2^mantissa leaves no bits for a fraction.
+            /// Rounds by adding 1.5 · 2^mantissa, which leaves no bits for a fraction.
             #[inline(always)]
             fn nearest(self) -> Self {
                 let magic = self.lit($magic);
@@ -160,7 +160,7 @@ macro_rules! lanes {
                 let parts: &mut [$float] =
                     bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.lanes));
                 for part in parts {
-                    // Through f32, whose conversions every instruction set has.
+                    // By way of f32, whose conversions every instruction set has.
                     let bits = ((*part as f32 + 127.0) * 8_388_608.0) as i32;
                     *part = $float::from(f32::from_bits(bits as u32));
                 }

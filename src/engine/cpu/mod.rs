@@ -1,8 +1,8 @@
-//! The engine that is always there: threads, and the widest SIMD lanes the processor has.
+//! The engine that is always there: threads, and the widest SIMD lanes that the processor has.
 //!
 //! The equations are those of `physics`, run on registers instead of scalars. A job is cut into
-//! chunks that the threads take as they come free; what a pendulum's answer is does not depend
-//! on its chunk, its lane or its thread.
+//! chunks that the threads take as they become free; the answer of a pendulum does not depend on
+//! its chunk, its lane or its thread.
 
 mod adaptive;
 mod fixed;
@@ -33,13 +33,13 @@ use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, Outcome, Status};
 
-/// Starts in a chunk: long enough to keep lanes full, short enough to share out evenly.
+/// Number of starts in a chunk: enough to keep lanes full, few enough to share out evenly.
 const CHUNK: usize = 512;
-/// The same in double-double, where a few pendulums take as long.
+/// Number of starts in a chunk in double-double, where a few pendulums take as long.
 const DD_CHUNK: usize = 8;
 const JOB_SIZE: usize = 1 << 15;
 
-/// The processor computing jobs.
+/// The engine that computes jobs on the processor.
 pub struct CpuEngine {
     pool: rayon::ThreadPool,
     flying: HashMap<u64, PendingJob>,
@@ -74,13 +74,13 @@ impl CpuEngine {
         Ok(CpuEngine { pool, flying: HashMap::new(), cancelled: Arc::default(), sender, receiver })
     }
 
-    /// Whether the processor has the method in the precision.
+    /// Returns true if the processor has the method in the precision.
     pub fn offers(config: &IntegratorConfig) -> bool {
         config.precision != Precision::Df32
             && config.method.least_tolerance(config.precision).is_some()
     }
 
-    /// Refuses what it does not have.
+    /// Returns an error if the processor does not have the method in the precision.
     pub fn require(config: &IntegratorConfig) -> Result<(), EngineError> {
         if Self::offers(config) {
             return Ok(());
@@ -155,7 +155,7 @@ impl Engine for CpuEngine {
                 };
                 let flown = Arch::new().dispatch(ChunkInFlight { chunk: &chunk });
                 if let Some(answer) = flown {
-                    // Nobody listens any more once the engine is dropped.
+                    // The receiver is gone once the engine is dropped or its jobs are cancelled.
                     let _ = sender.send(FinishedChunk { job: job.id, first: index * size, answer });
                 }
             });
@@ -195,7 +195,7 @@ impl Engine for CpuEngine {
         self.flying.clear();
     }
 
-    /// Enough that the threads find chunks of the next job while the last ones finish.
+    /// Two jobs, so that the threads find chunks of the next one while the last ones finish.
     fn slots(&self) -> usize {
         2
     }
@@ -224,7 +224,7 @@ impl Drop for CpuEngine {
     }
 }
 
-/// The widest registers of this processor.
+/// Name of the widest SIMD instruction set of this processor.
 pub fn instruction_set() -> &'static str {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]
@@ -235,7 +235,7 @@ pub fn instruction_set() -> &'static str {
     }
 }
 
-/// A chunk on its way to the widest lanes.
+/// A chunk to be run in the widest lanes.
 struct ChunkInFlight<'a> {
     chunk: &'a Chunk<'a>,
 }

@@ -1,4 +1,4 @@
-//! What a lane's state is held in: plain f32 or f64, f32 with a rest, or two f64.
+//! Number types for the state of lanes: plain f64, f32 with a remainder, or two f64.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -10,20 +10,20 @@ use crate::physics::phase::Phase;
 
 /// A number type of the adaptive methods, one pendulum in each lane.
 pub trait Number: Real {
-    /// Its leading part, in which errors and times are judged.
+    /// Type of the leading part, in which errors and times are judged.
     type Leading: Lanes;
 
-    /// From `high` and `low` rows of lanes.
+    /// Loads numbers from `high` and `low` rows of lanes.
     fn load(set: <Self::Leading as Lanes>::Set, high: &[f64], low: &[f64]) -> Self;
-    /// To such rows.
+    /// Stores numbers to `high` and `low` rows of lanes.
     fn store(self, high: &mut [f64], low: &mut [f64]);
-    /// A number that its leading part holds.
+    /// The number that equals `leading`.
     fn exactly(leading: Self::Leading) -> Self;
-    /// The nearest that the leading part holds.
+    /// The nearest value that the leading part holds.
     fn leading(self) -> Self::Leading;
-    /// Lane by lane `self` where `test` is negative, otherwise `other`.
+    /// Selects, lane by lane, `self` where `test` is negative, otherwise `other`.
     fn select(self, test: Self::Leading, other: Self) -> Self;
-    /// `phase` after `change`.
+    /// The state `phase` after `change` has been added.
     fn changed(phase: &Phase<Self>, change: &Phase<Self>) -> Phase<Self>;
 }
 
@@ -44,7 +44,7 @@ pub fn load_phase<N: Number>(
     ]
 }
 
-/// The same to such rows.
+/// Stores the lanes' unit vectors and momenta to such rows.
 #[inline(always)]
 pub fn store_phase<N: Number>(phase: &Phase<N>, rows: &mut [[f64; MOST_LANES]]) {
     let (high, low) = rows.split_at_mut(6);
@@ -94,8 +94,8 @@ macro_rules! operators {
     };
 }
 
-/// A number and what rounding took from it. Only [`Number::changed`] looks at the rest: sums
-/// over thousands of steps keep it, single right-hand sides are too short to need it.
+/// A number, and the remainder that rounding took from it. Only [`Number::changed`] uses the
+/// remainder: sums over thousands of steps need it, single right-hand sides are too short to.
 #[derive(Clone, Copy, Debug)]
 pub struct Compensated<L> {
     value: L,
@@ -184,7 +184,7 @@ impl<S: Simd> Number for Compensated<F32Lanes<S>> {
     }
 }
 
-/// The sum of two f64, as [`crate::physics::Dd`] and from the same paper, in every lane.
+/// The sum of two f64 in every lane, like [`crate::physics::Dd`] and from the same paper.
 #[derive(Clone, Copy, Debug)]
 pub struct Two<L> {
     high: L,

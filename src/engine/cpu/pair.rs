@@ -1,5 +1,5 @@
-//! The embedded pairs on lanes, each with a test of its own for passes of the top: so that one can
-//! check the other.
+//! The embedded pairs on lanes, each with a test for crossings of the top. That of DOPRI5 differs
+//! from that of the others, so that one can check the other.
 
 use std::sync::LazyLock;
 
@@ -12,9 +12,9 @@ use crate::physics::phase::Phase;
 use crate::physics::polynomial::course;
 use crate::physics::{Dd, Pendulum, Real};
 
-/// An embedded pair, for every number type.
+/// An embedded pair, generic over the number type.
 pub trait EmbeddedPair {
-    /// A step that may be taken.
+    /// Computes a step that may be taken or not.
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
         inverse_scale: [T; 2],
@@ -22,11 +22,11 @@ pub trait EmbeddedPair {
         step: T,
     ) -> Trial<T>;
 
-    /// How far from the top a bob stays over a step, from its sine and the rate of that times the
-    /// step at both ends; not positive where it may pass.
+    /// Distance from the top that a bob keeps over a step, from its sine and that sine's rate of
+    /// change times the step at both ends; not positive where it may cross the top.
     fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L;
 
-    /// What became of a bob in a step of one pendulum.
+    /// Finds out what becomes of a bob in a step of one pendulum.
     fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64>;
 }
 
@@ -40,7 +40,7 @@ pub struct LaneStep<'a> {
 }
 
 impl LaneStep<'_> {
-    /// The moment after a step from the same beginning that is shorter.
+    /// The state after a shorter step from the same beginning.
     pub fn shortened<P: EmbeddedPair>(&self, fraction: f64) -> StepState<f64> {
         let begin = &self.before.phase;
         let trial = P::trial(self.pendulum, self.inverse_scale, begin, self.length * fraction);
@@ -49,7 +49,7 @@ impl LaneStep<'_> {
     }
 }
 
-/// DOPRI5, and the top on the quartic that it gives over its step.
+/// DOPRI5, with crossings found on the quartic that it gives over its step.
 pub struct Fifth;
 
 impl EmbeddedPair for Fifth {
@@ -84,7 +84,7 @@ impl EmbeddedPair for Fifth {
     }
 }
 
-/// Extrapolated midpoint rules, and the top as for DOP853.
+/// Extrapolated midpoint rules, with crossings found as for DOP853.
 pub struct Midpoints;
 
 static WEIGHTS: LazyLock<Weights<Dd, COLUMNS>> = LazyLock::new(Weights::new);
@@ -115,7 +115,7 @@ impl EmbeddedPair for Midpoints {
     }
 }
 
-/// DOP853, and the top by shorter and shorter steps.
+/// DOP853, with crossings found by shorter and shorter steps.
 pub struct Eighth;
 
 impl EmbeddedPair for Eighth {
@@ -129,7 +129,7 @@ impl EmbeddedPair for Eighth {
         dop853(pendulum, inverse_scale, phase, step)
     }
 
-    /// Twin: `passage::approach`.
+    /// Counterpart of `crossing::approach`.
     #[inline(always)]
     fn clearance<L: Lanes>([y0, y1]: [L; 2], [rise0, rise1]: [L; 2], _: L) -> L {
         let third = y0.lit(1.0 / 3.0);

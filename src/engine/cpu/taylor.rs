@@ -1,5 +1,6 @@
-//! Taylor steps of a register's worth of pendulums: the check of the other methods, and the way
-//! to double-double. Passes of the top are proved on the step's polynomials, not sampled.
+//! Taylor steps for a register of pendulums at a time: the check of the other methods, and the
+//! method for double-double. Crossings of the top are proved on the step's polynomials, not
+//! sampled.
 
 use super::adaptive::{finish_those_over, idle};
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
@@ -64,8 +65,8 @@ pub fn run<N: Number, T: Scalar, const M: usize>(
     Some(scheduler.answer)
 }
 
-/// The length at which the last two orders promise errors of the tolerance (whose log₂ is
-/// given): Jorba and Zou's rule, with momenta in units of their scale.
+/// The step length at which the last two orders promise errors of the tolerance (given by its
+/// log₂): Jorba and Zou's rule, with momenta in units of their scale.
 #[inline(always)]
 fn step_length<N: Number, const M: usize>(
     series: &MotionSeries<N, M>,
@@ -87,9 +88,9 @@ fn step_length<N: Number, const M: usize>(
     log2_length.max(lit(-90.0)).rough_exp2()
 }
 
-/// How far from the top the watched bobs stay in a step, by bounds; not positive in lanes where
-/// one may pass: its `y` can vanish, its `x` be negative, and it ends on the other side or can
-/// turn round.
+/// Lower bound on the distance from the top that the watched bobs keep in a step; not positive in
+/// lanes where one may cross it: its `y` can vanish, its `x` be negative, and it ends on the other
+/// side or can turn round.
 #[inline(always)]
 fn clearance<N: Number, const M: usize>(
     chunk: &Chunk,
@@ -113,7 +114,7 @@ fn clearance<N: Number, const M: usize>(
     least
 }
 
-/// A bound on how far a series moves within `length`.
+/// Upper bound on how far a series moves within `length`.
 #[inline(always)]
 fn reach<N: Number, const M: usize>(series: &[N; M], length: N::Leading) -> N::Leading {
     let mut sum = series[M - 1].leading().abs();
@@ -123,10 +124,10 @@ fn reach<N: Number, const M: usize>(series: &[N; M], length: N::Leading) -> N::L
     sum * length
 }
 
-/// For each lane that flips the reduced time into the step, and the state then.
+/// The reduced time into the step and the state then, for each lane that flips.
 type Flips = [Option<(f64, Phase<f64>)>; MOST_LANES];
 
-/// Looks for passes in the lanes that may have made one.
+/// Looks for crossings in the lanes that may have made one.
 #[inline(always)]
 fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     scheduler: &mut LaneScheduler,
@@ -164,7 +165,7 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
 }
 
 /// The first moment in (0, length] at which the point with the polynomials `x` and `y` on the unit
-/// circle passes the top, (−1, 0), and how near it comes without passing. Near the top `y` keeps
+/// circle crosses the top, (−1, 0), and how near it comes without crossing. Near the top `y` keeps
 /// its leading digits, however small it is.
 fn passage_of_top<T: Scalar, const M: usize>(
     x: &[T; M],
@@ -191,7 +192,7 @@ fn passage_of_top<T: Scalar, const M: usize>(
         if evaluate(x, share * length) < T::zero() {
             return (Some(share * length), nearest);
         }
-        // Through the bottom; beyond it the sides change.
+        // The crossing is at the bottom; beyond it the sides change.
         if share >= T::from_f64(1.0) {
             return (None, nearest);
         }
@@ -200,7 +201,7 @@ fn passage_of_top<T: Scalar, const M: usize>(
     }
 }
 
-/// Keeps how near the lanes came to the top.
+/// Lowers the lanes' clearances to those of a step.
 #[inline(always)]
 fn keep_least<L: Lanes>(scheduler: &mut LaneScheduler, clearance: L) {
     let mut bounds = [FAR; MOST_LANES];
@@ -223,7 +224,7 @@ fn rows<N: Number, const M: usize>(series: &[N; M]) -> Rows<M> {
     rows
 }
 
-/// The lanes in registers.
+/// The state of all lanes in registers.
 #[derive(Clone, Copy)]
 struct TaylorLaneState<N: Number> {
     phase: Phase<N>,
@@ -255,8 +256,8 @@ impl<N: Number> TaylorLaneState<N> {
         (self.time, self.time_low) = self.time.fast_two_sum(self.time_low + length);
     }
 
-    /// Ends a stretch with a step in which some pendulums flip: they stay before it, as they
-    /// would be continued from.
+    /// Ends a stretch with a step in which some pendulums flip; those stay in the state before it,
+    /// from which they would be continued.
     #[inline(always)]
     fn finish_step(
         &mut self,

@@ -1,10 +1,10 @@
-//! The splitting of cells from an anchor down to the leaves: followed as long as its polynomials hold,
-//! then cut into quarters.
+//! The domain splitting from an anchor down to the leaves: a cell is followed as long as its
+//! polynomials hold, then cut into quarters.
 //!
-//! An anchor's middle is followed in as many digits as its depth needs. What is below it are
-//! differences to it, for which f64 has digits enough: a leaf lies at most [`DEEPEST_BELOW`]
+//! An anchor's middle is followed in as many digits as its depth needs. Everything below it is a
+//! difference from it, for which f64 has digits enough: a leaf lies at most [`DEEPEST_BELOW`]
 //! levels below its anchor. Everything about a leaf follows from its own place in the lattice, so
-//! that no answer depends on which others were asked for.
+//! no answer depends on which others were requested.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,26 +20,26 @@ use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
 use crate::scene::Build;
 use crate::scene::lattice::{Cell, side_rad};
 
-/// Anchors lie on every so many levels.
+/// Number of levels from one level with anchors to the next.
 const EVERY: u32 = 6;
-/// A leaf is at least so many levels below its anchor, so that a view seldom needs more than two.
-/// What f64 rounds off below the anchor doubles with every level.
+/// Least number of levels from an anchor down to a leaf, so that a view seldom needs more than two
+/// anchors. The rounding error of f64 below the anchor doubles with every level.
 const LEAST_BELOW: u32 = 6;
-/// And at most so many.
+/// Largest number of levels from an anchor down to a leaf.
 pub const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
-/// What a leaf's polynomials may leave out of its states. What is left out higher up the splitting
-/// grows with the cells that are cut, so there it is halved with every level.
+/// Largest part of a leaf's states that its polynomials may leave out. Further up, what is left out
+/// grows with the cells that are cut, so the tolerance is halved with every level above the leaves.
 const TOLERANCE: f64 = 1e-12;
-/// Of start_maps that check others, with which they have no cut in common.
+/// The same tolerance for strict start maps, which check others and share no cut with them.
 const STRICT_TOLERANCE: f64 = 1e-13;
-/// For the roundings of a long way.
+/// Guard bits for the rounding errors of a long integration.
 const GUARD_BITS: u32 = 10;
-/// Anchors that are kept.
+/// Largest number of anchors that are kept.
 const MOST_ANCHORS: usize = 64;
-/// Between two looks at whether anybody still waits, reduced time.
+/// Reduced time between two checks for cancellation.
 const SLICE: f64 = 1.0;
 
-/// The start_maps of one pendulum and rule.
+/// The domain splitting, and so the start maps, of one pendulum and rule.
 pub struct DomainSplitting {
     pub dynamics: Dynamics,
     build: Build,
@@ -52,18 +52,19 @@ pub struct DomainSplitting {
 struct Anchor {
     node: SplitNode,
     reference: Option<Box<dyn Reference>>,
-    /// Its end, unless that was only the end of a budget.
+    /// The end of its path, unless that was only the end of a budget.
     end: Option<PatchEnd>,
 }
 
-/// A cell on its way down.
+/// A cell that has been followed up to some time.
 #[derive(Clone)]
 struct SplitNode {
     patch: FlowPatch,
     edge: Option<Jet>,
 }
 
-/// The leaves' level, the reduced budget, whether anybody still waits, and where that is told.
+/// A request for start maps: the leaves' level, the reduced budget, the cancellation flag, and the
+/// progress to report to.
 #[derive(Clone, Copy)]
 pub struct SplitRequest<'a> {
     pub level: u32,
@@ -72,7 +73,7 @@ pub struct SplitRequest<'a> {
     pub told: &'a Following,
 }
 
-/// Quarters of a cell, in the order of [`Cell::children`].
+/// Middles of a cell's quarters, in the order of [`Cell::children`].
 const QUARTERS: [[f64; 2]; 4] = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
 
 /// The level of the anchors of leaves.
@@ -80,7 +81,7 @@ fn anchor_level(leaf: u32) -> u32 {
     leaf.saturating_sub(LEAST_BELOW) / EVERY * EVERY
 }
 
-/// What a reference at an anchor must be right to, in bits after the point.
+/// Precision that a reference at an anchor needs, in bits after the point.
 fn bits(anchor: u32) -> u32 {
     anchor + f64::MANTISSA_DIGITS + GUARD_BITS
 }
@@ -100,7 +101,7 @@ impl DomainSplitting {
         self.build == question.build && self.rule == question.rule && self.strict == strict
     }
 
-    /// The start_maps of leaves of one level, in any order; none once that is cancelled.
+    /// Computes the start maps of leaves of one level, in any order; none if cancelled.
     pub fn start_maps(
         &self,
         leaves: &[Cell],
@@ -129,7 +130,7 @@ impl DomainSplitting {
         (!wanted.cancelled.load(Ordering::Relaxed)).then_some(start_maps)
     }
 
-    /// Decimal digits in which the anchors of leaves of a level are followed.
+    /// Number of decimal digits in which the anchors of leaves of a level are followed.
     pub fn digits(&self, leaf: u32) -> u32 {
         digits_for(bits(anchor_level(leaf)))
     }
@@ -142,7 +143,7 @@ impl DomainSplitting {
         anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.anchored(cell)))).clone()
     }
 
-    /// An anchor at rest, with the digits that its cells' differences to it need.
+    /// An anchor at rest, with the digits that the differences of its cells from it need.
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
         let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW));
@@ -161,7 +162,7 @@ impl DomainSplitting {
         SplitNode { patch, edge: Some(edge) }
     }
 
-    /// How deep in the forbidden region starts at rest are, reduced.
+    /// Depth of starts at rest in the forbidden region, in reduced units.
     fn edge(&self, patch: &FlowPatch, cos: [Theta; 2]) -> Jet {
         let (exact, _) = self.build.reduced_in::<Theta>();
         let middle = exact.depth(cos) - exact.least_depth(self.rule);
@@ -171,8 +172,8 @@ impl DomainSplitting {
         depth.with_middle(middle.to_f64())
     }
 
-    /// Follows an anchor as far as is wanted: its end there, or nothing where all of it is
-    /// forbidden; no answer once that is cancelled.
+    /// Follows an anchor up to the requested budget. Returns its end there, or `Some(None)` where
+    /// all of it is forbidden; `None` if cancelled.
     fn advance(&self, anchor: &mut Anchor, wanted: SplitRequest) -> Option<Option<PatchEnd>> {
         if !anchor.node.settle_edge() {
             return Some(None);
@@ -204,7 +205,7 @@ impl DomainSplitting {
         leaf * 0.5f64.powi(levels_above_leaf as i32)
     }
 
-    /// The start_maps of a cell's leaves, once its own way has ended.
+    /// The start maps of a cell's leaves after the cell's own path has ended.
     fn ended(
         &self,
         node: SplitNode,
@@ -228,7 +229,7 @@ impl DomainSplitting {
         leaves.iter().map(part).collect()
     }
 
-    /// The start_maps of a cell that goes on in quarters.
+    /// The start maps of a cell that continues in quarters.
     fn quartered(
         &self,
         node: &SplitNode,
@@ -257,7 +258,7 @@ impl DomainSplitting {
         wanted: SplitRequest,
     ) -> Vec<(Cell, StartMap)> {
         let mut node = if parent.patch.time.0 == 0.0 {
-            // Too wide to be described even at rest: nothing to take a part of.
+            // Too wide for its polynomials even at rest: there is nothing to take a part of.
             self.released(cell)
         } else {
             parent.part(QUARTERS[k])
@@ -281,8 +282,8 @@ impl SplitNode {
         SplitNode { patch: self.patch.part(middle, 0.5), edge }
     }
 
-    /// Forgets the forbidden region's edge where it does not cross the cell; false where all of
-    /// the cell is forbidden.
+    /// Drops the forbidden region's edge where it does not cross the cell; returns false where all
+    /// of the cell is forbidden.
     fn settle_edge(&mut self) -> bool {
         let Some(edge) = self.edge else { return true };
         if edge.middle() > edge.spread() {

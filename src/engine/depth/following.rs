@@ -1,32 +1,32 @@
-//! How far the middle of a deep cell has been followed, for people who wait for it.
+//! Progress in following the middle of a deep cell, to report while the user waits.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Shared by what follows and what tells of it.
+/// A time and a budget, shared by the thread that follows and those that report.
 #[derive(Clone, Debug, Default)]
 pub struct Following(Arc<AtomicU64>);
 
 impl Following {
-    /// It has come to a time, of at most so many seconds.
+    /// Records the time that has been reached and the budget, both in s.
     pub fn set(&self, secs: f64, budget_secs: f64) {
         let [secs, budget_secs] =
             [secs, budget_secs].map(|secs| u64::from((secs as f32).to_bits()));
         self.0.store((budget_secs << 32) | secs, Ordering::Relaxed);
     }
 
-    /// Nothing is being followed.
+    /// Records that nothing is being followed.
     pub fn clear(&self) {
         self.0.store(0, Ordering::Relaxed);
     }
 
-    /// The last time told and the budget, s, while something is being followed.
+    /// The last recorded time and the budget in s, while something is being followed.
     pub fn secs(&self) -> Option<[f32; 2]> {
         let both = self.0.load(Ordering::Relaxed);
         (both != 0).then(|| [both as u32, (both >> 32) as u32].map(f32::from_bits))
     }
 
-    /// The same in words.
+    /// The progress in words.
     pub fn words(&self) -> Option<String> {
         let [secs, budget_secs] = self.secs()?;
         Some(format!("following the middle in many digits: {secs:.0} of {budget_secs:.0} s"))

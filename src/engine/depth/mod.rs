@@ -1,9 +1,31 @@
-//! An engine for starts too close together for the number types of engines.
+//! Deep zoom: an engine for starts too close together for the number types of engines.
 //!
-//! It wraps another one. The cells that deep starts lie in are followed by [`splitting`] on threads of
-//! its own, up to where polynomials end; what becomes known on the way is answered, and the rest
-//! goes to the wrapped engine as pendulums on their way, for which any number type will do.
-//! All other jobs are passed on.
+//! It wraps another engine. The leaf of the lattice in which deep starts lie has an ancestor 6 to
+//! 11 levels up, the *anchor*. Its middle is followed in as many digits as the depth needs, its
+//! whole area as one [`FlowPatch`](crate::physics::flow_patch::FlowPatch): Taylor polynomials of
+//! the flow map in the position of the start. Their coefficients are differences from the middle,
+//! for which f64 has digits enough at any depth, as with the reference orbit of a deep Mandelbrot
+//! zoom.
+//!
+//! ```text
+//!  level        time ──▶
+//!  L−11 … L−6   anchor ├────────────┤ polynomials no longer hold: quarters
+//!   …           quarter             ├──────┤ quarters
+//!  L            leaf                       ├─────────┤ start map
+//!               starts                               ├── integrated one by one
+//! ```
+//!
+//! Where the polynomials leave out too much, or cannot tell what happens at the top, the cell is
+//! cut into quarters that continue on their own (automatic domain splitting; Wittig et al., Celest.
+//! Mech. Dyn. Astr. 122, 2015; polynomial arithmetic on flows is Berz's differential algebra). The
+//! finished patch gives each of its leaves a *start map*: which starts are forbidden, flip at a
+//! known time or stay unflipped, and in which states the others are, far enough apart by then that
+//! any number type can integrate them. Those go to the wrapped engine as pendulums in motion, and
+//! all other jobs are passed on to it.
+//!
+//! * An answer depends on its leaf's place in the lattice alone, not on jobs or other requests.
+//! * Anchors and splittings are cached, and cells are followed on threads of this engine's own.
+//! * Strict jobs use other cuts and smaller errors: [`super::trust`] checks one map by another.
 
 mod domain_splitting;
 mod following;
@@ -27,14 +49,14 @@ use super::{
 use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::lattice::{Cell, side_rad};
 
-/// The wrapped engine, and what follows deep starts for it.
+/// An engine that follows deep starts for the engine that it wraps.
 pub struct DepthEngine<'a> {
     inner: Box<dyn Engine + 'a>,
     pool: rayon::ThreadPool,
     splittings: Splittings,
-    /// Deep jobs by name: some are being followed, others are with the wrapped engine.
+    /// Deep jobs by identifier: some are being followed, others are with the wrapped engine.
     deep: HashMap<u64, Awaited>,
-    /// Jobs that the wrapped engine has no slot for.
+    /// Jobs for which the wrapped engine has no free slot yet.
     waiting: VecDeque<Job>,
     flying: usize,
     following: usize,
@@ -44,18 +66,18 @@ pub struct DepthEngine<'a> {
     receiver: Receiver<Followed>,
 }
 
-/// The splittings of every pendulum and rule met so far, the latest last.
+/// The domain splittings of the pendulums and rules met so far, the latest last.
 type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
 
-/// More splittings are not kept.
+/// Largest number of splittings that are kept.
 const MOST_TREES: usize = 4;
 
-/// What a deep job waits to be merged with.
+/// The known part of a deep job, to be merged with the wrapped engine's answer.
 #[derive(Default)]
 struct Awaited {
     outcomes: Vec<Outcome>,
     ends: Vec<End>,
-    /// Which of them the wrapped engine answers, from where.
+    /// Indices of the starts that the wrapped engine integrates, and the states they begin in.
     moving: Vec<(usize, Moving)>,
     effort: Effort,
 }
@@ -69,7 +91,7 @@ struct Followed {
     effort: Effort,
 }
 
-/// How long one source of answers is waited for before the other is looked at.
+/// Longest wait for one source of answers before the other is looked at.
 const TURN: Duration = Duration::from_millis(2);
 
 impl<'a> DepthEngine<'a> {
@@ -96,7 +118,7 @@ impl<'a> DepthEngine<'a> {
         })
     }
 
-    /// Tells how far it follows there.
+    /// Makes the engine report its progress in following a middle to `following`.
     pub fn telling(mut self, following: Following) -> Self {
         self.told = following;
         self
@@ -111,13 +133,14 @@ impl<'a> DepthEngine<'a> {
         self.following += 1;
         self.pool.spawn_fifo(move || {
             if let Some(followed) = followed(job, &splitting, &cancelled, &told) {
-                // Nobody listens any more once that is cancelled.
+                // The receiver is gone once the job is cancelled.
                 let _ = sender.send(followed);
             }
         });
     }
 
-    /// Passes on what has to be integrated; a job of which all is known is finished.
+    /// Queues what has to be integrated for the wrapped engine; returns the result of a job of
+    /// which all is known.
     fn take_followed(&mut self, followed: Followed) -> Option<JobResult> {
         self.following -= 1;
         let Followed { job, outcomes, ends, moving, effort } = followed;
@@ -132,7 +155,8 @@ impl<'a> DepthEngine<'a> {
         None
     }
 
-    /// An answer of the wrapped engine, put where it belongs.
+    /// Merges a result of the wrapped engine into its deep job; other results are returned as they
+    /// are.
     fn take_finished(&mut self, finished: JobResult) -> JobResult {
         self.flying -= 1;
         let Some(Awaited { mut outcomes, mut ends, moving, mut effort }) =
@@ -166,7 +190,7 @@ impl<'a> DepthEngine<'a> {
     }
 }
 
-/// The splitting of a question, made if there is none.
+/// Returns the domain splitting of a question, made if there is none yet.
 fn tree_of(splittings: &Splittings, question: &Question, strict: bool) -> Arc<DomainSplitting> {
     let mut splittings = splittings.lock().unwrap_or_else(|broken| broken.into_inner());
     if let Some(splitting) = splittings.iter().find(|splitting| splitting.is_of(question, strict)) {
@@ -179,7 +203,7 @@ fn tree_of(splittings: &Splittings, question: &Question, strict: bool) -> Arc<Do
     splittings[splittings.len() - 1].clone()
 }
 
-/// Follows the cells of a job and begins its starts there; nothing once that is cancelled.
+/// Follows the cells of a job and maps its starts through them; returns none if cancelled.
 fn followed(
     mut job: Job,
     splitting: &DomainSplitting,
@@ -231,7 +255,8 @@ fn followed(
 }
 
 impl Deep {
-    /// Some of the starts, by their places among all, in order; moved by a share of half their leaf.
+    /// Selects some of the starts, by their indices among all, in order, and moves them by a share
+    /// of half their leaf.
     pub fn some(&self, places: &[usize], strict: bool, by: [f64; 2]) -> Deep {
         let mut wanted = places.iter().copied().peekable();
         let (mut leaves, mut first) = (Vec::new(), 0);
@@ -250,12 +275,12 @@ impl Deep {
         Deep { leaves, strict }
     }
 
-    /// Half the side of its leaves, rad.
+    /// Half the side of the leaves in rad.
     pub fn half_rad(&self) -> f64 {
         self.leaves.first().map_or(0.0, |leaf| side_rad(leaf.cell.level + 1))
     }
 
-    /// The same starts as angles, rad.
+    /// The angles of the starts in rad.
     pub fn exact_angles(&self) -> Vec<[Theta; 2]> {
         let half = Theta::from_f64(self.half_rad());
         let angle = |leaf: &Leaf, at: &[f64; 2]| {
@@ -315,7 +340,7 @@ impl Engine for DepthEngine<'_> {
         (self.flying, self.following) = (0, 0);
     }
 
-    /// One job is followed while another is integrated.
+    /// One more than the wrapped engine's: one job is followed while others are integrated.
     fn slots(&self) -> usize {
         self.inner.slots() + 1
     }

@@ -1,5 +1,5 @@
-//! What becomes of a cell of starts: outcomes that are known from its polynomials, and the moment
-//! at which the integration of the others begins.
+//! Start maps: the outcomes of a leaf's starts that are known from its polynomials, and the states
+//! from which the others are integrated.
 
 use std::sync::Arc;
 
@@ -8,47 +8,47 @@ use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd as WayEnd};
 use crate::physics::jet::Jet;
 use crate::physics::{Outcome, Status};
 
-/// A patch that has come to its end.
+/// A flow patch that has been followed to its end.
 #[derive(Clone, Debug)]
 pub struct FinishedPatch {
-    /// The patch, where it ended.
+    /// The patch in its last state.
     pub patch: FlowPatch,
-    /// How.
+    /// The reason why it ended.
     pub ending: WayEnd,
-    /// How deep in the forbidden region its starts are, if the region's edge crosses it.
+    /// Depth of its starts in the forbidden region, if the region's edge crosses the cell.
     pub edge: Option<Jet>,
-    /// Half the side of its cell, rad.
+    /// Half the side of its cell in rad.
     pub half_rad: f64,
 }
 
-/// A leaf's part of an ended patch.
+/// The part of a finished patch that belongs to a leaf.
 #[derive(Clone, Debug)]
 pub enum StartMap {
-    /// Energy conservation forbids all of it to flip.
+    /// Conservation of energy keeps all of it from flipping.
     Forbidden,
     /// The part of `ended` around `middle` that is 2 `half` wide there.
     Part {
-        /// Of what.
+        /// The patch that the part is taken from.
         ended: Arc<FinishedPatch>,
-        /// In the sheet's coordinates.
+        /// Middle of the leaf in the patch's coordinates.
         middle: [f64; 2],
-        /// Likewise.
+        /// Half the side of the leaf in the patch's coordinates.
         half: f64,
     },
 }
 
-/// A start, as far as it is known without its own integration.
+/// A start as far as its start map determines it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MappedStart {
-    /// All of it, and where it ends.
+    /// The outcome is known, and the end.
     Known(Outcome, End),
-    /// Up to this moment.
+    /// The state is known up to this moment; the rest has to be integrated.
     Moving(Moving),
 }
 
 impl StartMap {
-    /// What becomes of the start at a point of the leaf, in [−1, 1]², in reduced units of
-    /// `unit_secs`.
+    /// Maps the start at a point of the leaf, in [−1, 1]²; `unit_secs` is the reduced unit of time
+    /// in s.
     pub fn start(
         &self,
         dynamics: &Dynamics,
@@ -67,10 +67,10 @@ impl StartMap {
 }
 
 impl FinishedPatch {
-    /// How fast neighbours moved apart on the way, decades a second; 0 where they did not.
+    /// Mean rate at which neighbours moved apart, in decades per second; 0 where they did not.
     pub fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
         let decades = (self.patch.spread(dynamics) / self.half_rad).log10();
-        // A way no longer than the first moments says nothing.
+        // A path not much longer than the opening tells nothing.
         if self.patch.time.0 > 10.0 * dynamics.opening { decades.max(0.0) / secs } else { 0.0 }
     }
 
@@ -111,6 +111,6 @@ impl FinishedPatch {
     }
 }
 
-/// Of starts that energy forbids to flip.
+/// The result for starts that conservation of energy keeps from flipping.
 const FORBIDDEN: MappedStart =
     MappedStart::Known(Outcome { status: Status::Forbidden, time: 0.0 }, End::NOWHERE);

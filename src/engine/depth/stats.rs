@@ -1,24 +1,26 @@
-//! What following the cells of a deep picture has shown.
+//! Statistics of following the cells of a deep picture.
 
 use serde::Serialize;
 
 use crate::engine::Precision;
 
-/// How deep starts came to where their own integration began.
+/// Statistics of how deep starts came to the point where their own integration began.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DepthStats {
-    /// Decimal digits in which the middles were followed; 0 where f64 was enough.
+    /// Number of decimal digits in which the middles were followed; 0 where f64 was enough.
     pub digits: u32,
-    /// Starts that had to be integrated; of the others all was known from polynomials.
+    /// Number of starts that had to be integrated; of the others, everything was known from
+    /// polynomials.
     pub integrated: u64,
-    /// When the first and the last of their own integrations began, s.
+    /// Times at which the first and the last of these integrations began, in s.
     pub begins_secs: [f64; 2],
-    /// How fast neighbours move apart, decades a second: the mean over the starts.
+    /// Rate at which neighbours move apart, in decades per second: the mean over the integrated
+    /// starts.
     pub decades_a_second: f64,
 }
 
 impl DepthStats {
-    /// Nothing followed yet.
+    /// Statistics before anything has been followed.
     pub const NOTHING: DepthStats = DepthStats {
         digits: 0,
         integrated: 0,
@@ -26,7 +28,7 @@ impl DepthStats {
         decades_a_second: 0.0,
     };
 
-    /// Both together.
+    /// Merges the statistics of two jobs or leaves.
     pub fn and(self, other: DepthStats) -> DepthStats {
         let integrated = self.integrated + other.integrated;
         let weighed = |depth: DepthStats| depth.decades_a_second * depth.integrated as f64;
@@ -41,8 +43,9 @@ impl DepthStats {
         }
     }
 
-    /// Until when answers can be trusted, s: from the begin of the last integration on, until
-    /// roundings have grown to a thousandth of a radian; infinite where nothing grows.
+    /// The horizon, in s: the time up to which answers can be trusted. Roundings grow from the
+    /// beginning of the last integration on, and reach a thousandth of a radian there; infinite
+    /// where nothing grows.
     pub fn horizon_secs(&self, precision: Precision) -> f64 {
         if self.decades_a_second <= 0.0 {
             return f64::INFINITY;
@@ -51,7 +54,7 @@ impl DepthStats {
         self.begins_secs[1] + decades / self.decades_a_second
     }
 
-    /// The same in words.
+    /// The horizon in words.
     pub fn horizon_words(&self, precision: Precision) -> String {
         let horizon_secs = self.horizon_secs(precision);
         if horizon_secs.is_finite() {
@@ -61,8 +64,8 @@ impl DepthStats {
         }
     }
 
-    /// The width (rad) at which neighbours no longer move apart within the budget, so that
-    /// nothing is left to see below.
+    /// Width in rad at which neighbours no longer move apart within the budget, so that nothing is
+    /// left to see below.
     pub fn structure_ends_at(&self, budget_secs: f64) -> f64 {
         10f64.powf(-self.decades_a_second * budget_secs)
     }

@@ -1,4 +1,4 @@
-//! A graphics device: which adapters there are, how one is opened, and what it reports.
+//! Graphics devices: which adapters there are, how one is opened, and what it reports.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -7,11 +7,11 @@ use crate::engine::EngineError;
 
 /// An open device and the adapter it came from. Lives as long as the process, or until lost.
 pub struct Gpu {
-    /// Where the device came from, to open it again.
+    /// The adapter, to open the device again.
     pub adapter: wgpu::Adapter,
-    /// The device.
+    /// The open device.
     pub device: wgpu::Device,
-    /// Its one queue.
+    /// The only queue of the device.
     pub queue: wgpu::Queue,
     lost: Arc<AtomicBool>,
     complaint: Arc<Mutex<Option<String>>>,
@@ -44,7 +44,7 @@ pub fn describe(adapter: &wgpu::Adapter) -> String {
     format!("{} ({:?}, {:?}, {driver})", info.name, info.device_type, info.backend)
 }
 
-/// Whether the adapter is a program on the processor.
+/// Returns true if the adapter is a program on the processor.
 pub fn is_software(adapter: &wgpu::Adapter) -> bool {
     adapter.get_info().device_type == wgpu::DeviceType::Cpu
 }
@@ -85,22 +85,22 @@ impl Gpu {
         Ok(Gpu { adapter, device, queue, lost, complaint })
     }
 
-    /// A fresh device on the same adapter.
+    /// Opens a fresh device on the same adapter.
     pub fn reopen(&self) -> Result<Self, EngineError> {
         Gpu::open(self.adapter.clone())
     }
 
-    /// Treats the device as lost.
+    /// Marks the device as lost.
     pub fn give_up(&self) {
         self.lost.store(true, Ordering::Release);
     }
 
-    /// Whether the device can do nothing more.
+    /// Returns true if the device can do nothing more.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
     }
 
-    /// The first thing the driver or wgpu refused since the last call, unless the device is
+    /// Returns the first error of the driver or wgpu since the last call, unless the device is
     /// lost, which explains everything.
     pub fn check(&self) -> Result<(), EngineError> {
         let complaint = self.complaint.lock().expect("no panic while held").take();
@@ -110,17 +110,18 @@ impl Gpu {
         }
     }
 
-    /// Whether the device computes in f64 at all; whether rightly, the self-check tells.
+    /// Returns true if the device has f64 at all; the self-check decides whether it computes
+    /// rightly.
     pub fn has_f64(&self) -> bool {
         self.device.features().contains(wgpu::Features::SHADER_F64)
     }
 
-    /// Whether invocations of a subgroup can speak to each other.
+    /// Returns true if invocations of a subgroup can exchange values.
     pub fn has_subgroups(&self) -> bool {
         self.device.features().contains(wgpu::Features::SUBGROUP)
     }
 
-    /// A buffer of `bytes`, refused in words when it is too large or memory has run out.
+    /// Creates a buffer of `bytes`; returns an error if it is too large or memory has run out.
     pub fn buffer(
         &self,
         label: &'static str,

@@ -1,5 +1,5 @@
-//! The text of a kernel: the shader files glued together for one scene and config, with the
-//! maths of `physics` printed into them.
+//! The text of a kernel: the shader files joined for one scene and configuration, with the maths of
+//! `physics` printed into them.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use crate::physics::crossing::{FAR, SLACK};
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
-/// Every shader file, by name.
+/// All shader files by name.
 pub const FILES: [(&str, &str); 11] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
@@ -31,25 +31,25 @@ pub const FILES: [(&str, &str); 11] = [
     ("selfcheck.wgsl", include_str!("../../../shaders/selfcheck.wgsl")),
 ];
 
-/// How a kernel steps.
+/// The method by which a kernel steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scheme {
-    /// RK4; how the stages of a step find their directions.
+    /// RK4, with the way in which the stages of a step find their directions.
     Fixed(Turning),
-    /// DOPRI5.
+    /// The pair DOPRI5.
     Fifth,
-    /// DOP853.
+    /// The pair DOP853.
     Eighth,
 }
 
-/// What a kernel's text depends on.
+/// All that a kernel's text depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
     /// The number type.
     pub precision: Precision,
-    /// Whether an f32 state keeps what rounding takes from it.
+    /// True if the state keeps the remainders of its roundings; only in f32.
     pub compensated: bool,
-    /// Whether invocations of a subgroup can speak to each other on this adapter.
+    /// True if invocations of a subgroup can exchange values on this adapter.
     pub subgroups: bool,
     /// The method.
     pub scheme: Scheme,
@@ -107,13 +107,13 @@ impl Design {
         !matches!(self.scheme, Scheme::Fixed(_))
     }
 
-    /// The variables a pendulum's state is kept in, in the order of the buffer.
+    /// Names of the variables that hold a pendulum's state, in the order of the buffer.
     pub fn state(&self) -> Vec<&'static str> {
         let all: &[&str] = if self.is_adaptive() { &PHASE } else { &ANGLES };
         all.iter().filter(|name| self.compensated || !name.ends_with("_low")).copied().collect()
     }
 
-    /// The bobs that the kernel watches, from 1.
+    /// Numbers of the bobs that the kernel watches, from 1.
     pub fn watched(&self) -> Vec<usize> {
         let rule = self.scene.map_or(Rule::Either, |(_, rule)| rule);
         rule.watched().iter().map(|bob| bob + 1).collect()
@@ -180,7 +180,8 @@ impl Design {
         }
     }
 
-    /// What DOPRI5 says of the watched bobs' ways between the ends of a step.
+    /// Expressions for how the watched bobs' paths bend between the ends of a step, which only
+    /// DOPRI5 gives.
     fn bows(&self) -> Vec<String> {
         let bow = |bob: &usize| format!("rough(bow{bob})");
         let known = self.watched();
@@ -190,7 +191,7 @@ impl Design {
         bows
     }
 
-    /// The reduced time of a flip `flip + flip_rest` into the step, in two parts.
+    /// Expression for the reduced time, in two parts, of a flip `flip + flip_rest` into the step.
     fn moment(&self) -> &'static str {
         match (self.precision, self.compensated) {
             (Precision::F32, true) => "vec2<f32>(time, time_low + (flip + flip_rest))",
@@ -209,7 +210,7 @@ fn number_file(precision: Precision) -> &'static str {
     }
 }
 
-/// What the shader files ask for by name.
+/// Values that the shader files ask for by name.
 #[derive(Serialize)]
 struct Values {
     general: bool,
@@ -254,7 +255,7 @@ pub fn selfcheck_text(precision: Precision) -> String {
     glue(&[number_file(precision), "selfcheck.wgsl"], &values)
 }
 
-/// The named files as one text, with `values` filled in.
+/// Joins the named files into one text, with `values` filled in.
 fn glue(names: &[&str], values: &impl Serialize) -> String {
     let mut files = Environment::new();
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build();

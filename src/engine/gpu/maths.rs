@@ -40,8 +40,8 @@ impl Design {
         }
     }
 
-    /// One step: the `_next` value of every variable of the state that moves, and what it is
-    /// judged by.
+    /// One step: the `_next` value of every state variable that moves, and the quantities by which
+    /// the step is judged.
     pub fn step(&self) -> String {
         match self.scheme {
             Scheme::Fixed(turning) => self.fixed_step(turning),
@@ -107,7 +107,8 @@ impl Design {
         })
     }
 
-    /// Whether a watched bob may have been at the top (counterpart: `flip::may_pass`).
+    /// Condition under which a watched bob may have been at the top (counterpart:
+    /// `flip::may_pass`).
     pub fn may_pass(&self) -> String {
         let one = |bob: &usize| {
             let (t, w) = (format!("t{bob}"), format!("w{bob}"));
@@ -123,7 +124,8 @@ impl Design {
         self.watched().iter().map(one).collect::<Vec<_>>().join(" || ")
     }
 
-    /// The coefficients of a bob's way to the top over the step (see `flip::fraction_of_step`).
+    /// The coefficients of the quintic of a bob's angle beyond the top over the step (see
+    /// `flip::fraction_of_step`).
     pub fn quintic_of(&self, bob: usize) -> String {
         const ENDS: [[&str; 6]; 2] = [
             ["t1", "t2", "w1", "w2", "t1_low", "t2_low"],

@@ -1,9 +1,9 @@
 //! The engine that runs on an adapter of wgpu.
 //!
-//! Up to [`SLOTS`] jobs are on the device, each with at most one slice submitted: while one
-//! slice runs the other waits behind it, so the device never idles and never has more than one
-//! slice queued. After each slice the host reads 16 bytes, asynchronously, and makes the next
-//! slice longer or shorter so that none runs past the pace. Results do not depend on the pace.
+//! Up to [`SLOTS`] jobs are on the device, each with at most one slice submitted: while one slice
+//! runs the other waits behind it, so the device never idles and never has more than one slice
+//! queued. After each slice the host reads 16 bytes, asynchronously, and makes the next slice
+//! longer or shorter so that none runs longer than the pace. Results do not depend on the pace.
 
 pub mod device;
 pub mod kernel;
@@ -21,18 +21,19 @@ use self::slot::{FinishedSlice, Slot, SlotEvent};
 use super::selfcheck::{self, Check, Verdict};
 use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait, start};
 
-/// Jobs on the device at a time.
+/// Largest number of jobs on the device at a time.
 const SLOTS: usize = 2;
-/// How long a slice may run when nobody watches: drivers reset at 2 s.
+/// Longest time that a slice may run when no window is open; drivers reset at 2 s.
 pub const HEADLESS_PACE: Duration = Duration::from_millis(50);
-/// The first slice's steps, before anything was measured.
+/// Number of steps of the first slice, before anything has been measured.
 const FIRST_SLICE_STEPS: u32 = 8;
-/// Slices that a full budget is cut into at least, so that lanes are packed anew often enough.
+/// Least number of slices that a full budget is cut into, so that running pendulums are packed
+/// often enough.
 const LEAST_SLICES: u32 = 24;
-/// A device lost this often is given up.
+/// Largest number of losses after which the device is opened again.
 const MOST_LOSSES: u32 = 3;
 
-/// A device computing jobs.
+/// The engine that computes jobs on a graphics device.
 pub struct GpuEngine {
     gpu: Gpu,
     verdict: Verdict,
@@ -40,14 +41,14 @@ pub struct GpuEngine {
     kernels: Vec<Kernel>,
     slots: VecDeque<Slot>,
     pace: Duration,
-    /// Seconds a step of one pendulum takes, measured on the last slice.
+    /// Seconds that a step of one pendulum takes, measured on the last slice.
     step_secs: Option<f64>,
     last_landing: Option<Instant>,
     losses: u32,
 }
 
 impl GpuEngine {
-    /// An engine on an open device whose arithmetic was judged.
+    /// An engine on an open device whose arithmetic has been judged.
     pub fn new(gpu: Gpu, verdict: Verdict) -> Self {
         GpuEngine {
             gpu,
@@ -62,27 +63,27 @@ impl GpuEngine {
         }
     }
 
-    /// How long a slice may run.
+    /// Sets the longest time that a slice may run.
     pub fn set_pace(&mut self, pace: Duration) {
         self.pace = pace;
     }
 
-    /// Whether kernels are made for their scene (the default) or read it as data.
+    /// Sets whether kernels are made for their scene (the default) or read it as data.
     pub fn set_specialised(&mut self, specialise: bool) {
         self.specialise = specialise;
     }
 
-    /// What the device is believed to do.
+    /// The arithmetic that the device is trusted with.
     pub fn verdict(&self) -> &Verdict {
         &self.verdict
     }
 
-    /// Whether any adapter has the method in the precision.
+    /// Returns true if there are kernels for the method in the precision, on any adapter.
     pub fn has(config: &IntegratorConfig) -> bool {
         Design::general(config, false, false).is_ok()
     }
 
-    /// Refuses a config that the kernels do not have or the device is not trusted with.
+    /// Refuses a configuration that the kernels do not have or the device is not trusted with.
     pub fn require(&self, config: &IntegratorConfig) -> Result<(), EngineError> {
         Design::general(config, false, false)?;
         self.verdict.require(config.precision).map_err(EngineError::Unsupported)
@@ -107,7 +108,7 @@ impl GpuEngine {
         if self.specialise { general.specialised(&job.question, &job.config) } else { Ok(general) }
     }
 
-    /// The place of the job's kernel in the list, compiled if it is new.
+    /// Index of the job's kernel in the list; compiles it if it is new.
     fn kernel_for(&mut self, job: &Job) -> Result<usize, EngineError> {
         let design = self.design(job)?;
         if let Some(index) = self.kernels.iter().position(|kernel| kernel.design == design) {
@@ -126,7 +127,7 @@ impl GpuEngine {
         self.gpu.check()
     }
 
-    /// Takes all that has been read back and submits what follows from it.
+    /// Takes everything that has been read back and submits what follows from it.
     fn land(&mut self) -> Vec<JobResult> {
         let mut finished = Vec::new();
         for mut slot in std::mem::take(&mut self.slots) {
@@ -138,7 +139,7 @@ impl GpuEngine {
                     slot.submit_slice(&self.gpu, &self.kernels[slot.kernel], steps);
                 }
                 SlotEvent::Complete(ran) => self.measure(&ran),
-                // The device may not have said yet that it is lost; it is of no use either way.
+                // The device may not have reported its loss yet; it is of no use either way.
                 SlotEvent::Failed => self.gpu.give_up(),
                 SlotEvent::Answer(answer) => {
                     finished.push(answer);
@@ -150,8 +151,8 @@ impl GpuEngine {
         finished
     }
 
-    /// Learns how long a step takes from how long a slice ran: since its submission, or since
-    /// the slice before it ended.
+    /// Measures the time of a step by that of a slice: since its submission, or since the slice
+    /// before it ended.
     fn measure(&mut self, ran: &FinishedSlice) {
         let now = Instant::now();
         let began = self.last_landing.map_or(ran.since, |last| last.max(ran.since));
@@ -159,7 +160,7 @@ impl GpuEngine {
         self.step_secs = Some((now - began).as_secs_f64().max(1e-6) / ran.pendulum_steps);
     }
 
-    /// Steps that a slot's next slice may take to keep the pace.
+    /// Number of steps that a slot's next slice may take to keep the pace.
     fn slice_steps(&self, slot: &Slot) -> u32 {
         let Some(step_secs) = self.step_secs else {
             return FIRST_SLICE_STEPS;
@@ -169,7 +170,7 @@ impl GpuEngine {
         wanted.clamp(1.0, most) as u32
     }
 
-    /// Opens the device again and does all unfinished jobs anew.
+    /// Opens the device again and restarts all unfinished jobs.
     fn recover(&mut self) -> Result<(), EngineError> {
         self.losses += 1;
         if self.losses > MOST_LOSSES {
@@ -181,7 +182,7 @@ impl GpuEngine {
         jobs.into_iter().try_for_each(|job| self.start(job))
     }
 
-    /// Waits for the oldest submission, or until a moment.
+    /// Waits for the oldest submission, or until a moment; returns false if it did not wait.
     fn wait(&self, wait: Wait) -> bool {
         let Some(submission) = self.slots.iter().find_map(Slot::submission) else {
             return false;
@@ -193,7 +194,7 @@ impl GpuEngine {
                 _ => return false,
             },
         };
-        // A time-out is no error, and a lost device is seen by the caller.
+        // A time-out is no error, and the caller notices a lost device.
         let submission_index = Some(submission.clone());
         let _ = self.gpu.device.poll(wgpu::PollType::Wait { submission_index, timeout });
         true

@@ -4,15 +4,15 @@ use super::device::Gpu;
 use super::kernel::Design;
 use crate::engine::EngineError;
 
-/// The four entry points of a design, compiled for one device.
+/// The three entry points of a design, compiled for one device.
 pub struct Kernel {
-    /// What it was made from.
+    /// The design that the pipelines were made from.
     pub design: Design,
-    /// Swaps the lists and sizes the next dispatch.
+    /// Pipeline that swaps the lists and sizes the next dispatch.
     pub turn: wgpu::ComputePipeline,
-    /// Whole steps.
+    /// Pipeline that takes whole steps.
     pub advance: wgpu::ComputePipeline,
-    /// Steps in which the top may be reached.
+    /// Pipeline that decides steps in which the top may be reached.
     pub look: wgpu::ComputePipeline,
     layouts: [wgpu::BindGroupLayout; 2],
 }
@@ -42,7 +42,7 @@ impl Kernel {
         Ok(kernel)
     }
 
-    /// A bind group of this kernel.
+    /// Creates a bind group of this kernel.
     pub fn bind(&self, gpu: &Gpu, group: usize, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
         bind(&gpu.device, &self.layouts[group], buffers)
     }
@@ -69,7 +69,7 @@ pub fn layout(device: &wgpu::Device, read_only: &[bool]) -> wgpu::BindGroupLayou
     })
 }
 
-/// Buffers in the order of their bindings.
+/// Creates a bind group of buffers in the order of their bindings.
 pub fn bind(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
@@ -85,7 +85,7 @@ pub fn bind(
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
-/// One entry point of a module.
+/// Compiles one entry point of a module.
 pub fn compute_pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,

@@ -1,4 +1,31 @@
-//! One job in flight on a device: its buffers, its slices, its answer.
+//! A slot: one job in flight on a device, its buffers, its slices, its answer.
+//!
+//! A job has up to a million pendulums that finish at very different times, and no dispatch may run
+//! long. So a job runs in *slices* of a limited number of steps, and every slice packs the indices
+//! of the pendulums that still run into a dense list for the next one (stream compaction), so that
+//! workgroups stay full to the end. States stay in place; only indices move.
+//!
+//! ```text
+//!  turn      read list 0, clear list 1 and the suspects, size the dispatch by list 0
+//!  advance   0 1 2 3 4 5 6 7     at most `slice_steps` steps each
+//!            ├─ 1 3 6    still running ──────────────────▶ list 1
+//!            ├─ 2 5      may reach the top in next step ─▶ suspects
+//!            └─ 0 4 7    over
+//!  look      2 5
+//!            ├─ 5        no flip ────────────────────────▶ list 1
+//!            └─ 2        flipped
+//!  host      reads 16 bytes: list 1 has 4 pendulums left, so another slice follows
+//! ```
+//!
+//! * Where there are subgroups, each reserves its places in a list by a prefix sum and one atomic.
+//!   The order of a list is not determined, but no answer depends on it.
+//! * The rare, long search for a flip is a kernel of its own, as in wavefront path tracing (Laine,
+//!   Karras and Aila, *Megakernels considered harmful*, 2013), so the step loop needs no registers
+//!   for it.
+//! * The dispatch size is written on the device (indirect dispatch), so the host only learns when
+//!   to stop. Its reads are asynchronous; outcomes, and states if they are kept, come once, at the
+//!   end.
+//! * The job is kept whole: if the device is lost, it starts again on a fresh one.
 
 mod answer;
 
@@ -17,20 +44,20 @@ use crate::engine::start::{self, places};
 use crate::engine::{EngineError, IntegratorState, Job, JobResult, Keep, Precision, Starts};
 use crate::physics::crossing::FAR;
 
-/// A job on the device. Slices are submitted one at a time; each leaves behind how many
-/// pendulums still run, and the last one is followed by the outcomes.
+/// A job on the device. Slices are submitted one at a time; after each the host reads how many
+/// pendulums still run, and after the last one the outcomes.
 pub struct Slot {
-    /// The job, kept whole so that it can be done again on another device.
+    /// The job, kept whole so that it can be repeated on another device.
     pub job: Job,
-    /// The kernel's place in the engine's list.
+    /// Index of the kernel in the engine's list.
     pub kernel: usize,
-    /// Its steps over the budget.
+    /// The steps over the budget.
     pub pace: Pace,
-    /// Where each number of the device's state is in a [`Paused`] one, and its rest.
+    /// Indices in an [`IntegratorState`] of each number of the device's state and of its remainder.
     places: Vec<[Option<usize>; 2]>,
     lane_steps: u64,
     head: JobHead,
-    /// Pendulums that still run.
+    /// Number of pendulums that still run.
     running: u32,
     buffers: Buffers,
     groups: [wgpu::BindGroup; 2],
@@ -44,13 +71,13 @@ struct Buffers {
     lists: wgpu::Buffer,
     queue: wgpu::Buffer,
     dispatch_size: wgpu::Buffer,
-    /// Read back after each slice: the queue.
+    /// The queue, read back after each slice.
     progress: wgpu::Buffer,
-    /// Read back at the end: outcomes, then states if they are kept.
+    /// The outcomes, then the states if they are kept, read back at the end.
     answer: wgpu::Buffer,
 }
 
-/// A submission whose read-back has not come yet.
+/// A submission whose read-back has not finished.
 struct Submission {
     submission: wgpu::SubmissionIndex,
     since: Instant,
@@ -60,28 +87,28 @@ struct Submission {
 
 /// A slice that has run.
 pub struct FinishedSlice {
-    /// When it was submitted.
+    /// Moment of its submission.
     pub since: Instant,
-    /// Steps of all its pendulums together, at most.
+    /// Upper bound on the steps of all its pendulums together.
     pub pendulum_steps: f64,
 }
 
-/// What a slot has come to.
+/// Result of looking for a slot's read-back.
 pub enum SlotEvent {
-    /// Nothing new.
+    /// The read-back is still in flight.
     InFlight,
-    /// A slice is done; more are needed.
+    /// A slice is done, and more are needed.
     Slice(FinishedSlice),
-    /// All pendulums are done; the answer has been asked for.
+    /// All pendulums are done, and the answer has been requested.
     Complete(FinishedSlice),
-    /// The answer.
+    /// The answer has been read back.
     Answer(JobResult),
     /// The read-back failed.
     Failed,
 }
 
 impl Slot {
-    /// Buffers for `job`, filled; the pendulums at their start.
+    /// Creates the buffers of `job` and fills them, with every pendulum at its start.
     pub fn new(gpu: &Gpu, kernel: &Kernel, index: usize, job: Job) -> Result<Self, EngineError> {
         let pace = job.pace()?;
         let places = places(&kernel.design.state(), job.config.precision);
@@ -128,7 +155,7 @@ impl Slot {
         gpu.queue.write_buffer(&self.buffers.lists, 0, cast_slice(&list));
         match &self.job.starts {
             Starts::Resumed(paused) => self.write_states(gpu, paused),
-            // Refused when submitted, if they cannot be begun.
+            // Starts that cannot be begun have been refused on submission.
             _ => self.write_states(gpu, &start::states(&self.job).unwrap_or_default()),
         }
     }
@@ -155,7 +182,7 @@ impl Slot {
         gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
     }
 
-    /// Submits a slice of at most `slice_steps` steps a pendulum.
+    /// Submits a slice of at most `slice_steps` steps per pendulum.
     pub fn submit_slice(&mut self, gpu: &Gpu, kernel: &Kernel, slice_steps: u32) {
         self.head.slice_steps = slice_steps;
         gpu.queue.write_buffer(&self.buffers.job, 0, bytes_of(&self.head));
@@ -179,7 +206,7 @@ impl Slot {
         self.fly(gpu, encoder, false);
     }
 
-    /// Asks for the outcomes.
+    /// Requests the outcomes.
     pub fn submit_answer(&mut self, gpu: &Gpu) {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let outcomes = self.outcome_bytes();
@@ -210,17 +237,18 @@ impl Slot {
         self.flight = Some(Submission { submission, since: Instant::now(), mapped, answer });
     }
 
-    /// Pendulums that still run.
+    /// Number of pendulums that still run.
     pub fn running(&self) -> u32 {
         self.running
     }
 
-    /// The submission that is waited for, if any.
+    /// The submission whose read-back is in flight, if any.
     pub fn submission(&self) -> Option<&wgpu::SubmissionIndex> {
         self.flight.as_ref().map(|flight| &flight.submission)
     }
 
-    /// Takes what has been read back.
+    /// Takes the read-back if it has finished, and submits the request for the answer after the
+    /// last slice.
     pub fn land(&mut self, gpu: &Gpu) -> SlotEvent {
         let landed = |flight: &mut Submission| flight.mapped.load(Ordering::Acquire) != PENDING;
         let Some(flight) = self.flight.take_if(landed) else {
@@ -268,11 +296,11 @@ fn head(job: &Job, pace: &Pace) -> JobHead {
     }
 }
 
-/// What is known of a pendulum that has not begun.
+/// The outcome of a pendulum that has not begun.
 const UNBEGUN: RawOutcome =
     RawOutcome { status: 0, steps: 0, moment: [0.0; 2], clearance: FAR as f32, padding: 0.0 };
 
-// How far a read-back is.
+// Stages of a read-back.
 const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const REFUSED: u8 = 2;

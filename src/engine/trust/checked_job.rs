@@ -1,4 +1,4 @@
-//! One job on its way up the ladder.
+//! One job on its climb up the ladder.
 
 use rayon::prelude::*;
 
@@ -8,19 +8,19 @@ use super::ladder::{Origin, Run, Rung, rungs};
 use crate::engine::{Effort, Job, JobResult, Keep, Starts};
 use crate::physics::{Dd, Outcome, Theta};
 
-/// A job on its way up the ladder.
+/// A job whose starts climb the ladder until they are sure.
 pub struct CheckedJob {
     job: Job,
     rungs: Vec<Rung>,
-    /// Half the side of the leaves of deep starts, rad.
+    /// Half the side of the leaves in rad, for deep starts.
     leaf_half_rad: Option<f64>,
-    /// The rung that is being computed, from 0.
+    /// Index of the rung that is being computed, from 0.
     rung: usize,
-    /// Starts that are not sure, in order: what the rung computes.
+    /// Indices of the starts that are not sure, in order: the rung computes these.
     open: Vec<usize>,
-    /// What has been computed.
+    /// Runs that have been computed.
     done: Vec<Done>,
-    /// The finest answer so far to each start.
+    /// Finest outcome of each start so far.
     outcomes: Vec<Outcome>,
     trusts: Vec<Trust>,
     effort: Effort,
@@ -28,19 +28,19 @@ pub struct CheckedJob {
 
 /// A run and its answers to some of the starts.
 struct Done {
-    /// Its place among all runs.
+    /// Index of the run among all runs of the ladder.
     index: u64,
     run: Run,
-    /// Which, in order.
+    /// Indices of these starts, in order.
     starts: Vec<usize>,
     answers: Vec<Answer>,
 }
 
-/// Room for a job's runs in the names of its jobs.
+/// Number of identifiers that a checked job has for the jobs of its runs.
 pub const RUNS: u64 = 32;
 
 impl CheckedJob {
-    /// A case of which nothing is known, and its first jobs.
+    /// A checked job of which nothing is known, and its first jobs.
     pub fn new(job: Job) -> (Self, Vec<Job>) {
         let count = job.starts.len();
         let leaf_half_rad = match &job.starts {
@@ -62,7 +62,7 @@ impl CheckedJob {
         (case, jobs)
     }
 
-    /// The jobs of the rung that comes next.
+    /// The jobs of the current rung.
     fn jobs(&self) -> Vec<Job> {
         let before = self.runs_up_to(self.rung);
         let one = |(index, run): (usize, &Run)| Job {
@@ -75,7 +75,7 @@ impl CheckedJob {
         self.rungs[self.rung].runs.iter().enumerate().map(one).collect()
     }
 
-    /// Runs of so many rungs.
+    /// Number of runs in the first `rungs` rungs.
     fn runs_up_to(&self, rungs: usize) -> usize {
         self.rungs[..rungs].iter().map(|rung| rung.runs.len()).sum()
     }
@@ -101,7 +101,7 @@ impl CheckedJob {
         }
     }
 
-    /// Takes a run's answers. Once a rung is complete it says what to compute next: nothing, when
+    /// Takes a run's answers. Once the rung is complete, returns the jobs of the next one: none if
     /// every start is sure or the ladder ends.
     pub fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
         self.effort += finished.effort;
@@ -119,9 +119,9 @@ impl CheckedJob {
         Some(if over { Vec::new() } else { self.jobs() })
     }
 
-    /// Sorts the open starts into those that are sure by now, and those that stay open.
+    /// Sorts the open starts into those that are sure by now and those that stay open.
     fn decide(&mut self) {
-        // Whichever came first.
+        // Runs finish in any order.
         self.done.sort_by_key(|done| done.index);
         let judge = Judge::new(&self.job.question, self.leaf_half_rad.unwrap_or(0.0));
         let verdicts: Vec<(Outcome, bool)> =
@@ -136,7 +136,7 @@ impl CheckedJob {
         }
     }
 
-    /// All answers to a start.
+    /// All answers to a start so far.
     fn answers(&self, start: usize) -> Vec<(Run, Answer)> {
         let answer = |done: &Done| {
             let place = done.starts.binary_search(&start).ok()?;
@@ -145,7 +145,7 @@ impl CheckedJob {
         self.done.iter().filter_map(answer).collect()
     }
 
-    /// The answer.
+    /// The result of the job.
     pub fn finish(self) -> JobResult {
         JobResult {
             id: self.job.id,

@@ -1,20 +1,20 @@
-//! When an answer is sure.
+//! The criterion by which an answer is sure.
 //!
-//! A start has been computed several times, by runs whose error scales differ by known factors.
-//! The finest of them, f, is to be right within a tolerance; how far the others are off it is
+//! A start has been computed several times, by runs whose error scales differ by known factors. The
+//! finest of them, f, must be right within a tolerance; the distances of the others from it are
 //! known. While errors grow linearly, a run c that is K times coarser is some K times farther from
-//! the truth than f. So if f were wrong by more than the tolerance τ, c would be about Kτ away
-//! from it, and that it is only d away would be an accident: its error, of known size and unknown
-//! sign, happened to lie within d of f's. The chance of that is about d/(Kτ): measured, it is
-//! that down to the rarest cases that could be counted. Runs with errors of their own multiply
-//! their chances, and an answer is sure when the product is below [`MOST_CHANCE`].
+//! the truth than f. So if f were wrong by more than the tolerance τ, c would be about Kτ away from
+//! it, and a distance of only d would be an accident: c's error, of known size and unknown sign,
+//! happened to lie within d of f's. The chance of that is about d/(Kτ); measurements confirm this
+//! down to the rarest cases that could be counted. Runs with errors of their own multiply their
+//! chances, and an answer is sure when the product is below [`MOST_CHANCE`].
 //!
-//! The tolerance is not only that of the flip's time. Errors in the state must be far below the
-//! height by which any earlier turn missed the top, and below that by which the flip itself was
-//! no near miss: then no run can have taken a miss for a pass. Where a pendulum does not flip,
-//! only that counts.
+//! The tolerance is not only that of the flip's time. Errors in the state must also be far below
+//! the height by which any earlier turn missed the top, and below the height by which the flip
+//! itself cleared it: then no run can have taken a miss for a crossing. For a pendulum that does
+//! not flip, only the missed turns count.
 //!
-//! At least one of the runs that agree must be of another method with another test for passes, and
+//! At least one of the runs that agree must use another method with another test for crossings, and
 //! where a run is far off, growth as the others show it must explain that.
 
 use super::ladder::Run;
@@ -24,41 +24,44 @@ use crate::physics::flip::right_secs;
 use crate::physics::phase::Phase;
 use crate::physics::{Outcome, Pendulum, Status};
 
-/// An answer and where it came to its end.
+/// An outcome, and the end of its integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     pub outcome: Outcome,
     pub end: End,
 }
 
-/// Share of what is allowed that errors may use, for what the argument leaves out.
+/// Share of the allowed error in a flip's time that is used; the rest is a margin for what the
+/// argument leaves out.
 const SAFETY: f64 = 0.25;
-/// Likewise of the height by which a turn missed the top.
+/// Share of the height by which a turn missed the top that errors may reach.
 const OF_CLEARANCE: f64 = 0.1;
-/// States this far apart are no longer near enough for errors to grow linearly.
+/// Distance between states from which on errors can no longer be taken to grow linearly.
 const LINEAR: f64 = 0.05;
-/// An unflipped pendulum's state need not be known better than this.
+/// Largest error allowed in the state of an unflipped pendulum.
 const UNFLIPPED: f64 = 1e-2;
-/// Errors this many times larger than the growth of others explains are none that just grew.
+/// Largest factor by which an error may exceed what the growth of the others explains.
 const UNLIKELY: f64 = 1e3;
-/// How probable it may be that an answer which is called right is wrong, if the finest run is.
+/// Largest accepted probability that an answer of the finest run is called right though it is
+/// wrong.
 const MOST_CHANCE: f64 = 1e-6;
 
 /// An answer with its error scale.
 type Scaled<'a> = (f64, &'a (Run, Answer));
 
-/// What answers to a question are judged by.
+/// The judge of the answers to a question.
 pub struct Judge {
     pendulum: Pendulum<f64>,
     inverse_scale: [f64; 2],
-    /// Errors in a flip's time that are no matter, reduced.
+    /// Error allowed in a flip's time, reduced.
     tolerance: f64,
-    /// Half the side of the leaves of start maps, rad.
+    /// Half the side of the leaves of start maps in rad.
     leaf_half_rad: f64,
 }
 
 impl Judge {
-    /// Of deep starts with the sides of their leaves halved, rad; of others that does not matter.
+    /// Makes a judge; `leaf_half_rad` is half the side of the leaves for deep starts, and unused
+    /// for others.
     pub fn new(question: &Question, leaf_half_rad: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
@@ -66,7 +69,7 @@ impl Judge {
         Judge { pendulum, inverse_scale, tolerance, leaf_half_rad }
     }
 
-    /// The finest of some answers, and whether it is sure by what the others are.
+    /// Returns the finest of some answers, and whether the others make it sure.
     pub fn verdict(&self, answers: &[(Run, Answer)]) -> (Outcome, bool) {
         let scale =
             |(run, answer): &(Run, Answer)| run.error_scale(&answer.end, self.leaf_half_rad);
@@ -76,12 +79,11 @@ impl Judge {
         (finest.1.1.outcome, self.is_sure(finest, others))
     }
 
-    /// Whether the first of these answers with their error scales, the finest, is sure by what the
-    /// others are.
+    /// Returns true if `finest` is sure by what the `others` are, each with its error scale.
     fn is_sure(&self, finest: &Scaled, others: &[Scaled]) -> bool {
         let (finest_scale, (run, answer)) = finest;
         match answer.outcome.status {
-            // Proved, of deep starts on two maps.
+            // Proved; for deep starts, on two maps.
             Status::Forbidden => {
                 let forbidden = |other: &Answer| other.outcome.status == Status::Forbidden;
                 return others.iter().all(|(_, (_, other))| forbidden(other));
@@ -106,7 +108,7 @@ impl Judge {
         independent && chance <= MOST_CHANCE && explained
     }
 
-    /// How far off an answer's state may be.
+    /// Error allowed in an answer's state.
     pub fn allowed(&self, answer: &Answer) -> f64 {
         let clearance = OF_CLEARANCE * answer.end.clearance;
         match answer.outcome.status {
@@ -115,8 +117,8 @@ impl Judge {
         }
     }
 
-    /// The share of it that counts of the height to which a bob that is at the top would rise
-    /// beyond it, if nothing but its own weight turned it round.
+    /// The share [`OF_CLEARANCE`] of the height to which a bob that crosses the top would rise
+    /// beyond it, if its acceleration there turned it round.
     fn beyond(&self, phase: &Phase<f64>) -> f64 {
         let [x1, y1, x2, y2, ..] = *phase;
         let speed = self.pendulum.speeds(phase);
@@ -126,8 +128,8 @@ impl Judge {
         OF_CLEARANCE * speed[bob].powi(2) / (2.0 * pull[bob].abs()).max(1e-300)
     }
 
-    /// How far apart two answers are: in time (reduced) and in unit vectors and scaled momenta,
-    /// whichever is more; infinitely, if one has flipped and the other has not.
+    /// Distance between two answers: in time (reduced) or in unit vectors and scaled momenta,
+    /// whichever is larger; infinite if one has flipped and the other has not.
     pub fn distance(&self, a: &Answer, b: &Answer) -> f64 {
         match (a.outcome.status, b.outcome.status) {
             (Status::Flipped, Status::Flipped) => {
@@ -148,7 +150,7 @@ impl Judge {
         (0..6).map(|i| (a[i] - b[i]).abs() * unit(i)).fold(0.0, f64::max)
     }
 
-    /// A state so much later.
+    /// The state that `phase` becomes after the reduced time `by`.
     fn moved(&self, phase: &Phase<f64>, by: f64) -> Phase<f64> {
         let (mut phase, mut left, mut step) = (*phase, by, FIRST_STEP);
         for _ in 0..MOST_STEPS {
@@ -168,7 +170,7 @@ impl Judge {
     }
 }
 
-/// Of what brings two states to one time.
+/// Tolerance of the integration that brings two states to one time.
 const STEP_TOLERANCE: f64 = 1e-13;
 const FIRST_STEP: f64 = 0.1;
 const MOST_STEPS: u32 = 1000;

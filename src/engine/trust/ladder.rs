@@ -1,7 +1,7 @@
-//! The computations that a start may need until its answer is sure, from the cheapest up.
+//! The ladder: computations that a start may need until its answer is sure, from the cheapest up.
 //!
-//! Each has an *error scale*: about how far off (in unit vectors and scaled momenta) it is, taken
-//! back to the release, so that the growth of errors from there to the end gives its error at
+//! Each has an *error scale*: its expected error (in unit vectors and scaled momenta), taken back
+//! to the release, so that the growth of errors from there to the end turns it into the error at
 //! the end. Only ratios of scales are ever used. They were measured against the gold standard on
 //! the home map, on random scenes and on deep views; `docs/accuracy.md` has the figures.
 
@@ -12,27 +12,27 @@ use crate::engine::{End, IntegratorConfig, Method, Precision};
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
-    /// How it is integrated.
+    /// Method and precision of the integration.
     pub config: IntegratorConfig,
-    /// From where.
+    /// Point at which the integration begins.
     pub from: Origin,
-    /// How far its start is moved, rad, or as a share of half a leaf of a start map: what growth makes
-    /// of so small and known a displacement, it has made of errors.
+    /// Displacement of the start, in rad, or as a share of half a leaf of a start map. Growth acts
+    /// on this small, known displacement as it does on errors.
     pub nudge: [f64; 2],
 }
 
-/// Where a run's own integration begins.
+/// Point at which a run's own integration begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// At the release.
+    /// The release at rest.
     Rest,
-    /// Where a start map ends.
+    /// The end of a start map.
     Map,
-    /// Where another one ends, which has other cuts and smaller errors.
+    /// The end of another start map, with other cuts and smaller errors.
     StrictMap,
 }
 
-/// Runs on the starts that are left, and how sure those are that get sure by them.
+/// Runs on the starts that are left, and the trust of those that become sure by them.
 #[derive(Clone, Debug)]
 pub struct Rung {
     pub runs: Vec<Run>,
@@ -48,19 +48,19 @@ impl Run {
         Run { nudge, ..self }
     }
 
-    /// About how far off its config is that begins at the release, rad.
+    /// Error scale of its configuration from the release, in rad.
     pub fn scale_from_rest(&self) -> f64 {
         error_scale(&self.config)
     }
 
-    /// Whether it shares neither the method nor the start map with another one.
+    /// Returns true if the run shares neither the method nor the start map with another one.
     pub fn is_independent_of(&self, other: &Run) -> bool {
         let other_way = self.from != other.from || self.from == Origin::Rest;
         other_way && self.config.method.name() != other.config.method.name()
     }
 
-    /// The error scale, rad, of its answer that ended so; `leaf_half_rad` is half the side of the
-    /// leaves of start maps.
+    /// Error scale in rad of an answer of this run with this end; `leaf_half_rad` is half the side
+    /// of the leaves of start maps.
     pub fn error_scale(&self, end: &End, leaf_half_rad: f64) -> f64 {
         let nudge = self.nudge[0].hypot(self.nudge[1]);
         match self.from {
@@ -73,7 +73,7 @@ impl Run {
     }
 }
 
-/// Of an error that rounding leaves, whatever the method.
+/// Error scale of rounding, whatever the method.
 fn rounding(precision: Precision) -> f64 {
     match precision {
         Precision::F32 => 2e-7,
@@ -83,7 +83,7 @@ fn rounding(precision: Precision) -> f64 {
     }
 }
 
-/// About how far off a config is that begins at the release.
+/// Approximate error scale of a configuration from the release.
 fn error_scale(config: &IntegratorConfig) -> f64 {
     rounding(config.precision)
         + match config.method {
@@ -95,7 +95,8 @@ fn error_scale(config: &IntegratorConfig) -> f64 {
         }
 }
 
-/// About how far off a config is in the state it begins with after a start map.
+/// Approximate error of a configuration that begins after a start map, expressed in the state with
+/// which it begins.
 fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
     rounding(config.precision)
         + match config.method {
@@ -106,10 +107,11 @@ fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
         }
 }
 
-/// About how far off start maps are, as a share of half a leaf.
+/// Approximate error of start maps, as a share of half a leaf.
 const OF_MAPS: f64 = 5e-11;
 
-/// A config whose errors are this far below those of a probe in f32 needs no finer first run.
+/// Largest error scale at which a configuration is far enough below a probe in f32 to need no finer
+/// first run.
 const FINE: f64 = 1e-11;
 
 const fn f64_run(method: Method) -> IntegratorConfig {
@@ -119,18 +121,21 @@ const fn dd_run(method: Method) -> IntegratorConfig {
     IntegratorConfig { method, precision: Precision::Dd }
 }
 
-/// Finer than `balanced`, and a coarser one of another method.
+/// A configuration finer than `balanced`.
 const FINER: IntegratorConfig = f64_run(Method::Dop853 { tolerance: 1e-14 });
+/// A coarser configuration of another method than [`FINER`].
 const OTHER: IntegratorConfig = f64_run(Method::Dopri5 { tolerance: 1e-10 });
-/// The finest in f64.
+/// The finest configuration in f64.
 const FINEST: IntegratorConfig = f64_run(Method::Taylor { tolerance: 1e-15 });
-/// In double-double: one that is far finer than f64, the finest, and one that checks that.
+/// A configuration in double-double, far finer than f64.
 const BEYOND: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-20 });
+/// The finest configuration in double-double.
 const LAST: IntegratorConfig = dd_run(Method::Taylor { tolerance: 1e-28 });
+/// A configuration in double-double that checks [`LAST`].
 const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 });
 
-/// The rungs that are climbed one after the other, as long as a start is not sure; deep starts lie
-/// in leaves with half such a side. The first rung begins with the finest it has.
+/// The rungs to climb, one after the other, as long as a start is not sure; `leaf_half_rad` is half
+/// the side of the leaves of deep starts. The first rung begins with its finest run.
 pub fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung> {
     match leaf_half_rad {
         Some(half) => deep_rungs(half),
@@ -141,7 +146,7 @@ pub fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung>
 fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
     let first = if error_scale(config) <= FINE { *config } else { BALANCED };
     let probe = match first.method {
-        // Another method than the first one's, with another test for passes.
+        // Another method than the first one's, with another test for crossings.
         Method::Dopri5 { tolerance: _ } => IntegratorConfig {
             method: Method::Dop853 { tolerance: 5e-8 },
             precision: Precision::F32,
@@ -168,7 +173,7 @@ fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
     ]
 }
 
-/// Leaves with sides not shorter than this are told apart in double-double from the release, rad.
+/// Least half side of leaves, in rad, that double-double can tell apart from the release.
 const LEAST_FOR_DD: f64 = 1e-22;
 
 fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {

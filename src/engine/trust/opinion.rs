@@ -1,6 +1,6 @@
-//! The second opinion on deep answers: some starts integrated directly from their release, in as
-//! many digits as that takes, by the gold standard. It shares no start map, no polynomials in the place
-//! of a start, no method and no event test with the engines.
+//! The second opinion on deep answers: some starts are integrated directly from their release by
+//! the gold standard, in as many digits as that takes. It shares no start map, no polynomials in
+//! the position of a start, no method and no event test with the engines.
 
 use rayon::prelude::*;
 
@@ -10,23 +10,23 @@ use crate::engine::{Deep, Engine, EngineError, IntegratorConfig, Keep, Question,
 use crate::physics::flip::right_secs;
 use crate::physics::{Fixed, Outcome, Scalar, Status, Theta, oracle};
 
-/// What direct integration says of a view.
+/// The result of integrating some starts of a view directly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Opinion {
-    /// Starts that were integrated directly.
+    /// Number of starts that were integrated directly.
     pub asked: usize,
-    /// Those among them whose answers were wrong and not marked.
+    /// Number of those whose answers were wrong and not marked.
     pub contradicted: usize,
 }
 
-/// Neighbours move apart by at most about so many decades in a unit of time.
+/// Approximate upper bound on the decades by which neighbours move apart per unit of time.
 const DECADES_A_UNIT: f64 = 0.16;
-/// Digits that are to be right at the end, and guard digits.
+/// Decimal digits that must be right at the end, and guard digits.
 const DIGITS_AT_END: f64 = 12.0;
 
 impl Opinion {
-    /// On some deep starts, at most `most` of those that `engine`, which checks, is sure of; none once
-    /// `go_on` says no.
+    /// Forms an opinion on some deep starts: at most `most` of those that `engine`, which checks
+    /// its answers, is sure of. None once `go_on` returns false.
     pub fn on(
         engine: &mut dyn Engine,
         (question, config): (Question, IntegratorConfig),
@@ -49,7 +49,7 @@ impl Opinion {
         Ok(go_on().then_some(Opinion { asked: sure.len(), contradicted }))
     }
 
-    /// A warning, where one is due.
+    /// A warning, if any answer was contradicted.
     pub fn warning(&self) -> Option<String> {
         (self.contradicted > 0).then(|| {
             format!(
@@ -76,7 +76,7 @@ fn differs(question: &Question, angle: [Theta; 2], given: &Outcome) -> bool {
     truth.status != given.status || (truth.time - given.time).abs() > right_secs(unit_secs)
 }
 
-/// The outcome of a start in `N` limbs.
+/// The outcome of a start, integrated in numbers of `N` limbs.
 fn direct<const N: usize>(question: &Question, angle: [Theta; 2]) -> Outcome {
     let (pendulum, unit_secs) = question.reduced_in::<Fixed<N>>();
     let budget = Fixed::from_f64(question.budget_secs) / unit_secs;
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!(opinion.and_then(|opinion| opinion.warning()), None);
     }
 
-    /// Sure, and wrong by 2 ms.
+    /// An engine that is sure, and wrong by 2 ms.
     struct Wrong(MockEngine, Option<JobResult>);
 
     impl Engine for Wrong {

@@ -1,8 +1,9 @@
-//! What to expect of answers that nobody checks: how many of a sample of starts grow errors beyond
-//! what is right.
+//! The outlook on unchecked answers: the share of a sample of starts whose errors grow beyond what
+//! is right.
 //!
-//! Every start is computed twice, the second time from a place moved by many times the recipe's
-//! error scale. How far that moves its answer is its growth, and so its error.
+//! Every start is computed twice, the second time from a place moved by many times the error scale
+//! of the configuration. The distance by which that moves its answer is its growth, and so its
+//! error.
 
 use std::time::{Duration, Instant};
 
@@ -13,28 +14,28 @@ use crate::engine::{
 };
 use crate::physics::Dd;
 
-/// What to expect of a picture, by a sample of its starts.
+/// The expectation for a picture, from a sample of its starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outlook {
-    /// Starts in the sample.
+    /// Number of starts in the sample.
     pub sampled: usize,
-    /// Those whose errors have grown too large.
+    /// Number of those whose errors have grown too large.
     pub beyond: usize,
 }
 
-/// A picture of which fewer pixels are expected to be right deserves a warning.
+/// Expected share of right pixels below which a picture deserves a warning.
 const ENOUGH: f64 = 0.99;
-/// By how many error scales starts are moved.
+/// Number of error scales by which starts are moved.
 const NUDGE: f64 = 30.0;
-/// The share of half a leaf by which deep starts are moved.
+/// Share of half a leaf by which deep starts are moved.
 const DEEP_NUDGE: f64 = 1e-8;
-/// The name of a job while no others are at work.
+/// Identifier of the job; no others are in flight.
 const JOB: u64 = 0;
-/// How often a stop is looked for.
+/// Time between two checks for a stop.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 impl Outlook {
-    /// Of these starts; none once `go_on` says no.
+    /// Computes the outlook from these starts; none once `go_on` returns false.
     pub fn of(
         engine: &mut dyn Engine,
         question: Question,
@@ -66,12 +67,12 @@ impl Outlook {
         Ok(Some(Outlook { sampled: plain.len(), beyond }))
     }
 
-    /// The share of pixels that is expected to be right.
+    /// Share of pixels that is expected to be right.
     pub fn expected_right(&self) -> f64 {
         1.0 - self.beyond as f64 / self.sampled.max(1) as f64
     }
 
-    /// A warning, where it is needed.
+    /// A warning, if too few pixels are expected to be right.
     pub fn warning(&self) -> Option<String> {
         (self.expected_right() < ENOUGH).then(|| {
             format!(
@@ -98,7 +99,7 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
     }
 }
 
-/// An engine's answer to a job of its own.
+/// Runs one job on an engine and returns its result; none once `go_on` returns false.
 pub fn ask(
     engine: &mut dyn Engine,
     question: Question,

@@ -9,22 +9,22 @@ use tempfile::TempDir;
 
 use crate::output::safe::{UNFINISHED, existing_folder_of};
 
-/// How large the picture is and how it is cut, for viewers.
+/// File with the sizes of the picture and of its tiles, for viewers.
 pub const IMAGE: &str = "map.dzi";
-/// The tiles.
+/// Folder of the tiles.
 pub const TILES: &str = "map_files";
-/// The page that shows them.
+/// Page that shows the tiles.
 pub const PAGE: &str = "index.html";
-/// The scene, to be rendered again.
+/// File of the scene, to be rendered again.
 pub const SCENE: &str = "map.toml";
 
-/// In the temporary folder: the pyramid that is written, and the one that it replaces.
+/// Names in the temporary folder: `NEW` is the pyramid being written, `OLD` the one it replaces.
 const NEW: &str = "new";
 const OLD: &str = "old";
 
 /// A pyramid's folder, written beside its destination.
 pub struct PyramidFolder {
-    /// Removed with everything in it.
+    /// Temporary folder, removed with everything in it.
     beside: TempDir,
     path: PathBuf,
 }
@@ -36,7 +36,7 @@ impl PyramidFolder {
             return Err(io::Error::other("is a link to nothing: remove it, or name a folder"));
         }
         check_replaceable(path)?;
-        // What a link points to is replaced, not the link.
+        // The target of a link is replaced, not the link.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         let folder = existing_folder_of(&path)?;
         check_same_disk(&path, folder)?;
@@ -45,13 +45,13 @@ impl PyramidFolder {
         Ok(PyramidFolder { beside, path })
     }
 
-    /// Where it is written.
+    /// Path of the folder to write into.
     pub fn inside(&self) -> PathBuf {
         self.beside.path().join(NEW)
     }
 
-    /// Puts it in its place. Where that cannot be, it is kept and the error says where: it may
-    /// have taken hours.
+    /// Puts the pyramid in its place. If that fails, it is kept, since it may have taken hours, and
+    /// the error says where.
     pub fn finish(self) -> io::Result<()> {
         let Err(error) = self.replace() else { return Ok(()) };
         let kept = self.beside.keep().join(NEW);
@@ -75,7 +75,7 @@ impl PyramidFolder {
     }
 }
 
-/// Refuses what is there, unless it is empty or a pyramid of ours and nothing else.
+/// Refuses to replace what is there, unless it is empty, or a pyramid of ours and nothing else.
 fn check_replaceable(path: &Path) -> io::Result<()> {
     if !path.exists() {
         return Ok(());
@@ -96,7 +96,7 @@ fn check_replaceable(path: &Path) -> io::Result<()> {
     Err(io::Error::other(text))
 }
 
-/// Refuses a folder where another disk begins: nothing beside it can be renamed onto it.
+/// Refuses a folder where another disk is mounted: nothing beside it can be renamed onto it.
 fn check_same_disk(path: &Path, folder: &Path) -> io::Result<()> {
     #[cfg(unix)]
     if path.exists() {

@@ -1,28 +1,28 @@
-//! Pictures half as large: the mean of four pixels in linear light.
+//! Pictures at half their size: the mean of four pixels in linear light.
 
 use super::RGB;
 use crate::output::paint::encoded;
 use crate::scene::palette::light_table;
 
-/// Tables for the mean of four channels: light as whole numbers, and what each sum of four is as
-/// a channel. Fine enough that the darkest two channels are twenty steps apart.
+/// Tables for the mean of four channel values: the light of each value as a whole number, and the
+/// value of each sum of four. Fine enough that the two darkest values are twenty steps apart.
 pub struct Halving {
     light: [u32; 256],
     channel: Vec<u8>,
 }
 
-/// Full light.
+/// Light of a channel at its full value.
 const WHITE: u32 = u16::MAX as u32;
 
 impl Halving {
-    /// The tables.
+    /// Computes the tables.
     pub fn new() -> Self {
         let light = light_table().map(u32::from);
         let mean = |sum| encoded(f64::from(sum) / f64::from(4 * WHITE));
         Halving { light, channel: (0..=4 * WHITE).map(mean).collect() }
     }
 
-    /// Rows of `stride` bytes at half their size; at odd edges what is missing is as what is there.
+    /// Returns rows of `stride` bytes at half their size; odd edges repeat their last pixels.
     pub fn halved(&self, rows: &[u8], stride: usize) -> Vec<u8> {
         let mut half = Vec::with_capacity(rows.len() / 4 + stride);
         for pair in rows.chunks(2 * stride) {

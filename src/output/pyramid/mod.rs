@@ -1,8 +1,8 @@
 //! A picture as a pyramid of tiles in a folder, with a page that shows them.
 //!
-//! The format is Deep Zoom: `map.dzi` says how large the picture is, and
-//! `map_files/LEVEL/COLUMN_ROW.png` are its tiles. Each level is half as large as the next, down
-//! to one pixel at level 0. Of every level one row of tiles is held in memory, so that a picture's
+//! The format is Deep Zoom: `map.dzi` gives the size of the picture, and
+//! `map_files/LEVEL/COLUMN_ROW.png` are its tiles. Each level is half as large as the next, down to
+//! one pixel at level 0. One row of tiles of every level is held in memory, so that a picture's
 //! height does not matter.
 
 mod folder;
@@ -24,19 +24,19 @@ use crate::scene::Document;
 /// Pixels along the side of a tile.
 pub const TILE_SIDE: u32 = 256;
 
-/// Bytes of a pixel.
+/// Bytes per pixel.
 const RGB: usize = 3;
 
-/// Writes tiles as rows of a picture come.
+/// Writes tiles as the rows of a picture come.
 pub struct Pyramid {
     folder: PyramidFolder,
-    /// The picture itself first, each coarser than the one before.
+    /// The levels, the picture itself first, each coarser than the one before.
     levels: Vec<Level>,
     halving: Halving,
 }
 
 impl Pyramid {
-    /// Begins the pyramid of a `size` picture of `document` that is to be at `path`.
+    /// Begins the pyramid of a `size` picture of `document`, with `path` as its destination.
     pub fn create(path: &Path, size: [u32; 2], document: &Document) -> io::Result<Self> {
         let folder = PyramidFolder::create(path)?;
         let inside = folder.inside();
@@ -55,12 +55,12 @@ impl Pyramid {
         Ok(Pyramid { folder, levels, halving: Halving::new() })
     }
 
-    /// Writes the next rows, three bytes a pixel.
+    /// Writes the next rows, three bytes per pixel.
     pub fn write(&mut self, rgb: &[u8]) -> Result<(), PngError> {
         feed(&mut self.levels, &self.halving, rgb)
     }
 
-    /// The folder with everything in it, not yet in its place.
+    /// Returns the complete folder, not yet in its place.
     pub fn complete(self) -> Result<PyramidFolder, PngError> {
         if self.levels[0].rows_left > 0 {
             let text = format!("{} rows have not come", self.levels[0].rows_left);
@@ -70,13 +70,13 @@ impl Pyramid {
     }
 }
 
-/// The sizes of the levels of a `size` picture, itself first.
+/// The sizes of the levels of a `size` picture, its own first.
 fn sizes(size: [u32; 2]) -> Vec<[u32; 2]> {
     let coarser = |size: &[u32; 2]| (*size != [1, 1]).then(|| size.map(|side| side.div_ceil(2)));
     std::iter::successors(Some(size), coarser).collect()
 }
 
-/// Hands rows to the first of `levels`, and what it fills to the coarser ones.
+/// Passes rows to the first of `levels`, and each full band, halved, to the coarser ones.
 fn feed(levels: &mut [Level], halving: &Halving, mut rows: &[u8]) -> Result<(), PngError> {
     let Some((level, coarser)) = levels.split_first_mut() else { return Ok(()) };
     while !rows.is_empty() {
@@ -93,11 +93,11 @@ fn feed(levels: &mut [Level], halving: &Halving, mut rows: &[u8]) -> Result<(), 
 /// One resolution of the picture.
 struct Level {
     folder: PathBuf,
-    /// Bytes of a row of pixels.
+    /// Bytes per row of pixels.
     stride: usize,
-    /// Rows of pixels that the tiles do not hold yet.
+    /// Number of rows of pixels that the tiles do not hold yet.
     rows_left: u32,
-    /// Which row of tiles is being filled.
+    /// Index of the row of tiles that is being filled.
     tile_row: u32,
     /// The pixels of that row of tiles.
     band: Vec<u8>,
@@ -110,7 +110,7 @@ impl Level {
         Level { folder, stride, rows_left: height, tile_row: 0, band }
     }
 
-    /// Bytes of the row of tiles that is being filled.
+    /// Number of bytes in the row of tiles that is being filled.
     fn room(&self) -> usize {
         self.stride * self.rows_left.min(TILE_SIDE) as usize
     }
@@ -119,7 +119,7 @@ impl Level {
         self.band.len() == self.room()
     }
 
-    /// Takes what fits, and gives the rest back.
+    /// Takes as many bytes as fit, and returns the others.
     fn take<'a>(&mut self, rows: &'a [u8]) -> io::Result<&'a [u8]> {
         if self.rows_left == 0 {
             return Err(io::Error::other("more rows have come than the picture has"));
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use std::io::BufReader;
 
-    /// A picture of which no two pixels are alike, nor two tiles.
+    /// A picture in which no two pixels are alike, and no two tiles.
     fn picture([width, height]: [u32; 2]) -> Vec<u8> {
         let pixel = |x: u32, y: u32| [x % 251, y % 241, x / 251 + 16 * (y / 241)];
         let rows = (0..height).flat_map(|y| (0..width).flat_map(move |x| pixel(x, y)));
@@ -180,7 +180,7 @@ mod tests {
         (size, rgb)
     }
 
-    /// A level put together from its tiles.
+    /// A level assembled from its tiles.
     fn level(folder: &Path, level: usize, [width, height]: [u32; 2]) -> Vec<u8> {
         let [width, height] = [width, height].map(|side| side as usize);
         let mut whole = vec![0; width * height * RGB];

@@ -1,4 +1,4 @@
-//! What is in a pyramid's folder beside its tiles.
+//! The files in a pyramid's folder beside its tiles.
 
 use std::io;
 
@@ -8,10 +8,10 @@ use super::TILE_SIDE;
 use crate::physics::Scalar;
 use crate::scene::Document;
 
-/// The viewer, which needs nothing but the tiles beside it.
+/// The page of the viewer, which needs only the tiles beside it.
 const PAGE: &str = include_str!("../../../assets/pyramid/index.html");
 
-/// `map.dzi`: how large the picture is and how it is cut.
+/// The text of `map.dzi`: the sizes of the picture and of its tiles.
 pub fn image([width, height]: [u32; 2]) -> String {
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
@@ -20,7 +20,7 @@ pub fn image([width, height]: [u32; 2]) -> String {
     )
 }
 
-/// `index.html`: the viewer of a `size` picture of `document`.
+/// The text of `index.html`: the viewer of a `size` picture of `document`.
 pub fn page([width, height]: [u32; 2], document: &Document) -> io::Result<String> {
     let view = &document.scene().view;
     let center = view.center_rad().map(|theta| scientific(theta.to_f64()));
@@ -42,7 +42,7 @@ pub fn page([width, height]: [u32; 2], document: &Document) -> io::Result<String
         .map_err(io::Error::other)
 }
 
-/// A number as scripts read it too, however small.
+/// A number, however small, in a form that scripts can read too.
 fn scientific(number: f64) -> String {
     format!("{number:e}")
 }

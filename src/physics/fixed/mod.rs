@@ -1,7 +1,7 @@
-//! Fixed-point numbers of any length: what a deep zoom's coordinates and its reference need.
+//! Fixed-point numbers of any length, for the coordinates of a deep zoom and for its reference.
 //!
-//! Everything the equations meet is bounded, and what a coordinate must resolve is an absolute
-//! distance. So a point that never moves loses nothing, and its sums cost a carry, not an
+//! All quantities in the equations are bounded, and a coordinate has to resolve an absolute
+//! distance. So a binary point that never moves loses nothing, and sums cost a carry, not an
 //! alignment.
 
 mod operators;
@@ -14,15 +14,15 @@ use super::Dd;
 use super::decimal;
 use super::real::{Angle, Real, Scalar};
 
-/// A signed number of `N` limbs of 64 bits, the last of which holds its whole part (two's
-/// complement); the others are its fraction, lowest first. Below ±2⁶³.
+/// A signed number of `N` limbs of 64 bits: the last holds the integer part (two's complement), the
+/// others the fraction, lowest first. Its magnitude is below 2⁶³.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fixed<const N: usize>([u64; N]);
 
-/// Angles of a plane that is looked at down to widths of 1e-100 rad, with 34 digits to spare.
+/// An angle for views of the plane down to widths of 1e-100 rad, with 34 digits to spare.
 pub type Theta = Fixed<8>;
 
-/// π, highest limb first.
+/// The limbs of π, highest first.
 const PI: [u64; 9] = [
     0x0000_0000_0000_0003,
     0x243f_6a88_85a3_08d3,
@@ -36,12 +36,12 @@ const PI: [u64; 9] = [
 ];
 
 impl<const N: usize> Fixed<N> {
-    /// Zero.
+    /// The number zero.
     pub const ZERO: Self = Fixed([0; N]);
-    /// Bits after the point.
+    /// Number of bits after the point.
     pub const BITS: u32 = 64 * (N as u32 - 1);
 
-    /// The nearest number of another length.
+    /// The number with another number of limbs, rounded down if there are fewer.
     pub fn resized<const M: usize>(self) -> Fixed<M> {
         let mut limbs = [0; M];
         for k in 1..=N.min(M) {
@@ -60,7 +60,7 @@ impl<const N: usize> Fixed<N> {
         Fixed(limbs)
     }
 
-    /// Whether it is below zero.
+    /// Returns true if the number is below zero.
     pub fn is_negative(self) -> bool {
         self.0[N - 1] >> 63 == 1
     }
@@ -69,7 +69,7 @@ impl<const N: usize> Fixed<N> {
         if self.is_negative() { -self } else { self }
     }
 
-    /// Times 2^`bits`; what does not fit is lost.
+    /// Returns the number times 2^`bits`; bits that do not fit are lost.
     pub fn doubled(self, bits: u32) -> Self {
         let (limbs, bits) = ((bits / 64) as usize, bits % 64);
         let limb = |k: isize| if k >= 0 { self.0[k as usize] } else { 0 };
@@ -80,7 +80,7 @@ impl<const N: usize> Fixed<N> {
         }))
     }
 
-    /// Over 2^`bits`, rounded down.
+    /// Returns the number over 2^`bits`, rounded down.
     pub fn halved(self, bits: u32) -> Self {
         let (limbs, bits) = ((bits / 64) as usize, bits % 64);
         let sign = if self.is_negative() { u64::MAX } else { 0 };
@@ -92,8 +92,8 @@ impl<const N: usize> Fixed<N> {
         }))
     }
 
-    /// The product, rounded to nearest. The limbs are multiplied as if they had no sign, and what
-    /// a sign changes is taken off afterwards: no branch depends on the numbers.
+    /// The product, rounded to nearest. The limbs are multiplied as if unsigned, and the effect of
+    /// the signs is subtracted afterwards: no branch depends on the numbers.
     #[inline(always)]
     fn product(self, other: Self) -> Self {
         let (x, y) = (&self.0, &other.0);
@@ -101,7 +101,7 @@ impl<const N: usize> Fixed<N> {
         let columns = columns.as_flattened_mut();
         for i in 0..N {
             let mut carry = 0u64;
-            // One limb below the last that is kept decides the rounding.
+            // The limb just below the last one that is kept decides the rounding.
             for j in (N - 1).saturating_sub(i + 1)..N {
                 let sum = u128::from(x[i]) * u128::from(y[j])
                     + u128::from(columns[i + j])
@@ -127,7 +127,7 @@ impl<const N: usize> Fixed<N> {
         Fixed(std::array::from_fn(|k| u64::from(k == 0)))
     }
 
-    /// The quotient by a whole number.
+    /// The quotient by a positive integer.
     fn over(self, divisor: u64) -> Self {
         let mut rest = 0u128;
         let mut limbs = self.magnitude().0;
@@ -139,7 +139,7 @@ impl<const N: usize> Fixed<N> {
         if self.is_negative() { -Fixed(limbs) } else { Fixed(limbs) }
     }
 
-    /// 1 over a number in [½, 1), by Newton's iteration, each of which doubles the digits.
+    /// The reciprocal of a number in [½, 1), by Newton's iteration; each step doubles the digits.
     fn reciprocal(self) -> Self {
         let two = Self::from_f64(2.0);
         let mut x = Self::from_f64(1.0 / self.to_f64());
@@ -151,7 +151,7 @@ impl<const N: usize> Fixed<N> {
         x
     }
 
-    /// How many bits it takes to bring a positive number into [½, 1): to the left if positive.
+    /// Number of bits by which to shift a positive number into [½, 1): to the left if positive.
     fn shift_to_half(self) -> i64 {
         let top = self.0.iter().rposition(|&limb| limb != 0).unwrap_or(0);
         let bit = 64 * top as i64 + 63 - i64::from(self.0[top].leading_zeros());
@@ -162,7 +162,7 @@ impl<const N: usize> Fixed<N> {
         if bits >= 0 { self.doubled(bits as u32) } else { self.halved(bits.unsigned_abs() as u32) }
     }
 
-    /// This number without whole turns, in (−π, π].
+    /// The number without whole turns, in (−π, π].
     pub fn wrapped(self) -> Self {
         let tau = Self::pi().doubled(1);
         let turns = (self.to_f64() / std::f64::consts::TAU).round();
@@ -182,12 +182,12 @@ impl<const N: usize> Fixed<N> {
         Dd { hi, lo: (self - Self::from_f64(hi)).to_f64() }
     }
 
-    /// The nearest to a double-double number.
+    /// The number nearest to a double-double number.
     pub fn from_dd(value: Dd) -> Self {
         Self::from_f64(value.hi) + Self::from_f64(value.lo)
     }
 
-    /// This number with so many digits after the point, without trailing zeros.
+    /// Formats the number with `digits` digits after the point, without trailing zeros.
     pub fn decimal(self, digits: usize) -> String {
         let bytes: Vec<u8> = self.0.iter().flat_map(|limb| limb.to_le_bytes()).collect();
         decimal::written(IBig::from_le_bytes(&bytes), Self::BITS as usize, digits)
@@ -206,7 +206,7 @@ impl<const N: usize> Real for Fixed<N> {
 }
 
 impl<const N: usize> Angle for Fixed<N> {
-    /// Taylor series after taking out quarter turns.
+    /// Sums Taylor series after removing quarter turns.
     fn sin_cos(self) -> (Self, Self) {
         let half_pi = Self::pi().halved(1);
         let quarters = (self.to_f64() / std::f64::consts::FRAC_PI_2).round();
@@ -221,7 +221,7 @@ impl<const N: usize> Angle for Fixed<N> {
     }
 }
 
-/// Σ ± r^n / n! over every second n from `order`, whose term is `first`.
+/// Sums ± r^n / n! over every second n from `order`, whose term is `first`.
 fn series<const N: usize>(r: Fixed<N>, first: Fixed<N>, order: u64) -> Fixed<N> {
     let square = r * r;
     let (mut term, mut sum, mut n) = (first, first, order);
@@ -236,7 +236,7 @@ fn series<const N: usize>(r: Fixed<N>, first: Fixed<N>, order: u64) -> Fixed<N> 
 impl<const N: usize> Scalar for Fixed<N> {
     const EPSILON: f64 = {
         let (mut epsilon, mut bit) = (1.0, 0);
-        // Eight bits are left to rounding.
+        // Eight bits are reserved for rounding errors.
         while bit < Self::BITS - 8 {
             epsilon *= 0.5;
             bit += 1;
@@ -259,7 +259,7 @@ impl<const N: usize> Scalar for Fixed<N> {
         let magnitude = self.magnitude();
         let Some(top) = magnitude.0.iter().rposition(|&limb| limb != 0) else { return 0.0 };
         let below = if top > 0 { magnitude.0[top - 1] } else { 0 };
-        // What lies below two limbs only decides ties.
+        // Limbs below the top two only decide ties.
         let rest = magnitude.0[..top.saturating_sub(1)].iter().any(|&limb| limb != 0);
         let two = (u128::from(magnitude.0[top]) << 64) | u128::from(below) | u128::from(rest);
         let scale = 2f64.powi(64 * (top as i32 - 1) - Self::BITS as i32);
@@ -306,7 +306,7 @@ impl<const N: usize> Scalar for Fixed<N> {
     }
 }
 
-/// A finite f64's magnitude as an integer times a power of two.
+/// The magnitude of a finite f64 as an integer times a power of two.
 fn integer_and_exponent(value: f64) -> (u64, i32) {
     let bits = value.to_bits();
     let exponent = ((bits >> 52) & 0x7ff) as i32;
@@ -315,7 +315,7 @@ fn integer_and_exponent(value: f64) -> (u64, i32) {
 }
 
 impl<const N: usize> fmt::Display for Fixed<N> {
-    /// All digits, or as many after the point as are asked for.
+    /// Writes all digits, or as many after the point as the precision requests.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let all = (f64::from(Self::BITS) * std::f64::consts::LOG10_2) as usize;
         f.write_str(&self.decimal(f.precision().unwrap_or(all)))

@@ -1,4 +1,4 @@
-//! Sums, products, quotients and order of fixed-point numbers.
+//! Sums, products, quotients and the order of fixed-point numbers.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -58,7 +58,7 @@ impl<const N: usize> Div for Fixed<N> {
             return if other.is_negative() { -quotient } else { quotient };
         }
         if divisor == Self::ZERO {
-            // There is no infinity here; the largest number says the same to every comparison.
+            // There is no infinity here; the largest number behaves the same in every comparison.
             let largest =
                 Fixed(std::array::from_fn(|k| if k + 1 < N { u64::MAX } else { u64::MAX >> 1 }));
             return if self.is_negative() { -largest } else { largest };

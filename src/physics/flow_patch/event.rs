@@ -1,4 +1,4 @@
-//! What a step of a patch meets at the top: passages by all, and turns that only some make.
+//! Events of a patch's step at the top: crossings by all starts, and turns in which only some flip.
 
 use super::graze::Graze;
 use super::{Dynamics, FlowPatch, PatchCrossing, PatchStep, SHORTEST, middle};
@@ -7,33 +7,33 @@ use crate::physics::jet::Jet;
 use crate::physics::phase::Phase;
 use crate::physics::reference::Reference;
 
-/// A turn this many spreads below the top is no graze.
+/// Distance from the top, in spreads, beyond which a turn is no graze.
 const NEAR: f64 = 8.0;
-/// A middle nearer to the top than this is looked up in its reference.
+/// Distance from the top below which the middle is looked up in its reference.
 const KNOWN_BY_F64: f64 = 1e-6;
-/// Errors in the moment of a passage, reduced time: well below what is called right.
+/// Error allowed in the time of a crossing, in reduced time: well below what is called right.
 const TIME_TOLERANCE: f64 = 1e-6;
 
-/// What a patch_step meets at the top.
+/// The event that a step of a patch meets at the top.
 pub(super) enum PatchEvent {
     Nothing,
-    /// A turn too far from the top to be a graze: so far, at least.
+    /// A turn too far from the top to be a graze, with the least distance from it.
     FarTurn(f64),
-    /// Two things at once.
+    /// Two events at once.
     TooMuch,
     Unclear,
-    /// All pass.
+    /// A crossing by all starts.
     Pass(Box<PatchCrossing>),
-    /// The middle passes so slowly that others may turn round before.
+    /// A pass of the middle with the bob of this index, so slow that others may turn round before.
     NearlyGraze(usize),
-    /// The middle comes back from a graze.
+    /// The return of the middle from a graze with the bob of this index.
     Back(usize),
-    /// Some may flip in a turn, after which the middle is beyond the top or not.
+    /// A turn in which some may flip, and whether the middle is beyond the top after it.
     Graze(Box<Graze>, bool),
 }
 
 impl FlowPatch {
-    /// What happens at the top within a patch_step.
+    /// Determines the event at the top within `patch_step`.
     pub(super) fn event_in(
         &self,
         dynamics: &Dynamics,
@@ -74,7 +74,7 @@ impl FlowPatch {
         }
     }
 
-    /// A bob that turns round within a patch_step, if that is near the top.
+    /// The event of a bob that turns round within `patch_step`, if that is near the top.
     fn turn(
         &self,
         dynamics: &Dynamics,
@@ -90,7 +90,7 @@ impl FlowPatch {
         let (fraction, there) = turning_point(&at, bob, &before, &after);
         let spread = self.phase[2 * bob + 1].spread().max(patch_step.after[2 * bob + 1].spread());
         let tau = patch_step.length * fraction;
-        // Deep down the spread is far below what f64 knows of the middle.
+        // Deep in a zoom the spread is far below f64's resolution of the middle.
         let sine = match reference {
             Some(reference) if there.phase[2 * bob + 1].abs() < KNOWN_BY_F64 => {
                 reference.turn(bob, tau)
@@ -98,13 +98,13 @@ impl FlowPatch {
             _ => there.phase[2 * bob + 1],
         };
         if there.phase[2 * bob] >= 0.0 || sine.abs() > NEAR * spread {
-            // A pass that was nearly a graze, and turned round far beyond.
+            // A pass that was nearly a graze, and whose bob turned round far beyond the top.
             let far =
                 || (there.phase[2 * bob] < 0.0).then_some(PatchEvent::FarTurn(sine.abs() - spread));
             return if self.beyond[bob] { Some(PatchEvent::Unclear) } else { far() };
         }
         let (shift, phase) = dynamics.turn_of_all(&self.phase, tau, bob);
-        // The side it came from: its own, or the other one if it has just passed.
+        // The side from which the bob came: its present one, or the other if it has just passed.
         let mut side = before.phase[2 * bob + 1].signum();
         if self.beyond[bob] {
             side = -side;
@@ -125,7 +125,7 @@ impl FlowPatch {
         })
     }
 
-    /// The middle's bob passes the top within a patch_step.
+    /// The event of the middle passing the top with `bob` within `patch_step`.
     fn pass(
         &self,
         dynamics: &Dynamics,
@@ -158,32 +158,32 @@ impl FlowPatch {
     }
 }
 
-/// Newton's iterations that make a polynomial right to its last degree: each doubles it.
+/// Number of Newton iterations for a polynomial right to its last degree: each doubles the degree.
 const NEWTON_STEPS: usize = 3;
 
 impl Dynamics {
-    /// dω/dt of a bob.
+    /// The angular acceleration dω/dt of a bob.
     fn acceleration(&self, phase: &Phase<Jet>, bob: usize) -> Jet {
         let [x1, y1, x2, y2, ..] = *phase;
         let speed = self.jets.speeds(phase);
         self.jets.acceleration_towards([(y1, x1), (y2, x2)], speed)[bob]
     }
 
-    /// How much later than `tau` each start's `bob` turns round, and the states then.
+    /// The delay after `tau` with which each start's `bob` turns round, and the states then.
     fn turn_of_all(&self, from: &Phase<Jet>, tau: f64, bob: usize) -> (Jet, Phase<Jet>) {
         self.moment_of_all(from, tau, |phase| {
             self.jets.speeds(phase)[bob] / self.acceleration(phase, bob)
         })
     }
 
-    /// How much later than `tau` each start's `bob` passes the top, and the states then.
+    /// The delay after `tau` with which each start's `bob` passes the top, and the states then.
     fn pass_of_all(&self, from: &Phase<Jet>, tau: f64, bob: usize) -> (Jet, Phase<Jet>) {
         self.moment_of_all(from, tau, |phase| {
             phase[2 * bob + 1] / (self.jets.speeds(phase)[bob] * phase[2 * bob])
         })
     }
 
-    /// The moment at which something vanishes, by Newton's method on polynomials.
+    /// Finds the moment at which a quantity vanishes, by Newton's method on polynomials.
     fn moment_of_all(
         &self,
         from: &Phase<Jet>,

@@ -1,4 +1,4 @@
-//! A bob's turn near the top, in which some of a cell flip and the others do not.
+//! Grazes: turns of a bob near the top in which some of a cell flip and the others do not.
 
 use super::Dynamics;
 use crate::physics::jet::Jet;
@@ -11,9 +11,9 @@ pub struct Graze {
     /// The sign of the bob's sine before it reaches the top.
     pub(super) side: f64,
     pub(super) time: f64,
-    /// How much later than the middle's the others' turns are.
+    /// Delay of the other starts' turns after that of the middle.
     pub(super) shift: Jet,
-    /// How far beyond the top they turn, rad (as a sine).
+    /// Height beyond the top at the turn, in rad (as a sine).
     pub(super) height: Jet,
     /// The states at these turns.
     pub(super) phase: Phase<Jet>,
@@ -28,8 +28,8 @@ impl Graze {
         self.height.middle() > self.height.spread()
     }
 
-    /// When the start at a point of the cell flips, reduced, if it does in this graze, and its
-    /// state then.
+    /// The reduced time at which the start at a point of the cell flips, and its state then, if it
+    /// does in this graze.
     pub fn flip(&self, dynamics: &Dynamics, at: [f64; 2]) -> Option<(f64, Phase<f64>)> {
         let height = self.height.at(at);
         if height < 0.0 {
@@ -41,16 +41,16 @@ impl Graze {
         Some((turn - rise, then))
     }
 
-    /// How far from the top the start at a point of the cell turns round, as a sine.
+    /// Distance from the top at which the start at a point of the cell turns round, as a sine.
     pub(super) fn clearance(&self, at: [f64; 2]) -> f64 {
         self.height.at(at).abs()
     }
 
-    /// How long before its turn a bob that rises `height` beyond the top has passed it, and the
-    /// state then.
+    /// The time from the crossing of the top to the turn of a bob that rises `height` beyond it,
+    /// and the state at the crossing.
     fn rise(&self, dynamics: &Dynamics, mut phase: Phase<f64>, height: f64) -> (f64, Phase<f64>) {
         let (x, y) = (2 * self.bob, 2 * self.bob + 1);
-        // As high as its own polynomial says, which knows it to more digits.
+        // The height's own polynomial knows it to more digits than the phase does.
         phase[y] = -self.side * height;
         let [x1, y1, x2, y2, ..] = phase;
         let speed = dynamics.pendulum.speeds(&phase);

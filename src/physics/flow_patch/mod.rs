@@ -1,14 +1,14 @@
-//! A cell of starts carried by the flow as one polynomial: the start map of a deep zoom.
+//! Flow patches: cells of starts carried by the flow as polynomials, for a deep zoom's start maps.
 //!
-//! Released from rest, the pendulums of a small cell stay together for long. Their states at a
-//! time are polynomials in the place of the start within the cell ([`Jet`]), and those obey the
-//! equations of motion: the same right-hand sides and steps that move one pendulum move all. A
-//! patch is followed until its polynomials no longer describe the whole cell; there it is cut
-//! into quarters that go on, or its pixels' own integration begins.
+//! Released from rest, the pendulums of a small cell stay together for a long time. Their states at
+//! any time are polynomials in the position of the start within the cell ([`Jet`]), and those obey
+//! the equations of motion: the same right-hand sides and steps that move one pendulum move all. A
+//! patch is followed until its polynomials no longer describe the whole cell; there it is
+//! subdivided into quarters that continue, or its pixels' own integration begins.
 //!
-//! Passes of the top are found on the polynomials too. Where all of a patch passes, the moment is
+//! Crossings are found on the polynomials too. Where all of a patch passes the top, the moment is
 //! itself a polynomial. Where a bob turns round near the top, the height it reaches is one, and its
-//! sign says who has flipped: a graze stays one clean line however deep it is looked at.
+//! sign says which starts have flipped: a graze stays one clean line however deep the zoom.
 
 mod event;
 mod graze;
@@ -25,14 +25,14 @@ use super::reference::Reference;
 use super::{Pendulum, Real};
 use event::PatchEvent;
 
-/// What moves a patch, in reduced units.
+/// The dynamics that move a patch, in reduced units.
 #[derive(Clone, Copy, Debug)]
 pub struct Dynamics {
-    /// The five numbers.
+    /// The five numbers of the pendulum.
     pub pendulum: Pendulum<f64>,
-    /// Which bob is watched.
+    /// The rule that says which bob is watched.
     pub rule: Rule,
-    /// How long nothing is looked for at the top, reduced: who passes it so soon is known beforehand.
+    /// Reduced time in which the top is not examined: passes that early are known beforehand.
     pub opening: f64,
     jets: Pendulum<Jet>,
     inverse_scale: [f64; 2],
@@ -41,65 +41,65 @@ pub struct Dynamics {
 /// A cell of starts in motion.
 #[derive(Clone, Debug)]
 pub struct FlowPatch {
-    /// Reduced time since the release, and what rounding took from it.
+    /// Reduced time since the release, and the part of it that was lost to rounding.
     pub time: (f64, f64),
-    /// Unit vectors and momenta.
+    /// Unit vectors and momenta of all states.
     pub phase: Phase<Jet>,
-    /// The next step to try.
+    /// Length of the next step to try.
     pub step: f64,
-    /// How far from the top the watched bobs turned round that are not in `grazes`, as a sine.
+    /// Least distance from the top, as a sine, of the watched bobs' turns that are not in `grazes`.
     far_turns: f64,
     /// Turns near the top at which some of the cell flipped, in order.
     pub grazes: Vec<Graze>,
-    /// Whether the middle is beyond the top with each bob, in a graze; never where its way ends.
+    /// True for a bob with which the middle is beyond the top in a graze; never at the patch's end.
     beyond: [bool; 2],
 }
 
-/// Where a sheet's way ended.
+/// The reason for the end of a patch.
 #[derive(Clone, Debug)]
 pub enum PatchEnd {
-    /// Its polynomials do not describe it any longer.
+    /// The polynomials no longer describe the patch.
     Spread,
-    /// Something happens at the top that its polynomials cannot tell.
+    /// Something happens at the top that the polynomials cannot resolve.
     Unclear,
-    /// All that had not flipped flips in one passage.
+    /// All starts that had not yet flipped do so in one crossing.
     Passed(Box<PatchCrossing>),
-    /// All of it has flipped in grazes.
+    /// All of the patch has flipped in grazes.
     Grazed,
-    /// The time is over.
+    /// The budget has been reached.
     Over,
 }
 
-/// A passage of the top by all.
+/// A crossing of the top by all starts.
 #[derive(Clone, Debug)]
 pub struct PatchCrossing {
-    /// When the middle passes, reduced.
+    /// Reduced time at which the middle passes.
     pub time: f64,
-    /// How much later the others do.
+    /// Delay of the other starts after the middle.
     pub shift: Jet,
-    /// The states then.
+    /// States of the starts as they pass.
     pub phase: Phase<Jet>,
 }
 
 impl PatchCrossing {
-    /// When the start at a point of the cell flips, reduced, and its state then.
+    /// The reduced time at which the start at a point of the cell flips, and its state then.
     pub fn flip(&self, at: [f64; 2]) -> (f64, Phase<f64>) {
         (self.time + self.shift.at(at), self.phase.map(|jet| jet.at(at)))
     }
 }
 
-/// Error allowed in a step of the middle. The polynomials' own errors are about as many times
-/// their size.
+/// Error allowed in a step of the middle. The polynomials' own errors are about as large compared
+/// with their size.
 const STEP_TOLERANCE: f64 = 1e-15;
-/// No patch moves farther in a step.
+/// Maximum reduced time that a patch moves in a step.
 const LONGEST: f64 = 0.5;
-/// A step in which two things happen at the top is halved, but not below this.
+/// Length below which a step with two events at the top is not halved again.
 const SHORTEST: f64 = 1e-7;
-/// Reduced time within which a pass that is nearly a graze must turn round.
+/// Reduced time within which a bob must turn round after a pass that is nearly a graze.
 const GRAZE_WITHIN: f64 = 1.0;
 
 impl Dynamics {
-    /// The motion of a pendulum in reduced units.
+    /// The dynamics of a pendulum in reduced units.
     pub fn new(pendulum: Pendulum<f64>, rule: Rule) -> Self {
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         Dynamics {
@@ -115,13 +115,13 @@ impl Dynamics {
         StepState { phase, speed: self.pendulum.speeds(&phase) }
     }
 
-    /// One pendulum's state after a step and the error of that.
+    /// The state of one pendulum after a step, and the error of that step.
     fn moved(&self, phase: &Phase<f64>, step: f64) -> (Phase<f64>, f64) {
         let trial = dop853(&self.pendulum, self.inverse_scale, phase, step);
         (plus(phase, &trial.change), trial.error_squared.sqrt())
     }
 
-    /// All states after a step that may itself differ from start to start.
+    /// All states after a step whose length may itself differ from start to start.
     fn carried(&self, phase: &Phase<Jet>, step: Jet) -> Phase<Jet> {
         let scale = self.inverse_scale.map(Jet::constant);
         plus(phase, &dop853(&self.jets, scale, phase, step).change)
@@ -134,13 +134,13 @@ impl Dynamics {
     }
 }
 
-/// The six in the middle.
+/// The phase in the middle of the cell.
 fn middle(phase: &Phase<Jet>) -> Phase<f64> {
     phase.map(|jet| jet.middle())
 }
 
 impl FlowPatch {
-    /// A cell around `angle` (rad; its sines and cosines as precise as they can be) let go at rest.
+    /// A cell released from rest, `half` rad around the angles of `sin_cos` (as precise as can be).
     pub fn release(sin_cos: [(f64, f64); 2], half: f64) -> Self {
         let [(y1, x1), (y2, x2)] = [0, 1].map(|axis| turned(sin_cos[axis], axis, half));
         let zero = Jet::constant(0.0);
@@ -155,13 +155,13 @@ impl FlowPatch {
         }
     }
 
-    /// How far apart its states are, at most: unit vectors and scaled momenta.
+    /// A bound on the distance of its states from the middle one: unit vectors and scaled momenta.
     pub fn spread(&self, dynamics: &Dynamics) -> f64 {
         let unit = |i: usize| if i < 4 { 1.0 } else { dynamics.inverse_scale[i - 4] };
         (0..6).map(|i| self.phase[i].spread() * unit(i)).fold(0.0, f64::max)
     }
 
-    /// The quarter of it around `middle`, of which [`Sheet::settled`] may be true.
+    /// The quarter of the patch around `middle`, for which [`FlowPatch::settled`] may be true.
     pub fn part(&self, middle: [f64; 2], half: f64) -> Self {
         let graze = |graze: &Graze| Graze {
             shift: graze.shift.part(middle, half),
@@ -173,23 +173,23 @@ impl FlowPatch {
         FlowPatch { phase: self.phase.map(|jet| jet.part(middle, half)), grazes, ..*self }
     }
 
-    /// How far from the top the watched bobs of the start at a point have stayed.
+    /// Distance from the top that the watched bobs of the start at a point have kept, as a sine.
     pub fn clearance(&self, at: [f64; 2]) -> f64 {
         self.grazes.iter().map(|graze| graze.clearance(at)).fold(self.far_turns, f64::min)
     }
 
-    /// Whether all of it has flipped.
+    /// Returns true if all of the patch has flipped.
     pub fn settled(&self) -> bool {
         self.grazes.iter().any(Graze::concerns_all)
     }
 
-    /// Whether it is described well enough where it is.
+    /// Returns true if the polynomials describe the patch well enough at its present time.
     pub fn holds(&self, dynamics: &Dynamics, tolerance: f64) -> bool {
         dynamics.tail(&self.phase) <= tolerance
     }
 
-    /// Follows the flow until its `end`, at most to `budget`, as long as its polynomials leave
-    /// out no more than `tolerance`; along a reference where there is one.
+    /// Follows the flow until the patch ends, at most to `budget`, as long as its polynomials leave
+    /// out no more than `tolerance`; along a reference if there is one.
     pub fn follow(
         &mut self,
         dynamics: &Dynamics,
@@ -197,8 +197,8 @@ impl FlowPatch {
         tolerance: f64,
         mut reference: Option<&mut (dyn Reference + 'static)>,
     ) -> PatchEnd {
-        // Where the way may end: no start is at the top with any bob, so that what has passed is
-        // told by events alone.
+        // The latest patch that may be the end: no start is at the top with any bob, so that events
+        // alone decide which have passed.
         let mut clear = self.clone();
         let mut pass_began: Option<f64> = None;
         let end = loop {
@@ -250,7 +250,7 @@ impl FlowPatch {
         end
     }
 
-    /// Whether none of it is at the top with a watched bob, or beyond it.
+    /// Returns true if no start is at the top with a watched bob, or beyond it.
     fn is_clear(&self, dynamics: &Dynamics) -> bool {
         dynamics.rule.watched().iter().all(|&bob| {
             let (x, y) = (&self.phase[2 * bob], &self.phase[2 * bob + 1]);
@@ -258,13 +258,13 @@ impl FlowPatch {
         })
     }
 
-    /// What is left of the first moments, in which the top is no matter.
+    /// The rest of the opening, in which the top is not examined; `None` once it is over.
     fn left_of_opening(&self, dynamics: &Dynamics) -> Option<f64> {
         let left = dynamics.opening - self.time.0;
         (left > 1e-9 * dynamics.opening).then_some(left)
     }
 
-    /// The next step, as long as the middle allows it.
+    /// Computes the next step, as long as the middle allows it.
     fn patch_step(
         &self,
         dynamics: &Dynamics,
@@ -293,7 +293,7 @@ impl FlowPatch {
             let known = reference.phase(length);
             carried = std::array::from_fn(|i| carried[i].with_middle(known[i]));
         }
-        // What was cut short by the reference says little about the next one.
+        // A step cut short by the reference says little about the next one.
         let next = if length < 0.5 * self.step { next.max(self.step) } else { next };
         PatchStep { length, next, after: carried }
     }
@@ -308,18 +308,18 @@ impl FlowPatch {
     }
 }
 
-/// A step that may be taken.
+/// A step of a patch that may be taken.
 struct PatchStep {
     length: f64,
     next: f64,
     after: Phase<Jet>,
 }
 
-/// Cosine and sine of an angle that varies along an axis of the cell, from those of its middle.
+/// Sine and cosine of an angle that varies along an axis of the cell, from those at its middle.
 fn turned((sin, cos): (f64, f64), axis: usize, half: f64) -> (Jet, Jet) {
     let by = Jet::coordinate(axis, half);
     let one = Jet::constant(1.0);
-    // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and the like, to the degree that is kept.
+    // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and likewise for the sine, to the degree that is kept.
     let square = by * by;
     let nested = |divisors: &[f64]| {
         let less = |sum, divisor: &f64| one - square * Jet::constant(1.0 / divisor) * sum;

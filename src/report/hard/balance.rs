@@ -1,4 +1,4 @@
-//! Where energy or balance decides: the rims of the forbidden region, and the upright equilibria.
+//! Hard cases of energy and balance: the rims of the forbidden region, and the upright equilibria.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, count, home, oracle_dd, oracle_f64};
 use crate::engine::EngineError;
@@ -49,7 +49,7 @@ fn rims(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
             starts.len()
         ));
     }
-    // Asked all the same: a grid never would.
+    // Submitted all the same: a grid would never submit a forbidden start.
     let below: Vec<[Dd; 2]> = [-1e-12, -1e-9, -1e-6, -1e-3].into_iter().flat_map(along).collect();
     let locked = bench.answers(&question, BALANCED, &below)?;
     let escaped = below.len() - count(&locked, Status::Unflipped);
@@ -65,8 +65,8 @@ fn rims(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
 
 const OFFSETS: [f64; 5] = [1e-3, 1e-6, 1e-9, 1e-12, 1e-15];
 
-/// An equilibrium, a direction to start in, and whether the watched bob leaves the top inward, so
-/// that it has to go a long way before it flips.
+/// A departure from an equilibrium: a direction to start in, and `inward` if the watched bob leaves
+/// the top inward, so that it has a long way to go before it flips.
 struct Departure {
     place: &'static str,
     equilibrium: [Dd; 2],
@@ -125,8 +125,8 @@ fn upright(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     HardFinding::new(held, parts.join("; "))
 }
 
-/// The rate in 1/s at which the motion leaves an equilibrium: of the linearised equations
-/// (AB − C²)μ² + (A Q cos θ2 + B P cos θ1)μ + PQ cos θ1 cos θ2 = 0 with μ = λ² the larger root's.
+/// Rate λ in 1/s at which the motion leaves an equilibrium. By the linearised equations, μ = λ² is
+/// the larger root of (AB − C²)μ² + (A Q cos θ2 + B P cos θ1)μ + PQ cos θ1 cos θ2 = 0.
 fn growth_rate(pendulum: &Pendulum<f64>, equilibrium: [Dd; 2]) -> f64 {
     let [cos1, cos2] = equilibrium.map(|theta| theta.hi.cos());
     let Pendulum { a, b, p, q, least_det, .. } = *pendulum;

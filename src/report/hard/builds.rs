@@ -1,4 +1,4 @@
-//! Pendulums that are hard to integrate: whips, lopsided ones, weightless ones.
+//! Pendulums that are hard to integrate: whips, extreme ratios, weightless ones.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, apart, count, home, oracle_f64};
 use crate::engine::{EngineError, Question};
@@ -31,9 +31,9 @@ pub const CASES: &[HardCase] = &[
     },
 ];
 
-/// Starts over the whole torus, on no line of symmetry, those that are forbidden left out.
+/// Starts over the whole torus, off its lines of symmetry: `count` less the forbidden ones.
 pub fn scattered(question: &Question, count: u32) -> Vec<[Dd; 2]> {
-    // A lattice by the golden ratio.
+    // A golden-ratio lattice.
     let at = |k: u32| {
         let place =
             [f64::from(k) + 0.5, (f64::from(k) + 0.3) * 0.618_033_988_749_894_9 * f64::from(count)];
@@ -46,7 +46,7 @@ pub fn scattered(question: &Question, count: u32) -> Vec<[Dd; 2]> {
     (0..count).map(at).filter(open).collect()
 }
 
-/// What a comparison of an engine with gold comes to.
+/// Tally of an engine's answers compared with the gold standard.
 #[derive(Default)]
 struct Tally {
     starts: usize,

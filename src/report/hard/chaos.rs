@@ -1,4 +1,4 @@
-//! How far anyone can see in chaos.
+//! Hard cases of chaos: the limits of what any method can predict.
 
 use rayon::prelude::*;
 

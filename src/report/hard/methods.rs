@@ -1,4 +1,4 @@
-//! What each method promises whatever the start: energy kept, time reversed, order met.
+//! Promises of each method at any start: energy kept, time reversed, order met.
 
 use super::{BALANCED, FAST, HardBench, HardCase, HardFinding, LESSON, Of, TAYLOR, home};
 use crate::engine::start::TIME;
@@ -39,8 +39,8 @@ pub const CASES: &[HardCase] = &[
     },
 ];
 
-/// One that swings and one that is chaotic (its neighbours part by a decade in 9 s), both with too
-/// little energy ever to flip.
+/// A start that swings and a chaotic one (its neighbours separate by a decade in 9 s), both with
+/// too little energy ever to flip.
 const LONG: [[f64; 2]; 2] = [[0.5, -0.3], [0.2, 2.8]];
 
 fn energy(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
@@ -78,7 +78,7 @@ fn energy(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     HardFinding::new(held, parts.join(", "))
 }
 
-/// A paused adaptive state as the nearest f64.
+/// The phase of an adaptive integrator state, as the nearest f64.
 fn phase_of(paused: &IntegratorState) -> Phase<f64> {
     std::array::from_fn(|i| paused.numbers[i] + paused.numbers[6 + i])
 }
@@ -108,7 +108,7 @@ fn there_and_back(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         held &= back.len() == starts.len();
         let mut worst = 0f64;
         for (((_, there), (_, back)), start) in there.iter().zip(&back).zip(&starts) {
-            // Each way ends with its own last step, a little after the 5 s.
+            // Each leg ends with its own last step, a little after the 5 s.
             let beyond = time_of(back) - time_of(there);
             worst = worst.max(miss(&question, start, back, beyond));
         }
@@ -132,10 +132,10 @@ fn turned_round(paused: &IntegratorState) -> IntegratorState {
     IntegratorState { steps: 0, numbers }
 }
 
-/// How far `back` is from where a pendulum let go at `start` is `beyond` (reduced) later.
+/// Distance of `back` from a pendulum at reduced time `beyond` after its release at `start`.
 fn miss(question: &Question, start: &[Dd; 2], back: &IntegratorState, beyond: Dd) -> f64 {
     let reduced = question.reduced_in::<Dd>().0;
-    // From rest the motion is the same both ways in time.
+    // From rest the motion is the same in both directions of time.
     let truth = Orbit::new(reduced, State::rest(*start)).state_at(beyond.abs());
     let truth = reduced.phase(&truth);
     let at = |i: usize| Dd { hi: back.numbers[i], lo: back.numbers[6 + i] };
@@ -179,7 +179,7 @@ fn orders(_: &mut HardBench) -> Result<HardFinding, EngineError> {
     )
 }
 
-/// The error of RK4 in angles and f64 after 2 units of time.
+/// Error of RK4 in angles and f64 after 2 units of time.
 fn rk4_error(steps: u32) -> f64 {
     let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
     let start = State::rest([0.5, -0.3]);

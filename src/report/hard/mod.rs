@@ -1,5 +1,5 @@
 //! The hard cases: starts, pendulums and windows at which flip-time programs go wrong, each with
-//! what is expected, why, and a function that measures it.
+//! the expected result, the reason for it, and a function that measures it.
 //!
 //! The tests run every case on every engine, and the report prints the same list, so that what is
 //! claimed is what was measured. The judge is the gold standard, in double-double where f64 would
@@ -24,54 +24,54 @@ use crate::engine::{
 use crate::physics::{Dd, Outcome, Rule, Status};
 use crate::scene::Build;
 
-/// One claim and the way to refute it.
+/// A claim and the function that tests it.
 #[derive(Clone, Copy)]
 pub struct HardCase {
-    /// A few words.
+    /// Name of the case in a few words.
     pub name: &'static str,
-    /// What should be measured.
+    /// The expected result.
     pub expected: &'static str,
-    /// Why that is to be expected, in one sentence.
+    /// The reason to expect it, in one sentence.
     pub why: &'static str,
-    /// What is measured: an engine, or the mathematics that all engines share.
+    /// The subject: an engine, or the mathematics that all engines share.
     pub of: Of,
     run: fn(&mut HardBench) -> Result<HardFinding, EngineError>,
 }
 
-/// What a case is about.
+/// The subject of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
     /// Any engine that has DOP853 in f64.
     Engine,
-    /// The processor's engine only: needs methods that no other has.
+    /// The processor's engine only: the case needs methods that no other engine has.
     Cpu,
-    /// No engine: the methods themselves.
+    /// No engine: the case is about the methods themselves.
     Physics,
 }
 
-/// What was measured, and whether it is what was expected.
+/// The result of a measurement, and the verdict on the claim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HardFinding {
-    /// The numbers, for people.
+    /// The measured numbers as text.
     pub measured: String,
-    /// Whether the claim held.
+    /// True if the claim held.
     pub held: bool,
 }
 
-/// A case as a report has it.
+/// A case and its result, as a row of a report.
 #[derive(Clone, Debug, Serialize)]
 pub struct HardRow {
-    /// A few words.
+    /// Name of the case in a few words.
     pub case: &'static str,
-    /// What was examined.
+    /// Name of the engine under examination.
     pub engine: String,
-    /// What should be measured.
+    /// The expected result.
     pub expected: &'static str,
-    /// Why.
+    /// The reason to expect it.
     pub why: &'static str,
-    /// What was.
+    /// The measured numbers as text.
     pub measured: String,
-    /// Whether that is the same.
+    /// True if the result is as expected.
     pub held: bool,
 }
 
@@ -91,7 +91,7 @@ impl HardFinding {
 }
 
 impl HardCase {
-    /// Measures. An engine that gives up has not kept the claim.
+    /// Measures the case. An engine that fails has not kept the claim.
     pub fn measure(&self, bench: &mut HardBench) -> HardFinding {
         (self.run)(bench).unwrap_or_else(|error| {
             // What is still in flight must not answer the next case.
@@ -100,7 +100,7 @@ impl HardCase {
         })
     }
 
-    /// Whether `engine` (its name) can be asked.
+    /// Returns true if the case applies to `engine`, given by name.
     pub fn is_for(&self, engine: &str) -> bool {
         self.of == Of::Engine || engine == "cpu"
     }
@@ -111,10 +111,10 @@ pub fn cases() -> Vec<HardCase> {
     [top::CASES, balance::CASES, builds::CASES, views::CASES, methods::CASES, chaos::CASES].concat()
 }
 
-/// The check by another method.
+/// The config that checks the others by another method.
 pub const TAYLOR: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
-/// The lesson's method, without its f32.
+/// The lesson's method in f64 instead of f32.
 pub const LESSON: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F64 };
 /// The engine under examination.
@@ -123,7 +123,7 @@ pub struct HardBench<'a> {
 }
 
 impl<'a> HardBench<'a> {
-    /// Examines `engine`.
+    /// A bench that examines `engine`.
     pub fn new(engine: Box<dyn Engine + 'a>) -> Self {
         HardBench { engine }
     }
@@ -138,12 +138,12 @@ impl<'a> HardBench<'a> {
         Ok(self.finished(question, config, Starts::Rest(starts.to_vec()))?.outcomes)
     }
 
-    /// The configs that claim to be right: of the processor's two, which share no event test.
+    /// The configs that claim to be right; the processor's two share no event test.
     fn exact(&self) -> &'static [IntegratorConfig] {
         if self.engine.name() == "cpu" { &[BALANCED, TAYLOR] } else { &[BALANCED] }
     }
 
-    /// How far the worst answer of the exact configs is from the truth, s.
+    /// Largest error of the exact configs' answers, s.
     fn worst(
         &mut self,
         question: &Question,
@@ -157,7 +157,7 @@ impl<'a> HardBench<'a> {
         Ok(worst)
     }
 
-    /// One job run to its end, its unfinished states kept.
+    /// Runs one job to its end and keeps the states of unfinished pendulums.
     fn finished(
         &mut self,
         question: &Question,
@@ -176,7 +176,7 @@ fn home(rule: Rule, budget_secs: f64) -> Question {
     Question { build: Build::default(), rule, budget_secs }
 }
 
-/// How far apart two outcomes are in seconds; infinitely where their statuses differ.
+/// Distance between two outcomes in seconds; infinite if their statuses differ.
 pub fn apart(a: &Outcome, b: &Outcome) -> f64 {
     match (a.status, b.status) {
         (Status::Flipped, Status::Flipped) => (a.time - b.time).abs(),
@@ -185,12 +185,12 @@ pub fn apart(a: &Outcome, b: &Outcome) -> f64 {
     }
 }
 
-/// The largest of all.
+/// Largest distance between outcomes with the same index, s.
 pub fn farthest(a: &[Outcome], b: &[Outcome]) -> f64 {
     a.iter().zip(b).map(|(a, b)| apart(a, b)).fold(0.0, f64::max)
 }
 
-/// How many have this status.
+/// Number of outcomes with this status.
 fn count(outcomes: &[Outcome], status: Status) -> usize {
     outcomes.iter().filter(|outcome| outcome.status == status).count()
 }

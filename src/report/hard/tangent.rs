@@ -1,4 +1,4 @@
-//! The tangent of the motion: how fast neighbours part, by numbers that carry their derivatives.
+//! The tangent map of the motion: rates at which neighbours separate, by dual numbers.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -6,7 +6,7 @@ use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
 use crate::physics::{Angle, Pendulum, Real, State};
 
-/// A number and its derivatives along four directions.
+/// A dual number: a value and its derivatives along four directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual {
     value: f64,
@@ -18,7 +18,7 @@ impl Dual {
         Dual { value, slope: [0.0; 4] }
     }
 
-    /// f(x, y) of value `value` with ∂f/∂x = `by_x` and ∂f/∂y = `by_y`.
+    /// The number f(x, y) = `value` with ∂f/∂x = `by_x` and ∂f/∂y = `by_y`.
     #[inline(always)]
     fn of(value: f64, by_x: f64, x: &Dual, by_y: f64, y: &Dual) -> Self {
         Dual { value, slope: std::array::from_fn(|i| by_x * x.slope[i] + by_y * y.slope[i]) }
@@ -77,18 +77,18 @@ impl Angle for Dual {
     }
 }
 
-/// Four directions away from a state, each δθ1, δθ2, δp1, δp2: canonical coordinates, in which
-/// the motion keeps volumes.
+/// Four directions away from a state, each δθ1, δθ2, δp1, δp2: canonical coordinates, in which the
+/// motion preserves volumes.
 type TangentFrame = [[f64; 4]; 4];
 
-/// Time between two straightenings of the frame.
+/// Time between two orthonormalisations of the frame.
 const STRETCH: f64 = 1.0;
-/// The squared error of a step.
+/// Largest squared error of an accepted step.
 const TOLERANCE: f64 = 1e-22;
 
-/// The finite-time Lyapunov spectrum of a release from rest at `angle` over `time`, largest
-/// first, per unit of time: the frame is carried along and made orthonormal again and again
-/// (Benettin et al., Meccanica 15, 1980).
+/// The finite-time Lyapunov spectrum of a release from rest at `angle` over `time`, largest first,
+/// per unit of time: the frame is carried along and made orthonormal at regular intervals (Benettin
+/// et al., Meccanica 15, 1980).
 pub fn spectrum(pendulum: &Pendulum<f64>, angle: [f64; 2], time: f64) -> [f64; 4] {
     let mut phase = pendulum.phase(&State::rest(angle));
     let mut frame: TangentFrame =
@@ -106,7 +106,7 @@ pub fn spectrum(pendulum: &Pendulum<f64>, angle: [f64; 2], time: f64) -> [f64; 4
     sums
 }
 
-/// Phase and frame after `time`, by DOP853 on numbers that carry their slopes.
+/// The phase and the frame after `time`, by DOP853 on dual numbers.
 fn carried(
     pendulum: &Pendulum<f64>,
     phase: &Phase<f64>,
@@ -130,7 +130,7 @@ fn carried(
     without_slopes(&state)
 }
 
-/// Unit vectors turn by (−y, x) δθ.
+/// The phase as dual numbers along the frame: δθ moves a unit vector by (−y, x) δθ.
 fn with_slopes(phase: &Phase<f64>, frame: &TangentFrame) -> Phase<Dual> {
     let [x1, y1, x2, y2, _, _] = *phase;
     let by = [(-y1, 0), (x1, 0), (-y2, 1), (x2, 1), (1.0, 2), (1.0, 3)];
@@ -149,13 +149,13 @@ fn without_slopes(state: &Phase<Dual>) -> (Phase<f64>, TangentFrame) {
     (phase, frame)
 }
 
-/// Makes the frame orthonormal (Gram and Schmidt) and says how long each direction had grown.
+/// Makes the frame orthonormal (Gram and Schmidt) and returns the growth of each direction.
 fn straightened(frame: &mut TangentFrame) -> [f64; 4] {
     let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
     let mut growth = [0.0; 4];
     for k in 0..4 {
         let mut direction = frame[k];
-        // Twice is enough, once is not, for nearly parallel directions.
+        // For nearly parallel directions two passes are enough, one is not.
         for _ in 0..2 {
             for before in &frame[..k] {
                 let along = dot(before, &direction);

@@ -1,4 +1,4 @@
-//! Near the top: passes that only just happen or only just do not, and starts at the top itself.
+//! Hard cases near the top: grazing crossings, near misses, and starts at the top itself.
 
 use super::{
     BALANCED, HardBench, HardCase, HardFinding, Of, apart, farthest, home, oracle_dd, oracle_f64,
@@ -35,7 +35,7 @@ pub const CASES: &[HardCase] = &[
     },
 ];
 
-/// θ1, and two θ2 between which the flip time jumps because a pass becomes a miss.
+/// θ1, and two values of θ2 between which the flip time jumps because a crossing becomes a miss.
 const JUMPS: [[f64; 3]; 4] = [
     [2.9, 2.89194, 2.89351],
     [2.9, 1.18535, 1.18692],
@@ -43,7 +43,7 @@ const JUMPS: [[f64; 3]; 4] = [
     [2.9, 2.7789, 2.78047],
 ];
 const OFFSETS: [f64; 10] = [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15];
-/// Smaller ones are measured, not demanded.
+/// Smallest offset in rad that must be decided; smaller ones are measured, not required.
 const DECIDABLE: f64 = 1e-9;
 
 fn grazing(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
@@ -81,7 +81,7 @@ fn grazing(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     )
 }
 
-/// θ2 at which the flip time jumps, to 1e-18: by f64 to 1e-9, then by double-double.
+/// θ2 at which the flip time jumps, to 1e-18 rad: bisected in f64 to 1e-9, then in double-double.
 fn tangent_start(question: &Question, theta1: f64, [low, high]: [f64; 2]) -> Dd {
     type Judge = fn(&Question, &[[Dd; 2]]) -> Vec<Outcome>;
     let half = Dd::new(0.5);
@@ -161,12 +161,12 @@ fn at_the_top(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     )
 }
 
-/// The same place by its other name.
+/// The same place on the torus, with π replaced by −π.
 fn other_side(theta: Dd) -> Dd {
     if theta == Dd::PI { -Dd::PI } else { theta }
 }
 
-/// Starts as a grid gives them: at the top on the side the first motion leads to.
+/// The starts as a grid gives them: a bob at the top is put on the side of its first motion.
 fn settled(question: &Question, starts: &[[Dd; 2]]) -> Vec<[Dd; 2]> {
     let pendulum = question.build.pendulum_in();
     starts.iter().map(|&start| opening::settled(&pendulum, start)).collect()

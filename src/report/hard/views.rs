@@ -1,4 +1,4 @@
-//! Windows where coordinates go wrong: across the seam, and below what numbers can tell apart.
+//! Windows where coordinates go wrong: across the seam, and below the resolution of the numbers.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, LESSON, Of, apart, count};
 use crate::engine::{EngineError, Question};
@@ -33,7 +33,7 @@ fn window(center: [&str; 2], width: &str) -> Scene {
     Scene { view, ..Scene::default() }
 }
 
-/// Every pixel's outcome, rows from the top.
+/// Outcomes of all pixels, row by row from the top.
 fn picture(bench: &mut HardBench, scene: &Scene) -> Result<Vec<Outcome>, EngineError> {
     let question = Question { budget_secs: 6.0, ..Question::from(scene) };
     let grid = Grid::new(scene, [SIDE; 2]);
@@ -77,7 +77,7 @@ fn staircase(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let question = Question::from(&scene);
     let starts: Vec<[Dd; 2]> =
         (0..SIDE * SIDE).map(|k| grid.angle_from_pixel(k % SIDE, k / SIDE)).collect();
-    // Fixed steps run in angles: what f64 leaves of a start is gone before the first one.
+    // Fixed steps run in angles: what f64 cannot hold of a start is lost before the first step.
     let answers = bench.answers(&question, LESSON, &starts)?;
     let rounded: Vec<[Dd; 2]> = starts.iter().map(|s| s.map(|theta| Dd::new(theta.hi))).collect();
     let same = answers == bench.answers(&question, LESSON, &rounded)?;

@@ -1,5 +1,5 @@
-//! An enemy in the house: random scenes rendered with `exact`, and every pixel that says it is
-//! sure compared with a referee that shares nothing with the engines but the right-hand side.
+//! A hunt for wrong pixels: random scenes rendered with `exact`, and the pixels not marked as
+//! uncertain compared with a referee that shares nothing with the engines but the right-hand side.
 
 mod referee;
 mod scenes;
@@ -22,34 +22,34 @@ use crate::tiles::{Renderer, Samples, Work};
 
 /// Pixels along each side of a window.
 const SIDE: u32 = 32;
-/// Pixels of a deep window that are judged: each takes a long solution of its own.
+/// Number of pixels of a deep window that are judged: each takes a long solution of its own.
 const DEEP_SAMPLE: usize = 16;
 
-/// A window that takes longer to render is left alone.
+/// Time limit for rendering a window; a slower one is skipped.
 const RENDER_PATIENCE: Duration = Duration::from_secs(60);
-/// A window is judged no longer than this, in pixels drawn by chance,
+/// Time limit for judging a window, whose pixels are taken in random order.
 const WINDOW_PATIENCE: Duration = Duration::from_secs(40);
-/// and one of its pixels no longer than this.
+/// Time limit for judging one pixel.
 const PIXEL_PATIENCE: Duration = Duration::from_secs(10);
 
-/// What a hunt has come to.
+/// The results of a hunt.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Hunt {
-    /// What the scenes were drawn from.
+    /// Seed that the scenes were drawn from.
     pub seed: u64,
-    /// Windows rendered.
+    /// Number of windows rendered and judged.
     pub windows: usize,
-    /// Windows that took too long to render, and were left alone.
+    /// Number of windows skipped because they took too long to render.
     pub too_slow: usize,
-    /// Simulated pixels of them.
+    /// Number of simulated pixels in the windows.
     pub simulated: usize,
-    /// Pixels that were marked.
+    /// Number of pixels marked as uncertain.
     pub marked: usize,
-    /// Windows in which more than one simulated pixel in twenty was marked.
+    /// Number of windows in which more than one simulated pixel in twenty was marked.
     pub windows_mostly_marked: usize,
-    /// Unmarked pixels that were judged,
+    /// Number of unmarked pixels that were judged.
     pub judged: usize,
-    /// and those among them that the referee could not tell.
+    /// Number of judged pixels that the referee could not decide.
     pub untold: usize,
     /// Unmarked pixels that are wrong.
     pub wrong: Vec<WrongPixel>,
@@ -58,23 +58,23 @@ pub struct Hunt {
 /// An unmarked pixel that is wrong.
 #[derive(Clone, Debug, Serialize)]
 pub struct WrongPixel {
-    /// Makes the picture that it is in.
+    /// The command that renders the picture with the pixel.
     pub command: String,
-    /// What the scene was to lure out.
+    /// The lure that the scene was drawn for.
     pub lure: String,
-    /// Its column and row.
+    /// Column and row of the pixel.
     pub pixel: [u32; 2],
-    /// What it says: seconds, or a status.
+    /// The engine's answer: seconds, or a status.
     pub given: String,
-    /// What is true.
+    /// The true outcome, in the same form.
     pub truth: String,
-    /// How sure it said it was.
+    /// Trust reported with the answer.
     pub trust: Trust,
 }
 
 impl Hunt {
-    /// Hunts for some time and through so many windows at most, or until it is stopped; `told`
-    /// hears of every window.
+    /// Hunts for `minutes`, through `most_windows` at most, or until stopped; calls `told` after
+    /// every window that is rendered in time.
     pub fn run(
         minutes: f64,
         most_windows: usize,
@@ -92,7 +92,7 @@ impl Hunt {
             let go_on = || !stop();
             let (scene, lure) = scenes.next(engine.as_mut(), config, &go_on)?;
             let picks = scenes.seed();
-            // What was drawn out of range is no scene.
+            // A scene drawn out of range is skipped.
             let Ok(scene) = scene.checked() else { continue };
             log::debug!("{lure:?}: {}", command(&scene));
             let begun = Instant::now();
@@ -108,7 +108,7 @@ impl Hunt {
         Ok(hunt)
     }
 
-    /// Judges a window, unless that is stopped half-way.
+    /// Judges a window and adds the results, unless it is stopped midway.
     fn judge(&mut self, scene: &Scene, lure: &str, samples: &Samples, picks: u64, stop: StopTest) {
         let all = 0..samples.len();
         let is_simulated = |k: &usize| samples.get(*k).status != Status::Forbidden;
@@ -166,7 +166,7 @@ fn words(outcome: &Outcome) -> String {
     }
 }
 
-/// The command that makes the picture again.
+/// The command that renders the picture again.
 fn command(scene: &Scene) -> String {
     let options: Vec<String> =
         Word::ALL.iter().map(|(option, word)| format!("{option}={}", word.text(scene))).collect();
@@ -176,13 +176,13 @@ fn command(scene: &Scene) -> String {
     )
 }
 
-/// Whether f64 cannot tell the pixels of a view apart well enough to judge them.
+/// Returns true if f64 cannot distinguish the pixels of a view well enough to judge them.
 fn is_deep(view: &View) -> bool {
     view.width_rad().to_f64() / view.stretch.max(1.0) < 1e-9
 }
 
-/// A view an eighth as wide around the two neighbours, in a row through the middle, that differ
-/// most; none where all are alike.
+/// A view an eighth as wide around the two neighbours that differ most in a row through the middle,
+/// or `None` if all are alike.
 fn edge(
     scene: &Scene,
     engine: &mut dyn Engine,
@@ -208,10 +208,10 @@ fn edge(
     Ok(Some(Scene { view, ..scene.clone() }))
 }
 
-/// Says when to give up.
+/// Function that returns true when the referee should give up.
 type GiveUp<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// What the referee says of an answer.
+/// The referee's verdict on an answer.
 enum RefereeVerdict {
     Right,
     Wrong(Outcome),
@@ -234,7 +234,7 @@ fn verdict(
         _ => None,
     };
     if !deep {
-        // Far fewer digits than the truth has, but nobody agrees with a wrong answer by accident.
+        // Far fewer digits than the truth has, but a wrong answer is not confirmed by accident.
         let agrees =
             |truth: Option<Outcome>| truth.is_some_and(|truth| is_same(scene, given, &truth, 0.2));
         if agrees(truth::<f64>(scene, angle, 8, 5e-14, give_up))
@@ -253,13 +253,13 @@ fn verdict(
     judge(longest, long).unwrap_or(RefereeVerdict::Untold)
 }
 
-/// Whether two outcomes are of one class and, if flipped, within a share of what is right.
+/// Returns true if two outcomes agree in status and, if flipped, within `share` of what is right.
 fn is_same(scene: &Scene, a: &Outcome, b: &Outcome, share: f64) -> bool {
     let within = share * right_secs(scene.build.unit_secs());
     a.status == b.status && (a.time - b.time).abs() <= within
 }
 
-/// The outcome of a start in the digits of a number type.
+/// The outcome of a start in a number type's digits, or `None` if it cannot be decided in them.
 fn truth<T: Scalar + Angle>(
     scene: &Scene,
     angle: [Theta; 2],

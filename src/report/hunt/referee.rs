@@ -1,30 +1,30 @@
 //! The referee of a hunt: a solver that shares nothing with the engines but the right-hand side.
 //!
 //! Steps are extrapolations of Gragg's midpoint rule (Bulirsch and Stoer 1966; Hairer, Nørsett and
-//! Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.9) to an order and a length
-//! that the number type's digits ask for. A step is only taken if no watched bob can have been at
-//! the top in it, or if it passed the top exactly once; otherwise it is halved. What bounds a
-//! bob's way is its acceleration at both ends, with room to spare.
+//! Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.9), of an order and a length
+//! that the digits of the number type call for. A step is accepted only if no watched bob can have
+//! been at the top in it, or if one crossed the top exactly once; otherwise it is halved. The bound
+//! on a bob's path comes from its acceleration at both ends, with a safety factor.
 
 use crate::physics::phase::Phase;
 use crate::physics::{Outcome, Pendulum, Rule, Scalar, Status};
 
-/// What a referee decides about.
+/// A solver for the flip time of one pendulum.
 pub struct Referee<'a, T> {
-    /// In reduced units.
+    /// The pendulum in reduced units.
     pub pendulum: Pendulum<T>,
     pub rule: Rule,
-    /// Reduced.
+    /// The budget in reduced units.
     pub budget: T,
-    /// Columns of the extrapolation.
+    /// Number of columns of the extrapolation.
     pub columns: usize,
     /// Error allowed in a step, in unit vectors and scaled momenta.
     pub tolerance: f64,
-    /// Whether it has taken too long.
+    /// Function that returns true when the solution has taken too long.
     pub give_up: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// What became of a bob in a step.
+/// The verdict on whether a bob crossed the top in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TopVerdict {
     Clear,
@@ -32,19 +32,19 @@ enum TopVerdict {
     Unclear,
 }
 
-/// No step is longer, reduced.
+/// Longest step, in reduced units.
 const LONGEST: f64 = 0.25;
-/// Where steps as short as this are not precise enough, digits are missing.
+/// Step below which a failing error test means that the number type has too few digits.
 const LEAST_FOR_ERRORS: f64 = 1e-6;
-/// Steps shorter than this decide nothing any more.
+/// Step below which nothing can be decided any more.
 const SHORTEST: f64 = 1e-40;
 const MOST_STEPS: usize = 2_000_000;
-/// How much larger than at the ends of a step a bob's acceleration may be in it.
+/// Factor by which a bob's acceleration within a step may exceed that at its ends.
 const ROOM: f64 = 4.0;
 
 impl<T: Scalar> Referee<'_, T> {
-    /// The outcome of letting go at rest with these unit vectors, its time reduced; none where it
-    /// cannot be told in these digits.
+    /// The outcome of a release from rest with these unit vectors, its time reduced; `None` if it
+    /// cannot be decided in these digits.
     pub fn outcome(&self, vectors: [T; 4]) -> Option<Outcome<T>> {
         let zero = T::zero();
         let [x1, y1, x2, y2] = vectors;
@@ -88,7 +88,7 @@ impl<T: Scalar> Referee<'_, T> {
         None
     }
 
-    /// A step, and how far its last two columns are apart.
+    /// Makes a step and returns the distance between its last two columns as its error.
     fn step(&self, phase: &Phase<T>, step: T) -> (Phase<T>, f64) {
         let [p1, p2] = self.pendulum.momentum_scale().map(|scale| 1.0 / scale.to_f64());
         let unit = [1.0, 1.0, 1.0, 1.0, p1, p2];
@@ -97,7 +97,7 @@ impl<T: Scalar> Referee<'_, T> {
         for j in 0..self.columns {
             let mut entry = self.midpoints(phase, step, 2 * (j + 1));
             for (k, row) in row.iter_mut().enumerate() {
-                // Of h² to zero: (n_j / n_{j−k−1})² − 1 = above / below.
+                // Extrapolation in h² to zero: (n_j / n_{j−k−1})² − 1 = above / below.
                 let (n, m) = ((j + 1) as f64, (j - k) as f64);
                 let (above, below) = (T::from_f64(n * n - m * m), T::from_f64(m * m));
                 let before = std::mem::replace(row, entry);
@@ -112,7 +112,7 @@ impl<T: Scalar> Referee<'_, T> {
         (row[self.columns - 1], error)
     }
 
-    /// Gragg's rule with `count` midpoints.
+    /// Gragg's midpoint rule with `count` substeps.
     fn midpoints(&self, phase: &Phase<T>, step: T, count: usize) -> Phase<T> {
         let length = step / T::from_f64(count as f64);
         let twice = length + length;
@@ -129,12 +129,12 @@ impl<T: Scalar> Referee<'_, T> {
         std::array::from_fn(|i| (now[i] + end[i]) * T::from_f64(0.5))
     }
 
-    /// What the watched bobs did in a step.
+    /// The verdict on all watched bobs in a step.
     fn way(&self, from: &Phase<T>, to: &Phase<T>, step: T) -> TopVerdict {
         let ways = self.rule.watched().iter().map(|&bob| self.way_of(bob, from, to, step));
         let mut all = TopVerdict::Clear;
         for way in ways {
-            // Two passes at once are told apart in shorter steps.
+            // Two crossings in one step are separated by shorter steps.
             all = match (all, way) {
                 (TopVerdict::Clear, way) => way,
                 (way, TopVerdict::Clear) => way,
@@ -157,7 +157,7 @@ impl<T: Scalar> Referee<'_, T> {
         let bend = ROOM * ends.iter().map(|end| end.bend.abs()).fold(0.0, f64::max);
         let [y0, y1] = [ends[0].y, ends[1].y];
         if y0 * y1 < 0.0 || y1 == 0.0 {
-            // The rate keeps its sign all the way.
+            // The rate keeps its sign throughout the step.
             let steady = |rate: f64| rate.abs() > bend * h && rate * y0 < 0.0;
             let passes = steady(ends[0].rate) && steady(ends[1].rate);
             return match (passes, ends[0].x < 0.0 && ends[1].x < 0.0) {
@@ -166,7 +166,7 @@ impl<T: Scalar> Referee<'_, T> {
                 _ => TopVerdict::Unclear,
             };
         }
-        // From each end over half of the step.
+        // A lower bound from each end over half of the step.
         let half = 0.5 * h;
         let least =
             |y: f64, towards: f64| y.abs() - towards.max(0.0) * half - 0.5 * bend * half * half;
@@ -186,7 +186,7 @@ impl<T: Scalar> Referee<'_, T> {
         BobMotion { x, y, rate, bend, speed }
     }
 
-    /// How long into a step the top is passed.
+    /// Time from the beginning of a step to the crossing of the top.
     fn passage(&self, from: &Phase<T>, step: T) -> Option<T> {
         let (mut low, mut high) = (T::zero(), step);
         let mut at = step * T::from_f64(0.5);
@@ -206,7 +206,7 @@ impl<T: Scalar> Referee<'_, T> {
             }
             let rate = self.pendulum.speeds(&phase)[bob] * phase[2 * bob];
             let newton = at - y / rate;
-            // Newton's error is about the square of its step.
+            // The error of Newton's method is about the square of its step.
             let near = (newton - at).abs().to_f64() < self.tolerance.sqrt();
             if near {
                 return Some(newton);
@@ -221,7 +221,7 @@ impl<T: Scalar> Referee<'_, T> {
     }
 }
 
-/// A bob at one moment: its place on the circle, the rate of its sine and the rate of that.
+/// A bob at one moment: its unit vector, its sine's first two derivatives, and its speed.
 struct BobMotion {
     x: f64,
     y: f64,

@@ -1,4 +1,4 @@
-//! Scenes that an enemy would choose: pendulums of all sizes, views at every depth, turned and
+//! Scenes that an adversary would choose: pendulums of all sizes, views at every depth, turned and
 //! stretched, on seams, equilibria, filaments, energy curves and grazes.
 
 use crate::engine::{Engine, EngineError, IntegratorConfig};
@@ -6,40 +6,40 @@ use crate::physics::{Angle, Dd, Rule, Scalar, Theta};
 use crate::scene::{Budget, Build, FlipQuestion, Kind, Scene, View};
 use crate::tiles::descent::{Descent, DescentStep};
 
-/// Draws scenes, always the same ones from the same seed.
+/// Generator of random scenes, the same ones for the same seed.
 pub struct Scenes {
     random: fastrand::Rng,
 }
 
-/// Where a view is put.
+/// The kind of place at which a view is put.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lure {
-    /// Anywhere.
+    /// Any place on the torus.
     Anywhere,
-    /// Where an angle is ±π.
+    /// A place where an angle is ±π.
     Seam,
-    /// Where both angles are multiples of half a turn, or of a quarter.
+    /// A place where both angles are multiples of a half or a quarter turn.
     Equilibrium,
-    /// Where the energy is just enough to flip.
+    /// A place where the energy is just enough to flip.
     EnergyCurve,
-    /// Down a filament.
+    /// A place deep in a filament.
     Filament,
-    /// Where neighbours' flip times differ, as close as they get.
+    /// A place where the flip times of neighbours differ, however close they are.
     Edge,
 }
 
 impl Scenes {
-    /// The scenes of a seed.
+    /// The generator for a seed.
     pub fn new(seed: u64) -> Self {
         Scenes { random: fastrand::Rng::with_seed(seed) }
     }
 
-    /// 10 to a power between two.
+    /// A random power of ten, with its exponent between `least` and `most`.
     fn magnitude(&mut self, least: f64, most: f64) -> f64 {
         10f64.powf(least + (most - least) * self.random.f64())
     }
 
-    /// A number of few digits, so that commands stay short.
+    /// Rounds a number to a few digits, so that commands stay short.
     fn round(value: f64, digits: usize) -> f64 {
         format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
     }
@@ -63,7 +63,7 @@ impl Scenes {
         Build::new(kind, [m1, m2], [l1, l2], gravity)
     }
 
-    /// The next scene and what its place is to lure out; `engine` finds filaments and edges.
+    /// The next scene and its lure; `engine` finds filaments and edges.
     pub fn next(
         &mut self,
         engine: &mut dyn Engine,
@@ -96,7 +96,7 @@ impl Scenes {
         Ok((scene, lure))
     }
 
-    /// A view at a place that lures.
+    /// Puts the view at a place of the lure's kind, with a random width, rotation and stretch.
     fn look(&mut self, scene: &mut Scene, lure: Lure) {
         let pi = Theta::pi();
         let mut center = [0, 1].map(|_| Theta::from_f64(Self::round(self.angle(), 6)));
@@ -135,14 +135,14 @@ impl Scenes {
         (self.random.f64() - 0.5) * std::f64::consts::TAU
     }
 
-    /// A place near zero, at any distance that a view so wide would show or not.
+    /// A small angle: zero, or a random distance that a view of this width may or may not show.
     fn off(&mut self, width: f64) -> Theta {
         let far = width * self.magnitude(-6.0, 0.0);
         let off = self.random.choice([0.0, far, -far]).unwrap_or_default();
         Theta::from_f64(off)
     }
 
-    /// Moves θ2 onto the curve of just enough energy, if there is such a place.
+    /// Moves θ2 onto the curve of just enough energy, if that exists at this θ1.
     fn on_curve(&mut self, scene: &Scene, center: &mut [Theta; 2]) {
         let (pendulum, _) = scene.build.reduced_in::<Theta>();
         let least = pendulum.least_depth(scene.question.rule);
@@ -162,7 +162,7 @@ impl Scenes {
         center[1] = if self.random.bool() { theta } else { -theta };
     }
 
-    /// Goes down a filament, as far as a random depth.
+    /// Follows a filament down to a random depth.
     fn follow(
         &mut self,
         scene: &mut Scene,
@@ -189,8 +189,7 @@ impl Scenes {
         Ok(())
     }
 
-    /// Halves the way between two starts whose flips differ, down to a random distance, and looks
-    /// there.
+    /// Narrows the view around two neighbours whose flips differ, down to a random width.
     fn follow_edge(
         &mut self,
         scene: &mut Scene,
@@ -211,13 +210,13 @@ impl Scenes {
         Ok(())
     }
 
-    /// Another random seed, for what a scene needs beside itself.
+    /// Another random seed, for choices about a scene that are not part of it.
     pub fn seed(&mut self) -> u64 {
         self.random.u64(..)
     }
 }
 
-/// A pixel's start, from the scene's decimals: nothing is shared with how pictures compute it.
+/// The start of a pixel, from the scene's decimals: no code is shared with how pictures compute it.
 pub fn start(scene: &Scene, side: u32, [column, row]: [u32; 2]) -> [Theta; 2] {
     let pixel = Theta::parse(&scene.view.width).unwrap_or_default() / Theta::from_f64(side.into());
     let half = f64::from(side) / 2.0;

@@ -9,10 +9,10 @@ use super::SceneError;
 /// An opaque sRGB colour.
 pub type Rgb = [u8; 3];
 
-/// 256 colours from early to late, by name.
+/// A named table of 256 colours from early to late.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Palette {
-    /// Its name.
+    /// Name of the palette.
     pub name: &'static str,
     table: Vec<Rgb>,
 }
@@ -25,17 +25,17 @@ const FILES: [(&str, &str); 5] = [
     ("romao", include_str!("../../../assets/palettes/romao.txt")),
 ];
 
-/// Starts that can never flip: a grey that no palette has.
+/// Colour of starts that can never flip: a grey that no palette has.
 pub const FORBIDDEN: Rgb = [0xb8, 0xbc, 0xc0];
-/// Starts that did not flip within the budget.
+/// Colour of starts that did not flip within the budget.
 pub const UNFLIPPED: Rgb = [0xff, 0xff, 0xff];
-/// Starts whose integration failed.
+/// Colour of starts whose integration failed.
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
 
 impl Palette {
-    /// Where nobody chooses.
+    /// Name of the palette that is used where none is chosen.
     pub const DEFAULT: &str = "batlow";
-    /// One whose end is its beginning.
+    /// Name of a palette whose end is its beginning.
     pub const CYCLIC: &str = "romao";
 
     /// The palette called `name`.
@@ -55,25 +55,25 @@ impl Palette {
         FILES.iter().map(|(name, _)| *name)
     }
 
-    /// The colour at `position` in [0, 1], early to late.
+    /// The colour at `position` in [0, 1], from early to late.
     pub fn colour(&self, position: f64) -> Rgb {
         let last = self.table.len() - 1;
         self.table[((position.clamp(0.0, 1.0) * last as f64).round() as usize).min(last)]
     }
 }
 
-/// A channel of sRGB as linear light in [0, 1] (IEC 61966-2-1).
+/// Converts a channel of sRGB to linear light in [0, 1] (IEC 61966-2-1).
 pub fn light(channel: u8) -> f64 {
     let c = f64::from(channel) / 255.0;
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
-/// [`light`] of every channel, with all of it as 65535.
+/// [`light`] of every channel value, scaled so that full light is 65535.
 pub fn light_table() -> [u16; 256] {
     std::array::from_fn(|channel| (light(channel as u8) * 65535.0).round() as u16)
 }
 
-/// `#rrggbb`; other lines are comments.
+/// Reads a line `#rrggbb`; other lines are comments.
 fn parse_colour(line: &str) -> Option<Rgb> {
     let digits = line.strip_prefix('#').filter(|digits| digits.len() == 6)?;
     let channel = |i: usize| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok();

@@ -1,11 +1,11 @@
-//! Times to colours: between fixed times, so that a colour means the same in every tile of a
-//! picture, whatever else is in it.
+//! The colours of times. They run between fixed times, so that a colour means the same in every
+//! tile of a picture, whatever else is in it.
 
 use super::{FAILED, FORBIDDEN, Palette, Rgb, UNFLIPPED};
 use crate::physics::{Outcome, Status};
 use crate::scene::{PictureTable, Scale, SceneError};
 
-/// Where in a palette each time lies.
+/// A map from times to places in a palette.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tones {
     palette: Palette,
@@ -16,20 +16,21 @@ pub struct Tones {
     times: Vec<f64>,
 }
 
-/// Colours at equal steps of the logarithm of time, for where there is a table and no arithmetic.
+/// Colours at equal steps of the logarithm of time, for use where a table replaces the arithmetic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lookup {
-    /// Seconds of the first colour.
+    /// Time of the first colour in s.
     pub first_secs: f64,
-    /// Seconds of the last one.
+    /// Time of the last colour in s.
     pub last_secs: f64,
     /// Entry `k` of `n` is the colour at `first_secs · (last_secs / first_secs)^(k / (n − 1))`.
     pub colours: Vec<Rgb>,
 }
 
 impl Tones {
-    /// The tones of a picture of a pendulum with this natural unit of time, and of this budget:
-    /// without times of its own it runs from the one, before which few flips come, to the other.
+    /// The tones of a picture of a pendulum with this natural unit of time and this budget. Without
+    /// times of its own, the picture runs from the former, before which few flips come (or from a
+    /// tenth of the budget, if the unit is at least half of it), to the latter.
     pub fn new(
         picture: &PictureTable,
         unit_secs: f64,
@@ -50,15 +51,15 @@ impl Tones {
         })
     }
 
-    /// The first and the last time that has a colour of its own, in s.
+    /// The first and the last time with a colour of its own, in s.
     pub fn range_secs(&self) -> [f64; 2] {
         [self.times[0], self.times[self.times.len() - 1]]
     }
 
-    /// Where in the palette a time lies, in [0, 1].
+    /// Position of a time in the palette, in [0, 1].
     pub fn position(&self, secs: f64) -> f64 {
         let along = self.share(secs).clamp(0.0, 1.0) * self.cycles;
-        // The last time is the end of the last run, not the beginning of another.
+        // The last time is the end of the last cycle, not the beginning of another.
         let run = along.floor().min(self.cycles.ceil() - 1.0);
         if self.reverse { 1.0 - (along - run) } else { along - run }
     }
@@ -75,7 +76,7 @@ impl Tones {
         (step as f64 + within) / steps as f64
     }
 
-    /// The time that lies at a share of the range, in s: what a legend writes beside its colours.
+    /// The time at a share of the range, in s: the number that a legend writes beside its colours.
     pub fn secs_at(&self, share: f64) -> f64 {
         let steps = self.times.len() - 1;
         let along = share.clamp(0.0, 1.0) * steps as f64;
@@ -97,7 +98,7 @@ impl Tones {
         }
     }
 
-    /// A table of at least two colours.
+    /// A table of `entries` colours, but of at least two.
     pub fn lookup(&self, entries: usize) -> Lookup {
         let [first_secs, last_secs] = self.range_secs();
         let last = entries.max(2) - 1;
@@ -107,17 +108,17 @@ impl Tones {
     }
 }
 
-/// Times closer than this share of themselves are the same time.
+/// Relative difference below which two times are the same.
 const SAME: f64 = 1e-12;
 
-/// Whether each time is later than the one before, by more than rounding.
+/// True if each time is later than the one before by more than rounding.
 pub fn rise(times: &[f64]) -> bool {
     times.windows(2).all(|pair| pair[1] > pair[0] * (1.0 + SAME))
 }
 
 /// The times between which equally many of `times` lie, in at most `steps` steps: with them in
-/// [`PictureTable::times`] every colour is seen about equally often. Where there are fewer than
-/// two different times there is nothing to spread, and the answer is empty.
+/// [`PictureTable::times`] every colour is seen about equally often. Empty if there are fewer than
+/// two different times, since then there is nothing to spread.
 pub fn equalised(times: impl Iterator<Item = f64>, steps: usize) -> Vec<f64> {
     let steps = steps.clamp(1, PictureTable::MOST_TIMES - 1);
     let mut sorted: Vec<f64> = times.filter(|secs| PictureTable::SECS.contains(secs)).collect();

@@ -12,18 +12,18 @@ use crate::physics::State;
 use crate::physics::separation::natural_secs;
 use crate::scene::{Build, Kind};
 
-/// How far back the trail goes, in natural units of time: 3.8 s for the home pendulum.
+/// Duration of the trail in natural units of time: 3.8 s for the home pendulum.
 const TRAIL_UNITS: f64 = 12.0;
-/// Points of the trail.
+/// Number of points of the trail.
 const TRAIL_POINTS: usize = 384;
-/// Points after which it gets lighter; few, because lines that meet show a bead.
+/// Number of points per band of equal opacity; few, because lines that meet show a bead.
 const BAND_POINTS: usize = 16;
-/// Of half the canvas: what the outstretched pendulum takes.
+/// Length of the outstretched pendulum as a fraction of half the canvas.
 const FILLED: f32 = 0.88;
-/// The heavier bob's radius, or half the heavier bar's width, of half the canvas.
+/// Radius of the heavier bob, or width of the heavier bar, as a fraction of half the canvas.
 const HEAVIEST: f32 = 0.075;
 
-/// Draws a pin's pendulum at the moment that is shown.
+/// Draws a pin's pendulum at the time shown.
 pub fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
     let side = ui.available_width().min(MOST_SIDE);
     let size = vec2(ui.available_width(), side);
@@ -46,10 +46,10 @@ pub fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
     painter.text(corner, Align2::LEFT_BOTTOM, legend, FontId::proportional(10.0), FAINT);
 }
 
-/// Larger than this it shows no more, points.
+/// Greatest side of the drawing in points; a larger one would show no more.
 const MOST_SIDE: f32 = 300.0;
 
-/// What a screen reader says about the drawing.
+/// Describes the drawing for a screen reader.
 fn told(pin: &Pin, state: Option<&State<f64>>) -> String {
     let letter = pin.badge.letter();
     match state {
@@ -61,7 +61,7 @@ fn told(pin: &Pin, state: Option<&State<f64>>) -> String {
     }
 }
 
-/// From a pendulum's metres and kilograms to points on the canvas.
+/// The mapping from a pendulum's metres and kilograms to points on the canvas.
 struct PendulumCanvas<'a> {
     pivot: Pos2,
     half_side: f32,
@@ -73,7 +73,7 @@ impl<'a> PendulumCanvas<'a> {
         PendulumCanvas { pivot, half_side, build }
     }
 
-    /// The ends of both rods, for angles from the downward vertical, anticlockwise.
+    /// Returns the ends of both rods, for angles from the downward vertical, anticlockwise.
     fn ends(&self, angle: [f64; 2]) -> [Pos2; 2] {
         let lengths = self.build.lengths_m();
         let reach = lengths[0] + lengths[1];
@@ -86,7 +86,7 @@ impl<'a> PendulumCanvas<'a> {
         [first, first + rod(1)]
     }
 
-    /// Radii of bobs, their areas in the ratio of their masses as far as both can be seen.
+    /// Returns the bobs' radii: areas in proportion to the masses, down to a least radius.
     fn radii(&self) -> [f32; 2] {
         let [m1, m2] = self.build.masses_kg();
         let heaviest = m1.max(m2);
@@ -115,7 +115,7 @@ impl<'a> PendulumCanvas<'a> {
         painter.circle_filled(self.pivot, 4.0, INK);
     }
 
-    /// Dashed rods and hollow bobs.
+    /// Draws the ghost with dashed rods and hollow bobs.
     fn ghost(&self, painter: &Painter, state: &State<f64>) {
         let [first, second] = self.ends(state.angle);
         let stroke = Stroke::new(1.0, FAINT);
@@ -127,7 +127,7 @@ impl<'a> PendulumCanvas<'a> {
         }
     }
 
-    /// Where the second bob has been, fading with age.
+    /// Draws the past path of the second bob, fading with age.
     fn trail(&self, painter: &Painter, pin: &Pin, secs: f64) {
         let length_secs = TRAIL_UNITS * natural_secs(&pin.flight.question().build.pendulum());
         let motion = &pin.flight.record().own.motion;
@@ -144,7 +144,7 @@ impl<'a> PendulumCanvas<'a> {
         }
     }
 
-    /// Once it has happened: a ring where the bob was, and the word.
+    /// Draws a past flip: a ring at the bob's position at that moment, and a caption.
     fn flip(&self, painter: &Painter, pin: &Pin, secs: f64) {
         let track = &pin.flight.record().own;
         let Some(flip) = track.flip.filter(|flip| flip.secs.hi <= secs) else { return };

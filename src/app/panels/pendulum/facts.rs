@@ -1,4 +1,4 @@
-//! The numbers of a pin: where it starts, when it flips, what the map said, how right it is.
+//! The numbers of a pin: its start, flip time, the map's outcome, and the energy error.
 
 use egui::{Grid, RichText, Ui};
 
@@ -8,7 +8,7 @@ use crate::engine::Trust;
 use crate::physics::separation::reading_at;
 use crate::physics::{Dd, Outcome, Scalar, Status};
 
-/// Shows them as a table of names and values.
+/// Shows the numbers as tables of names and values.
 pub fn facts(ui: &mut Ui, pin: &Pin) {
     Grid::new("start").num_columns(4).show(ui, |ui| {
         for (name, theta) in ["θ1", "θ2"].into_iter().zip(pin.start) {
@@ -51,7 +51,7 @@ const ENERGY: &str = "How far the energy has drifted by now, as a share of P + Q
                       the two angles; without friction it should not drift at all";
 const RECORD: &str = "A long motion is kept only up to a number of steps";
 
-/// What the gold standard says about one of the two, or how far it has come.
+/// Describes the gold standard's outcome of the pendulum or its ghost, or the flight's progress.
 fn flown_words(flight: &Flight, outcome: Option<Outcome<Dd>>) -> String {
     let known_secs = round_secs(flight.record().end_secs());
     match (outcome, flight.record().ending) {
@@ -91,7 +91,7 @@ fn agreement_words(agreement: Agreement) -> String {
     }
 }
 
-/// Relative to P + Q: at the moment, and the worst up to it.
+/// Describes the energy error relative to P + Q: the current one, and the worst so far.
 fn energy_words(pin: &Pin) -> String {
     let readings = &pin.flight.record().readings;
     let secs = pin.shown_secs();
@@ -103,7 +103,7 @@ fn energy_words(pin: &Pin) -> String {
     format!("{:.0e}, at worst {worst:.0e}", now.energy_error.abs())
 }
 
-/// Where and why the record ends, if that is not where it should.
+/// Describes where and why the record ends; none if it is complete or still growing.
 fn ending_words(flight: &Flight) -> Option<String> {
     let end_secs = round_secs(flight.record().end_secs());
     match flight.record().ending? {
@@ -114,7 +114,7 @@ fn ending_words(flight: &Flight) -> Option<String> {
     }
 }
 
-/// Seconds to four digits, without zeros that say nothing.
+/// Formats seconds to four significant digits, without trailing zeros.
 pub fn round_secs(secs: f64) -> String {
     let digits = (3.0 - secs.abs().max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{secs:.digits$}");

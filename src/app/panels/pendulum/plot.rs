@@ -13,12 +13,12 @@ use crate::lab::chart::round_step;
 use crate::physics::separation::{Growth, Reading, reading_at};
 
 const HEIGHT: f32 = 110.0;
-/// What the numbers beside and below the plot take, points.
+/// Space for the numbers to the left of the plot and below it, in points.
 const MARGIN: egui::Vec2 = vec2(38.0, 16.0);
-/// Points of the curve at most; more could not be told apart.
+/// Greatest number of points of the curve; more could not be told apart.
 const MOST_POINTS: usize = 400;
 
-/// Shows the plot with the present moment marked, and the growth rate in words.
+/// Shows the plot with the current time marked, and the growth rate in words.
 pub fn separation(ui: &mut Ui, pin: &Pin) {
     let record = pin.flight.record();
     let growth = Growth::fit(&record.readings);
@@ -45,12 +45,12 @@ pub fn separation(ui: &mut Ui, pin: &Pin) {
     axes.now(&painter, &record.readings, pin.shown_secs());
 }
 
-/// The separation at `secs`, and how fast it grows.
+/// Describes the separation at `secs` and its growth rate.
 fn words(readings: &[Reading], growth: Option<Growth>, secs: f64) -> String {
     let now = reading_at(readings, secs).map_or(0.0, |reading| reading.separation_rad);
     let grows = match growth {
         Some(Growth { rate_per_sec, until_secs, .. }) => {
-            // Rounded first, then 0 added: no "-0.00".
+            // Adding 0 after rounding avoids "-0.00".
             let rate = (rate_per_sec * 100.0).round() / 100.0 + 0.0;
             format!("grows at {rate:.2} 1/s up to {} s", round_secs(until_secs))
         }
@@ -59,12 +59,12 @@ fn words(readings: &[Reading], growth: Option<Growth>, secs: f64) -> String {
     format!("Separation {} rad; {grows}", short(now))
 }
 
-/// Two digits, plain where that is readable.
+/// Formats a value with two digits, in plain notation where that is readable.
 fn short(value: f64) -> String {
     if (0.01..1000.0).contains(&value) { format!("{value:.2}") } else { format!("{value:.1e}") }
 }
 
-/// Seconds to the right, decades up.
+/// The plot's axes: seconds to the right, decades up.
 struct Axes {
     area: Rect,
     decades: [i32; 2],
@@ -73,7 +73,7 @@ struct Axes {
 }
 
 impl Axes {
-    /// None while there is nothing to plot.
+    /// Creates the axes; none while there is nothing to plot.
     fn new(rect: Rect, readings: &[Reading], end_secs: f64) -> Option<Axes> {
         let logs = readings.iter().map(|r| r.separation_rad.log10()).filter(|log| log.is_finite());
         let [low, high] = logs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], log| {
@@ -103,7 +103,7 @@ impl Axes {
         seen.step_by(stride).map(|r| self.place(r.secs, r.separation_rad)).collect()
     }
 
-    /// The area, its gridlines and their numbers.
+    /// Draws the area, its gridlines and their numbers.
     fn frame(&self, painter: &Painter, text: Color32) {
         let grid = Stroke::new(1.0, FAINT.gamma_multiply(0.4));
         let font = FontId::proportional(10.0);
@@ -128,7 +128,7 @@ impl Axes {
         }
     }
 
-    /// The present moment: a line across, and a dot on the curve.
+    /// Draws the current time: a vertical line, and a dot on the curve.
     fn now(&self, painter: &Painter, readings: &[Reading], secs: f64) {
         let Some(reading) = reading_at(readings, secs) else { return };
         let at = self.place(secs, reading.separation_rad);

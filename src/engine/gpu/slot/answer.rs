@@ -1,4 +1,4 @@
-//! What is read back when all pendulums of a job are done.
+//! The answer, read back when all pendulums of a job are done.
 
 use bytemuck::Pod;
 use rayon::prelude::*;
@@ -32,7 +32,7 @@ impl Slot {
         Some(JobResult { outcomes, ..finished })
     }
 
-    /// Where each pendulum ended: a flip is in the step that follows its state.
+    /// The end of each pendulum; a flip lies in the step that follows its state.
     fn ends(&self, raw: &[RawOutcome], states: &[IntegratorState]) -> Vec<End> {
         let (reduced, _) = self.job.question.reduced();
         let one = |(raw, state): (&RawOutcome, &IntegratorState)| {
@@ -79,7 +79,7 @@ impl Slot {
     fn read_states(&self, raw: &[RawOutcome]) -> Option<Vec<IntegratorState>> {
         let (count, offset) = (raw.len() * self.places.len(), self.outcome_bytes());
         let answer = &self.buffers.answer;
-        // For each number of each pendulum its value and, of two f32, its rest.
+        // For each number of each pendulum its value and, for two f32, its remainder.
         let states: Vec<[f64; 2]> = match self.job.config.precision {
             Precision::F32 => {
                 read::<f32>(answer, offset, count)?.iter().map(|&x| [f64::from(x), 0.0]).collect()
