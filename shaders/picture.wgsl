@@ -49,9 +49,6 @@ const SIDE: i32 = 128;
 // Slots along a side of a layer of the atlas.
 const SLOTS_ALONG: u32 = 8u;
 const TABLE_ENTRIES: f32 = 1024.0;
-const FLIPPED: u32 = 1u;
-const FORBIDDEN: u32 = 2u;
-const FAILED: u32 = 3u;
 const UNCERTAIN: u32 = 4u;
 // Logarithms are counted from 2^-32 s, in steps of 2^-21.
 const LOG_BIAS: f32 = 32.0;

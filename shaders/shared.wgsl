@@ -56,10 +56,7 @@ struct Queue {
 }
 
 const SUSPECTS = 2u;
-const UNFLIPPED = 0u;
-const FLIPPED = 1u;
-const FAILED = 3u;
-const LOOK = 256u;
+{{ statuses }}const LOOK = 256u;
 const WORKGROUP = 64u;
 
 @group(0) @binding(0) var<storage, read> job: Job;

@@ -9,7 +9,7 @@ use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::app::canvas::sample::{LOG_BIAS, LOG_STEPS};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
-use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome};
+use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome, status_constants};
 use flipmap::engine::{IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap::physics::{Rule, Status};
 use flipmap::scene::lattice::SIDE;
@@ -33,10 +33,35 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The modules to the right of `module` that `text` uses.
+/// The top-level names of every `use crate::{…}` in a text.
+fn grouped(text: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    for group in text.split("crate::{").skip(1) {
+        let (mut depth, mut path) = (0, String::new());
+        for letter in group.chars() {
+            match letter {
+                '{' => depth += 1,
+                '}' | ',' if depth == 0 => names.push(std::mem::take(&mut path)),
+                '}' => depth -= 1,
+                _ if depth == 0 => path.push(letter),
+                _ => {}
+            }
+            if letter == '}' && path.is_empty() {
+                break;
+            }
+        }
+    }
+    let first = |path: &String| path.split("::").next().unwrap_or_default().trim().to_string();
+    names.iter().map(first).collect()
+}
+
+/// The modules that stand to the right of `module` and that `text` uses, one by one or in a group.
 fn arrows_back<'a>(module: &str, text: &str) -> Vec<&'a str> {
-    let place = ORDER.iter().position(|name| *name == module).expect("a module of the house");
-    let uses = |name: &&&str| text.contains(&format!("crate::{name}"));
+    let place = ORDER.iter().position(|name| *name == module).expect("a module of the library");
+    let groups = grouped(text);
+    let uses = |name: &&&str| {
+        text.contains(&format!("crate::{name}")) || groups.iter().any(|group| group == *name)
+    };
     ORDER[place + 1..].iter().filter(uses).copied().collect()
 }
 
@@ -51,6 +76,9 @@ fn data_flows_one_way() {
         }
     }
     assert_eq!(arrows_back("scene", "use crate::tiles::Work;"), ["tiles"], "the test can fail");
+    let group = "use crate::{\n    physics::{Dd, Rule},\n    tiles::{self, Work},\n    app,\n};";
+    assert_eq!(arrows_back("scene", group), ["tiles", "app"], "groups are seen");
+    assert!(arrows_back("tiles", "use crate::{engine::{app, Job}, scene};").is_empty());
 }
 
 #[test]
@@ -221,7 +249,8 @@ fn constant<'a>(shader: &'a str, name: &str) -> &'a str {
 
 #[test]
 fn the_picture_shader_is_valid_and_has_the_same_twins() {
-    let module = parsed(pipeline::SHADER);
+    let shader = pipeline::shader();
+    let module = parsed(&shader);
     let uniforms = [
         ("first_log2", offset_of!(Uniforms, first_log2)),
         ("entries_per_octave", offset_of!(Uniforms, entries_per_octave)),
@@ -235,7 +264,7 @@ fn the_picture_shader_is_valid_and_has_the_same_twins() {
     assert_eq!(members(&module, "Canvas"), counterpart);
     let names: Vec<String> = members(&module, "Quad").into_iter().map(|(name, _)| name).collect();
     assert_eq!(names, ["corner", "right", "down", "texel", "span", "slot"]);
-    let number = |name| constant(pipeline::SHADER, name).parse::<f64>().unwrap();
+    let number = |name| constant(&shader, name).parse::<f64>().unwrap();
     for (name, counterpart) in [
         ("SIDE", f64::from(SIDE)),
         ("SLOTS_ALONG", f64::from(SLOTS_ALONG)),
@@ -249,6 +278,21 @@ fn the_picture_shader_is_valid_and_has_the_same_twins() {
     ] {
         assert_eq!(number(name), counterpart, "{name}");
     }
+}
+
+#[test]
+fn no_shader_file_has_status_codes_of_its_own() {
+    let names: Vec<String> = status_constants()
+        .lines()
+        .filter_map(|line| Some(line.split(':').next()?.to_string()))
+        .collect();
+    assert_eq!(names.len(), 4);
+    let own = |text: &str| names.iter().any(|name| text.contains(name.as_str()));
+    for entry in fs::read_dir("shaders").unwrap() {
+        let path = entry.unwrap().path();
+        assert!(!own(&fs::read_to_string(&path).unwrap()), "{}", path.display());
+    }
+    assert!(own("const FLIPPED: u32 = 1u;"), "the test can fail");
 }
 
 #[test]

@@ -2,14 +2,15 @@
 
 use crate::engine::Trust;
 use crate::physics::{Outcome, Scalar, Status, Theta};
-use crate::scene::lattice::{Cell, SIDE, side, theta_of};
+use crate::scene::Turn;
+use crate::scene::lattice::{Cell, SIDE};
 use crate::tiles::explorer::Explorer;
 
 /// Returns the starts of the sample that a level draws at an angle and of the one to its right.
 pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
     let cell = Cell::around(angle, level);
     let [column, row] = cell.sample_at(angle);
-    let pixel = theta_of(side(level + SIDE.ilog2())) + Theta::pi();
+    let pixel = Turn::side(level + SIDE.ilog2()).to_theta() + Theta::pi();
     let half = f64::from(SIDE) / 2.0;
     let [theta1, theta2] = cell.center();
     let along = |column: f64| theta1 + pixel * Theta::from_f64(column + 0.5 - half);
@@ -49,6 +50,7 @@ pub fn known_at(
 mod tests {
     use super::*;
     use crate::scene::Scene;
+
     use crate::scene::lattice::pitch_rad;
 
     #[test]

@@ -3,6 +3,18 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::physics::Status;
+
+/// The status codes as WGSL constants: `FLIPPED` and so on.
+pub fn status_constants() -> String {
+    let line = |status: Status| {
+        let name = format!("{status:?}").to_uppercase();
+        format!("const {name}: u32 = {}u;\n", status as u8)
+    };
+    let all = [Status::Unflipped, Status::Flipped, Status::Forbidden, Status::Failed];
+    all.map(line).concat()
+}
+
 /// The head of a job: all that a kernel made for its scene reads of it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

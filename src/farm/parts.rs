@@ -30,7 +30,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::output::{Destination, SafeFile, sha256};
-use crate::physics::Fixed;
+
+use crate::scene::Turn;
 use crate::scene::lattice::Cell;
 use crate::tiles::Samples;
 use crate::tiles::patches::PATCH_SAMPLES;
@@ -179,7 +180,7 @@ impl Parts {
             Holds::Patches(places) => {
                 let known = self.patches.entry(part.of.clone()).or_default();
                 for (k, (level, x, y)) in places.iter().enumerate() {
-                    let [x, y] = [*x, *y].map(Fixed::from_limbs);
+                    let [x, y] = [*x, *y].map(Turn::from_limbs);
                     known.insert(Cell { level: *level, x, y }, (file, k));
                 }
             }

@@ -13,9 +13,10 @@ use rayon::prelude::*;
 use super::Mip;
 use super::mip::Light;
 use crate::output::{curve_cover, encoded};
-use crate::physics::Scalar;
+
+use crate::scene::Turn;
 use crate::scene::film::Shot;
-use crate::scene::lattice::{Cell, Turn, side, turn_of};
+use crate::scene::lattice::Cell;
 use crate::scene::palette::Rgb;
 use crate::scene::{Grid, PictureTable, Scene};
 use crate::tiles::patches::{PATCH_SIDE, SLACK, Sight, offset_rad, patch_pitch_rad};
@@ -124,7 +125,7 @@ impl FramePainter {
     ) -> io::Result<Layer> {
         let [right, up] = Grid::new(scene, self.size).pixel_axes();
         let pitch = patch_pitch_rad(level);
-        let center = scene.view.center_rad().map(turn_of);
+        let center = scene.view.center_rad().map(Turn::from_theta);
         let middle = Cell::at(center, level);
         let corner = offset_rad([middle.x, middle.y], center).map(|rad| rad / pitch);
         let half = [0, 1].map(|i| {
@@ -211,7 +212,7 @@ impl Layer {
 
 /// The cell so many cells to the right and up.
 fn moved(cell: &Cell, by: [i64; 2]) -> Cell {
-    let far = by.map(|by| Turn::from_f64(by as f64) * side(cell.level));
+    let far = by.map(|by| Turn::side(cell.level).times(by as f64));
     Cell::at([cell.x + far[0], cell.y + far[1]], cell.level)
 }
 

@@ -20,6 +20,7 @@ mod sinks;
 mod spool;
 mod state;
 mod trust;
+mod whole_picture;
 
 pub use digest::sha256;
 pub use exr::ExrWriter;

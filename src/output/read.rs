@@ -34,6 +34,12 @@ pub enum ReadError {
         /// The cause.
         source: DocumentError,
     },
+    /// A picture in a format that carries no scene.
+    #[error("{path} carries no scene: of pictures, only a .png that flipmap wrote does")]
+    OtherPicture {
+        /// Path of the file.
+        path: PathBuf,
+    },
     /// A file of neither kind.
     #[error("{path} is neither a .png that flipmap wrote nor a .toml scene")]
     Kind {
@@ -57,6 +63,9 @@ pub fn read_document(path: &Path) -> Result<Document, ReadError> {
         let text = std::fs::read_to_string(path).map_err(unreadable)?;
         return Document::parse(&text).map_err(|source| ReadError::Scene { path: named(), source });
     }
+    if image::ImageFormat::from_path(path).is_ok() {
+        return Err(ReadError::OtherPicture { path: named() });
+    }
     Err(ReadError::Kind { path: named() })
 }
 
@@ -73,6 +82,9 @@ mod tests {
             read_document(&path).unwrap_err().to_string()
         };
         assert!(file("a.txt", "").contains("a.txt is neither"));
+        for name in ["a.jpg", "a.webp", "a.TIFF", "a.gif", "a.bmp", "a.avif"] {
+            assert!(file(name, "").contains("carries no scene"), "{name}");
+        }
         assert!(file("b.toml", "[view]\nwidth = 3").contains("b.toml: line 2"));
         assert!(file("c.png", "no").contains("c.png is not a complete PNG"));
         let missing = read_document(Path::new("/nowhere/d.toml")).unwrap_err().to_string();

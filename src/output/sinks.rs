@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::failure::{OutputError, is_broken_pipe};
+use super::whole_picture::{WholePicture, format_of};
 use super::{
     Destination, ExrWriter, NpyWriter, PngError, PngWriter, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
@@ -30,7 +31,7 @@ impl Paths {
     /// Each path that is given, with its option.
     pub fn named(&self) -> Vec<(&'static str, &Path)> {
         let all = [
-            ("-o", &self.picture),
+            (PICTURE, &self.picture),
             (PYRAMID, &self.pyramid),
             ("--raw", &self.raw),
             ("--exr", &self.exr),
@@ -45,6 +46,7 @@ impl Paths {
             let name = Destination::from(path);
             let begun = match option {
                 PYRAMID => PyramidFolder::create(path).map(drop),
+                PICTURE => format_of(path).and_then(|_| SafeFile::create(&name)).map(drop),
                 _ => SafeFile::create(&name).map(drop),
             };
             begun.map_err(|source| OutputError::Create { option, name, source })
@@ -52,6 +54,8 @@ impl Paths {
     }
 }
 
+/// The option whose output has the format that its name tells.
+const PICTURE: &str = "-o";
 /// The option whose output is a folder.
 const PYRAMID: &str = "--pyramid";
 
@@ -67,6 +71,7 @@ pub struct SinkPass {
 /// One output being written.
 enum Sink {
     Picture(PngWriter<SafeFile>),
+    WholePicture(WholePicture),
     Pyramid(Box<Pyramid>),
     Raw(NpyWriter<SafeFile>),
     Exr(Box<ExrWriter<Spool>>),
@@ -93,9 +98,14 @@ impl Sink {
             let begun = Pyramid::create(path, size, document).map_err(refused)?;
             return Ok(Sink::Pyramid(Box::new(begun)));
         }
+        let format = if option == PICTURE { format_of(path).map_err(refused)? } else { None };
         let file = SafeFile::create(&name).map_err(refused)?;
+        if let Some(format) = format {
+            let begun = WholePicture::new(file, format, size).map_err(refused)?;
+            return Ok(Sink::WholePicture(begun));
+        }
         let begun = match option {
-            "-o" => PngWriter::new(file, size, document).map(Sink::Picture),
+            PICTURE => PngWriter::new(file, size, document).map(Sink::Picture),
             "--raw" => NpyWriter::new(file, size).map(Sink::Raw).map_err(PngError::from),
             "--exr" => Spool::new(file)
                 .and_then(|file| ExrWriter::new(file, size, document))
@@ -108,13 +118,17 @@ impl Sink {
 
     /// Returns true if it is made of the picture's colours.
     fn is_painted(&self) -> bool {
-        matches!(self, Sink::Picture(_) | Sink::Pyramid(_))
+        matches!(self, Sink::Picture(_) | Sink::WholePicture(_) | Sink::Pyramid(_))
     }
 
     /// Writes samples, or what was painted from them.
     fn write(&mut self, samples: &Samples, painted: &[u8]) -> Result<(), PngError> {
         match self {
             Sink::Picture(png) => png.write(painted),
+            Sink::WholePicture(picture) => {
+                picture.write(painted);
+                Ok(())
+            }
             Sink::Pyramid(pyramid) => pyramid.write(painted),
             Sink::Raw(npy) => Ok(npy.write(samples)?),
             Sink::Exr(exr) => Ok(exr.write(samples)?),
@@ -126,6 +140,7 @@ impl Sink {
         let mut file = match self {
             Sink::Pyramid(pyramid) => return Ok(Complete::Folder(pyramid.complete()?)),
             Sink::Picture(png) | Sink::Trust(png) => png.finish()?,
+            Sink::WholePicture(picture) => picture.finish()?,
             Sink::Raw(npy) => npy.into_inner(),
             Sink::Exr(exr) => exr.finish()?.into_file()?,
         };

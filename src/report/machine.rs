@@ -1,7 +1,5 @@
 //! The machine that a report was measured on.
 
-use std::time::{SystemTime, UNIX_EPOCH};
-
 use serde::Serialize;
 
 /// The machine, the program and the day.
@@ -24,14 +22,13 @@ pub struct Machine {
 impl Machine {
     /// The machine that this process runs on, with the engines found on it.
     pub fn here(engines: Vec<String>) -> Self {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Machine {
             cpu: cpu_model(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             engines,
             flipmap: env!("CARGO_PKG_VERSION").to_string(),
-            date: date(now.as_secs() / 86_400),
+            date: jiff::Timestamp::now().strftime("%Y-%m-%d").to_string(),
         }
     }
 }
@@ -46,32 +43,4 @@ fn cpu_model() -> String {
     model
         .or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
         .unwrap_or_else(|| std::env::consts::ARCH.to_string())
-}
-
-/// The date `days` days after 1970-01-01 (Hinnant's *chrono-compatible low-level date algorithms*:
-/// years begin in March, so that the leap day is the last).
-fn date(days: u64) -> String {
-    let days = days + 719_468;
-    let (era, day_of_era) = (days / 146_097, days % 146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
-    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
-    let year = era * 400 + year_of_era + u64::from(month <= 2);
-    format!("{year}-{month:02}-{day:02}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn days_become_dates() {
-        assert_eq!(date(0), "1970-01-01");
-        assert_eq!(date(11_016), "2000-02-29");
-        assert_eq!(date(20_454), "2026-01-01");
-        assert_eq!(date(20_453), "2025-12-31");
-    }
 }

@@ -23,9 +23,9 @@
 //!   and its image have the same samples in reverse order, and only one of the two is ever computed
 //!   ([`Cell::canonical`]). Only the whole torus is its own image.
 
-use crate::physics::{Fixed, Scalar, Theta};
+use crate::physics::{Scalar, Theta};
 use crate::scene::leaf_grid::Grouped;
-use crate::scene::{Grid, Scene};
+use crate::scene::{Grid, Scene, Turn};
 
 /// Samples along each side of a cell.
 pub const SIDE: u32 = 128;
@@ -35,9 +35,6 @@ pub const SAMPLES: usize = (SIDE * SIDE) as usize;
 const LEAF: u32 = 16;
 /// The deepest level: its cells are about 7e-106 rad wide.
 pub const DEEPEST: u32 = 352;
-
-/// A place along one axis of the torus, in turns: 0 at θ = −π, 1 one turn further.
-pub type Turn = Fixed<8>;
 
 /// A square of the torus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -78,63 +75,29 @@ pub fn pitch_rad(level: u32) -> f64 {
     side_rad(level) / f64::from(SIDE)
 }
 
-/// Side of a level's cells in turns.
-pub fn side(level: u32) -> Turn {
-    one().halved(level)
-}
-
-fn one() -> Turn {
-    Turn::from_f64(1.0)
-}
-
-/// The place of an angle, in turns.
-pub fn turn_of(theta: Theta) -> Turn {
-    static PER_TURN: std::sync::OnceLock<Theta> = std::sync::OnceLock::new();
-    let per_turn = *PER_TURN.get_or_init(|| one() / Theta::pi().doubled(1));
-    one().halved(1) + theta * per_turn
-}
-
-/// The angle of a place, in rad; exactly odd about the middle of the torus.
-pub fn theta_of(turn: Turn) -> Theta {
-    let from_middle = turn - one().halved(1);
-    let theta = from_middle.abs() * Theta::pi().doubled(1);
-    if from_middle.is_negative() { -theta } else { theta }
-}
-
-/// Rounds a place down to the nearest side of a cell of the level.
-fn floor(turn: Turn, level: u32) -> Turn {
-    let rest = Turn::BITS - level;
-    turn.halved(rest).doubled(rest)
-}
-
-/// The place without whole turns, in [0, 1).
-pub fn wrapped(turn: Turn) -> Turn {
-    turn - floor(turn, 0)
-}
-
 impl Cell {
     /// The whole torus.
     pub const WHOLE: Cell = Cell { level: 0, x: Turn::ZERO, y: Turn::ZERO };
 
     /// The cell of a level in which a start lies.
     pub fn around(angle: [Theta; 2], level: u32) -> Cell {
-        Cell::at(angle.map(turn_of), level)
+        Cell::at(angle.map(Turn::from_theta), level)
     }
 
     /// The cell of a level in which a place lies.
     pub fn at(place: [Turn; 2], level: u32) -> Cell {
-        let [x, y] = place.map(|turn| floor(wrapped(turn), level));
+        let [x, y] = place.map(|turn| turn.wrapped().floor(level));
         Cell { level, x, y }
     }
 
     /// Middle of the cell in rad, in (−π, π); exactly odd about the origin.
     pub fn center(&self) -> [Theta; 2] {
-        self.middle().map(theta_of)
+        self.middle().map(Turn::to_theta)
     }
 
     /// Middle of the cell in turns.
     pub fn middle(&self) -> [Turn; 2] {
-        [self.x, self.y].map(|corner| corner + side(self.level + 1))
+        [self.x, self.y].map(|corner| corner + Turn::side(self.level + 1))
     }
 
     /// The cell one level up of which this is a quarter; none for the whole torus.
@@ -144,12 +107,12 @@ impl Cell {
 
     /// The cell of a coarser level that contains this one.
     pub fn ancestor(&self, level: u32) -> Cell {
-        Cell { level, x: floor(self.x, level), y: floor(self.y, level) }
+        Cell { level, x: self.x.floor(level), y: self.y.floor(level) }
     }
 
     /// The quarters of the cell: the left two from below, then the right two.
     pub fn children(&self) -> [Cell; 4] {
-        let half = side(self.level + 1);
+        let half = Turn::side(self.level + 1);
         let zero = Turn::ZERO;
         [(zero, zero), (zero, half), (half, zero), (half, half)].map(|(x, y)| Cell {
             level: self.level + 1,
@@ -168,7 +131,7 @@ impl Cell {
     pub fn point(&self, place: [Turn; 2]) -> [f64; 2] {
         let half = 2f64.powi(self.level as i32 + 1);
         let corner = [self.x, self.y];
-        [0, 1].map(|i| wrapped(place[i] - corner[i]).to_f64() * half - 1.0)
+        [0, 1].map(|i| (place[i] - corner[i]).wrapped().to_f64() * half - 1.0)
     }
 
     /// Groups the cell's `samples` × `samples` samples by the leaves to which start maps belong, a
@@ -187,16 +150,16 @@ impl Cell {
                 let points = (0..LEAF).flat_map(|b| (0..LEAF).map(move |a| [a, b]));
                 let points = points.map(|[a, b]| (place(a, b), [at(a), at(b)])).collect();
                 groups.push((Cell { level, x, y }, points));
-                y = y + side(level);
+                y = y + Turn::side(level);
             }
-            x = x + side(level);
+            x = x + Turn::side(level);
         }
         groups
     }
 
     /// The cell's image under (θ1, θ2) → (−θ1, −θ2).
     pub fn mirrored(&self) -> Cell {
-        let last = one() - side(self.level);
+        let last = Turn::side(0) - Turn::side(self.level);
         Cell { level: self.level, x: last - self.x, y: last - self.y }
     }
 
@@ -252,16 +215,16 @@ impl Region {
     /// The left or lower sides of the cells along an axis, not wrapped.
     fn sides(&self, axis: usize, level: u32) -> Vec<Turn> {
         let half = Theta::from_f64(self.half_rad[axis]);
-        let first = floor(turn_of(self.center[axis] - half), level);
-        let last = floor(turn_of(self.center[axis] + half), level);
-        let next = |at: &Turn| Some(*at + side(level)).filter(|next| *next <= last);
+        let first = Turn::from_theta(self.center[axis] - half).floor(level);
+        let last = Turn::from_theta(self.center[axis] + half).floor(level);
+        let next = |at: &Turn| Some(*at + Turn::side(level)).filter(|next| *next <= last);
         std::iter::successors(Some(first), next).collect()
     }
 
     fn placed(&self, corner: [Turn; 2], level: u32) -> Placed {
-        let middle = corner.map(|corner| corner + side(level + 1));
-        let offset = [0, 1].map(|i| (theta_of(middle[i]) - self.center[i]).to_f64());
-        let [x, y] = corner.map(wrapped);
+        let middle = corner.map(|corner| corner + Turn::side(level + 1));
+        let offset = [0, 1].map(|i| (middle[i].to_theta() - self.center[i]).to_f64());
+        let [x, y] = corner.map(Turn::wrapped);
         Placed { cell: Cell { level, x, y }, offset }
     }
 }
@@ -280,7 +243,7 @@ mod tests {
             let limbs = any::<[u64; 7]>().prop_map(move |limbs| {
                 let mut all = [0; 8];
                 all[..7].copy_from_slice(&limbs);
-                floor(Turn::from_limbs(all), level)
+                Turn::from_limbs(all).floor(level)
             });
             (limbs.clone(), limbs).prop_map(move |(x, y)| Cell { level, x, y })
         })

@@ -3,8 +3,9 @@
 //! Start maps belong to cells of the lattice, never to a picture, a tile or a shard. A pixel is
 //! therefore a leaf of the lattice and a point in it.
 
-use super::lattice::{Cell, Turn, turn_of};
-use crate::physics::{Dd, Scalar, Theta};
+use super::lattice::Cell;
+use super::turn::Turn;
+use crate::physics::{Dd, Theta};
 
 /// Approximate number of pixels along the side of a leaf. With fewer, pixels begin later and f32
 /// errs less; with more, fewer cells are followed (measured).
@@ -26,12 +27,13 @@ pub struct LeafGrid {
 impl LeafGrid {
     /// The places of the grid around `center` with steps `right` and `up` per pixel, rad.
     pub fn new(center: [Theta; 2], right: [Dd; 2], up: [Dd; 2]) -> Self {
-        let from_zero = |by: Dd| turn_of(Theta::from_dd(by)) - turn_of(Theta::ZERO);
+        let from_zero =
+            |by: Dd| Turn::from_theta(Theta::from_dd(by)) - Turn::from_theta(Theta::ZERO);
         let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
         let pixel = (length(right) * length(up)).sqrt();
         let sides = std::f64::consts::TAU / (LEAF_PIXELS * pixel);
         LeafGrid {
-            middle: center.map(turn_of),
+            middle: center.map(Turn::from_theta),
             right: right.map(from_zero),
             up: up.map(from_zero),
             level: sides.log2().floor().max(0.0) as u32,
@@ -46,8 +48,8 @@ impl LeafGrid {
     /// The leaf of a point `across` pixels to the right of the centre and `above` pixels above it,
     /// and the point's place in that leaf.
     fn leaf_point(&self, across: f64, above: f64) -> (Cell, [f64; 2]) {
-        let [across, above] = [across, above].map(Turn::from_f64);
-        let place = [0, 1].map(|i| self.middle[i] + self.right[i] * across + self.up[i] * above);
+        let place =
+            [0, 1].map(|i| self.middle[i] + self.right[i].times(across) + self.up[i].times(above));
         let cell = Cell::at(place, self.level);
         (cell, cell.point(place))
     }

@@ -15,6 +15,7 @@ mod leaf_grid;
 pub mod location;
 pub mod palette;
 mod picture;
+mod turn;
 mod view;
 mod words;
 
@@ -24,6 +25,7 @@ pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
 pub use picture::{PictureTable, Scale};
+pub use turn::Turn;
 pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
 

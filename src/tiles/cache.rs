@@ -1,4 +1,4 @@
-//! Tiles that were computed, kept as long as their bytes fit.
+//! The cache of computed cells, which keeps them as long as their bytes fit.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -10,46 +10,47 @@ use crate::engine::{IntegratorState, Trust};
 use crate::physics::{Outcome, Status};
 use crate::scene::lattice::{Cell, SAMPLES};
 
-/// What is known of a cell.
+/// A computed cell.
 #[derive(Clone, Debug)]
 pub struct CachedCell {
-    /// Its samples, row by row from the top.
+    /// Samples of the cell, row by row from the top.
     pub samples: Arc<Samples>,
-    /// Simulated seconds that the unflipped ones have had.
+    /// Simulated seconds that the unflipped samples have had.
     pub budget_secs: f64,
-    /// Changes whenever the samples do, and is never used twice.
+    /// Serial number, which changes whenever the samples do and is never used twice.
     pub serial: u64,
-    /// Where the unflipped ones are, by their places among the samples.
+    /// States of unflipped samples with their places, in ascending order of place.
     pub(super) unfinished: Vec<(u32, IntegratorState)>,
     used: u64,
 }
 
-/// Which physics, and which cell of it.
+/// The key of a physics, and a canonical cell.
 type CacheKey = (usize, Cell);
 
-/// Known cells by physics, within a budget of bytes.
+/// Computed cells by physics, within a budget of bytes.
 #[derive(Debug)]
 pub struct Cache {
     budget_bytes: usize,
     bytes: usize,
     known: HashMap<CacheKey, CachedCell>,
-    /// Cells that stay.
+    /// Cells that are not removed.
     wanted: HashSet<CacheKey>,
-    /// Counts looks, so that what was not looked at for longest goes first.
+    /// Number of uses so far, so that the least recently used cells go first.
     clock: u64,
     serial: u64,
 }
 
-/// Bytes of a tile without unfinished pendulums.
+/// Size in bytes of a cell without unfinished pendulums.
 pub const TILE_BYTES: usize = SAMPLES * Samples::BYTES;
 
 impl CachedCell {
-    /// One sample, and how sure it is.
+    /// Returns the outcome and the trust of the sample at a place.
     pub fn at(&self, place: usize) -> (Outcome, Trust) {
         (self.samples.get(place), self.samples.trust(place))
     }
 
-    /// The sample at a place as a run to a larger budget needs it.
+    /// Returns the sample at a place as a run to a larger budget needs it, or `None` if it is
+    /// unflipped and has no saved state.
     pub(super) fn known(&self, place: u32) -> Option<Known> {
         let (outcome, trust) = self.at(place as usize);
         if outcome.status != Status::Unflipped {
@@ -65,7 +66,7 @@ impl CachedCell {
 }
 
 impl Cache {
-    /// An empty one.
+    /// Creates an empty cache.
     pub fn new(budget_bytes: usize) -> Self {
         Cache {
             budget_bytes,
@@ -77,23 +78,23 @@ impl Cache {
         }
     }
 
-    /// Bytes held.
+    /// Number of bytes held.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// How many whole tiles fit at the same time.
+    /// Number of cells without unfinished pendulums that fit at the same time.
     pub fn room(&self) -> usize {
         self.budget_bytes / TILE_BYTES
     }
 
-    /// Changes the budget. Where it is smaller, less has to be wanted before all fits.
+    /// Changes the budget. If it is smaller, all may fit only once fewer cells are wanted.
     pub fn set_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = budget_bytes;
         self.shrink();
     }
 
-    /// What is known of a cell; it counts as used.
+    /// Returns a cell, if it is known, and counts it as used.
     pub fn get(&mut self, physics: usize, cell: Cell) -> Option<&CachedCell> {
         self.clock += 1;
         let known = self.known.get_mut(&(physics, cell))?;
@@ -101,13 +102,13 @@ impl Cache {
         Some(known)
     }
 
-    /// What is known of a cell.
+    /// Returns a cell, if it is known, without counting it as used.
     pub fn peek(&self, physics: usize, cell: Cell) -> Option<&CachedCell> {
         self.known.get(&(physics, cell))
     }
 
-    /// From now on these cells stay, and count as used; no more than there is [`Cache::room`]
-    /// for. Others may go.
+    /// Replaces the wanted cells, which are not removed and count as used; all others may be
+    /// removed. There must not be more of them than [`Cache::room`].
     pub fn want(&mut self, physics: usize, cells: impl Iterator<Item = Cell>) {
         self.wanted = cells.map(|cell| (physics, cell)).collect();
         self.clock += 1;
@@ -119,7 +120,7 @@ impl Cache {
         self.shrink();
     }
 
-    /// Keeps a cell's samples.
+    /// Stores a cell's samples in place of earlier ones.
     pub fn insert(
         &mut self,
         physics: usize,
@@ -141,9 +142,9 @@ impl Cache {
         self.shrink();
     }
 
-    /// Lets go until it fits: first of states where others' pendulums are unfinished, which a larger
-    /// budget would begin anew; then of the others; last of states of what is wanted. The longest
-    /// unused always goes first.
+    /// Frees bytes until the rest fits: first the states of unfinished pendulums in cells that are
+    /// not wanted, which a larger budget then begins anew; then those cells; last the states in
+    /// wanted cells. The least recently used always goes first.
     fn shrink(&mut self) {
         if self.bytes <= self.budget_bytes {
             return;
@@ -153,7 +154,7 @@ impl Cache {
         by_age.sort_unstable_by_key(|(used, _)| *used);
         let (wanted, others): (Vec<CacheKey>, Vec<CacheKey>) =
             by_age.into_iter().map(|(_, key)| key).partition(|key| self.wanted.contains(key));
-        // A little more than needed, so that this is not done for every tile.
+        // Free a little more than needed, so that this is not done for every cell.
         let enough = self.budget_bytes - self.budget_bytes / 16;
         self.drop_while_above(enough, &others, Self::drop_states);
         self.drop_while_above(enough, &others, Self::remove);
@@ -193,8 +194,8 @@ impl Cache {
 mod tests {
     use super::*;
     use crate::engine::NUMBERS;
-    use crate::physics::Scalar;
-    use crate::scene::lattice::Turn;
+
+    use crate::scene::Turn;
 
     fn cell(x: u32) -> Cell {
         Cell { level: 10, x: Turn::from_f64(x as f64 / 1024.0), y: Turn::ZERO }

@@ -1,8 +1,8 @@
-//! Going deeper: from a view to ever smaller ones that still have structure.
+//! The descent from a view to ever smaller ones that still have structure.
 //!
-//! Where neighbours flip at different times, and late, there is more to be seen below: what flips
-//! early has long stopped telling neighbours apart. Each step draws a small picture, goes to the
-//! liveliest place near a wish, and enlarges it.
+//! Where neighbours flip at different times, and late, there is more to see below: early flips have
+//! long stopped telling neighbours apart. Each step computes a small picture, goes to the liveliest
+//! place near a preferred point, and enlarges it.
 
 use super::preview::preview;
 use super::{Samples, Work};
@@ -10,39 +10,39 @@ use crate::engine::{Engine, EngineError, IntegratorConfig};
 use crate::physics::{Scalar, Status, Theta};
 use crate::scene::{Budget, Scene};
 
-/// Pixels along the side of the pictures that decide.
+/// Side in pixels of the small pictures.
 const SIDE: u32 = 32;
-/// Each view is this many times smaller than the one before: two are a decade.
+/// Ratio of the width of a view to that of the next one, √10: two steps are a decade.
 const FACTOR: f64 = 3.162_277_660_168_379_5;
-/// Neighbours within this many pixels are compared.
+/// Distance in pixels along each axis up to which neighbours are compared.
 const AROUND: i32 = 2;
-/// Differences count up to this many natural units of time.
+/// Upper limit of the differences that count, in natural units of time.
 const ENOUGH_UNITS: f64 = 3.0;
-/// The mean difference, in those units, below which a place is at rest.
+/// Mean difference, in those units, at or below which a place has no structure.
 const LEAST_UNITS: f64 = 0.05;
 
-/// A descent from one view to the next deeper one.
+/// A descent from each view to the next deeper one.
 pub struct Descent {
     scene: Scene,
     config: IntegratorConfig,
-    /// Where to look first, in pixels from the middle.
+    /// Preferred point of the next step, in pixels from the middle.
     wish: [f64; 2],
 }
 
-/// The next view.
+/// The result of a step of a descent.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DescentStep {
-    /// It has structure.
+    /// The next view, around a place that has structure.
     Scene(Box<Scene>),
-    /// Nothing near is left to see.
+    /// The end of the descent: no structure was found, or the next view would be too small.
     End,
-    /// Nobody waits for it any more.
+    /// The step was stopped because `go_on` returned false.
     Stopped,
 }
 
 impl Descent {
-    /// Begins at a checked scene, near a point at `wish` widths of the view from its middle. The
-    /// budget follows the depth.
+    /// Begins at a checked scene; `wish` is the preferred point, measured from the middle in widths
+    /// of the view. The budget follows the depth.
     pub fn new(mut scene: Scene, config: IntegratorConfig, wish: [f64; 2]) -> Self {
         scene.question.budget =
             Budget { auto: true, ..scene.question.budget }.for_view(&scene.build, &scene.view);
@@ -50,7 +50,7 @@ impl Descent {
         Descent { scene, config, wish: wish.map(|part| part * f64::from(SIDE)) }
     }
 
-    /// The view that is smaller by half a decade; `go_on` is asked now and then.
+    /// Returns the next view, which is smaller by half a decade; calls `go_on` now and then.
     pub fn next(
         &mut self,
         engine: &mut dyn Engine,
@@ -68,7 +68,7 @@ impl Descent {
         if width < crate::scene::LEAST_WIDTH {
             return Ok(DescentStep::End);
         }
-        // Twelve digits below the width tell pixels of any screen apart.
+        // Twelve digits below the width tell the pixels of any screen apart.
         let digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
         let view = &mut self.scene.view;
         view.center = [0, 1].map(|i| (center[i] + by[i]).wrapped().decimal(digits));
@@ -79,8 +79,8 @@ impl Descent {
         Ok(DescentStep::Scene(Box::new(self.scene.clone())))
     }
 
-    /// The pixel among the most different neighbours, in pixels from the middle; those near the
-    /// wish are preferred.
+    /// Returns the offset from the middle, in pixels, of the pixel that differs most from its
+    /// neighbours, favouring those near the preferred point; `None` if there is no structure.
     fn liveliest(&self, samples: &Samples) -> Option<[f64; 2]> {
         let unit = self.scene.build.unit_secs();
         let side = SIDE as i32;
@@ -99,8 +99,8 @@ impl Descent {
         best.1
     }
 
-    /// The mean difference of a pixel's flip time from those of its neighbours, s. Only pairs
-    /// that both flip, and late, count.
+    /// Returns the mean difference of a pixel's flip time from those of its neighbours, s. Pairs of
+    /// which one does not flip, or flips early, count as zero.
     fn liveliness(&self, samples: &Samples, [x, y]: [i32; 2]) -> f64 {
         let budget = self.scene.question.budget.secs;
         let late = |x: i32, y: i32| {
@@ -117,5 +117,5 @@ impl Descent {
     }
 }
 
-/// Flips before this share of the budget no longer tell deep neighbours apart.
+/// Share of the budget before which flips no longer tell deep neighbours apart.
 const LATE: f64 = 0.4;

@@ -1,9 +1,15 @@
-//! The window's scheduler: which cells of the lattice are computed next.
+//! The window's scheduler, which chooses the cells of the lattice to compute next.
 //!
-//! An [`Aim`] says what is looked at. The cells it wants are queued, what is known or on its way
-//! left out. The newest target replaces the queue, and where most of what flies serves it no longer,
-//! that is dropped. The window calls [`Explorer::work`] with a deadline and draws between; a test
-//! without a window calls it with none.
+//! A [`ViewTarget`] names the physics, the budget and the part of the plane in view. The cells that
+//! it needs are queued in the order of `order.rs`, except those already known or in flight. Each
+//! new target replaces the queue; if at most half of the jobs in flight still serve it, all of them
+//! are cancelled.
+//!
+//! Finished cells go into a [`Cache`] by physics, so that a view seen before is drawn at once. When
+//! the budget grows, unflipped pixels are resumed, unless they are deep or checked.
+//!
+//! The window calls [`Explorer::work`] with a deadline and draws between the calls; a test without
+//! a window calls it without a deadline.
 
 use std::collections::{HashSet, VecDeque};
 use std::time::Instant;
@@ -17,27 +23,27 @@ use super::view_target::{Physics, ViewTarget};
 use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Keep, Wait};
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
 
-/// How far the newest target is.
+/// The progress of the newest target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ViewProgress {
-    /// The level aimed at.
+    /// Level of the target.
     pub level: u32,
-    /// Cells of that level in view.
+    /// Number of cells of that level in view.
     pub wanted: usize,
-    /// Those among them that are computed to the budget.
+    /// Number of those cells that are computed to the budget.
     pub done: usize,
-    /// Whether something is known for every cell in view.
+    /// True if every cell in view or one of its ancestors is known.
     pub covered: bool,
-    /// Whether nothing is left to do, not even around the view.
+    /// True if nothing is left to do, not even around the view.
     pub idle: bool,
 }
 
-/// More cells of a level are never drawn at once.
+/// Maximum number of cells of a level that are drawn at once.
 pub const MOST_CELLS: usize = 1500;
-/// Tiles in a job at most.
+/// Maximum number of cells in a job.
 const MOST_IN_JOB: usize = 16;
 
-/// Cells on their way: of which physics, to which budget.
+/// Cells of one job in flight, with the key of their physics and their budget.
 #[derive(Debug)]
 pub(super) struct Batch {
     physics: usize,
@@ -45,28 +51,28 @@ pub(super) struct Batch {
     cells: Vec<Cell>,
 }
 
-/// The cells of a window.
+/// The cells of a window: those computed so far, those in flight and those still to be computed.
 #[derive(Debug)]
 pub struct Explorer {
     cache: Cache,
-    /// Every physics looked at so far; its place is its key.
+    /// All physics viewed so far; the index of each is its key.
     physics: Vec<Physics>,
     target: Option<ViewTarget>,
-    /// The key of the aim's physics.
+    /// Key of the target's physics.
     key: usize,
-    /// The key of the one that was last known all over the view before it.
+    /// Key of the latest earlier physics that was known all over the view.
     before: Option<usize>,
-    /// Cells of the target to compute, canonical, first first.
+    /// Cells of the target that are still to be computed, canonical, in order.
     waiting: VecDeque<Cell>,
     in_flight: InFlightJobs<Batch>,
-    /// Most of what flies is of no use to the target.
+    /// True if at most half of the jobs in flight are of use to the target.
     stale: bool,
     counts: Counts,
     depth: Option<DepthStats>,
 }
 
 impl Explorer {
-    /// One that keeps about as many bytes.
+    /// Creates an explorer without a target that keeps about `cache_bytes` bytes of cells.
     pub fn new(cache_bytes: usize) -> Self {
         Explorer {
             cache: Cache::new(cache_bytes),
@@ -82,13 +88,13 @@ impl Explorer {
         }
     }
 
-    /// Replaces what is looked at.
+    /// Replaces the target.
     pub fn target(&mut self, target: ViewTarget) {
         if self.target == Some(target) {
             return;
         }
         let key = self.key_of(&target.physics);
-        // One that was passed over so fast that little of it is known cannot stand in.
+        // A physics that was passed so quickly that little of it is known cannot stand in.
         if key != self.key && self.progress().covered {
             self.before = Some(self.key);
         }
@@ -97,7 +103,7 @@ impl Explorer {
         self.plan();
     }
 
-    /// The place of a physics in the list.
+    /// Returns the key of a physics, which is added to the list if it is new.
     fn key_of(&mut self, physics: &Physics) -> usize {
         let known = self.physics.iter().position(|other| other == physics);
         known.unwrap_or_else(|| {
@@ -106,12 +112,12 @@ impl Explorer {
         })
     }
 
-    /// Queues what the target wants and nobody computes yet.
+    /// Queues the cells that the target needs and that are neither known nor in flight.
     fn plan(&mut self) {
         let Some(target) = self.target else { return };
         let cells = order::wanted(&target, self.cache.room());
         self.cache.want(self.key, cells.iter().map(|(cell, _)| *cell));
-        // What flies to a smaller budget is continued when it has finished.
+        // Cells in flight to a smaller budget are resumed when they have finished.
         let jobs = self.in_flight.tiles().filter(|batch| batch.physics == self.key);
         let jobs: HashSet<Cell> = jobs.flat_map(|batch| batch.cells.iter().copied()).collect();
         let wanted: HashSet<Cell> = cells.iter().map(|(cell, _)| *cell).collect();
@@ -127,7 +133,8 @@ impl Explorer {
         self.stale = !self.in_flight.is_empty() && 2 * useful <= self.in_flight.len();
     }
 
-    /// Whether a cell has to be computed; a coarse one not if something nearly as fine stands in.
+    /// Returns true if a cell has to be computed. A coarse one does not if its parent or all of its
+    /// quarters are known, which are nearly as fine and stand in.
     fn needs(&self, cell: Cell, finest: bool) -> bool {
         let known = |cell: Cell| self.cache.peek(self.key, cell.canonical().0);
         if let Some(known) = known(cell) {
@@ -138,9 +145,9 @@ impl Explorer {
         finest || !(cell.parent().is_some_and(instead) || cell.children().into_iter().all(instead))
     }
 
-    /// Hands open cells to the engine and takes back what has come. With a deadline it never
-    /// waits, and stops preparing when the deadline has passed; without one it returns when all
-    /// is done. Says whether anything new can be drawn.
+    /// Submits waiting cells to the engine and collects finished ones. With a deadline it never
+    /// waits, and stops preparing jobs when the deadline has passed; without one it returns when
+    /// all is done. Returns true if anything new can be drawn.
     pub fn work(
         &mut self,
         engine: &mut dyn Engine,
@@ -175,30 +182,31 @@ impl Explorer {
         let late = |_: &Self| deadline.is_some_and(|deadline| Instant::now() >= deadline);
         let submitted = self.submit(engine, late);
         if submitted.is_err() {
-            // Cells that the engine refused are in no queue any more.
+            // Cells that the engine refused are no longer in the queue.
             self.plan();
         }
         submitted
     }
 
-    /// Whether cells wait and nothing flies whose landing would wake anybody: with a deadline,
-    /// [`Explorer::work`] may end so among cells that are known without an engine.
+    /// Returns true if cells are waiting but no job is in flight whose end would wake the caller.
+    /// With a deadline, [`Explorer::work`] may stop there, among cells known without an engine.
     pub fn is_waiting(&self) -> bool {
         self.target.is_some() && self.in_flight.is_empty() && !self.waiting.is_empty()
     }
 
-    /// Whether there is nothing to compute.
+    /// Returns true if no cell is waiting or in flight.
     pub fn is_done(&self) -> bool {
         self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
-    /// Forgets what flies, for an engine that is gone; nothing that was computed is lost.
+    /// Forgets the jobs in flight of an engine that is gone; nothing that was computed is lost.
     pub fn ground(&mut self) {
         self.in_flight.forget();
         self.plan();
     }
 
-    /// The next cells that can share a job: all new, or all to be continued.
+    /// Takes the next cells that can share a job from the queue: cells of one level, either all new
+    /// or all to be resumed.
     fn next_cells(&mut self, most: usize) -> Vec<Cell> {
         let continues = |cell: &Cell| {
             self.cache.peek(self.key, *cell).is_some_and(|known| !known.unfinished.is_empty())
@@ -210,7 +218,7 @@ impl Explorer {
         self.waiting.drain(..count).collect()
     }
 
-    /// Puts a batch's samples where they belong.
+    /// Counts a batch's samples and stores them in the cache, cell by cell.
     fn keep(&mut self, batch: &Batch, samples: &Samples, unfinished: &[(u32, IntegratorState)]) {
         self.counts.add(samples);
         for (k, cell) in batch.cells.iter().enumerate() {
@@ -226,15 +234,15 @@ impl Explorer {
         }
     }
 
-    /// What is known of a cell of the target, given canonically or not, and whether the samples
-    /// are its image's, in opposite order.
+    /// Returns what is known of a cell of the target, canonical or not, and true if the samples are
+    /// those of its mirror image, in reverse order.
     pub fn known(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
         self.target?;
         self.look(self.key, cell)
     }
 
-    /// Likewise of the physics that was aimed at before: while nothing of the aim's is known,
-    /// this is still drawn.
+    /// Returns the same for the previous physics, which is still drawn in places where nothing of
+    /// the target's physics is known.
     pub fn known_before(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
         self.look(self.before?, cell)
     }
@@ -244,7 +252,7 @@ impl Explorer {
         self.cache.get(key, canonical).map(|known| (known, mirrored))
     }
 
-    /// How far the newest target is.
+    /// Returns the progress of the newest target.
     pub fn progress(&self) -> ViewProgress {
         let Some(target) = self.target else { return ViewProgress::default() };
         let known = |cell: Cell| self.cache.peek(self.key, cell.canonical().0);
@@ -263,22 +271,22 @@ impl Explorer {
         }
     }
 
-    /// What has been computed so far.
+    /// Returns the counts of all that has been computed so far.
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// What following the cells that came last has shown; nothing where they were not deep.
+    /// Returns the statistics of the batch computed last; `None` if its cells were not deep.
     pub fn depth(&self) -> Option<DepthStats> {
         self.depth
     }
 
-    /// Bytes of tiles held.
+    /// Number of bytes of cells held.
     pub fn bytes(&self) -> usize {
         self.cache.bytes()
     }
 
-    /// Changes how many bytes are kept.
+    /// Changes the number of bytes to keep.
     pub fn set_cache_bytes(&mut self, bytes: usize) {
         self.cache.set_budget(bytes);
         self.plan();
@@ -302,7 +310,7 @@ impl TileSource for Explorer {
         let config = target.physics.config;
         let before = |k: usize, place| self.cache.peek(batch.physics, batch.cells[k])?.known(place);
         let open = OpenTile::of_cells(&target.scene(), config, &batch.cells, SIDE, before);
-        // Checks begin at the release, so checked pixels cannot be continued.
+        // Checks begin at the release, so checked pixels cannot be resumed.
         let keep = if target.physics.verified { Keep::Nothing } else { Keep::Unfinished };
         Some(NextTile { tile: batch, open, question: target.question(), config, keep })
     }
@@ -314,7 +322,7 @@ impl TileSource for Explorer {
         }
         let FinishedBatch { tile: batch, samples, unfinished, .. } = finished;
         self.keep(&batch, &samples, &unfinished);
-        // The budget has been raised since.
+        // The budget has been raised since the job was submitted.
         if self.target.is_some_and(|target| batch.budget_secs < target.budget_secs) {
             self.plan();
         }

@@ -1,7 +1,7 @@
 //! The one loop from tiles to samples, shared by pictures, films and the window.
 //!
-//! A [`TileSource`] hands out its tiles with what is already known of their pixels. What is left
-//! becomes one job a tile; its answers come back as samples in the order of the pixels.
+//! A [`TileSource`] hands out its tiles with what is already known of their pixels. The rest of a
+//! tile becomes one job, whose answers come back as samples in the order of the pixels.
 //!
 //! ```text
 //! next_tile ──► known in full ──────────────────────► take
@@ -17,7 +17,7 @@ use crate::engine::{
 };
 use crate::engine::{Keep, Question, Starts, Wait};
 
-/// A tile to compute, and how.
+/// A tile to compute, with the question and the integrator config of its job.
 pub(super) struct NextTile<T> {
     pub tile: T,
     pub open: OpenTile,
@@ -26,7 +26,7 @@ pub(super) struct NextTile<T> {
     pub keep: Keep,
 }
 
-/// A supply of tiles that takes their samples back.
+/// A supplier of tiles that takes back their samples.
 pub(super) trait TileSource {
     type Tile;
 
@@ -38,8 +38,8 @@ pub(super) trait TileSource {
 
     fn in_flight(&mut self) -> &mut InFlightJobs<Self::Tile>;
 
-    /// Fills the engine's slots until `enough`; tiles without open pixels are finished at once.
-    /// Returns true if there were any.
+    /// Fills the engine's slots, or stops once `enough` returns true. Tiles without open pixels are
+    /// finished at once; returns true if there were any.
     fn submit(
         &mut self,
         engine: &mut dyn Engine,
@@ -61,7 +61,7 @@ pub(super) trait TileSource {
         Ok(news)
     }
 
-    /// Moves the engine on and takes what has come back. Returns true if anything has.
+    /// Advances the engine and takes the tiles that have come back. Returns true if there were any.
     fn collect(&mut self, engine: &mut dyn Engine, wait: Wait) -> Result<bool, EngineError> {
         let batches = self.in_flight().poll(engine, wait)?;
         let news = !batches.is_empty();
@@ -75,28 +75,28 @@ pub(super) trait TileSource {
 pub(super) struct FinishedBatch<T> {
     pub tile: T,
     pub samples: Samples,
-    /// Places of the samples that were computed now.
+    /// Places of the samples that the job computed.
     pub computed: Vec<u32>,
-    /// Places and states of those among them that have not flipped, if they were to be kept.
+    /// Places and states of the computed pixels that have not flipped, if they were to be kept.
     pub unfinished: Vec<(u32, IntegratorState)>,
     pub effort: Effort,
 }
 
 impl<T> FinishedBatch<T> {
-    /// A tile of which everything was known.
+    /// Creates the batch of a tile that was known in full.
     fn settled(tile: T, samples: Samples) -> Self {
         let (computed, unfinished, effort) = (Vec::new(), Vec::new(), Effort::default());
         FinishedBatch { tile, samples, computed, unfinished, effort }
     }
 
-    /// Adds the work of the batch to what was done before; its samples are counted where they go.
+    /// Adds the work of the batch to `counts`; the source that takes the samples counts them.
     pub fn count_work(&self, counts: &mut Counts) {
         counts.simulated += self.computed.len() as u64;
         counts.effort += self.effort;
     }
 }
 
-/// The tiles that an engine is computing, by the names of their jobs.
+/// The tiles that an engine is computing, by the ids of their jobs.
 #[derive(Debug)]
 pub(super) struct InFlightJobs<T> {
     jobs: HashMap<u64, (T, Samples, Vec<u32>)>,
@@ -110,26 +110,26 @@ impl<T> Default for InFlightJobs<T> {
 }
 
 impl<T> InFlightJobs<T> {
-    /// Number of jobs.
+    /// Number of jobs in flight.
     pub fn len(&self) -> usize {
         self.jobs.len()
     }
 
-    /// Returns true if the engine has nothing to do.
+    /// Returns true if no job is in flight.
     pub fn is_empty(&self) -> bool {
         self.jobs.is_empty()
     }
 
-    /// The tiles of all jobs, in no order.
+    /// Iterates over the tiles of all jobs, in no particular order.
     pub fn tiles(&self) -> impl Iterator<Item = &T> {
         self.jobs.values().map(|(tile, ..)| tile)
     }
 
-    /// Sends a tile's open pixels to the engine.
+    /// Submits a tile's open pixels to the engine as one job.
     fn submit(&mut self, engine: &mut dyn Engine, next: NextTile<T>) -> Result<(), EngineError> {
         let NextTile { tile, open, question, config, keep } = next;
         let OpenTile { samples, places, starts } = open;
-        // A pendulum that begins where its cell's flow patch ends has no state of its own start.
+        // A pendulum that begins where its cell's flow patch ends has no state to resume.
         let keep = if let Starts::Deep(_) = starts { Keep::Nothing } else { keep };
         let id = self.next_id;
         self.next_id += 1;
@@ -138,7 +138,7 @@ impl<T> InFlightJobs<T> {
         Ok(())
     }
 
-    /// Moves the engine on and returns the tiles that have come back.
+    /// Advances the engine and returns the tiles that have come back.
     fn poll(
         &mut self,
         engine: &mut dyn Engine,
@@ -156,7 +156,7 @@ impl<T> InFlightJobs<T> {
         self.forget();
     }
 
-    /// Forgets all jobs. Results that still arrive are ignored, because no job name is used twice.
+    /// Forgets all jobs. Results that still arrive are ignored, because no job id is used twice.
     pub fn forget(&mut self) {
         self.jobs.clear();
     }

@@ -1,12 +1,18 @@
-//! Which pixels are computed in which order, and the one loop that does it.
+//! The choice and the order of the pixels to compute, and the one loop that computes them.
 //!
-//! A picture is cut into [`Tile`]s. [`Work`] turns them into jobs, keeps the engine's slots
-//! full, and hands tiles back as they finish. A window
-//! draws from an [`explorer::Explorer`], whose tiles are cells of a lattice that does not move
-//! with the view. Both are built on the same in_flight to the engine. Pixels that energy forbids, or
-//! that a mirror image already answers, never reach it.
+//! Pictures, films and windows cut what they show into tiles, each in its own way and order. All
+//! of them implement the trait `TileSource` of `in_flight.rs` and so share one loop, which turns
+//! tiles into jobs, keeps the engine's slots full and hands tiles back as they finish. Pixels that
+//! energy forbids, or that a mirror image or an earlier run answers, never reach the engine.
 //!
-//! Nothing here knows a graphics card: the tests run it on the mock engine.
+//! - [`Work`] (`work.rs`) computes a picture in bands of rows from the top, each a [`Tile`].
+//! - [`patch_work::PatchWork`] computes the [`patches`] of a film: cells of the lattice, each as
+//!   fine as the closest frame that shows it needs, in the order given.
+//! - [`explorer::Explorer`] computes what a window shows: cells of a lattice that does not move
+//!   with the view, first coarse ones, then those near the pointer or the middle.
+//! - [`descent`] and [`Renderer`] build on [`Work`]; [`outlook()`] and [`opinion()`] judge answers.
+//!
+//! Nothing here depends on a graphics card: the tests run on the mock engine.
 
 pub mod cache;
 pub mod descent;

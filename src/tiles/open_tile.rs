@@ -1,4 +1,4 @@
-//! What is known of a tile's pixels before its job, and the starts of the others.
+//! The known samples of a tile before its job, and the starts of its other pixels.
 
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
@@ -7,20 +7,21 @@ use crate::physics::Outcome;
 use crate::scene::lattice::Cell;
 use crate::scene::{Fate, Grid, Grouped, Scene};
 
-/// A pixel of an earlier run, and how sure its outcome is.
+/// A pixel of an earlier run, and the trust of its outcome.
 pub(super) type Known = (SavedPixel, Trust);
 
-/// A tile before its job: the samples that are known, and the starts of the others.
+/// A tile before its job: the known samples, and the starts of the other pixels.
 #[derive(Debug)]
 pub(super) struct OpenTile {
     pub samples: Samples,
-    /// The sample of each start.
+    /// Index of the sample of each start.
     pub places: Vec<u32>,
     pub starts: Starts,
 }
 
 impl OpenTile {
-    /// Some pixels of a grid; `known` gives what an earlier run found out about one of them.
+    /// Creates a tile of some pixels of a grid; `known` returns what an earlier run found out about
+    /// a pixel.
     pub fn of_pixels(
         grid: &Grid,
         config: IntegratorConfig,
@@ -40,8 +41,8 @@ impl OpenTile {
         tile
     }
 
-    /// All samples of cells of one level, `side` × `side` each, cell after cell; `known` takes the
-    /// index of a cell and the place of a sample in it.
+    /// Creates a tile of all samples of cells of one level, `side` × `side` each, cell after cell;
+    /// `known` takes the index of a cell and the place of a sample in it.
     pub fn of_cells(
         scene: &Scene,
         config: IntegratorConfig,
@@ -81,7 +82,7 @@ impl OpenTile {
         self.places.is_empty()
     }
 
-    /// Sorts pixels by what is known of them. Resumed and new starts never share a job.
+    /// Sorts pixels into known samples and starts. Resumed and new starts never share a job.
     fn fill(&mut self, pixels: impl Iterator<Item = (u32, Fate, Option<Known>)>) {
         let (mut angles, mut resumed) = (Vec::new(), Vec::<IntegratorState>::new());
         for (place, fate, known) in pixels {
@@ -104,7 +105,7 @@ impl OpenTile {
             if resumed.is_empty() { Starts::Rest(angles) } else { Starts::Resumed(resumed) };
     }
 
-    /// Sorts deep pixels, given by their leaves.
+    /// Sorts deep pixels, grouped by leaf, into known samples and starts.
     fn fill_deep(&mut self, groups: Grouped, known: impl Fn(u32) -> Option<(Outcome, Trust)>) {
         let mut leaves = Vec::new();
         for (cell, pixels) in groups {
@@ -130,8 +131,8 @@ impl OpenTile {
     }
 }
 
-/// The outcome of a deep pixel if it needs no integration. An unfinished one has no state of its
-/// own: a larger budget begins it anew.
+/// Returns the outcome of a deep pixel if it needs no integration. An unfinished pixel has no state
+/// of its own: a larger budget begins it anew.
 fn known_deep(grid: &Grid, [x, y]: [u32; 2], known: Option<Known>) -> Option<(Outcome, Trust)> {
     match known {
         Some((SavedPixel::Over(outcome), trust)) => Some((outcome, trust)),
@@ -139,7 +140,7 @@ fn known_deep(grid: &Grid, [x, y]: [u32; 2], known: Option<Known>) -> Option<(Ou
     }
 }
 
-/// The leaves of cells with the places of their points among all samples of the cells.
+/// Returns the leaves of cells, with the places of their points among all samples of the cells.
 fn leaves_of(cells: &[Cell], side: u32) -> Grouped {
     let moved = |first: u32| move |(place, point)| (first + place, point);
     let leaves = |(k, cell): (u32, &Cell)| {

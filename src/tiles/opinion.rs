@@ -5,14 +5,14 @@ use crate::engine::trust::{Opinion, TrustEngine};
 use crate::engine::{EngineError, IntegratorConfig, Question, Starts};
 use crate::scene::{Grid, Scene};
 
-/// Pixels that are integrated directly.
+/// Maximum number of pixels that are integrated directly.
 const MOST: usize = 8;
-/// Pixels from which they are drawn, because some may be forbidden or marked.
+/// Number of pixels from which these are chosen, because some may be forbidden or marked.
 const CANDIDATES: usize = 32;
 
-/// Integrates some pixels of a picture of `size` pixels directly, if it is deep. Where that
-/// contradicts the start maps, `engine` marks every pixel from then on. Returns `None` for a
-/// picture that is not deep, and once `go_on` says no.
+/// Integrates some pixels of a picture of `size` pixels directly, if it is deep. If one of them
+/// contradicts the start maps, `engine` marks every pixel as uncertain from then on. Returns `None`
+/// for a picture that is not deep, or once `go_on` returns false.
 pub fn opinion(
     scene: &Scene,
     size: [u32; 2],
@@ -32,7 +32,7 @@ pub fn opinion(
     Ok(opinion)
 }
 
-/// Draws pixels, the same ones each time for a view and others for another view.
+/// Draws random pixels: always the same ones for a view, and different ones for another view.
 fn random_pixels(scene: &Scene, size: [u32; 2]) -> Vec<[u32; 2]> {
     let text = scene.view.center.concat() + &scene.view.width;
     let seed = text.bytes().fold(0u64, |seed, byte| seed.wrapping_mul(31) + u64::from(byte));

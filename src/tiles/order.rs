@@ -1,7 +1,7 @@
-//! In which order a window's cells are computed.
+//! The order in which a window's cells are computed.
 //!
-//! Coarse levels come first, so that something is soon drawn everywhere; in each level the cells
-//! near the pointer or the middle; a ring around the view last.
+//! Coarse levels come first, so that something is soon drawn everywhere; within a level, the cells
+//! nearest to the pointer or the middle come first. A ring around the view comes last.
 
 use std::collections::HashSet;
 
@@ -9,13 +9,13 @@ use super::explorer::MOST_CELLS;
 use super::view_target::ViewTarget;
 use crate::scene::lattice::{Cell, DEEPEST, Region, side_rad};
 
-/// Levels between one pass and the next finer one: a quarter of the distance each time.
+/// Levels from one pass to the next finer one, which has a quarter of the sample distance.
 const LEVEL_STEP: u32 = 2;
-/// Passes before the finest.
+/// Number of passes before the finest.
 const COARSE_PASSES: u32 = 2;
 
-/// The cells that an target wants, canonical, each once, and whether they are of the aim's own
-/// level: the first `most` of them.
+/// Returns the first `most` cells that a target needs, canonical and each once, with true for those
+/// of the target's own level.
 pub fn wanted(target: &ViewTarget, most: usize) -> Vec<(Cell, bool)> {
     let mut seen = HashSet::new();
     let cells = passes(target)
@@ -24,7 +24,7 @@ pub fn wanted(target: &ViewTarget, most: usize) -> Vec<(Cell, bool)> {
     cells.filter(|(cell, _)| seen.insert(*cell)).take(most).collect()
 }
 
-/// The cells of an target pass by pass, canonical, and whether they are of its own level.
+/// Returns a target's cells pass by pass, canonical, with true for its own level.
 fn passes(target: &ViewTarget) -> Vec<(Vec<Cell>, bool)> {
     let coarse = (1..=COARSE_PASSES).rev().filter_map(|n| target.level.checked_sub(n * LEVEL_STEP));
     let mut passes: Vec<_> =

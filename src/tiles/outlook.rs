@@ -1,16 +1,17 @@
-//! What to expect of a picture that nobody checks, by a sample of its pixels.
+//! The accuracy to expect of an unchecked picture, estimated from a sample of its pixels.
 
 use super::open_tile::OpenTile;
 use crate::engine::trust::Outlook;
 use crate::engine::{Engine, EngineError, IntegratorConfig, Question};
 use crate::scene::{Grid, Scene};
 
-/// Pixels that are looked at,
+/// Number of pixels in the sample.
 const SAMPLE: u32 = 256;
-/// of deep pictures so many close together, for they share the leaves that have to be followed.
+/// Number of sampled pixels that lie close together in deep pictures, because they then share the
+/// leaves that have to be followed.
 const TOGETHER: u32 = 16;
 
-/// The outlook of a picture of `size` pixels; none once `go_on` says no.
+/// Returns the outlook of a picture of `size` pixels, or `None` once `go_on` returns false.
 pub fn outlook(
     scene: &Scene,
     size: [u32; 2],
@@ -28,9 +29,9 @@ pub fn outlook(
     Outlook::of(engine, Question::from(scene), config, &open.starts, go_on)
 }
 
-/// Pixels that fill a picture evenly, however many are taken, or groups of them that do: steps along
-/// both sides by powers of the inverse of the plastic number (Roberts 2018, *The unreasonable
-/// effectiveness of quasirandom sequences*).
+/// Returns pixel `place` of a sequence whose groups of `together` neighbours fill a picture evenly,
+/// however many are taken: the steps along both sides are powers of the inverse of the plastic
+/// number (Roberts 2018, *The unreasonable effectiveness of quasirandom sequences*).
 fn pixel(size: [u32; 2], place: u32, together: u32) -> [u32; 2] {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
     let (group, member) = (place / together, place % together);

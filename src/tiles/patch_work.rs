@@ -1,4 +1,4 @@
-//! The loop from a film's patches to their samples.
+//! The computation of a film's patches.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -11,10 +11,10 @@ use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Wait}
 use crate::scene::Scene;
 use crate::scene::lattice::Cell;
 
-/// Patches in a job at most.
+/// Maximum number of patches in a job.
 const MOST_IN_JOB: usize = 256;
 
-/// Patches of one pendulum being computed.
+/// The computation of patches of one pendulum.
 pub struct PatchWork {
     scene: Scene,
     question: Question,
@@ -26,7 +26,7 @@ pub struct PatchWork {
 }
 
 impl PatchWork {
-    /// Of a checked scene, whose view does not matter.
+    /// Creates the work for patches of a checked scene, whose view does not matter.
     pub fn new(scene: &Scene, config: IntegratorConfig, cells: impl Iterator<Item = Cell>) -> Self {
         PatchWork {
             scene: scene.clone(),
@@ -39,7 +39,7 @@ impl PatchWork {
         }
     }
 
-    /// Moves the work on until patches have finished or `deadline` has come, and returns them.
+    /// Works until patches have finished or `deadline` has come, and returns the finished patches.
     pub fn work(
         &mut self,
         engine: &mut dyn Engine,
@@ -55,17 +55,17 @@ impl PatchWork {
         Ok(std::mem::take(&mut self.finished))
     }
 
-    /// Whether every patch has been handed back.
+    /// Returns true if no patch is waiting or in flight.
     pub fn is_done(&self) -> bool {
         self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
-    /// What has been done so far.
+    /// Returns the counts of all that has been done so far.
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// The next patches that can share a job: of one level.
+    /// Takes the next patches of one level, which can share a job, from the queue.
     fn next_cells(&mut self, most: usize) -> Vec<Cell> {
         let level = self.waiting.front().map(|cell| cell.level);
         let alike = self.waiting.iter().take(most).take_while(|cell| Some(cell.level) == level);

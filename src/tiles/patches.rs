@@ -1,73 +1,73 @@
-//! The plane as a film samples it: every place once, as finely as the nearest look at it.
+//! The patches of a film, which sample every place once, as finely as its closest frame needs.
 //!
-//! A [`Patch`](Cell) is a cell of the lattice with [`PATCH_SIDE`] × [`PATCH_SIDE`] samples. Where any frame
-//! comes so near that these lie too far apart, the cell's quarters are patches instead. So the
-//! samples of a place are the same in every frame that shows it, and nothing pops.
+//! A [`Patch`](Cell) is a cell of the lattice with [`PATCH_SIDE`] × [`PATCH_SIDE`] samples. Where
+//! any frame comes so close that these lie too far apart, the cell's quarters are patches instead.
+//! The samples of a place are therefore the same in every frame that shows it, and nothing pops.
 
 use std::collections::HashSet;
 
-use crate::physics::Scalar;
-use crate::scene::lattice::{Cell, DEEPEST, Turn, side_rad, turn_of, wrapped};
-use crate::scene::{Grid, Scene};
+use crate::scene::lattice::{Cell, DEEPEST, side_rad};
+use crate::scene::{Grid, Scene, Turn};
 
 /// Samples along each side of a patch.
 pub const PATCH_SIDE: u32 = 32;
-/// Samples of a patch.
+/// Samples in a patch.
 pub const PATCH_SAMPLES: usize = (PATCH_SIDE * PATCH_SIDE) as usize;
-/// Samples may lie this much farther apart than is asked for: levels differ by twice, so that
-/// they are as often farther as they are closer.
+/// Factor by which samples may lie farther apart than required. Levels differ by a factor of two,
+/// so that samples lie farther apart than required as often as closer.
 pub const SLACK: f64 = std::f64::consts::SQRT_2;
-/// Beyond the edges of a frame so many pixels count as seen.
+/// Width in pixels of the margin around a frame that counts as seen.
 const MARGIN_PIXELS: f64 = 1.5;
 
-/// The distance of a level's samples, rad.
+/// Distance between a level's samples in rad.
 pub fn patch_pitch_rad(level: u32) -> f64 {
     side_rad(level) / f64::from(PATCH_SIDE)
 }
 
-/// What a frame looks at, and how closely.
+/// The part of the plane that a frame shows, and the distance between samples that it requires.
 #[derive(Clone, Debug)]
 pub struct Sight {
     center: [Turn; 2],
     /// Unit vectors to the right and up.
     axes: [[f64; 2]; 2],
-    /// Half its extent along each, rad.
+    /// Half the extent along each of them in rad, margin included.
     half_rad: [f64; 2],
-    /// Samples are to lie so close, rad.
+    /// Required distance between samples in rad.
     pitch_rad: f64,
 }
 
 impl Sight {
-    /// Of a frame of `size` pixels, each to have `samples` × `samples` samples.
+    /// Creates the sight of a frame of `size` pixels, each with `samples` × `samples` samples.
     pub fn new(scene: &Scene, size: [u32; 2], samples: u32) -> Self {
         let [right, up] = Grid::new(scene, size).pixel_axes();
         let length = |by: [f64; 2]| by[0].hypot(by[1]);
         let unit = |by: [f64; 2]| by.map(|part| part / length(by));
         let half = |side: u32, by| (0.5 * f64::from(side) + MARGIN_PIXELS) * length(by);
         Sight {
-            center: scene.view.center_rad().map(turn_of),
+            center: scene.view.center_rad().map(Turn::from_theta),
             axes: [unit(right), unit(up)],
             half_rad: [half(size[0], right), half(size[1], up)],
             pitch_rad: (length(right) * length(up)).sqrt() / f64::from(samples),
         }
     }
 
-    /// How close samples are to lie, rad.
+    /// Required distance between samples in rad.
     pub fn pitch_rad(&self) -> f64 {
         self.pitch_rad
     }
 
-    /// Whether a level's samples lie too far apart for it.
+    /// Returns true if a level's samples lie too far apart for the frame.
     fn wants_finer(&self, level: u32) -> bool {
         patch_pitch_rad(level) > SLACK * self.pitch_rad
     }
 
-    /// The level whose samples lie as close as it wants, neither much farther nor much closer.
+    /// Returns the level whose samples lie as close as required, neither much farther apart nor
+    /// much closer.
     pub fn level(&self) -> u32 {
         (0..DEEPEST).find(|level| !self.wants_finer(*level)).unwrap_or(DEEPEST)
     }
 
-    /// Whether some of a cell may be in it.
+    /// Returns true if part of a cell may be in the frame.
     fn sees(&self, cell: &Cell) -> bool {
         let reach = self.half_rad[0].hypot(self.half_rad[1]);
         if reach > 3.0 * std::f64::consts::PI {
@@ -80,7 +80,8 @@ impl Sight {
         turns.iter().any(|x| turns.iter().any(|y| self.touches([moved(0, *x), moved(1, *y)], half)))
     }
 
-    /// Whether a square around a point may touch it; corners beside it count.
+    /// Returns true if a square may touch the frame; squares that just miss a corner count too.
+    /// `middle` is the square's offset from the frame's centre, `half` half its side, rad.
     fn touches(&self, middle: [f64; 2], half: f64) -> bool {
         [0, 1].iter().all(|&i| {
             let axis = self.axes[i];
@@ -90,13 +91,13 @@ impl Sight {
     }
 }
 
-/// The short way from one place to another, rad.
+/// The shortest way around the torus from one place to another, rad.
 pub fn offset_rad(to: [Turn; 2], from: [Turn; 2]) -> [f64; 2] {
     let half = Turn::from_f64(0.5);
-    [0, 1].map(|i| (wrapped(to[i] - from[i] + half) - half).to_f64() * std::f64::consts::TAU)
+    [0, 1].map(|i| ((to[i] - from[i] + half).wrapped() - half).to_f64() * std::f64::consts::TAU)
 }
 
-/// The patches of a film's frames, in the order of the quarters of quarters.
+/// Returns the patches of a film's frames, depth first in the order of [`Cell::children`].
 pub fn patches(sights: &[Sight]) -> Vec<Cell> {
     let mut found = Vec::new();
     descend(Cell::WHOLE, &sights.iter().collect::<Vec<_>>(), sights, &mut found);
@@ -114,7 +115,7 @@ fn descend(cell: Cell, near: &[&Sight], all: &[Sight], found: &mut Vec<Cell>) {
     }
 }
 
-/// The patches that have to be computed: of a cell and its mirror image only one.
+/// Returns the patches that have to be computed: only one of a cell and its mirror image.
 pub fn canonical(patches: &[Cell]) -> Vec<Cell> {
     let mut seen = HashSet::new();
     let canonical = patches.iter().map(|cell| cell.canonical().0);

@@ -1,25 +1,26 @@
-//! The tiles of a picture: bands from the top, since nobody watches.
+//! The tiles of a picture: bands from the top, because no viewer needs any part first.
 
 use std::ops::Range;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
-    /// Its upper left pixel.
+    /// Column and row of the upper left pixel.
     pub origin: [u32; 2],
     /// Width and height in pixels of the picture.
     pub size: [u32; 2],
 }
 
 impl Tile {
-    /// Its pixels, row by row.
+    /// Iterates over the columns and rows of the pixels, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let ([x0, y0], [w, h]) = (self.origin, self.size);
         (y0..y0 + h).flat_map(move |y| (x0..x0 + w).map(move |x| [x, y]))
     }
 }
 
-/// Bands of whole `rows` of a picture so wide, each of about `tile_pixels` pixels.
+/// Cuts `rows` of a picture `width` pixels wide into bands of whole rows, each of about
+/// `tile_pixels` pixels.
 pub fn plan(width: u32, rows: Range<u32>, tile_pixels: usize) -> Vec<Tile> {
     let height = u32::try_from(tile_pixels / width as usize).unwrap_or(u32::MAX).max(1);
     rows.clone()

@@ -1,14 +1,15 @@
-//! A small picture of a scene: what colours a large one needs, or where to go deeper.
+//! A small picture of a scene, to choose the colours of a large one or the place to go deeper.
 
 use std::time::{Duration, Instant};
 
 use super::{Samples, Work};
 use crate::engine::{Engine, EngineError};
 
-/// How often a stop is looked for.
+/// Longest wait for the engine before `go_on` is called again.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// The samples of a picture of `size` pixels, by rows from the top; nothing once `go_on` says no.
+/// Returns the samples of a picture of `size` pixels, row by row from the top, or `None` once
+/// `go_on` returns false.
 pub fn preview(
     work: &mut Work,
     size: [u32; 2],

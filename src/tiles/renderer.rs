@@ -1,4 +1,4 @@
-//! The library's front door: a scene in, samples out.
+//! The library's main entry point: a scene goes in, samples come out.
 
 use super::preview::preview;
 use super::{Samples, Work, opinion};
@@ -7,7 +7,7 @@ use crate::engine::trust::TrustEngine;
 use crate::engine::{Accuracy, Engine, EngineError, IntegratorConfig};
 use crate::scene::Scene;
 
-/// Renders scenes to arrays of samples, one engine for all of them.
+/// Renders scenes to arrays of samples, with one engine for all of them.
 ///
 /// ```
 /// use flipmap::engine::choice::{EngineKind, EngineRequest};
@@ -24,19 +24,19 @@ pub struct Renderer {
     config: IntegratorConfig,
 }
 
-/// The engine, with checks or without.
+/// An engine with or without checks.
 enum Maker {
     Unchecked(Box<dyn Engine>),
     Checked(Box<TrustEngine<'static>>),
 }
 
 impl Renderer {
-    /// Chooses and starts the engine that is asked for. Pixels are checked where `exact` is.
+    /// Chooses and starts the requested engine. Every pixel is checked if `exact` is requested.
     pub fn new(wish: &EngineRequest) -> Result<Self, ChoiceError> {
         Renderer::with_checks(wish, wish.setting == IntegrationSetting::Accuracy(Accuracy::Exact))
     }
 
-    /// The same with checks of every pixel, or without.
+    /// Does the same, but checks every pixel if `verify` is true, and none otherwise.
     pub fn with_checks(wish: &EngineRequest, verify: bool) -> Result<Self, ChoiceError> {
         let Chosen { engine, config, .. } = choose(wish, &|_| {})?;
         let engine = if verify {
@@ -47,18 +47,18 @@ impl Renderer {
         Ok(Renderer { engine, config })
     }
 
-    /// How pixels are integrated.
+    /// Returns the integrator config of the pixels.
     pub fn config(&self) -> IntegratorConfig {
         self.config
     }
 
-    /// The samples of a checked scene in `size` pixels, by rows from the top.
+    /// Returns the samples of a checked scene in `size` pixels, row by row from the top.
     pub fn render(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Samples, EngineError> {
         let samples = self.render_while(scene, size, &|| true)?;
         Ok(samples.expect("nobody says stop"))
     }
 
-    /// The same; nothing once `go_on` says no.
+    /// Does the same, but returns `None` once `go_on` returns false.
     pub fn render_while(
         &mut self,
         scene: &Scene,

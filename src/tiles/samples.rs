@@ -1,11 +1,11 @@
-//! Samples: what is known of each pixel, and how many of which kind there are.
+//! Samples: the outcome of each pixel with its trust, and counts of each kind of pixel.
 
 use serde::{Deserialize, Serialize};
 
 use crate::engine::{Effort, Trust};
 use crate::physics::{Outcome, Status};
 
-/// Outcomes, stored tightly.
+/// Outcomes and their trust, stored compactly.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
     statuses: Vec<Status>,
@@ -14,7 +14,7 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// `count` unflipped samples.
+    /// Creates `count` unflipped samples.
     pub fn unflipped(count: usize) -> Self {
         Samples {
             statuses: vec![Status::Unflipped; count],
@@ -23,38 +23,38 @@ impl Samples {
         }
     }
 
-    /// How many.
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.statuses.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no samples.
     pub fn is_empty(&self) -> bool {
         self.statuses.is_empty()
     }
 
-    /// Sample `index`.
+    /// Returns the outcome of sample `index`.
     pub fn get(&self, index: usize) -> Outcome {
         Outcome { status: self.statuses[index], time: self.times[index] }
     }
 
-    /// Replaces sample `index`.
+    /// Replaces the outcome of sample `index`.
     pub fn set(&mut self, index: usize, outcome: Outcome) {
         self.statuses[index] = outcome.status;
         self.times[index] = outcome.time;
     }
 
-    /// How sure sample `index` is.
+    /// Returns the trust of sample `index`.
     pub fn trust(&self, index: usize) -> Trust {
         self.trusts[index]
     }
 
-    /// Says how sure sample `index` is.
+    /// Replaces the trust of sample `index`.
     pub fn set_trust(&mut self, index: usize, trust: Trust) {
         self.trusts[index] = trust;
     }
 
-    /// The first `count` samples.
+    /// Keeps only the first `count` samples.
     pub fn truncated(mut self, count: usize) -> Self {
         self.statuses.truncate(count);
         self.times.truncate(count);
@@ -62,7 +62,7 @@ impl Samples {
         self
     }
 
-    /// Some of the samples.
+    /// Returns a copy of the samples at `places`.
     pub fn part(&self, places: std::ops::Range<usize>) -> Self {
         Samples {
             statuses: self.statuses[places.clone()].to_vec(),
@@ -71,14 +71,14 @@ impl Samples {
         }
     }
 
-    /// Adds others at the end.
+    /// Appends other samples.
     pub fn append(&mut self, other: Samples) {
         self.statuses.extend(other.statuses);
         self.times.extend(other.times);
         self.trusts.extend(other.trusts);
     }
 
-    /// The samples in opposite order: of a tile, its mirror image.
+    /// Reverses the order of the samples: those of a tile become those of its mirror image.
     pub fn reversed(mut self) -> Self {
         self.statuses.reverse();
         self.times.reverse();
@@ -86,39 +86,39 @@ impl Samples {
         self
     }
 
-    /// All outcomes in order.
+    /// Iterates over all outcomes in order.
     pub fn iter(&self) -> impl Iterator<Item = Outcome> + '_ {
         (0..self.len()).map(|index| self.get(index))
     }
 
-    /// Bytes a sample takes.
+    /// Size of a sample in bytes.
     pub const BYTES: usize = size_of::<Status>() + size_of::<f64>() + size_of::<Trust>();
 }
 
-/// What has been done so far.
+/// Counts of the pixels answered and of the work done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
-    /// Pixels answered, mirror images included.
+    /// Number of pixels answered, mirror images included.
     pub pixels: u64,
-    /// Starts that an engine integrated.
+    /// Number of starts that an engine computed.
     pub simulated: u64,
-    /// Pixels that flipped.
+    /// Number of pixels that flipped.
     pub flipped: u64,
-    /// Pixels that did not within the budget.
+    /// Number of pixels that did not flip within the budget.
     pub unflipped: u64,
-    /// Pixels that energy forbids to.
+    /// Number of pixels that energy forbids to flip.
     pub forbidden: u64,
-    /// Pixels whose integration failed.
+    /// Number of pixels whose integration failed.
     pub failed: u64,
-    /// Pixels by how sure they are, in the order of [`Trust::ALL`]; forbidden ones are proved and
-    /// not among them.
+    /// Numbers of pixels by trust, in the order of [`Trust::ALL`]; forbidden ones are proved and
+    /// not counted here.
     pub trusts: [u64; 5],
-    /// What it took, the last deep pixels' facts among it.
+    /// Work done, including the statistics of deep pixels.
     pub effort: Effort,
 }
 
 impl Counts {
-    /// Counts finished samples.
+    /// Adds finished samples to the counts.
     pub fn add(&mut self, samples: &Samples) {
         self.pixels += samples.len() as u64;
         for (status, trust) in samples.statuses.iter().zip(&samples.trusts) {
@@ -134,7 +134,7 @@ impl Counts {
         }
     }
 
-    /// Pixels whose checks disagree.
+    /// Number of pixels whose checks disagree.
     pub fn uncertain(&self) -> u64 {
         self.trusts[Trust::Uncertain as usize]
     }

@@ -1,5 +1,5 @@
-//! What one run keeps for a later one with a larger budget: who flipped when, and where those
-//! that did not are.
+//! Pixels that one run saves for a later one with a larger budget: the outcomes of those that are
+//! done, with the times of flips, and the integrator states of those that have not flipped.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::engine::IntegratorState;
 use crate::physics::{Outcome, Status};
 
-/// Pixels by their place in the picture, row by row from the top. Forbidden pixels and mirror
-/// images are not among them: they are known without.
+/// Pixels by their index in the picture, row by row from the top. Forbidden pixels and mirror
+/// images are not among them, because they need no integration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SavedPixels {
     flipped: BTreeMap<u64, f64>,
@@ -17,17 +17,17 @@ pub struct SavedPixels {
     paused: BTreeMap<u64, IntegratorState>,
 }
 
-/// What is known of a pixel.
+/// The result of an earlier run for a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SavedPixel {
-    /// It is done.
+    /// Final outcome of a pixel that is done.
     Over(Outcome),
-    /// It had not flipped.
+    /// State of a pixel that had not flipped.
     Unfinished(IntegratorState),
 }
 
 impl SavedPixels {
-    /// What is known of pixel `index`.
+    /// Returns what is known of pixel `index`.
     pub fn known(&self, index: u64) -> Option<SavedPixel> {
         let over = self.flipped.get(&index).map(|&time| Outcome::flipped(time));
         let failed = || {
@@ -38,7 +38,7 @@ impl SavedPixels {
         over.or_else(failed).map(SavedPixel::Over).or_else(paused)
     }
 
-    /// Pixel `index` is done.
+    /// Saves the outcome of pixel `index`, which is done.
     pub fn finish(&mut self, index: u64, outcome: Outcome) {
         self.paused.remove(&index);
         if outcome.status == Status::Flipped {
@@ -48,12 +48,12 @@ impl SavedPixels {
         }
     }
 
-    /// Pixel `index` has not flipped.
+    /// Saves the state of pixel `index`, which has not flipped.
     pub fn pause(&mut self, index: u64, state: IntegratorState) {
         self.paused.insert(index, state);
     }
 
-    /// How many pixels wait to go on.
+    /// Number of pixels that can be resumed.
     pub fn paused(&self) -> usize {
         self.paused.len()
     }

@@ -1,47 +1,48 @@
-//! What a window looks at.
+//! The target of a window: the physics and the part of the plane in view.
 
 use crate::engine::{IntegratorConfig, Question};
 use crate::physics::Rule;
 use crate::scene::lattice::Region;
 use crate::scene::{self, Budget, Build, Scene};
 
-/// What decides a pixel's answer, but for the budget.
+/// All that decides a pixel's answer, except the start and the budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Physics {
     /// The pendulum.
     pub build: Build,
-    /// Which bob is watched.
+    /// Choice of the watched bob.
     pub rule: Rule,
-    /// How it is integrated.
+    /// Integrator config of the pixels.
     pub config: IntegratorConfig,
-    /// Whether every pixel is checked.
+    /// True if every pixel is checked.
     pub verified: bool,
 }
 
-/// What is looked at.
+/// A view to be computed: a region of the plane, with its physics, budget and level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewTarget {
-    /// Of what.
+    /// Physics of the pixels.
     pub physics: Physics,
-    /// Simulated seconds a pixel may use.
+    /// Simulated seconds that a pixel may use.
     pub budget_secs: f64,
-    /// Where.
+    /// Region of the plane in view.
     pub region: Region,
-    /// How finely: the level of the cells to draw.
+    /// Lattice level of the cells to draw.
     pub level: u32,
-    /// Where the pointer is, from the region's centre, rad.
+    /// Offset of the pointer from the region's centre, rad.
     pub pointer: Option<[f64; 2]>,
 }
 
 impl ViewTarget {
-    /// The pendulum and the question; the view is the lattice's affair.
+    /// Returns a scene with the pendulum and the question; its view is not used, because the
+    /// lattice places the samples.
     pub(super) fn scene(&self) -> Scene {
         let question =
             scene::FlipQuestion { rule: self.physics.rule, budget: Budget::secs(self.budget_secs) };
         Scene { build: self.physics.build, question, ..Scene::default() }
     }
 
-    /// What is asked of every pixel.
+    /// Returns the question to be answered for every pixel.
     pub(super) fn question(&self) -> Question {
         Question::from(&self.scene())
     }

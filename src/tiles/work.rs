@@ -16,13 +16,13 @@ use crate::scene::{Grid, Scene};
 /// A tile and the samples of its pixels, in the order of [`Tile::pixels`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishedTile {
-    /// Where it is.
+    /// Position and size of the tile.
     pub tile: Tile,
-    /// Its samples.
+    /// Samples of its pixels.
     pub samples: Samples,
 }
 
-/// A picture being computed.
+/// The computation of a picture.
 pub struct Work {
     grid: Grid,
     question: Question,
@@ -32,21 +32,21 @@ pub struct Work {
     in_flight: InFlightJobs<Tile>,
     finished: Vec<FinishedTile>,
     counts: Counts,
-    /// What is known from an earlier run, and what a later one will want to know.
+    /// Pixels known from an earlier run, and those that a later one will need.
     kept: Option<SavedPixels>,
 }
 
-/// Samples that the mirror image of a picture may hold back before rows come in order.
+/// Maximum size in bytes of a mirrored half, whose samples wait until its rows are due.
 const MIRROR_BYTES: u64 = 320 << 20;
 
-/// Leaves of a deep picture are about so many rows high, and bands of fewer rows would follow each
-/// of them again and again …
+/// Approximate height of a deep picture's leaves in rows. Lower bands would follow each leaf again
+/// and again, so bands are at least this high …
 const LEAF_ROWS: usize = 16;
-/// … but no band of a deep picture has more pixels than this for their sake.
+/// … unless they would have more pixels than this.
 const MOST_DEEP: usize = 1 << 20;
 
 impl Work {
-    /// The work of a checked scene as a picture of `size` pixels, in tiles of about
+    /// Creates the work for a checked scene as a picture of `size` pixels, in tiles of about
     /// `tile_pixels` pixels.
     pub fn new(
         scene: &Scene,
@@ -60,7 +60,7 @@ impl Work {
         Work { mirrored, ..Work::of_rows(scene, size, config, tile_pixels, 0..rows) }
     }
 
-    /// Some rows of that picture, and no mirror image of them.
+    /// Creates the work for some rows of that picture, without a mirror image of them.
     pub fn of_rows(
         scene: &Scene,
         size: [u32; 2],
@@ -85,25 +85,26 @@ impl Work {
         }
     }
 
-    /// Prepares for the same scene in `size` pixels, which are more.
+    /// Uses the leaves of the same scene in `size` pixels, a larger picture that is computed next,
+    /// so that both follow the same references.
     pub fn before(mut self, scene: &Scene, size: [u32; 2]) -> Self {
         self.grid = self.grid.in_leaves_of(&Grid::new(scene, size));
         self
     }
 
-    /// Continues from what an earlier run kept, and keeps what a later one needs.
+    /// Continues from the pixels that an earlier run saved, and saves those that a later one needs.
     pub fn keeping(mut self, kept: SavedPixels) -> Self {
         self.kept = Some(kept);
         self
     }
 
-    /// What was kept, once all is done.
+    /// Returns the saved pixels, which are complete once all is done.
     pub fn into_kept(self) -> Option<SavedPixels> {
         self.kept
     }
 
-    /// Moves the work on until tiles have finished or `deadline` has come, and returns them.
-    /// Without a deadline an empty answer means that all is done.
+    /// Works until tiles have finished or `deadline` has come, and returns the finished tiles.
+    /// Without a deadline, an empty result means that all is done.
     pub fn work(
         &mut self,
         engine: &mut dyn Engine,
@@ -122,18 +123,18 @@ impl Work {
         Ok(std::mem::take(&mut self.finished))
     }
 
-    /// Whether every tile has been handed back.
+    /// Returns true if no tile is waiting or in flight.
     pub fn is_done(&self) -> bool {
         self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
-    /// Forgets everything that is not finished.
+    /// Cancels the jobs in flight and forgets the tiles that are not finished.
     pub fn cancel(&mut self, engine: &mut dyn Engine) {
         self.in_flight.cancel(engine);
         self.waiting.clear();
     }
 
-    /// What has been done so far.
+    /// Returns the counts of all that has been done so far.
     pub fn counts(&self) -> Counts {
         self.counts
     }
@@ -142,7 +143,7 @@ impl Work {
         self.kept.as_ref().and_then(|kept| kept.known(self.index(pixel)))
     }
 
-    /// A pixel's place in the picture, row by row from the top.
+    /// Index of a pixel in the picture, row by row from the top.
     fn index(&self, [x, y]: [u32; 2]) -> u64 {
         u64::from(y) * u64::from(self.grid.size()[0]) + u64::from(x)
     }
@@ -162,7 +163,7 @@ impl Work {
         self.kept = Some(kept);
     }
 
-    /// Hands a tile back, and its mirror image.
+    /// Counts a tile and its mirror image, if there is one, and queues them to be handed back.
     fn finish(&mut self, tile: Tile, samples: Samples) {
         let image = if self.mirrored { self.mirror_of(&tile, &samples) } else { None };
         for part in [Some(FinishedTile { tile, samples }), image].into_iter().flatten() {
@@ -171,8 +172,8 @@ impl Work {
         }
     }
 
-    /// The image of a band of the upper half in the lower one, without a middle row that is its
-    /// own image.
+    /// Returns the mirror image in the lower half of a band of the upper one, without a middle row
+    /// that is its own image; `None` if no rows remain.
     fn mirror_of(&self, tile: &Tile, samples: &Samples) -> Option<FinishedTile> {
         let [width, height] = self.grid.size();
         let own_image = (tile.origin[1] + tile.size[1]) * 2 > height;
@@ -225,7 +226,7 @@ mod tests {
         Scene { view, ..Scene::default() }.checked().unwrap()
     }
 
-    /// Every pixel's outcome, by running the work to its end.
+    /// Runs the work to its end and returns every pixel's outcome.
     fn picture(scene: &Scene, size: [u32; 2], engine: &mut MockEngine) -> (Samples, Counts) {
         let mut work = Work::new(scene, size, RECIPE, 64);
         let mut samples = Samples::unflipped((size[0] * size[1]) as usize);
@@ -285,7 +286,7 @@ mod tests {
             let middle_row = if size[1] % 2 == 1 { u64::from(size[0]) } else { 0 };
             assert!(engine.answered as u64 <= open / 2 + middle_row, "{size:?}");
             let last = samples.len() - 1;
-            // Rows below the middle are images, so they repeat the upper half, turned round.
+            // Rows below the middle are images, so they repeat the upper half in reverse order.
             for index in 0..samples.len() / 2 - middle_row as usize / 2 {
                 assert_eq!(samples.get(index), samples.get(last - index));
             }

@@ -8,11 +8,14 @@ use wgpu::util::DeviceExt;
 
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
 use super::sample::word_of;
+use crate::engine::shared::status_constants;
 use crate::scene::lattice::SIDE;
 use crate::tiles::Samples;
 
-/// The shader's source, compiled when a window opens.
-pub const SHADER: &str = include_str!("../../../shaders/picture.wgsl");
+/// The shader, with the status codes printed from [`crate::physics::Status`].
+pub fn shader() -> String {
+    status_constants() + include_str!("../../../shaders/picture.wgsl")
+}
 
 /// One parallelogram of the map (counterpart in the shader).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -83,7 +86,7 @@ impl Canvas {
     pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat, layers: u32) -> Self {
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
-            source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+            source: wgpu::ShaderSource::Wgsl(shader().into()),
         });
         let pipeline = pipeline(device, &shader, target);
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::maths;
 use crate::engine::method::Pace;
+use crate::engine::shared::status_constants;
 use crate::engine::start::{ANGLES, PHASE};
 use crate::engine::{EngineError, IntegratorConfig, Method, Precision, Question};
 use crate::physics::control::{Control, GROW, LONGEST, SHRINK};
@@ -166,11 +167,14 @@ impl Design {
                 None => "(job.watched & (1u << bob)) != 0u && ",
             },
             moment: self.moment(),
-            exponent: number(control.exponent),
-            safety: number(control.safety),
-            shrink: number(SHRINK),
-            grow: number(GROW),
-            longest: number(LONGEST),
+            control: ControlValues {
+                exponent: number(control.exponent),
+                safety: number(control.safety),
+                shrink: number(SHRINK),
+                grow: number(GROW),
+                longest: number(LONGEST),
+            },
+            statuses: status_constants(),
             quartic: self.scheme == Scheme::Fifth,
             bows: self.bows(),
             far: number(FAR),
@@ -225,17 +229,25 @@ struct Values {
     nows: String,
     is_watched: &'static str,
     moment: &'static str,
-    exponent: String,
-    safety: String,
-    shrink: String,
-    grow: String,
-    longest: String,
+    #[serde(flatten)]
+    control: ControlValues,
     quartic: bool,
     bows: Vec<String>,
     far: String,
     slack: String,
     maths: BTreeMap<String, String>,
     may_pass: String,
+    statuses: String,
+}
+
+/// The constants of the step size control.
+#[derive(Serialize)]
+struct ControlValues {
+    exponent: String,
+    safety: String,
+    shrink: String,
+    grow: String,
+    longest: String,
 }
 
 #[derive(Serialize)]

@@ -94,7 +94,7 @@ impl<const N: usize> Fixed<N> {
 
     /// The product, rounded to nearest. The limbs are multiplied as if unsigned, and the effect of
     /// the signs is subtracted afterwards: no branch depends on the numbers.
-    #[inline(always)]
+    #[inline(never)]
     fn product(self, other: Self) -> Self {
         let (x, y) = (&self.0, &other.0);
         let mut columns = [[0u64; 2]; N];

@@ -1,0 +1,112 @@
+//! Pictures in formats that are encoded as a whole: JPEG, WebP and TIFF.
+//!
+//! PNG is the format of pictures that carry their scene, and the only one written row by row.
+
+use std::io::{self, Cursor, Write};
+use std::path::Path;
+
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageFormat};
+
+use super::SafeFile;
+
+/// JPEG quality, 1 to 100: edges of filaments show no ringing at this one.
+const JPEG_QUALITY: u8 = 95;
+
+/// The format that the ending of a picture's name asks for; `None` for PNG, which is also that of
+/// names that tell nothing.
+pub(super) fn format_of(path: &Path) -> io::Result<Option<ImageFormat>> {
+    match ImageFormat::from_path(path) {
+        Err(_) | Ok(ImageFormat::Png) => Ok(None),
+        Ok(format @ (ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::Tiff)) => {
+            Ok(Some(format))
+        }
+        Ok(_) => Err(io::Error::other("pictures are written as .png, .jpg, .webp or .tiff")),
+    }
+}
+
+/// The longest side that a format can hold, in pixels.
+fn longest_side(format: ImageFormat) -> u32 {
+    match format {
+        ImageFormat::Jpeg => 65_535,
+        ImageFormat::WebP => 16_383,
+        _ => u32::MAX,
+    }
+}
+
+/// A picture that is encoded when its last row has come.
+pub(super) struct WholePicture {
+    file: SafeFile,
+    format: ImageFormat,
+    size: [u32; 2],
+    rgb: Vec<u8>,
+}
+
+impl WholePicture {
+    /// Begins a picture of `size` pixels; refuses a size that the format cannot hold.
+    pub fn new(file: SafeFile, format: ImageFormat, size: [u32; 2]) -> io::Result<Self> {
+        let longest = longest_side(format);
+        if size.into_iter().any(|side| side > longest) {
+            let ending = format.extensions_str()[0];
+            return Err(io::Error::other(format!(
+                ".{ending} holds at most {longest} pixels along a side: name a .png or a .tiff"
+            )));
+        }
+        Ok(WholePicture { file, format, size, rgb: Vec::new() })
+    }
+
+    /// Adds the next rows, three bytes per pixel.
+    pub fn write(&mut self, rgb: &[u8]) {
+        self.rgb.extend_from_slice(rgb);
+    }
+
+    /// Encodes the picture and returns its file.
+    pub fn finish(mut self) -> io::Result<SafeFile> {
+        let bytes = encoded(&self.rgb, self.size, self.format).map_err(io::Error::other)?;
+        self.file.write_all(&bytes)?;
+        Ok(self.file)
+    }
+}
+
+fn encoded(
+    rgb: &[u8],
+    [width, height]: [u32; 2],
+    format: ImageFormat,
+) -> image::ImageResult<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    let color = ExtendedColorType::Rgb8;
+    match format {
+        ImageFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
+            .write_image(rgb, width, height, color)?,
+        _ => image::write_buffer_with_format(&mut bytes, rgb, width, height, color, format)?,
+    }
+    Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_format_holds_what_its_name_says() {
+        let rgb: Vec<u8> = (0..16 * 8).flat_map(|k| [k, 255 - k, 90]).collect();
+        for (name, apart) in [("a.jpg", 12), ("a.JPEG", 12), ("a.webp", 0), ("a.tif", 0)] {
+            let format = format_of(Path::new(name)).unwrap().expect(name);
+            let bytes = encoded(&rgb, [16, 8], format).unwrap();
+            assert_eq!(image::guess_format(&bytes).unwrap(), format, "{name}");
+            let read = image::load_from_memory(&bytes).unwrap().into_rgb8();
+            assert_eq!(read.dimensions(), (16, 8));
+            let worst = read.iter().zip(&rgb).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+            assert!(worst <= apart, "{name} is off by {worst}");
+        }
+    }
+
+    #[test]
+    fn other_names_are_png_or_refused() {
+        for name in ["a.png", "a", "-", "/dev/full"] {
+            assert_eq!(format_of(Path::new(name)).unwrap(), None, "{name}");
+        }
+        let error = format_of(Path::new("a.gif")).unwrap_err().to_string();
+        assert!(error.contains(".png, .jpg, .webp or .tiff"), "{error}");
+    }
+}

@@ -1,0 +1,97 @@
+//! Places along one axis of the torus of starts.
+
+use std::fmt;
+use std::ops::{Add, Sub};
+use std::sync::OnceLock;
+
+use crate::physics::{Fixed, Scalar, Theta};
+
+/// A place along one axis of the torus, in turns: 0 at θ = −π, 1 one turn further. It is no
+/// [`Theta`], so that turns and radians cannot be mixed.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Turn(Fixed<8>);
+
+impl Turn {
+    /// The place of θ = −π.
+    pub const ZERO: Turn = Turn(Fixed::ZERO);
+
+    /// The place of a number of turns.
+    pub fn from_f64(turns: f64) -> Self {
+        Turn(Fixed::from_f64(turns))
+    }
+
+    /// The place with these limbs of a [`Fixed`], for files.
+    pub fn from_limbs(limbs: [u64; 8]) -> Self {
+        Turn(Fixed::from_limbs(limbs))
+    }
+
+    /// The limbs of the place, for files.
+    pub fn limbs(self) -> [u64; 8] {
+        self.0.limbs()
+    }
+
+    /// The nearest number of turns.
+    pub fn to_f64(self) -> f64 {
+        self.0.to_f64()
+    }
+
+    /// The place of an angle in rad.
+    pub fn from_theta(theta: Theta) -> Self {
+        static PER_TURN: OnceLock<Theta> = OnceLock::new();
+        let per_turn = *PER_TURN.get_or_init(|| one() / Theta::pi().doubled(1));
+        Turn(one().halved(1) + theta * per_turn)
+    }
+
+    /// The angle of the place in rad; exactly odd about the middle of the torus.
+    pub fn to_theta(self) -> Theta {
+        let from_middle = self.0 - one().halved(1);
+        let theta = from_middle.abs() * Theta::pi().doubled(1);
+        if from_middle.is_negative() { -theta } else { theta }
+    }
+
+    /// The side of a level's cells.
+    pub fn side(level: u32) -> Self {
+        Turn(one().halved(level))
+    }
+
+    /// Rounds the place down to the nearest side of a cell of the level.
+    pub fn floor(self, level: u32) -> Self {
+        let rest = Fixed::<8>::BITS - level;
+        Turn(self.0.halved(rest).doubled(rest))
+    }
+
+    /// The place without whole turns, in [0, 1).
+    pub fn wrapped(self) -> Self {
+        self - self.floor(0)
+    }
+
+    /// The distance, `factor` times as long.
+    pub fn times(self, factor: f64) -> Self {
+        Turn(self.0 * Fixed::from_f64(factor))
+    }
+}
+
+fn one() -> Fixed<8> {
+    Fixed::from_f64(1.0)
+}
+
+impl Add for Turn {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Turn(self.0 + other.0)
+    }
+}
+
+impl Sub for Turn {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Turn(self.0 - other.0)
+    }
+}
+
+// Names of parts on disk are digests of this text: it is that of the number alone.
+impl fmt::Debug for Turn {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
