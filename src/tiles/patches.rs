@@ -125,6 +125,7 @@ pub fn canonical(patches: &[Cell]) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::Scalar;
     use crate::physics::Theta;
     use crate::scene::View;
 
