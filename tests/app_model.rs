@@ -265,8 +265,8 @@ fn what_was_chosen_is_there_again() {
     let again = model(Folders::under(folder.path()), None);
     let state = &again.state().state;
     assert_eq!(place(&again), there);
-    assert!(state.layers.grid && !state.animate && state.theme == Theme::Light);
-    assert!(state.ui_scale > 1.0);
+    assert!(state.layers.grid && !state.look.animate && state.look.theme == Theme::Light);
+    assert!(state.look.ui_scale > 1.0);
     // A requested scene takes precedence over the saved view.
     let shore = BuiltIn::named("shore").unwrap().document();
     let asked = model(Folders::under(folder.path()), Some(shore.clone()));

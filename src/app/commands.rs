@@ -97,7 +97,7 @@ fn showing(layers: &Layers) -> Vec<Command> {
 
 fn doing(state: &AppState) -> Vec<Command> {
     let accuracy = |accuracy| Action::Accuracy(accuracy);
-    let scale = |factor: f32| Action::UiScale(state.ui_scale * factor);
+    let scale = |factor: f32| Action::UiScale(state.look.ui_scale * factor);
     let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
     let mut commands = vec![
         command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
@@ -114,7 +114,7 @@ fn doing(state: &AppState) -> Vec<Command> {
         command("Interface smaller", ctrl(Key::Minus), scale(1.0 / 1.1)),
         command("Dark", [], Action::Theme(Theme::Dark)),
         command("Light", [], Action::Theme(Theme::Light)),
-        command("Smooth moves on or off", [], Action::Animate(!state.animate)),
+        command("Smooth moves on or off", [], Action::Animate(!state.look.animate)),
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),
     ];

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use crate::engine::background::{self, Background, PendingEngine};
 use crate::engine::choice::{self, Chosen, EngineKind, EngineRequest, IntegrationSetting};
-use crate::engine::trust::TrustEngine;
 use crate::engine::{Engine, IntegratorConfig};
+use crate::tiles::Renderer;
 use crate::tiles::explorer::Explorer;
 use crate::tiles::view_target::ViewTarget;
 
@@ -206,9 +206,9 @@ fn open(
 ) -> Result<Chosen, choice::ChoiceError> {
     step_back();
     let request = EngineRequest { pace: PACE, ..request.clone() };
-    let Chosen { engine, config, why, following } = choice::choose(&request, tell)?;
-    let engine: Box<dyn Engine> =
-        if verify { Box::new(TrustEngine::new(engine, request.threads)?) } else { engine };
+    let chosen = choice::choose(&request, tell)?;
+    let (config, why, following) = (chosen.config, chosen.why.clone(), chosen.following.clone());
+    let engine = Renderer::of(chosen, verify, request.threads)?.into_engine();
     Ok(Chosen { engine, config, why, following })
 }
 

@@ -96,7 +96,8 @@ impl AppModel {
         self.state.question.budget.auto = true;
         let scene = self.state.document().scene();
         self.descent.scenes = vec![scene.clone()];
-        let request = EngineRequest { setting: self.state.setting, ..self.request.clone() };
+        let request =
+            EngineRequest { setting: self.state.integration.setting, ..self.request.clone() };
         self.descent.running =
             Some(BackgroundDescent::start(scene, towards, request, Arc::clone(&self.wake)));
     }

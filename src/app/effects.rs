@@ -41,9 +41,13 @@ impl AppModel {
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
                 self.relaunch();
-                self.request.kind = self.state.kind;
-                self.request.setting = self.state.setting;
-                self.compute.reopen(self.state.kind, self.state.setting, self.state.verify);
+                self.request.kind = self.state.integration.kind;
+                self.request.setting = self.state.integration.setting;
+                self.compute.reopen(
+                    self.state.integration.kind,
+                    self.state.integration.setting,
+                    self.state.integration.verify,
+                );
             }
             Effect::Open(path) => self.open(&path),
             Effect::AskForFile => {

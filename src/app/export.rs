@@ -7,16 +7,15 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::engine::choice::{Chosen, EngineRequest, choose};
+use crate::engine::choice::{EngineRequest, choose};
 use crate::engine::method::Pace;
-use crate::engine::trust::TrustEngine;
 use crate::engine::{Engine, Question, run_settings};
 use crate::output::{
     Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, render_pass, sentence,
 };
 use crate::scene::keys::{Easing, Keys};
 use crate::scene::{Document, RunTable};
-use crate::tiles::{Counts, Work};
+use crate::tiles::{Counts, Renderer, Work};
 
 /// The content of an exported file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -186,19 +185,16 @@ fn run(
     let scene = document.scene();
     let mut sinks =
         Sinks::open(&request.paths(), &document, request.size).map_err(RenderError::from)?;
-    let Chosen { mut engine, config, .. } =
-        choose(engine_request, &|text| set(ExportStage::Starting(text.to_string())))?;
+    let chosen = choose(engine_request, &|text| set(ExportStage::Starting(text.to_string())))?;
     let question = Question::from(&scene);
     if question.build.gravity.value() > 0.0 {
-        Pace::new(&question, &config)?;
+        Pace::new(&question, &chosen.config)?;
     }
-    if verify {
-        engine = Box::new(TrustEngine::new(engine, engine_request.threads)?);
-    }
+    let mut renderer = Renderer::of(chosen, verify, engine_request.threads)?;
     for pass in sinks.passes(document.picture.samples) {
         let size = request.size.map(|side| side * pass.along);
-        let mut work = Work::new(&scene, size, config, engine.job_size());
-        run_pass(&mut work, size, engine.as_mut(), &mut sinks, &pass, (set, stopped))?;
+        let mut work = renderer.work(&scene, size);
+        run_pass(&mut work, size, renderer.engine(), &mut sinks, &pass, (set, stopped))?;
     }
     Ok(sinks.finish().map_err(RenderError::from)?)
 }

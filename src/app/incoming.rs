@@ -31,8 +31,10 @@ impl AppState {
         match run_settings::resolve(words) {
             Ok((setting, run)) => {
                 let verify = run_settings::verifies(setting, &run);
-                let other = (setting, verify) != (self.setting, self.verify);
-                (self.setting, self.verify, self.run) = (setting, verify, run);
+                let other =
+                    (setting, verify) != (self.integration.setting, self.integration.verify);
+                (self.integration.setting, self.integration.verify, self.integration.run) =
+                    (setting, verify, run);
                 other
             }
             Err(error) => {

@@ -27,7 +27,7 @@ use super::panels::status::{StatusLine, depth_words, status_line};
 use super::panels::{accuracy, help, notices};
 use super::places::Places;
 use super::settings::{Loaded, Settings, Store};
-use super::state::{AppState, Effect};
+use super::state::{AppState, Appearance, Effect};
 use super::view_samples;
 use crate::engine::choice::EngineRequest;
 use crate::engine::run_settings;
@@ -80,13 +80,17 @@ pub struct AppModel {
     pub lab: Lab,
     pub(super) request: EngineRequest,
     pub(super) wake: Wake,
-    /// Settings that the file holds, and the time of the last save.
-    saved: Option<Settings>,
-    saved_at: Instant,
+    saved: LastSave,
     /// Lines for the debug panel, set by the owner of the window.
     pub measured: Vec<String>,
     /// View over which deep colours were last spread, and true if at its finest level.
     spread_for: Option<(Camera, bool)>,
+}
+
+/// The settings that the file holds, and the time of the last save.
+struct LastSave {
+    settings: Option<Settings>,
+    at: Instant,
 }
 
 /// Time between saves of the settings while the window is used.
@@ -113,8 +117,8 @@ impl AppModel {
         let verify = run_settings::verifies(setting, &run);
         document.run = run;
         let mut state = AppState::new(&document, setting, verify);
-        state.kind = options.request.kind;
-        (state.animate, state.theme, state.ui_scale) =
+        state.integration.kind = options.request.kind;
+        (state.look.animate, state.look.theme, state.look.ui_scale) =
             (settings.animate, settings.theme, settings.ui_scale);
         if options.document.is_none() {
             state.layers = settings.layers;
@@ -144,8 +148,7 @@ impl AppModel {
             lab: Lab::new(Figure::Machine),
             request,
             wake,
-            saved: None,
-            saved_at: Instant::now(),
+            saved: LastSave { settings: None, at: Instant::now() },
             measured: Vec::new(),
             spread_for: None,
         }
@@ -355,22 +358,22 @@ impl AppModel {
 
     /// Saves the settings, including how the window was left.
     pub fn save(&mut self) {
-        let AppState { animate, theme, ui_scale, layers, .. } = self.state;
+        let AppState { look: Appearance { animate, theme, ui_scale }, layers, .. } = self.state;
         self.settings = Settings { animate, theme, ui_scale, layers, ..self.settings.clone() };
         self.settings.last_scene = Some(self.state.document());
-        self.saved_at = Instant::now();
-        if self.saved.as_ref() == Some(&self.settings) {
+        self.saved.at = Instant::now();
+        if self.saved.settings.as_ref() == Some(&self.settings) {
             return;
         }
         if let Err(error) = self.store.save(&self.settings) {
             log::error!("the settings could not be kept: {error}");
         }
-        self.saved = Some(self.settings.clone());
+        self.saved.settings = Some(self.settings.clone());
     }
 
     /// Saves the settings now and then too, so that a crash costs little.
     pub fn save_sometimes(&mut self) {
-        if self.saved_at.elapsed() > SAVE_EVERY {
+        if self.saved.at.elapsed() > SAVE_EVERY {
             self.save();
         }
     }

@@ -85,8 +85,9 @@ impl Forecast {
 impl AppModel {
     /// Asks for the outlook on a view that `balanced` has computed; returns true if there is news.
     pub(super) fn foresee(&mut self) -> bool {
-        let unchecked = self.state.setting == IntegrationSetting::Accuracy(Accuracy::Balanced)
-            && !self.state.verify;
+        let unchecked = self.state.integration.setting
+            == IntegrationSetting::Accuracy(Accuracy::Balanced)
+            && !self.state.integration.verify;
         if !unchecked {
             self.forecast.forget();
             return false;

@@ -112,15 +112,15 @@ impl AppModel {
     fn computing(&self) -> Computing {
         let engine = self.compute.engine();
         let rate = self.meter.rate();
-        let cost_us = match self.state.setting {
+        let cost_us = match self.state.integration.setting {
             crate::engine::choice::IntegrationSetting::Accuracy(level) if rate > 0.0 => {
                 vec![(level, 1e6 / rate)]
             }
             _ => Vec::new(),
         };
         Computing {
-            setting: self.state.setting,
-            kind: self.state.kind,
+            setting: self.state.integration.setting,
+            kind: self.state.integration.kind,
             config: self.compute.config(),
             engine: engine.map(|(name, adapter, why)| (name.to_string(), adapter, why.to_string())),
             failed: self.compute.has_failed(),

@@ -76,6 +76,30 @@ pub enum Effect {
     LoseDevice,
 }
 
+/// The way in which pixels are integrated, and the engine that is wanted for it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Integration {
+    /// Run table, as a scene's file states it.
+    pub run: RunTable,
+    /// Integration setting that follows from the run table, for the engines.
+    pub setting: IntegrationSetting,
+    /// True if every pixel is checked.
+    pub verify: bool,
+    /// Kind of engine that is wanted.
+    pub kind: EngineKind,
+}
+
+/// The appearance of the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Appearance {
+    /// True if moves are smooth.
+    pub animate: bool,
+    /// Theme: dark, light, or that of the system.
+    pub theme: Theme,
+    /// Scale of the interface.
+    pub ui_scale: f32,
+}
+
 /// The plain state of the window.
 #[derive(Debug)]
 pub struct AppState {
@@ -87,14 +111,8 @@ pub struct AppState {
     pub picture: PictureTable,
     /// True if the times of the palette follow a deep view.
     pub spreads: bool,
-    /// Run table, as a scene's file states it.
-    pub run: RunTable,
-    /// Integration setting that follows from the run table, for the engines.
-    pub setting: IntegrationSetting,
-    /// True if every pixel is checked.
-    pub verify: bool,
-    /// Kind of engine that is wanted.
-    pub kind: EngineKind,
+    /// Integration of pixels, and the engine for it.
+    pub integration: Integration,
     /// Camera of the current view.
     pub camera: Camera,
     /// Move in progress, if any.
@@ -121,12 +139,8 @@ pub struct AppState {
     pub pins: Pins,
     /// Pin that the last click made.
     pub clicked: Option<PinId>,
-    /// True if moves are smooth.
-    pub animate: bool,
-    /// Theme: dark, light, or that of the system.
-    pub theme: Theme,
-    /// Scale of the interface.
-    pub ui_scale: f32,
+    /// Appearance of the window.
+    pub look: Appearance,
     /// Time on the window's clock in s.
     pub now_secs: f64,
 }
@@ -149,10 +163,12 @@ impl AppState {
             question: following(&scene),
             picture: document.picture.clone(),
             spreads: document.picture.times.is_empty(),
-            run: document.run.clone(),
-            setting,
-            verify,
-            kind: EngineKind::Auto,
+            integration: Integration {
+                run: document.run.clone(),
+                setting,
+                verify,
+                kind: EngineKind::Auto,
+            },
             camera,
             moving: None,
             dragging: false,
@@ -172,9 +188,7 @@ impl AppState {
             notices: Notices::default(),
             pins: Pins::new(&scene),
             clicked: None,
-            animate: true,
-            theme: Theme::default(),
-            ui_scale: 1.0,
+            look: Appearance { animate: true, theme: Theme::default(), ui_scale: 1.0 },
             now_secs: 0.0,
         }
     }
@@ -187,7 +201,7 @@ impl AppState {
             question: self.question,
             view: self.target().view(),
             picture: PictureTable { curve, ..self.picture.clone() },
-            run: self.run.clone(),
+            run: self.integration.run.clone(),
             ..Document::default()
         }
     }
@@ -220,8 +234,12 @@ impl AppState {
     pub fn view_target(&self, config: IntegratorConfig) -> ViewTarget {
         let screen = self.through(self.target());
         let pointer = self.pointer.map(|point| screen.offset_at(point).to_array());
-        let physics =
-            Physics { build: self.build, rule: self.question.rule, config, verified: self.verify };
+        let physics = Physics {
+            build: self.build,
+            rule: self.question.rule,
+            config,
+            verified: self.integration.verify,
+        };
         let width_rad = screen.camera.width_rad;
         let budget_secs = self.question.budget.for_width(&self.build, width_rad).secs;
         ViewTarget { physics, budget_secs, region: screen.region(), level: screen.level(), pointer }
@@ -278,7 +296,7 @@ impl AppState {
                 return Some(Effect::Reopen);
             }
             Action::Engine(kind) => {
-                self.kind = kind;
+                self.integration.kind = kind;
                 return Some(Effect::Reopen);
             }
             Action::TryAgain => return Some(Effect::Reopen),
@@ -296,11 +314,11 @@ impl AppState {
             Action::Find(angle) => self.go(Camera { center: angle, ..self.target() }),
             Action::Dismiss(id) => self.notices.dismiss(id),
             Action::UiScale(scale) => {
-                self.ui_scale =
+                self.look.ui_scale =
                     scale.clamp(*Settings::UI_SCALES.start(), *Settings::UI_SCALES.end())
             }
-            Action::Theme(theme) => self.theme = theme,
-            Action::Animate(animate) => self.animate = animate,
+            Action::Theme(theme) => self.look.theme = theme,
+            Action::Animate(animate) => self.look.animate = animate,
             Action::FullScreen => return Some(Effect::FullScreen),
             Action::LoseDevice => return Some(Effect::LoseDevice),
             Action::Quit => return Some(Effect::Quit),
@@ -342,7 +360,7 @@ impl AppState {
 
     /// Moves to a camera: smoothly, or with a jump if the user prefers it.
     pub(super) fn go(&mut self, to: Camera) {
-        if self.animate {
+        if self.look.animate {
             self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs });
         } else {
             (self.camera, self.moving) = (to, None);
@@ -374,9 +392,10 @@ impl AppState {
     }
 
     fn set_accuracy(&mut self, accuracy: Accuracy) {
-        self.setting = IntegrationSetting::Accuracy(accuracy);
-        self.verify = accuracy.verifies();
-        self.run = RunTable { accuracy: Some(accuracy.to_string()), ..RunTable::default() };
+        self.integration.setting = IntegrationSetting::Accuracy(accuracy);
+        self.integration.verify = accuracy.verifies();
+        self.integration.run =
+            RunTable { accuracy: Some(accuracy.to_string()), ..RunTable::default() };
     }
 
     fn toggle(&mut self, dialog: Dialog) {
@@ -487,8 +506,8 @@ pub(super) mod tests {
         document.run.method = Some("rk4".to_string());
         let shown = state.apply(Action::Show(Box::new(document.clone())));
         assert_eq!(shown, Some(Effect::Reopen));
-        let IntegrationSetting::Explicit(config) = state.setting else {
-            panic!("{:?}", state.setting)
+        let IntegrationSetting::Explicit(config) = state.integration.setting else {
+            panic!("{:?}", state.integration.setting)
         };
         assert_eq!(config.method, Method::LESSON);
         assert_eq!(state.document().run.step.as_deref(), Some("1/120"));

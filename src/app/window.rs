@@ -257,13 +257,13 @@ impl Runner {
 /// Applies the chosen theme and scale.
 fn apply_looks(open: &OpenWindow) {
     let state = &open.model.state;
-    let theme = match state.theme {
+    let theme = match state.look.theme {
         Theme::System => egui::ThemePreference::System,
         Theme::Dark => egui::ThemePreference::Dark,
         Theme::Light => egui::ThemePreference::Light,
     };
     open.host.ctx.set_theme(theme);
-    open.host.ctx.set_zoom_factor(state.ui_scale);
+    open.host.ctx.set_zoom_factor(state.look.ui_scale);
 }
 
 /// Returns true if an event comes from the user.

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use flipmap::engine::choice::{Chosen, EngineRequest};
-use flipmap::engine::trust::TrustEngine;
 use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, run};
 use flipmap::scene::Document;
 use flipmap::scene::film::Film;
 use flipmap::scene::palette::Palette;
+use flipmap::tiles::Renderer;
 
 use super::exit::Exit;
 use super::picture_options::PictureOptions;
@@ -38,7 +38,7 @@ pub fn scan(task: &Task) -> anyhow::Result<Parts> {
 }
 
 /// Requests the engine that a plan was made for, unless the request names another.
-pub fn wish_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
+pub fn request_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
     prefer_engine(request, &plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
@@ -59,10 +59,9 @@ pub fn compute(
         return Ok(Some(parts));
     }
     drop(parts);
-    let Chosen { mut engine, following, .. } = chosen;
-    if task.plan.verify {
-        engine = Box::new(TrustEngine::new(engine, threads)?);
-    }
+    let following = chosen.following.clone();
+    let mut renderer = Renderer::of(chosen, task.plan.verify, threads)?;
+    let engine = renderer.engine();
     super::tell(&format!(
         "flipmap: {total} of {} samples to compute, {} engine, {} {} in {}",
         task.samples(),
@@ -72,7 +71,7 @@ pub fn compute(
         task.config.precision,
     ));
     let mut progress = Progress::of(mode, total, "samples");
-    let counts = run(task, pieces, engine.as_mut(), &mut |counts| {
+    let counts = run(task, pieces, engine, &mut |counts| {
         progress.set(counts.pixels, following.words());
         !stop::asked()
     });

@@ -131,7 +131,7 @@ pub fn run(options: &RunShards) -> anyhow::Result<()> {
     let shards = shards(options.shard.as_deref(), task.plan.shards)?;
     stop::listen()?;
     let request = options.engine.request(IntegrationSetting::Explicit(task.config));
-    let chosen = start(&farm::wish_like(&task.plan, request)).with_context(|| {
+    let chosen = start(&farm::request_like(&task.plan, request)).with_context(|| {
         let engine = &task.plan.engine;
         format!("the plan is for the {engine} engine; choose another with --engine and --adapter")
     })?;

@@ -2,15 +2,15 @@
 //! trust, or all of them.
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Args;
-use flipmap::engine::choice::{Chosen, IntegrationSetting};
-use flipmap::engine::trust::{Opinion, Outlook, TrustEngine};
+use flipmap::engine::choice::IntegrationSetting;
+use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
-use flipmap::tiles::{self, Counts, Work};
+use flipmap::tiles::{self, Counts, Renderer};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
@@ -46,11 +46,7 @@ pub struct Options {
 
 pub fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
-    options.run.engine.check()?;
-    let mut document = options.scene.document()?;
-    let plan = options.run.settle(&mut document)?;
-    options.picture.apply(&mut document)?;
-    check_outputs(options, &document, &plan)?;
+    let (mut document, plan) = prepare(options)?;
     let scene = document.scene();
     let paths = options.outputs.paths();
     let mut continued =
@@ -61,29 +57,26 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(continued) = &continued {
         request = continued.prefer_engine(request);
     }
-    let Chosen { mut engine, config, why, following } = start(&request)?;
+    let mut chosen = start(&request)?;
+    let (config, following) = (chosen.config, chosen.following.clone());
     check_numbers(&scene, plan.size, config)?;
     if let Some(continued) = &mut continued {
-        continued.check_ran(engine.as_ref(), config)?;
+        continued.check_ran(chosen.engine.as_ref(), config)?;
     }
     if options.picture.spreads(&document) {
-        spread(&mut document, plan.size, config, engine.as_mut())?;
+        spread(&mut document, plan.size, config, chosen.engine.as_mut())?;
     }
     let mut sinks = Sinks::open(&paths, &document, plan.size)?;
-    let mut opinion = None;
-    if plan.verify {
-        let mut checking = TrustEngine::new(engine, options.run.engine.threads())?;
-        let go_on = || !stop::asked();
-        opinion = tiles::opinion(&scene, plan.size, config, &mut checking, &go_on)?;
-        engine = Box::new(checking);
-    }
-    announce(engine.as_ref(), config, plan.verify, &why);
+    let why = chosen.why.clone();
+    let mut renderer = Renderer::of(chosen, plan.verify, options.run.engine.threads())?;
+    let opinion = renderer.second_opinion(&scene, plan.size, &|| !stop::asked())?;
+    announce(renderer.engine(), config, plan.verify, &why);
 
     let (setup, mut clock) = (begun.elapsed(), RenderClock::default());
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let size = plan.size.map(|side| side * pass.along);
-        let mut work = Work::new(&scene, size, config, engine.job_size());
+        let mut work = renderer.work(&scene, size);
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
@@ -92,24 +85,43 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
             progress.set(counts.pixels, following.words());
             !stop::asked()
         };
-        render_pass(&mut work, engine.as_mut(), &mut sinks, &pass, &mut clock, &mut go_on)
+        render_pass(&mut work, renderer.engine(), &mut sinks, &pass, &mut clock, &mut go_on)
             .or_else(interrupted)?;
         counts += work.counts();
         if let (Some(continued), Some(kept)) = (&mut continued, work.into_kept()) {
             continued.put(kept);
         }
     }
-    let outlook = outlook(&plan, &scene, config, engine.as_mut())?;
+    let outlook = outlook(&plan, &scene, config, renderer.engine())?;
+    clock.output += finish(sinks, continued)?;
+    let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
+    let (engine, verified) = (renderer.engine(), plan.verify);
+    let ran = RunSummary { engine, config, verified, outlook, opinion, counts, seconds };
+    if options.json {
+        super::say(&serde_json::to_string_pretty(&object(&ran, &scene))?)?;
+    }
+    tell(&ran, &scene);
+    Ok(())
+}
+
+/// Resolves the options, and rejects what could not be done before anything is computed.
+fn prepare(options: &Options) -> anyhow::Result<(Document, RunSpec)> {
+    options.run.engine.check()?;
+    let mut document = options.scene.document()?;
+    let plan = options.run.settle(&mut document)?;
+    options.picture.apply(&mut document)?;
+    check_outputs(options, &document, &plan)?;
+    Ok((document, plan))
+}
+
+/// Completes all files and returns the time it took.
+fn finish(sinks: Sinks, continued: Option<Continued>) -> anyhow::Result<Duration> {
     let finishing = Instant::now();
     sinks.finish()?;
     if let Some(continued) = continued {
         continued.write()?;
     }
-    clock.output += finishing.elapsed();
-    let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
-    let ran =
-        RunSummary { engine: engine.as_ref(), config, verified: plan.verify, outlook, opinion };
-    report(options, &ran, &scene, &counts, seconds)
+    Ok(finishing.elapsed())
 }
 
 /// Estimates how much of a picture is right if `balanced` made it without checks.
@@ -133,6 +145,9 @@ struct RunSummary<'a> {
     verified: bool,
     outlook: Option<Outlook>,
     opinion: Option<Opinion>,
+    counts: Counts,
+    /// Seconds of setup, computing and output.
+    seconds: [f64; 3],
 }
 
 /// Converts an error; a stop has an exit code of its own.
@@ -210,71 +225,67 @@ fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
         .map_err(|why| Exit::Usage(why.to_string()))
 }
 
-fn report(
-    options: &Options,
-    ran: &RunSummary,
-    scene: &Scene,
-    counts: &Counts,
-    seconds: [f64; 3],
-) -> anyhow::Result<()> {
-    let RunSummary { engine, config, verified, outlook, opinion } = *ran;
-    let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
+/// The JSON object of a run.
+fn object(ran: &RunSummary, scene: &Scene) -> serde_json::Value {
+    let RunSummary { engine, config, counts, seconds, .. } = ran;
     let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
         .iter()
         .map(|(word, trust)| (word.to_string(), counts.trusts[*trust as usize].into()))
         .collect();
-    if options.json {
-        let object = serde_json::json!({
-            "engine": engine.name(),
-            "adapter": engine.adapter(),
-            "method": config.method.name(),
-            "precision": config.precision.to_string(),
-            "setting": config.method.setting(),
-            "verified": verified,
-            "pixels": pixels,
-            "simulated": simulated,
-            "flipped": flipped,
-            "unflipped": unflipped,
-            "forbidden": forbidden,
-            "uncertain": counts.uncertain(),
-            "failed": failed,
-            "trust": trust,
-            "outlook": outlook.map(|outlook| serde_json::json!({
-                "sampled": outlook.sampled,
-                "expected_right": outlook.expected_right(),
-                "beyond_horizon": 1.0 - outlook.expected_right(),
-            })),
-            "integrated_directly": opinion.map(|opinion| serde_json::json!({
-                "pixels": opinion.asked,
-                "contradicted": opinion.contradicted,
-            })),
-            "depth": counts.effort.depth.map(|depth| depth_object(depth, config, scene)),
-            "rhs_evaluations": counts.effort.rhs_evaluations,
-            "seconds": { "setup": seconds[0], "compute": seconds[1], "output": seconds[2] },
-        });
-        super::say(&serde_json::to_string_pretty(&object)?)?;
-    }
+    serde_json::json!({
+        "engine": engine.name(),
+        "adapter": engine.adapter(),
+        "method": config.method.name(),
+        "precision": config.precision.to_string(),
+        "setting": config.method.setting(),
+        "verified": ran.verified,
+        "pixels": counts.pixels,
+        "simulated": counts.simulated,
+        "flipped": counts.flipped,
+        "unflipped": counts.unflipped,
+        "forbidden": counts.forbidden,
+        "uncertain": counts.uncertain(),
+        "failed": counts.failed,
+        "trust": trust,
+        "outlook": ran.outlook.map(|outlook| serde_json::json!({
+            "sampled": outlook.sampled,
+            "expected_right": outlook.expected_right(),
+            "beyond_horizon": 1.0 - outlook.expected_right(),
+        })),
+        "integrated_directly": ran.opinion.map(|opinion| serde_json::json!({
+            "pixels": opinion.asked,
+            "contradicted": opinion.contradicted,
+        })),
+        "depth": counts.effort.depth.map(|depth| depth_object(depth, *config, scene)),
+        "rhs_evaluations": counts.effort.rhs_evaluations,
+        "seconds": { "setup": seconds[0], "compute": seconds[1], "output": seconds[2] },
+    })
+}
+
+/// Prints the counts, the timings and the warnings of a run.
+fn tell(ran: &RunSummary, scene: &Scene) {
+    let RunSummary { counts, seconds, .. } = ran;
+    let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
     super::tell(&format!(
         "flipmap: {pixels} pixels: {flipped} flipped, {unflipped} unflipped, {forbidden} forbidden, \
          {failed} failed; {simulated} simulated in {:.2} s ({:.2} s setup, {:.2} s output)",
         seconds[1], seconds[0], seconds[2]
     ));
     if let Some(depth) = counts.effort.depth {
-        tell_depth(depth, config, scene, counts);
+        tell_depth(depth, ran.config, scene, counts);
     }
     let warnings = [
-        outlook.and_then(|outlook| outlook.warning()),
-        opinion.and_then(|opinion| opinion.warning()),
+        ran.outlook.and_then(|outlook| outlook.warning()),
+        ran.opinion.and_then(|opinion| opinion.warning()),
     ];
     for warning in warnings.into_iter().flatten() {
         super::tell(&format!("flipmap: warning: {warning}"));
     }
-    if verified {
+    if ran.verified {
         let [_, agreed, confirmed, settled, uncertain] = counts.trusts;
         super::tell(&format!(
             "flipmap: checked: {agreed} agreed at once, {confirmed} confirmed with more digits, \
              {settled} settled in double-double, {uncertain} uncertain"
         ));
     }
-    Ok(())
 }

@@ -52,7 +52,7 @@ pub fn run(options: &Options) -> anyhow::Result<()> {
     let mut request = options.film.run.engine.request(how.setting);
     // Another engine would differ from the existing samples in the last digits.
     if let Some(earlier) = earlier(&path) {
-        request = farm::wish_like(&earlier, request);
+        request = farm::request_like(&earlier, request);
     }
     let chosen = start(&request)?;
     let task = planned(film, how.verify, &chosen, &path)?;

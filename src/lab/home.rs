@@ -3,14 +3,12 @@
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
 use super::flips::Seen;
-use crate::engine::cpu::CpuEngine;
-use crate::engine::level::FAST;
-use crate::engine::{Engine, EngineError};
+use crate::engine::Accuracy;
+use crate::engine::choice::{ChoiceError, EngineKind, EngineRequest, IntegrationSetting};
 use crate::output::RowPainter;
 use crate::physics::Status;
 use crate::scene::{Document, Grid, Scene};
-use crate::tiles::preview::preview;
-use crate::tiles::{Samples, Work};
+use crate::tiles::{Renderer, Samples};
 
 /// A small picture of the whole torus.
 pub struct HomeMap {
@@ -23,14 +21,14 @@ pub struct HomeMap {
 }
 
 /// Computes the home map of `side` × `side` pixels at the accuracy level `fast`.
-pub fn home_map(side: u32) -> Result<HomeMap, EngineError> {
+pub fn home_map(side: u32) -> Result<HomeMap, ChoiceError> {
     let Document { picture, .. } = Document::default();
     let (scene, size) = (Scene::default(), [side; 2]);
-    let mut engine = CpuEngine::new(None)?;
-    let mut work = Work::new(&scene, size, FAST, engine.job_size());
-    let samples = preview(&mut work, size, &mut engine, &|| true)?;
-    let samples = samples.expect("nobody stops it");
-    let counts = work.counts();
+    let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
+    let kind = EngineKind::Cpu;
+    let mut renderer = Renderer::new(&EngineRequest { kind, setting, ..EngineRequest::default() })?;
+    let samples = renderer.render(&scene, size)?;
+    let counts = renderer.counts();
     let seen =
         Seen { pixels: counts.pixels, forbidden: counts.forbidden, simulated: counts.simulated };
     let painter = RowPainter::new(&scene, size, &picture);

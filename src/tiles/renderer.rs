@@ -1,78 +1,117 @@
-//! The library's main entry point: a scene goes in, samples come out.
+//! The library's front door: a scene in, samples out.
 
 use super::preview::preview;
-use super::{Samples, Work, opinion};
+use super::{Counts, Samples, Work, opinion};
 use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
-use crate::engine::trust::TrustEngine;
+use crate::engine::trust::{Opinion, TrustEngine};
 use crate::engine::{Accuracy, Engine, EngineError, IntegratorConfig};
 use crate::scene::Scene;
 
-/// Renders scenes to arrays of samples, with one engine for all of them.
+/// Renders scenes to arrays of samples, one engine for all of them.
 ///
 /// ```
 /// use flipmap::engine::choice::{EngineKind, EngineRequest};
 /// use flipmap::scene::Scene;
 /// use flipmap::tiles::Renderer;
 ///
-/// let mut renderer = Renderer::new(&EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() })?;
-/// let samples = renderer.render(&Scene::default(), [16, 16])?;
+/// let request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+/// let samples = Renderer::new(&request)?.render(&Scene::default(), [16, 16])?;
 /// assert_eq!(samples.len(), 256);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Renderer {
     engine: Maker,
     config: IntegratorConfig,
+    counts: Counts,
 }
 
-/// An engine with or without checks.
+/// The engine, with checks or without.
 enum Maker {
     Unchecked(Box<dyn Engine>),
     Checked(Box<TrustEngine<'static>>),
 }
 
 impl Renderer {
-    /// Chooses and starts the requested engine. Every pixel is checked if `exact` is requested.
-    pub fn new(wish: &EngineRequest) -> Result<Self, ChoiceError> {
-        Renderer::with_checks(wish, wish.setting == IntegrationSetting::Accuracy(Accuracy::Exact))
+    /// Chooses and starts the engine of a request. Pixels are checked at the level `exact`.
+    pub fn new(request: &EngineRequest) -> Result<Self, ChoiceError> {
+        let exact = request.setting == IntegrationSetting::Accuracy(Accuracy::Exact);
+        Ok(Renderer::of(choose(request, &|_| {})?, exact, request.threads)?)
     }
 
-    /// Does the same, but checks every pixel if `verify` is true, and none otherwise.
-    pub fn with_checks(wish: &EngineRequest, verify: bool) -> Result<Self, ChoiceError> {
-        let Chosen { engine, config, .. } = choose(wish, &|_| {})?;
+    /// Renders by a chosen engine; with `verify` every pixel is checked, on `threads` threads of
+    /// the processor or on one for each core.
+    pub fn of(chosen: Chosen, verify: bool, threads: Option<usize>) -> Result<Self, EngineError> {
+        let Chosen { engine, config, .. } = chosen;
         let engine = if verify {
-            Maker::Checked(Box::new(TrustEngine::new(engine, wish.threads)?))
+            Maker::Checked(Box::new(TrustEngine::new(engine, threads)?))
         } else {
             Maker::Unchecked(engine)
         };
-        Ok(Renderer { engine, config })
+        Ok(Renderer { engine, config, counts: Counts::default() })
     }
 
-    /// Returns the integrator config of the pixels.
+    /// Method, tolerance and number type of the pixels.
     pub fn config(&self) -> IntegratorConfig {
         self.config
     }
 
-    /// Returns the samples of a checked scene in `size` pixels, row by row from the top.
-    pub fn render(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Samples, EngineError> {
-        let samples = self.render_while(scene, size, &|| true)?;
-        Ok(samples.expect("nobody says stop"))
+    /// Counts of the last picture.
+    pub fn counts(&self) -> Counts {
+        self.counts
     }
 
-    /// Does the same, but returns `None` once `go_on` returns false.
+    /// The engine, with its checks if there are any.
+    pub fn engine(&mut self) -> &mut dyn Engine {
+        match &mut self.engine {
+            Maker::Unchecked(engine) => engine.as_mut(),
+            Maker::Checked(engine) => engine.as_mut(),
+        }
+    }
+
+    /// The engine alone, for a loop of its own.
+    pub fn into_engine(self) -> Box<dyn Engine> {
+        match self.engine {
+            Maker::Unchecked(engine) => engine,
+            Maker::Checked(engine) => engine,
+        }
+    }
+
+    /// Integrates some pixels of a deep picture directly if pixels are checked (see [`opinion`]).
+    pub fn second_opinion(
+        &mut self,
+        scene: &Scene,
+        size: [u32; 2],
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Opinion>, EngineError> {
+        match &mut self.engine {
+            Maker::Unchecked(_) => Ok(None),
+            Maker::Checked(engine) => opinion(scene, size, self.config, engine, go_on),
+        }
+    }
+
+    /// The work of a picture of `size` pixels, for a loop that takes tiles as they finish.
+    pub fn work(&mut self, scene: &Scene, size: [u32; 2]) -> Work {
+        let tile_pixels = self.engine().job_size();
+        Work::new(scene, size, self.config, tile_pixels)
+    }
+
+    /// The samples of a checked scene in `size` pixels, by rows from the top.
+    pub fn render(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Samples, EngineError> {
+        let samples = self.render_while(scene, size, &|| true)?;
+        Ok(samples.expect("it is never stopped"))
+    }
+
+    /// The samples of a checked scene; `None` once `go_on` says no.
     pub fn render_while(
         &mut self,
         scene: &Scene,
         size: [u32; 2],
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Samples>, EngineError> {
-        if let Maker::Checked(engine) = &mut self.engine {
-            opinion(scene, size, self.config, engine.as_mut(), go_on)?;
-        }
-        let engine: &mut dyn Engine = match &mut self.engine {
-            Maker::Unchecked(engine) => engine.as_mut(),
-            Maker::Checked(engine) => engine.as_mut(),
-        };
-        let mut work = Work::new(scene, size, self.config, engine.job_size());
-        preview(&mut work, size, engine, go_on)
+        self.second_opinion(scene, size, go_on)?;
+        let mut work = self.work(scene, size);
+        let samples = preview(&mut work, size, self.engine(), go_on)?;
+        self.counts = work.counts();
+        Ok(samples)
     }
 }

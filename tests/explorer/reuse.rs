@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use flipmap::engine::Keep;
-use flipmap::physics::{Outcome, Scalar, Status, Theta};
+use flipmap::physics::{Outcome, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap::tiles::view_target::{Physics, ViewTarget};

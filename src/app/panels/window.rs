@@ -13,20 +13,20 @@ pub fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Settings) -> V
         for (theme, word) in
             [(Theme::System, "as the system"), (Theme::Dark, "dark"), (Theme::Light, "light")]
         {
-            if ui.radio(state.theme == theme, word).clicked() {
+            if ui.radio(state.look.theme == theme, word).clicked() {
                 actions.push(Action::Theme(theme));
             }
         }
     });
     ui.horizontal(|ui| {
-        ui.label(format!("Scale {:.0} %", 100.0 * state.ui_scale));
+        ui.label(format!("Scale {:.0} %", 100.0 * state.look.ui_scale));
         for (word, factor) in [("Smaller", 1.0 / 1.1), ("Larger", 1.1)] {
             if ui.button(word).clicked() {
-                actions.push(Action::UiScale(state.ui_scale * factor));
+                actions.push(Action::UiScale(state.look.ui_scale * factor));
             }
         }
     });
-    let mut animate = state.animate;
+    let mut animate = state.look.animate;
     if ui.checkbox(&mut animate, "Smooth moves").changed() {
         actions.push(Action::Animate(animate));
     }

@@ -79,15 +79,15 @@ impl Hunt {
         minutes: f64,
         most_windows: usize,
         seed: u64,
-        wish: &EngineRequest,
+        request: &EngineRequest,
         stop: StopTest,
         told: &mut dyn FnMut(&Hunt),
     ) -> Result<Hunt, ReportError> {
         let until = Instant::now() + Duration::from_secs_f64(60.0 * minutes);
         let mut hunt = Hunt { seed, ..Hunt::default() };
         let mut scenes = Scenes::new(seed);
-        let Chosen { mut engine, config, .. } = choose(wish, &|_| {})?;
-        let mut exact = Renderer::with_checks(wish, true)?;
+        let Chosen { mut engine, config, .. } = choose(request, &|_| {})?;
+        let mut exact = Renderer::of(choose(request, &|_| {})?, true, request.threads)?;
         while Instant::now() < until && hunt.windows < most_windows && !stop() {
             let go_on = || !stop();
             let (scene, lure) = scenes.next(engine.as_mut(), config, &go_on)?;

@@ -1,0 +1,148 @@
+//! Rules about names, comments and sizes that a machine can check from the text alone.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The Rust files below a folder with their text before their unit tests.
+fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(sources(&path));
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            let text = fs::read_to_string(&path).unwrap();
+            let text = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default().to_string();
+            found.push((path, text));
+        }
+    }
+    found
+}
+
+/// First words that make a clause of what should say what an item is or does.
+const HEADLESS: &str = "What Which Whether Where How Who Whose Why When If Because So As Once \
+    Until While Than That Of From To In On At With By Beside For After Before Without Not And Or \
+    But More Less Larger Smaller Also Only Even Everything Nothing There They It Its These Those \
+    This Is Are Has Have Likewise";
+
+/// The first lines of doc comments that are headless clauses or single words, with their numbers.
+fn headless_docs(text: &str) -> Vec<(usize, &str)> {
+    let docs: Vec<Option<&str>> =
+        text.lines().map(|line| line.trim_start().strip_prefix("///").map(str::trim)).collect();
+    let is_headless = |k: usize, doc: &str| {
+        let first = doc.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
+        let alone = !doc.contains(' ') && !docs.get(k + 1).is_some_and(Option::is_some);
+        alone || HEADLESS.split_whitespace().any(|word| word == first)
+    };
+    let begins = |k: usize| k == 0 || docs[k - 1].is_none();
+    let all = docs.iter().enumerate().filter_map(|(k, doc)| Some((k, (*doc)?)));
+    let bad = all.filter(|&(k, doc)| begins(k) && is_headless(k, doc));
+    bad.map(|(k, doc)| (k + 1, doc)).collect()
+}
+
+#[test]
+fn doc_comments_say_what_an_item_is_or_does() {
+    for (file, text) in sources(Path::new("src")) {
+        let found = headless_docs(&text);
+        assert!(found.is_empty(), "{}: {found:?}", file.display());
+    }
+    let bad = "/// Which.\nx\n/// Whether it is.\ny\n/// Mass in kg.\nz\n/// kg.\nw";
+    let found: Vec<usize> = headless_docs(bad).into_iter().map(|(line, _)| line).collect();
+    assert_eq!(found, [1, 3, 7], "the test can fail");
+}
+
+/// The types in the glossary of ARCHITECTURE.md.
+fn glossary_types() -> Vec<String> {
+    let text = fs::read_to_string("ARCHITECTURE.md").unwrap();
+    let rows = text.split("## Glossary").nth(1).unwrap().lines();
+    let column = rows.filter_map(|row| row.split('|').nth(2));
+    let code = |name: &str| Some(name.trim().strip_prefix('`')?.strip_suffix('`')?.to_string());
+    column.flat_map(|cell| cell.split(',')).filter_map(code).collect()
+}
+
+/// The line without its visibility.
+fn private(line: &str) -> &str {
+    let line = line.trim_start();
+    match line.strip_prefix("pub") {
+        Some(rest) if rest.starts_with('(') => rest.split_once(") ").map_or(line, |(_, rest)| rest),
+        Some(rest) => rest.trim_start(),
+        None => line,
+    }
+}
+
+/// The name that a line defines as a type.
+fn defined_type(line: &str) -> Option<&str> {
+    let kinds = ["struct ", "enum ", "trait ", "type "];
+    let name = kinds.iter().find_map(|kind| private(line).strip_prefix(kind))?;
+    name.split(|c: char| !c.is_alphanumeric()).next()
+}
+
+#[test]
+fn a_word_of_the_glossary_names_one_type() {
+    let all = sources(Path::new("src"));
+    let defined: Vec<&str> =
+        all.iter().flat_map(|(_, text)| text.lines()).filter_map(defined_type).collect();
+    let times = |name: &str| defined.iter().filter(|other| **other == name).count();
+    let names = glossary_types();
+    assert!(names.len() > 25, "{names:?}");
+    for name in names {
+        assert_eq!(times(&name), 1, "{name} is the name of {} types", times(&name));
+    }
+    assert_eq!(defined_type("    pub(super) enum Cell {"), Some("Cell"));
+    assert!(times("Output") > 1, "the test can fail");
+}
+
+/// Lines of every item whose first line fits, up to the line that closes it.
+fn items<'a>(text: &'a str, fits: impl Fn(&str) -> bool) -> Vec<(&'a str, Vec<&'a str>)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let item = |k: usize| {
+        let head = lines[k];
+        let indent = &head[..head.len() - head.trim_start().len()];
+        let end = lines[k..].iter().position(|line| *line == format!("{indent}}}"))?;
+        Some((head.trim(), lines[k..=k + end].to_vec()))
+    };
+    let opens = |k: &usize| fits(private(lines[*k])) && !lines[*k].ends_with([';', '}']);
+    (0..lines.len()).filter(opens).filter_map(item).collect()
+}
+
+fn is_function(line: &str) -> bool {
+    line.trim_start_matches("const ").starts_with("fn ")
+}
+
+/// The tableau of a method of order eight is long.
+const TABLES: [&str; 1] = ["pub fn dop853<T: Real>("];
+
+#[test]
+fn functions_are_short() {
+    let mut lengths = Vec::new();
+    for (file, text) in sources(Path::new("src")) {
+        for (head, lines) in items(&text, is_function) {
+            let table = TABLES.contains(&head);
+            assert!(lines.len() <= 60 || table, "{}: {head}: {}", file.display(), lines.len());
+            lengths.push(lines.len());
+        }
+    }
+    lengths.sort_unstable();
+    assert!(lengths.len() > 1000);
+    assert!(lengths[lengths.len() / 2] < 10, "the median is {}", lengths[lengths.len() / 2]);
+}
+
+#[test]
+fn structs_have_few_fields() {
+    let mut seen = 0;
+    for (file, text) in sources(Path::new("src")) {
+        for (head, lines) in items(&text, |line| line.starts_with("struct ")) {
+            let deeper = head.len() - head.trim_start().len() + 4;
+            let is_field = |line: &&&str| {
+                let name = private(line).split(':').next().unwrap_or_default();
+                line.contains(": ")
+                    && line.len() - line.trim_start().len() >= deeper
+                    && name.chars().all(|c| c.is_alphanumeric() || c == '_')
+            };
+            let fields = lines[1..].iter().filter(is_field).count();
+            assert!(fields <= 20, "{}: {head} has {fields} fields", file.display());
+            seen += fields;
+        }
+    }
+    assert!(seen > 500, "{seen}");
+}
