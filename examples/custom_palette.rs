@@ -1,0 +1,30 @@
+//! Paints a map in colours of one's own: hue by the logarithm of the flip time.
+//!
+//! `cargo run --release --example custom_palette` writes `rainbow.png`.
+
+use flipmap::engine::choice::{EngineKind, EngineRequest};
+use flipmap::physics::{Outcome, Status};
+use flipmap::scene::Scene;
+use flipmap::tiles::Renderer;
+use image::{Rgb, RgbImage};
+
+const SIDE: u32 = 96;
+
+/// One turn of the colour circle per tenfold time; black where nothing flips.
+fn colour(outcome: Outcome) -> Rgb<u8> {
+    if outcome.status != Status::Flipped {
+        return Rgb([0; 3]);
+    }
+    let hue = std::f64::consts::TAU * outcome.time.log10();
+    let part = |turn: f64| (127.5 + 127.5 * (hue + std::f64::consts::TAU * turn).cos()) as u8;
+    Rgb([part(0.0), part(-1.0 / 3.0), part(1.0 / 3.0)])
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+    let samples = Renderer::new(&request)?.render(&Scene::default(), [SIDE; 2])?;
+    let pixel = |x: u32, y: u32| colour(samples.get((y * SIDE + x) as usize));
+    RgbImage::from_fn(SIDE, SIDE, pixel).save("rainbow.png")?;
+    println!("wrote rainbow.png");
+    Ok(())
+}

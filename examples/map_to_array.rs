@@ -1,0 +1,26 @@
+//! Computes a map and writes its flip times as a NumPy array, NaN where nothing flips.
+//!
+//! `cargo run --release --example map_to_array` writes `map.npy`.
+
+use std::fs::File;
+
+use flipmap::engine::choice::{EngineKind, EngineRequest};
+use flipmap::output::NpyWriter;
+use flipmap::scene::Document;
+use flipmap::tiles::Renderer;
+
+const SIZE: [u32; 2] = [96, 64];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let text = "[view]\ncenter = [\"-1.66\", \"0.1\"]\nwidth = \"0.5\"";
+    let scene = Document::parse(text)?.scene().checked()?;
+    let request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+    let mut renderer = Renderer::new(&request)?;
+    let samples = renderer.render(&scene, SIZE)?;
+
+    let mut array = NpyWriter::new(File::create("map.npy")?, SIZE)?;
+    array.write(&samples)?;
+    let counts = renderer.counts();
+    println!("{} of {} pixels flip within the budget", counts.flipped, counts.pixels);
+    Ok(())
+}
