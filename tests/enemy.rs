@@ -175,7 +175,7 @@ fn every_recipe_of_the_processor_is_checked() {
 }
 
 mod gpu {
-    pub fn every_recipe_of_a_graphics_card_is_checked() {
+    pub(crate) fn every_recipe_of_a_graphics_card_is_checked() {
         super::every_recipe_is_checked(&|| Box::new(super::common::gpu_engine()));
     }
 }

@@ -39,7 +39,7 @@ needs_adapter! {
 mod checks {
     use super::*;
 
-    pub fn the_two_engines_agree_on_early_flips() {
+    pub(crate) fn the_two_engines_agree_on_early_flips() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 512, 4);
         let (mut gpu, mut cpu) = (gpu_engine(), CpuEngine::new(None).unwrap());
@@ -52,7 +52,7 @@ mod checks {
         }
     }
 
-    pub fn the_length_of_slices_changes_nothing() {
+    pub(crate) fn the_length_of_slices_changes_nothing() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 40, 1);
         for config in configs() {
@@ -65,7 +65,7 @@ mod checks {
         }
     }
 
-    pub fn a_general_kernel_is_as_right_as_one_made_for_the_scene() {
+    pub(crate) fn a_general_kernel_is_as_right_as_one_made_for_the_scene() {
         let starts = open_starts(&Scene::default(), 64, 1);
         for rule in [Rule::Second, Rule::Either] {
             let question = Question { rule, ..question(&Scene::default()) };
@@ -82,7 +82,7 @@ mod checks {
         }
     }
 
-    pub fn two_f32_are_nearly_as_right_as_f64() {
+    pub(crate) fn two_f32_are_nearly_as_right_as_f64() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 512, 16);
         let df32 = Accuracy::Balanced.configs()[1];
@@ -95,7 +95,7 @@ mod checks {
         assert!(right >= 0.99, "{right} of {}", starts.len());
     }
 
-    pub fn a_lost_device_is_replaced_and_its_jobs_done_again() {
+    pub(crate) fn a_lost_device_is_replaced_and_its_jobs_done_again() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 64, 1);
         let config = lesson(Precision::F32);
@@ -115,7 +115,7 @@ mod checks {
         }
     }
 
-    pub fn the_selfcheck_passes_here_and_its_answers_are_judged() {
+    pub(crate) fn the_selfcheck_passes_here_and_its_answers_are_judged() {
         let gpu = gpu_engine();
         let verdict = selfcheck::run(gpu.gpu()).unwrap();
         assert!(verdict.f32, "{:?}", verdict.checks);
@@ -130,7 +130,7 @@ mod checks {
         assert!(!bare.compensated && !bare.f32 && !bare.df32, "{:?}", bare.checks);
     }
 
-    pub fn an_untrusted_precision_is_refused_by_name() {
+    pub(crate) fn an_untrusted_precision_is_refused_by_name() {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let mut checks = selfcheck::run(&gpu).unwrap().checks;
         for check in checks.iter_mut().filter(|check| check.precision == Precision::F64) {
@@ -148,7 +148,7 @@ mod checks {
         assert!(message.contains("--precision f64") && message.contains("sines"), "{message}");
     }
 
-    pub fn f32_without_compensation_still_works() {
+    pub(crate) fn f32_without_compensation_still_works() {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let verdict = Verdict { compensated: false, ..selfcheck::run(&gpu).unwrap() };
         let mut engine = flipmap::engine::gpu::GpuEngine::new(gpu, verdict);
@@ -159,7 +159,7 @@ mod checks {
         assert!(right > 0.87, "{right}");
     }
 
-    pub fn buffers_beyond_the_limits_are_refused_in_words() {
+    pub(crate) fn buffers_beyond_the_limits_are_refused_in_words() {
         let engine = gpu_engine();
         let error = engine.gpu().buffer("a test", u64::MAX / 2, wgpu::BufferUsages::STORAGE);
         let error = error.err().unwrap();

@@ -146,31 +146,31 @@ needs_adapter! {
 mod goldens {
     use super::*;
 
-    pub fn single() {
+    pub(crate) fn single() {
         figure(Figure::Single, 0.7).snapshot("lab_single");
     }
 
-    pub fn ghost() {
+    pub(crate) fn ghost() {
         figure(Figure::Ghost, 6.0).snapshot("lab_ghost");
     }
 
-    pub fn double() {
+    pub(crate) fn double() {
         figure(Figure::Double, 1.5).snapshot("lab_double");
     }
 
-    pub fn machine() {
+    pub(crate) fn machine() {
         figure(Figure::Machine, 3.0).snapshot("lab_machine");
     }
 
-    pub fn integrators() {
+    pub(crate) fn integrators() {
         figure(Figure::Integrators, 5.0).snapshot("lab_integrators");
     }
 
-    pub fn twenty() {
+    pub(crate) fn twenty() {
         figure(Figure::Twenty, 14.0).snapshot("lab_twenty");
     }
 
-    pub fn map() {
+    pub(crate) fn map() {
         let map = home_map(200).unwrap();
         let mut texture = None;
         let show = move |ui: &mut egui::Ui| {

@@ -197,7 +197,7 @@ needs_adapter! {
 mod pictures {
     use super::*;
 
-    pub fn a_flipped_pendulum_looks_as_it_should() {
+    pub(crate) fn a_flipped_pendulum_looks_as_it_should() {
         let (mut pins, ids) = flown(&Scene::default(), &[[2.2, 1.4], [3.0, 3.0], [0.5, 0.5]]);
         pins.apply(PinAction::Select(ids[0]));
         let truth = pins.get(ids[0]).unwrap().flight.outcome().unwrap();
@@ -206,7 +206,7 @@ mod pictures {
         harness(pins, Theme::Dark).snapshot("pendulum_flipped");
     }
 
-    pub fn bars_before_their_flip_look_as_they_should() {
+    pub(crate) fn bars_before_their_flip_look_as_they_should() {
         let build = Build::new(Kind::Rods, [2.0, 0.5], [1.0, 0.7], 9.81);
         let (mut pins, ids) = flown(&Scene { build, ..Scene::default() }, &[[2.6, -2.0]]);
         pins.tell(ids[0], (Outcome::flipped(20.0), Trust::Uncertain));
@@ -214,7 +214,7 @@ mod pictures {
         harness(pins, Theme::Light).snapshot("pendulum_bars");
     }
 
-    pub fn no_pin_looks_as_it_should() {
+    pub(crate) fn no_pin_looks_as_it_should() {
         let mut harness = harness(Pins::new(&Scene::default()), Theme::Dark);
         harness.set_size([340.0, 60.0].into());
         harness.run_steps(2);

@@ -298,17 +298,17 @@ needs_adapter! {
 mod pictures {
     use super::*;
 
-    pub fn the_scene_looks_as_it_should() {
+    pub(crate) fn the_scene_looks_as_it_should() {
         scene().snapshot("side_scene");
     }
 
-    pub fn the_colours_look_as_they_should() {
+    pub(crate) fn the_colours_look_as_they_should() {
         let times = vec![0.5, 2.0, 3.0, 20.0];
         colours(PictureTable { cycles: 2.0, times, ..PictureTable::default() })
             .snapshot("side_colours");
     }
 
-    pub fn exports_look_as_they_should() {
+    pub(crate) fn exports_look_as_they_should() {
         let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage };
         let running = ExportStage::Running { share: 0.42, pixels_per_sec: 1_234_567.0 };
         let why = "cannot write late.png: no storage space".to_string();
@@ -316,7 +316,7 @@ mod pictures {
             .snapshot("side_export");
     }
 
-    pub fn places_look_as_they_should() {
+    pub(crate) fn places_look_as_they_should() {
         places().snapshot("side_places");
     }
 }

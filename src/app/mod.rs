@@ -21,6 +21,7 @@ pub mod gesture;
 pub mod history;
 pub mod hover;
 mod incoming;
+pub mod integration;
 mod laboratory;
 pub mod map;
 pub mod meter;

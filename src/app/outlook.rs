@@ -20,7 +20,7 @@ const SIZE: [u32; 2] = [64, 64];
 
 /// The outlook on the newest view.
 #[derive(Default)]
-pub struct Forecast {
+pub(super) struct Forecast {
     asked: Option<(Scene, IntegratorConfig)>,
     flying: Option<OutlookThread>,
     known: Option<Outlook>,
@@ -34,7 +34,7 @@ struct OutlookThread {
 
 impl Forecast {
     /// Asks for the outlook on a view, unless it is the one last asked for.
-    pub fn ask(&mut self, scene: Scene, config: IntegratorConfig, wake: &Wake) {
+    pub(super) fn ask(&mut self, scene: Scene, config: IntegratorConfig, wake: &Wake) {
         let asked = Some((scene, config));
         if self.asked == asked {
             return;
@@ -57,12 +57,12 @@ impl Forecast {
     }
 
     /// Forgets the outlook, because the view is checked or not computed at `balanced`.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         *self = Forecast::default();
     }
 
     /// Takes an outlook that has been found; returns true if there is news.
-    pub fn listen(&mut self) -> bool {
+    pub(super) fn listen(&mut self) -> bool {
         if let Some(flying) = &self.flying {
             match flying.answer.try_recv() {
                 Ok(outlook) => (self.known, self.flying) = (Some(outlook), None),
@@ -75,7 +75,7 @@ impl Forecast {
     }
 
     /// Returns a warning about the newest view, if it needs one: a short form and the full text.
-    pub fn warning(&self) -> Option<(String, String)> {
+    pub(super) fn warning(&self) -> Option<(String, String)> {
         let outlook = self.known?;
         let percent = 100.0 * (1.0 - outlook.expected_right());
         Some((format!("{percent:.0} % beyond the horizon"), outlook.warning()?))

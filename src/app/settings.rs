@@ -9,6 +9,17 @@ use super::folders::Folders;
 use crate::output::{Destination, SafeFile};
 use crate::scene::Document;
 
+/// The appearance of the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Appearance {
+    /// True if moves are smooth.
+    pub animate: bool,
+    /// Theme: dark, light, or that of the system.
+    pub theme: Theme,
+    /// Scale of the interface.
+    pub ui_scale: f32,
+}
+
 /// The choices of the user. Numbers out of range are clamped and unknown keys ignored, so that the
 /// window opens in any case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -113,14 +124,19 @@ mod as_text {
     use super::Document;
     use serde::{Deserialize, Deserializer, Serializer};
 
-    pub fn serialize<S: Serializer>(scene: &Option<Document>, out: S) -> Result<S::Ok, S::Error> {
+    pub(super) fn serialize<S: Serializer>(
+        scene: &Option<Document>,
+        out: S,
+    ) -> Result<S::Ok, S::Error> {
         match scene {
             Some(scene) => out.serialize_str(&scene.text()),
             None => out.serialize_none(),
         }
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Document>, D::Error> {
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Option<Document>, D::Error> {
         let text = String::deserialize(from)?;
         let scene = Document::parse(&text);
         Ok(scene.inspect_err(|error| log::warn!("settings: last_scene: {error}")).ok())

@@ -7,9 +7,10 @@ use glam::DVec2;
 use super::action::{Action, Look};
 use super::camera::{Camera, Move, Screen};
 use super::history::History;
+use super::integration::Integration;
 use super::notices::Notices;
 use super::pins::{PinAction, PinId, Pins};
-use super::settings::{Layers, Settings, Theme};
+use super::settings::{Appearance, Layers, Settings, Theme};
 use crate::engine::choice::{EngineKind, IntegrationSetting};
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
@@ -74,30 +75,6 @@ pub enum Effect {
     Relaunch,
     /// Destroys the graphics device.
     LoseDevice,
-}
-
-/// The way in which pixels are integrated, and the engine that is wanted for it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Integration {
-    /// Run table, as a scene's file states it.
-    pub run: RunTable,
-    /// Integration setting that follows from the run table, for the engines.
-    pub setting: IntegrationSetting,
-    /// True if every pixel is checked.
-    pub verify: bool,
-    /// Kind of engine that is wanted.
-    pub kind: EngineKind,
-}
-
-/// The appearance of the window.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Appearance {
-    /// True if moves are smooth.
-    pub animate: bool,
-    /// Theme: dark, light, or that of the system.
-    pub theme: Theme,
-    /// Scale of the interface.
-    pub ui_scale: f32,
 }
 
 /// The plain state of the window.
@@ -423,7 +400,7 @@ pub(super) mod tests {
     use crate::physics::Scalar;
 
     /// Returns the state of a window with the home scene.
-    pub fn state() -> AppState {
+    pub(crate) fn state() -> AppState {
         AppState::new(&Document::default(), IntegrationSetting::Accuracy(Accuracy::Balanced), false)
     }
 

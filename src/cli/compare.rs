@@ -12,7 +12,7 @@ use super::exit::Exit;
 use super::options::number;
 
 #[derive(Args, Debug)]
-pub struct Options {
+pub(super) struct Options {
     /// First result: a .npy array written by render --raw, or a PNG
     a: PathBuf,
     /// Second result, of the same kind and size
@@ -35,7 +35,7 @@ pub struct Options {
 /// Default tolerance of flip times in s.
 const TOLERANCE_SECS: f64 = 1e-3;
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let (a, b) = (ResultRows::open(&options.a)?, ResultRows::open(&options.b)?);
     let times = a.has_times();
     let tolerance = match &options.tolerance {

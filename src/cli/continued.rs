@@ -13,7 +13,7 @@ use super::exit::Exit;
 use super::run_options::prefer_engine;
 
 /// A state file, the state that was in it, and the state to write to it next.
-pub struct Continued {
+pub(super) struct Continued {
     path: PathBuf,
     file: SafeFile,
     earlier: Option<RenderState>,
@@ -24,7 +24,7 @@ pub struct Continued {
 
 impl Continued {
     /// Reads the file if it exists, and makes sure that it can be written.
-    pub fn open(path: &Path, document: &Document) -> anyhow::Result<Self> {
+    pub(super) fn open(path: &Path, document: &Document) -> anyhow::Result<Self> {
         if path.as_os_str() == "-" {
             let message = "--state is read and written: name a file, not standard output";
             return Err(Exit::Usage(message.to_string()).into());
@@ -44,7 +44,7 @@ impl Continued {
     }
 
     /// Requests the engine of the earlier render, unless the user chose one.
-    pub fn prefer_engine(&self, request: EngineRequest) -> EngineRequest {
+    pub(super) fn prefer_engine(&self, request: EngineRequest) -> EngineRequest {
         match &self.earlier {
             Some(RenderState { ran, .. }) => prefer_engine(request, &ran.engine, &ran.adapter),
             None => request,
@@ -52,7 +52,7 @@ impl Continued {
     }
 
     /// Refuses to resume with another engine or config, and takes over the saved pixels.
-    pub fn check_ran(
+    pub(super) fn check_ran(
         &mut self,
         engine: &dyn Engine,
         config: IntegratorConfig,
@@ -74,17 +74,17 @@ impl Continued {
     }
 
     /// Takes the saved pixels out; [`Self::put`] puts them back when the work is done.
-    pub fn take(&mut self) -> SavedPixels {
+    pub(super) fn take(&mut self) -> SavedPixels {
         std::mem::take(&mut self.kept)
     }
 
     /// Puts in the pixels saved by the work.
-    pub fn put(&mut self, kept: SavedPixels) {
+    pub(super) fn put(&mut self, kept: SavedPixels) {
         self.kept = kept;
     }
 
     /// Replaces the file with the new state.
-    pub fn write(mut self) -> anyhow::Result<()> {
+    pub(super) fn write(mut self) -> anyhow::Result<()> {
         let ran = self.ran.context("a state cannot be written before its engine is chosen")?;
         let state = RenderState { ran, document: self.document.text(), kept: self.kept };
         let name = self.path.display();

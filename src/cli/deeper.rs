@@ -13,7 +13,7 @@ use super::run_options::{RunOptions, start};
 use super::stop;
 
 #[derive(Args, Debug)]
-pub struct Options {
+pub(super) struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     #[command(flatten)]
@@ -26,7 +26,7 @@ pub struct Options {
     output: Option<PathBuf>,
 }
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.run.engine.check()?;
     let to = number(&options.to).filter(|width| (LEAST_WIDTH..=1.0).contains(width));
     let to = to.ok_or_else(|| {

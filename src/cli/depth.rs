@@ -5,7 +5,7 @@ use flipmap::scene::{Budget, Scene};
 use flipmap::tiles::Counts;
 
 /// Statistics of deep pixels as a JSON object.
-pub fn depth_object(
+pub(super) fn depth_object(
     depth: DepthStats,
     config: IntegratorConfig,
     scene: &Scene,
@@ -22,7 +22,12 @@ pub fn depth_object(
 }
 
 /// Prints the statistics of deep pixels, and advice if nothing is left to see.
-pub fn tell_depth(depth: DepthStats, config: IntegratorConfig, scene: &Scene, counts: &Counts) {
+pub(super) fn tell_depth(
+    depth: DepthStats,
+    config: IntegratorConfig,
+    scene: &Scene,
+    counts: &Counts,
+) {
     let budget = scene.question.budget;
     let follows = if budget.auto { " (chosen for this depth)" } else { "" };
     if depth.digits == 0 && depth.integrated == 0 {

@@ -10,7 +10,7 @@ use flipmap::engine::selfcheck::Verdict;
 use serde_json::{Value, json};
 
 #[derive(Args, Debug)]
-pub struct Options {
+pub(super) struct Options {
     /// Measure every engine at every accuracy level, and save the profile
     #[arg(long)]
     profile: bool,
@@ -25,7 +25,7 @@ struct AdapterFinding {
     verdict: Result<Verdict, String>,
 }
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let findings: Vec<AdapterFinding> = adapters()
         .into_iter()
         .map(|adapter| AdapterFinding {

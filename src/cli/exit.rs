@@ -10,7 +10,7 @@ use flipmap::scene::{DocumentError, SceneError};
 
 /// Failures of the program, by exit code.
 #[derive(Debug, thiserror::Error)]
-pub enum Exit {
+pub(crate) enum Exit {
     /// Exit code 2: the command line or one of its files cannot be used.
     #[error("{0}")]
     Usage(String),
@@ -32,7 +32,7 @@ pub enum Exit {
 }
 
 /// Prints an error and returns its exit code.
-pub fn report(error: &anyhow::Error) -> ExitCode {
+pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     if output::is_broken_pipe(error.as_ref()) {
         return ExitCode::SUCCESS;
     }

@@ -13,7 +13,7 @@ use super::run_options::RunOptions;
 use super::stop;
 
 #[derive(Args, Debug, Default)]
-pub struct Options {
+pub(super) struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     #[command(flatten)]
@@ -26,7 +26,7 @@ pub struct Options {
     stats: Option<PathBuf>,
 }
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
     options.run.engine.check()?;
     let mut document = options.scene.document()?;

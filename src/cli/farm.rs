@@ -17,7 +17,7 @@ use super::run_options::prefer_engine;
 use super::stop;
 
 /// Reads a plan and derives its task.
-pub fn open(path: &Path) -> Result<Task, Exit> {
+pub(super) fn open(path: &Path) -> Result<Task, Exit> {
     let refuse = |why: String| Exit::Usage(format!("{} {why}", path.display()));
     let text = std::fs::read_to_string(path)
         .map_err(|error| refuse(format!("cannot be read: {error}")))?;
@@ -26,7 +26,7 @@ pub fn open(path: &Path) -> Result<Task, Exit> {
 }
 
 /// Finds the parts that exist already, and prints the names of damaged files.
-pub fn scan(task: &Task) -> anyhow::Result<Parts> {
+pub(super) fn scan(task: &Task) -> anyhow::Result<Parts> {
     let parts = Parts::scan(&task.folder)?;
     for path in parts.damaged() {
         super::tell(&format!(
@@ -38,12 +38,12 @@ pub fn scan(task: &Task) -> anyhow::Result<Parts> {
 }
 
 /// Requests the engine that a plan was made for, unless the request names another.
-pub fn request_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
+pub(super) fn request_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
     prefer_engine(request, &plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
 /// Computes what is missing from some shards; if nothing is, returns the existing parts.
-pub fn compute(
+pub(super) fn compute(
     task: &Task,
     shards: std::ops::RangeInclusive<u32>,
     chosen: Chosen,
@@ -94,14 +94,14 @@ fn stopped(error: RunError) -> anyhow::Error {
 }
 
 /// Returns the parts of a task, or an error if shards are incomplete.
-pub fn complete(task: &Task, plan: &Path) -> anyhow::Result<Parts> {
+pub(super) fn complete(task: &Task, plan: &Path) -> anyhow::Result<Parts> {
     let parts = scan(task)?;
     let missing = task.missing_shards(&parts);
     if missing.is_empty() { Ok(parts) } else { Err(lacks(&missing, task, plan).into()) }
 }
 
 /// Failure that lists the incomplete shards.
-pub fn lacks(missing: &[u32], task: &Task, plan: &Path) -> Exit {
+pub(super) fn lacks(missing: &[u32], task: &Task, plan: &Path) -> Exit {
     let some: Vec<String> = missing.iter().take(8).map(ToString::to_string).collect();
     let more = if missing.len() > some.len() { ", …" } else { "" };
     Exit::Missing(format!(
@@ -114,7 +114,7 @@ pub fn lacks(missing: &[u32], task: &Task, plan: &Path) -> Exit {
 }
 
 /// Paints a film from its parts.
-pub fn paint(
+pub(super) fn paint(
     task: &Task,
     mut parts: Parts,
     options: &PictureOptions,
@@ -160,7 +160,7 @@ pub fn paint(
 }
 
 /// Rejects more or fewer samples per pixel than were planned.
-pub fn check_samples(planned: u32, document: &Document) -> Result<(), Exit> {
+pub(super) fn check_samples(planned: u32, document: &Document) -> Result<(), Exit> {
     if document.picture.samples == planned {
         return Ok(());
     }
@@ -205,13 +205,13 @@ fn spread(
 }
 
 /// Rejects a film that could not be written.
-pub fn check_output(output: &Path) -> Result<(), Exit> {
+pub(super) fn check_output(output: &Path) -> Result<(), Exit> {
     FilmSink::check(output)
         .map_err(|error| Exit::Usage(format!("-o: cannot write {}: {error}", output.display())))
 }
 
 /// Default folder for the samples of a film.
-pub fn samples_beside(output: &Path) -> PathBuf {
+pub(super) fn samples_beside(output: &Path) -> PathBuf {
     let mut name = output.file_name().unwrap_or(output.as_os_str()).to_os_string();
     name.push(".samples");
     output.with_file_name(name)

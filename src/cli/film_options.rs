@@ -15,7 +15,7 @@ use super::picture_options::PictureOptions;
 use super::run_options::{RunOptions, RunSpec};
 
 #[derive(Args, Debug, Default)]
-pub struct FilmOptions {
+pub(super) struct FilmOptions {
     /// A .toml file of keys, or two or more scenes (.toml, .png written by flipmap, or built-in)
     #[arg(value_name = "KEYS.toml|SCENE")]
     scenes: Vec<String>,
@@ -57,20 +57,20 @@ const SAMPLES: u32 = 2;
 
 impl FilmOptions {
     /// Returns true if the options describe a film and not a still.
-    pub fn says_film(&self) -> bool {
+    pub(super) fn says_film(&self) -> bool {
         let one_scene = self.scenes.len() < 2 && !self.scenes.iter().any(|name| is_keys(name));
         let said = [&self.vary, &self.zoom_to, &self.secs, &self.frames, &self.fps];
         !one_scene || said.into_iter().any(Option::is_some)
     }
 
     /// Name of the scene of a still, if one was given.
-    pub fn scene(&self) -> Option<String> {
+    pub(super) fn scene(&self) -> Option<String> {
         self.scenes.first().cloned()
     }
 
     /// Returns the checked film and its run settings; all keys get the picture and run tables of
     /// the first.
-    pub fn film(&self) -> anyhow::Result<(Film, RunSpec)> {
+    pub(super) fn film(&self) -> anyhow::Result<(Film, RunSpec)> {
         let mut keys = self.keys()?;
         for key in &mut keys {
             key.scene = self.words.apply(std::mem::take(&mut key.scene))?;

@@ -12,7 +12,12 @@ use super::exit::Exit;
 use super::stop;
 
 /// Hunts for wrong pixels, and writes the findings to `hunt.json` after every window.
-pub fn run(minutes: f64, seed: u64, folder: &Path, request: &EngineRequest) -> anyhow::Result<()> {
+pub(super) fn run(
+    minutes: f64,
+    seed: u64,
+    folder: &Path,
+    request: &EngineRequest,
+) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("-o: cannot create {}", folder.display()))?;
     let path = folder.join("hunt.json");

@@ -14,7 +14,7 @@ use super::options::number;
 use super::run_options::sides;
 
 #[derive(Args, Debug)]
-pub struct Options {
+pub(super) struct Options {
     /// Name of the figure: single, ghost, double, machine, integrators, twenty or map
     name: String,
     /// Picture of the figure to write (- for standard output)
@@ -34,7 +34,7 @@ pub struct Options {
 /// Maximum seconds for which a figure may be followed.
 const MOST_SECS: f64 = 600.0;
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let figure = Figure::named(&options.name).ok_or_else(|| {
         let names = Figure::names();
         Exit::Usage(format!("there is no figure called '{}'; choose one of {names}", options.name))

@@ -5,7 +5,7 @@ mod continued;
 mod deeper;
 mod depth;
 mod doctor;
-pub mod exit;
+pub(crate) mod exit;
 #[cfg(feature = "window")]
 mod explore;
 mod farm;
@@ -76,7 +76,7 @@ enum Verb {
 }
 
 /// Parses the command line and runs the subcommand.
-pub fn run() -> anyhow::Result<()> {
+pub(crate) fn run() -> anyhow::Result<()> {
     match Cli::parse().verb.unwrap_or_else(default_verb) {
         #[cfg(feature = "window")]
         Verb::Explore(options) => explore::run(&options),

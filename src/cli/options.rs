@@ -11,7 +11,7 @@ use super::exit::Exit;
 /// Options that name and change a scene.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Scene")]
-pub struct SceneOptions {
+pub(super) struct SceneOptions {
     #[arg(help = scene_help())]
     pub scene: Option<String>,
     #[command(flatten)]
@@ -21,7 +21,7 @@ pub struct SceneOptions {
 /// Options that change single values of a scene.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Scene")]
-pub struct SceneWords {
+pub(super) struct SceneWords {
     /// Centre of the view in rad, with any number of digits
     #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
     center: Option<String>,
@@ -57,12 +57,12 @@ pub struct SceneWords {
 impl SceneOptions {
     #[cfg(feature = "window")]
     /// Returns true if a scene was named or any of the options was given.
-    pub fn says_something(&self) -> bool {
+    pub(super) fn says_something(&self) -> bool {
         self.scene.is_some() || self.words.said().iter().any(|(_, said)| said.is_some())
     }
 
     /// Loads the named scene, applies the options, and checks the result.
-    pub fn document(&self) -> anyhow::Result<Document> {
+    pub(super) fn document(&self) -> anyhow::Result<Document> {
         let document = match &self.scene {
             Some(scene) => load(scene)?,
             None => Document::default(),
@@ -73,7 +73,7 @@ impl SceneOptions {
 
 impl SceneWords {
     /// Applies the options to a document and checks the result.
-    pub fn apply(&self, document: Document) -> Result<Document, SceneError> {
+    pub(super) fn apply(&self, document: Document) -> Result<Document, SceneError> {
         let mut scene = document.scene();
         for (word, said) in self.said() {
             if let Some(text) = said {
@@ -104,7 +104,7 @@ fn scene_help() -> String {
 }
 
 /// Sets `value` from an option's text, if given; a usage error names the option.
-pub fn set<T, Why: std::fmt::Display>(
+pub(super) fn set<T, Why: std::fmt::Display>(
     value: &mut T,
     option: &str,
     text: &Option<String>,
@@ -117,12 +117,12 @@ pub fn set<T, Why: std::fmt::Display>(
 }
 
 /// Parses a number.
-pub fn number(text: &str) -> Option<f64> {
+pub(super) fn number(text: &str) -> Option<f64> {
     text.trim().parse().ok()
 }
 
 /// Loads a scene from a file, or a built-in one by its name.
-pub fn load(scene: &str) -> anyhow::Result<Document> {
+pub(super) fn load(scene: &str) -> anyhow::Result<Document> {
     if let Some(built_in) = BuiltIn::named(scene) {
         return Ok(built_in.document());
     }

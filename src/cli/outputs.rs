@@ -10,7 +10,7 @@ use super::exit::Exit;
 
 /// Options that name the output files.
 #[derive(Args, Debug)]
-pub struct OutputOptions {
+pub(super) struct OutputOptions {
     /// Picture to write (- for standard output)
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
@@ -30,7 +30,7 @@ pub struct OutputOptions {
 
 impl OutputOptions {
     /// Paths of all the outputs.
-    pub fn paths(&self) -> Paths {
+    pub(super) fn paths(&self) -> Paths {
         Paths {
             picture: self.output.clone(),
             pyramid: self.pyramid.clone(),
@@ -42,7 +42,12 @@ impl OutputOptions {
 
     /// Rejects outputs that cannot be written; `json` uses standard output too, and `state` is one
     /// more file.
-    pub fn check(&self, json: bool, verified: bool, state: Option<&Path>) -> Result<(), Exit> {
+    pub(super) fn check(
+        &self,
+        json: bool,
+        verified: bool,
+        state: Option<&Path>,
+    ) -> Result<(), Exit> {
         let usage = |message: String| Err(Exit::Usage(message));
         let paths = self.paths();
         let named = paths.named();

@@ -11,7 +11,7 @@ use super::options::{number, set};
 /// Options that control how samples are painted.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Picture")]
-pub struct PictureOptions {
+pub(super) struct PictureOptions {
     /// Colour palette: batlow, viridis, magma, cividis or romao (cyclic)
     #[arg(long, value_name = "NAME")]
     palette: Option<String>,
@@ -42,17 +42,17 @@ const OF_BUDGET: &str = "budget";
 
 impl PictureOptions {
     /// Returns true if `--cycles` was given.
-    pub fn says_cycles(&self) -> bool {
+    pub(super) fn says_cycles(&self) -> bool {
         self.cycles.is_some()
     }
 
     /// Returns true if `--palette` was not given.
-    pub fn says_no_palette(&self) -> bool {
+    pub(super) fn says_no_palette(&self) -> bool {
         self.palette.is_none()
     }
 
     /// Returns true if the colours follow the view's own times.
-    pub fn spreads(&self, document: &Document) -> bool {
+    pub(super) fn spreads(&self, document: &Document) -> bool {
         let deep = document.scene().view.width_rad().hi < PictureTable::SPREAD_BELOW_RAD;
         match self.times.as_deref() {
             Some(OF_VIEW) => true,
@@ -63,7 +63,7 @@ impl PictureOptions {
 
     /// Returns true if the colours follow the film's own times; the film zooms through `decades`
     /// down to `width_rad`.
-    pub fn spreads_film(&self, document: &Document, decades: f64, width_rad: f64) -> bool {
+    pub(super) fn spreads_film(&self, document: &Document, decades: f64, width_rad: f64) -> bool {
         let far = decades > PictureTable::SPREAD_FILM_DECADES
             || width_rad < PictureTable::SPREAD_BELOW_RAD;
         match self.times.as_deref() {
@@ -73,12 +73,12 @@ impl PictureOptions {
     }
 
     /// Returns true if `--times view` was given.
-    pub fn says_of_view(&self) -> bool {
+    pub(super) fn says_of_view(&self) -> bool {
         self.times.as_deref() == Some(OF_VIEW)
     }
 
     /// Applies the options to a document.
-    pub fn apply(&self, document: &mut Document) -> Result<(), Exit> {
+    pub(super) fn apply(&self, document: &mut Document) -> Result<(), Exit> {
         let picture = &mut document.picture;
         if let Some(palette) = &self.palette {
             picture.palette.clone_from(palette);

@@ -21,7 +21,7 @@ use super::video::codec_of;
 use super::{farm, stop};
 
 #[derive(Args, Debug)]
-pub struct PlanOptions {
+pub(super) struct PlanOptions {
     #[command(flatten)]
     film: FilmOptions,
     /// Number of shards
@@ -37,7 +37,7 @@ pub struct PlanOptions {
 }
 
 #[derive(Args, Debug)]
-pub struct RunShards {
+pub(super) struct RunShards {
     /// Plan file
     plan: PathBuf,
     /// Shard to compute, counted from 1, or a range such as 2-5 (default: all)
@@ -51,13 +51,13 @@ pub struct RunShards {
 }
 
 #[derive(Args, Debug)]
-pub struct VerifyOptions {
+pub(super) struct VerifyOptions {
     /// Plan file
     plan: PathBuf,
 }
 
 #[derive(Args, Debug)]
-pub struct MergeOptions {
+pub(super) struct MergeOptions {
     /// Plan file
     plan: PathBuf,
     #[command(flatten)]
@@ -70,7 +70,7 @@ pub struct MergeOptions {
 }
 
 /// Runs `flipmap plan`.
-pub fn plan(options: &PlanOptions) -> anyhow::Result<()> {
+pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (mut what, how) = what(options)?;
     spares_others(&options.output)?;
@@ -125,7 +125,7 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, super::run_opti
 }
 
 /// Runs `flipmap run`.
-pub fn run(options: &RunShards) -> anyhow::Result<()> {
+pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     options.engine.check()?;
     let task = farm::open(&options.plan)?;
     let shards = shards(options.shard.as_deref(), task.plan.shards)?;
@@ -153,7 +153,7 @@ fn shards(text: Option<&str>, count: u32) -> Result<std::ops::RangeInclusive<u32
 }
 
 /// Runs `flipmap verify`.
-pub fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
+pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
     let task = farm::open(&options.plan)?;
     let parts = farm::scan(&task)?;
     let missing = task.missing_shards(&parts);
@@ -168,7 +168,7 @@ pub fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
 }
 
 /// Runs `flipmap merge`.
-pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
+pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     let task = farm::open(&options.plan)?;
     stop::listen()?;
     match &task.work {

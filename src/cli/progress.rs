@@ -9,7 +9,7 @@ use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, Prog
 
 /// Values of `--progress`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Mode {
+pub(super) enum Mode {
     /// Progress bar if standard error is a terminal.
     #[default]
     Auto,
@@ -20,7 +20,7 @@ pub enum Mode {
 }
 
 /// Display of how many of all pixels, samples or frames are done.
-pub struct Progress {
+pub(super) struct Progress {
     bar: ProgressBar,
     json: bool,
     total: u64,
@@ -31,12 +31,12 @@ pub struct Progress {
 
 impl Progress {
     /// Starts at zero of `total` pixels.
-    pub fn new(mode: Mode, total: u64) -> Self {
+    pub(super) fn new(mode: Mode, total: u64) -> Self {
         Progress::of(mode, total, "pixels")
     }
 
     /// Starts at zero of `total` units of the given name.
-    pub fn of(mode: Mode, total: u64, unit: &'static str) -> Self {
+    pub(super) fn of(mode: Mode, total: u64, unit: &'static str) -> Self {
         let shown = mode == Mode::Auto && stderr().is_terminal();
         let target =
             if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
@@ -53,7 +53,7 @@ impl Progress {
     }
 
     /// Shows `done` units as done, and what else is going on.
-    pub fn set(&mut self, done: u64, doing: Option<String>) {
+    pub(super) fn set(&mut self, done: u64, doing: Option<String>) {
         self.bar.set_message(doing.map_or_else(String::new, |doing| format!(" · {doing}")));
         if done == self.bar.position() {
             return;

@@ -24,7 +24,7 @@ use super::spread::spread;
 use super::stop;
 
 #[derive(Args, Debug)]
-pub struct Options {
+pub(super) struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     #[command(flatten)]
@@ -44,7 +44,7 @@ pub struct Options {
     progress: Mode,
 }
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
     let (mut document, plan) = prepare(options)?;
     let scene = document.scene();

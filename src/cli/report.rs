@@ -16,7 +16,7 @@ use super::run_options::EngineOption;
 use super::stop;
 
 #[derive(Args, Debug)]
-pub struct Options {
+pub(super) struct Options {
     /// Folder for report.json, report.md and report.html
     #[arg(short, long, value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
@@ -53,7 +53,7 @@ fn minutes(text: &str) -> Result<f64, String> {
     minutes.ok_or_else(|| "it must be a number of minutes between 0.01 and 1e5".to_string())
 }
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let field = field(options)?;
     if let Some(minutes) = options.hunt {
         let kind = match options.engine {

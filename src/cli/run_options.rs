@@ -14,7 +14,7 @@ use super::options::set;
 /// Options that control how a scene is computed.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Run")]
-pub struct RunOptions {
+pub(super) struct RunOptions {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<String>,
@@ -45,7 +45,7 @@ pub struct RunOptions {
 /// Options that select the engine.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Run")]
-pub struct EngineOptions {
+pub(super) struct EngineOptions {
     /// Engine to compute with; auto: the fastest in the measured profile
     #[arg(long, value_enum, default_value_t = EngineOption::Auto)]
     engine: EngineOption,
@@ -58,7 +58,7 @@ pub struct EngineOptions {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum EngineOption {
+pub(super) enum EngineOption {
     #[default]
     Auto,
     Gpu,
@@ -70,7 +70,7 @@ const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
 
 /// The resolved settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RunSpec {
+pub(super) struct RunSpec {
     /// An accuracy level or an explicit integrator config.
     pub setting: IntegrationSetting,
     /// True if every pixel is checked.
@@ -81,7 +81,7 @@ pub struct RunSpec {
 
 impl EngineOptions {
     /// Returns the engine request that the options make for a setting.
-    pub fn request(&self, setting: IntegrationSetting) -> EngineRequest {
+    pub(super) fn request(&self, setting: IntegrationSetting) -> EngineRequest {
         EngineRequest {
             kind: match self.engine {
                 EngineOption::Auto => choice::EngineKind::Auto,
@@ -96,12 +96,12 @@ impl EngineOptions {
     }
 
     /// Number of threads for the CPU engine, if given.
-    pub fn threads(&self) -> Option<usize> {
+    pub(super) fn threads(&self) -> Option<usize> {
         self.threads.map(|threads| threads as usize)
     }
 
     /// Rejects options that contradict each other.
-    pub fn check(&self) -> Result<(), Exit> {
+    pub(super) fn check(&self) -> Result<(), Exit> {
         let usage = |message: &str| Err(Exit::Usage(message.to_string()));
         match self.engine {
             EngineOption::Cpu if self.adapter.is_some() => {
@@ -118,13 +118,13 @@ impl EngineOptions {
 impl RunOptions {
     /// Returns true if any option says how to integrate.
     #[cfg(feature = "window")]
-    pub fn says_how(&self) -> bool {
+    pub(super) fn says_how(&self) -> bool {
         let words = [&self.accuracy, &self.method, &self.step, &self.tolerance, &self.precision];
         self.verify || words.into_iter().any(Option::is_some)
     }
 
     /// Fills in the document's run table, so that it records what ran, and returns the settings.
-    pub fn settle(&self, document: &mut Document) -> Result<RunSpec, Exit> {
+    pub(super) fn settle(&self, document: &mut Document) -> Result<RunSpec, Exit> {
         let mut size = document.run.size.unwrap_or(DEFAULT_SIZE);
         set(&mut size, "--size", &self.size, parse_size)?;
         if size.iter().any(|side| !(1..=PictureTable::LONGEST_SIDE).contains(side)) {
@@ -160,13 +160,13 @@ impl RunOptions {
 }
 
 /// Chooses and starts an engine, announcing on standard error whatever takes long.
-pub fn start(request: &EngineRequest) -> Result<Chosen, ChoiceError> {
+pub(super) fn start(request: &EngineRequest) -> Result<Chosen, ChoiceError> {
     choose(request, &|text| super::tell(&format!("flipmap: {text}")))
 }
 
 /// Requests the engine that ran before, unless the user chose one: another engine would differ in
 /// the last digits.
-pub fn prefer_engine(request: EngineRequest, engine: &str, adapter: &str) -> EngineRequest {
+pub(super) fn prefer_engine(request: EngineRequest, engine: &str, adapter: &str) -> EngineRequest {
     match (request.kind, &request.adapter, engine) {
         (choice::EngineKind::Auto, None, "cpu") => {
             EngineRequest { kind: choice::EngineKind::Cpu, ..request }
@@ -181,7 +181,7 @@ pub fn prefer_engine(request: EngineRequest, engine: &str, adapter: &str) -> Eng
 }
 
 /// Rejects a configuration that needs too many steps for the budget.
-pub fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> {
+pub(super) fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> {
     let question = Question::from(scene);
     if question.build.gravity.value() > 0.0 {
         Pace::new(&question, &config).map_err(|error| Exit::Usage(error.to_string()))?;
@@ -192,7 +192,7 @@ pub fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> 
 const SIZE: &str = "it must be WIDTHxHEIGHT with both between 1 and 1000000 pixels";
 
 /// Parses two side lengths separated by an x.
-pub fn sides(text: &str) -> Option<[u32; 2]> {
+pub(super) fn sides(text: &str) -> Option<[u32; 2]> {
     let (width, height) = text.split_once('x')?;
     Some([width.parse().ok()?, height.parse().ok()?])
 }

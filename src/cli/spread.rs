@@ -16,7 +16,7 @@ const LONGEST: u32 = 64;
 
 /// Sets the times of a document's colours to those of its own view, and prints their range.
 /// If nothing flips, they stay as they are.
-pub fn spread(
+pub(super) fn spread(
     document: &mut Document,
     size: [u32; 2],
     config: IntegratorConfig,

@@ -7,12 +7,12 @@ use super::exit::Exit;
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Installs a handler that remembers signals instead of letting them end the program.
-pub fn listen() -> anyhow::Result<()> {
+pub(super) fn listen() -> anyhow::Result<()> {
     listen_and(|| ())
 }
 
 /// Installs the same handler, which also calls `wake` so that a sleeping thread notices.
-pub fn listen_and(wake: impl Fn() + Send + 'static) -> anyhow::Result<()> {
+pub(super) fn listen_and(wake: impl Fn() + Send + 'static) -> anyhow::Result<()> {
     ctrlc::set_handler(move || {
         STOP.store(true, Ordering::Relaxed);
         wake();
@@ -21,11 +21,11 @@ pub fn listen_and(wake: impl Fn() + Send + 'static) -> anyhow::Result<()> {
 }
 
 /// Returns true if the user has asked to stop.
-pub fn asked() -> bool {
+pub(super) fn asked() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
 /// Returns an error once the user has asked to stop.
-pub fn check() -> Result<(), Exit> {
+pub(super) fn check() -> Result<(), Exit> {
     if asked() { Err(Exit::Interrupted) } else { Ok(()) }
 }

@@ -15,7 +15,7 @@ use super::options::SceneOptions;
 use super::stop;
 
 #[derive(Args, Debug)]
-pub struct Options {
+pub(super) struct Options {
     #[command(flatten)]
     scene: SceneOptions,
     /// Angles in rad at which the pendulum is released from rest, with any number of digits
@@ -35,7 +35,7 @@ pub struct Options {
     json: bool,
 }
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let scene = options.scene.document()?.scene();
     let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
     let angle = parse_start(&options.start)?;

@@ -15,7 +15,7 @@ use super::run_options::{check_steps, start};
 use super::{farm, stop};
 
 #[derive(Args, Debug)]
-pub struct Options {
+pub(super) struct Options {
     #[command(flatten)]
     film: FilmOptions,
     /// Film to write: .mp4 or .mkv (lossless) through ffmpeg, or a folder of numbered pictures
@@ -33,7 +33,7 @@ pub struct Options {
     progress: Mode,
 }
 
-pub fn run(options: &Options) -> anyhow::Result<()> {
+pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (film, how) = options.film.film()?;
     let codec = codec_of(&options.output)?;
@@ -78,7 +78,7 @@ fn earlier(path: &Path) -> Option<Plan> {
 }
 
 /// Chooses the codec by the file name's extension; a folder has none.
-pub fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
+pub(super) fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
     let codec = Codec::of(output);
     let ending = output.extension().is_some() && !output.is_dir();
     // The samples' folder is named after the output; `/` and `..` have no name.

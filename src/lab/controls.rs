@@ -9,7 +9,7 @@ use crate::scene::{Build, Kind};
 
 /// Shows a named number with a slider in a row of a grid; returns true if it was changed. A typed
 /// value outside the range is clamped to it, and the range is shown.
-pub fn number(
+pub(super) fn number(
     ui: &mut Ui,
     name: &str,
     unit: &str,
@@ -21,7 +21,7 @@ pub fn number(
 }
 
 /// Does the same as [`number`], on a logarithmic scale or a linear one.
-pub fn number_on(
+pub(super) fn number_on(
     ui: &mut Ui,
     name: &str,
     unit: &str,
@@ -50,7 +50,7 @@ pub fn number_on(
 }
 
 /// Formats a number with four significant digits, or as a power of ten with three.
-pub fn brief(value: f64) -> String {
+pub(super) fn brief(value: f64) -> String {
     if value == 0.0 {
         return "0".to_string();
     }
@@ -67,14 +67,14 @@ pub fn brief(value: f64) -> String {
 }
 
 /// Shows a named value in a row of a grid.
-pub fn row(ui: &mut Ui, name: &str, value: impl Into<String>) {
+pub(super) fn row(ui: &mut Ui, name: &str, value: impl Into<String>) {
     ui.label(name);
     ui.monospace(value.into());
     ui.end_row();
 }
 
 /// Shows a named value in a row of a grid, with the name in a colour.
-pub fn coloured_row(ui: &mut Ui, name: &str, colour: Color32, value: impl Into<String>) {
+pub(super) fn coloured_row(ui: &mut Ui, name: &str, colour: Color32, value: impl Into<String>) {
     ui.colored_label(colour, name);
     ui.monospace(value.into());
     ui.end_row();
@@ -89,7 +89,7 @@ fn decimal(ui: &mut Ui, name: &str, unit: &str, value: &mut Decimal, range: Rang
 }
 
 /// Shows the kind, masses, lengths and gravity of a double pendulum; returns true if any changed.
-pub fn build(ui: &mut Ui, build: &mut Build) -> bool {
+pub(super) fn build(ui: &mut Ui, build: &mut Build) -> bool {
     let before = *build;
     ui.horizontal(|ui| {
         ui.radio_value(&mut build.kind, Kind::Points, "points");

@@ -9,7 +9,7 @@ use super::{FigureRequest, LiveFigure};
 
 /// A live figure of two angles, and of the second pivot riding on the first bob.
 #[derive(Clone, Debug)]
-pub struct Double(DoublePendulumSimulation);
+pub(super) struct Double(DoublePendulumSimulation);
 
 impl Default for Double {
     fn default() -> Self {

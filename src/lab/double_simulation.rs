@@ -18,7 +18,7 @@ const TRAIL_EVERY: u64 = 8;
 
 /// A double pendulum, released from rest.
 #[derive(Clone, Debug)]
-pub struct DoublePendulumSimulation {
+pub(super) struct DoublePendulumSimulation {
     /// The pendulum's kind, masses, lengths and gravity.
     pub build: Build,
     /// Angles of the release in rad.
@@ -35,7 +35,7 @@ pub struct DoublePendulumSimulation {
 
 impl DoublePendulumSimulation {
     /// Creates a default pendulum released at two angles.
-    pub fn from(start: [f64; 2]) -> Self {
+    pub(super) fn from(start: [f64; 2]) -> Self {
         DoublePendulumSimulation {
             build: Build::default(),
             start,
@@ -47,7 +47,7 @@ impl DoublePendulumSimulation {
     }
 
     /// Releases the pendulum again, at two angles.
-    pub fn release(&mut self, start: [f64; 2]) {
+    pub(super) fn release(&mut self, start: [f64; 2]) {
         self.start = start;
         self.state = State::rest(start);
         self.clock = Clock::new(self.clock.step_secs);
@@ -55,19 +55,19 @@ impl DoublePendulumSimulation {
     }
 
     /// Returns the start, the masses, the lengths and the gravity.
-    pub fn set(&self) -> Vec<f64> {
+    pub(super) fn set(&self) -> Vec<f64> {
         let gravity = self.build.gravity.value();
         let (masses, lengths) = (self.build.masses_kg(), self.build.lengths_m());
         [&self.start[..], &masses, &lengths, &[gravity]].concat()
     }
 
     /// Returns the five coefficients of the equations of motion.
-    pub fn pendulum(&self) -> Pendulum<f64> {
+    pub(super) fn pendulum(&self) -> Pendulum<f64> {
         self.build.pendulum()
     }
 
     /// Advances by `elapsed_secs`, unless a bob is held.
-    pub fn advance(&mut self, elapsed_secs: f64) {
+    pub(super) fn advance(&mut self, elapsed_secs: f64) {
         if self.held.is_some() {
             return;
         }
@@ -85,19 +85,19 @@ impl DoublePendulumSimulation {
     }
 
     /// Returns the current state, between two steps.
-    pub fn now(&self) -> State<f64> {
+    pub(super) fn now(&self) -> State<f64> {
         let share = self.clock.share() * self.clock.step_secs;
         let change = rk4(&self.pendulum(), &self.state, share, Turning::Fresh);
         self.state.plus(&change)
     }
 
     /// Seconds since the release.
-    pub fn secs(&self) -> f64 {
+    pub(super) fn secs(&self) -> f64 {
         self.clock.secs() + self.clock.share() * self.clock.step_secs
     }
 
     /// Holds the bob nearest the pointer while it is dragged, then releases both from rest.
-    pub fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
+    pub(super) fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
         let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) else {
             self.held = None;
             return;
@@ -112,7 +112,7 @@ impl DoublePendulumSimulation {
     }
 
     /// Draws the pendulum with its trail.
-    pub fn draw(&self, stage: &FigureCanvas) {
+    pub(super) fn draw(&self, stage: &FigureCanvas) {
         let [first, second] = ends(self.build.lengths_m(), self.now().angle);
         stage.trail(&self.trail, COLOURS[1]);
         stage.rod([0.0; 2], first, INK);
@@ -133,7 +133,7 @@ impl DoublePendulumSimulation {
 }
 
 /// Returns the five coefficients of the default pendulum's equations of motion.
-pub fn pendulum() -> Pendulum<f64> {
+pub(super) fn pendulum() -> Pendulum<f64> {
     Build::default().pendulum()
 }
 

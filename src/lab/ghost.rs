@@ -11,7 +11,7 @@ use crate::physics::simple::MOST_AMPLITUDE;
 
 /// A live figure of a swing and its ghost.
 #[derive(Clone, Debug)]
-pub struct Ghost(SinglePendulumSimulation);
+pub(super) struct Ghost(SinglePendulumSimulation);
 
 impl Default for Ghost {
     fn default() -> Self {

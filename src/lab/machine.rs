@@ -9,7 +9,7 @@ use super::{FigureRequest, LiveFigure};
 
 /// A live figure of the double pendulum with its equation and energy.
 #[derive(Clone, Debug)]
-pub struct MachineFigure(DoublePendulumSimulation);
+pub(super) struct MachineFigure(DoublePendulumSimulation);
 
 impl Default for MachineFigure {
     fn default() -> Self {
@@ -19,7 +19,7 @@ impl Default for MachineFigure {
 
 impl MachineFigure {
     /// Releases the pendulum at a start found elsewhere.
-    pub fn open(&mut self, start: [f64; 2]) {
+    pub(super) fn open(&mut self, start: [f64; 2]) {
         self.0.release(start);
     }
 }
@@ -106,7 +106,7 @@ fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
 }
 
 /// Returns the motion from the start as CSV, a hundred lines per second.
-pub fn motion(simulation: &DoublePendulumSimulation, secs: f64) -> String {
+pub(super) fn motion(simulation: &DoublePendulumSimulation, secs: f64) -> String {
     let mut toy = DoublePendulumSimulation { held: None, ..simulation.clone() };
     toy.release(simulation.start);
     let pendulum = toy.pendulum();

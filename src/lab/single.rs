@@ -9,7 +9,7 @@ use super::{FigureRequest, LiveFigure};
 
 /// A live figure of one coordinate, one mass, one rod, and gravity.
 #[derive(Clone, Debug)]
-pub struct Single(SinglePendulumSimulation);
+pub(super) struct Single(SinglePendulumSimulation);
 
 impl Default for Single {
     fn default() -> Self {

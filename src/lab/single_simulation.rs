@@ -12,7 +12,7 @@ const STEPS_A_SEC: f64 = 480.0;
 
 /// A mass on a rod, released from rest.
 #[derive(Clone, Debug)]
-pub struct SinglePendulumSimulation {
+pub(super) struct SinglePendulumSimulation {
     /// Length and gravity of the pendulum.
     pub simple: Simple,
     /// Mass in kg.
@@ -31,7 +31,7 @@ pub struct SinglePendulumSimulation {
 
 impl SinglePendulumSimulation {
     /// Creates a pendulum released at an angle.
-    pub fn from(amplitude: f64) -> Self {
+    pub(super) fn from(amplitude: f64) -> Self {
         SinglePendulumSimulation {
             simple: Simple { length: 1.0, gravity: 9.81 },
             mass: 1.0,
@@ -44,7 +44,7 @@ impl SinglePendulumSimulation {
     }
 
     /// Releases the pendulum again, at an angle.
-    pub fn release(&mut self, amplitude: f64) {
+    pub(super) fn release(&mut self, amplitude: f64) {
         self.amplitude = amplitude.clamp(-MOST_AMPLITUDE, MOST_AMPLITUDE);
         self.swing = Swing { angle: self.amplitude, speed: 0.0 };
         self.clock = Clock::new(self.clock.step_secs);
@@ -52,7 +52,7 @@ impl SinglePendulumSimulation {
     }
 
     /// Advances by `elapsed_secs`, unless the bob is held.
-    pub fn advance(&mut self, elapsed_secs: f64) {
+    pub(super) fn advance(&mut self, elapsed_secs: f64) {
         if self.held {
             return;
         }
@@ -65,27 +65,27 @@ impl SinglePendulumSimulation {
     }
 
     /// Returns the current state, between two steps.
-    pub fn now(&self) -> Swing {
+    pub(super) fn now(&self) -> Swing {
         self.simple.step(self.swing, self.clock.share() * self.clock.step_secs)
     }
 
     /// Returns the current angle in rad.
-    pub fn angle(&self) -> f64 {
+    pub(super) fn angle(&self) -> f64 {
         self.now().angle
     }
 
     /// Seconds since the release.
-    pub fn secs(&self) -> f64 {
+    pub(super) fn secs(&self) -> f64 {
         self.clock.secs() + self.clock.share() * self.clock.step_secs
     }
 
     /// Returns the position of the bob in metres.
-    pub fn bob(&self) -> [f64; 2] {
+    pub(super) fn bob(&self) -> [f64; 2] {
         end([0.0; 2], self.simple.length, self.angle())
     }
 
     /// Holds the bob while it is dragged, and releases it from rest where the drag ends.
-    pub fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
+    pub(super) fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
         if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             self.held = true;
             self.release(angle_of([0.0; 2], stage.place(at)));
@@ -95,7 +95,7 @@ impl SinglePendulumSimulation {
     }
 
     /// Shows the sliders for length, mass, gravity and the angle of release, and a release button.
-    pub fn controls(&mut self, ui: &mut Ui) {
+    pub(super) fn controls(&mut self, ui: &mut Ui) {
         let mut amplitude = self.amplitude;
         let mut changed = false;
         Grid::new("single").num_columns(2).show(ui, |ui| {

@@ -36,7 +36,7 @@ impl<W: Write> NpyWriter<W> {
 }
 
 /// The number that stands for an outcome.
-pub fn number_of(outcome: Outcome) -> f64 {
+pub(super) fn number_of(outcome: Outcome) -> f64 {
     match outcome.status {
         Status::Flipped => outcome.time,
         Status::Unflipped | Status::Failed => f64::INFINITY,

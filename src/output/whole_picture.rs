@@ -44,7 +44,7 @@ pub(super) struct WholePicture {
 
 impl WholePicture {
     /// Begins a picture of `size` pixels; refuses a size that the format cannot hold.
-    pub fn new(file: SafeFile, format: ImageFormat, size: [u32; 2]) -> io::Result<Self> {
+    pub(super) fn new(file: SafeFile, format: ImageFormat, size: [u32; 2]) -> io::Result<Self> {
         let longest = longest_side(format);
         if size.into_iter().any(|side| side > longest) {
             let ending = format.extensions_str()[0];
@@ -56,12 +56,12 @@ impl WholePicture {
     }
 
     /// Adds the next rows, three bytes per pixel.
-    pub fn write(&mut self, rgb: &[u8]) {
+    pub(super) fn write(&mut self, rgb: &[u8]) {
         self.rgb.extend_from_slice(rgb);
     }
 
     /// Encodes the picture and returns its file.
-    pub fn finish(mut self) -> io::Result<SafeFile> {
+    pub(super) fn finish(mut self) -> io::Result<SafeFile> {
         let bytes = encoded(&self.rgb, self.size, self.format).map_err(io::Error::other)?;
         self.file.write_all(&bytes)?;
         Ok(self.file)

@@ -120,12 +120,12 @@ impl<'de> Deserialize<'de> for Decimal {
 }
 
 /// Maximum length of a number in characters; longer strings are not meant as numbers.
-pub const MOST_CHARACTERS: usize = 1000;
+pub(super) const MOST_CHARACTERS: usize = 1000;
 /// Maximum magnitude of a decimal exponent, for the same reason.
 const MOST_EXPONENT: isize = 2000;
 
 /// Parses a decimal number, if it is one; exponents are allowed, digit separators are not.
-pub fn parse(text: &str) -> Option<DBig> {
+pub(super) fn parse(text: &str) -> Option<DBig> {
     let text = text.trim();
     if text.len() > MOST_CHARACTERS || text.contains('_') {
         return None;
@@ -135,7 +135,7 @@ pub fn parse(text: &str) -> Option<DBig> {
 }
 
 /// Reads a decimal as the integer nearest to its product with 2^`bits`.
-pub fn read(text: &str, bits: usize) -> Option<IBig> {
+pub(super) fn read(text: &str, bits: usize) -> Option<IBig> {
     let (significand, exponent) = parse(text)?.into_repr().into_parts();
     let power = IBig::from(10).pow(exponent.unsigned_abs());
     let scaled = significand << bits;
@@ -143,7 +143,7 @@ pub fn read(text: &str, bits: usize) -> Option<IBig> {
 }
 
 /// Formats `value` / 2^`bits` with `digits` digits after the point, without trailing zeros.
-pub fn written(value: IBig, bits: usize, digits: usize) -> String {
+pub(super) fn written(value: IBig, bits: usize, digits: usize) -> String {
     let negative = value < IBig::ZERO;
     let scaled = nearest(value * IBig::from(10).pow(digits), IBig::from(1) << bits);
     let scaled = if negative { -scaled } else { scaled };

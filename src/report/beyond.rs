@@ -84,7 +84,11 @@ impl Flips {
 
 impl Bench<'_> {
     /// Measures `balanced` in a window.
-    pub fn window(&self, window: &Window, backend: &mut Backend) -> Result<WindowRow, ReportError> {
+    pub(super) fn window(
+        &self,
+        window: &Window,
+        backend: &mut Backend,
+    ) -> Result<WindowRow, ReportError> {
         let config = recipe_for(backend.engine(), Accuracy::Balanced)?;
         self.window_with(window, backend, config)
     }
@@ -114,7 +118,11 @@ impl Bench<'_> {
     }
 
     /// Measures `exact` in a window of late flips, against double-double.
-    pub fn late(&self, window: &Window, backend: &mut Backend) -> Result<LateRow, ReportError> {
+    pub(super) fn late(
+        &self,
+        window: &Window,
+        backend: &mut Backend,
+    ) -> Result<LateRow, ReportError> {
         let config = recipe_for(backend.engine(), Accuracy::Exact)?;
         let (question, starts) = (window.question(), window.starts(self.care.late_starts));
         let truth = finest(&question, &starts, self.threads, self.stop)?;

@@ -7,7 +7,7 @@ use super::{Checks, Flips, Report, Row};
 use crate::engine::Accuracy;
 
 /// The chapter on the accuracy levels, or `None` while no level has a row.
-pub fn levels(report: &Report) -> Option<Section> {
+pub(super) fn levels(report: &Report) -> Option<Section> {
     let levels = level_table(report);
     if levels.rows.is_empty() {
         return None;
@@ -101,7 +101,7 @@ fn forced_table(report: &Report) -> Table {
 }
 
 /// The chapters on measurements away from the home map.
-pub fn beyond(report: &Report) -> Vec<Section> {
+pub(super) fn beyond(report: &Report) -> Vec<Section> {
     [windows(report), late(report), hard(report)].into_iter().flatten().collect()
 }
 

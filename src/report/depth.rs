@@ -23,7 +23,7 @@ use crate::tiles::{Samples, Work};
 
 /// A view on a filament, found by zooming in from (1.0, 2.0).
 #[derive(Clone, Copy, Debug)]
-pub struct FilamentPlace {
+pub(super) struct FilamentPlace {
     /// θ1, θ2 of the centre, rad.
     pub center: [&'static str; 2],
     /// Width of the view, rad.
@@ -112,7 +112,7 @@ impl FilamentPlace {
 
 /// Cache of the truths computed so far, so that every config is compared with the same ones.
 #[derive(Debug, Default)]
-pub struct Truths(Vec<(&'static str, Vec<(usize, Outcome)>)>);
+pub(super) struct Truths(Vec<(&'static str, Vec<(usize, Outcome)>)>);
 
 impl Truths {
     fn of(
@@ -140,7 +140,7 @@ impl Truths {
 
 impl Bench<'_> {
     /// Measures a config at a place.
-    pub fn depth(
+    pub(super) fn depth(
         &self,
         place: &FilamentPlace,
         config: IntegratorConfig,
@@ -197,7 +197,7 @@ impl Bench<'_> {
 
 /// The places: each a thousand times narrower than the one before down to 2e-18, then 2e-22, 2e-30
 /// and 2e-50 rad.
-pub const PLACES: [FilamentPlace; 9] = [
+pub(super) const PLACES: [FilamentPlace; 9] = [
     FilamentPlace { center: ["1.186751171875", "2.043855078125"], width: "2e-3" },
     FilamentPlace { center: ["1.186731091796875", "2.044025366796875"], width: "2e-6" },
     FilamentPlace { center: ["1.186731002827734375", "2.044025554308203125"], width: "2e-9" },

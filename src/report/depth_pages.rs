@@ -21,7 +21,7 @@ const PLOTS: [(&str, &str, Value); 3] = [
 ];
 
 /// The chapters on deep zoom, one for each engine that has rows of it.
-pub fn depth(report: &Report) -> Result<Vec<Section>, ReportError> {
+pub(super) fn depth(report: &Report) -> Result<Vec<Section>, ReportError> {
     let engines = report.depth.chunk_by(|a, b| a.engine == b.engine);
     engines.map(of_engine).collect()
 }

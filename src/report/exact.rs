@@ -129,7 +129,10 @@ impl Checked {
 }
 
 /// Returns the first config of `level` that the engine offers.
-pub fn recipe_for(engine: &dyn Engine, level: Accuracy) -> Result<IntegratorConfig, ReportError> {
+pub(super) fn recipe_for(
+    engine: &dyn Engine,
+    level: Accuracy,
+) -> Result<IntegratorConfig, ReportError> {
     let offered = level.configs().into_iter().find(|config| engine.offers(config));
     let none = || EngineError::Unsupported(format!("it has no recipe for the accuracy {level}"));
     Ok(offered.ok_or_else(none)?)
@@ -137,7 +140,7 @@ pub fn recipe_for(engine: &dyn Engine, level: Accuracy) -> Result<IntegratorConf
 
 impl Bench<'_> {
     /// Measures the row of the level `exact`, with the results of its checks.
-    pub fn exact(&self, backend: &mut Backend) -> Result<Row, ReportError> {
+    pub(super) fn exact(&self, backend: &mut Backend) -> Result<Row, ReportError> {
         let config = recipe_for(backend.engine(), Accuracy::Exact)?;
         let mut row = Row::new(backend, config);
         let mut compared = {

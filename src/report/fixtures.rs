@@ -4,7 +4,7 @@ use super::*;
 use crate::physics::{Outcome, Status};
 
 /// A report with two rows, a refusal by an engine, and one measurement missing.
-pub fn report() -> Report {
+pub(super) fn report() -> Report {
     let flip = |time| Outcome::flipped(time);
     let still = Outcome::without_time(Status::Unflipped);
     let pairs = [(flip(1.0), flip(1.0)), (flip(7.1), flip(7.0)), (still, still)];
@@ -45,7 +45,7 @@ pub fn report() -> Report {
 }
 
 /// A row of deep zoom.
-pub fn depth(width_rad: f64, pairs: &[(Outcome, Outcome)]) -> DepthRow {
+pub(super) fn depth(width_rad: f64, pairs: &[(Outcome, Outcome)]) -> DepthRow {
     DepthRow {
         engine: "cpu".to_string(),
         config: plan::BALANCED,

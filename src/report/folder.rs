@@ -8,7 +8,7 @@ use super::{Report, ReportError, html, markdown, pages};
 use crate::output::{Destination, SafeFile};
 
 /// Names of the files.
-pub const NAMES: [&str; 3] = ["report.json", "report.md", "report.html"];
+pub(super) const NAMES: [&str; 3] = ["report.json", "report.md", "report.html"];
 
 /// A folder that can be written to.
 #[derive(Clone, Debug)]

@@ -23,7 +23,7 @@ svg text { fill: currentColor; }
 ";
 
 /// Writes the page.
-pub fn write(title: &str, sections: &[Section]) -> String {
+pub(super) fn write(title: &str, sections: &[Section]) -> String {
     let title = escaped(title);
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\

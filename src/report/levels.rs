@@ -4,13 +4,13 @@ use super::{Report, Row};
 use crate::engine::{Accuracy, IntegratorConfig};
 
 /// The rows with a config, one for each engine that has it.
-pub fn rows_with(report: &Report, config: IntegratorConfig) -> Vec<&Row> {
+pub(super) fn rows_with(report: &Report, config: IntegratorConfig) -> Vec<&Row> {
     report.rows.iter().filter(|row| row.config == config).collect()
 }
 
 /// The rows of a level, one for each engine: the row with the first of the level's configs that the
 /// engine has, or, for a level that verifies, the row measured with its checks.
-pub fn rows_at(report: &Report, level: Accuracy) -> Vec<&Row> {
+pub(super) fn rows_at(report: &Report, level: Accuracy) -> Vec<&Row> {
     if level.verifies() {
         return report.exact.iter().collect();
     }

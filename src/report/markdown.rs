@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::pages::{Block, Section, Table};
 
 /// Writes the sections below a title.
-pub fn write(title: &str, sections: &[Section]) -> String {
+pub(super) fn write(title: &str, sections: &[Section]) -> String {
     let mut text = format!("# {title}\n");
     for section in sections {
         let _ = write!(text, "\n## {}\n", section.title);

@@ -22,7 +22,7 @@ const LEAST_STARTS_OF_GPU: usize = 1 << 16;
 const LEAST_STARTS_OF_EXACT: usize = 1 << 17;
 
 /// The context of a measurement besides an engine and a config.
-pub struct Bench<'a> {
+pub(super) struct Bench<'a> {
     /// The starts, and the truth about some of them.
     pub test_set: &'a TestSet,
     /// The thoroughness of the report.
@@ -40,7 +40,7 @@ struct Times {
 }
 
 /// Answers with the truth about them.
-pub struct Compared {
+pub(super) struct Compared {
     /// The starts that were asked about.
     pub starts: Vec<[Dd; 2]>,
     /// The gold standard's answers.
@@ -51,14 +51,18 @@ pub struct Compared {
 
 impl Compared {
     /// Pairs each answer with its truth.
-    pub fn pairs(&self) -> Vec<OutcomePair> {
+    pub(super) fn pairs(&self) -> Vec<OutcomePair> {
         self.ran.outcomes.iter().copied().zip(self.truth.iter().copied()).collect()
     }
 }
 
 impl Bench<'_> {
     /// Measures a row.
-    pub fn row(&self, backend: &mut Backend, config: IntegratorConfig) -> Result<Row, ReportError> {
+    pub(super) fn row(
+        &self,
+        backend: &mut Backend,
+        config: IntegratorConfig,
+    ) -> Result<Row, ReportError> {
         let mut row = Row::new(backend, config);
         let least = least_starts(&config, backend.threads().is_none());
         self.fill(&mut row, backend.engine(), least)?;
@@ -67,7 +71,7 @@ impl Bench<'_> {
 
     /// Fills a new row with measurements of `engine`, timed on at least `least` starts; returns the
     /// answers that its errors come from.
-    pub fn fill(
+    pub(super) fn fill(
         &self,
         row: &mut Row,
         engine: &mut dyn Engine,
@@ -100,7 +104,7 @@ impl Bench<'_> {
 
     /// Measures the gain of a kernel made for its scene over one that reads the scene as data;
     /// `None` for the processor, which has only one kind.
-    pub fn specialising(
+    pub(super) fn specialising(
         &self,
         backend: &mut Backend,
         config: IntegratorConfig,
@@ -139,7 +143,7 @@ impl Bench<'_> {
     }
 
     /// Runs starts of the home map through an engine.
-    pub fn run(
+    pub(super) fn run(
         &self,
         engine: &mut dyn Engine,
         config: IntegratorConfig,
@@ -203,7 +207,7 @@ impl Bench<'_> {
 }
 
 /// Least number of starts that makes a measurement of a config.
-pub fn least_starts(config: &IntegratorConfig, is_gpu: bool) -> usize {
+pub(super) fn least_starts(config: &IntegratorConfig, is_gpu: bool) -> usize {
     match (is_slow(config), is_gpu) {
         (true, _) => LEAST_STARTS,
         (false, true) => LEAST_STARTS_OF_GPU,
@@ -213,7 +217,7 @@ pub fn least_starts(config: &IntegratorConfig, is_gpu: bool) -> usize {
 
 /// Least number of starts where each is checked: several jobs must be in flight, because each waits
 /// for its most doubtful pixel.
-pub fn least_starts_of_exact(config: &IntegratorConfig) -> usize {
+pub(super) fn least_starts_of_exact(config: &IntegratorConfig) -> usize {
     if is_slow(config) { LEAST_STARTS } else { LEAST_STARTS_OF_EXACT }
 }
 
@@ -239,7 +243,7 @@ impl Times {
 }
 
 /// Returns the reason an engine does not offer a config, if the error gives one.
-pub fn refusal(error: &ReportError) -> Option<String> {
+pub(super) fn refusal(error: &ReportError) -> Option<String> {
     match error {
         ReportError::Engine(EngineError::Unsupported(why)) => Some(why.clone()),
         ReportError::Engine(error) => Some(format!("it failed: {error}")),

@@ -11,7 +11,7 @@ use crate::engine::{IntegratorConfig, Method, Precision};
 
 /// Points of one method in one precision, in the order of its settings.
 #[derive(Clone, Debug)]
-pub struct Series {
+pub(super) struct Series {
     /// The config that decides the colour and the marker.
     pub config: IntegratorConfig,
     /// Points as horizontal and vertical values.
@@ -20,7 +20,7 @@ pub struct Series {
 
 /// The contents of a plot.
 #[derive(Clone, Debug)]
-pub struct Plot<'a> {
+pub(super) struct Plot<'a> {
     /// Label of the horizontal axis.
     pub across: &'a str,
     /// Label of the vertical axis.
@@ -40,7 +40,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 impl Plot<'_> {
     /// Draws the plot as an `<svg>` element to embed in a page. Values that are not positive have
     /// no logarithm and lie on the lower edge; points that are not finite are left out.
-    pub fn svg(&self) -> Result<String, ReportError> {
+    pub(super) fn svg(&self) -> Result<String, ReportError> {
         let mut text = String::new();
         let complain = |why: String| ReportError::Layout(why);
         {

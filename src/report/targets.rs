@@ -142,7 +142,7 @@ const TARGETS: [TargetSpec; 11] = [
 ];
 
 /// Judges every target on all that it is about; one without measurements is listed unmeasured.
-pub fn judge(report: &Report) -> Vec<Target> {
+pub(super) fn judge(report: &Report) -> Vec<Target> {
     let mut targets: Vec<Target> = TARGETS.iter().flat_map(|hope| hope.judge(report)).collect();
     targets.extend(WINDOWS.iter().map(|window| of_window(report, window)));
     targets.push(of_late(report));

@@ -38,7 +38,7 @@ impl TestSet {
 }
 
 /// The starts of a square picture that have to be simulated, in the order of its pixels.
-pub fn open_starts(scene: &Scene, side: u32) -> Vec<[Dd; 2]> {
+pub(super) fn open_starts(scene: &Scene, side: u32) -> Vec<[Dd; 2]> {
     let grid = Grid::new(scene, [side; 2]);
     let fates = (0..side * side).map(|k| grid.fate(k % side, k / side));
     let open = |fate| if let Fate::Open(angle) = fate { Some(angle) } else { None };
@@ -51,7 +51,7 @@ fn truth(question: &Question, angle: [Dd; 2]) -> Outcome {
 }
 
 /// Returns `count` elements of `all`, evenly spread and in their order.
-pub fn spread<T: Copy>(all: &[T], count: usize) -> Vec<T> {
+pub(super) fn spread<T: Copy>(all: &[T], count: usize) -> Vec<T> {
     let count = count.min(all.len());
     (0..count).map(|k| all[k * all.len() / count]).collect()
 }

@@ -12,7 +12,7 @@ const SIDE: u32 = 96;
 
 /// A window, and the truth that its answers are compared with.
 #[derive(Clone, Copy, Debug)]
-pub struct Window {
+pub(super) struct Window {
     /// Name of the window in a few words.
     pub name: &'static str,
     /// θ1, θ2 of the centre, rad.
@@ -29,7 +29,7 @@ pub struct Window {
 
 /// The kind of truth that answers are compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ComparedWith {
+pub(super) enum ComparedWith {
     /// The gold standard in f64.
     Gold,
     /// Taylor expansions in double-double, where flips are late or starts close together.
@@ -56,7 +56,7 @@ const FIRST: Window =
     Window { name: "rule first", rule: Rule::First, judge: ComparedWith::Finest, ..WHOLE };
 
 /// Windows in which `balanced` is measured.
-pub const WINDOWS: [Window; 12] = [
+pub(super) const WINDOWS: [Window; 12] = [
     deep("filigree", ["-1.66", "0.1"], "0.4"),
     deep("filigree, deeper", ["-1.66", "0.1"], "0.08"),
     deep("filigree, deep", ["-1.66", "0.1"], "1e-3"),
@@ -85,7 +85,7 @@ pub const WINDOWS: [Window; 12] = [
 ];
 
 /// Windows of late flips, in which `exact` is measured.
-pub const LATE: [Window; 5] = [
+pub(super) const LATE: [Window; 5] = [
     deep("filigree", ["-1.66", "0.1"], "0.4"),
     deep("filigree, deeper", ["-1.66", "0.1"], "0.08"),
     deep("a thousandth wide", ["1.5", "0.6"], "1e-3"),
@@ -95,7 +95,7 @@ pub const LATE: [Window; 5] = [
 
 impl Window {
     /// The window as a scene.
-    pub fn scene(&self) -> Scene {
+    pub(super) fn scene(&self) -> Scene {
         let (center, width) = (self.center.map(str::to_string), self.width.to_string());
         let question = Asked { rule: self.rule, ..Asked::default() };
         let view = View { center, width, ..View::default() };
@@ -103,27 +103,27 @@ impl Window {
     }
 
     /// The question that is asked about the window's starts.
-    pub fn question(&self) -> Question {
+    pub(super) fn question(&self) -> Question {
         Question::from(&self.scene())
     }
 
     /// Returns `count` of the window's open starts, evenly spread.
-    pub fn starts(&self, count: usize) -> Vec<[Dd; 2]> {
+    pub(super) fn starts(&self, count: usize) -> Vec<[Dd; 2]> {
         spread(&open_starts(&self.scene(), SIDE), count)
     }
 
     /// The target: the least share of right pixels.
-    pub fn least_right(&self) -> f64 {
+    pub(super) fn least_right(&self) -> f64 {
         if self.rule == Rule::First { 0.98 } else { 0.99 }
     }
 
     /// Centre and width of the window, in words.
-    pub fn place(&self) -> String {
+    pub(super) fn place(&self) -> String {
         format!("{}, {}; {} wide", self.center[0], self.center[1], self.width)
     }
 
     /// Computes the truth about `starts`.
-    pub fn truth(
+    pub(super) fn truth(
         &self,
         starts: &[[Dd; 2]],
         threads: Option<usize>,
@@ -138,7 +138,7 @@ impl Window {
 
 impl ComparedWith {
     /// Describes the kind of truth.
-    pub fn words(self) -> &'static str {
+    pub(super) fn words(self) -> &'static str {
         match self {
             ComparedWith::Gold => "gold, f64",
             ComparedWith::Finest => "taylor 1e-28, dd",

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Build, FlipQuestion, PictureTable, Scene, SceneError, View};
 
 /// The newest file format that this program reads, and the one that it writes.
-pub const FORMAT: u32 = 1;
+pub(super) const FORMAT: u32 = 1;
 
 /// A scene file. The tables after the view never change what is computed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

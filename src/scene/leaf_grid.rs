@@ -16,7 +16,7 @@ pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
 
 /// The pixels of a grid as places on the torus.
 #[derive(Clone, Debug)]
-pub struct LeafGrid {
+pub(super) struct LeafGrid {
     middle: [Turn; 2],
     right: [Turn; 2],
     up: [Turn; 2],
@@ -26,7 +26,7 @@ pub struct LeafGrid {
 
 impl LeafGrid {
     /// The places of the grid around `center` with steps `right` and `up` per pixel, rad.
-    pub fn new(center: [Theta; 2], right: [Dd; 2], up: [Dd; 2]) -> Self {
+    pub(super) fn new(center: [Theta; 2], right: [Dd; 2], up: [Dd; 2]) -> Self {
         let from_zero =
             |by: Dd| Turn::from_theta(Theta::from_dd(by)) - Turn::from_theta(Theta::ZERO);
         let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
@@ -41,7 +41,7 @@ impl LeafGrid {
     }
 
     /// The same places in the leaves of another grid, whose pixels lie closer.
-    pub fn in_leaves_of(self, others: &LeafGrid) -> Self {
+    pub(super) fn in_leaves_of(self, others: &LeafGrid) -> Self {
         LeafGrid { level: others.level, ..self }
     }
 
@@ -55,7 +55,11 @@ impl LeafGrid {
     }
 
     /// Groups pixels of a picture of `size` by their leaves.
-    pub fn grouped(&self, size: [u32; 2], pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
+    pub(super) fn grouped(
+        &self,
+        size: [u32; 2],
+        pixels: impl Iterator<Item = [u32; 2]>,
+    ) -> Grouped {
         let mut groups = std::collections::BTreeMap::<Cell, Vec<_>>::new();
         for (place, [column, row]) in (0..).zip(pixels) {
             let across = f64::from(column) + 0.5 - f64::from(size[0]) / 2.0;

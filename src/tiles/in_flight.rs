@@ -90,7 +90,7 @@ impl<T> FinishedBatch<T> {
     }
 
     /// Adds the work of the batch to `counts`; the source that takes the samples counts them.
-    pub fn count_work(&self, counts: &mut Counts) {
+    pub(super) fn count_work(&self, counts: &mut Counts) {
         counts.simulated += self.computed.len() as u64;
         counts.effort += self.effort;
     }
@@ -111,17 +111,17 @@ impl<T> Default for InFlightJobs<T> {
 
 impl<T> InFlightJobs<T> {
     /// Number of jobs in flight.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.jobs.len()
     }
 
     /// Returns true if no job is in flight.
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.jobs.is_empty()
     }
 
     /// Iterates over the tiles of all jobs, in no particular order.
-    pub fn tiles(&self) -> impl Iterator<Item = &T> {
+    pub(super) fn tiles(&self) -> impl Iterator<Item = &T> {
         self.jobs.values().map(|(tile, ..)| tile)
     }
 
@@ -151,13 +151,13 @@ impl<T> InFlightJobs<T> {
     }
 
     /// Cancels and forgets all jobs.
-    pub fn cancel(&mut self, engine: &mut dyn Engine) {
+    pub(super) fn cancel(&mut self, engine: &mut dyn Engine) {
         engine.cancel();
         self.forget();
     }
 
     /// Forgets all jobs. Results that still arrive are ignored, because no job id is used twice.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.jobs.clear();
     }
 

@@ -22,7 +22,7 @@ pub(super) struct OpenTile {
 impl OpenTile {
     /// Creates a tile of some pixels of a grid; `known` returns what an earlier run found out about
     /// a pixel.
-    pub fn of_pixels(
+    pub(super) fn of_pixels(
         grid: &Grid,
         config: IntegratorConfig,
         pixels: &[[u32; 2]],
@@ -43,7 +43,7 @@ impl OpenTile {
 
     /// Creates a tile of all samples of cells of one level, `side` × `side` each, cell after cell;
     /// `known` takes the index of a cell and the place of a sample in it.
-    pub fn of_cells(
+    pub(super) fn of_cells(
         scene: &Scene,
         config: IntegratorConfig,
         cells: &[Cell],
@@ -78,7 +78,7 @@ impl OpenTile {
     }
 
     /// Returns true if there is nothing to compute.
-    pub fn is_settled(&self) -> bool {
+    pub(super) fn is_settled(&self) -> bool {
         self.places.is_empty()
     }
 

@@ -16,7 +16,7 @@ const COARSE_PASSES: u32 = 2;
 
 /// Returns the first `most` cells that a target needs, canonical and each once, with true for those
 /// of the target's own level.
-pub fn wanted(target: &ViewTarget, most: usize) -> Vec<(Cell, bool)> {
+pub(super) fn wanted(target: &ViewTarget, most: usize) -> Vec<(Cell, bool)> {
     let mut seen = HashSet::new();
     let cells = passes(target)
         .into_iter()

@@ -7,18 +7,18 @@ use flipmap::engine::{Engine, EngineError, IntegratorConfig, Job, JobResult, Sta
 use flipmap::physics::{Dd, Outcome, Status};
 
 #[derive(Default)]
-pub struct Doubtful {
+pub(crate) struct Doubtful {
     mock: MockEngine,
     starts: HashMap<u64, Vec<[Dd; 2]>>,
 }
 
 /// Returns true if the integration from a start fails; equal for mirror images.
-pub fn fails(angle: [Dd; 2]) -> bool {
+pub(crate) fn fails(angle: [Dd; 2]) -> bool {
     (40.0 * angle[0].hi).cos() > 0.95
 }
 
 /// Returns true if the answer to a start is uncertain.
-pub fn is_uncertain(angle: [Dd; 2]) -> bool {
+pub(crate) fn is_uncertain(angle: [Dd; 2]) -> bool {
     (25.0 * angle[1].hi).cos() > 0.6
 }
 

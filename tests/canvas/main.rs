@@ -145,7 +145,7 @@ fn pictures() -> [PictureTable; 3] {
 mod checks {
     use super::*;
 
-    pub fn a_sample_is_a_pixel_of_its_colour() {
+    pub(crate) fn a_sample_is_a_pixel_of_its_colour() {
         let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
         let mut explorer = explored(&screen, &scene);
         let mut studio = Studio::new(PLAIN);
@@ -170,7 +170,7 @@ mod checks {
         assert!(further > 0.01, "a pixel further: {further}");
     }
 
-    pub fn other_colours_need_no_other_samples() {
+    pub(crate) fn other_colours_need_no_other_samples() {
         let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
         let mut explorer = explored(&screen, &scene);
         let simulated = explorer.counts().simulated;
@@ -185,7 +185,7 @@ mod checks {
         }
     }
 
-    pub fn a_target_that_encodes_shows_the_same() {
+    pub(crate) fn a_target_that_encodes_shows_the_same() {
         let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
         let mut explorer = explored(&screen, &scene);
         let picture = &pictures()[1];
@@ -195,7 +195,7 @@ mod checks {
         assert!(wrong(&pixels, &painted(&screen, &scene, picture)) <= 0.001);
     }
 
-    pub fn the_mirror_image_lies_the_right_way_round() {
+    pub(crate) fn the_mirror_image_lies_the_right_way_round() {
         let scene = scene(60.0);
         let here = screen(middle(), LEVEL);
         let there = screen(middle().map(|theta| -theta), LEVEL);
@@ -235,7 +235,7 @@ mod checks {
         sum.map(encoded)
     }
 
-    pub fn a_coarser_tile_stands_in_smoothly() {
+    pub(crate) fn a_coarser_tile_stands_in_smoothly() {
         let (coarse, scene) = (screen(middle(), LEVEL), scene(60.0));
         let mut explorer = explored(&coarse, &scene);
         let fine = screen(middle(), LEVEL + 2);
@@ -258,7 +258,7 @@ mod checks {
         assert!(wrong(&pixels, &painted(&fine, &scene, picture)) > 0.01);
     }
 
-    pub fn a_smaller_budget_hides_late_flips() {
+    pub(crate) fn a_smaller_budget_hides_late_flips() {
         let screen = screen(middle(), LEVEL);
         let mut explorer = explored(&screen, &scene(60.0));
         let (picture, less) = (&pictures()[0], scene(30.0));
@@ -275,7 +275,7 @@ mod checks {
         assert!(wrong(&pixels, &truth) <= 0.001, "{} {unflipped}", wrong(&pixels, &truth));
     }
 
-    pub fn doubts_are_hatched_only_when_asked() {
+    pub(crate) fn doubts_are_hatched_only_when_asked() {
         let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
         let mut explorer = explored(&screen, &scene);
         let (picture, mut studio) = (&pictures()[0], Studio::new(PLAIN));
@@ -300,7 +300,7 @@ mod checks {
         assert!(wrong(&pixels, &truth) <= 0.001, "{}", wrong(&pixels, &truth));
     }
 
-    pub fn a_changed_pendulum_leaves_the_picture_until_it_is_known() {
+    pub(crate) fn a_changed_pendulum_leaves_the_picture_until_it_is_known() {
         let (screen, home) = (screen(middle(), LEVEL), scene(60.0));
         let mut explorer = explored(&screen, &home);
         let (picture, mut studio) = (&pictures()[1], Studio::new(PLAIN));
@@ -319,7 +319,7 @@ mod checks {
         assert!(wrong(&pixels, &painted(&screen, &home, picture)) > 0.3);
     }
 
-    pub fn no_pixel_is_left_out() {
+    pub(crate) fn no_pixel_is_left_out() {
         let (scene, picture) = (scene(60.0), &pictures()[0]);
         let tones = Tones::new(picture, scene.build.unit_secs(), 60.0).unwrap();
         let seam = [Theta::pi(), Theta::from_f64(-3.0)];

@@ -11,17 +11,17 @@ use flipmap::tiles::explorer::Explorer;
 use crate::common::gpu_engine;
 
 /// Size of the test pictures in pixels; rows of a texture are read back in units of 256 bytes.
-pub const SIZE: [u32; 2] = [256, 192];
+pub(crate) const SIZE: [u32; 2] = [256, 192];
 
 /// The settings that the colours of a frame depend on.
-pub struct Paint<'a> {
+pub(crate) struct Paint<'a> {
     pub picture: &'a PictureTable,
     pub scene: &'a Scene,
     pub trust: bool,
 }
 
 /// A graphics device with a canvas on it.
-pub struct Studio {
+pub(crate) struct Studio {
     gpu: Gpu,
     canvas: Canvas,
     map_renderer: MapRenderer,
@@ -31,14 +31,19 @@ pub struct Studio {
 }
 
 impl Studio {
-    pub fn new(format: wgpu::TextureFormat) -> Self {
+    pub(crate) fn new(format: wgpu::TextureFormat) -> Self {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let canvas = Canvas::new(&gpu.device, format, LAYERS);
         Studio { gpu, canvas, map_renderer: MapRenderer::default(), format, uploads: 0 }
     }
 
     /// Draws a screen and returns its pixels, four bytes each; pixels where nothing is drawn are 0.
-    pub fn draw(&mut self, screen: &Screen, explorer: &mut Explorer, paint: &Paint) -> Vec<u8> {
+    pub(crate) fn draw(
+        &mut self,
+        screen: &Screen,
+        explorer: &mut Explorer,
+        paint: &Paint,
+    ) -> Vec<u8> {
         let Paint { picture, scene, trust } = paint;
         let (uniforms, table) = colours(picture, &scene.build, &scene.question, *trust).unwrap();
         let frame = self.map_renderer.frame(screen, explorer, uniforms, table);

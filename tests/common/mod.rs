@@ -13,13 +13,13 @@ use flipmap::scene::{Fate, Grid, Scene};
 use rayon::prelude::*;
 
 /// The configuration of the lesson: RK4 at 120 steps a second.
-pub fn lesson(precision: Precision) -> IntegratorConfig {
+pub(crate) fn lesson(precision: Precision) -> IntegratorConfig {
     IntegratorConfig { method: Method::LESSON, precision }
 }
 
 /// An engine on the first adapter, preferring a software adapter so that results are the same
 /// everywhere. Without an adapter the test fails with a message on what to install.
-pub fn gpu_engine() -> GpuEngine {
+pub(crate) fn gpu_engine() -> GpuEngine {
     let adapter = device::adapters().into_iter().next_back();
     let adapter = adapter.unwrap_or_else(|| {
         panic!(
@@ -32,12 +32,12 @@ pub fn gpu_engine() -> GpuEngine {
 }
 
 /// The question that a scene asks.
-pub fn question(scene: &Scene) -> Question {
+pub(crate) fn question(scene: &Scene) -> Question {
     Question::from(scene)
 }
 
 /// The open starts of every `every`-th column and row of a square picture.
-pub fn open_starts(scene: &Scene, side: u32, every: u32) -> Vec<[Dd; 2]> {
+pub(crate) fn open_starts(scene: &Scene, side: u32, every: u32) -> Vec<[Dd; 2]> {
     let grid = Grid::new(scene, [side, side]);
     let lines = (every / 2..side).step_by(every as usize);
     lines
@@ -51,7 +51,7 @@ pub fn open_starts(scene: &Scene, side: u32, every: u32) -> Vec<[Dd; 2]> {
 }
 
 /// An engine's answers, in the order of the starts.
-pub fn answers(
+pub(crate) fn answers(
     engine: &mut dyn Engine,
     question: &Question,
     config: IntegratorConfig,
@@ -61,7 +61,7 @@ pub fn answers(
 }
 
 /// Runs one job to its end, keeping the states of unflipped pendulums.
-pub fn finished(
+pub(crate) fn finished(
     engine: &mut dyn Engine,
     question: &Question,
     config: IntegratorConfig,
@@ -75,7 +75,7 @@ pub fn finished(
 }
 
 /// The gold standard's answers in f64.
-pub fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+pub(crate) fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let one = |angle: &[Dd; 2]| {
         let angle = angle.map(|theta| theta.hi);
         oracle::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
@@ -84,12 +84,12 @@ pub fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
 }
 
 /// Answers of a plain RK4 at 120 steps a second in f64, one pendulum at a time.
-pub fn scalar_rk4(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+pub(crate) fn scalar_rk4(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     starts.par_iter().map(|&angle| baseline::outcome(question, angle)).collect()
 }
 
 /// The share of answers with the true status and, if flipped, a time within `secs` of the true one.
-pub fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) -> f64 {
+pub(crate) fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) -> f64 {
     assert!(!truth.is_empty() && answers.len() == truth.len());
     let close = |(a, b): &(&Outcome, &Outcome)| {
         a.status == b.status && (a.status != Status::Flipped || (a.time - b.time).abs() <= secs)
@@ -98,7 +98,7 @@ pub fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) -> f64 {
 }
 
 /// The answers and true outcomes of the starts whose true flip comes before `secs`.
-pub fn flips_before(
+pub(crate) fn flips_before(
     secs: f64,
     answers: &[Outcome],
     truth: &[Outcome],

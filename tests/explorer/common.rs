@@ -13,9 +13,9 @@ use flipmap::tiles::view_target::{Physics, ViewTarget};
 
 use super::ledger::Ledger;
 
-pub const ROOMY: usize = 4000 * TILE_BYTES;
+pub(crate) const ROOMY: usize = 4000 * TILE_BYTES;
 
-pub fn physics(gravity: f64) -> Physics {
+pub(crate) fn physics(gravity: f64) -> Physics {
     Physics {
         build: Build { gravity: Decimal::from(gravity), ..Build::default() },
         rule: Rule::Second,
@@ -25,7 +25,7 @@ pub fn physics(gravity: f64) -> Physics {
 }
 
 /// A view that is two or three cells wide.
-pub fn target(center: [f64; 2], level: u32) -> ViewTarget {
+pub(crate) fn target(center: [f64; 2], level: u32) -> ViewTarget {
     let half = 0.7 * side_rad(level);
     ViewTarget {
         physics: physics(9.81),
@@ -37,16 +37,16 @@ pub fn target(center: [f64; 2], level: u32) -> ViewTarget {
 }
 
 /// A view in which most pendulums flip and some do so late.
-pub fn lively(level: u32) -> ViewTarget {
+pub(crate) fn lively(level: u32) -> ViewTarget {
     target([2.0, 1.0], level)
 }
 
-pub fn scene(target: &ViewTarget) -> Scene {
+pub(crate) fn scene(target: &ViewTarget) -> Scene {
     let question = Asked { rule: target.physics.rule, budget: Budget::secs(target.budget_secs) };
     Scene { build: target.physics.build, question, ..Scene::default() }
 }
 
-pub fn explored(target: ViewTarget, engine: &mut Ledger) -> Explorer {
+pub(crate) fn explored(target: ViewTarget, engine: &mut Ledger) -> Explorer {
     let mut explorer = Explorer::new(ROOMY);
     explorer.target(target);
     explorer.work(engine, None).unwrap();
@@ -54,36 +54,40 @@ pub fn explored(target: ViewTarget, engine: &mut Ledger) -> Explorer {
 }
 
 /// The deadline of a frame that has time for everything except waiting.
-pub fn in_time() -> Option<Instant> {
+pub(crate) fn in_time() -> Option<Instant> {
     Some(Instant::now() + Duration::from_secs(60))
 }
 
 /// Works for one frame of a window; jobs are still in flight when it ends.
-pub fn frame(explorer: &mut Explorer, engine: &mut Ledger) {
+pub(crate) fn frame(explorer: &mut Explorer, engine: &mut Ledger) {
     explorer.work(engine, in_time()).unwrap();
 }
 
 /// The jobs that were submitted while a window drew `frames` frames.
-pub fn jobs_of_frames(explorer: &mut Explorer, engine: &mut Ledger, frames: usize) -> Vec<Job> {
+pub(crate) fn jobs_of_frames(
+    explorer: &mut Explorer,
+    engine: &mut Ledger,
+    frames: usize,
+) -> Vec<Job> {
     let sent = engine.jobs.len();
     (0..frames).for_each(|_| frame(explorer, engine));
     engine.jobs[sent..].to_vec()
 }
 
 /// The canonical cells that were computed from rest, in the order in which they were started.
-pub fn cells_of(jobs: &[Job], levels: &[u32]) -> Vec<Cell> {
+pub(crate) fn cells_of(jobs: &[Job], levels: &[u32]) -> Vec<Cell> {
     jobs.iter()
         .filter_map(Ledger::first_start)
         .map(|angle| cell_of(angle.map(Theta::from_dd), levels))
         .collect()
 }
 
-pub fn in_view(target: &ViewTarget) -> Vec<Cell> {
+pub(crate) fn in_view(target: &ViewTarget) -> Vec<Cell> {
     target.region.cells(target.level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
 }
 
 /// The outcome as a window with this budget shows it.
-pub fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
+pub(crate) fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
     if outcome.status == Status::Flipped && outcome.time > budget_secs {
         return Outcome::without_time(Status::Unflipped);
     }
@@ -92,7 +96,7 @@ pub fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
 
 /// Compares a cell's samples with the mock engine's formula. Returns the number of samples that
 /// differ, or `None` if the cell is not known.
-pub fn wrong(explorer: &mut Explorer, target: &ViewTarget, cell: Cell) -> Option<usize> {
+pub(crate) fn wrong(explorer: &mut Explorer, target: &ViewTarget, cell: Cell) -> Option<usize> {
     let (known, mirrored) = explorer.known(cell)?;
     let (scene, question) = (scene(target), Question::from(&scene(target)));
     let grid = cell.grid(&scene, SIDE);
@@ -109,7 +113,7 @@ pub fn wrong(explorer: &mut Explorer, target: &ViewTarget, cell: Cell) -> Option
 }
 
 /// The cell from which a job's first start comes, searched for among the given levels.
-pub fn cell_of(angle: [Theta; 2], levels: &[u32]) -> Cell {
+pub(crate) fn cell_of(angle: [Theta; 2], levels: &[u32]) -> Cell {
     let fits = |level: &&u32| {
         let cell = Cell::around(angle, **level);
         let [column, row] = cell.sample_at(angle);

@@ -21,7 +21,7 @@ struct Span {
 }
 
 #[derive(Default)]
-pub struct Ledger {
+pub(crate) struct Ledger {
     pub mock: MockEngine,
     /// True if the next poll fails and drops the jobs in flight, as a lost device does.
     pub fail_poll: bool,
@@ -70,12 +70,12 @@ fn resumed(state: &IntegratorState, span: impl Fn([Dd; 2], f64) -> Span) -> Span
 }
 
 impl Ledger {
-    pub fn over(mock: MockEngine) -> Self {
+    pub(crate) fn over(mock: MockEngine) -> Self {
         Ledger { mock, ..Ledger::default() }
     }
 
     /// The first start of a job whose starts are at rest.
-    pub fn first_start(job: &Job) -> Option<[Dd; 2]> {
+    pub(crate) fn first_start(job: &Job) -> Option<[Dd; 2]> {
         match &job.starts {
             Starts::Rest(angles) => angles.first().copied(),
             _ => None,

@@ -17,10 +17,10 @@ use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
 /// Width and height of the screen in pixels.
-pub const SCREEN: [u16; 2] = [1600, 1000];
+pub(crate) const SCREEN: [u16; 2] = [1600, 1000];
 
 /// The X server and a connection to it.
-pub struct Display {
+pub(crate) struct Display {
     server: Child,
     /// Name of the display, as in `DISPLAY`.
     pub name: String,
@@ -31,7 +31,7 @@ pub struct Display {
 }
 
 /// Number of the left mouse button in X.
-pub const LEFT: u8 = 1;
+pub(crate) const LEFT: u8 = 1;
 /// Numbers of the buttons that X reports for the wheel: away from the user, and towards the user.
 const WHEEL: [u8; 2] = [4, 5];
 
@@ -39,7 +39,7 @@ const BUTTON_PRESS: u8 = x11rb::protocol::xproto::BUTTON_PRESS_EVENT;
 const BUTTON_RELEASE: u8 = x11rb::protocol::xproto::BUTTON_RELEASE_EVENT;
 
 /// Polls `ask` until it returns an answer; panics with a message naming `what` after `most_secs`.
-pub fn wait_for<T>(what: &str, most_secs: u64, mut ask: impl FnMut() -> Option<T>) -> T {
+pub(crate) fn wait_for<T>(what: &str, most_secs: u64, mut ask: impl FnMut() -> Option<T>) -> T {
     let begun = Instant::now();
     loop {
         if let Some(answer) = ask() {
@@ -55,7 +55,7 @@ pub fn wait_for<T>(what: &str, most_secs: u64, mut ask: impl FnMut() -> Option<T
 
 impl Display {
     /// Starts a server on a free display.
-    pub fn open() -> Self {
+    pub(crate) fn open() -> Self {
         let [width, height] = SCREEN;
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0"])
@@ -78,7 +78,7 @@ impl Display {
     }
 
     /// The window with this title, or `None` while it is not shown.
-    pub fn window(&self, title: &str) -> Option<u32> {
+    pub(crate) fn window(&self, title: &str) -> Option<u32> {
         let windows = self.connection.query_tree(self.root).ok()?.reply().ok()?.children;
         windows.into_iter().find(|window| {
             let (from, kind) = (AtomEnum::WM_NAME, AtomEnum::ANY);
@@ -92,7 +92,7 @@ impl Display {
     }
 
     /// Takes a screenshot of the whole screen.
-    pub fn shot(&self) -> RgbImage {
+    pub(crate) fn shot(&self) -> RgbImage {
         let [w, h] = SCREEN;
         let image = self
             .connection
@@ -105,41 +105,41 @@ impl Display {
     }
 
     /// Gives a window the keyboard focus, which no window manager does here.
-    pub fn focus(&self, window: u32) {
+    pub(crate) fn focus(&self, window: u32) {
         let focus = self.connection.set_input_focus(InputFocus::PARENT, window, 0u32);
         focus.expect("the server is there").check().expect("the window is there");
     }
 
     /// Moves the pointer to a point of the screen.
-    pub fn point(&self, x: f64, y: f64) {
+    pub(crate) fn point(&self, x: f64, y: f64) {
         self.fake(MOTION_NOTIFY_EVENT, 0, [x.round() as i16, y.round() as i16]);
     }
 
     /// Holds a button down.
-    pub fn press(&self, button: u8) {
+    pub(crate) fn press(&self, button: u8) {
         self.fake(BUTTON_PRESS, button, [0, 0]);
     }
 
     /// Releases a button.
-    pub fn release(&self, button: u8) {
+    pub(crate) fn release(&self, button: u8) {
         self.fake(BUTTON_RELEASE, button, [0, 0]);
     }
 
     /// Presses and releases a button.
-    pub fn click(&self, button: u8) {
+    pub(crate) fn click(&self, button: u8) {
         self.press(button);
         self.release(button);
     }
 
     /// Turns the wheel `times` times, away from the user if positive. The window receives two
     /// notches each time: one when the wheel's button goes down, and one when it comes up.
-    pub fn wheel_twice(&self, times: i32) {
+    pub(crate) fn wheel_twice(&self, times: i32) {
         let button = WHEEL[usize::from(times < 0)];
         (0..times.abs()).for_each(|_| self.click(button));
     }
 
     /// Drags from one point to another in small steps, as a hand does.
-    pub fn drag(&self, from: [f64; 2], to: [f64; 2]) {
+    pub(crate) fn drag(&self, from: [f64; 2], to: [f64; 2]) {
         const STEPS: u32 = 20;
         self.point(from[0], from[1]);
         self.press(LEFT);
@@ -153,14 +153,14 @@ impl Display {
     }
 
     /// Presses and releases keys together, such as `ctrl+q` or `F1`.
-    pub fn key(&self, chord: &str) {
+    pub(crate) fn key(&self, chord: &str) {
         let codes: Vec<u8> = chord.split('+').flat_map(|name| self.codes(keysym(name))).collect();
         codes.iter().for_each(|code| self.fake(KEY_PRESS_EVENT, *code, [0, 0]));
         codes.iter().rev().for_each(|code| self.fake(KEY_RELEASE_EVENT, *code, [0, 0]));
     }
 
     /// Types a text, letter by letter.
-    pub fn type_in(&self, text: &str) {
+    pub(crate) fn type_in(&self, text: &str) {
         for letter in text.chars() {
             let codes = self.codes(letter.into());
             codes.iter().for_each(|code| self.fake(KEY_PRESS_EVENT, *code, [0, 0]));
@@ -169,14 +169,14 @@ impl Display {
     }
 
     /// Resizes a window.
-    pub fn resize(&self, window: u32, [width, height]: [u32; 2]) {
+    pub(crate) fn resize(&self, window: u32, [width, height]: [u32; 2]) {
         let size = ConfigureWindowAux::new().width(width).height(height);
         let asked = self.connection.configure_window(window, &size);
         asked.expect("the server is there").check().expect("the window is there");
     }
 
     /// Asks a window to close, as the button in its title bar does.
-    pub fn ask_to_close(&self, window: u32) {
+    pub(crate) fn ask_to_close(&self, window: u32) {
         let [protocols, delete] = ["WM_PROTOCOLS", "WM_DELETE_WINDOW"].map(|name| {
             let atom = self.connection.intern_atom(false, name.as_bytes());
             atom.expect("the server is there").reply().expect("atoms have numbers").atom

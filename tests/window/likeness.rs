@@ -20,7 +20,7 @@ const ENOUGH: f64 = 0.9;
 const MARGIN: f64 = 0.03;
 
 /// The picture of a scene as `flipmap render` writes it: decoded, and as bytes.
-pub fn picture(scene: Scene, size: [u32; 2]) -> (RgbImage, Vec<u8>) {
+pub(crate) fn picture(scene: Scene, size: [u32; 2]) -> (RgbImage, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.png");
     let mut document = Document::default().with_scene(scene);
@@ -34,7 +34,7 @@ pub fn picture(scene: Scene, size: [u32; 2]) -> (RgbImage, Vec<u8>) {
 }
 
 /// The picture of the view in a window, with one pixel for every [`EVERY`] in both directions.
-pub fn expected(told: &Told) -> RgbImage {
+pub(crate) fn expected(told: &Told) -> RgbImage {
     let map = told.map_px();
     let size = map.map(|side| (side / EVERY).floor() as u32);
     let mut scene = told.scene();
@@ -46,7 +46,7 @@ pub fn expected(told: &Told) -> RgbImage {
 
 /// Shares of the pixels of a shot that agree with a picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Likeness {
+pub(crate) struct Likeness {
     /// Share of all compared pixels that look alike.
     pub all: f64,
     /// Share that looks alike among the pixels whose neighbours on the screen look alike: those
@@ -56,7 +56,12 @@ pub struct Likeness {
 
 /// Compares a shot, assumed to be displaced by `moved` pixels, with a picture. The forbidden
 /// region, which has a single colour, is left out.
-pub fn likeness(told: &Told, shot: &RgbImage, picture: &RgbImage, moved: [f64; 2]) -> Likeness {
+pub(crate) fn likeness(
+    told: &Told,
+    shot: &RgbImage,
+    picture: &RgbImage,
+    moved: [f64; 2],
+) -> Likeness {
     let map = told.map_px();
     let forbidden = forbidden(&told.scene());
     let (mut all, mut calm) = (Share::default(), Share::default());
@@ -77,7 +82,7 @@ pub fn likeness(told: &Told, shot: &RgbImage, picture: &RgbImage, moved: [f64; 2
 }
 
 /// Returns true if the window shows the view that it reports, at exactly that position.
-pub fn is_right(told: &Told, shot: &RgbImage) -> bool {
+pub(crate) fn is_right(told: &Told, shot: &RgbImage) -> bool {
     let expected = expected(told);
     let here = likeness(told, shot, &expected, [0.0; 2]);
     let beside = [[3.0, 0.0], [-3.0, 0.0], [0.0, 3.0], [0.0, -3.0]]

@@ -67,9 +67,9 @@ fn close_by(a: f64, b: f64, within: f64) -> bool {
 mod checks {
     use super::*;
 
-    pub use super::soak::soak;
+    pub(crate) use super::soak::soak;
 
-    pub fn the_home_map_is_the_picture_that_render_makes() {
+    pub(crate) fn the_home_map_is_the_picture_that_render_makes() {
         let mut session = Session::open("home", &[]);
         let told = session.told().unwrap();
         let shot = session.shot("map");
@@ -83,7 +83,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn the_wheel_zooms_about_the_pointer_and_going_back_computes_nothing() {
+    pub(crate) fn the_wheel_zooms_about_the_pointer_and_going_back_computes_nothing() {
         let mut session = Session::open("zoom", &[]);
         let home = session.rest("all around home", Told::is_idle);
         let point = [112.0, 231.0];
@@ -116,7 +116,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn a_dragged_map_follows_the_pointer() {
+    pub(crate) fn a_dragged_map_follows_the_pointer() {
         let mut session = Session::open("drag", &["filigree"]);
         let before = session.rest("all around", Told::is_idle);
         let (from, to) = ([420.0, 240.0], [290.0, 330.0]);
@@ -143,7 +143,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn a_clicked_pixel_flies_its_pendulum() {
+    pub(crate) fn a_clicked_pixel_flies_its_pendulum() {
         let mut session = Session::open("pendulum", &[]);
         let told = session.told().unwrap();
         let empty = side(&told, &session.shot("nothing"));
@@ -173,7 +173,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn any_size_will_do() {
+    pub(crate) fn any_size_will_do() {
         let mut session = Session::open("size", &[]);
         for size in [[330, 240], [60, 40], [1600, 1000], [1000, 600]] {
             let told = session.after(
@@ -187,7 +187,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn pictures_and_locations_are_opened() {
+    pub(crate) fn pictures_and_locations_are_opened() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("map.png");
         let place = following(BuiltIn::named("filigree").unwrap().document().scene());
@@ -208,7 +208,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn keys_and_commands_are_found() {
+    pub(crate) fn keys_and_commands_are_found() {
         let mut session = Session::open("keys", &[]);
         let before = session.rest("all around", Told::is_idle);
         let plain = session.shot("plain");
@@ -227,7 +227,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn going_deeper_finds_structure_by_itself() {
+    pub(crate) fn going_deeper_finds_structure_by_itself() {
         let mut session = Session::open("deeper", &["filigree"]);
         let deep = session.after(
             "a deep view",
@@ -251,7 +251,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn the_laboratory_is_live() {
+    pub(crate) fn the_laboratory_is_live() {
         let mut session = Session::open("lab", &[]);
         let mut before = session.shot("map");
         for key in ["F2", "F3", "F4", "F6", "F7", "F5"] {
@@ -275,7 +275,7 @@ mod checks {
         assert!(told.number("figure_secs") > 3.0 && told.number("figure_fps") > 10.0);
     }
 
-    pub fn a_lost_device_is_opened_again() {
+    pub(crate) fn a_lost_device_is_opened_again() {
         let mut session = Session::open("lost", &[]);
         session.display.key("F12");
         session.display.key("ctrl+k");
@@ -299,7 +299,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn a_window_at_rest_costs_nothing() {
+    pub(crate) fn a_window_at_rest_costs_nothing() {
         let session = Session::open("rest", &[]);
         session.rest("all around", Told::is_idle);
         // Gives any work after the last tile a moment to finish.
@@ -312,7 +312,7 @@ mod checks {
         session.quit();
     }
 
-    pub fn closing_keeps_where_it_was() {
+    pub(crate) fn closing_keeps_where_it_was() {
         let zoom = |session: &Session| {
             let wide = session.told().unwrap().width_rad();
             let zoomed = |told: &Told| told.width_rad() < wide;
@@ -335,7 +335,7 @@ mod checks {
         assert_eq!(session.quit().told.unwrap().scene(), moved);
     }
 
-    pub fn without_a_config_nothing_is_kept() {
+    pub(crate) fn without_a_config_nothing_is_kept() {
         let ended = Session::open("none", &["--no-config"]).quit();
         let files: Vec<_> = fs::read_dir(ended.folder.path())
             .unwrap()

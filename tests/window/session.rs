@@ -22,10 +22,10 @@ use super::display::{Display, SCREEN, wait_for};
 static ALONE: Mutex<()> = Mutex::new(());
 
 /// Width and height of the window in pixels.
-pub const WINDOW: [u32; 2] = [900, 640];
+pub(crate) const WINDOW: [u32; 2] = [900, 640];
 
 /// A running program with an open window.
-pub struct Session {
+pub(crate) struct Session {
     /// The display that the window is on.
     pub display: Display,
     /// X identifier of the window.
@@ -40,66 +40,66 @@ pub struct Session {
 
 /// The statistics that the window has last written.
 #[derive(Debug)]
-pub struct Told(Value);
+pub(crate) struct Told(Value);
 
 impl Told {
     /// A number of the statistics.
-    pub fn number(&self, key: &str) -> f64 {
+    pub(crate) fn number(&self, key: &str) -> f64 {
         self.0[key].as_f64().unwrap_or_else(|| panic!("{key} of {}", self.0))
     }
 
     /// A text of the statistics.
-    pub fn text(&self, key: &str) -> &str {
+    pub(crate) fn text(&self, key: &str) -> &str {
         self.0[key].as_str().unwrap_or_else(|| panic!("{key} of {}", self.0))
     }
 
     /// An array of numbers of the statistics.
-    pub fn numbers(&self, key: &str) -> Vec<f64> {
+    pub(crate) fn numbers(&self, key: &str) -> Vec<f64> {
         serde_json::from_value(self.0[key].clone()).unwrap()
     }
 
     /// The scene that the window shows.
-    pub fn scene(&self) -> Scene {
+    pub(crate) fn scene(&self) -> Scene {
         location::parse(self.0["location"].as_str().unwrap()).unwrap()
     }
 
     /// Width of the view, rad.
-    pub fn width_rad(&self) -> f64 {
+    pub(crate) fn width_rad(&self) -> f64 {
         self.scene().view.width_rad().hi
     }
 
     /// Centre of the view, rad.
-    pub fn center_rad(&self) -> [Theta; 2] {
+    pub(crate) fn center_rad(&self) -> [Theta; 2] {
         self.scene().view.center_rad()
     }
 
     /// Width and height of the map in pixels.
-    pub fn map_px(&self) -> [f64; 2] {
+    pub(crate) fn map_px(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.0["map_px"][axis].as_f64().unwrap())
     }
 
     /// Starts of the pinned pixels.
-    pub fn pins(&self) -> Vec<[f64; 2]> {
+    pub(crate) fn pins(&self) -> Vec<[f64; 2]> {
         serde_json::from_value(self.0["pins"].clone()).unwrap()
     }
 
     /// Messages that are shown.
-    pub fn notices(&self) -> Vec<String> {
+    pub(crate) fn notices(&self) -> Vec<String> {
         serde_json::from_value(self.0["notices"].clone()).unwrap()
     }
 
     /// Returns true if nothing is left to compute, not even around the view.
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.0["idle"] == true
     }
 
     /// Number of frames drawn so far.
-    pub fn frames(&self) -> u64 {
+    pub(crate) fn frames(&self) -> u64 {
         self.0["frame_ms"]["count"].as_u64().unwrap()
     }
 
     /// The start under a point of the window.
-    pub fn angle_at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn angle_at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [width, height] = self.map_px();
         let pixel_rad = self.width_rad() / width;
         let center = self.center_rad().map(Theta::to_f64);
@@ -109,12 +109,12 @@ impl Told {
 
 impl Session {
     /// Opens the window in its own home folder and waits until its map is complete.
-    pub fn open(name: &'static str, arguments: &[&str]) -> Self {
+    pub(crate) fn open(name: &'static str, arguments: &[&str]) -> Self {
         Self::open_in(tempfile::tempdir().unwrap(), name, arguments)
     }
 
     /// Opens the window in the home folder of an earlier run and waits until its map is complete.
-    pub fn open_in(folder: TempDir, name: &'static str, arguments: &[&str]) -> Self {
+    pub(crate) fn open_in(folder: TempDir, name: &'static str, arguments: &[&str]) -> Self {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let display = Display::open();
         // The statistics of an earlier run must not be taken for those of this one.
@@ -148,13 +148,13 @@ impl Session {
     }
 
     /// The statistics that the window wrote when it last came to rest.
-    pub fn told(&self) -> Option<Told> {
+    pub(crate) fn told(&self) -> Option<Told> {
         let text = fs::read(self.path("stats.json")).ok()?;
         Some(Told(serde_json::from_slice(&text).expect("the file is whole")))
     }
 
     /// Waits until the window is at rest with a complete map and a condition holds.
-    pub fn rest(&self, what: &str, holds: impl Fn(&Told) -> bool) -> Told {
+    pub(crate) fn rest(&self, what: &str, holds: impl Fn(&Told) -> bool) -> Told {
         let holds = |told: &Told| {
             told.number("tiles") > 0.0
                 && told.number("tiles_done") == told.number("tiles")
@@ -176,13 +176,13 @@ impl Session {
     }
 
     /// Panics if the program has ended by itself.
-    pub fn check_alive(&self) {
+    pub(crate) fn check_alive(&self) {
         let ended = self.child.borrow_mut().try_wait().unwrap();
         assert!(ended.is_none(), "the window is gone ({ended:?}): {}", self.log());
     }
 
     /// Performs an action and waits until the window is at rest after it and a condition holds.
-    pub fn after(
+    pub(crate) fn after(
         &self,
         what: &str,
         act: impl FnOnce(&Display),
@@ -194,7 +194,7 @@ impl Session {
     }
 
     /// Takes a screenshot and keeps it for inspection under `target/window-shots`.
-    pub fn shot(&mut self, what: &str) -> RgbImage {
+    pub(crate) fn shot(&mut self, what: &str) -> RgbImage {
         let image = self.display.shot();
         self.shots += 1;
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("window-shots");
@@ -205,12 +205,12 @@ impl Session {
     }
 
     /// The output of the program so far.
-    pub fn log(&self) -> String {
+    pub(crate) fn log(&self) -> String {
         fs::read_to_string(self.path("log")).unwrap()
     }
 
     /// Seconds of processor time used so far.
-    pub fn processor_secs(&self) -> f64 {
+    pub(crate) fn processor_secs(&self) -> f64 {
         let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.borrow().id())).unwrap();
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
         // User and system time, in hundredths of a second on every common Linux system.
@@ -219,13 +219,13 @@ impl Session {
     }
 
     /// Sends the program a signal.
-    pub fn signal(&self, signal: Signal) {
+    pub(crate) fn signal(&self, signal: Signal) {
         let id = Pid::from_raw(self.child.borrow().id() as i32).unwrap();
         kill_process(id, signal).unwrap();
     }
 
     /// Waits until the program has ended by itself; returns its exit code, output and statistics.
-    pub fn ended(mut self) -> Ended {
+    pub(crate) fn ended(mut self) -> Ended {
         let status = wait_for("the end", 30, || self.child.borrow_mut().try_wait().unwrap());
         let told = self.told();
         let log = self.log();
@@ -234,7 +234,7 @@ impl Session {
     }
 
     /// Quits with the keyboard, and panics if anything went wrong.
-    pub fn quit(self) -> Ended {
+    pub(crate) fn quit(self) -> Ended {
         self.display.key("ctrl+q");
         let ended = self.ended();
         assert_eq!(ended.code, Some(0), "{}", ended.log);
@@ -242,7 +242,7 @@ impl Session {
     }
 
     /// Path of a file of this session.
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.as_ref().expect("it is there until the end").path().join(name)
     }
 }
@@ -259,7 +259,7 @@ impl Drop for Session {
 }
 
 /// The result of a finished run.
-pub struct Ended {
+pub(crate) struct Ended {
     /// Exit code of the program.
     pub code: Option<i32>,
     /// Output of the program.

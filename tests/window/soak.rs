@@ -133,7 +133,7 @@ fn request(name: &str, else_this: u64) -> u64 {
 }
 
 /// Performs random actions, then checks memory use and warnings.
-pub fn soak() {
+pub(crate) fn soak() {
     let (secs, seed) = (request("FLIPMAP_SOAK_SECS", 30), request("FLIPMAP_SOAK_SEED", 1));
     let home = tempfile::tempdir().unwrap();
     let kept_mib = *Settings::CACHE_MIB.start();

@@ -6,7 +6,7 @@ use egui::{DragValue, Ui};
 
 /// Shows a named number, to be dragged or typed; returns the new one if it has changed. Dragging
 /// changes a value in proportion to its size.
-pub fn number(
+pub(super) fn number(
     ui: &mut Ui,
     name: &str,
     unit: &str,
@@ -27,7 +27,7 @@ pub fn number(
 }
 
 /// Formats a number with six significant digits; in powers of ten below 1e-4 and from 1e7 on.
-pub fn plain(value: f64) -> String {
+pub(super) fn plain(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }

@@ -15,7 +15,7 @@ use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
 
 /// Runs a chunk in lanes of `N`.
 #[inline(always)]
-pub fn run<N: Number, P: EmbeddedPair>(
+pub(super) fn run<N: Number, P: EmbeddedPair>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
     adaptive: Adaptive,
@@ -66,7 +66,7 @@ pub fn run<N: Number, P: EmbeddedPair>(
 }
 
 /// A pendulum at rest, so long before its release that its budget never ends.
-pub fn idle() -> [f64; NUMBERS] {
+pub(super) fn idle() -> [f64; NUMBERS] {
     let mut numbers = [0.0; NUMBERS];
     (numbers[0], numbers[2], numbers[TIME]) = (1.0, 1.0, -1e30);
     numbers
@@ -238,7 +238,7 @@ impl AdaptiveLanes<'_> {
 }
 
 /// Frees the lanes whose budget is used up, until every lane has work or none is left.
-pub fn finish_those_over(scheduler: &mut LaneScheduler, adaptive: &Adaptive) {
+pub(super) fn finish_those_over(scheduler: &mut LaneScheduler, adaptive: &Adaptive) {
     loop {
         scheduler.refill();
         let mut finished = false;

@@ -11,7 +11,7 @@ use crate::physics::{Outcome, Pendulum, State, Status};
 
 /// Runs a chunk in lanes of `L`; `TERMS` terms turn a stage's direction (0: a fresh sine).
 #[inline(always)]
-pub fn run<L: Lanes, const TERMS: usize>(
+pub(super) fn run<L: Lanes, const TERMS: usize>(
     set: L::Set,
     chunk: &Chunk,
     steps: Steps,

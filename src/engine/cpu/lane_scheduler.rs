@@ -35,7 +35,7 @@ use crate::physics::crossing::FAR;
 use crate::physics::{Outcome, Status};
 
 /// A chunk of a job, with all that its lanes need.
-pub struct Chunk<'a> {
+pub(super) struct Chunk<'a> {
     /// The question to answer for each start.
     pub question: &'a Question,
     /// The method and the precision.
@@ -50,7 +50,7 @@ pub struct Chunk<'a> {
 
 /// The result of a chunk: for each start its outcome, last state and end, and the work done.
 #[derive(Default)]
-pub struct ChunkResult {
+pub(super) struct ChunkResult {
     /// Outcomes, in the order of the starts.
     pub outcomes: Vec<Outcome>,
     /// Last states, in that order; for flipped pendulums, at the beginning of the step in which
@@ -63,10 +63,10 @@ pub struct ChunkResult {
 }
 
 /// Number of steps between two checks for cancellation.
-pub const PATIENCE: u32 = 512;
+pub(super) const PATIENCE: u32 = 512;
 
 /// The lanes of a chunk between stretches of steps.
-pub struct LaneScheduler<'a> {
+pub(super) struct LaneScheduler<'a> {
     /// The chunk that is computed.
     pub chunk: &'a Chunk<'a>,
     /// Each number of the state, lane by lane.
@@ -92,7 +92,7 @@ const IDLE: usize = usize::MAX;
 impl<'a> LaneScheduler<'a> {
     /// A scheduler of `lanes` lanes with the chunk's first starts; `idle` is the harmless state of
     /// a pendulum in a lane without work.
-    pub fn new(chunk: &'a Chunk<'a>, lanes: usize, idle: [f64; NUMBERS]) -> Self {
+    pub(super) fn new(chunk: &'a Chunk<'a>, lanes: usize, idle: [f64; NUMBERS]) -> Self {
         let answer = ChunkResult {
             outcomes: vec![Outcome::without_time(Status::Unflipped); chunk.starts.len()],
             states: chunk.starts.to_vec(),
@@ -117,17 +117,17 @@ impl<'a> LaneScheduler<'a> {
     }
 
     /// Returns true if any pendulum is not done.
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.busy > 0
     }
 
     /// Returns true if the answer is no longer needed.
-    pub fn is_cancelled(&self) -> bool {
+    pub(super) fn is_cancelled(&self) -> bool {
         self.chunk.cancelled.load(Ordering::Relaxed)
     }
 
     /// Gives every idle lane the next start, if there is one.
-    pub fn refill(&mut self) {
+    pub(super) fn refill(&mut self) {
         for lane in 0..self.lanes {
             if self.start[lane] == IDLE && self.next_start < self.chunk.starts.len() {
                 let start = self.chunk.starts[self.next_start];
@@ -141,25 +141,25 @@ impl<'a> LaneScheduler<'a> {
     }
 
     /// Puts a state into a lane.
-    pub fn put(&mut self, lane: usize, numbers: [f64; NUMBERS]) {
+    pub(super) fn put(&mut self, lane: usize, numbers: [f64; NUMBERS]) {
         for (row, value) in self.rows.iter_mut().zip(numbers) {
             row[lane] = value;
         }
     }
 
     /// The state in a lane.
-    pub fn numbers(&self, lane: usize) -> [f64; NUMBERS] {
+    pub(super) fn numbers(&self, lane: usize) -> [f64; NUMBERS] {
         self.rows.map(|row| row[lane])
     }
 
     /// The lanes that run a pendulum.
-    pub fn running(&self) -> impl Iterator<Item = usize> + use<> {
+    pub(super) fn running(&self) -> impl Iterator<Item = usize> + use<> {
         let start = self.start;
         (0..self.lanes).filter(move |&lane| start[lane] != IDLE)
     }
 
     /// Counts `steps` steps for every lane with a pendulum.
-    pub fn count_steps(&mut self, steps: u32) {
+    pub(super) fn count_steps(&mut self, steps: u32) {
         let rhs = self.chunk.config.method.rhs_per_step(self.chunk.config.precision);
         for lane in self.running() {
             self.taken[lane] += steps;
@@ -170,7 +170,7 @@ impl<'a> LaneScheduler<'a> {
     }
 
     /// The end of the pendulum in a lane, if its numbers are unit vectors and momenta.
-    pub fn end_of_phase(&self, lane: usize) -> End {
+    pub(super) fn end_of_phase(&self, lane: usize) -> End {
         let numbers = self.numbers(lane);
         End {
             time: numbers[TIME] + numbers[TIME_LOW],
@@ -181,7 +181,7 @@ impl<'a> LaneScheduler<'a> {
     }
 
     /// Records a lane's outcome, state and end, and leaves the lane idle.
-    pub fn finish(&mut self, lane: usize, outcome: Outcome, end: End) {
+    pub(super) fn finish(&mut self, lane: usize, outcome: Outcome, end: End) {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;
         self.answer.ends[start] = end;

@@ -10,7 +10,7 @@ use crate::physics::trig::{
 use crate::physics::{Angle, Real};
 
 /// A register of numbers, one pendulum in each.
-pub trait Lanes: Rounding + Angle {
+pub(super) trait Lanes: Rounding + Angle {
     /// The instruction set.
     type Set: Simd;
     /// Number of lanes.
@@ -45,7 +45,7 @@ pub trait Lanes: Rounding + Angle {
 }
 
 /// Largest number of lanes in any register.
-pub const MOST_LANES: usize = 16;
+pub(super) const MOST_LANES: usize = 16;
 
 macro_rules! lanes {
     ($name:ident, $float:ident, $register:ident, $count:ident, $magic:expr, $series:expr, $parts:expr,
@@ -55,7 +55,7 @@ macro_rules! lanes {
      $bias:expr) => {
         /// A register of this number type.
         #[derive(Clone, Copy, Debug)]
-        pub struct $name<S: Simd> {
+        pub(crate) struct $name<S: Simd> {
             set: S,
             lanes: S::$register,
         }

@@ -9,7 +9,7 @@ use crate::physics::Real;
 use crate::physics::phase::Phase;
 
 /// A number type of the adaptive methods, one pendulum in each lane.
-pub trait Number: Real {
+pub(super) trait Number: Real {
     /// Type of the leading part, in which errors and times are judged.
     type Leading: Lanes;
 
@@ -30,7 +30,7 @@ pub trait Number: Real {
 /// The lanes' unit vectors and momenta from the rows of their numbers, which are in the order of
 /// [`crate::engine::start::PHASE`].
 #[inline(always)]
-pub fn load_phase<N: Number>(
+pub(super) fn load_phase<N: Number>(
     set: <N::Leading as Lanes>::Set,
     rows: &[[f64; MOST_LANES]],
 ) -> Phase<N> {
@@ -46,7 +46,7 @@ pub fn load_phase<N: Number>(
 
 /// Stores the lanes' unit vectors and momenta to such rows.
 #[inline(always)]
-pub fn store_phase<N: Number>(phase: &Phase<N>, rows: &mut [[f64; MOST_LANES]]) {
+pub(super) fn store_phase<N: Number>(phase: &Phase<N>, rows: &mut [[f64; MOST_LANES]]) {
     let (high, low) = rows.split_at_mut(6);
     for i in 0..6 {
         phase[i].store(&mut high[i], &mut low[i]);
@@ -97,7 +97,7 @@ macro_rules! operators {
 /// A number, and the remainder that rounding took from it. Only [`Number::changed`] uses the
 /// remainder: sums over thousands of steps need it, single right-hand sides are too short to.
 #[derive(Clone, Copy, Debug)]
-pub struct Compensated<L> {
+pub(super) struct Compensated<L> {
     value: L,
     rest: L,
 }
@@ -186,7 +186,7 @@ impl<S: Simd> Number for Compensated<F32Lanes<S>> {
 
 /// The sum of two f64 in every lane, like [`crate::physics::Dd`] and from the same paper.
 #[derive(Clone, Copy, Debug)]
-pub struct Two<L> {
+pub(super) struct Two<L> {
     high: L,
     low: L,
 }

@@ -13,7 +13,7 @@ use crate::physics::polynomial::course;
 use crate::physics::{Dd, Pendulum, Real};
 
 /// An embedded pair, generic over the number type.
-pub trait EmbeddedPair {
+pub(super) trait EmbeddedPair {
     /// Computes a step that may be taken or not.
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
@@ -31,7 +31,7 @@ pub trait EmbeddedPair {
 }
 
 /// One pendulum's step, in f64.
-pub struct LaneStep<'a> {
+pub(super) struct LaneStep<'a> {
     pub pendulum: &'a Pendulum<f64>,
     pub inverse_scale: [f64; 2],
     pub before: StepState<f64>,
@@ -41,7 +41,7 @@ pub struct LaneStep<'a> {
 
 impl LaneStep<'_> {
     /// The state after a shorter step from the same beginning.
-    pub fn shortened<P: EmbeddedPair>(&self, fraction: f64) -> StepState<f64> {
+    pub(super) fn shortened<P: EmbeddedPair>(&self, fraction: f64) -> StepState<f64> {
         let begin = &self.before.phase;
         let trial = P::trial(self.pendulum, self.inverse_scale, begin, self.length * fraction);
         let phase = plus(begin, &trial.change);
@@ -50,7 +50,7 @@ impl LaneStep<'_> {
 }
 
 /// DOPRI5, with crossings found on the quartic that it gives over its step.
-pub struct Fifth;
+pub(super) struct Fifth;
 
 impl EmbeddedPair for Fifth {
     #[inline(always)]
@@ -85,7 +85,7 @@ impl EmbeddedPair for Fifth {
 }
 
 /// Extrapolated midpoint rules, with crossings found as for DOP853.
-pub struct Midpoints;
+pub(super) struct Midpoints;
 
 static WEIGHTS: LazyLock<Weights<Dd, COLUMNS>> = LazyLock::new(Weights::new);
 
@@ -116,7 +116,7 @@ impl EmbeddedPair for Midpoints {
 }
 
 /// DOP853, with crossings found by shorter and shorter steps.
-pub struct Eighth;
+pub(super) struct Eighth;
 
 impl EmbeddedPair for Eighth {
     #[inline(always)]

@@ -20,7 +20,7 @@ use crate::physics::{Dd, Real, Scalar};
 /// Runs a chunk in lanes of `N`, with expansions of `M` coefficients; one lane's numbers are
 /// of type `T`, made from the two parts they are stored in.
 #[inline(always)]
-pub fn run<N: Number, T: Scalar, const M: usize>(
+pub(super) fn run<N: Number, T: Scalar, const M: usize>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
     adaptive: Adaptive,

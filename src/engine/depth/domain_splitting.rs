@@ -26,7 +26,7 @@ const EVERY: u32 = 6;
 /// anchors. The rounding error of f64 below the anchor doubles with every level.
 const LEAST_BELOW: u32 = 6;
 /// Largest number of levels from an anchor down to a leaf.
-pub const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
+pub(super) const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
 /// Largest part of a leaf's states that its polynomials may leave out. Further up, what is left out
 /// grows with the cells that are cut, so the tolerance is halved with every level above the leaves.
 const TOLERANCE: f64 = 1e-12;
@@ -40,7 +40,7 @@ const MOST_ANCHORS: usize = 64;
 const SLICE: f64 = 1.0;
 
 /// The domain splitting, and so the start maps, of one pendulum and rule.
-pub struct DomainSplitting {
+pub(super) struct DomainSplitting {
     pub dynamics: Dynamics,
     build: Build,
     rule: Rule,
@@ -66,7 +66,7 @@ struct SplitNode {
 /// A request for start maps: the leaves' level, the reduced budget, the cancellation flag, and the
 /// progress to report to.
 #[derive(Clone, Copy)]
-pub struct SplitRequest<'a> {
+pub(super) struct SplitRequest<'a> {
     pub level: u32,
     pub budget: f64,
     pub cancelled: &'a AtomicBool,
@@ -87,7 +87,7 @@ fn bits(anchor: u32) -> u32 {
 }
 
 impl DomainSplitting {
-    pub fn new(question: &Question, strict: bool) -> Self {
+    pub(super) fn new(question: &Question, strict: bool) -> Self {
         DomainSplitting {
             dynamics: Dynamics::new(question.reduced().0, question.rule),
             build: question.build,
@@ -97,12 +97,12 @@ impl DomainSplitting {
         }
     }
 
-    pub fn is_of(&self, question: &Question, strict: bool) -> bool {
+    pub(super) fn is_of(&self, question: &Question, strict: bool) -> bool {
         self.build == question.build && self.rule == question.rule && self.strict == strict
     }
 
     /// Computes the start maps of leaves of one level, in any order; none if cancelled.
-    pub fn start_maps(
+    pub(super) fn start_maps(
         &self,
         leaves: &[Cell],
         wanted: SplitRequest,
@@ -131,7 +131,7 @@ impl DomainSplitting {
     }
 
     /// Number of decimal digits in which the anchors of leaves of a level are followed.
-    pub fn digits(&self, leaf: u32) -> u32 {
+    pub(super) fn digits(&self, leaf: u32) -> u32 {
         digits_for(bits(anchor_level(leaf)))
     }
 

@@ -10,7 +10,7 @@ use crate::physics::{Outcome, Status};
 
 /// A flow patch that has been followed to its end.
 #[derive(Clone, Debug)]
-pub struct FinishedPatch {
+pub(super) struct FinishedPatch {
     /// The patch in its last state.
     pub patch: FlowPatch,
     /// The reason why it ended.
@@ -23,7 +23,7 @@ pub struct FinishedPatch {
 
 /// The part of a finished patch that belongs to a leaf.
 #[derive(Clone, Debug)]
-pub enum StartMap {
+pub(super) enum StartMap {
     /// Conservation of energy keeps all of it from flipping.
     Forbidden,
     /// The part of `ended` around `middle` that is 2 `half` wide there.
@@ -39,7 +39,7 @@ pub enum StartMap {
 
 /// A start as far as its start map determines it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MappedStart {
+pub(super) enum MappedStart {
     /// The outcome is known, and the end.
     Known(Outcome, End),
     /// The state is known up to this moment; the rest has to be integrated.
@@ -49,7 +49,7 @@ pub enum MappedStart {
 impl StartMap {
     /// Maps the start at a point of the leaf, in [−1, 1]²; `unit_secs` is the reduced unit of time
     /// in s.
-    pub fn start(
+    pub(super) fn start(
         &self,
         dynamics: &Dynamics,
         question: &Question,
@@ -68,7 +68,7 @@ impl StartMap {
 
 impl FinishedPatch {
     /// Mean rate at which neighbours moved apart, in decades per second; 0 where they did not.
-    pub fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
+    pub(super) fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
         let decades = (self.patch.spread(dynamics) / self.half_rad).log10();
         // A path not much longer than the opening tells nothing.
         if self.patch.time.0 > 10.0 * dynamics.opening { decades.max(0.0) / secs } else { 0.0 }

@@ -157,7 +157,7 @@ fn state(names: [&'static str; 4]) -> State<Symbol> {
 }
 
 /// The self-check's results for one number type.
-pub fn selfcheck(precision: Precision) -> String {
+pub(super) fn selfcheck(precision: Precision) -> String {
     write_maths(Dialect { precision, indent: "    " }, || {
         let (a, b) = (variable("a"), variable("b"));
         let (sum, error) = match precision {

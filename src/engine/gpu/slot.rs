@@ -46,7 +46,7 @@ use crate::physics::crossing::FAR;
 
 /// A job on the device. Slices are submitted one at a time; after each the host reads how many
 /// pendulums still run, and after the last one the outcomes.
-pub struct Slot {
+pub(super) struct Slot {
     /// The job, kept whole so that it can be repeated on another device.
     pub job: Job,
     /// Index of the kernel in the engine's list.
@@ -86,7 +86,7 @@ struct Submission {
 }
 
 /// A slice that has run.
-pub struct FinishedSlice {
+pub(super) struct FinishedSlice {
     /// Moment of its submission.
     pub since: Instant,
     /// Upper bound on the steps of all its pendulums together.
@@ -94,7 +94,7 @@ pub struct FinishedSlice {
 }
 
 /// Result of looking for a slot's read-back.
-pub enum SlotEvent {
+pub(super) enum SlotEvent {
     /// The read-back is still in flight.
     InFlight,
     /// A slice is done, and more are needed.
@@ -109,7 +109,12 @@ pub enum SlotEvent {
 
 impl Slot {
     /// Creates the buffers of `job` and fills them, with every pendulum at its start.
-    pub fn new(gpu: &Gpu, kernel: &Kernel, index: usize, job: Job) -> Result<Self, EngineError> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        kernel: &Kernel,
+        index: usize,
+        job: Job,
+    ) -> Result<Self, EngineError> {
         let pace = job.pace()?;
         let places = places(&kernel.design.state(), job.config.precision);
         let head = head(&job, &pace);
@@ -183,7 +188,7 @@ impl Slot {
     }
 
     /// Submits a slice of at most `slice_steps` steps per pendulum.
-    pub fn submit_slice(&mut self, gpu: &Gpu, kernel: &Kernel, slice_steps: u32) {
+    pub(super) fn submit_slice(&mut self, gpu: &Gpu, kernel: &Kernel, slice_steps: u32) {
         self.head.slice_steps = slice_steps;
         gpu.queue.write_buffer(&self.buffers.job, 0, bytes_of(&self.head));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -207,7 +212,7 @@ impl Slot {
     }
 
     /// Requests the outcomes.
-    pub fn submit_answer(&mut self, gpu: &Gpu) {
+    pub(super) fn submit_answer(&mut self, gpu: &Gpu) {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let outcomes = self.outcome_bytes();
         let Buffers { answer, states, .. } = &self.buffers;
@@ -238,18 +243,18 @@ impl Slot {
     }
 
     /// Number of pendulums that still run.
-    pub fn running(&self) -> u32 {
+    pub(super) fn running(&self) -> u32 {
         self.running
     }
 
     /// The submission whose read-back is in flight, if any.
-    pub fn submission(&self) -> Option<&wgpu::SubmissionIndex> {
+    pub(super) fn submission(&self) -> Option<&wgpu::SubmissionIndex> {
         self.flight.as_ref().map(|flight| &flight.submission)
     }
 
     /// Takes the read-back if it has finished, and submits the request for the answer after the
     /// last slice.
-    pub fn land(&mut self, gpu: &Gpu) -> SlotEvent {
+    pub(super) fn land(&mut self, gpu: &Gpu) -> SlotEvent {
         let landed = |flight: &mut Submission| flight.mapped.load(Ordering::Acquire) != PENDING;
         let Some(flight) = self.flight.take_if(landed) else {
             return SlotEvent::InFlight;

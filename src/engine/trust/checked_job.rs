@@ -9,7 +9,7 @@ use crate::engine::{Effort, Job, JobResult, Keep, Starts};
 use crate::physics::{Dd, Outcome, Theta};
 
 /// A job whose starts climb the ladder until they are sure.
-pub struct CheckedJob {
+pub(super) struct CheckedJob {
     job: Job,
     rungs: Vec<Rung>,
     /// Half the side of the leaves in rad, for deep starts.
@@ -37,11 +37,11 @@ struct Done {
 }
 
 /// Number of identifiers that a checked job has for the jobs of its runs.
-pub const RUNS: u64 = 32;
+pub(super) const RUNS: u64 = 32;
 
 impl CheckedJob {
     /// A checked job of which nothing is known, and its first jobs.
-    pub fn new(job: Job) -> (Self, Vec<Job>) {
+    pub(super) fn new(job: Job) -> (Self, Vec<Job>) {
         let count = job.starts.len();
         let leaf_half_rad = match &job.starts {
             Starts::Deep(deep) => Some(deep.half_rad()),
@@ -103,7 +103,7 @@ impl CheckedJob {
 
     /// Takes a run's answers. Once the rung is complete, returns the jobs of the next one: none if
     /// every start is sure or the ladder ends.
-    pub fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
+    pub(super) fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
         self.effort += finished.effort;
         let answer = |(&outcome, &end)| Answer { outcome, end };
         let answers: Vec<Answer> =
@@ -146,7 +146,7 @@ impl CheckedJob {
     }
 
     /// The result of the job.
-    pub fn finish(self) -> JobResult {
+    pub(super) fn finish(self) -> JobResult {
         JobResult {
             id: self.job.id,
             outcomes: self.outcomes,

@@ -26,7 +26,7 @@ use crate::physics::{Outcome, Pendulum, Status};
 
 /// An outcome, and the end of its integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
+pub(super) struct Answer {
     pub outcome: Outcome,
     pub end: End,
 }
@@ -50,7 +50,7 @@ const MOST_CHANCE: f64 = 1e-6;
 type Scaled<'a> = (f64, &'a (Run, Answer));
 
 /// The judge of the answers to a question.
-pub struct Judge {
+pub(super) struct Judge {
     pendulum: Pendulum<f64>,
     inverse_scale: [f64; 2],
     /// Error allowed in a flip's time, reduced.
@@ -62,7 +62,7 @@ pub struct Judge {
 impl Judge {
     /// Makes a judge; `leaf_half_rad` is half the side of the leaves for deep starts, and unused
     /// for others.
-    pub fn new(question: &Question, leaf_half_rad: f64) -> Self {
+    pub(super) fn new(question: &Question, leaf_half_rad: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;
@@ -70,7 +70,7 @@ impl Judge {
     }
 
     /// Returns the finest of some answers, and whether the others make it sure.
-    pub fn verdict(&self, answers: &[(Run, Answer)]) -> (Outcome, bool) {
+    pub(super) fn verdict(&self, answers: &[(Run, Answer)]) -> (Outcome, bool) {
         let scale =
             |(run, answer): &(Run, Answer)| run.error_scale(&answer.end, self.leaf_half_rad);
         let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
@@ -109,7 +109,7 @@ impl Judge {
     }
 
     /// Error allowed in an answer's state.
-    pub fn allowed(&self, answer: &Answer) -> f64 {
+    pub(super) fn allowed(&self, answer: &Answer) -> f64 {
         let clearance = OF_CLEARANCE * answer.end.clearance;
         match answer.outcome.status {
             Status::Flipped => self.tolerance.min(clearance).min(self.beyond(&answer.end.phase)),
@@ -130,7 +130,7 @@ impl Judge {
 
     /// Distance between two answers: in time (reduced) or in unit vectors and scaled momenta,
     /// whichever is larger; infinite if one has flipped and the other has not.
-    pub fn distance(&self, a: &Answer, b: &Answer) -> f64 {
+    pub(super) fn distance(&self, a: &Answer, b: &Answer) -> f64 {
         match (a.outcome.status, b.outcome.status) {
             (Status::Flipped, Status::Flipped) => {
                 let between = self.between(&a.end.phase, &b.end.phase);

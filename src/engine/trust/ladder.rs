@@ -11,7 +11,7 @@ use crate::engine::{End, IntegratorConfig, Method, Precision};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Run {
+pub(super) struct Run {
     /// Method and precision of the integration.
     pub config: IntegratorConfig,
     /// Point at which the integration begins.
@@ -23,7 +23,7 @@ pub struct Run {
 
 /// Point at which a run's own integration begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub(super) enum Origin {
     /// The release at rest.
     Rest,
     /// The end of a start map.
@@ -34,34 +34,34 @@ pub enum Origin {
 
 /// Runs on the starts that are left, and the trust of those that become sure by them.
 #[derive(Clone, Debug)]
-pub struct Rung {
+pub(super) struct Rung {
     pub runs: Vec<Run>,
     pub trust: Trust,
 }
 
 impl Run {
-    pub const fn new(config: IntegratorConfig, from: Origin) -> Self {
+    pub(super) const fn new(config: IntegratorConfig, from: Origin) -> Self {
         Run { config, from, nudge: [0.0; 2] }
     }
 
-    pub const fn nudged(self, nudge: [f64; 2]) -> Self {
+    pub(super) const fn nudged(self, nudge: [f64; 2]) -> Self {
         Run { nudge, ..self }
     }
 
     /// Error scale of its configuration from the release, in rad.
-    pub fn scale_from_rest(&self) -> f64 {
+    pub(super) fn scale_from_rest(&self) -> f64 {
         error_scale(&self.config)
     }
 
     /// Returns true if the run shares neither the method nor the start map with another one.
-    pub fn is_independent_of(&self, other: &Run) -> bool {
+    pub(super) fn is_independent_of(&self, other: &Run) -> bool {
         let other_way = self.from != other.from || self.from == Origin::Rest;
         other_way && self.config.method.name() != other.config.method.name()
     }
 
     /// Error scale in rad of an answer of this run with this end; `leaf_half_rad` is half the side
     /// of the leaves of start maps.
-    pub fn error_scale(&self, end: &End, leaf_half_rad: f64) -> f64 {
+    pub(super) fn error_scale(&self, end: &End, leaf_half_rad: f64) -> f64 {
         let nudge = self.nudge[0].hypot(self.nudge[1]);
         match self.from {
             Origin::Rest => error_scale(&self.config).max(nudge),
@@ -136,7 +136,7 @@ const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 
 
 /// The rungs to climb, one after the other, as long as a start is not sure; `leaf_half_rad` is half
 /// the side of the leaves of deep starts. The first rung begins with its finest run.
-pub fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung> {
+pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung> {
     match leaf_half_rad {
         Some(half) => deep_rungs(half),
         None => rungs_from_rest(config),

@@ -100,7 +100,7 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
 }
 
 /// Runs one job on an engine and returns its result; none once `go_on` returns false.
-pub fn ask(
+pub(super) fn ask(
     engine: &mut dyn Engine,
     question: Question,
     config: IntegratorConfig,

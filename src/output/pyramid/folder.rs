@@ -10,13 +10,13 @@ use tempfile::TempDir;
 use crate::output::safe::{UNFINISHED, existing_folder_of};
 
 /// File with the sizes of the picture and of its tiles, for viewers.
-pub const IMAGE: &str = "map.dzi";
+pub(super) const IMAGE: &str = "map.dzi";
 /// Folder of the tiles.
-pub const TILES: &str = "map_files";
+pub(super) const TILES: &str = "map_files";
 /// Page that shows the tiles.
-pub const PAGE: &str = "index.html";
+pub(super) const PAGE: &str = "index.html";
 /// File of the scene, to be rendered again.
-pub const SCENE: &str = "map.toml";
+pub(super) const SCENE: &str = "map.toml";
 
 /// Names in the temporary folder: `NEW` is the pyramid being written, `OLD` the one it replaces.
 const NEW: &str = "new";

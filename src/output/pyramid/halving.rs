@@ -6,7 +6,7 @@ use crate::scene::palette::light_table;
 
 /// Tables for the mean of four channel values: the light of each value as a whole number, and the
 /// value of each sum of four. Fine enough that the two darkest values are twenty steps apart.
-pub struct Halving {
+pub(super) struct Halving {
     light: [u32; 256],
     channel: Vec<u8>,
 }
@@ -16,14 +16,14 @@ const WHITE: u32 = u16::MAX as u32;
 
 impl Halving {
     /// Computes the tables.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let light = light_table().map(u32::from);
         let mean = |sum| encoded(f64::from(sum) / f64::from(4 * WHITE));
         Halving { light, channel: (0..=4 * WHITE).map(mean).collect() }
     }
 
     /// Returns rows of `stride` bytes at half their size; odd edges repeat their last pixels.
-    pub fn halved(&self, rows: &[u8], stride: usize) -> Vec<u8> {
+    pub(super) fn halved(&self, rows: &[u8], stride: usize) -> Vec<u8> {
         let mut half = Vec::with_capacity(rows.len() / 4 + stride);
         for pair in rows.chunks(2 * stride) {
             let upper = &pair[..stride];

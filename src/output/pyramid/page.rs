@@ -12,7 +12,7 @@ use crate::scene::Document;
 const PAGE: &str = include_str!("../../../assets/pyramid/index.html");
 
 /// The text of `map.dzi`: the sizes of the picture and of its tiles.
-pub fn image([width, height]: [u32; 2]) -> String {
+pub(super) fn image([width, height]: [u32; 2]) -> String {
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <Image xmlns=\"http://schemas.microsoft.com/deepzoom/2008\" Format=\"png\" Overlap=\"0\" \
@@ -21,7 +21,7 @@ pub fn image([width, height]: [u32; 2]) -> String {
 }
 
 /// The text of `index.html`: the viewer of a `size` picture of `document`.
-pub fn page([width, height]: [u32; 2], document: &Document) -> io::Result<String> {
+pub(super) fn page([width, height]: [u32; 2], document: &Document) -> io::Result<String> {
     let view = &document.scene().view;
     let center = view.center_rad().map(|theta| scientific(theta.to_f64()));
     let mut pages = Environment::new();

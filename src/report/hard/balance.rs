@@ -4,7 +4,7 @@ use super::{BALANCED, HardBench, HardCase, HardFinding, Of, count, home, oracle_
 use crate::engine::EngineError;
 use crate::physics::{Dd, Pendulum, Rule, Status};
 
-pub const CASES: &[HardCase] = &[
+pub(super) const CASES: &[HardCase] = &[
     HardCase {
         name: "rims of the forbidden region",
         expected: "gold's outcomes at excess energies of 1e-3 … 1e-12 P; no flip below the bound",

@@ -5,7 +5,7 @@ use crate::engine::{EngineError, Question};
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Status};
 use crate::scene::{Build, Kind};
 
-pub const CASES: &[HardCase] = &[
+pub(super) const CASES: &[HardCase] = &[
     HardCase {
         name: "fast whips",
         expected: "nine in ten within 1 ms of gold, none failed",
@@ -32,7 +32,7 @@ pub const CASES: &[HardCase] = &[
 ];
 
 /// Starts over the whole torus, off its lines of symmetry: `count` less the forbidden ones.
-pub fn scattered(question: &Question, count: u32) -> Vec<[Dd; 2]> {
+pub(super) fn scattered(question: &Question, count: u32) -> Vec<[Dd; 2]> {
     // A golden-ratio lattice.
     let at = |k: u32| {
         let place =

@@ -8,7 +8,7 @@ use crate::engine::{EngineError, Question};
 use crate::physics::{Dd, Pendulum, Rule, Status};
 use crate::scene::{Build, Kind};
 
-pub const CASES: &[HardCase] = &[
+pub(super) const CASES: &[HardCase] = &[
     HardCase {
         name: "Lyapunov spectrum",
         expected: "sum 0 within 1e-6; pairs ±λ and two near 0; at T = 20 √(l/g) the largest has \

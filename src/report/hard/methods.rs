@@ -10,7 +10,7 @@ use crate::physics::taylor::Orbit;
 use crate::physics::trig::Turning;
 use crate::physics::{Dd, Pendulum, Rule, Scalar, State, integrator};
 
-pub const CASES: &[HardCase] = &[
+pub(super) const CASES: &[HardCase] = &[
     HardCase {
         name: "energy over 100 s",
         expected: "of P + Q at most 1e-13 (taylor), 1e-6 (dop853), 1e-2 (dopri5 in f32), and 1e-3 \

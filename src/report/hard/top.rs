@@ -7,7 +7,7 @@ use crate::engine::{EngineError, Question};
 use crate::physics::opening;
 use crate::physics::{Dd, Outcome, Rule, Status};
 
-pub const CASES: &[HardCase] = &[
+pub(super) const CASES: &[HardCase] = &[
     HardCase {
         name: "grazing passes",
         expected: "right within 1 µs at 1e-9 rad and more on both sides of a tangent pass",

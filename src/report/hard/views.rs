@@ -5,7 +5,7 @@ use crate::engine::{EngineError, Question};
 use crate::physics::{Dd, Outcome, Status};
 use crate::scene::{Fate, Grid, Scene, View};
 
-pub const CASES: &[HardCase] = &[
+pub(super) const CASES: &[HardCase] = &[
     HardCase {
         name: "windows across the seam",
         expected: "the home map with its quarters exchanged, pixel by pixel, whatever whole turns \

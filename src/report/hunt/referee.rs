@@ -10,7 +10,7 @@ use crate::physics::phase::Phase;
 use crate::physics::{Outcome, Pendulum, Rule, Scalar, Status};
 
 /// A solver for the flip time of one pendulum.
-pub struct Referee<'a, T> {
+pub(super) struct Referee<'a, T> {
     /// The pendulum in reduced units.
     pub pendulum: Pendulum<T>,
     pub rule: Rule,
@@ -45,7 +45,7 @@ const ROOM: f64 = 4.0;
 impl<T: Scalar> Referee<'_, T> {
     /// The outcome of a release from rest with these unit vectors, its time reduced; `None` if it
     /// cannot be decided in these digits.
-    pub fn outcome(&self, vectors: [T; 4]) -> Option<Outcome<T>> {
+    pub(super) fn outcome(&self, vectors: [T; 4]) -> Option<Outcome<T>> {
         let zero = T::zero();
         let [x1, y1, x2, y2] = vectors;
         let mut phase = [x1, y1, x2, y2, zero, zero];

@@ -7,13 +7,13 @@ use crate::scene::{Budget, Build, FlipQuestion, Kind, Scene, View};
 use crate::tiles::descent::{Descent, DescentStep};
 
 /// Generator of random scenes, the same ones for the same seed.
-pub struct Scenes {
+pub(super) struct Scenes {
     random: fastrand::Rng,
 }
 
 /// The kind of place at which a view is put.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lure {
+pub(super) enum Lure {
     /// Any place on the torus.
     Anywhere,
     /// A place where an angle is ±π.
@@ -30,7 +30,7 @@ pub enum Lure {
 
 impl Scenes {
     /// The generator for a seed.
-    pub fn new(seed: u64) -> Self {
+    pub(super) fn new(seed: u64) -> Self {
         Scenes { random: fastrand::Rng::with_seed(seed) }
     }
 
@@ -64,7 +64,7 @@ impl Scenes {
     }
 
     /// The next scene and its lure; `engine` finds filaments and edges.
-    pub fn next(
+    pub(super) fn next(
         &mut self,
         engine: &mut dyn Engine,
         config: IntegratorConfig,
@@ -211,13 +211,13 @@ impl Scenes {
     }
 
     /// Another random seed, for choices about a scene that are not part of it.
-    pub fn seed(&mut self) -> u64 {
+    pub(super) fn seed(&mut self) -> u64 {
         self.random.u64(..)
     }
 }
 
 /// The start of a pixel, from the scene's decimals: no code is shared with how pictures compute it.
-pub fn start(scene: &Scene, side: u32, [column, row]: [u32; 2]) -> [Theta; 2] {
+pub(super) fn start(scene: &Scene, side: u32, [column, row]: [u32; 2]) -> [Theta; 2] {
     let pixel = Theta::parse(&scene.view.width).unwrap_or_default() / Theta::from_f64(side.into());
     let half = f64::from(side) / 2.0;
     let across = pixel * Theta::from_f64(f64::from(column) + 0.5 - half);

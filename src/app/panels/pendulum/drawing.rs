@@ -24,7 +24,7 @@ const FILLED: f32 = 0.88;
 const HEAVIEST: f32 = 0.075;
 
 /// Draws a pin's pendulum at the time shown.
-pub fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
+pub(super) fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
     let side = ui.available_width().min(MOST_SIDE);
     let size = vec2(ui.available_width(), side);
     let (response, painter) = ui.allocate_painter(size, Sense::hover());

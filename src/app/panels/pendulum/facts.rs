@@ -9,7 +9,7 @@ use crate::physics::separation::reading_at;
 use crate::physics::{Dd, Outcome, Scalar, Status};
 
 /// Shows the numbers as tables of names and values.
-pub fn facts(ui: &mut Ui, pin: &Pin) {
+pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
     Grid::new("start").num_columns(4).show(ui, |ui| {
         for (name, theta) in ["θ1", "θ2"].into_iter().zip(pin.start) {
             let rad = theta.to_f64();
@@ -115,7 +115,7 @@ fn ending_words(flight: &Flight) -> Option<String> {
 }
 
 /// Formats seconds to four significant digits, without trailing zeros.
-pub fn round_secs(secs: f64) -> String {
+pub(super) fn round_secs(secs: f64) -> String {
     let digits = (3.0 - secs.abs().max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{secs:.digits$}");
     if text.contains('.') {

@@ -19,7 +19,7 @@ const MARGIN: egui::Vec2 = vec2(38.0, 16.0);
 const MOST_POINTS: usize = 400;
 
 /// Shows the plot with the current time marked, and the growth rate in words.
-pub fn separation(ui: &mut Ui, pin: &Pin) {
+pub(super) fn separation(ui: &mut Ui, pin: &Pin) {
     let record = pin.flight.record();
     let growth = Growth::fit(&record.readings);
     ui.label(words(&record.readings, growth, pin.shown_secs()));
