@@ -142,7 +142,7 @@ fn deep_pixels_that_polynomials_know_are_no_doubts() {
 }
 
 /// Asserts that every configuration of an engine gives checked answers that are right or marked.
-fn every_recipe_is_checked(engine: &dyn Fn() -> Box<dyn Engine>) {
+fn every_configuration_is_checked(engine: &dyn Fn() -> Box<dyn Engine>) {
     let scene = scene(rods(), Rule::First, 30.0, View::default());
     let truths = truths(&scene, 24, 1);
     let dopri5 = |tolerance| Method::Dopri5 { tolerance };
@@ -170,17 +170,17 @@ fn every_recipe_is_checked(engine: &dyn Fn() -> Box<dyn Engine>) {
 }
 
 #[test]
-fn every_recipe_of_the_processor_is_checked() {
-    every_recipe_is_checked(&|| Box::new(CpuEngine::new(None).unwrap()));
+fn every_configuration_of_the_processor_is_checked() {
+    every_configuration_is_checked(&|| Box::new(CpuEngine::new(None).unwrap()));
 }
 
 mod gpu {
-    pub(crate) fn every_recipe_of_a_graphics_card_is_checked() {
-        super::every_recipe_is_checked(&|| Box::new(super::common::gpu_engine()));
+    pub(crate) fn every_configuration_of_a_graphics_card_is_checked() {
+        super::every_configuration_is_checked(&|| Box::new(super::common::gpu_engine()));
     }
 }
 
-needs_adapter!(gpu: every_recipe_of_a_graphics_card_is_checked);
+needs_adapter!(gpu: every_configuration_of_a_graphics_card_is_checked);
 
 #[test]
 fn a_small_hunt_comes_home_with_nothing() {

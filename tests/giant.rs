@@ -11,7 +11,7 @@ use flipmap::output::{Paths, RenderClock, Sinks, render_pass};
 use flipmap::scene::Document;
 use flipmap::tiles::{Counts, Work};
 
-const RECIPE: IntegratorConfig =
+const CONFIG: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 /// Width of a poster in pixels.
 const WIDTH: u32 = 60_000;
@@ -46,7 +46,7 @@ fn render(size: [u32; 2], paths: &Paths) -> Counts {
     let mut sinks = Sinks::open(paths, &document, size).unwrap();
     let mut counts = Counts::default();
     for pass in sinks.passes(1) {
-        let mut work = Work::new(&document.scene(), size, RECIPE, engine.job_size);
+        let mut work = Work::new(&document.scene(), size, CONFIG, engine.job_size);
         let (clock, go_on) = (&mut RenderClock::default(), &mut |_: &Counts| true);
         render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, go_on).unwrap();
         counts += work.counts();
@@ -130,7 +130,7 @@ fn the_longest_sides_can_be_begun_and_given_up() {
     let mut engine = MockEngine::default();
     let mut sinks = Sinks::open(&paths, &document, size).unwrap();
     let pass = &sinks.passes(1)[0];
-    let mut work = Work::new(&document.scene(), size, RECIPE, engine.job_size);
+    let mut work = Work::new(&document.scene(), size, CONFIG, engine.job_size);
     for _ in 0..2 {
         for row in work.work(&mut engine, None).unwrap() {
             assert_eq!(row.tile.size, [size[0], 1]);

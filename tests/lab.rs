@@ -21,8 +21,8 @@ struct Shown {
 /// A figure `secs` after its start, which does not advance by itself.
 fn figure(figure: Figure, secs: f64) -> Harness<'static, Shown> {
     let mut lab = Lab::new(figure);
-    if let Some(toy) = lab.toy() {
-        (0..(secs * 60.0) as u32).for_each(|_| toy.advance(1.0 / 60.0));
+    if let Some(live) = lab.live() {
+        (0..(secs * 60.0) as u32).for_each(|_| live.advance(1.0 / 60.0));
     }
     let show = |ui: &mut egui::Ui, shown: &mut Shown| {
         let asked = shown.lab.show(ui);
@@ -63,8 +63,8 @@ fn a_dragged_bob_is_let_go_where_it_is_left() {
         let after = harness.state().lab.set();
         assert!(after[0] != before[0] || after[1] != before[1], "{which:?}: {after:?}");
         // The released bob moves again.
-        let toy = harness.state_mut().lab.toy().unwrap();
-        let data = toy.csv(1.0);
+        let live = harness.state_mut().lab.live().unwrap();
+        let data = live.csv(1.0);
         assert!(data.lines().nth(1) != data.lines().nth(90), "{which:?}");
     }
 }
@@ -126,10 +126,10 @@ fn a_step_that_is_too_long_says_so() {
     assert!(harness.query_all_by_label("Step Δt").count() > 0);
     let mut lab = harness.state().lab.clone();
     for _ in 0..400 {
-        lab.toy().unwrap().advance(0.2);
+        lab.live().unwrap().advance(0.2);
     }
     // With steps of 10 ms no integrator diverges within 80 s: every number stays finite.
-    assert!(lab.toy().unwrap().csv(2.0).lines().all(|line| !line.contains("NaN")));
+    assert!(lab.live().unwrap().csv(2.0).lines().all(|line| !line.contains("NaN")));
 }
 
 needs_adapter! {

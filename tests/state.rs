@@ -78,7 +78,7 @@ fn what_cannot_go_on_is_refused_by_what_differs() {
         (&["--budget", "9", "--gravity", "5"], &["another pendulum"]),
         (&["--budget", "9", "--rule", "first"], &["another rule", "second", "first"]),
         (&["--budget", "9", "--rotate", "2"], &["another view"]),
-        (&["--budget", "9", "--accuracy", "lesson"], &["another recipe", "rk4", "dop853"]),
+        (&["--budget", "9", "--accuracy", "lesson"], &["another configuration", "rk4", "dop853"]),
     ] {
         let output = render(&folder, &[&cpu[..], arguments].concat());
         let error = String::from_utf8_lossy(&output.stderr);

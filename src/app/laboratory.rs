@@ -61,8 +61,8 @@ impl AppModel {
     /// Shows the figure that hides the map; it advances only while it is visible.
     pub(super) fn figure(&mut self, ui: &mut Ui) -> Vec<Action> {
         let elapsed_secs = f64::from(ui.input(|input| input.stable_dt));
-        if let Some(toy) = self.lab.toy() {
-            toy.advance(elapsed_secs);
+        if let Some(live) = self.lab.live() {
+            live.advance(elapsed_secs);
         }
         ui.ctx().request_repaint();
         let mut actions = self.figure_tabs(ui);

@@ -14,6 +14,7 @@ use crate::engine::trust::Outlook;
 use crate::engine::{Accuracy, EngineError, IntegratorConfig};
 use crate::scene::Scene;
 use crate::tiles::outlook;
+use crate::tiles::view_target::ViewTarget;
 
 /// Width and height in pixels of the picture that stands for the view.
 const SIZE: [u32; 2] = [64, 64];
@@ -21,7 +22,7 @@ const SIZE: [u32; 2] = [64, 64];
 /// The outlook on the newest view.
 #[derive(Default)]
 pub(super) struct Forecast {
-    asked: Option<(Scene, IntegratorConfig)>,
+    asked: Option<ViewTarget>,
     flying: Option<OutlookThread>,
     known: Option<Outlook>,
 }
@@ -33,18 +34,17 @@ struct OutlookThread {
 }
 
 impl Forecast {
-    /// Asks for the outlook on a view, unless it is the one last asked for.
-    pub(super) fn ask(&mut self, scene: Scene, config: IntegratorConfig, wake: &Wake) {
-        let asked = Some((scene, config));
-        if self.asked == asked {
+    /// Asks for the outlook on a view, unless it is the one last asked for; `scene` is its scene.
+    pub(super) fn ask(&mut self, target: ViewTarget, scene: impl FnOnce() -> Scene, wake: &Wake) {
+        let target = ViewTarget { pointer: None, ..target };
+        if self.asked == Some(target) {
             return;
         }
-        self.asked.clone_from(&asked);
-        self.known = None;
+        (self.asked, self.known) = (Some(target), None);
         let (sender, answer) = channel();
         let (stopped, wake) = (Arc::new(AtomicBool::new(false)), Arc::clone(wake));
         self.flying = Some(OutlookThread { answer, stopped: Arc::clone(&stopped) });
-        let Some((scene, config)) = asked else { return };
+        let (scene, config) = (scene(), target.physics.config);
         std::thread::spawn(move || match look(&scene, config, &stopped) {
             Ok(Some(outlook)) => {
                 // The receiver is gone once the outlook on another view is asked for.
@@ -96,9 +96,10 @@ impl AppModel {
         // Views passed during a descent are left before anyone could read a warning about them.
         let stays = self.state.moving.is_none() && self.descent.running.is_none();
         if progress.idle && progress.wanted > 0 && stays {
-            let scene = self.state.document().scene();
             if let Some(config) = self.compute.config() {
-                self.forecast.ask(scene, config, &self.wake);
+                let state = &self.state;
+                let scene = || state.document().scene();
+                self.forecast.ask(state.view_target(config), scene, &self.wake);
             }
         }
         self.forecast.listen()
@@ -124,7 +125,10 @@ fn look(
 mod tests {
     use super::*;
     use crate::engine::level::BALANCED;
+    use crate::physics::Theta;
+    use crate::scene::lattice::Region;
     use crate::scene::{Budget, FlipQuestion};
+    use crate::tiles::view_target::Physics;
     use std::time::Duration;
 
     #[test]
@@ -137,11 +141,20 @@ mod tests {
         let mut warning_after = |secs: f64| {
             let question = FlipQuestion { budget: Budget::secs(secs), ..FlipQuestion::default() };
             let scene = Scene { question, ..Scene::default() }.checked().unwrap();
-            forecast.ask(scene.clone(), BALANCED, &wake);
+            let physics = Physics {
+                build: scene.build,
+                rule: scene.question.rule,
+                config: BALANCED,
+                verified: false,
+            };
+            let region = Region { center: [Theta::ZERO; 2], half_rad: [3.0; 2] };
+            let pointer = None;
+            let target = ViewTarget { physics, budget_secs: secs, region, level: 4, pointer };
+            forecast.ask(target, || scene, &wake);
             woken.recv_timeout(Duration::from_secs(60)).unwrap();
             assert!(forecast.listen());
             let warning = forecast.warning();
-            forecast.ask(scene, BALANCED, &wake);
+            forecast.ask(target, || unreachable!("it is known"), &wake);
             assert_eq!(forecast.warning(), warning, "asked twice, known once");
             warning
         };

@@ -52,8 +52,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         return map(options, size);
     }
     let mut lab = Lab::new(figure);
-    if let (Some(path), Some(toy)) = (&options.csv, lab.toy()) {
-        super::write_whole(path, "--csv", toy.csv(secs).as_bytes())?;
+    if let (Some(path), Some(live)) = (&options.csv, lab.live()) {
+        super::write_whole(path, "--csv", live.csv(secs).as_bytes())?;
     }
     if let Some(path) = &options.output {
         super::write_whole(path, "-o", &png(&still(&mut lab, size, secs)?)?)?;

@@ -203,7 +203,7 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
     let profile = Profile::kept(request.threads);
     let mut failures = Vec::new();
     for adapter in fitting {
-        match sound(&adapter, recipes_on(&adapter, request.setting, profile.as_ref())) {
+        match sound(&adapter, configs_on(&adapter, request.setting, profile.as_ref())) {
             Ok((mut engine, config)) => {
                 engine.set_pace(request.pace);
                 let why = format!("{} passed the self-check", engine.adapter());
@@ -218,7 +218,7 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
 
 /// The configurations that satisfy a setting; the one that is fastest on the adapter comes first if
 /// it is known.
-fn recipes_on(
+fn configs_on(
     adapter: &wgpu::Adapter,
     setting: IntegrationSetting,
     profile: Option<&Profile>,

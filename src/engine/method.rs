@@ -132,8 +132,8 @@ impl IntegratorConfig {
 /// Distance between starts, in rad, below which polynomials save more than they cost (measured).
 const DEEP_BELOW: f64 = 1e-4;
 
-/// Number of midpoint rules that an extrapolation combines (measured: the fewest right-hand sides
-/// for the tolerances used in double-double).
+/// Number of midpoint rules that an extrapolation combines: enough for long steps at the tolerances
+/// used in double-double.
 pub const COLUMNS: usize = 9;
 
 /// The number type in which a pixel is integrated.

@@ -172,7 +172,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_recipe_comes_back_from_its_words() {
+    fn a_configuration_comes_back_from_its_words() {
         let odd = Method::Rk4 { step_secs: 1.0 / 117.3 };
         let mut configs = vec![IntegratorConfig { method: odd, precision: Precision::F64 }];
         configs.extend(Accuracy::ALL.iter().flat_map(|(_, level)| level.configs()));

@@ -138,7 +138,7 @@ impl Plan {
     pub fn config(&self) -> Result<IntegratorConfig, PlanError> {
         match run_settings::resolve(self.config.clone()) {
             Ok((IntegrationSetting::Explicit(config), _)) => Ok(config),
-            Ok(_) => Err(PlanError::Inside("no recipe".to_string())),
+            Ok(_) => Err(PlanError::Inside("no configuration".to_string())),
             Err(why) => Err(PlanError::Inside(why.to_string())),
         }
     }

@@ -226,11 +226,11 @@ mod tests {
     use crate::physics::Decimal;
     use crate::scene::keys::{Easing, Key};
 
-    const RECIPE: IntegratorConfig =
+    const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 
     fn task(what: PlannedOutput, shards: u32) -> Task {
-        let plan = Plan::new(what, shards, (&MockEngine::default(), RECIPE, false), true);
+        let plan = Plan::new(what, shards, (&MockEngine::default(), CONFIG, false), true);
         Task::new(plan, Path::new("plan.toml")).unwrap()
     }
 

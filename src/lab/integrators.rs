@@ -275,16 +275,16 @@ impl LiveFigure for Integrators {
     }
 
     fn csv(&self, secs: f64) -> String {
-        let mut toy = Integrators::new(self.start, self.step_secs);
+        let mut live = Integrators::new(self.start, self.step_secs);
         let mut text = "t,euler,semi_implicit_euler,rk4\n0,0,0,0\n".to_string();
         for k in 1..=(secs / self.step_secs) as u64 {
             let t = k as f64 * self.step_secs;
-            toy.step(t);
+            live.step(t);
             let error = |run: &MethodRun| match run.diverged_at {
                 Some(_) => "diverged".to_string(),
                 None => run.errors.last().map_or(0.0, |last| last[1]).to_string(),
             };
-            let [a, b, c] = [0, 1, 2].map(|k| error(&toy.runs[k]));
+            let [a, b, c] = [0, 1, 2].map(|k| error(&live.runs[k]));
             text.push_str(&format!("{t},{a},{b},{c}\n"));
         }
         text
@@ -334,9 +334,9 @@ mod tests {
 
     #[test]
     fn what_is_drawn_lies_between_two_steps() {
-        let mut toy = Integrators::new([1.0, 0.5], 0.1);
-        (0..3).for_each(|_| toy.advance(0.1));
-        let run = &toy.runs[2];
+        let mut live = Integrators::new([1.0, 0.5], 0.1);
+        (0..3).for_each(|_| live.advance(0.1));
+        let run = &live.runs[2];
         assert_eq!(run.drawn(0.0), run.before.angle);
         assert!((run.drawn(1.0)[0] - run.state.angle[0]).abs() < 1e-15);
         assert!(run.drawn(0.5) != run.state.angle && run.before.angle != run.state.angle);
@@ -344,9 +344,9 @@ mod tests {
 
     #[test]
     fn a_step_that_is_far_too_long_diverges_and_no_other_number_is_lost() {
-        let mut toy = Integrators::new([2.9, 2.9], 0.2);
-        (0..2000).for_each(|_| toy.advance(0.2));
-        assert!(toy.runs[0].errors.iter().flatten().all(|x| x.is_finite()));
+        let mut live = Integrators::new([2.9, 2.9], 0.2);
+        (0..2000).for_each(|_| live.advance(0.2));
+        assert!(live.runs[0].errors.iter().flatten().all(|x| x.is_finite()));
         let mut late = Integrators::new([2.9, 2.9], 0.2);
         (1..=3000).for_each(|k| late.step(f64::from(k) * 0.2));
         assert!(late.runs[0].diverged_at.is_some());

@@ -107,19 +107,19 @@ fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
 
 /// Returns the motion from the start as CSV, a hundred lines per second.
 pub(super) fn motion(simulation: &DoublePendulumSimulation, secs: f64) -> String {
-    let mut toy = DoublePendulumSimulation { held: None, ..simulation.clone() };
-    toy.release(simulation.start);
-    let pendulum = toy.pendulum();
-    let energy = pendulum.energy(&toy.state);
+    let mut live = DoublePendulumSimulation { held: None, ..simulation.clone() };
+    live.release(simulation.start);
+    let pendulum = live.pendulum();
+    let energy = pendulum.energy(&live.state);
     let mut text = "t,theta1,theta2,omega1,omega2,energy_error\n".to_string();
     for k in 0..=(secs * 100.0) as u32 {
-        let state = toy.now();
+        let state = live.now();
         let (angle, speed) = (state.angle, state.speed);
         let error = (pendulum.energy(&state) - energy) / (pendulum.p + pendulum.q);
         let t = f64::from(k) / 100.0;
         let line = format!("{t},{},{},{},{},{error}\n", angle[0], angle[1], speed[0], speed[1]);
         text.push_str(&line);
-        toy.advance(0.01);
+        live.advance(0.01);
     }
     text
 }

@@ -173,7 +173,7 @@ impl Lab {
     }
 
     /// Returns the figure that is shown; none if that is the map.
-    pub fn toy(&mut self) -> Option<&mut dyn LiveFigure> {
+    pub fn live(&mut self) -> Option<&mut dyn LiveFigure> {
         Some(match self.figure {
             Figure::Single => &mut self.single,
             Figure::Ghost => &mut self.ghost,
@@ -212,18 +212,18 @@ impl Lab {
     pub fn show(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         ui.heading(self.figure.title());
         ui.label(self.figure.sentence());
-        let toy = self.toy()?;
+        let live = self.live()?;
         let size = ui.available_size();
         let stage = vec2((size.x - CONTROLS_WIDTH - 16.0).max(200.0), (size.y - 8.0).max(200.0));
         let mut asked = None;
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(stage.x);
-                toy.draw(ui, stage);
+                live.draw(ui, stage);
             });
             ui.vertical(|ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    asked = toy.controls(ui);
+                    asked = live.controls(ui);
                 });
             });
         });
@@ -246,11 +246,11 @@ mod tests {
     }
 
     #[test]
-    fn every_toy_has_data_that_are_numbers() {
+    fn every_figure_has_data_that_are_numbers() {
         for (figure, ..) in Figure::ALL {
             let mut lab = Lab::new(figure);
-            let Some(toy) = lab.toy() else { continue };
-            let csv = toy.csv(2.0);
+            let Some(live) = lab.live() else { continue };
+            let csv = live.csv(2.0);
             let mut lines = csv.lines();
             let columns = lines.next().unwrap().split(',').count();
             let mut count = 0;

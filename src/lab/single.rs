@@ -64,15 +64,15 @@ impl LiveFigure for Single {
 
     fn csv(&self, secs: f64) -> String {
         let simple = self.0.simple;
-        let mut toy =
+        let mut live =
             SinglePendulumSimulation { simple, ..SinglePendulumSimulation::from(self.0.amplitude) };
         let mut text = "t,angle,speed,acceleration\n".to_string();
         for k in 0..=(secs * 100.0) as u32 {
-            let swing = toy.now();
+            let swing = live.now();
             let pull = simple.acceleration(swing.angle);
             let line = format!("{},{},{},{pull}\n", f64::from(k) / 100.0, swing.angle, swing.speed);
             text.push_str(&line);
-            toy.advance(0.01);
+            live.advance(0.01);
         }
         text
     }

@@ -23,9 +23,9 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Draws a figure `secs` after its start.
 pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64) -> Result<Still, EngineError> {
-    if let Some(toy) = lab.toy() {
+    if let Some(live) = lab.live() {
         let frames = (secs * FRAMES_A_SEC).round() as u32;
-        (0..frames).for_each(|_| toy.advance(1.0 / FRAMES_A_SEC));
+        (0..frames).for_each(|_| live.advance(1.0 / FRAMES_A_SEC));
     }
     draw(size, |ui| {
         lab.show(ui);

@@ -190,12 +190,12 @@ impl LiveFigure for Twenty {
     }
 
     fn csv(&self, secs: f64) -> String {
-        let mut toy = Twenty::new(self.start, self.count, self.nudge_rad);
-        while toy.clock.secs() < secs.min(LONGEST_SECS) {
-            toy.advance(0.1);
+        let mut live = Twenty::new(self.start, self.count, self.nudge_rad);
+        while live.clock.secs() < secs.min(LONGEST_SECS) {
+            live.advance(0.1);
         }
         let mut text = "t,separation\n".to_string();
-        for reading in &toy.readings {
+        for reading in &live.readings {
             text.push_str(&format!("{},{}\n", reading.secs, reading.separation_rad));
         }
         text
@@ -210,9 +210,9 @@ mod tests {
 
     #[test]
     fn the_climb_is_that_of_the_tangent_map() {
-        let mut toy = Twenty::new([2.2, 2.5], 2, 1e-10);
-        (0..150).for_each(|_| toy.advance(0.1));
-        let fitted = toy.growth().unwrap();
+        let mut live = Twenty::new([2.2, 2.5], 2, 1e-10);
+        (0..150).for_each(|_| live.advance(0.1));
+        let fitted = live.growth().unwrap();
         // The reference is the growth of a nudge that stays infinitesimal, integrated in
         // double-double by another method, and read and fitted in the same way.
         let nudge = 1e-22;
@@ -221,7 +221,7 @@ mod tests {
         let mut own = orbit(start);
         let mut nudged = orbit([start[0] + Dd::new(nudge), start[1]]);
         let ruler = Ruler::new(&pendulum());
-        let readings: Vec<Reading> = toy
+        let readings: Vec<Reading> = live
             .readings
             .iter()
             .take_while(|reading| reading.secs <= fitted.until_secs)
@@ -240,9 +240,9 @@ mod tests {
 
     #[test]
     fn a_thousand_times_finer_buys_the_logarithm() {
-        let mut toy = Twenty::default();
-        let before = toy.horizon_secs(2.0);
-        toy.precision_rad /= 1000.0;
-        assert!((toy.horizon_secs(2.0) - before - 1000f64.ln() / 2.0).abs() < 1e-12);
+        let mut live = Twenty::default();
+        let before = live.horizon_secs(2.0);
+        live.precision_rad /= 1000.0;
+        assert!((live.horizon_secs(2.0) - before - 1000f64.ln() / 2.0).abs() < 1e-12);
     }
 }

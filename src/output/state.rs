@@ -106,7 +106,7 @@ impl RenderState {
             return Ok(());
         }
         let [kept, now] = [&self.ran, now].map(RunRecord::to_string);
-        Err(StateError::Different { what: "recipe or engine", kept, now })
+        Err(StateError::Different { what: "configuration or engine", kept, now })
     }
 }
 
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn another_recipe_is_refused() {
+    fn another_configuration_is_refused() {
         let state = state();
         state.check_ran(&state.ran).unwrap();
         let other = RunRecord { precision: "f64".to_string(), ..state.ran.clone() };

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::backend::Backend;
-use super::exact::{Checked, Checks, recipe_for};
+use super::exact::{Checked, Checks, config_for};
 use super::hard::apart;
 use super::measure::Bench;
 use super::statistics::{Errors, RIGHT_SECS, median};
@@ -89,7 +89,7 @@ impl Bench<'_> {
         window: &Window,
         backend: &mut Backend,
     ) -> Result<WindowRow, ReportError> {
-        let config = recipe_for(backend.engine(), Accuracy::Balanced)?;
+        let config = config_for(backend.engine(), Accuracy::Balanced)?;
         self.window_with(window, backend, config)
     }
 
@@ -123,7 +123,7 @@ impl Bench<'_> {
         window: &Window,
         backend: &mut Backend,
     ) -> Result<LateRow, ReportError> {
-        let config = recipe_for(backend.engine(), Accuracy::Exact)?;
+        let config = config_for(backend.engine(), Accuracy::Exact)?;
         let (question, starts) = (window.question(), window.starts(self.care.late_starts));
         let truth = finest(&question, &starts, self.threads, self.stop)?;
         let checked = {

@@ -24,9 +24,9 @@ pub(super) fn levels(report: &Report) -> Option<Section> {
     Some(section("Accuracy levels", blocks))
 }
 
-const ABOUT_EXACT: &str = "Exact checks every pixel. Where its answer, or that of the same recipe without checks, \
+const ABOUT_EXACT: &str = "Exact checks every pixel. Where its answer, or that of the same configuration without checks, \
      contradicts the gold standard in f64, the gold standard in double-double decides who is \
-     wrong. Wrong without checks are the pixels that the recipe alone has wrong; of these, caught \
+     wrong. Wrong without checks are the pixels that the configuration alone has wrong; of these, caught \
      are those that checking corrected or marked.";
 
 fn level_table(report: &Report) -> Table {

@@ -129,19 +129,20 @@ impl Checked {
 }
 
 /// Returns the first config of `level` that the engine offers.
-pub(super) fn recipe_for(
+pub(super) fn config_for(
     engine: &dyn Engine,
     level: Accuracy,
 ) -> Result<IntegratorConfig, ReportError> {
     let offered = level.configs().into_iter().find(|config| engine.offers(config));
-    let none = || EngineError::Unsupported(format!("it has no recipe for the accuracy {level}"));
+    let none =
+        || EngineError::Unsupported(format!("it has no configuration for the accuracy {level}"));
     Ok(offered.ok_or_else(none)?)
 }
 
 impl Bench<'_> {
     /// Measures the row of the level `exact`, with the results of its checks.
     pub(super) fn exact(&self, backend: &mut Backend) -> Result<Row, ReportError> {
-        let config = recipe_for(backend.engine(), Accuracy::Exact)?;
+        let config = config_for(backend.engine(), Accuracy::Exact)?;
         let mut row = Row::new(backend, config);
         let mut compared = {
             let mut engine = TrustEngine::new(Box::new(backend.engine()), self.threads)?;
@@ -232,8 +233,8 @@ mod tests {
     }
 
     #[test]
-    fn the_processor_has_the_first_recipe() {
+    fn the_processor_has_the_first_configuration() {
         let processor = CpuEngine::new(Some(1)).unwrap();
-        assert_eq!(recipe_for(&processor, Accuracy::Exact).unwrap(), plan::BALANCED);
+        assert_eq!(config_for(&processor, Accuracy::Exact).unwrap(), plan::BALANCED);
     }
 }

@@ -276,9 +276,9 @@ fn specialising(report: &Report) -> Option<Section> {
 
 fn motion(report: &Report) -> Option<Section> {
     let mut tables: Vec<Table> = Vec::new();
-    let per_recipe = report.motion.chunks(TIMES_SECS.len());
+    let per_config = report.motion.chunks(TIMES_SECS.len());
     for (what, value) in [("Angle, rad", 0), ("Energy, as a share of P + Q", 1)] {
-        for errors in per_recipe.clone() {
+        for errors in per_config.clone() {
             let caption = format!("{what}: {} motion", errors[0].motion);
             if tables.last().is_none_or(|table| table.caption != caption) {
                 let names = TIMES_SECS.map(|secs| format!("after {secs} s"));

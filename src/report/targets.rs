@@ -34,7 +34,7 @@ struct TargetSpec {
 /// Selection of the rows that a target is about.
 enum RowSelector {
     Level(Accuracy),
-    Recipe(IntegratorConfig),
+    Config(IntegratorConfig),
 }
 
 const ENDLESS: f64 = f64::INFINITY;
@@ -113,7 +113,7 @@ const TARGETS: [TargetSpec; 11] = [
     },
     TargetSpec {
         about: "balanced forced to df32: share right within 1 ms",
-        of: RowSelector::Recipe(BALANCED_DF32),
+        of: RowSelector::Config(BALANCED_DF32),
         target: "at least 0.99",
         measure: right,
         bounds: [0.99, ENDLESS],
@@ -218,7 +218,7 @@ impl TargetSpec {
     fn judge(&self, report: &Report) -> Vec<Target> {
         let rows = match self.of {
             RowSelector::Level(level) => rows_at(report, level),
-            RowSelector::Recipe(config) => rows_with(report, config),
+            RowSelector::Config(config) => rows_with(report, config),
         };
         let measured: Vec<Target> = rows
             .into_iter()

@@ -172,7 +172,7 @@ impl Grid {
         if oracle::is_balanced(angle) {
             return Fate::Known(Outcome::without_time(Status::Unflipped));
         }
-        match self.opening(column, row) {
+        match self.opening_near(angle, column, row) {
             Some(outcome) => Fate::Known(outcome),
             None => Fate::Open(self.kept_inside(angle, column, row)),
         }
@@ -180,8 +180,11 @@ impl Grid {
 
     /// The outcome of a pixel that passes the top in its first moments; `None` for any other.
     pub fn opening(&self, column: u32, row: u32) -> Option<Outcome> {
-        let near = self.angle_from_pixel(column, row).map(|theta| theta.hi);
-        if !self.opening.concerns(near) {
+        self.opening_near(self.angle_from_pixel(column, row), column, row)
+    }
+
+    fn opening_near(&self, angle: [Dd; 2], column: u32, row: u32) -> Option<Outcome> {
+        if !self.opening.concerns(angle.map(|theta| theta.hi)) {
             return None;
         }
         match self.opening.begin(self.exact_angle_from_pixel(column, row)) {

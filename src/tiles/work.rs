@@ -218,7 +218,7 @@ mod tests {
     use crate::engine::{Method, Precision};
     use crate::scene::{Fate, View};
 
-    const RECIPE: IntegratorConfig =
+    const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 
     fn scene(center: [&str; 2]) -> Scene {
@@ -228,7 +228,7 @@ mod tests {
 
     /// Runs the work to its end and returns every pixel's outcome.
     fn picture(scene: &Scene, size: [u32; 2], engine: &mut MockEngine) -> (Samples, Counts) {
-        let mut work = Work::new(scene, size, RECIPE, 64);
+        let mut work = Work::new(scene, size, CONFIG, 64);
         let mut samples = Samples::unflipped((size[0] * size[1]) as usize);
         let mut seen = vec![false; samples.len()];
         loop {
@@ -303,7 +303,7 @@ mod tests {
             ([1_000_000, 1_000_000], false),
             ([1_000_000, 8_000_000], false),
         ] {
-            let mut work = Work::new(&home, size, RECIPE, 1 << 15);
+            let mut work = Work::new(&home, size, CONFIG, 1 << 15);
             assert_eq!(work.mirrored, mirrored, "{size:?}");
             let finished = work.work(&mut MockEngine::default(), None).unwrap();
             let tops: Vec<u32> = finished.iter().map(|part| part.tile.origin[1]).collect();
@@ -320,7 +320,7 @@ mod tests {
     fn bands_of_deep_pictures_are_as_high_as_leaves() {
         let mut deep = scene(["1.186731", "2.044025"]);
         let rows = |scene: &Scene, width| {
-            Work::new(scene, [width, 64], RECIPE, 1 << 15).waiting[0].size[1]
+            Work::new(scene, [width, 64], CONFIG, 1 << 15).waiting[0].size[1]
         };
         assert_eq!(rows(&deep, 40_000), 1);
         deep.view.width = "1e-9".to_string();
@@ -331,7 +331,7 @@ mod tests {
     fn a_deadline_ends_a_call_and_loses_nothing() {
         let (scene, size) = (scene(["1", "0.5"]), [40, 40]);
         let mut engine = MockEngine::default();
-        let mut work = Work::new(&scene, size, RECIPE, 64);
+        let mut work = Work::new(&scene, size, CONFIG, 64);
         let mut pixels = 0;
         while !work.is_done() {
             for part in work.work(&mut engine, Some(Instant::now())).unwrap() {
@@ -344,7 +344,7 @@ mod tests {
     #[test]
     fn cancelled_work_is_done() {
         let mut engine = MockEngine::default();
-        let mut work = Work::new(&scene(["1", "0"]), [64, 64], RECIPE, 64);
+        let mut work = Work::new(&scene(["1", "0"]), [64, 64], CONFIG, 64);
         work.work(&mut engine, None).unwrap();
         work.cancel(&mut engine);
         assert!(work.is_done() && work.work(&mut engine, None).unwrap().is_empty());
@@ -353,7 +353,7 @@ mod tests {
     #[test]
     fn an_engine_that_fails_is_reported() {
         let mut engine = MockEngine { fail_at: Some(3), ..MockEngine::default() };
-        let mut work = Work::new(&scene(["1", "0"]), [64, 64], RECIPE, 64);
+        let mut work = Work::new(&scene(["1", "0"]), [64, 64], CONFIG, 64);
         let error = (0..10).find_map(|_| work.work(&mut engine, None).err());
         assert!(error.unwrap().to_string().contains("MiB"));
     }

@@ -13,7 +13,7 @@ use crate::physics::polynomial::course;
 use crate::physics::{Dd, Pendulum, Real};
 
 /// An embedded pair, generic over the number type.
-pub(super) trait EmbeddedPair {
+pub(super) trait EmbeddedPair: Sized {
     /// Computes a step that may be taken or not.
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
@@ -23,11 +23,24 @@ pub(super) trait EmbeddedPair {
     ) -> Trial<T>;
 
     /// Distance from the top that a bob keeps over a step, from its sine and that sine's rate of
-    /// change times the step at both ends; not positive where it may cross the top.
-    fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L;
+    /// change times the step at both ends; not positive where it may cross the top. By the cubic
+    /// through both ends; counterpart of `crossing::approach`.
+    #[inline(always)]
+    fn clearance<L: Lanes>([y0, y1]: [L; 2], [rise0, rise1]: [L; 2], _bow: L) -> L {
+        let third = y0.lit(1.0 / 3.0);
+        let (first, second) = (rise0.mul_add(third, y0), (-rise1).mul_add(third, y1));
+        let chord = (y1 - y0) * third;
+        let bend = (first - y0 - chord).abs().max((y1 - second - chord).abs());
+        let inward = |y: L| Lanes::select(-y, y0, y);
+        let least = inward(first).min(inward(second)).min(inward(y1));
+        least - bend * y0.lit(SLACK)
+    }
 
-    /// Finds out what becomes of a bob in a step of one pendulum.
-    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64>;
+    /// Finds out what becomes of a bob in a step of one pendulum, by shorter and shorter steps.
+    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
+        let at = |fraction| step.shortened::<Self>(fraction);
+        within(at, bob, &step.before, &step.after, step.length)
+    }
 }
 
 /// One pendulum's step, in f64.
@@ -84,7 +97,7 @@ impl EmbeddedPair for Fifth {
     }
 }
 
-/// Extrapolated midpoint rules, with crossings found as for DOP853.
+/// The extrapolated midpoint rules.
 pub(super) struct Midpoints;
 
 static WEIGHTS: LazyLock<Weights<Dd, COLUMNS>> = LazyLock::new(Weights::new);
@@ -103,19 +116,9 @@ impl EmbeddedPair for Midpoints {
         let error_squared = square(&error, inverse_scale) * step.lit(1.0 / 6.0);
         Trial { change, error_squared, bow: [step.lit(0.0); 2] }
     }
-
-    #[inline(always)]
-    fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L {
-        Eighth::clearance(y, rise, bow)
-    }
-
-    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
-        let at = |fraction| step.shortened::<Midpoints>(fraction);
-        within(at, bob, &step.before, &step.after, step.length)
-    }
 }
 
-/// DOP853, with crossings found by shorter and shorter steps.
+/// The pair DOP853.
 pub(super) struct Eighth;
 
 impl EmbeddedPair for Eighth {
@@ -127,22 +130,5 @@ impl EmbeddedPair for Eighth {
         step: T,
     ) -> Trial<T> {
         dop853(pendulum, inverse_scale, phase, step)
-    }
-
-    /// Counterpart of `crossing::approach`.
-    #[inline(always)]
-    fn clearance<L: Lanes>([y0, y1]: [L; 2], [rise0, rise1]: [L; 2], _: L) -> L {
-        let third = y0.lit(1.0 / 3.0);
-        let (first, second) = (rise0.mul_add(third, y0), (-rise1).mul_add(third, y1));
-        let chord = (y1 - y0) * third;
-        let bend = (first - y0 - chord).abs().max((y1 - second - chord).abs());
-        let inward = |y: L| Lanes::select(-y, y0, y);
-        let least = inward(first).min(inward(second)).min(inward(y1));
-        least - bend * y0.lit(SLACK)
-    }
-
-    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
-        let at = |fraction| step.shortened::<Eighth>(fraction);
-        within(at, bob, &step.before, &step.after, step.length)
     }
 }

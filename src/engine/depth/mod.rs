@@ -70,7 +70,7 @@ pub struct DepthEngine<'a> {
 type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
 
 /// Largest number of splittings that are kept.
-const MOST_TREES: usize = 4;
+const MOST_SPLITTINGS: usize = 4;
 
 /// The known part of a deep job, to be merged with the wrapped engine's answer.
 #[derive(Default)]
@@ -126,7 +126,7 @@ impl<'a> DepthEngine<'a> {
 
     fn follow(&mut self, job: Job) {
         let Starts::Deep(deep) = &job.starts else { return };
-        let splitting = tree_of(&self.splittings, &job.question, deep.strict);
+        let splitting = splitting_of(&self.splittings, &job.question, deep.strict);
         let (sender, cancelled) = (self.sender.clone(), self.cancelled.clone());
         let told = self.told.clone();
         self.deep.insert(job.id, Awaited::default());
@@ -191,12 +191,16 @@ impl<'a> DepthEngine<'a> {
 }
 
 /// Returns the domain splitting of a question, made if there is none yet.
-fn tree_of(splittings: &Splittings, question: &Question, strict: bool) -> Arc<DomainSplitting> {
+fn splitting_of(
+    splittings: &Splittings,
+    question: &Question,
+    strict: bool,
+) -> Arc<DomainSplitting> {
     let mut splittings = splittings.lock().unwrap_or_else(|broken| broken.into_inner());
     if let Some(splitting) = splittings.iter().find(|splitting| splitting.is_of(question, strict)) {
         return splitting.clone();
     }
-    if splittings.len() == MOST_TREES {
+    if splittings.len() == MOST_SPLITTINGS {
         splittings.remove(0);
     }
     splittings.push(Arc::new(DomainSplitting::new(question, strict)));
