@@ -34,6 +34,7 @@ pub struct Plan {
     /// Name of the adapter, for a `gpu` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adapter: Option<String>,
+    #[serde(rename = "recipe")]
     config: RunTable,
     #[serde(skip_serializing_if = "Option::is_none")]
     still: Option<Document>,
@@ -181,6 +182,7 @@ mod tests {
         assert_eq!(again, plan);
         assert_eq!(again.what(), PlannedOutput::Still(Box::default()));
         assert_eq!(again.config().unwrap().method, Method::LESSON);
+        assert!(plan.text().contains("[recipe]\n"), "plans of the first versions are read");
     }
 
     #[test]
