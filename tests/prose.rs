@@ -93,7 +93,7 @@ fn a_word_of_the_glossary_names_one_type() {
 }
 
 /// Lines of every item whose first line fits, up to the line that closes it.
-fn items<'a>(text: &'a str, fits: impl Fn(&str) -> bool) -> Vec<(&'a str, Vec<&'a str>)> {
+fn items(text: &str, fits: impl Fn(&str) -> bool) -> Vec<(&str, Vec<&str>)> {
     let lines: Vec<&str> = text.lines().collect();
     let item = |k: usize| {
         let head = lines[k];

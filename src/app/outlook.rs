@@ -95,12 +95,12 @@ impl AppModel {
         let progress = self.progress();
         // Views passed during a descent are left before anyone could read a warning about them.
         let stays = self.state.moving.is_none() && self.descent.running.is_none();
-        if progress.idle && progress.wanted > 0 && stays {
-            if let Some(config) = self.compute.config() {
-                let state = &self.state;
-                let scene = || state.document().scene();
-                self.forecast.ask(state.view_target(config), scene, &self.wake);
-            }
+        let config =
+            self.compute.config().filter(|_| progress.idle && progress.wanted > 0 && stays);
+        if let Some(config) = config {
+            let state = &self.state;
+            let scene = || state.document().scene();
+            self.forecast.ask(state.view_target(config), scene, &self.wake);
         }
         self.forecast.listen()
     }

@@ -76,7 +76,7 @@ impl Renderer {
         }
     }
 
-    /// Integrates some pixels of a deep picture directly if pixels are checked (see [`opinion`]).
+    /// Integrates some pixels of a deep picture directly if pixels are checked (see [`opinion()`]).
     pub fn second_opinion(
         &mut self,
         scene: &Scene,
