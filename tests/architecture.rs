@@ -1,6 +1,9 @@
 //! The project's rules that a machine can check: dependencies between modules, sizes of files,
 //! valid shaders, matching struct counterparts, kernels with only the code that their scene needs.
 
+#[path = "common/sources.rs"]
+mod sources;
+
 use std::fs;
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
@@ -15,23 +18,11 @@ use flipmap::physics::{Rule, Status};
 use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use sources::rust_files;
 
 /// The modules from left to right: a module may use only those before it.
 const ORDER: [&str; 10] =
     ["physics", "scene", "engine", "tiles", "output", "film", "farm", "report", "lab", "app"];
-
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(rust_files(&path));
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
-        }
-    }
-    found
-}
 
 /// The top-level names of every `use crate::{…}` in a text.
 fn grouped(text: &str) -> Vec<String> {
@@ -248,7 +239,7 @@ fn constant<'a>(shader: &'a str, name: &str) -> &'a str {
 }
 
 #[test]
-fn the_picture_shader_is_valid_and_has_the_same_twins() {
+fn the_picture_shader_is_valid_and_has_the_same_counterparts() {
     let shader = pipeline::shader();
     let module = parsed(&shader);
     let uniforms = [

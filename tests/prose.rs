@@ -1,22 +1,20 @@
 //! Rules about names, comments and sizes that a machine can check from the text alone.
 
+#[path = "common/sources.rs"]
+mod files;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use files::rust_files;
+
 /// The Rust files below a folder with their text before their unit tests.
 fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(sources(&path));
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            let text = fs::read_to_string(&path).unwrap();
-            let text = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default().to_string();
-            found.push((path, text));
-        }
-    }
-    found
+    let before_tests = |file: PathBuf| {
+        let text = fs::read_to_string(&file).unwrap();
+        (file, text.split("#[cfg(test)]\nmod ").next().unwrap_or_default().to_string())
+    };
+    rust_files(folder).into_iter().map(before_tests).collect()
 }
 
 /// First words that make a clause of what should say what an item is or does.

@@ -206,9 +206,8 @@ fn open(
 ) -> Result<Chosen, choice::ChoiceError> {
     step_back();
     let request = EngineRequest { pace: PACE, ..request.clone() };
-    let chosen = choice::choose(&request, tell)?;
-    let (config, why, following) = (chosen.config, chosen.why.clone(), chosen.following.clone());
-    let engine = Renderer::of(chosen, verify, request.threads)?.into_engine();
+    let Chosen { engine, config, why, following } = choice::choose(&request, tell)?;
+    let engine = Renderer::of(engine, config, verify, request.threads)?.into_engine();
     Ok(Chosen { engine, config, why, following })
 }
 

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::engine::choice::{EngineRequest, choose};
+use crate::engine::choice::{Chosen, EngineRequest, choose};
 use crate::engine::method::Pace;
 use crate::engine::{Engine, Question, run_settings};
 use crate::output::{
@@ -185,12 +185,13 @@ fn run(
     let scene = document.scene();
     let mut sinks =
         Sinks::open(&request.paths(), &document, request.size).map_err(RenderError::from)?;
-    let chosen = choose(engine_request, &|text| set(ExportStage::Starting(text.to_string())))?;
+    let Chosen { engine, config, .. } =
+        choose(engine_request, &|text| set(ExportStage::Starting(text.to_string())))?;
     let question = Question::from(&scene);
     if question.build.gravity.value() > 0.0 {
-        Pace::new(&question, &chosen.config)?;
+        Pace::new(&question, &config)?;
     }
-    let mut renderer = Renderer::of(chosen, verify, engine_request.threads)?;
+    let mut renderer = Renderer::of(engine, config, verify, engine_request.threads)?;
     for pass in sinks.passes(document.picture.samples) {
         let size = request.size.map(|side| side * pass.along);
         let mut work = renderer.work(&scene, size);

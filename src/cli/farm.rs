@@ -59,8 +59,8 @@ pub(super) fn compute(
         return Ok(Some(parts));
     }
     drop(parts);
-    let following = chosen.following.clone();
-    let mut renderer = Renderer::of(chosen, task.plan.verify, threads)?;
+    let Chosen { engine, config, following, .. } = chosen;
+    let mut renderer = Renderer::of(engine, config, task.plan.verify, threads)?;
     let engine = renderer.engine();
     super::tell(&format!(
         "flipmap: {total} of {} samples to compute, {} engine, {} {} in {}",

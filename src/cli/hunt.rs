@@ -1,11 +1,9 @@
 //! `flipmap report --hunt`: tests `exact` on random scenes.
 
-use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
 use flipmap::engine::choice::EngineRequest;
-use flipmap::output::{Destination, SafeFile};
 use flipmap::report::hunt::{Hunt, WrongPixel};
 
 use super::exit::Exit;
@@ -55,9 +53,5 @@ fn tell(wrong: &WrongPixel) {
 
 fn write(path: &Path, hunt: &Hunt) -> anyhow::Result<()> {
     let text = serde_json::to_string_pretty(hunt)? + "\n";
-    let written = SafeFile::create(&Destination::from(path)).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
-        file.finish()
-    });
-    written.with_context(|| format!("cannot write {}", path.display()))
+    super::write_whole(path, "-o", text.as_bytes())
 }

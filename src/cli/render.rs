@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use flipmap::engine::choice::IntegrationSetting;
+use flipmap::engine::choice::{Chosen, IntegrationSetting};
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
@@ -57,18 +57,16 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(continued) = &continued {
         request = continued.prefer_engine(request);
     }
-    let mut chosen = start(&request)?;
-    let (config, following) = (chosen.config, chosen.following.clone());
+    let Chosen { mut engine, config, why, following } = start(&request)?;
     check_numbers(&scene, plan.size, config)?;
     if let Some(continued) = &mut continued {
-        continued.check_ran(chosen.engine.as_ref(), config)?;
+        continued.check_ran(engine.as_ref(), config)?;
     }
     if options.picture.spreads(&document) {
-        spread(&mut document, plan.size, config, chosen.engine.as_mut())?;
+        spread(&mut document, plan.size, config, engine.as_mut())?;
     }
     let mut sinks = Sinks::open(&paths, &document, plan.size)?;
-    let why = chosen.why.clone();
-    let mut renderer = Renderer::of(chosen, plan.verify, options.run.engine.threads())?;
+    let mut renderer = Renderer::of(engine, config, plan.verify, options.run.engine.threads())?;
     let opinion = renderer.second_opinion(&scene, plan.size, &|| !stop::asked())?;
     announce(renderer.engine(), config, plan.verify, &why);
 

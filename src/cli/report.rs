@@ -56,15 +56,10 @@ fn minutes(text: &str) -> Result<f64, String> {
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let field = field(options)?;
     if let Some(minutes) = options.hunt {
-        let kind = match options.engine {
-            EngineOption::Auto => choice::EngineKind::Auto,
-            EngineOption::Cpu => choice::EngineKind::Cpu,
-            EngineOption::Gpu => choice::EngineKind::Gpu,
-        };
         let setting = choice::IntegrationSetting::Accuracy(Accuracy::Exact);
         let adapter = options.adapter.clone();
         let request = choice::EngineRequest {
-            kind,
+            kind: options.engine.into(),
             adapter,
             threads: field.threads,
             setting,

@@ -65,6 +65,16 @@ pub(super) enum EngineOption {
     Cpu,
 }
 
+impl From<EngineOption> for choice::EngineKind {
+    fn from(option: EngineOption) -> Self {
+        match option {
+            EngineOption::Auto => choice::EngineKind::Auto,
+            EngineOption::Gpu => choice::EngineKind::Gpu,
+            EngineOption::Cpu => choice::EngineKind::Cpu,
+        }
+    }
+}
+
 /// Size of the picture in pixels if neither `--size` nor the scene gives one.
 const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
 
@@ -83,11 +93,7 @@ impl EngineOptions {
     /// Returns the engine request that the options make for a setting.
     pub(super) fn request(&self, setting: IntegrationSetting) -> EngineRequest {
         EngineRequest {
-            kind: match self.engine {
-                EngineOption::Auto => choice::EngineKind::Auto,
-                EngineOption::Gpu => choice::EngineKind::Gpu,
-                EngineOption::Cpu => choice::EngineKind::Cpu,
-            },
+            kind: self.engine.into(),
             adapter: self.adapter.clone(),
             threads: self.threads(),
             setting,

@@ -10,7 +10,7 @@ use image::{ExtendedColorType, ImageEncoder, ImageFormat};
 
 use super::SafeFile;
 
-/// JPEG quality, 1 to 100: edges of filaments show no ringing at this one.
+/// JPEG quality, 1 to 100: high, because a map is full of thin filaments.
 const JPEG_QUALITY: u8 = 95;
 
 /// The format that the ending of a picture's name asks for; `None` for PNG, which is also that of

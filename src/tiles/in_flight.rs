@@ -13,9 +13,9 @@ use std::collections::HashMap;
 use super::open_tile::OpenTile;
 use super::samples::{Counts, Samples};
 use crate::engine::{
-    Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult,
+    Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Question,
+    Starts, Wait,
 };
-use crate::engine::{Keep, Question, Starts, Wait};
 
 /// A tile to compute, with the question and the integrator config of its job.
 pub(super) struct NextTile<T> {

@@ -28,17 +28,9 @@ impl OpenTile {
         pixels: &[[u32; 2]],
         known: impl Fn([u32; 2]) -> Option<Known>,
     ) -> Self {
-        let mut tile = OpenTile::unflipped(pixels.len());
-        if config.is_deep(grid.pixel_rad()) {
-            tile.fill_deep(grid.grouped(pixels.iter().copied()), |place| {
-                let pixel = pixels[place as usize];
-                known_deep(grid, pixel, known(pixel))
-            });
-        } else {
-            let all = (0..).zip(pixels);
-            tile.fill(all.map(|(k, &[x, y])| (k, grid.fate(x, y), known([x, y]))));
-        }
-        tile
+        let pixel = |place: u32| (grid, pixels[place as usize], known(pixels[place as usize]));
+        let groups = config.is_deep(grid.pixel_rad()).then(|| grid.grouped(pixels.iter().copied()));
+        OpenTile::sorted(pixels.len() as u32, groups, pixel)
     }
 
     /// Creates a tile of all samples of cells of one level, `side` × `side` each, cell after cell;
@@ -56,25 +48,28 @@ impl OpenTile {
             let (k, place) = ((place / in_cell) as usize, place % in_cell);
             (&grids[k], [place % side, place / side], known(k, place))
         };
-        let count = cells.len() as u32 * in_cell;
-        let mut tile = OpenTile::unflipped(count as usize);
-        if grids.first().is_some_and(|grid| config.is_deep(grid.pixel_rad())) {
-            tile.fill_deep(leaves_of(cells, side), |place| {
-                let (grid, pixel, known) = pixel(place);
-                known_deep(grid, pixel, known)
-            });
-        } else {
-            tile.fill((0..count).map(|place| {
-                let (grid, [x, y], known) = pixel(place);
-                (place, grid.fate(x, y), known)
-            }));
-        }
-        tile
+        let is_deep = grids.first().is_some_and(|grid| config.is_deep(grid.pixel_rad()));
+        let groups = is_deep.then(|| leaves_of(cells, side));
+        OpenTile::sorted(cells.len() as u32 * in_cell, groups, pixel)
     }
 
-    fn unflipped(count: usize) -> Self {
-        let samples = Samples::unflipped(count);
-        OpenTile { samples, places: Vec::new(), starts: Starts::Rest(Vec::new()) }
+    /// Sorts `count` pixels into known samples and starts. `pixel` returns the grid of a pixel, its
+    /// column and row, and what is known of it; deep pixels come with their `groups` by leaf.
+    fn sorted<'a>(
+        count: u32,
+        groups: Option<Grouped>,
+        pixel: impl Fn(u32) -> (&'a Grid, [u32; 2], Option<Known>),
+    ) -> Self {
+        let samples = Samples::unflipped(count as usize);
+        let mut tile = OpenTile { samples, places: Vec::new(), starts: Starts::Rest(Vec::new()) };
+        match groups {
+            Some(groups) => tile.fill_deep(groups, |place| known_deep(pixel(place))),
+            None => tile.fill((0..count).map(|place| {
+                let (grid, [x, y], known) = pixel(place);
+                (place, grid.fate(x, y), known)
+            })),
+        }
+        tile
     }
 
     /// Returns true if there is nothing to compute.
@@ -133,7 +128,7 @@ impl OpenTile {
 
 /// Returns the outcome of a deep pixel if it needs no integration. An unfinished pixel has no state
 /// of its own: a larger budget begins it anew.
-fn known_deep(grid: &Grid, [x, y]: [u32; 2], known: Option<Known>) -> Option<(Outcome, Trust)> {
+fn known_deep((grid, [x, y], known): (&Grid, [u32; 2], Option<Known>)) -> Option<(Outcome, Trust)> {
     match known {
         Some((SavedPixel::Over(outcome), trust)) => Some((outcome, trust)),
         _ => grid.opening(x, y).map(|outcome| (outcome, Trust::Agreed)),
@@ -142,12 +137,11 @@ fn known_deep(grid: &Grid, [x, y]: [u32; 2], known: Option<Known>) -> Option<(Ou
 
 /// Returns the leaves of cells, with the places of their points among all samples of the cells.
 fn leaves_of(cells: &[Cell], side: u32) -> Grouped {
-    let moved = |first: u32| move |(place, point)| (first + place, point);
-    let leaves = |(k, cell): (u32, &Cell)| {
-        let shift = moved(k * side * side);
-        cell.leaves(side)
-            .into_iter()
-            .map(move |(leaf, points)| (leaf, points.into_iter().map(shift).collect()))
-    };
-    (0..).zip(cells).flat_map(leaves).collect()
+    let mut groups = Grouped::new();
+    for (k, cell) in (0..).zip(cells) {
+        let moved = |(place, point)| (k * side * side + place, point);
+        let leaves = cell.leaves(side).into_iter();
+        groups.extend(leaves.map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect())));
+    }
+    groups
 }

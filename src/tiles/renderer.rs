@@ -35,13 +35,18 @@ impl Renderer {
     /// Chooses and starts the engine of a request. Pixels are checked at the level `exact`.
     pub fn new(request: &EngineRequest) -> Result<Self, ChoiceError> {
         let exact = request.setting == IntegrationSetting::Accuracy(Accuracy::Exact);
-        Ok(Renderer::of(choose(request, &|_| {})?, exact, request.threads)?)
+        let Chosen { engine, config, .. } = choose(request, &|_| {})?;
+        Ok(Renderer::of(engine, config, exact, request.threads)?)
     }
 
     /// Renders by a chosen engine; with `verify` every pixel is checked, on `threads` threads of
     /// the processor or on one for each core.
-    pub fn of(chosen: Chosen, verify: bool, threads: Option<usize>) -> Result<Self, EngineError> {
-        let Chosen { engine, config, .. } = chosen;
+    pub fn of(
+        engine: Box<dyn Engine>,
+        config: IntegratorConfig,
+        verify: bool,
+        threads: Option<usize>,
+    ) -> Result<Self, EngineError> {
         let engine = if verify {
             Maker::Checked(Box::new(TrustEngine::new(engine, threads)?))
         } else {

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::engine::{End, Moving, Question};
-use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd as WayEnd};
+use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::{Outcome, Status};
 
@@ -14,7 +14,7 @@ pub(super) struct FinishedPatch {
     /// The patch in its last state.
     pub patch: FlowPatch,
     /// The reason why it ended.
-    pub ending: WayEnd,
+    pub ending: PatchEnd,
     /// Depth of its starts in the forbidden region, if the region's edge crosses the cell.
     pub edge: Option<Jet>,
     /// Half the side of its cell in rad.
@@ -86,7 +86,7 @@ impl FinishedPatch {
         }
         let grazed = self.patch.grazes.iter().filter_map(|graze| graze.flip(dynamics, at));
         let passed = match &self.ending {
-            WayEnd::Passed(pass) => Some(pass.flip(at)),
+            PatchEnd::Passed(pass) => Some(pass.flip(at)),
             _ => None,
         };
         let first = |a: (f64, _), b: (f64, _)| if b.0 < a.0 { b } else { a };
@@ -98,7 +98,7 @@ impl FinishedPatch {
                 let end = End { time, phase, clearance, grown: f64::INFINITY };
                 MappedStart::Known(question.flipped_at(time * unit_secs), end)
             }
-            (None, WayEnd::Spread | WayEnd::Unclear) => {
+            (None, PatchEnd::Spread | PatchEnd::Unclear) => {
                 let step = self.patch.step;
                 let grown = self.patch.spread(dynamics) / self.half_rad;
                 MappedStart::Moving(Moving { time: [high, low], phase, step, clearance, grown })

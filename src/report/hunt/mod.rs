@@ -87,7 +87,8 @@ impl Hunt {
         let mut hunt = Hunt { seed, ..Hunt::default() };
         let mut scenes = Scenes::new(seed);
         let Chosen { mut engine, config, .. } = choose(request, &|_| {})?;
-        let mut exact = Renderer::of(choose(request, &|_| {})?, true, request.threads)?;
+        let checked = choose(request, &|_| {})?.engine;
+        let mut exact = Renderer::of(checked, config, true, request.threads)?;
         while Instant::now() < until && hunt.windows < most_windows && !stop() {
             let go_on = || !stop();
             let (scene, lure) = scenes.next(engine.as_mut(), config, &go_on)?;

@@ -160,11 +160,8 @@ impl<T: Scalar> Referee<'_, T> {
             // The rate keeps its sign throughout the step.
             let steady = |rate: f64| rate.abs() > bend * h && rate * y0 < 0.0;
             let passes = steady(ends[0].rate) && steady(ends[1].rate);
-            return match (passes, ends[0].x < 0.0 && ends[1].x < 0.0) {
-                (true, true) => TopVerdict::Passes,
-                (true, false) if ends[0].x > 0.0 || ends[1].x > 0.0 => TopVerdict::Unclear,
-                _ => TopVerdict::Unclear,
-            };
+            let above = ends[0].x < 0.0 && ends[1].x < 0.0;
+            return if passes && above { TopVerdict::Passes } else { TopVerdict::Unclear };
         }
         // A lower bound from each end over half of the step.
         let half = 0.5 * h;

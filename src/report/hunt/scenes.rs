@@ -88,11 +88,14 @@ impl Scenes {
         let lure = self.random.choice(lures).unwrap_or(Lure::Anywhere);
         let mut scene = Scene { build, question, view: View::default() };
         self.look(&mut scene, lure);
+        // A descent and an edge are followed upright.
+        let looks = (scene.view.rotate, scene.view.stretch);
         match lure {
             Lure::Filament => self.follow(&mut scene, engine, config, go_on)?,
             Lure::Edge => self.follow_edge(&mut scene, engine, config, go_on)?,
             _ => {}
         }
+        (scene.view.rotate, scene.view.stretch) = looks;
         Ok((scene, lure))
     }
 
@@ -171,7 +174,6 @@ impl Scenes {
         go_on: &dyn Fn() -> bool,
     ) -> Result<(), EngineError> {
         let least = self.magnitude(-30.0, -1.0);
-        let looks = (scene.view.rotate, scene.view.stretch);
         let budget = scene.question.budget;
         let wish = [self.random.f64() - 0.5, self.random.f64() - 0.5];
         let mut descent = Descent::new(scene.clone(), config, wish);
@@ -181,7 +183,6 @@ impl Scenes {
                 DescentStep::End | DescentStep::Stopped => break,
             }
         }
-        (scene.view.rotate, scene.view.stretch) = looks;
         if scene.question.budget.secs > 300.0 * scene.build.unit_secs() || self.random.bool() {
             scene.question.budget = budget;
         }
@@ -198,7 +199,6 @@ impl Scenes {
         go_on: &dyn Fn() -> bool,
     ) -> Result<(), EngineError> {
         let least = self.magnitude(-25.0, -6.0);
-        let looks = (scene.view.rotate, scene.view.stretch);
         let unit = scene.build.unit_secs();
         (scene.view.rotate, scene.view.stretch) = (0.0, 1.0);
         scene.view.width = format!("{:.2e}", scene.view.width_rad().to_f64().min(0.5));
@@ -206,7 +206,6 @@ impl Scenes {
             let Some(next) = super::edge(scene, engine, config, unit)? else { break };
             *scene = next;
         }
-        (scene.view.rotate, scene.view.stretch) = looks;
         Ok(())
     }
 
