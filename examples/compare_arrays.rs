@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --example compare_arrays`
 
-use flipmap::engine::Accuracy;
-use flipmap::engine::choice::{EngineKind, EngineRequest, IntegrationSetting};
+use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
+use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::scene::Scene;
 use flipmap::tiles::{Renderer, Samples};
 
@@ -13,7 +13,7 @@ const TOLERANCE_SECS: f64 = 1e-3;
 
 fn map(level: Accuracy) -> Result<Samples, Box<dyn std::error::Error>> {
     let setting = IntegrationSetting::Accuracy(level);
-    let kind = EngineKind::Cpu;
+    let kind = Some(EngineKind::Cpu);
     let request = EngineRequest { kind, setting, ..EngineRequest::default() };
     Ok(Renderer::new(&request)?.render(&Scene::default(), SIZE)?)
 }

@@ -1,55 +1,59 @@
-//! Holds an integrator of one's own, Heun's method, against the gold standard, start by start.
+//! Runs an integrator of one's own on the processor's lanes, and judges it by the gold standard.
 //!
 //! `cargo run --release --example custom_integrator`
 
+use flipmap::engine::Question;
+use flipmap::engine::cpu::{Dop853, EmbeddedPair, outcomes};
+use flipmap::physics::embedded::{Trial, square};
 use flipmap::physics::flip::right_secs;
-use flipmap::physics::integrator::rk4;
-use flipmap::physics::trig::Turning;
-use flipmap::physics::{Outcome, Pendulum, Rule, State, Status, oracle};
+use flipmap::physics::phase::Phase;
+use flipmap::physics::{Dd, Outcome, Pendulum, Real, Rule, oracle};
+use flipmap::scene::Build;
 
-const BUDGET_SECS: f64 = 4.0;
-const STEP_SECS: f64 = 1e-3;
-type Step = fn(&Pendulum<f64>, &State<f64>, f64) -> State<f64>;
+/// Orders 3 and 2 (P. Bogacki and L. F. Shampine, *A 3(2) pair of Runge–Kutta formulas*, 1989).
+struct BogackiShampine;
 
-/// Heun's method: the mean of the slopes at both ends of an Euler step.
-fn heun(pendulum: &Pendulum<f64>, state: &State<f64>, step: f64) -> State<f64> {
-    let slope = |state: &State<f64>| [state.speed, pendulum.acceleration(state)];
-    let moved = |[speed, rise]: [[f64; 2]; 2]| State {
-        angle: [0, 1].map(|i| state.angle[i] + step * speed[i]),
-        speed: [0, 1].map(|i| state.speed[i] + step * rise[i]),
-    };
-    let first = slope(state);
-    let second = slope(&moved(first));
-    moved([0, 1].map(|part| [0, 1].map(|i| 0.5 * (first[part][i] + second[part][i]))))
-}
+impl EmbeddedPair for BogackiShampine {
+    const ORDER: u32 = 3;
 
-/// The first time at which the second bob passes the top, by steps of one length.
-fn outcome(step: Step, pendulum: &Pendulum<f64>, start: [f64; 2]) -> Outcome {
-    let turns = |state: &State<f64>| state.angle[1] / std::f64::consts::TAU + 0.5;
-    let mut state = State::rest(start);
-    for k in 0..(BUDGET_SECS / STEP_SECS) as u32 {
-        let next = step(pendulum, &state, STEP_SECS);
-        let (before, after) = (turns(&state), turns(&next));
-        if before.floor() != after.floor() {
-            let share = (before.round() - before) / (after - before);
-            return Outcome::flipped((f64::from(k) + share) * STEP_SECS);
-        }
-        state = next;
-    }
-    Outcome::without_time(Status::Unflipped)
-}
-
-fn main() {
-    let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 9.81);
-    let starts = (0..64).map(|k| [1.6 + 0.02 * f64::from(k % 8), 2.2 + 0.1 * f64::from(k / 8)]);
-    let starts: Vec<[f64; 2]> = starts.collect();
-    let rk4: Step = |pendulum, state, step| state.plus(&rk4(pendulum, state, step, Turning::Fresh));
-    for (name, step) in [("heun", heun as Step), ("rk4", rk4)] {
-        let is_right = |start: &&[f64; 2]| {
-            let truth = oracle::outcome(&pendulum, **start, Rule::Second, BUDGET_SECS);
-            let answer = outcome(step, &pendulum, **start);
-            answer.status == truth.status && (answer.time - truth.time).abs() < right_secs(1.0)
+    #[inline(always)]
+    fn trial<T: Real>(
+        pendulum: &Pendulum<T>,
+        inverse_scale: [T; 2],
+        phase: &Phase<T>,
+        step: T,
+    ) -> Trial<T> {
+        let slope =
+            |change: &Phase<T>| pendulum.derivative(&std::array::from_fn(|i| phase[i] + change[i]));
+        let sum = |weights: [f64; 4], k: [&Phase<T>; 4]| -> Phase<T> {
+            let part = |i: usize, j: usize| step.lit(weights[j]) * k[j][i];
+            std::array::from_fn(|i| step * (part(i, 0) + part(i, 1) + part(i, 2) + part(i, 3)))
         };
-        println!("{name}: {} of {} right", starts.iter().filter(is_right).count(), starts.len());
+        let k1 = pendulum.derivative(phase);
+        let k2 = slope(&sum([0.5, 0.0, 0.0, 0.0], [&k1; 4]));
+        let k3 = slope(&sum([0.75, 0.0, 0.0, 0.0], [&k2; 4]));
+        let change = sum([2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0, 0.0], [&k1, &k2, &k3, &k3]);
+        let k4 = slope(&change);
+        let error = sum([-5.0 / 72.0, 1.0 / 12.0, 1.0 / 9.0, -0.125], [&k1, &k2, &k3, &k4]);
+        let error_squared = square(&error, inverse_scale) * step.lit(1.0 / 6.0);
+        Trial { change, error_squared, bow: [step.lit(0.0); 2] }
     }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let question = Question { build: Build::default(), rule: Rule::Second, budget_secs: 4.0 };
+    let start = |k: u32| [1.6 + 0.02 * f64::from(k % 8), 2.2 + 0.1 * f64::from(k / 8)];
+    let starts: Vec<[Dd; 2]> = (0..64).map(|k| start(k).map(Dd::new)).collect();
+    let own = outcomes::<BogackiShampine>(&question, 1e-9, &starts)?;
+    let ours = outcomes::<Dop853>(&question, 1e-12, &starts)?;
+    let is_right = |(start, answer): &(&[Dd; 2], &Outcome)| {
+        let (pendulum, angle) = (question.build.pendulum(), start.map(|angle| angle.hi));
+        let truth = oracle::outcome(&pendulum, angle, question.rule, question.budget_secs);
+        answer.status == truth.status && (truth.time - answer.time).abs() < right_secs(1.0)
+    };
+    for (name, answers) in [("Bogacki-Shampine", own), ("DOP853", ours)] {
+        let right = starts.iter().zip(&answers).filter(is_right).count();
+        println!("{name}: {right} of {} right", starts.len());
+    }
+    Ok(())
 }

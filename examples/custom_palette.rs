@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example custom_palette` writes `rainbow.png`.
 
-use flipmap::engine::choice::{EngineKind, EngineRequest};
+use flipmap::engine::EngineKind;
+use flipmap::engine::choice::EngineRequest;
 use flipmap::physics::{Outcome, Status};
 use flipmap::scene::Scene;
 use flipmap::tiles::Renderer;
@@ -21,7 +22,7 @@ fn colour(outcome: Outcome) -> Rgb<u8> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+    let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
     let samples = Renderer::new(&request)?.render(&Scene::default(), [SIDE; 2])?;
     let pixel = |x: u32, y: u32| colour(samples.get((y * SIDE + x) as usize));
     RgbImage::from_fn(SIDE, SIDE, pixel).save("rainbow.png")?;

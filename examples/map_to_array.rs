@@ -4,7 +4,8 @@
 
 use std::fs::File;
 
-use flipmap::engine::choice::{EngineKind, EngineRequest};
+use flipmap::engine::EngineKind;
+use flipmap::engine::choice::EngineRequest;
 use flipmap::output::NpyWriter;
 use flipmap::scene::Document;
 use flipmap::tiles::Renderer;
@@ -14,7 +15,7 @@ const SIZE: [u32; 2] = [96, 64];
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let text = "[view]\ncenter = [\"-1.66\", \"0.1\"]\nwidth = \"0.5\"";
     let scene = Document::parse(text)?.scene().checked()?;
-    let request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+    let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
     let mut renderer = Renderer::new(&request)?;
     let samples = renderer.render(&scene, SIZE)?;
 

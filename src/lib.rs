@@ -9,12 +9,13 @@
 //! A [`tiles::Renderer`] turns a [`scene::Scene`] into samples: `examples/map_to_array.rs`.
 //!
 //! ```
-//! use flipmap::engine::choice::{EngineKind, EngineRequest};
+//! use flipmap::engine::choice::EngineRequest;
+//! use flipmap::engine::EngineKind;
 //! use flipmap::scene::Document;
 //! use flipmap::tiles::Renderer;
 //!
 //! let scene = Document::parse("[view]\ncenter = [\"2\", \"1.4\"]\nwidth = \"0.1\"")?.scene();
-//! let request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+//! let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
 //! let samples = Renderer::new(&request)?.render(&scene.checked()?, [8, 8])?;
 //! assert_eq!(samples.len(), 64);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -37,8 +38,9 @@
 //! assert!((outcome.time - 1.767_916_558_420_626_6).abs() < 1e-12);
 //! ```
 //!
-//! The equations of motion are generic too, so an integrator of your own is a function of a
-//! [`physics::Pendulum`] and a [`physics::State`]: `examples/custom_integrator.rs`.
+//! The equations of motion are generic too: an integrator of your own, an
+//! [`engine::cpu::EmbeddedPair`], runs on the processor's SIMD lanes as ours do
+//! (`examples/custom_integrator.rs`).
 //!
 //! # The modules
 //!

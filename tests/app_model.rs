@@ -14,8 +14,8 @@ use egui_kittest::kittest::{AccessKitNode, NodeT, Queryable};
 use flipmap::app::folders::Folders;
 use flipmap::app::model::{AppModel, WindowOptions};
 use flipmap::app::settings::Theme;
-use flipmap::engine::Accuracy;
-use flipmap::engine::choice::{EngineKind, EngineRequest, IntegrationSetting};
+use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
+use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::lab::Figure;
 use flipmap::physics::Scalar;
 use flipmap::scene::{BuiltIn, Document, RunTable, location};
@@ -25,7 +25,8 @@ type Desktop = Harness<'static, AppModel>;
 
 fn options(folders: Folders, document: Option<Document>) -> WindowOptions {
     let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
-    let request = EngineRequest { kind: EngineKind::Cpu, setting, ..EngineRequest::default() };
+    let request =
+        EngineRequest { kind: Some(EngineKind::Cpu), setting, ..EngineRequest::default() };
     let run = RunTable { accuracy: Some("fast".to_string()), ..RunTable::default() };
     WindowOptions { document, run: Some(run), request, folders, stats: None }
 }
@@ -348,7 +349,7 @@ fn figures_are_a_key_away_and_the_map_rests_behind_them() {
     let mut desktop = home();
     let before = (counts(&desktop), place(&desktop));
     let keys = [Key::F2, Key::F3, Key::F4, Key::F5, Key::F6, Key::F7];
-    for (key, (figure, ..)) in keys.into_iter().zip(Figure::ALL) {
+    for (key, figure) in keys.into_iter().zip(Figure::all()) {
         press(&mut desktop, Modifiers::NONE, key);
         assert_eq!(desktop.state().lab.figure, figure);
         assert_eq!(desktop.state().figure_shown(), Some(figure.name()));

@@ -5,12 +5,12 @@
 mod adapter;
 mod common;
 
-use flipmap::engine::choice::{EngineKind, EngineRequest, IntegrationSetting};
+use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::BALANCED;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Method, Precision, Trust};
+use flipmap::engine::{Accuracy, Engine, EngineKind, IntegratorConfig, Method, Precision, Trust};
 use flipmap::physics::flip::right_secs;
 use flipmap::physics::{Dd, Outcome, Rule, Scalar, Status, oracle};
 use flipmap::report::hunt::Hunt;
@@ -185,7 +185,8 @@ needs_adapter!(gpu: every_configuration_of_a_graphics_card_is_checked);
 #[test]
 fn a_small_hunt_comes_home_with_nothing() {
     let setting = IntegrationSetting::Accuracy(Accuracy::Exact);
-    let request = EngineRequest { kind: EngineKind::Cpu, setting, ..EngineRequest::default() };
+    let request =
+        EngineRequest { kind: Some(EngineKind::Cpu), setting, ..EngineRequest::default() };
     let hunt = Hunt::run(30.0, 5, 11, &request, &|| false, &mut |_| {}).unwrap();
     assert_eq!(hunt.windows, 5);
     assert!(hunt.judged > 1000 && hunt.wrong.is_empty(), "{hunt:#?}");

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{
-    Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Question, Starts,
+    Accuracy, Engine, EngineKind, IntegratorConfig, Keep, Method, Precision, Question, Starts,
 };
 use flipmap::physics::{Dd, Decimal, Outcome, Rule, Status};
 use flipmap::scene::{Budget, Build, FlipQuestion as Asked, Kind, Scene, View};
@@ -21,7 +21,7 @@ fn configs(engine: &dyn Engine) -> Vec<IntegratorConfig> {
     let mut configs = PRECISIONS.map(lesson).to_vec();
     configs.push(config(Method::Dopri5 { tolerance: 1e-7 }, Precision::F32));
     configs.push(config(Method::Dop853 { tolerance: 1e-12 }, Precision::F64));
-    if engine.name() == "cpu" {
+    if engine.kind() == EngineKind::Cpu {
         configs.push(config(Method::Taylor { tolerance: 1e-15 }, Precision::F64));
     }
     configs

@@ -9,7 +9,7 @@ const EXAMPLES: [(&str, &str, &str); 5] = [
     ("map_to_array", "pixels flip within the budget", "map.npy"),
     ("one_pendulum", "the second bob flips after", ""),
     ("custom_palette", "wrote rainbow.png", "rainbow.png"),
-    ("custom_integrator", "rk4: 64 of 64 right", ""),
+    ("custom_integrator", "Bogacki-Shampine: 64 of 64 right", ""),
     ("compare_arrays", "of 2304 pixels of the lesson's map are wrong", ""),
 ];
 

@@ -11,9 +11,9 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::report::hard::{HardBench, cases};
 
 fn all_hold(engine: Box<dyn Engine>) {
-    let (name, mut bench) = (engine.name(), HardBench::new(engine));
+    let (kind, mut bench) = (engine.kind(), HardBench::new(engine));
     let mut broken = Vec::new();
-    for case in cases().into_iter().filter(|case| case.is_for(name)) {
+    for case in cases().into_iter().filter(|case| case.is_for(kind)) {
         let begun = std::time::Instant::now();
         let finding = case.measure(&mut bench);
         let told = format!("{}: {}", case.name, finding.measured);

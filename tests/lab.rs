@@ -124,7 +124,7 @@ fn a_step_that_is_too_long_says_so() {
     let mut harness = figure(Figure::Integrators, 0.0);
     harness.state_mut().lab.open(Figure::Integrators, [2.9, 2.9]);
     assert!(harness.query_all_by_label("Step Δt").count() > 0);
-    let mut lab = harness.state().lab.clone();
+    let lab = &mut harness.state_mut().lab;
     for _ in 0..400 {
         lab.live().unwrap().advance(0.2);
     }

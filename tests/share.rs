@@ -6,7 +6,8 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
-use flipmap::engine::choice::{EngineKind, EngineRequest};
+use flipmap::engine::EngineKind;
+use flipmap::engine::choice::EngineRequest;
 use flipmap::output::document_in_png;
 use flipmap::scene::{BUILT_IN, BuiltIn, Document, Scale};
 
@@ -24,7 +25,7 @@ fn render(folder: &Path, arguments: &[&str]) -> String {
 fn export(mut document: Document, path: &Path, kind: ExportKind) {
     document.run.accuracy = Some("fast".to_string());
     let request = ExportRequest { document, size: [48, 32], path: path.to_path_buf(), kind };
-    let engine_request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+    let engine_request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
     let stage = Export::start(request, engine_request, || ()).wait();
     assert!(matches!(stage, ExportStage::Done { .. }), "{stage:?}");
 }

@@ -8,8 +8,7 @@ use super::camera::Camera;
 use super::pins::PinAction;
 use super::settings::{Layers, Theme};
 use super::state::Dialog;
-use crate::engine::Accuracy;
-use crate::engine::choice::EngineKind;
+use crate::engine::{Accuracy, EngineKind};
 use crate::lab::Figure;
 use crate::physics::Theta;
 use crate::scene::{Build, Document, FlipQuestion, PictureTable};
@@ -81,7 +80,7 @@ pub enum Action {
     /// Changes the accuracy level.
     Accuracy(Accuracy),
     /// Changes the kind of engine.
-    Engine(EngineKind),
+    Engine(Option<EngineKind>),
     /// Reopens the engine after a failure.
     TryAgain,
     /// Shows or hides layers.

@@ -118,10 +118,8 @@ fn doing(state: &AppState) -> Vec<Command> {
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),
     ];
-    let keys = [Key::F2, Key::F3, Key::F4, Key::F5, Key::F6, Key::F7, Key::F8];
-    let figures = Figure::ALL.into_iter().zip(keys);
-    commands.extend(figures.map(|((figure, .., title, _), letter)| {
-        command(title, [key(PLAIN, letter)], Action::Lab(Some(figure)))
+    commands.extend(Figure::all().map(|figure| {
+        command(figure.title(), [key(PLAIN, figure.key())], Action::Lab(Some(figure)))
     }));
     if state.shown.debug {
         commands.push(command("Lose the graphics device", [], Action::LoseDevice));

@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::engine::background::{self, Background, PendingEngine};
-use crate::engine::choice::{self, Chosen, EngineKind, EngineRequest, IntegrationSetting};
-use crate::engine::{Engine, IntegratorConfig};
+use crate::engine::choice::{self, Chosen, EngineRequest, IntegrationSetting};
+use crate::engine::{Engine, EngineKind, IntegratorConfig};
 use crate::tiles::Renderer;
 use crate::tiles::explorer::Explorer;
 use crate::tiles::view_target::ViewTarget;
@@ -73,7 +73,7 @@ impl ComputeService {
     }
 
     /// Opens another engine, or reopens the same one. Samples already computed stay.
-    pub fn reopen(&mut self, kind: EngineKind, setting: IntegrationSetting, verify: bool) {
+    pub fn reopen(&mut self, kind: Option<EngineKind>, setting: IntegrationSetting, verify: bool) {
         self.request = EngineRequest { kind, setting, ..self.request.clone() };
         self.verify = verify;
         self.failures = 0;
@@ -110,9 +110,9 @@ impl ComputeService {
     }
 
     /// Returns the name of the engine, its adapter, and why it was chosen, for display.
-    pub fn engine(&self) -> Option<(&'static str, String, &str)> {
+    pub fn engine(&self) -> Option<(EngineKind, String, &str)> {
         match &self.stage {
-            ServiceState::Ready(engine) => Some((engine.name(), engine.adapter(), &engine.why)),
+            ServiceState::Ready(engine) => Some((engine.kind(), engine.adapter(), &engine.why)),
             _ => None,
         }
     }
@@ -184,9 +184,12 @@ impl ComputeService {
         let then = if self.failures < MOST_FAILURES {
             self.open();
             "The engine is being opened again."
-        } else if self.request.kind != EngineKind::Cpu {
-            self.request =
-                EngineRequest { kind: EngineKind::Cpu, adapter: None, ..self.request.clone() };
+        } else if self.request.kind != Some(EngineKind::Cpu) {
+            self.request = EngineRequest {
+                kind: Some(EngineKind::Cpu),
+                adapter: None,
+                ..self.request.clone()
+            };
             self.failures = 0;
             self.open();
             "The processor goes on; choose another engine under Accuracy."

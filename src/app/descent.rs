@@ -10,8 +10,8 @@ use super::camera::Camera;
 use super::compute_service::{Wake, step_back};
 use super::model::AppModel;
 use super::panels::descent::DescentAction;
-use crate::engine::EngineError;
-use crate::engine::choice::{ChoiceError, EngineKind, EngineRequest, choose};
+use crate::engine::choice::{ChoiceError, EngineRequest, choose};
+use crate::engine::{EngineError, EngineKind};
 use crate::scene::{Document, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
 
@@ -48,7 +48,7 @@ impl BackgroundDescent {
         std::thread::spawn(move || {
             step_back();
             // The pictures are small: opening a graphics card would take longer.
-            let engine = EngineRequest { kind: EngineKind::Cpu, adapter: None, ..engine };
+            let engine = EngineRequest { kind: Some(EngineKind::Cpu), adapter: None, ..engine };
             let why = match descent(scene, towards, &engine, &stop, (&sender, &wake)) {
                 Ok(()) => "Nothing near is left to see: the way down ends here.".to_string(),
                 Err(error) => format!("The way down ended: {error}."),
@@ -97,7 +97,7 @@ impl AppModel {
         let scene = self.state.document().scene();
         self.descent.scenes = vec![scene.clone()];
         let request =
-            EngineRequest { setting: self.state.integration.setting, ..self.request.clone() };
+            EngineRequest { setting: self.state.integration.spec.setting, ..self.request.clone() };
         self.descent.running =
             Some(BackgroundDescent::start(scene, towards, request, Arc::clone(&self.wake)));
     }

@@ -42,11 +42,11 @@ impl AppModel {
             Effect::Reopen => {
                 self.relaunch();
                 self.request.kind = self.state.integration.kind;
-                self.request.setting = self.state.integration.setting;
+                self.request.setting = self.state.integration.spec.setting;
                 self.compute.reopen(
                     self.state.integration.kind,
-                    self.state.integration.setting,
-                    self.state.integration.verify,
+                    self.state.integration.spec.setting,
+                    self.state.integration.spec.verify,
                 );
             }
             Effect::Open(path) => self.open(&path),

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use crate::engine::choice::{Chosen, EngineRequest, choose};
 use crate::engine::method::Pace;
-use crate::engine::{Engine, Question, run_settings};
+use crate::engine::run_settings::{RunSettingsError, RunSpec};
+use crate::engine::{Engine, Question};
 use crate::output::{
     Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, render_pass, sentence,
 };
@@ -153,7 +154,7 @@ enum Failure {
     #[error(transparent)]
     Scene(#[from] crate::scene::DocumentError),
     #[error(transparent)]
-    Words(#[from] run_settings::RunSettingsError),
+    Words(#[from] RunSettingsError),
     #[error(transparent)]
     Choice(#[from] crate::engine::choice::ChoiceError),
     #[error(transparent)]
@@ -173,13 +174,12 @@ fn run(
     request: &ExportRequest,
     engine_request: &EngineRequest,
     set: &dyn Fn(ExportStage),
-    stopped: &dyn Fn() -> bool,
+    stopped: &(dyn Fn() -> bool + Sync),
 ) -> Result<(), Failure> {
     let words = RunTable { size: Some(request.size), ..request.document.run.clone() };
-    let (setting, run) = run_settings::resolve(words)?;
-    let verify = run_settings::verifies(setting, &run);
+    let RunSpec { setting, verify, table } = RunSpec::resolve(words)?;
     let engine_request = &EngineRequest { setting, ..engine_request.clone() };
-    let document = Document { run, ..request.document.clone() };
+    let document = Document { run: table, ..request.document.clone() };
     document.check()?;
     document.picture.check_size(request.size).map_err(crate::scene::DocumentError::from)?;
     let scene = document.scene();
@@ -192,6 +192,7 @@ fn run(
         Pace::new(&question, &config)?;
     }
     let mut renderer = Renderer::of(engine, config, verify, engine_request.threads)?;
+    renderer.second_opinion(&scene, request.size, &|| !stopped())?;
     for pass in sinks.passes(document.picture.samples) {
         let size = request.size.map(|side| side * pass.along);
         let mut work = renderer.work(&scene, size);
@@ -206,7 +207,7 @@ fn run_pass(
     engine: &mut dyn Engine,
     sinks: &mut Sinks,
     pass: &SinkPass,
-    (set, stopped): (&dyn Fn(ExportStage), &dyn Fn() -> bool),
+    (set, stopped): (&dyn Fn(ExportStage), &(dyn Fn() -> bool + Sync)),
 ) -> Result<(), RenderError> {
     let total = f64::from(size[0]) * f64::from(size[1]);
     let begun = Instant::now();
@@ -261,7 +262,7 @@ pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::choice::EngineKind;
+    use crate::engine::EngineKind;
     use crate::scene::BuiltIn;
 
     fn request(path: PathBuf) -> ExportRequest {
@@ -271,7 +272,7 @@ mod tests {
     }
 
     fn fast() -> EngineRequest {
-        EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() }
+        EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::state::{AppState, Effect, following};
-use crate::engine::run_settings;
+use crate::engine::run_settings::RunSpec;
 use crate::scene::{Document, RunTable, location};
 
 impl AppState {
@@ -28,14 +28,11 @@ impl AppState {
         if words == RunTable::default() {
             return false;
         }
-        match run_settings::resolve(words) {
-            Ok((setting, run)) => {
-                let verify = run_settings::verifies(setting, &run);
-                let other =
-                    (setting, verify) != (self.integration.setting, self.integration.verify);
-                (self.integration.setting, self.integration.verify, self.integration.run) =
-                    (setting, verify, run);
-                other
+        match RunSpec::resolve(words) {
+            Ok(spec) => {
+                let (setting, verify) = (spec.setting, spec.verify);
+                let earlier = std::mem::replace(&mut self.integration.spec, spec);
+                (setting, verify) != (earlier.setting, earlier.verify)
             }
             Err(error) => {
                 self.notices

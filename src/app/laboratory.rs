@@ -45,9 +45,10 @@ impl AppModel {
     pub(super) fn figure_tabs(&self, ui: &mut Ui) -> Vec<Action> {
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
-            for (figure, name, title, _) in Figure::ALL {
+            for figure in Figure::all() {
                 let shown = self.lab.figure == figure;
-                if ui.selectable_label(shown, name).on_hover_text(title).clicked() {
+                if ui.selectable_label(shown, figure.name()).on_hover_text(figure.title()).clicked()
+                {
                     actions.push(Action::Lab(Some(figure)));
                 }
             }

@@ -30,7 +30,7 @@ use super::settings::{Appearance, Loaded, Settings, Store};
 use super::state::{AppState, Effect};
 use super::view_samples;
 use crate::engine::choice::EngineRequest;
-use crate::engine::run_settings;
+use crate::engine::run_settings::RunSpec;
 use crate::lab::{Figure, Lab};
 use crate::scene::palette::equalised;
 use crate::scene::{Document, PictureTable, RunTable};
@@ -111,12 +111,12 @@ impl AppModel {
         let last = settings.last_scene.clone().filter(|_| settings.restore);
         let mut document = options.document.clone().or(last).unwrap_or_default();
         let words = options.run.as_ref().unwrap_or(&document.run).clone();
-        let resolved = run_settings::resolve(words);
+        let resolved = RunSpec::resolve(words);
         let problem = resolved.as_ref().err().map(ToString::to_string);
-        let (setting, run) = resolved.unwrap_or_default();
-        let verify = run_settings::verifies(setting, &run);
-        document.run = run;
-        let mut state = AppState::new(&document, setting, verify);
+        let spec = resolved.unwrap_or_default();
+        let (setting, verify) = (spec.setting, spec.verify);
+        document.run = spec.table.clone();
+        let mut state = AppState::new(&document, spec);
         state.integration.kind = options.request.kind;
         (state.look.animate, state.look.theme, state.look.ui_scale) =
             (settings.animate, settings.theme, settings.ui_scale);

@@ -85,9 +85,9 @@ impl Forecast {
 impl AppModel {
     /// Asks for the outlook on a view that `balanced` has computed; returns true if there is news.
     pub(super) fn foresee(&mut self) -> bool {
-        let unchecked = self.state.integration.setting
+        let unchecked = self.state.integration.spec.setting
             == IntegrationSetting::Accuracy(Accuracy::Balanced)
-            && !self.state.integration.verify;
+            && !self.state.integration.spec.verify;
         if !unchecked {
             self.forecast.forget();
             return false;

@@ -112,14 +112,14 @@ impl AppModel {
     fn computing(&self) -> Computing {
         let engine = self.compute.engine();
         let rate = self.meter.rate();
-        let cost_us = match self.state.integration.setting {
+        let cost_us = match self.state.integration.spec.setting {
             crate::engine::choice::IntegrationSetting::Accuracy(level) if rate > 0.0 => {
                 vec![(level, 1e6 / rate)]
             }
             _ => Vec::new(),
         };
         Computing {
-            setting: self.state.integration.setting,
+            setting: self.state.integration.spec.setting,
             kind: self.state.integration.kind,
             config: self.compute.config(),
             engine: engine.map(|(name, adapter, why)| (name.to_string(), adapter, why.to_string())),

@@ -11,11 +11,11 @@ use super::integration::Integration;
 use super::notices::Notices;
 use super::pins::{PinAction, PinId, Pins};
 use super::settings::{Appearance, Layers, Settings, Theme};
-use crate::engine::choice::{EngineKind, IntegrationSetting};
+use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
 use crate::physics::Theta;
-use crate::scene::{Budget, Build, Document, FlipQuestion, PictureTable, RunTable, Scene, View};
+use crate::scene::{Budget, Build, Document, FlipQuestion, PictureTable, Scene, View};
 use crate::tiles::view_target::{Physics, ViewTarget};
 
 /// A panel or window that opens over or beside the map.
@@ -131,8 +131,8 @@ pub(super) fn following(scene: &Scene) -> FlipQuestion {
 }
 
 impl AppState {
-    /// Creates the state of a document whose run table has been resolved to these settings.
-    pub fn new(document: &Document, setting: IntegrationSetting, verify: bool) -> Self {
+    /// Creates the state of a document with its resolved settings.
+    pub fn new(document: &Document, spec: RunSpec) -> Self {
         let scene = document.scene();
         let camera = Camera::from_view(&scene.view);
         AppState {
@@ -140,12 +140,7 @@ impl AppState {
             question: following(&scene),
             picture: document.picture.clone(),
             spreads: document.picture.times.is_empty(),
-            integration: Integration {
-                run: document.run.clone(),
-                setting,
-                verify,
-                kind: EngineKind::Auto,
-            },
+            integration: Integration { spec, kind: None },
             camera,
             moving: None,
             dragging: false,
@@ -178,7 +173,7 @@ impl AppState {
             question: self.question,
             view: self.target().view(),
             picture: PictureTable { curve, ..self.picture.clone() },
-            run: self.integration.run.clone(),
+            run: self.integration.spec.table.clone(),
             ..Document::default()
         }
     }
@@ -215,7 +210,7 @@ impl AppState {
             build: self.build,
             rule: self.question.rule,
             config,
-            verified: self.integration.verify,
+            verified: self.integration.spec.verify,
         };
         let width_rad = screen.camera.width_rad;
         let budget_secs = self.question.budget.for_width(&self.build, width_rad).secs;
@@ -369,10 +364,7 @@ impl AppState {
     }
 
     fn set_accuracy(&mut self, accuracy: Accuracy) {
-        self.integration.setting = IntegrationSetting::Accuracy(accuracy);
-        self.integration.verify = accuracy.verifies();
-        self.integration.run =
-            RunTable { accuracy: Some(accuracy.to_string()), ..RunTable::default() };
+        self.integration.spec = RunSpec::of_level(accuracy);
     }
 
     fn toggle(&mut self, dialog: Dialog) {
@@ -396,12 +388,13 @@ impl AppState {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::engine::choice::IntegrationSetting;
     use crate::engine::{Method, Precision};
     use crate::physics::Scalar;
 
     /// Returns the state of a window with the home scene.
     pub(crate) fn state() -> AppState {
-        AppState::new(&Document::default(), IntegrationSetting::Accuracy(Accuracy::Balanced), false)
+        AppState::new(&Document::default(), RunSpec::of_level(Accuracy::Balanced))
     }
 
     fn look(state: &mut AppState, look: Look) {
@@ -483,8 +476,8 @@ pub(super) mod tests {
         document.run.method = Some("rk4".to_string());
         let shown = state.apply(Action::Show(Box::new(document.clone())));
         assert_eq!(shown, Some(Effect::Reopen));
-        let IntegrationSetting::Explicit(config) = state.integration.setting else {
-            panic!("{:?}", state.integration.setting)
+        let IntegrationSetting::Explicit(config) = state.integration.spec.setting else {
+            panic!("{:?}", state.integration.spec.setting)
         };
         assert_eq!(config.method, Method::LESSON);
         assert_eq!(state.document().run.step.as_deref(), Some("1/120"));

@@ -1,12 +1,11 @@
 //! `flipmap compare`: compares two results of the same size.
 
-use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
 use flipmap::output::compare::{Comparison, Difference, ResultRows, compare};
-use flipmap::output::{Destination, PngWriter, SafeFile};
+use flipmap::output::{PictureFile, SafeFile};
 
 use super::exit::Exit;
 use super::options::number;
@@ -50,7 +49,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         Exit::Usage(format!("--share is '{}'; it must be between 0 and 1", options.share))
     })?;
     let comparison = match &options.output {
-        Some(path) => pictured(a, b, tolerance, &Destination::from(path.as_path()))?,
+        Some(path) => pictured(a, b, tolerance, path)?,
         None => compare(a, b, tolerance, &mut |_| Ok(()))?,
     };
     tell(options, &comparison, times)?;
@@ -67,20 +66,14 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 }
 
 /// Compares two results and draws their differences row by row.
-fn pictured(
-    a: ResultRows,
-    b: ResultRows,
-    tolerance: f64,
-    to: &Destination,
-) -> anyhow::Result<Comparison> {
-    let cannot = || format!("-o: cannot write {to}");
-    let file = SafeFile::create(to).with_context(cannot)?;
-    let mut picture = PngWriter::without_scene(file, a.size()).with_context(cannot)?;
+fn pictured(a: ResultRows, b: ResultRows, tolerance: f64, to: &Path) -> anyhow::Result<Comparison> {
+    let cannot = || format!("-o: cannot write {}", to.display());
+    let mut picture = PictureFile::create(to, a.size(), None).with_context(cannot)?;
     let comparison = compare(a, b, tolerance, &mut |row| {
         let bytes: Vec<u8> = row.iter().flat_map(|by| colour(*by, tolerance)).collect();
-        picture.write(&bytes).map_err(io::Error::other)
+        picture.write(&bytes)
     })?;
-    picture.finish().with_context(cannot)?.finish().with_context(cannot)?;
+    picture.complete().and_then(SafeFile::finish).with_context(cannot)?;
     Ok(comparison)
 }
 

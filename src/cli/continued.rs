@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use flipmap::engine::choice::EngineRequest;
-use flipmap::engine::{Engine, IntegratorConfig};
+use flipmap::engine::{Engine, EngineKind, IntegratorConfig};
 use flipmap::output::{Destination, RenderState, RunRecord, SafeFile};
 use flipmap::scene::Document;
 use flipmap::tiles::SavedPixels;
@@ -46,7 +46,7 @@ impl Continued {
     /// Requests the engine of the earlier render, unless the user chose one.
     pub(super) fn prefer_engine(&self, request: EngineRequest) -> EngineRequest {
         match &self.earlier {
-            Some(RenderState { ran, .. }) => prefer_engine(request, &ran.engine, &ran.adapter),
+            Some(RenderState { ran, .. }) => prefer_engine(request, ran.engine, &ran.adapter),
             None => request,
         }
     }
@@ -105,12 +105,12 @@ fn read(path: &Path, document: &Document) -> Result<RenderState, Exit> {
 fn ran(engine: &dyn Engine, config: IntegratorConfig) -> RunRecord {
     let adapter = engine.adapter();
     // A processor is "2 threads, AVX2", of which only the second part matters.
-    let adapter = match (engine.name(), adapter.split_once(", ")) {
-        ("cpu", Some((_, set))) => set.to_string(),
+    let adapter = match (engine.kind(), adapter.split_once(", ")) {
+        (EngineKind::Cpu, Some((_, set))) => set.to_string(),
         _ => adapter,
     };
     RunRecord {
-        engine: engine.name().to_string(),
+        engine: engine.kind(),
         adapter,
         method: config.method.name().to_string(),
         setting: config.method.setting(),

@@ -34,10 +34,10 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         Exit::Usage(format!("--to is '{text}'; it must be a width between 1e-100 and 1 rad"))
     })?;
     let mut document = options.scene.document()?;
-    let plan = options.run.settle(&mut document)?;
+    let spec = options.run.settle(&mut document)?;
     let scene = document.scene();
     stop::listen()?;
-    let mut chosen = start(&options.run.engine.request(plan.setting))?;
+    let mut chosen = start(&options.run.engine.request(spec.setting))?;
     let mut descent = Descent::new(scene.clone(), chosen.config, [0.0; 2]);
     let mut path = vec![scene];
     while width(&path[path.len() - 1]) > to {

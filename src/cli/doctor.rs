@@ -44,11 +44,11 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let tell = |text: &str| super::tell(&format!("flipmap: {text}"));
     let profile = Profile::get(None, &tell);
     let chosen = choose(&EngineRequest::default(), &tell)?;
-    let used = format!("{} ({})", chosen.engine.name(), chosen.engine.adapter());
+    let used = format!("{} ({})", chosen.engine.kind(), chosen.engine.adapter());
     if options.json {
         let object = json!({
             "adapters": findings.iter().map(as_json).collect::<Vec<_>>(),
-            "engine": chosen.engine.name(),
+            "engine": chosen.engine.kind(),
             "adapter": chosen.engine.adapter(),
             "why": chosen.why,
             "profile": profile,

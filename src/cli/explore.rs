@@ -30,12 +30,12 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
-    let plan = options.run.settle(&mut document)?;
+    let spec = options.run.settle(&mut document)?;
     let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
     let options = model::WindowOptions {
         run: options.run.says_how().then(|| document.run.clone()),
         document: options.scene.says_something().then_some(document),
-        request: options.run.engine.request(plan.setting),
+        request: options.run.engine.request(spec.setting),
         folders,
         stats: options.stats.clone(),
     };

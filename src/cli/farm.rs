@@ -39,7 +39,7 @@ pub(super) fn scan(task: &Task) -> anyhow::Result<Parts> {
 
 /// Requests the engine that a plan was made for, unless the request names another.
 pub(super) fn request_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
-    prefer_engine(request, &plan.engine, plan.adapter.as_deref().unwrap_or_default())
+    prefer_engine(request, plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
 /// Computes what is missing from some shards; if nothing is, returns the existing parts.
@@ -61,11 +61,19 @@ pub(super) fn compute(
     drop(parts);
     let Chosen { engine, config, following, .. } = chosen;
     let mut renderer = Renderer::of(engine, config, task.plan.verify, threads)?;
+    // Every shard integrates the same pixels directly, and so marks what the others mark.
+    if let TaskKind::Still(document, passes) = &task.work {
+        let size = passes[0].size.map(|side| side / passes[0].along);
+        let opinion = renderer.second_opinion(&document.scene(), size, &|| !stop::asked())?;
+        if let Some(warning) = opinion.and_then(|opinion| opinion.warning()) {
+            super::tell(&format!("flipmap: {warning}"));
+        }
+    }
     let engine = renderer.engine();
     super::tell(&format!(
         "flipmap: {total} of {} samples to compute, {} engine, {} {} in {}",
         task.samples(),
-        engine.name(),
+        engine.kind(),
         task.config.method.name(),
         task.config.method.setting(),
         task.config.precision,

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use clap::Args;
+use flipmap::engine::run_settings::RunSpec;
 use flipmap::physics::Decimal;
 use flipmap::scene::film::Film;
 use flipmap::scene::keys::{Easing, Key, Keys};
@@ -12,7 +13,7 @@ use flipmap::scene::{Budget, Document, Scene, View};
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};
 use super::picture_options::PictureOptions;
-use super::run_options::{RunOptions, RunSpec};
+use super::run_options::RunOptions;
 
 #[derive(Args, Debug, Default)]
 pub(super) struct FilmOptions {
@@ -85,15 +86,15 @@ impl FilmOptions {
             first.scene.picture.samples = SAMPLES;
         }
         first.scene.picture.check()?;
-        let plan = self.run.settle(&mut first.scene)?;
+        let spec = self.run.settle(&mut first.scene)?;
         let how = (first.scene.picture.clone(), first.scene.run.clone());
         for key in &mut keys {
             (key.scene.picture, key.scene.run) = how.clone();
         }
-        let film = self.timed(keys, plan.size)?;
+        let film = self.timed(keys, spec.size())?;
         film.check().map_err(|why| Exit::Usage(why.to_string()))?;
         how.0.check_size(film.size)?;
-        Ok((film, plan))
+        Ok((film, spec))
     }
 
     fn keys(&self) -> anyhow::Result<Vec<Key>> {

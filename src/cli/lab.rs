@@ -1,12 +1,13 @@
 //! `flipmap lab`: writes a figure of the lesson as a still or as data.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use clap::Args;
 use flipmap::lab::home::home_map;
 use flipmap::lab::still::{Still, draw, still};
 use flipmap::lab::{Figure, Lab, flips};
-use flipmap::output::PngWriter;
+use flipmap::output::PictureFile;
 use flipmap::scene::Build;
 
 use super::exit::Exit;
@@ -56,7 +57,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         super::write_whole(path, "--csv", live.csv(secs).as_bytes())?;
     }
     if let Some(path) = &options.output {
-        super::write_whole(path, "-o", &png(&still(&mut lab, size, secs)?)?)?;
+        write(path, &still(&mut lab, size, secs)?)?;
     }
     Ok(())
 }
@@ -74,7 +75,7 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
             let texture = texture.get_or_insert_with(|| map.texture(ui.ctx()));
             flips::show(ui, texture, &build, &map.seen);
         })?;
-        super::write_whole(path, "-o", &png(&still)?)?;
+        write(path, &still)?;
     }
     Ok(())
 }
@@ -89,8 +90,10 @@ fn size(text: &str) -> Result<[u32; 2], Exit> {
     })
 }
 
-fn png(still: &Still) -> anyhow::Result<Vec<u8>> {
-    let mut writer = PngWriter::without_scene(Vec::new(), still.size)?;
-    writer.write(&still.rgb)?;
-    Ok(writer.finish()?)
+fn write(path: &Path, still: &Still) -> anyhow::Result<()> {
+    let written = PictureFile::create(path, still.size, None).and_then(|mut picture| {
+        picture.write(&still.rgb)?;
+        picture.complete()?.finish()
+    });
+    written.with_context(|| format!("-o: cannot write {}", path.display()))
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use flipmap::engine::choice::IntegrationSetting;
+use flipmap::engine::run_settings::RunSpec;
 use flipmap::farm::merge::{self, MergeError};
 use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
 use flipmap::scene::Document;
@@ -72,9 +73,9 @@ pub(super) struct MergeOptions {
 /// Runs `flipmap plan`.
 pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
-    let (mut what, how) = what(options)?;
+    let (mut what, spec) = what(options)?;
     spares_others(&options.output)?;
-    let mut chosen = start(&options.film.run.engine.request(how.setting))?;
+    let mut chosen = start(&options.film.run.engine.request(spec.setting))?;
     let scene = match &what {
         PlannedOutput::Still(document) => document.scene(),
         PlannedOutput::Film(film) => film.keys[0].scene.scene(),
@@ -83,9 +84,9 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     if let PlannedOutput::Still(document) = &mut what
         && options.film.picture.spreads(document)
     {
-        spread(document, how.size, chosen.config, chosen.engine.as_mut())?;
+        spread(document, spec.size(), chosen.config, chosen.engine.as_mut())?;
     }
-    let engine = (chosen.engine.as_ref(), chosen.config, how.verify);
+    let engine = (chosen.engine.as_ref(), chosen.config, spec.verify);
     let plan = Plan::new(what, options.shards, engine, options.numbers);
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
     let task = Task::new(plan, &options.output)?;
@@ -110,18 +111,18 @@ fn spares_others(path: &Path) -> Result<(), Exit> {
     }
 }
 
-fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, super::run_options::RunSpec)> {
+fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     if options.film.says_film() {
-        let (film, how) = options.film.film()?;
-        return Ok((PlannedOutput::Film(film), how));
+        let (film, spec) = options.film.film()?;
+        return Ok((PlannedOutput::Film(film), spec));
     }
     let scene = SceneOptions { scene: options.film.scene(), ..SceneOptions::default() };
     let mut document = options.film.words.apply(scene.document()?)?;
     options.film.picture.apply(&mut document)?;
-    let how = options.film.run.settle(&mut document)?;
+    let spec = options.film.run.settle(&mut document)?;
     document.picture.check()?;
-    document.picture.check_size(how.size)?;
-    Ok((PlannedOutput::Still(Box::new(document)), how))
+    document.picture.check_size(spec.size())?;
+    Ok((PlannedOutput::Still(Box::new(document)), spec))
 }
 
 /// Runs `flipmap run`.

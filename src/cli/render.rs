@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use flipmap::engine::choice::{Chosen, IntegrationSetting};
+use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
@@ -19,7 +20,7 @@ use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
-use super::run_options::{RunOptions, RunSpec, check_steps, start};
+use super::run_options::{RunOptions, check_steps, start};
 use super::spread::spread;
 use super::stop;
 
@@ -46,34 +47,34 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
-    let (mut document, plan) = prepare(options)?;
+    let (mut document, spec) = prepare(options)?;
     let scene = document.scene();
     let paths = options.outputs.paths();
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check()?;
     stop::listen()?;
-    let mut request = options.run.engine.request(plan.setting);
+    let mut request = options.run.engine.request(spec.setting);
     if let Some(continued) = &continued {
         request = continued.prefer_engine(request);
     }
     let Chosen { mut engine, config, why, following } = start(&request)?;
-    check_numbers(&scene, plan.size, config)?;
+    check_numbers(&scene, spec.size(), config)?;
     if let Some(continued) = &mut continued {
         continued.check_ran(engine.as_ref(), config)?;
     }
     if options.picture.spreads(&document) {
-        spread(&mut document, plan.size, config, engine.as_mut())?;
+        spread(&mut document, spec.size(), config, engine.as_mut())?;
     }
-    let mut sinks = Sinks::open(&paths, &document, plan.size)?;
-    let mut renderer = Renderer::of(engine, config, plan.verify, options.run.engine.threads())?;
-    let opinion = renderer.second_opinion(&scene, plan.size, &|| !stop::asked())?;
-    announce(renderer.engine(), config, plan.verify, &why);
+    let mut sinks = Sinks::open(&paths, &document, spec.size())?;
+    let mut renderer = Renderer::of(engine, config, spec.verify, options.run.engine.threads())?;
+    let opinion = renderer.second_opinion(&scene, spec.size(), &|| !stop::asked())?;
+    announce(renderer.engine(), config, spec.verify, &why);
 
     let (setup, mut clock) = (begun.elapsed(), RenderClock::default());
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
-        let size = plan.size.map(|side| side * pass.along);
+        let size = spec.size().map(|side| side * pass.along);
         let mut work = renderer.work(&scene, size);
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
@@ -90,10 +91,10 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             continued.put(kept);
         }
     }
-    let outlook = outlook(&plan, &scene, config, renderer.engine())?;
+    let outlook = outlook(&spec, &scene, config, renderer.engine())?;
     clock.output += finish(sinks, continued)?;
     let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
-    let (engine, verified) = (renderer.engine(), plan.verify);
+    let (engine, verified) = (renderer.engine(), spec.verify);
     let ran = RunSummary { engine, config, verified, outlook, opinion, counts, seconds };
     if options.json {
         super::say(&serde_json::to_string_pretty(&object(&ran, &scene))?)?;
@@ -106,10 +107,10 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 fn prepare(options: &Options) -> anyhow::Result<(Document, RunSpec)> {
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
-    let plan = options.run.settle(&mut document)?;
+    let spec = options.run.settle(&mut document)?;
     options.picture.apply(&mut document)?;
-    check_outputs(options, &document, &plan)?;
-    Ok((document, plan))
+    check_outputs(options, &document, &spec)?;
+    Ok((document, spec))
 }
 
 /// Completes all files and returns the time it took.
@@ -124,15 +125,15 @@ fn finish(sinks: Sinks, continued: Option<Continued>) -> anyhow::Result<Duration
 
 /// Estimates how much of a picture is right if `balanced` made it without checks.
 fn outlook(
-    plan: &RunSpec,
+    spec: &RunSpec,
     scene: &Scene,
     config: IntegratorConfig,
     engine: &mut dyn Engine,
 ) -> anyhow::Result<Option<Outlook>> {
-    if plan.setting != IntegrationSetting::Accuracy(Accuracy::Balanced) || plan.verify {
+    if spec.setting != IntegrationSetting::Accuracy(Accuracy::Balanced) || spec.verify {
         return Ok(None);
     }
-    let outlook = tiles::outlook(scene, plan.size, config, engine, &|| !stop::asked())?;
+    let outlook = tiles::outlook(scene, spec.size(), config, engine, &|| !stop::asked())?;
     Ok(Some(outlook.ok_or(Exit::Interrupted)?))
 }
 
@@ -160,7 +161,7 @@ fn announce(engine: &dyn Engine, config: IntegratorConfig, verify: bool, why: &s
     let checked = if verify { ", every pixel checked" } else { "" };
     super::tell(&format!(
         "flipmap: {} engine, {} {} in {}{checked}; {why}",
-        engine.name(),
+        engine.kind(),
         config.method.name(),
         config.method.setting(),
         config.precision,
@@ -194,18 +195,18 @@ fn decimals(text: &str) -> usize {
 }
 
 /// Rejects outputs that cannot be written, before anything is computed.
-fn check_outputs(options: &Options, document: &Document, plan: &RunSpec) -> Result<(), Exit> {
+fn check_outputs(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
     let state = options.state.as_deref();
-    options.outputs.check(options.json, plan.verify, state)?;
-    check_state(options, document, plan)?;
-    check_picture(document, plan.size)
+    options.outputs.check(options.json, spec.verify, state)?;
+    check_state(options, document, spec)?;
+    check_picture(document, spec.size())
 }
 
-fn check_state(options: &Options, document: &Document, plan: &RunSpec) -> Result<(), Exit> {
+fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
     if options.state.is_none() {
         return Ok(());
     }
-    let why = if plan.verify {
+    let why = if spec.verify {
         "checks start at the release: omit --verify and --accuracy exact"
     } else if document.picture.samples > 1 {
         "it stores one sample per pixel: omit --samples"
@@ -231,7 +232,7 @@ fn object(ran: &RunSummary, scene: &Scene) -> serde_json::Value {
         .map(|(word, trust)| (word.to_string(), counts.trusts[*trust as usize].into()))
         .collect();
     serde_json::json!({
-        "engine": engine.name(),
+        "engine": engine.kind(),
         "adapter": engine.adapter(),
         "method": config.method.name(),
         "precision": config.precision.to_string(),

@@ -1,11 +1,10 @@
 //! The options that control how a scene is computed, and their conversion into a setting.
 
 use clap::{Args, ValueEnum};
-use flipmap::engine::choice::{
-    self, ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose,
-};
+use flipmap::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use flipmap::engine::method::Pace;
-use flipmap::engine::{IntegratorConfig, Question, run_settings};
+use flipmap::engine::run_settings::RunSpec;
+use flipmap::engine::{EngineKind, IntegratorConfig, Question};
 use flipmap::scene::{Document, PictureTable, RunTable, Scene};
 
 use super::exit::Exit;
@@ -65,28 +64,14 @@ pub(super) enum EngineOption {
     Cpu,
 }
 
-impl From<EngineOption> for choice::EngineKind {
+impl From<EngineOption> for Option<EngineKind> {
     fn from(option: EngineOption) -> Self {
         match option {
-            EngineOption::Auto => choice::EngineKind::Auto,
-            EngineOption::Gpu => choice::EngineKind::Gpu,
-            EngineOption::Cpu => choice::EngineKind::Cpu,
+            EngineOption::Auto => None,
+            EngineOption::Gpu => Some(EngineKind::Gpu),
+            EngineOption::Cpu => Some(EngineKind::Cpu),
         }
     }
-}
-
-/// Size of the picture in pixels if neither `--size` nor the scene gives one.
-const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
-
-/// The resolved settings of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct RunSpec {
-    /// An accuracy level or an explicit integrator config.
-    pub setting: IntegrationSetting,
-    /// True if every pixel is checked.
-    pub verify: bool,
-    /// Width and height of the picture in pixels.
-    pub size: [u32; 2],
 }
 
 impl EngineOptions {
@@ -131,19 +116,16 @@ impl RunOptions {
 
     /// Fills in the document's run table, so that it records what ran, and returns the settings.
     pub(super) fn settle(&self, document: &mut Document) -> Result<RunSpec, Exit> {
-        let mut size = document.run.size.unwrap_or(DEFAULT_SIZE);
+        let mut size = document.run.size.unwrap_or(RunSpec::DEFAULT_SIZE);
         set(&mut size, "--size", &self.size, parse_size)?;
         if size.iter().any(|side| !(1..=PictureTable::LONGEST_SIDE).contains(side)) {
             let text = format!("{}x{}", size[0], size[1]);
             return Err(Exit::Usage(format!("--size is '{text}'; {SIZE}")));
         }
-        let kept = std::mem::take(&mut document.run);
-        let (setting, run) = run_settings::resolve(self.words_over(&kept))
-            .map_err(|error| Exit::Usage(error.to_string()))?;
-        let run = RunTable { size: Some(size), verify: run.verify || self.verify, ..run };
-        let verify = run_settings::verifies(setting, &run);
-        document.run = run;
-        Ok(RunSpec { setting, verify, size })
+        let words = RunTable { size: Some(size), ..self.words_over(&document.run) };
+        let spec = RunSpec::resolve(words).map_err(|error| Exit::Usage(error.to_string()))?;
+        document.run = spec.table.clone();
+        Ok(spec)
     }
 
     /// Overlays the command line on the run table kept in the scene's file: a level replaces any
@@ -160,7 +142,7 @@ impl RunOptions {
             tolerance: self.tolerance.clone().or(of_kept(kept.tolerance)),
             precision: self.precision.clone().or(of_kept(kept.precision)),
             method,
-            verify: kept.verify,
+            verify: kept.verify || self.verify,
         }
     }
 }
@@ -172,16 +154,16 @@ pub(super) fn start(request: &EngineRequest) -> Result<Chosen, ChoiceError> {
 
 /// Requests the engine that ran before, unless the user chose one: another engine would differ in
 /// the last digits.
-pub(super) fn prefer_engine(request: EngineRequest, engine: &str, adapter: &str) -> EngineRequest {
+pub(super) fn prefer_engine(
+    request: EngineRequest,
+    engine: EngineKind,
+    adapter: &str,
+) -> EngineRequest {
     match (request.kind, &request.adapter, engine) {
-        (choice::EngineKind::Auto, None, "cpu") => {
-            EngineRequest { kind: choice::EngineKind::Cpu, ..request }
+        (None, None, EngineKind::Cpu) => EngineRequest { kind: Some(engine), ..request },
+        (None, None, EngineKind::Gpu) => {
+            EngineRequest { kind: Some(engine), adapter: Some(adapter.to_string()), ..request }
         }
-        (choice::EngineKind::Auto, None, _) => EngineRequest {
-            kind: choice::EngineKind::Gpu,
-            adapter: Some(adapter.to_string()),
-            ..request
-        },
         _ => request,
     }
 }

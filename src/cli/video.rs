@@ -35,7 +35,7 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
-    let (film, how) = options.film.film()?;
+    let (film, spec) = options.film.film()?;
     let codec = codec_of(&options.output)?;
     if options.print_ffmpeg {
         return print(codec, &film, &options.output);
@@ -49,13 +49,13 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
     let path = cache.join("plan.toml");
     stop::listen()?;
-    let mut request = options.film.run.engine.request(how.setting);
+    let mut request = options.film.run.engine.request(spec.setting);
     // Another engine would differ from the existing samples in the last digits.
     if let Some(earlier) = earlier(&path) {
         request = farm::request_like(&earlier, request);
     }
     let chosen = start(&request)?;
-    let task = planned(film, how.verify, &chosen, &path)?;
+    let task = planned(film, spec.verify, &chosen, &path)?;
     let threads = options.film.run.engine.threads();
     let parts = match farm::compute(&task, 1..=1, chosen, threads, options.progress)? {
         Some(parts) => parts,

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::choice::{ChoiceError, Chosen};
 use super::depth::Following;
-use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Wait};
+use super::{Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Wait};
 
 /// Length of one poll, after which the thread looks for new orders again.
 const TURN: Duration = Duration::from_millis(4);
@@ -46,7 +46,7 @@ pub struct Background {
     in_flight: usize,
     slots: usize,
     job_size: usize,
-    name: &'static str,
+    kind: EngineKind,
     adapter: String,
 }
 
@@ -101,7 +101,7 @@ fn beside(chosen: &Chosen) -> (Background, Receiver<Order>, Sender<Reply>) {
         in_flight: 0,
         slots: engine.slots() + AHEAD,
         job_size: engine.job_size(),
-        name: engine.name(),
+        kind: engine.kind(),
         adapter: engine.adapter(),
     };
     (background, taken, given)
@@ -224,8 +224,8 @@ impl Engine for Background {
         self.job_size
     }
 
-    fn name(&self) -> &'static str {
-        self.name
+    fn kind(&self) -> EngineKind {
+        self.kind
     }
 
     fn adapter(&self) -> String {

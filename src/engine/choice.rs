@@ -8,13 +8,13 @@ use super::depth::{DepthEngine, Following};
 use super::gpu::device::{Gpu, adapters, describe};
 use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::profile::{Profile, ProfileRow};
-use super::{Accuracy, Engine, EngineError, IntegratorConfig, Precision, selfcheck};
+use super::{Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck};
 
 /// A user's request for an engine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngineRequest {
-    /// The kind of engine.
-    pub kind: EngineKind,
+    /// The kind of engine; `None` for the fastest of the measured profile.
+    pub kind: Option<EngineKind>,
     /// Part of the adapter's name, if an adapter is requested.
     pub adapter: Option<String>,
     /// Number of threads of the CPU engine.
@@ -28,13 +28,7 @@ pub struct EngineRequest {
 impl Default for EngineRequest {
     fn default() -> Self {
         let setting = IntegrationSetting::Accuracy(Accuracy::default());
-        EngineRequest {
-            kind: EngineKind::Auto,
-            adapter: None,
-            threads: None,
-            setting,
-            pace: HEADLESS_PACE,
-        }
+        EngineRequest { kind: None, adapter: None, threads: None, setting, pace: HEADLESS_PACE }
     }
 }
 
@@ -61,18 +55,6 @@ impl IntegrationSetting {
             IntegrationSetting::Explicit(config) => vec![config],
         }
     }
-}
-
-/// The kind of engine, as `--engine` gives it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum EngineKind {
-    /// The fastest engine of the measured profile.
-    #[default]
-    Auto,
-    /// A graphics adapter, or an error.
-    Gpu,
-    /// The processor.
-    Cpu,
 }
 
 /// Reasons why no engine fits the request.
@@ -113,10 +95,10 @@ pub const INSTALL_HINT: &str = "no Vulkan adapter was found; on Debian or Ubuntu
 /// Chooses and starts an engine; `tell` receives a message before anything that takes long.
 pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let chosen = match (request.kind, &request.adapter) {
-        (EngineKind::Cpu, _) => cpu(request, "asked for".to_string())?,
-        (EngineKind::Gpu, _) | (EngineKind::Auto, Some(_)) => first_sound(request)?
+        (Some(EngineKind::Cpu), _) => cpu(request, "asked for".to_string())?,
+        (Some(EngineKind::Gpu), _) | (None, Some(_)) => first_sound(request)?
             .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use --engine cpu")))?,
-        (EngineKind::Auto, None) => automatic(request, tell)?,
+        (None, None) => automatic(request, tell)?,
     };
     let engine =
         DepthEngine::new(chosen.engine, request.threads)?.telling(chosen.following.clone());
@@ -137,7 +119,7 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     };
     let why =
         format!("{:.1} µs a pixel on this machine, the fastest of its profile", row.us_per_pixel);
-    if row.engine == "cpu" {
+    if row.engine == EngineKind::Cpu {
         return cpu(request, why);
     }
     let setting = match request.setting {
@@ -159,7 +141,8 @@ fn fastest(profile: &Profile, setting: IntegrationSetting) -> Option<&ProfileRow
     match setting {
         IntegrationSetting::Accuracy(accuracy) => profile.fastest(accuracy, |_| true),
         IntegrationSetting::Explicit(config) => {
-            let offers = |row: &ProfileRow| row.engine == "gpu" || CpuEngine::offers(&config);
+            let offers =
+                |row: &ProfileRow| row.engine == EngineKind::Gpu || CpuEngine::offers(&config);
             let like = Accuracy::ALL.iter().map(|(_, accuracy)| *accuracy).find(|accuracy| {
                 accuracy.configs().iter().any(|other| {
                     other.precision == config.precision

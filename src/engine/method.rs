@@ -251,7 +251,8 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
-    fn new(question: &Question, control: Control) -> Self {
+    /// The steps over a question's budget under a step size control.
+    pub fn new(question: &Question, control: Control) -> Self {
         let (reduced, unit_secs) = question.reduced();
         let budget = question.budget_secs / unit_secs;
         // The fastest rotation that the energy allows takes about a hundred steps per turn.

@@ -4,7 +4,8 @@
 use std::collections::VecDeque;
 
 use super::{
-    Effort, End, Engine, EngineError, IntegratorState, Job, JobResult, Keep, Leaf, Moving, NUMBERS,
+    Effort, End, Engine, EngineError, EngineKind, IntegratorState, Job, JobResult, Keep, Leaf,
+    Moving, NUMBERS,
 };
 use super::{IntegratorConfig, Question, Starts, Wait};
 use crate::physics::{Dd, Outcome, Status};
@@ -153,8 +154,8 @@ impl Engine for MockEngine {
         true
     }
 
-    fn name(&self) -> &'static str {
-        "mock"
+    fn kind(&self) -> EngineKind {
+        EngineKind::Gpu
     }
 
     fn adapter(&self) -> String {

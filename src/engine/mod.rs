@@ -20,6 +20,7 @@ pub mod choice;
 pub mod cpu;
 pub mod depth;
 pub mod gpu;
+pub mod kind;
 pub mod level;
 pub mod method;
 pub mod mock;
@@ -41,6 +42,7 @@ use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
 use crate::scene::lattice::Cell;
 use crate::scene::{Build, Scene};
 pub use depth::DepthStats;
+pub use kind::EngineKind;
 pub use level::Accuracy;
 use method::Pace;
 pub use method::{Method, Precision};
@@ -340,8 +342,8 @@ pub trait Engine {
     fn slots(&self) -> usize;
     /// Number of starts in a job of good size.
     fn job_size(&self) -> usize;
-    /// Name of the engine: `gpu`, `cpu` or `mock`.
-    fn name(&self) -> &'static str;
+    /// The hardware that it computes on.
+    fn kind(&self) -> EngineKind;
     /// The adapter's name, or the processor's SIMD width and threads.
     fn adapter(&self) -> String;
     /// Reports whether the engine has the configuration and can be trusted with it.
@@ -370,8 +372,8 @@ impl<E: Engine + ?Sized> Engine for &mut E {
         (**self).job_size()
     }
 
-    fn name(&self) -> &'static str {
-        (**self).name()
+    fn kind(&self) -> EngineKind {
+        (**self).kind()
     }
 
     fn adapter(&self) -> String {

@@ -15,8 +15,8 @@ use super::choice::open_checked;
 use super::cpu::{CpuEngine, instruction_set};
 use super::gpu::device::{adapters, describe, is_software};
 use super::{
-    Accuracy, Engine, IntegratorConfig, Job, JobResult, Keep, Precision, Question, Starts, Wait,
-    selfcheck,
+    Accuracy, Engine, EngineKind, IntegratorConfig, Job, JobResult, Keep, Precision, Question,
+    Starts, Wait, selfcheck,
 };
 use crate::physics::{Dd, Outcome, Status, oracle};
 use crate::scene::{Fate, Grid, Scene};
@@ -37,8 +37,8 @@ pub struct Profile {
 pub struct ProfileRow {
     /// The accuracy level that the configuration belongs to.
     pub accuracy: Accuracy,
-    /// Name of the engine: `gpu` or `cpu`.
-    pub engine: String,
+    /// The kind of engine.
+    pub engine: EngineKind,
     /// The adapter as [`describe`] gives it; empty for the processor.
     pub adapter: String,
     /// Name of the method.
@@ -125,7 +125,7 @@ impl Profile {
                 match sample.time(engine, config) {
                     Ok((us_per_pixel, right)) => self.rows.push(ProfileRow {
                         accuracy,
-                        engine: engine.name().to_string(),
+                        engine: engine.kind(),
                         adapter: adapter.to_string(),
                         method: config.method.name().to_string(),
                         setting: config.method.setting(),
@@ -134,7 +134,7 @@ impl Profile {
                         right,
                     }),
                     Err(error) => {
-                        self.refused.push(format!("{} {adapter}: {error}", engine.name()))
+                        self.refused.push(format!("{} {adapter}: {error}", engine.kind()))
                     }
                 }
             }
@@ -275,11 +275,11 @@ fn write(path: &Path, profile: &Profile) -> std::io::Result<()> {
 mod tests {
     use super::*;
 
-    fn row(accuracy: Accuracy, engine: &str, us_per_pixel: f64) -> ProfileRow {
+    fn row(accuracy: Accuracy, engine: EngineKind, us_per_pixel: f64) -> ProfileRow {
         let config = accuracy.configs()[0];
         ProfileRow {
             accuracy,
-            engine: engine.to_string(),
+            engine,
             adapter: String::new(),
             method: config.method.name().to_string(),
             setting: config.method.setting(),
@@ -292,16 +292,18 @@ mod tests {
     #[test]
     fn the_fastest_allowed_row_of_the_level_is_found() {
         let rows = vec![
-            row(Accuracy::Lesson, "gpu", 1.0),
-            row(Accuracy::Balanced, "gpu", 5.0),
-            row(Accuracy::Balanced, "cpu", 4.0),
+            row(Accuracy::Lesson, EngineKind::Gpu, 1.0),
+            row(Accuracy::Balanced, EngineKind::Gpu, 5.0),
+            row(Accuracy::Balanced, EngineKind::Cpu, 4.0),
         ];
         let profile = Profile { key: String::new(), rows, refused: Vec::new() };
-        let fastest =
-            |level, kind: &str| profile.fastest(level, |row| kind == "auto" || row.engine == kind);
-        assert_eq!(fastest(Accuracy::Balanced, "auto").unwrap().engine, "cpu");
-        assert_eq!(fastest(Accuracy::Exact, "gpu").unwrap().us_per_pixel, 5.0);
-        assert_eq!(fastest(Accuracy::Fast, "auto"), None);
+        let fastest = |level, kind: Option<EngineKind>| {
+            profile.fastest(level, |row| kind.is_none_or(|kind| row.engine == kind))
+        };
+        assert_eq!(fastest(Accuracy::Balanced, None).unwrap().engine, EngineKind::Cpu);
+        let on_gpu = fastest(Accuracy::Exact, Some(EngineKind::Gpu)).unwrap();
+        assert_eq!(on_gpu.us_per_pixel, 5.0);
+        assert_eq!(fastest(Accuracy::Fast, None), None);
         for row in &profile.rows {
             assert!(row.accuracy.configs().contains(&row.config().unwrap()));
         }
@@ -311,7 +313,7 @@ mod tests {
     fn a_profile_is_kept_and_a_broken_one_is_not_believed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("flipmap").join("profile.json");
-        let rows = vec![row(Accuracy::Fast, "cpu", 2.5)];
+        let rows = vec![row(Accuracy::Fast, EngineKind::Cpu, 2.5)];
         let profile = Profile { key: "here".to_string(), rows, refused: Vec::new() };
         write(&path, &profile).unwrap();
         assert_eq!(read(&path), Some(profile));

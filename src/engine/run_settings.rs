@@ -1,4 +1,6 @@
-//! Integration settings as words, from the command line or from the scene inside a picture.
+//! The first of two stages from words to a kernel: the words of a command line, of a scene inside a
+//! picture, of a window or of a plan become one typed [`RunSpec`]. The second stage is the choice of
+//! an engine and of an integrator config for it (`choice.rs`).
 
 use std::str::FromStr;
 
@@ -11,10 +13,45 @@ use crate::scene::RunTable;
 #[error("{0}")]
 pub struct RunSettingsError(String);
 
-/// Resolves words to the setting they ask for, and to the run table that asks for the same with
-/// nothing left open. With a level, that table's `verify` is only what was requested beyond the
-/// level.
-pub fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSettingsError> {
+/// The resolved settings of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunSpec {
+    /// An accuracy level or an explicit integrator config.
+    pub setting: IntegrationSetting,
+    /// True if every pixel is checked.
+    pub verify: bool,
+    /// The run table that asks for the same with nothing left open. With a level, its `verify` is
+    /// only what was requested beyond the level.
+    pub table: RunTable,
+}
+
+impl RunSpec {
+    /// Size of the picture in pixels if nothing gives one.
+    pub const DEFAULT_SIZE: [u32; 2] = [1024, 1024];
+
+    /// Width and height of the picture in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.table.size.unwrap_or(RunSpec::DEFAULT_SIZE)
+    }
+
+    /// The settings of an accuracy level.
+    pub fn of_level(level: Accuracy) -> Self {
+        RunSpec {
+            setting: IntegrationSetting::Accuracy(level),
+            verify: level.verifies(),
+            table: RunTable { accuracy: Some(level.to_string()), ..RunTable::default() },
+        }
+    }
+
+    /// Resolves words to what they ask for.
+    pub fn resolve(words: RunTable) -> Result<Self, RunSettingsError> {
+        let (setting, table) = resolve(words)?;
+        let by_level = matches!(setting, IntegrationSetting::Accuracy(level) if level.verifies());
+        Ok(RunSpec { setting, verify: table.verify || by_level, table })
+    }
+}
+
+fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSettingsError> {
     let mut accuracy = Accuracy::default();
     set(&mut accuracy, "--accuracy", &words.accuracy, Accuracy::from_str)?;
     let (verify, size) = (words.verify, words.size);
@@ -56,11 +93,6 @@ pub fn from_config(config: IntegratorConfig) -> RunTable {
         precision: Some(config.precision.to_string()),
         ..RunTable::default()
     }
-}
-
-/// Returns true if a resolved setting is to be checked pixel by pixel.
-pub fn verifies(setting: IntegrationSetting, run: &RunTable) -> bool {
-    run.verify || matches!(setting, IntegrationSetting::Accuracy(level) if level.verifies())
 }
 
 fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunSettingsError> {

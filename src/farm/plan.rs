@@ -5,7 +5,8 @@ use std::mem::take;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::choice::IntegrationSetting;
-use crate::engine::{Engine, IntegratorConfig, run_settings};
+use crate::engine::run_settings::RunSpec;
+use crate::engine::{Engine, EngineKind, IntegratorConfig, run_settings};
 use crate::output::sha256;
 use crate::scene::film::Film;
 use crate::scene::{Document, DocumentError, RunTable};
@@ -29,8 +30,8 @@ pub struct Plan {
     pub verify: bool,
     /// True if arrays of numbers are wanted beside a picture with several samples per pixel.
     pub numbers: bool,
-    /// The engine: `gpu` or `cpu`.
-    pub engine: String,
+    /// The kind of engine.
+    pub engine: EngineKind,
     /// Name of the adapter, for a `gpu` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adapter: Option<String>,
@@ -76,7 +77,7 @@ impl Plan {
         (engine, config, verify): (&dyn Engine, IntegratorConfig, bool),
         numbers: bool,
     ) -> Self {
-        let adapter = (engine.name() == "gpu").then(|| engine.adapter());
+        let adapter = (engine.kind() == EngineKind::Gpu).then(|| engine.adapter());
         let (still, film) = match what {
             PlannedOutput::Still(document) => (Some(*document), None),
             PlannedOutput::Film(film) => (None, Some(film)),
@@ -88,7 +89,7 @@ impl Plan {
             shards,
             verify,
             numbers,
-            engine: engine.name().to_string(),
+            engine: engine.kind(),
             adapter,
             config: run_settings::from_config(config),
             still,
@@ -137,10 +138,10 @@ impl Plan {
 
     /// The integrator config of the plan.
     pub fn config(&self) -> Result<IntegratorConfig, PlanError> {
-        match run_settings::resolve(self.config.clone()) {
-            Ok((IntegrationSetting::Explicit(config), _)) => Ok(config),
-            Ok(_) => Err(PlanError::Inside("no configuration".to_string())),
-            Err(why) => Err(PlanError::Inside(why.to_string())),
+        let spec = RunSpec::resolve(self.config.clone());
+        match spec.map_err(|why| PlanError::Inside(why.to_string()))?.setting {
+            IntegrationSetting::Explicit(config) => Ok(config),
+            _ => Err(PlanError::Inside("no configuration".to_string())),
         }
     }
 

@@ -18,6 +18,10 @@ impl Default for Double {
 }
 
 impl LiveFigure for Double {
+    fn open(&mut self, start: [f64; 2]) {
+        self.0.release(start);
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }

@@ -40,6 +40,10 @@ impl Ghost {
 }
 
 impl LiveFigure for Ghost {
+    fn open(&mut self, start: [f64; 2]) {
+        self.0.release(start[0]);
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }

@@ -3,8 +3,8 @@
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
 use super::flips::Seen;
-use crate::engine::Accuracy;
-use crate::engine::choice::{ChoiceError, EngineKind, EngineRequest, IntegrationSetting};
+use crate::engine::choice::{ChoiceError, EngineRequest, IntegrationSetting};
+use crate::engine::{Accuracy, EngineKind};
 use crate::output::RowPainter;
 use crate::physics::Status;
 use crate::scene::{Document, Grid, Scene};
@@ -25,7 +25,7 @@ pub fn home_map(side: u32) -> Result<HomeMap, ChoiceError> {
     let Document { picture, .. } = Document::default();
     let (scene, size) = (Scene::default(), [side; 2]);
     let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
-    let kind = EngineKind::Cpu;
+    let kind = Some(EngineKind::Cpu);
     let mut renderer = Renderer::new(&EngineRequest { kind, setting, ..EngineRequest::default() })?;
     let samples = renderer.render(&scene, size)?;
     let counts = renderer.counts();

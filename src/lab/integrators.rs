@@ -160,11 +160,6 @@ impl Integrators {
         }
     }
 
-    /// Restarts the figure from a start found elsewhere.
-    pub fn open(&mut self, start: [f64; 2]) {
-        *self = Integrators::new(start, self.step_secs);
-    }
-
     fn step(&mut self, secs: f64) {
         let pendulum = pendulum();
         let unit = pendulum.p + pendulum.q;
@@ -203,6 +198,10 @@ impl Integrators {
 }
 
 impl LiveFigure for Integrators {
+    fn open(&mut self, start: [f64; 2]) {
+        *self = Integrators::new(start, self.step_secs);
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         if self.clock.secs() > LONGEST_SECS {
             *self = Integrators::new(self.start, self.step_secs);

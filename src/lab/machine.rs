@@ -17,14 +17,11 @@ impl Default for MachineFigure {
     }
 }
 
-impl MachineFigure {
-    /// Releases the pendulum at a start found elsewhere.
-    pub(super) fn open(&mut self, start: [f64; 2]) {
+impl LiveFigure for MachineFigure {
+    fn open(&mut self, start: [f64; 2]) {
         self.0.release(start);
     }
-}
 
-impl LiveFigure for MachineFigure {
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }

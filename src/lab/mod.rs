@@ -11,6 +11,7 @@ mod controls;
 mod double;
 mod double_simulation;
 pub mod drawing;
+mod figures;
 pub mod flips;
 mod ghost;
 pub mod home;
@@ -21,7 +22,8 @@ mod single_simulation;
 pub mod still;
 pub mod twenty;
 
-use egui::{ScrollArea, Ui, vec2};
+use egui::{Key, ScrollArea, Ui, vec2};
+use figures::{ENTRIES, Entry};
 
 /// A figure of the lesson.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,81 +45,43 @@ pub enum Figure {
 }
 
 impl Figure {
-    /// All figures, in the lesson's order: each with its name, its title, and a suggestion to try.
-    pub const ALL: [(Figure, &'static str, &'static str, &'static str); 7] = [
-        (
-            Figure::Single,
-            "single",
-            "The single pendulum",
-            "One angle says everything. Drag the bob, and see which of the parts matter to how it \
-             moves: the mass does not.",
-        ),
-        (
-            Figure::Ghost,
-            "ghost",
-            "A real pendulum and its small-angle ghost",
-            "Drag the bob past 90° and let go. The grey ghost swings as if sin θ were θ, always in \
-             2π√(r/g), and falls out of step.",
-        ),
-        (
-            Figure::Double,
-            "double",
-            "The double pendulum",
-            "Hang a second pendulum on the first one's bob. Two angles, both from the vertical; \
-             drag either bob.",
-        ),
-        (
-            Figure::Machine,
-            "machine",
-            "The whole machine",
-            "At every moment a matrix equation gives the accelerations. Drag a bob, change a mass, \
-             and watch the numbers.",
-        ),
-        (
-            Figure::Integrators,
-            "integrators",
-            "Three integrators",
-            "One start, one Δt, three ways to step. Make Δt larger until explicit Euler runs away; \
-             RK4 hugs zero longest.",
-        ),
-        (
-            Figure::Twenty,
-            "twenty",
-            "Twenty pendulums a hair apart",
-            "They look like one, until they fan out: the separation climbs along a straight line \
-             on a logarithmic scale. Make the nudge a thousand times smaller and see what it buys.",
-        ),
-        (
-            Figure::Map,
-            "map",
-            "The flip-time map",
-            "Every start at once. Zoom into the filigree; click a pixel to fly its pendulum.",
-        ),
-    ];
+    /// All figures, in the lesson's order.
+    pub fn all() -> impl Iterator<Item = Figure> {
+        ENTRIES.iter().map(|entry| entry.figure)
+    }
 
     /// Returns the figure with this name.
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.iter().find(|(_, known, ..)| *known == name).map(|(figure, ..)| *figure)
+        Figure::all().find(|figure| figure.name() == name)
     }
 
     /// Returns all names, separated by commas.
     pub fn names() -> String {
-        Self::ALL.map(|(_, name, ..)| name).join(", ")
+        ENTRIES.each_ref().map(|entry| entry.name).join(", ")
+    }
+
+    fn entry(self) -> &'static Entry {
+        &ENTRIES[self as usize]
     }
 
     /// Returns the figure's name on the command line.
     pub fn name(self) -> &'static str {
-        Self::ALL[self as usize].1
+        self.entry().name
     }
 
     /// Returns the figure's title.
     pub fn title(self) -> &'static str {
-        Self::ALL[self as usize].2
+        self.entry().title
     }
 
     /// Returns a sentence on what the figure shows and what to try.
     pub fn sentence(self) -> &'static str {
-        Self::ALL[self as usize].3
+        self.entry().sentence
+    }
+
+    /// Returns the key that shows the figure.
+    pub fn key(self) -> Key {
+        self.entry().key
     }
 }
 
@@ -130,6 +94,8 @@ pub enum FigureRequest {
 
 /// A figure that runs live and that the user can change.
 pub trait LiveFigure {
+    /// Begins again from a start found elsewhere (θ1, θ2 in rad); a single pendulum takes θ1.
+    fn open(&mut self, start: [f64; 2]);
     /// Advances the figure by `elapsed_secs`.
     fn advance(&mut self, elapsed_secs: f64);
     /// Draws the figure in an area of `size` points.
@@ -142,17 +108,12 @@ pub trait LiveFigure {
     fn csv(&self, secs: f64) -> String;
 }
 
-/// All figures except the map, and the one that is shown.
-#[derive(Clone, Debug)]
+/// All figures, and the one that is shown.
 pub struct Lab {
     /// The figure that is shown.
     pub figure: Figure,
-    single: single::Single,
-    ghost: ghost::Ghost,
-    double: double::Double,
-    machine: machine::MachineFigure,
-    integrators: integrators::Integrators,
-    twenty: twenty::Twenty,
+    /// The figures in the order of the table, nothing in the place of the map.
+    live: [Option<Box<dyn LiveFigure>>; ENTRIES.len()],
 }
 
 /// Width of the controls in points.
@@ -161,50 +122,24 @@ const CONTROLS_WIDTH: f32 = 330.0;
 impl Lab {
     /// Creates every figure in its initial state, and shows one.
     pub fn new(figure: Figure) -> Self {
-        Lab {
-            figure,
-            single: Default::default(),
-            ghost: Default::default(),
-            double: Default::default(),
-            machine: Default::default(),
-            integrators: Default::default(),
-            twenty: Default::default(),
-        }
+        Lab { figure, live: ENTRIES.each_ref().map(|entry| (entry.begin)()) }
     }
 
     /// Returns the figure that is shown; none if that is the map.
-    pub fn live(&mut self) -> Option<&mut dyn LiveFigure> {
-        Some(match self.figure {
-            Figure::Single => &mut self.single,
-            Figure::Ghost => &mut self.ghost,
-            Figure::Double => &mut self.double,
-            Figure::Machine => &mut self.machine,
-            Figure::Integrators => &mut self.integrators,
-            Figure::Twenty => &mut self.twenty,
-            Figure::Map => return None,
-        })
+    pub fn live(&mut self) -> Option<&mut (dyn LiveFigure + 'static)> {
+        self.live[self.figure as usize].as_deref_mut()
     }
 
     /// Returns the values that the user has set in the figure that is shown.
     pub fn set(&self) -> Vec<f64> {
-        match self.figure {
-            Figure::Single => self.single.set(),
-            Figure::Ghost => self.ghost.set(),
-            Figure::Double => self.double.set(),
-            Figure::Machine => self.machine.set(),
-            Figure::Integrators => self.integrators.set(),
-            Figure::Twenty => self.twenty.set(),
-            Figure::Map => Vec::new(),
-        }
+        self.live[self.figure as usize].as_ref().map_or(Vec::new(), |live| live.set())
     }
 
-    /// Shows a figure and opens a start (θ1, θ2 in rad) in it, or in the machine if it takes none.
+    /// Shows a figure and opens a start (θ1, θ2 in rad) in it.
     pub fn open(&mut self, figure: Figure, start: [f64; 2]) {
         self.figure = figure;
-        match figure {
-            Figure::Integrators => self.integrators.open(start),
-            Figure::Twenty => self.twenty.open(start),
-            _ => self.machine.open(start),
+        if let Some(live) = self.live() {
+            live.open(start);
         }
     }
 
@@ -237,9 +172,9 @@ mod tests {
 
     #[test]
     fn figures_are_found_by_name_and_stand_in_order() {
-        for (place, (figure, name, ..)) in Figure::ALL.into_iter().enumerate() {
+        for (place, figure) in Figure::all().enumerate() {
             assert_eq!(figure as usize, place);
-            assert_eq!(Figure::named(name), Some(figure));
+            assert_eq!(Figure::named(figure.name()), Some(figure));
         }
         assert_eq!(Figure::named("triple"), None);
         assert!(Figure::names().starts_with("single, ghost"));
@@ -247,7 +182,7 @@ mod tests {
 
     #[test]
     fn every_figure_has_data_that_are_numbers() {
-        for (figure, ..) in Figure::ALL {
+        for figure in Figure::all() {
             let mut lab = Lab::new(figure);
             let Some(live) = lab.live() else { continue };
             let csv = live.csv(2.0);

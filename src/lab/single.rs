@@ -18,6 +18,10 @@ impl Default for Single {
 }
 
 impl LiveFigure for Single {
+    fn open(&mut self, start: [f64; 2]) {
+        self.0.release(start[0]);
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }

@@ -57,11 +57,6 @@ impl Twenty {
         }
     }
 
-    /// Restarts the figure from a start found elsewhere.
-    pub fn open(&mut self, start: [f64; 2]) {
-        self.restart(start, self.count, self.nudge_rad);
-    }
-
     fn restart(&mut self, start: [f64; 2], count: usize, nudge_rad: f64) {
         let Twenty { tolerance_rad, precision_rad, .. } = *self;
         *self = Twenty { tolerance_rad, precision_rad, ..Twenty::new(start, count, nudge_rad) };
@@ -120,6 +115,10 @@ fn shade(k: usize, count: usize) -> Color32 {
 }
 
 impl LiveFigure for Twenty {
+    fn open(&mut self, start: [f64; 2]) {
+        self.restart(start, self.count, self.nudge_rad);
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         if self.clock.secs() > LONGEST_SECS {
             return;

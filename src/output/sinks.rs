@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::failure::{OutputError, is_broken_pipe};
-use super::whole_picture::{WholePicture, format_of};
+use super::picture_file::format_of;
 use super::{
-    Destination, ExrWriter, NpyWriter, PngError, PngWriter, Pyramid, PyramidFolder, RowPainter,
+    Destination, ExrWriter, NpyWriter, PictureFile, PngError, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
 };
 use crate::scene::Document;
@@ -35,7 +35,7 @@ impl Paths {
             (PYRAMID, &self.pyramid),
             ("--raw", &self.raw),
             ("--exr", &self.exr),
-            ("--trust", &self.trust),
+            (TRUST, &self.trust),
         ];
         all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect()
     }
@@ -46,7 +46,7 @@ impl Paths {
             let name = Destination::from(path);
             let begun = match option {
                 PYRAMID => PyramidFolder::create(path).map(drop),
-                PICTURE => format_of(path).and_then(|_| SafeFile::create(&name)).map(drop),
+                PICTURE | TRUST => format_of(path).and_then(|_| SafeFile::create(&name)).map(drop),
                 _ => SafeFile::create(&name).map(drop),
             };
             begun.map_err(|source| OutputError::Create { option, name, source })
@@ -54,8 +54,9 @@ impl Paths {
     }
 }
 
-/// The option whose output has the format that its name tells.
+/// The options whose outputs are pictures in the format of their name.
 const PICTURE: &str = "-o";
+const TRUST: &str = "--trust";
 /// The option whose output is a folder.
 const PYRAMID: &str = "--pyramid";
 
@@ -70,12 +71,11 @@ pub struct SinkPass {
 
 /// One output being written.
 enum Sink {
-    Picture(PngWriter<SafeFile>),
-    WholePicture(WholePicture),
+    Picture(PictureFile),
     Pyramid(Box<Pyramid>),
     Raw(NpyWriter<SafeFile>),
     Exr(Box<ExrWriter<Spool>>),
-    Trust(PngWriter<SafeFile>),
+    Trust(PictureFile),
 }
 
 /// An output that is complete, but not yet in its place.
@@ -98,49 +98,41 @@ impl Sink {
             let begun = Pyramid::create(path, size, document).map_err(refused)?;
             return Ok(Sink::Pyramid(Box::new(begun)));
         }
-        let format = if option == PICTURE { format_of(path).map_err(refused)? } else { None };
-        let file = SafeFile::create(&name).map_err(refused)?;
-        if let Some(format) = format {
-            let begun = WholePicture::new(file, format, size).map_err(refused)?;
-            return Ok(Sink::WholePicture(begun));
+        if option == PICTURE || option == TRUST {
+            let begun = PictureFile::create(path, size, Some(document)).map_err(refused)?;
+            return Ok(if option == PICTURE { Sink::Picture(begun) } else { Sink::Trust(begun) });
         }
+        let file = SafeFile::create(&name).map_err(refused)?;
         let begun = match option {
-            PICTURE => PngWriter::new(file, size, document).map(Sink::Picture),
             "--raw" => NpyWriter::new(file, size).map(Sink::Raw).map_err(PngError::from),
-            "--exr" => Spool::new(file)
+            _ => Spool::new(file)
                 .and_then(|file| ExrWriter::new(file, size, document))
                 .map(|exr| Sink::Exr(Box::new(exr)))
                 .map_err(PngError::from),
-            _ => PngWriter::new(file, size, document).map(Sink::Trust),
         };
         begun.map_err(|source| write_error(&name, source))
     }
 
     /// Returns true if it is made of the picture's colours.
     fn is_painted(&self) -> bool {
-        matches!(self, Sink::Picture(_) | Sink::WholePicture(_) | Sink::Pyramid(_))
+        matches!(self, Sink::Picture(_) | Sink::Pyramid(_))
     }
 
     /// Writes samples, or what was painted from them.
     fn write(&mut self, samples: &Samples, painted: &[u8]) -> Result<(), PngError> {
         match self {
-            Sink::Picture(png) => png.write(painted),
-            Sink::WholePicture(picture) => {
-                picture.write(painted);
-                Ok(())
-            }
+            Sink::Picture(picture) => Ok(picture.write(painted)?),
             Sink::Pyramid(pyramid) => pyramid.write(painted),
             Sink::Raw(npy) => Ok(npy.write(samples)?),
             Sink::Exr(exr) => Ok(exr.write(samples)?),
-            Sink::Trust(png) => png.write(&trust_colours(samples)),
+            Sink::Trust(picture) => Ok(picture.write(&trust_colours(samples))?),
         }
     }
 
     fn complete(self) -> Result<Complete, PngError> {
         let mut file = match self {
             Sink::Pyramid(pyramid) => return Ok(Complete::Folder(pyramid.complete()?)),
-            Sink::Picture(png) | Sink::Trust(png) => png.finish()?,
-            Sink::WholePicture(picture) => picture.finish()?,
+            Sink::Picture(picture) | Sink::Trust(picture) => picture.complete()?,
             Sink::Raw(npy) => npy.into_inner(),
             Sink::Exr(exr) => exr.finish()?.into_file()?,
         };

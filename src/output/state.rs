@@ -2,6 +2,7 @@
 //!
 //! The format is [postcard](https://docs.rs/postcard): compact, and exact for every f64.
 
+use crate::engine::EngineKind;
 use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
@@ -26,8 +27,8 @@ pub struct RenderState {
 /// The engine and the configuration of a render.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunRecord {
-    /// The engine: `gpu` or `cpu`.
-    pub engine: String,
+    /// The kind of engine.
+    pub engine: EngineKind,
     /// Name of the adapter, or the processor's instruction set. Threads change no answer.
     pub adapter: String,
     /// Name of the method.
@@ -121,7 +122,7 @@ mod tests {
         let word = str::to_string;
         RenderState {
             ran: RunRecord {
-                engine: word("cpu"),
+                engine: EngineKind::Cpu,
                 adapter: word("AVX2"),
                 method: word("rk4"),
                 setting: word("step 1/120"),

@@ -29,31 +29,39 @@ pub fn dop853<T: Real>(
     phase: &Phase<T>,
     step: T,
 ) -> Trial<T> {
-    let k1 = pendulum.flow(phase);
-    let k2 = pendulum.flow(&moved(phase, step, [&k1], [0.05260015195876773]));
-    let k3 =
-        pendulum.flow(&moved(phase, step, [&k1, &k2], [0.0197250569845379, 0.0591751709536137]));
-    let k4 =
-        pendulum.flow(&moved(phase, step, [&k1, &k3], [0.02958758547680685, 0.08876275643042054]));
-    let k5 = pendulum.flow(&moved(
+    let k1 = pendulum.derivative(phase);
+    let k2 = pendulum.derivative(&moved(phase, step, [&k1], [0.05260015195876773]));
+    let k3 = pendulum.derivative(&moved(
+        phase,
+        step,
+        [&k1, &k2],
+        [0.0197250569845379, 0.0591751709536137],
+    ));
+    let k4 = pendulum.derivative(&moved(
+        phase,
+        step,
+        [&k1, &k3],
+        [0.02958758547680685, 0.08876275643042054],
+    ));
+    let k5 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k3, &k4],
         [0.2413651341592667, -0.8845494793282861, 0.924834003261792],
     ));
-    let k6 = pendulum.flow(&moved(
+    let k6 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k4, &k5],
         [0.037037037037037035, 0.17082860872947386, 0.12546768756682242],
     ));
-    let k7 = pendulum.flow(&moved(
+    let k7 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k4, &k5, &k6],
         [0.037109375, 0.17025221101954405, 0.06021653898045596, -0.017578125],
     ));
-    let k8 = pendulum.flow(&moved(
+    let k8 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k4, &k5, &k6, &k7],
@@ -65,7 +73,7 @@ pub fn dop853<T: Real>(
             0.008273789163814023,
         ],
     ));
-    let k9 = pendulum.flow(&moved(
+    let k9 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k4, &k5, &k6, &k7, &k8],
@@ -78,7 +86,7 @@ pub fn dop853<T: Real>(
             -43.48988418106996,
         ],
     ));
-    let k10 = pendulum.flow(&moved(
+    let k10 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k4, &k5, &k6, &k7, &k8, &k9],
@@ -92,7 +100,7 @@ pub fn dop853<T: Real>(
             -0.020331201708508627,
         ],
     ));
-    let k11 = pendulum.flow(&moved(
+    let k11 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k4, &k5, &k6, &k7, &k8, &k9, &k10],
@@ -107,7 +115,7 @@ pub fn dop853<T: Real>(
             -3.0467644718982196,
         ],
     ));
-    let k12 = pendulum.flow(&moved(
+    let k12 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k4, &k5, &k6, &k7, &k8, &k9, &k10, &k11],
@@ -179,22 +187,22 @@ pub fn dopri5<T: Real>(
     phase: &Phase<T>,
     step: T,
 ) -> Trial<T> {
-    let k1 = pendulum.flow(phase);
-    let k2 = pendulum.flow(&moved(phase, step, [&k1], [0.2]));
-    let k3 = pendulum.flow(&moved(phase, step, [&k1, &k2], [3.0 / 40.0, 9.0 / 40.0]));
-    let k4 = pendulum.flow(&moved(
+    let k1 = pendulum.derivative(phase);
+    let k2 = pendulum.derivative(&moved(phase, step, [&k1], [0.2]));
+    let k3 = pendulum.derivative(&moved(phase, step, [&k1, &k2], [3.0 / 40.0, 9.0 / 40.0]));
+    let k4 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k2, &k3],
         [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
     ));
-    let k5 = pendulum.flow(&moved(
+    let k5 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k2, &k3, &k4],
         [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
     ));
-    let k6 = pendulum.flow(&moved(
+    let k6 = pendulum.derivative(&moved(
         phase,
         step,
         [&k1, &k2, &k3, &k4, &k5],
@@ -205,7 +213,7 @@ pub fn dopri5<T: Real>(
         [35.0 / 384.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
     );
     let change = scaled(&rate, step);
-    let k7 = pendulum.flow(&plus(phase, &change));
+    let k7 = pendulum.derivative(&plus(phase, &change));
     let error = sum(
         [&k1, &k3, &k4, &k5, &k6, &k7],
         [
@@ -345,7 +353,7 @@ mod tests {
         let error = |step: f64| {
             let trial = dopri5(&unit, scale, &start, step);
             let end = plus(&start, &trial.change);
-            let (rate, rate_after) = (unit.flow(&start), unit.flow(&end));
+            let (rate, rate_after) = (unit.derivative(&start), unit.derivative(&end));
             let rises = [rate[3] * step, rate_after[3] * step];
             let control = quartic([start[3], end[3]], rises, trial.bow[1]);
             let off = |share: f64| {

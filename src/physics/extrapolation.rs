@@ -59,7 +59,7 @@ pub fn trial<T: Real, const K: usize>(
     step: T,
 ) -> [Phase<T>; 2] {
     let zero = step.lit(0.0);
-    let rate = pendulum.flow(phase);
+    let rate = pendulum.derivative(phase);
     let (mut change, mut error) = ([zero; 6], [zero; 6]);
     for j in 0..K {
         let rule = midpoints(pendulum, phase, &rate, step, 2 * (j + 1));
@@ -89,14 +89,14 @@ fn midpoints<T: Real>(
         now[i] = rate[i].mul_add(length, phase[i]);
     }
     for _ in 1..count {
-        let rate = pendulum.flow(&now);
+        let rate = pendulum.derivative(&now);
         let mut next = before;
         for i in 0..6 {
             next[i] = rate[i].mul_add(twice, before[i]);
         }
         (before, now) = (now, next);
     }
-    let rate = pendulum.flow(&now);
+    let rate = pendulum.derivative(&now);
     let half = step.lit(0.5);
     let mut change = now;
     for i in 0..6 {

@@ -20,7 +20,7 @@ impl<T: Real> Pendulum<T> {
     /// C c ω1 + B ω2 = p2; then x′ = −ωy, y′ = ωx, p1′ = −C s ω1ω2 − P y1 and
     /// p2′ = C s ω1ω2 − Q y2.
     #[inline(always)]
-    pub fn flow(&self, phase: &Phase<T>) -> Phase<T> {
+    pub fn derivative(&self, phase: &Phase<T>) -> Phase<T> {
         let [x1, y1, x2, y2, _, _] = *phase;
         let ([w1, w2], sin) = self.speeds_and_sine(phase);
         let pull = sin * (w1 * w2);
@@ -86,7 +86,7 @@ mod tests {
             let phase = pendulum.phase(&state);
             let [w1, w2] = pendulum.speeds(&phase);
             assert!((w1 - 3.0).abs() < 1e-13 && (w2 + 4.0).abs() < 1e-13);
-            let flow = pendulum.flow(&phase);
+            let flow = pendulum.derivative(&phase);
             // A central difference over ±ε along the motion of the angles.
             let epsilon = 1e-6;
             let alpha = pendulum.acceleration(&state);

@@ -5,7 +5,7 @@ use crate::engine::choice::{ChoiceError, INSTALL_HINT, open_checked};
 use crate::engine::cpu::CpuEngine;
 use crate::engine::gpu::GpuEngine;
 use crate::engine::gpu::device::{adapters, describe};
-use crate::engine::{Engine, EngineError};
+use crate::engine::{Engine, EngineError, EngineKind};
 
 /// An engine that a report measures.
 pub enum Backend {
@@ -37,11 +37,11 @@ impl Backend {
         }
     }
 
-    /// `cpu` or `gpu`.
-    pub fn name(&self) -> &'static str {
+    /// The kind of engine.
+    pub fn kind(&self) -> EngineKind {
         match self {
-            Backend::Cpu(engine, _) => engine.name(),
-            Backend::Gpu(engine) => engine.name(),
+            Backend::Cpu(..) => EngineKind::Cpu,
+            Backend::Gpu(_) => EngineKind::Gpu,
         }
     }
 
@@ -63,19 +63,19 @@ impl Backend {
 
     /// The engine's full name: `cpu` or `gpu`, and the adapter.
     pub fn full_name(&self) -> String {
-        format!("{}: {}", self.name(), self.adapter())
+        format!("{}: {}", self.kind(), self.adapter())
     }
 
     /// The engine's short name, by [`short_name`].
     pub fn short_name(&self) -> String {
-        short_name(self.name(), &self.adapter())
+        short_name(self.kind(), &self.adapter())
     }
 }
 
 /// `cpu`, or `gpu` with the adapter's name but without its driver.
-pub fn short_name(engine: &str, adapter: &str) -> String {
+pub fn short_name(engine: EngineKind, adapter: &str) -> String {
     match (engine, adapter.split_once(" (")) {
-        ("gpu", Some((name, _))) => format!("gpu {name}"),
+        (EngineKind::Gpu, Some((name, _))) => format!("gpu {name}"),
         _ => engine.to_string(),
     }
 }

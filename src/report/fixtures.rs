@@ -1,6 +1,7 @@
 //! An invented report for the tests of the code that writes reports.
 
 use super::*;
+use crate::engine::EngineKind;
 use crate::physics::{Outcome, Status};
 
 /// A report with two rows, a refusal by an engine, and one measurement missing.
@@ -9,7 +10,7 @@ pub(super) fn report() -> Report {
     let still = Outcome::without_time(Status::Unflipped);
     let pairs = [(flip(1.0), flip(1.0)), (flip(7.1), flip(7.0)), (still, still)];
     let row = |config, us| {
-        let mut row = Row::named("cpu", "2 threads, no SIMD", Some(2), config);
+        let mut row = Row::named(EngineKind::Cpu, "2 threads, no SIMD", Some(2), config);
         (row.us_per_pixel, row.times_scalar, row.spread) = (us, 70.0 / us, 0.05);
         row.errors = Errors::of(&pairs);
         row.bands = statistics::bands(&pairs);

@@ -27,7 +27,7 @@ pub(super) fn rows_at(report: &Report, level: Accuracy) -> Vec<&Row> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{fixtures, plan};
+    use super::super::{EngineKind, fixtures, plan};
     use super::*;
 
     #[test]
@@ -39,10 +39,10 @@ mod tests {
         };
         assert_eq!(configs(&report), [plan::BALANCED]);
         let mut other = report.rows[0].clone();
-        (other.engine, other.config) = ("gpu".to_string(), plan::BALANCED_DF32);
+        (other.engine, other.config) = (EngineKind::Gpu, plan::BALANCED_DF32);
         report.rows.push(other);
         assert_eq!(configs(&report), [plan::BALANCED, plan::BALANCED_DF32]);
-        report.rows[2].engine = report.rows[0].engine.clone();
+        report.rows[2].engine = report.rows[0].engine;
         assert_eq!(configs(&report), [plan::BALANCED]);
         assert_eq!(rows_at(&report, Accuracy::Exact).len(), report.exact.len());
     }

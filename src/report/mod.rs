@@ -37,7 +37,7 @@ mod windows;
 use serde::Serialize;
 
 use crate::engine::choice::ChoiceError;
-use crate::engine::{EngineError, IntegratorConfig};
+use crate::engine::{EngineError, EngineKind, IntegratorConfig};
 
 pub use backend::{Backend, BackendFilter};
 pub use beyond::{Flips, LateRow, WindowRow};
@@ -120,8 +120,8 @@ pub struct Report {
 /// Measurements of an engine with a config.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// `cpu` or `gpu`.
-    pub engine: String,
+    /// The kind of engine.
+    pub engine: EngineKind,
     /// Full name of the adapter, or the processor's threads and SIMD width.
     pub adapter: String,
     /// Number of threads if the processor computes, `None` for an adapter.
@@ -164,17 +164,17 @@ pub struct Row {
 impl Row {
     /// A row without measurements yet.
     pub fn new(backend: &Backend, config: IntegratorConfig) -> Self {
-        Row::named(backend.name(), &backend.adapter(), backend.threads(), config)
+        Row::named(backend.kind(), &backend.adapter(), backend.threads(), config)
     }
 
     fn named(
-        engine: &str,
+        engine: EngineKind,
         adapter: &str,
         threads: Option<usize>,
         config: IntegratorConfig,
     ) -> Self {
         Row {
-            engine: engine.to_string(),
+            engine,
             adapter: adapter.to_string(),
             threads,
             config,
@@ -202,7 +202,7 @@ impl Row {
 
     /// `cpu`, or `gpu` with the adapter's name.
     pub fn short_name(&self) -> String {
-        backend::short_name(&self.engine, &self.adapter)
+        backend::short_name(self.engine, &self.adapter)
     }
 }
 

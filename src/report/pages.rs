@@ -1,5 +1,6 @@
 //! A report laid out for readers: sections of text, tables and plots, the same for every format.
 
+use crate::engine::EngineKind;
 use serde::Serialize;
 
 use super::backend::short_name;
@@ -262,7 +263,11 @@ fn band_table(caption: &str, rows: &[&Row], cell: CellText) -> Table {
 fn specialising(report: &Report) -> Option<Section> {
     let line = |gain: &super::Specialising| {
         vec![
-            format!("{} on {}", super::plan::words(&gain.config), short_name("gpu", &gain.adapter)),
+            format!(
+                "{} on {}",
+                super::plan::words(&gain.config),
+                short_name(EngineKind::Gpu, &gain.adapter)
+            ),
             short(gain.general_us_per_pixel),
             short(gain.specialised_us_per_pixel),
             format!("{:.2}", gain.ratio),

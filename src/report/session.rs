@@ -205,7 +205,7 @@ fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
         }
     }
     for (index, backend) in backends.iter().enumerate() {
-        let fits = |case: &HardCase| case.is_for(backend.name());
+        let fits = |case: &HardCase| case.is_for(backend.kind());
         if index == last || !quick {
             let cases = hard::cases().into_iter().filter(fits);
             tasks.extend(cases.map(|case| Measurement::Hard(index, case)));

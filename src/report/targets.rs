@@ -250,10 +250,11 @@ impl Target {
 mod tests {
     use super::super::fixtures;
     use super::*;
+    use crate::engine::EngineKind;
     use crate::report::plan::{BALANCED, FAST, LESSON};
 
     fn row(config: IntegratorConfig, right: f64, times: f64) -> Row {
-        let mut row = Row::named("cpu", "2 threads", Some(2), config);
+        let mut row = Row::named(EngineKind::Cpu, "2 threads", Some(2), config);
         (row.errors.right_1ms, row.times_scalar) = (Some(right), times);
         row
     }

@@ -35,7 +35,8 @@ pub fn opinion(
 /// Draws random pixels: always the same ones for a view, and different ones for another view.
 fn random_pixels(scene: &Scene, size: [u32; 2]) -> Vec<[u32; 2]> {
     let text = scene.view.center.concat() + &scene.view.width;
-    let seed = text.bytes().fold(0u64, |seed, byte| seed.wrapping_mul(31) + u64::from(byte));
+    let seed =
+        text.bytes().fold(0u64, |seed, byte| seed.wrapping_mul(31).wrapping_add(u64::from(byte)));
     let mut random = fastrand::Rng::with_seed(seed);
     (0..CANDIDATES).map(|_| size.map(|side| random.u32(0..side))).collect()
 }

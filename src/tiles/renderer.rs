@@ -10,11 +10,12 @@ use crate::scene::Scene;
 /// Renders scenes to arrays of samples, one engine for all of them.
 ///
 /// ```
-/// use flipmap::engine::choice::{EngineKind, EngineRequest};
+/// use flipmap::engine::choice::EngineRequest;
+/// use flipmap::engine::EngineKind;
 /// use flipmap::scene::Scene;
 /// use flipmap::tiles::Renderer;
 ///
-/// let request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+/// let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
 /// let samples = Renderer::new(&request)?.render(&Scene::default(), [16, 16])?;
 /// assert_eq!(samples.len(), 256);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 
 use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Trust, Wait};
+use flipmap::engine::{
+    Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Starts, Trust, Wait,
+};
 use flipmap::physics::{Dd, Outcome, Status};
 
 #[derive(Default)]
@@ -61,8 +63,8 @@ impl Engine for Doubtful {
         self.mock.offers(config)
     }
 
-    fn name(&self) -> &'static str {
-        "doubtful"
+    fn kind(&self) -> EngineKind {
+        EngineKind::Gpu
     }
 
     fn adapter(&self) -> String {

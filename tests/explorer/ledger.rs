@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{
-    Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Question, Starts, Wait,
+    Engine, EngineError, EngineKind, IntegratorConfig, IntegratorState, Job, JobResult, Question,
+    Starts, Wait,
 };
 use flipmap::physics::Dd;
 
@@ -143,8 +144,8 @@ impl Engine for Ledger {
         self.mock.offers(config)
     }
 
-    fn name(&self) -> &'static str {
-        "ledger"
+    fn kind(&self) -> EngineKind {
+        EngineKind::Gpu
     }
 
     fn adapter(&self) -> String {

@@ -1,8 +1,8 @@
 //! Comparison of a window with the picture that an export makes of the same view.
 
 use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
-use flipmap::engine::Accuracy;
-use flipmap::engine::choice::{EngineKind, EngineRequest};
+use flipmap::engine::choice::EngineRequest;
+use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::physics::{Dd, Outcome, Status};
 use flipmap::scene::palette::Tones;
 use flipmap::scene::{Document, PictureTable, Scene};
@@ -27,7 +27,7 @@ pub(crate) fn picture(scene: Scene, size: [u32; 2]) -> (RgbImage, Vec<u8>) {
     document.picture.curve = false;
     document.run.accuracy = Some(Accuracy::Fast.to_string());
     let request = ExportRequest { document, size, path: path.clone(), kind: ExportKind::Png };
-    let engine_request = EngineRequest { kind: EngineKind::Cpu, ..EngineRequest::default() };
+    let engine_request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
     let stage = Export::start(request, engine_request, || ()).wait();
     assert!(matches!(stage, ExportStage::Done { .. }), "{stage:?}");
     (image::open(&path).unwrap().into_rgb8(), std::fs::read(path).unwrap())

@@ -3,8 +3,8 @@
 use egui::{RichText, Ui};
 
 use crate::app::action::Action;
-use crate::engine::choice::{EngineKind, IntegrationSetting};
-use crate::engine::{Accuracy, IntegratorConfig};
+use crate::engine::choice::IntegrationSetting;
+use crate::engine::{Accuracy, EngineKind, IntegratorConfig};
 
 /// The state shown in the panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Computing {
     /// The integration setting: an accuracy level, or an explicit integrator config.
     pub setting: IntegrationSetting,
     /// The requested kind of engine.
-    pub kind: EngineKind,
+    pub kind: Option<EngineKind>,
     /// The integrator config in use.
     pub config: Option<IntegratorConfig>,
     /// Name of the engine, its adapter, and the reason why it was chosen.
@@ -57,9 +57,9 @@ pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
     ui.horizontal(|ui| {
         ui.label("Engine");
         for (kind, word) in [
-            (EngineKind::Auto, "fastest"),
-            (EngineKind::Gpu, "graphics"),
-            (EngineKind::Cpu, "processor"),
+            (None, "fastest"),
+            (Some(EngineKind::Gpu), "graphics"),
+            (Some(EngineKind::Cpu), "processor"),
         ] {
             let chosen = computing.kind == kind;
             if ui.selectable_label(chosen, word).clicked() && !chosen {

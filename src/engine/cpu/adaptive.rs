@@ -4,7 +4,7 @@
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
-use super::pair::{EmbeddedPair, LaneStep};
+use super::pair::{EmbeddedPair, LaneStep, TopTest};
 use crate::engine::method::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
 use crate::engine::{End, NUMBERS, Question};
@@ -15,7 +15,7 @@ use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
 
 /// Runs a chunk in lanes of `N`.
 #[inline(always)]
-pub(super) fn run<N: Number, P: EmbeddedPair>(
+pub(super) fn run<N: Number, P: TopTest>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
     adaptive: Adaptive,
@@ -40,7 +40,8 @@ pub(super) fn run<N: Number, P: EmbeddedPair>(
         let mut state = LaneState::<N>::load(set, &lanes.scheduler);
         let mut taken = 0;
         loop {
-            let trial = P::trial(&pendulum, inverse_scale, &state.phase, N::exactly(state.step));
+            let trial =
+                P::Pair::trial(&pendulum, inverse_scale, &state.phase, N::exactly(state.step));
             let next = N::changed(&state.phase, &trial.change);
             let excess = state.excess(&adaptive, trial.error_squared.leading());
             let clearance = state.clearance::<P>(chunk.question, &pendulum, &next, &trial.bow);
@@ -125,7 +126,7 @@ impl<N: Number> LaneState<N> {
     /// Distance from the top that the watched bobs keep in the step to `next`; not positive in
     /// lanes where one may have crossed it.
     #[inline(always)]
-    fn clearance<P: EmbeddedPair>(
+    fn clearance<P: TopTest>(
         &self,
         question: &Question,
         pendulum: &Pendulum<N>,
@@ -177,7 +178,7 @@ impl AdaptiveLanes<'_> {
     /// Decides a step in which some lane's bob may have been at the top, by its `clearance`: looks
     /// for the crossing, and finishes the pendulums that made it.
     #[inline(always)]
-    fn decide<N: Number, P: EmbeddedPair>(
+    fn decide<N: Number, P: TopTest>(
         &mut self,
         [before, after]: [&LaneState<N>; 2],
         clearance: N::Leading,
@@ -201,7 +202,7 @@ impl AdaptiveLanes<'_> {
     }
 
     /// Decides the step that a lane took from `numbers`.
-    fn look<P: EmbeddedPair>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
+    fn look<P: TopTest>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
         let moment = |numbers: &[f64; NUMBERS]| {
             let phase = start::phase_of(numbers);
             StepState { phase, speed: self.reduced.speeds(&phase) }
@@ -227,7 +228,7 @@ impl AdaptiveLanes<'_> {
         let time = numbers[TIME] + (numbers[TIME_LOW] + numbers[STEP] * fraction);
         let end = End {
             time,
-            phase: step.shortened::<P>(fraction).phase,
+            phase: step.shortened::<P::Pair>(fraction).phase,
             clearance: self.scheduler.clearance[lane],
             ..End::NOWHERE
         };

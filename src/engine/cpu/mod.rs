@@ -5,12 +5,16 @@
 //! its chunk, its lane or its thread.
 
 mod adaptive;
+mod custom;
 mod fixed;
 mod lane_scheduler;
 mod lanes;
 mod number;
 mod pair;
 mod taylor;
+
+pub use custom::outcomes;
+pub use pair::{Dop853, Dopri5, EmbeddedPair};
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -23,11 +27,11 @@ use pulp::{Arch, Simd, WithSimd};
 use self::lane_scheduler::{Chunk, ChunkResult};
 use self::lanes::{F32Lanes, F64Lanes};
 use self::number::{Compensated, Two};
-use self::pair::{Eighth, Fifth, Midpoints};
+use self::pair::{Midpoints, OnCubic, OnQuartic};
 use super::method::{Adaptive, Pace, Steps};
 use super::{
-    End, Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Wait,
-    start,
+    End, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,
+    Precision, Wait, start,
 };
 use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
@@ -204,8 +208,8 @@ impl Engine for CpuEngine {
         JOB_SIZE
     }
 
-    fn name(&self) -> &'static str {
-        "cpu"
+    fn kind(&self) -> EngineKind {
+        EngineKind::Cpu
     }
 
     fn offers(&self, config: &IntegratorConfig) -> bool {
@@ -277,11 +281,11 @@ impl ChunkInFlight<'_> {
         let chunk = self.chunk;
         match (chunk.config.method, chunk.config.precision) {
             (Method::Dopri5 { .. }, Precision::F32) => {
-                adaptive::run::<Compensated<F32Lanes<S>>, Fifth>(set, chunk, pace)
+                adaptive::run::<Compensated<F32Lanes<S>>, OnQuartic>(set, chunk, pace)
             }
-            (Method::Dopri5 { .. }, _) => adaptive::run::<F64Lanes<S>, Fifth>(set, chunk, pace),
+            (Method::Dopri5 { .. }, _) => adaptive::run::<F64Lanes<S>, OnQuartic>(set, chunk, pace),
             (Method::Extrapolation { .. }, _) => {
-                adaptive::run::<Two<F64Lanes<S>>, Midpoints>(set, chunk, pace)
+                adaptive::run::<Two<F64Lanes<S>>, OnCubic<Midpoints>>(set, chunk, pace)
             }
             (Method::Taylor { .. }, Precision::Dd) => {
                 let dd = |hi, lo| Dd { hi, lo };
@@ -291,9 +295,9 @@ impl ChunkInFlight<'_> {
                 taylor::run::<F64Lanes<S>, f64, { ORDER_F64 + 1 }>(set, chunk, pace, |high, _| high)
             }
             (_, Precision::F32) => {
-                adaptive::run::<Compensated<F32Lanes<S>>, Eighth>(set, chunk, pace)
+                adaptive::run::<Compensated<F32Lanes<S>>, OnCubic<Dop853>>(set, chunk, pace)
             }
-            _ => adaptive::run::<F64Lanes<S>, Eighth>(set, chunk, pace),
+            _ => adaptive::run::<F64Lanes<S>, OnCubic<Dop853>>(set, chunk, pace),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The embedded pairs on lanes, each with a test for crossings of the top. That of DOPRI5 differs
 //! from that of the others, so that one can check the other.
 
+use std::marker::PhantomData;
 use std::sync::LazyLock;
 
 use super::lanes::Lanes;
@@ -12,15 +13,26 @@ use crate::physics::phase::Phase;
 use crate::physics::polynomial::course;
 use crate::physics::{Dd, Pendulum, Real};
 
-/// An embedded pair, generic over the number type.
-pub(super) trait EmbeddedPair: Sized {
-    /// Computes a step that may be taken or not.
+/// An embedded pair, generic over the number type: two methods that share their stages, so that
+/// the difference of their results estimates the error.
+pub trait EmbeddedPair {
+    /// The power of the step with which the estimated error falls.
+    const ORDER: u32;
+
+    /// Computes a step that may be taken or not. `inverse_scale` is 1 over the scale of each
+    /// momentum.
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
         inverse_scale: [T; 2],
         phase: &Phase<T>,
         step: T,
     ) -> Trial<T>;
+}
+
+/// A pair with a test for crossings of the top; by default the cubic through both ends of a step.
+pub(super) trait TopTest {
+    /// The pair that takes the steps.
+    type Pair: EmbeddedPair;
 
     /// Distance from the top that a bob keeps over a step, from its sine and that sine's rate of
     /// change times the step at both ends; not positive where it may cross the top. By the cubic
@@ -38,7 +50,7 @@ pub(super) trait EmbeddedPair: Sized {
 
     /// Finds out what becomes of a bob in a step of one pendulum, by shorter and shorter steps.
     fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
-        let at = |fraction| step.shortened::<Self>(fraction);
+        let at = |fraction| step.shortened::<Self::Pair>(fraction);
         within(at, bob, &step.before, &step.after, step.length)
     }
 }
@@ -62,10 +74,19 @@ impl LaneStep<'_> {
     }
 }
 
-/// DOPRI5, with crossings found on the quartic that it gives over its step.
-pub(super) struct Fifth;
+/// Any pair, with crossings found on the cubic through both ends of a step.
+pub(super) struct OnCubic<P>(PhantomData<P>);
 
-impl EmbeddedPair for Fifth {
+impl<P: EmbeddedPair> TopTest for OnCubic<P> {
+    type Pair = P;
+}
+
+/// The pair of Dormand and Prince of orders 5 and 4.
+pub struct Dopri5;
+
+impl EmbeddedPair for Dopri5 {
+    const ORDER: u32 = 5;
+
     #[inline(always)]
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
@@ -75,6 +96,13 @@ impl EmbeddedPair for Fifth {
     ) -> Trial<T> {
         dopri5(pendulum, inverse_scale, phase, step)
     }
+}
+
+/// DOPRI5, with crossings found on the quartic that it gives over its step.
+pub(super) struct OnQuartic;
+
+impl TopTest for OnQuartic {
+    type Pair = Dopri5;
 
     #[inline(always)]
     fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L {
@@ -103,6 +131,8 @@ pub(super) struct Midpoints;
 static WEIGHTS: LazyLock<Weights<Dd, COLUMNS>> = LazyLock::new(Weights::new);
 
 impl EmbeddedPair for Midpoints {
+    const ORDER: u32 = 2 * COLUMNS as u32 - 1;
+
     #[inline(always)]
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
@@ -118,10 +148,12 @@ impl EmbeddedPair for Midpoints {
     }
 }
 
-/// The pair DOP853.
-pub(super) struct Eighth;
+/// The pair of Dormand and Prince of orders 8 and 5 with 3.
+pub struct Dop853;
 
-impl EmbeddedPair for Eighth {
+impl EmbeddedPair for Dop853 {
+    const ORDER: u32 = 8;
+
     #[inline(always)]
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,

@@ -32,6 +32,7 @@ mod following;
 mod start_map;
 mod stats;
 
+use crate::engine::EngineKind;
 use std::collections::{HashMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -353,8 +354,8 @@ impl Engine for DepthEngine<'_> {
         self.inner.job_size()
     }
 
-    fn name(&self) -> &'static str {
-        self.inner.name()
+    fn kind(&self) -> EngineKind {
+        self.inner.kind()
     }
 
     fn adapter(&self) -> String {

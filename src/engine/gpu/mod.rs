@@ -11,6 +11,7 @@ mod maths;
 pub mod pipeline;
 mod slot;
 
+use crate::engine::EngineKind;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
@@ -235,8 +236,8 @@ impl Engine for GpuEngine {
         if device::is_software(&self.gpu.adapter) { 1 << 16 } else { 1 << 20 }
     }
 
-    fn name(&self) -> &'static str {
-        "gpu"
+    fn kind(&self) -> EngineKind {
+        EngineKind::Gpu
     }
 
     fn offers(&self, config: &IntegratorConfig) -> bool {

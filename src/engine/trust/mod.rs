@@ -27,6 +27,7 @@
 //! engine and adds a [`Trust`] to each of its answers. Deep starts climb a ladder of their own, and
 //! some are integrated directly ([`Opinion`]); unchecked pictures have an [`Outlook`].
 
+use crate::engine::EngineKind;
 use std::collections::{HashMap, VecDeque};
 use std::time::{Duration, Instant};
 
@@ -99,7 +100,7 @@ const TURN: Duration = Duration::from_millis(2);
 impl<'a> TrustEngine<'a> {
     /// Wraps `inner` to check its answers; the processor's part runs on `threads` threads.
     pub fn new(inner: Box<dyn Engine + 'a>, threads: Option<usize>) -> Result<Self, EngineError> {
-        let checker = if inner.name() == "cpu" {
+        let checker = if inner.kind() == EngineKind::Cpu {
             None
         } else {
             Some(DepthEngine::new(Box::new(CpuEngine::new(threads)?), threads)?)
@@ -231,8 +232,8 @@ impl Engine for TrustEngine<'_> {
         self.inner.job_size()
     }
 
-    fn name(&self) -> &'static str {
-        self.inner.name()
+    fn kind(&self) -> EngineKind {
+        self.inner.kind()
     }
 
     fn adapter(&self) -> String {

@@ -92,7 +92,7 @@ mod tests {
     use crate::engine::level::BALANCED;
     use crate::engine::mock::MockEngine;
     use crate::engine::trust::TrustEngine;
-    use crate::engine::{Job, JobResult, Leaf, Wait};
+    use crate::engine::{EngineKind, Job, JobResult, Leaf, Wait};
     use crate::physics::Rule;
     use crate::scene::Build;
     use crate::scene::lattice::Cell;
@@ -134,8 +134,8 @@ mod tests {
         fn job_size(&self) -> usize {
             1
         }
-        fn name(&self) -> &'static str {
-            "wrong"
+        fn kind(&self) -> EngineKind {
+            EngineKind::Gpu
         }
         fn adapter(&self) -> String {
             self.0.adapter()

@@ -18,8 +18,8 @@ use serde::Serialize;
 use super::truth::{oracle_dd, oracle_f64};
 pub use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{
-    Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Question,
-    Starts, Wait,
+    Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method, Precision,
+    Question, Starts, Wait,
 };
 use crate::physics::{Dd, Outcome, Rule, Status};
 use crate::scene::Build;
@@ -100,9 +100,9 @@ impl HardCase {
         })
     }
 
-    /// Returns true if the case applies to `engine`, given by name.
-    pub fn is_for(&self, engine: &str) -> bool {
-        self.of == Of::Engine || engine == "cpu"
+    /// Returns true if the case applies to an engine.
+    pub fn is_for(&self, engine: EngineKind) -> bool {
+        self.of == Of::Engine || engine == EngineKind::Cpu
     }
 }
 
@@ -140,7 +140,7 @@ impl<'a> HardBench<'a> {
 
     /// The configs that claim to be right; the processor's two share no event test.
     fn exact(&self) -> &'static [IntegratorConfig] {
-        if self.engine.name() == "cpu" { &[BALANCED, TAYLOR] } else { &[BALANCED] }
+        if self.engine.kind() == EngineKind::Cpu { &[BALANCED, TAYLOR] } else { &[BALANCED] }
     }
 
     /// Largest error of the exact configs' answers, s.

@@ -191,10 +191,12 @@ mod tests {
             [0.3, 0.1, 0.2, 1.0],
         ];
         let state = with_slopes(&phase, &frame);
-        let flow = unit.map(Dual::new).flow(&state);
+        let flow = unit.map(Dual::new).derivative(&state);
         for k in 0..4 {
             let nudged = |sign: f64| {
-                unit.flow(&std::array::from_fn(|i| phase[i] + sign * 1e-6 * state[i].slope[k]))
+                unit.derivative(&std::array::from_fn(|i| {
+                    phase[i] + sign * 1e-6 * state[i].slope[k]
+                }))
             };
             let (up, down) = (nudged(1.0), nudged(-1.0));
             for i in 0..6 {

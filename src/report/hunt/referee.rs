@@ -120,12 +120,12 @@ impl<T: Scalar> Referee<'_, T> {
             std::array::from_fn(|i| from[i] + rate[i] * by)
         };
         let mut before = *phase;
-        let mut now = moved(phase, &self.pendulum.flow(phase), length);
+        let mut now = moved(phase, &self.pendulum.derivative(phase), length);
         for _ in 1..count {
-            let next = moved(&before, &self.pendulum.flow(&now), twice);
+            let next = moved(&before, &self.pendulum.derivative(&now), twice);
             (before, now) = (now, next);
         }
-        let end = moved(&before, &self.pendulum.flow(&now), length);
+        let end = moved(&before, &self.pendulum.derivative(&now), length);
         std::array::from_fn(|i| (now[i] + end[i]) * T::from_f64(0.5))
     }
 

@@ -1,5 +1,5 @@
-//! `flipmap render --pyramid`, and images that cannot be written from front to back, tested through
-//! the command line.
+//! Pictures other than PNG: pyramids, images that cannot be written from front to back, and formats by
+//! name, tested through the command line.
 
 #[path = "common/program.rs"]
 mod program;
@@ -8,6 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use image::ImageFormat;
 use program::{error_of, flipmap};
 use tempfile::TempDir;
 
@@ -117,4 +118,32 @@ fn a_signal_leaves_no_half_pyramid() {
     assert!(Command::new("kill").args(["-s", "INT", &id]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
+}
+
+#[test]
+fn pictures_have_the_format_of_their_name() {
+    let folder = folder();
+    done(&folder, &["--accuracy", "exact", "-o", "map.webp", "--trust", "trust.jpg"]);
+    done(&folder, &["-o", "map.png"]);
+    for arguments in [
+        &["lab", "single", "-o", "single.tiff"][..],
+        &["compare", "map.png", "map.png", "-o", "same.webp"],
+    ] {
+        let output = flipmap(&folder, arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", error_of(&output));
+    }
+    for (name, format) in [
+        ("map.webp", ImageFormat::WebP),
+        ("trust.jpg", ImageFormat::Jpeg),
+        ("single.tiff", ImageFormat::Tiff),
+        ("same.webp", ImageFormat::WebP),
+    ] {
+        let bytes = fs::read(folder.path().join(name)).unwrap();
+        assert_eq!(image::guess_format(&bytes).unwrap(), format, "{name}");
+    }
+    for refused in ["map.gif", "map.bmp"] {
+        let output = render(&folder, &["-o", refused]);
+        assert!(error_of(&output).contains(".png, .jpg, .webp or .tiff"), "{refused}");
+        assert!(!folder.path().join(refused).exists());
+    }
 }

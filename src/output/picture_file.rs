@@ -1,6 +1,6 @@
-//! Pictures in formats that are encoded as a whole: JPEG, WebP and TIFF.
+//! A picture in the format of its file's name.
 //!
-//! PNG is the format of pictures that carry their scene, and the only one written row by row.
+//! PNG carries the scene and is written row by row; JPEG, WebP and TIFF are encoded as a whole.
 
 use std::io::{self, Cursor, Write};
 use std::path::Path;
@@ -8,7 +8,8 @@ use std::path::Path;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat};
 
-use super::SafeFile;
+use super::{Destination, PngError, PngWriter, SafeFile};
+use crate::scene::Document;
 
 /// JPEG quality, 1 to 100: high, because a map is full of thin filaments.
 const JPEG_QUALITY: u8 = 95;
@@ -34,8 +35,61 @@ fn longest_side(format: ImageFormat) -> u32 {
     }
 }
 
+/// A picture being written to a file.
+pub struct PictureFile(Encoding);
+
+enum Encoding {
+    ByRows(PngWriter<SafeFile>),
+    Whole(WholePicture),
+}
+
+impl PictureFile {
+    /// Begins a picture of `size` pixels; a PNG carries the document, if there is one. Refuses a name
+    /// of another format, a file that cannot be created, and a size that the format cannot hold.
+    pub fn create(path: &Path, size: [u32; 2], document: Option<&Document>) -> io::Result<Self> {
+        let format = format_of(path)?;
+        let file = SafeFile::create(&Destination::from(path))?;
+        Ok(PictureFile(match (format, document) {
+            (Some(format), _) => Encoding::Whole(WholePicture::new(file, format, size)?),
+            (None, Some(document)) => {
+                Encoding::ByRows(PngWriter::new(file, size, document).map_err(as_io)?)
+            }
+            (None, None) => Encoding::ByRows(PngWriter::without_scene(file, size).map_err(as_io)?),
+        }))
+    }
+
+    /// Adds the next rows, three bytes per pixel.
+    pub fn write(&mut self, rgb: &[u8]) -> io::Result<()> {
+        match &mut self.0 {
+            Encoding::ByRows(png) => png.write(rgb).map_err(as_io),
+            Encoding::Whole(picture) => {
+                picture.rgb.extend_from_slice(rgb);
+                Ok(())
+            }
+        }
+    }
+
+    /// Completes the picture; the file is not in its place until it is finished too.
+    pub fn complete(self) -> io::Result<SafeFile> {
+        let mut file = match self.0 {
+            Encoding::ByRows(png) => png.finish().map_err(as_io)?,
+            Encoding::Whole(picture) => picture.encode()?,
+        };
+        file.flush()?;
+        Ok(file)
+    }
+}
+
+/// The error of the file below a PNG that is written.
+fn as_io(error: PngError) -> io::Error {
+    match error {
+        PngError::File(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
 /// A picture that is encoded when its last row has come.
-pub(super) struct WholePicture {
+struct WholePicture {
     file: SafeFile,
     format: ImageFormat,
     size: [u32; 2],
@@ -43,8 +97,7 @@ pub(super) struct WholePicture {
 }
 
 impl WholePicture {
-    /// Begins a picture of `size` pixels; refuses a size that the format cannot hold.
-    pub(super) fn new(file: SafeFile, format: ImageFormat, size: [u32; 2]) -> io::Result<Self> {
+    fn new(file: SafeFile, format: ImageFormat, size: [u32; 2]) -> io::Result<Self> {
         let longest = longest_side(format);
         if size.into_iter().any(|side| side > longest) {
             let ending = format.extensions_str()[0];
@@ -55,13 +108,7 @@ impl WholePicture {
         Ok(WholePicture { file, format, size, rgb: Vec::new() })
     }
 
-    /// Adds the next rows, three bytes per pixel.
-    pub(super) fn write(&mut self, rgb: &[u8]) {
-        self.rgb.extend_from_slice(rgb);
-    }
-
-    /// Encodes the picture and returns its file.
-    pub(super) fn finish(mut self) -> io::Result<SafeFile> {
+    fn encode(mut self) -> io::Result<SafeFile> {
         let bytes = encoded(&self.rgb, self.size, self.format).map_err(io::Error::other)?;
         self.file.write_all(&bytes)?;
         Ok(self.file)
