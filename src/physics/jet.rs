@@ -11,10 +11,10 @@ use super::real::Real;
 /// Highest degree kept; higher powers of the coordinates are cut off.
 pub const DEGREE: usize = 6;
 /// Number of coefficients of a polynomial.
-const TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
+pub(super) const TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
 
 /// Index of the first coefficient of a degree: those of x^(n−j) y^j for j = 0 … n begin there.
-const fn first(degree: usize) -> usize {
+pub(super) const fn first(degree: usize) -> usize {
     degree * (degree + 1) / 2
 }
 
@@ -39,6 +39,16 @@ impl Jet {
         let mut c = [0.0; TERMS];
         c[1 + axis] = half;
         Jet { c, varies: true }
+    }
+
+    /// The coefficients, and whether any but the first can differ from zero.
+    pub(super) const fn parts(&self) -> (&[f64; TERMS], bool) {
+        (&self.c, self.varies)
+    }
+
+    /// The polynomial with these coefficients.
+    pub(super) const fn of_parts(c: [f64; TERMS], varies: bool) -> Self {
+        Jet { c, varies }
     }
 
     /// Value in the middle of the cell.

@@ -23,6 +23,7 @@ pub mod flip;
 pub mod flow_patch;
 pub mod integrator;
 pub mod jet;
+mod jet_lanes;
 pub mod opening;
 pub mod oracle;
 pub mod pendulum;

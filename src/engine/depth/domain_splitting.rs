@@ -10,10 +10,12 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use rayon::prelude::*;
+
 use super::following::Following;
 use super::start_map::{FinishedPatch, StartMap};
 use crate::engine::Question;
-use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
+use crate::physics::flow_patch::{Dynamics, FlowPatch, Follower, JET_LANES, PatchEnd, carried};
 use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, digits_for, reference};
 use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
@@ -62,6 +64,17 @@ struct SplitNode {
     patch: FlowPatch,
     edge: Option<Jet>,
 }
+
+/// A cell on its way with the leaves below it, and what its polynomials may leave out.
+struct Branch {
+    node: SplitNode,
+    cell: Cell,
+    leaves: Vec<Cell>,
+    tolerance: f64,
+}
+
+/// Largest number of leaves that are followed on one thread.
+const LEAVES_IN_LANES: usize = 256;
 
 /// A request for start maps: the leaves' level, the reduced budget, the cancellation flag, and the
 /// progress to report to.
@@ -122,7 +135,11 @@ impl DomainSplitting {
                 Some(end) => {
                     let node = anchor.node.clone();
                     drop(anchor);
-                    start_maps.extend(self.ended(node, end, cell, &leaves, wanted));
+                    let branch = Branch { node, cell, leaves, tolerance: 0.0 };
+                    let mut maps = Vec::new();
+                    let parts = self.cut(branch, end, wanted, &mut maps);
+                    start_maps.extend(maps);
+                    start_maps.extend(self.followed(parts, wanted));
                 }
                 None => start_maps.extend(leaves.iter().map(|leaf| (*leaf, StartMap::Forbidden))),
             }
@@ -205,74 +222,168 @@ impl DomainSplitting {
         leaf * 0.5f64.powi(levels_above_leaf as i32)
     }
 
-    /// The start maps of a cell's leaves after the cell's own path has ended.
-    fn ended(
+    /// The start maps of the leaves of branches, which are followed on. Large ones are shared among
+    /// threads; the others go together in lanes.
+    fn followed(&self, branches: Vec<Branch>, wanted: SplitRequest) -> Vec<(Cell, StartMap)> {
+        let leaves: usize = branches.iter().map(|branch| branch.leaves.len()).sum();
+        if leaves <= LEAVES_IN_LANES {
+            return SplitLanes::new(self, branches, wanted).run();
+        }
+        let follow = |mut branch: Branch| {
+            let end = branch.follow(&self.dynamics, wanted);
+            let mut start_maps = Vec::new();
+            let parts = self.cut(branch, end, wanted, &mut start_maps);
+            start_maps.extend(self.followed(parts, wanted));
+            start_maps
+        };
+        branches.into_par_iter().flat_map_iter(follow).collect()
+    }
+
+    /// Cuts a cell whose path has ended into the quarters that have leaves; otherwise, adds the
+    /// start maps of its leaves.
+    fn cut(
         &self,
-        node: SplitNode,
+        branch: Branch,
         end: PatchEnd,
-        cell: Cell,
-        leaves: &[Cell],
         wanted: SplitRequest,
-    ) -> Vec<(Cell, StartMap)> {
-        let cut = matches!(end, PatchEnd::Spread | PatchEnd::Unclear) && cell.level < wanted.level;
-        if cut && !wanted.cancelled.load(Ordering::Relaxed) {
-            return self.quartered(&node, cell, leaves, wanted);
+        start_maps: &mut Vec<(Cell, StartMap)>,
+    ) -> Vec<Branch> {
+        let Branch { node, cell, leaves, .. } = &branch;
+        let unsolved = matches!(end, PatchEnd::Spread | PatchEnd::Unclear);
+        if unsolved && cell.level < wanted.level && !wanted.cancelled.load(Ordering::Relaxed) {
+            return self.quarters(&branch, wanted, start_maps);
         }
         let half_rad = side_rad(cell.level + 1);
-        let ended =
-            Arc::new(FinishedPatch { patch: node.patch, ending: end, edge: node.edge, half_rad });
+        let ended = Arc::new(FinishedPatch {
+            patch: node.patch.clone(),
+            ending: end,
+            edge: node.edge,
+            half_rad,
+        });
         let part = |leaf: &Cell| {
             let half = 0.5f64.powi((leaf.level - cell.level) as i32);
-            let middle = leaf.index_in(&cell).map(|index| (2.0 * index + 1.0) * half - 1.0);
+            let middle = leaf.index_in(cell).map(|index| (2.0 * index + 1.0) * half - 1.0);
             (*leaf, StartMap::Part { ended: ended.clone(), middle, half })
         };
-        leaves.iter().map(part).collect()
+        start_maps.extend(leaves.iter().map(part));
+        Vec::new()
     }
 
-    /// The start maps of a cell that continues in quarters.
-    fn quartered(
+    fn quarters(
         &self,
-        node: &SplitNode,
-        cell: Cell,
-        leaves: &[Cell],
+        branch: &Branch,
         wanted: SplitRequest,
-    ) -> Vec<(Cell, StartMap)> {
-        let quarter = |k: usize| {
-            let child = cell.children()[k];
-            let inside = |leaf: &&Cell| leaf.ancestor(child.level) == child;
-            let leaves: Vec<Cell> = leaves.iter().filter(inside).copied().collect();
-            if leaves.is_empty() { Vec::new() } else { self.child(node, k, child, &leaves, wanted) }
-        };
-        let two = |a: usize, b: usize| rayon::join(|| quarter(a), || quarter(b));
-        let ((mut all, b), (c, d)) = rayon::join(|| two(0, 1), || two(2, 3));
-        all.extend(b.into_iter().chain(c).chain(d));
-        all
-    }
-
-    fn child(
-        &self,
-        parent: &SplitNode,
-        k: usize,
-        cell: Cell,
-        leaves: &[Cell],
-        wanted: SplitRequest,
-    ) -> Vec<(Cell, StartMap)> {
-        let mut node = if parent.patch.time.0 == 0.0 {
-            // Too wide for its polynomials even at rest: there is nothing to take a part of.
-            self.released(cell)
-        } else {
-            parent.part(QUARTERS[k])
-        };
-        if !node.settle_edge() {
-            return leaves.iter().map(|leaf| (*leaf, StartMap::Forbidden)).collect();
+        start_maps: &mut Vec<(Cell, StartMap)>,
+    ) -> Vec<Branch> {
+        let mut quarters = Vec::new();
+        for (middle, cell) in QUARTERS.into_iter().zip(branch.cell.children()) {
+            let inside = |leaf: &&Cell| leaf.ancestor(cell.level) == cell;
+            let leaves: Vec<Cell> = branch.leaves.iter().filter(inside).copied().collect();
+            if leaves.is_empty() {
+                continue;
+            }
+            let mut node = if branch.node.patch.time.0 == 0.0 {
+                // Too wide for its polynomials even at rest: there is nothing to take a part of.
+                self.released(cell)
+            } else {
+                branch.node.part(middle)
+            };
+            if node.settle_edge() {
+                let tolerance = self.tolerance(wanted.level - cell.level);
+                quarters.push(Branch { node, cell, leaves, tolerance });
+            } else {
+                start_maps.extend(leaves.into_iter().map(|leaf| (leaf, StartMap::Forbidden)));
+            }
         }
-        let tolerance = self.tolerance(wanted.level - cell.level);
-        let end = if node.patch.holds(&self.dynamics, tolerance) {
-            node.patch.follow(&self.dynamics, wanted.budget, tolerance, None)
+        quarters
+    }
+}
+
+impl Branch {
+    /// Follows the cell alone; returns why it ended.
+    fn follow(&mut self, dynamics: &Dynamics, wanted: SplitRequest) -> PatchEnd {
+        if self.node.patch.holds(dynamics, self.tolerance) {
+            self.node.patch.follow(dynamics, wanted.budget, self.tolerance, None)
         } else {
             PatchEnd::Spread
-        };
-        self.ended(node, end, cell, leaves, wanted)
+        }
+    }
+}
+
+/// Branches that are followed together: a lane whose cell has ended takes the next one.
+struct SplitLanes<'a> {
+    splitting: &'a DomainSplitting,
+    wanted: SplitRequest<'a>,
+    waiting: Vec<Branch>,
+    lanes: Vec<(Branch, Follower)>,
+    start_maps: Vec<(Cell, StartMap)>,
+}
+
+impl<'a> SplitLanes<'a> {
+    fn new(splitting: &'a DomainSplitting, waiting: Vec<Branch>, wanted: SplitRequest<'a>) -> Self {
+        SplitLanes { splitting, wanted, waiting, lanes: Vec::new(), start_maps: Vec::new() }
+    }
+
+    fn run(mut self) -> Vec<(Cell, StartMap)> {
+        loop {
+            self.fill();
+            if self.lanes.is_empty() || self.wanted.cancelled.load(Ordering::Relaxed) {
+                return self.start_maps;
+            }
+            self.step();
+        }
+    }
+
+    fn fill(&mut self) {
+        while self.lanes.len() < JET_LANES {
+            let Some(branch) = self.waiting.pop() else { return };
+            let patch = &branch.node.patch;
+            if patch.holds(&self.splitting.dynamics, branch.tolerance) {
+                let follower = Follower::new(patch.clone(), self.wanted.budget, branch.tolerance);
+                self.lanes.push((branch, follower));
+            } else {
+                self.end(branch, PatchEnd::Spread);
+            }
+        }
+    }
+
+    /// Plans, carries and takes one step in every lane.
+    fn step(&mut self) {
+        let dynamics = &self.splitting.dynamics;
+        let mut plans = Vec::with_capacity(JET_LANES);
+        let mut lane = 0;
+        while lane < self.lanes.len() {
+            match self.lanes[lane].1.plan(dynamics, None) {
+                Ok(plan) => {
+                    plans.push(plan);
+                    lane += 1;
+                }
+                Err(end) => self.leave(lane, end),
+            }
+        }
+        let planned: Vec<_> =
+            self.lanes.iter().zip(&plans).map(|((_, follower), plan)| (follower, *plan)).collect();
+        if planned.is_empty() {
+            return;
+        }
+        let after = carried(dynamics, &planned);
+        for (lane, (plan, after)) in plans.into_iter().zip(after).enumerate().rev() {
+            if let Some(end) = self.lanes[lane].1.take(dynamics, plan, after, None) {
+                self.leave(lane, end);
+            }
+        }
+    }
+
+    /// Frees a lane whose cell has ended.
+    fn leave(&mut self, lane: usize, end: PatchEnd) {
+        let (mut branch, follower) = self.lanes.remove(lane);
+        branch.node.patch = follower.into_patch();
+        self.end(branch, end);
+    }
+
+    fn end(&mut self, branch: Branch, end: PatchEnd) {
+        let parts = self.splitting.cut(branch, end, self.wanted, &mut self.start_maps);
+        self.waiting.extend(parts);
     }
 }
 

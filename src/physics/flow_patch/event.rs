@@ -51,7 +51,7 @@ impl FlowPatch {
             }
             let turns = before.speed[bob] * after.speed[bob] < 0.0;
             let passes = crosses(&before, &after, bob);
-            if turns && passes && patch_step.length > SHORTEST {
+            if turns && passes && patch_step.plan.length > SHORTEST {
                 return PatchEvent::TooMuch;
             }
             if turns {
@@ -69,7 +69,7 @@ impl FlowPatch {
         match events.len() {
             0 => least.map_or(PatchEvent::Nothing, PatchEvent::FarTurn),
             1 => events.remove(0),
-            _ if patch_step.length > SHORTEST => PatchEvent::TooMuch,
+            _ if patch_step.plan.length > SHORTEST => PatchEvent::TooMuch,
             _ => PatchEvent::Unclear,
         }
     }
@@ -84,12 +84,13 @@ impl FlowPatch {
         reference: Option<&(dyn Reference + 'static)>,
     ) -> Option<PatchEvent> {
         let start = middle(&self.phase);
-        let at =
-            |fraction: f64| dynamics.moment(dynamics.moved(&start, patch_step.length * fraction).0);
+        let at = |fraction: f64| {
+            dynamics.moment(dynamics.moved(&start, patch_step.plan.length * fraction).0)
+        };
         let (before, after) = (at(0.0), dynamics.moment(middle(&patch_step.after)));
         let (fraction, there) = turning_point(&at, bob, &before, &after);
         let spread = self.phase[2 * bob + 1].spread().max(patch_step.after[2 * bob + 1].spread());
-        let tau = patch_step.length * fraction;
+        let tau = patch_step.plan.length * fraction;
         // Deep in a zoom the spread is far below f64's resolution of the middle.
         let sine = match reference {
             Some(reference) if there.phase[2 * bob + 1].abs() < KNOWN_BY_F64 => {
@@ -134,17 +135,19 @@ impl FlowPatch {
         tolerance: f64,
     ) -> PatchEvent {
         let start = middle(&self.phase);
-        let at =
-            |fraction: f64| dynamics.moment(dynamics.moved(&start, patch_step.length * fraction).0);
+        let at = |fraction: f64| {
+            dynamics.moment(dynamics.moved(&start, patch_step.plan.length * fraction).0)
+        };
         let (before, after) = (at(0.0), dynamics.moment(middle(&patch_step.after)));
-        let (fraction, there) = crossing(&at, bob, (0.0, before), (1.0, after), patch_step.length);
+        let (fraction, there) =
+            crossing(&at, bob, (0.0, before), (1.0, after), patch_step.plan.length);
         if there.phase[2 * bob] >= 0.0 {
             return PatchEvent::Nothing;
         }
         if self.beyond[bob] {
             return PatchEvent::Back(bob);
         }
-        let tau = patch_step.length * fraction;
+        let tau = patch_step.plan.length * fraction;
         let (shift, phase) = dynamics.pass_of_all(&self.phase, tau, bob);
         let speed = dynamics.jets.speeds(&phase)[bob];
         let clear = shift.tail() <= TIME_TOLERANCE.min(tolerance.sqrt())

@@ -11,9 +11,13 @@
 //! sign says which starts have flipped: a graze stays one clean line however deep the zoom.
 
 mod event;
+mod follower;
 mod graze;
 
+pub use follower::{Follower, StepPlan, carried};
 pub use graze::Graze;
+
+pub use super::jet_lanes::JET_LANES;
 
 use super::crossing::{FAR, StepState};
 use super::embedded::{dop853, plus};
@@ -23,7 +27,6 @@ use super::opening;
 use super::phase::Phase;
 use super::reference::Reference;
 use super::{Pendulum, Real};
-use event::PatchEvent;
 
 /// The dynamics that move a patch, in reduced units.
 #[derive(Clone, Copy, Debug)]
@@ -197,56 +200,22 @@ impl FlowPatch {
         tolerance: f64,
         mut reference: Option<&mut (dyn Reference + 'static)>,
     ) -> PatchEnd {
-        // The latest patch that may be the end: no start is at the top with any bob, so that events
-        // alone decide which have passed.
-        let mut clear = self.clone();
-        let mut pass_began: Option<f64> = None;
+        let mut follower = Follower::new(self.clone(), budget, tolerance);
         let end = loop {
-            if self.settled() {
-                return PatchEnd::Grazed;
-            }
-            let is_clear = pass_began.is_none() && self.is_clear(dynamics);
-            if is_clear {
-                clear.clone_from(self);
-                if self.time.0 >= budget {
-                    break PatchEnd::Over;
-                }
-            }
-            if pass_began.is_some_and(|began| self.time.0 > began + GRAZE_WITHIN) {
-                break PatchEnd::Unclear;
-            }
-            let patch_step = self.patch_step(dynamics, reference.as_deref_mut());
-            let tail = dynamics.tail(&patch_step.after);
-            if tail.is_nan() || tail > tolerance {
-                break PatchEnd::Spread;
-            }
-            let event = match self.left_of_opening(dynamics) {
-                Some(_) => PatchEvent::Nothing,
-                None => self.event_in(dynamics, &patch_step, tolerance, reference.as_deref()),
+            let plan = match follower.plan(dynamics, reference.as_deref_mut()) {
+                Ok(plan) => plan,
+                Err(end) => break end,
             };
-            match event {
-                PatchEvent::Nothing => {}
-                PatchEvent::FarTurn(clearance) => self.far_turns = self.far_turns.min(clearance),
-                PatchEvent::TooMuch => {
-                    self.step = patch_step.length * 0.5;
-                    continue;
-                }
-                PatchEvent::Unclear => break PatchEnd::Unclear,
-                PatchEvent::Pass(pass) => return PatchEnd::Passed(pass),
-                PatchEvent::NearlyGraze(bob) => {
-                    pass_began = Some(self.time.0);
-                    self.beyond[bob] = true;
-                }
-                PatchEvent::Back(bob) => self.beyond[bob] = false,
-                PatchEvent::Graze(graze, beyond) => {
-                    pass_began = None;
-                    self.beyond[graze.bob] = beyond;
-                    self.grazes.extend(graze.concerns_any().then_some(*graze));
-                }
+            let mut after = carried(dynamics, &[(&follower, plan)]).remove(0);
+            if let Some(reference) = reference.as_deref_mut() {
+                let known = reference.phase(plan.length);
+                after = std::array::from_fn(|i| after[i].with_middle(known[i]));
             }
-            self.take(patch_step, reference.as_deref_mut());
+            if let Some(end) = follower.take(dynamics, plan, after, reference.as_deref_mut()) {
+                break end;
+            }
         };
-        *self = clear;
+        *self = follower.into_patch();
         end
     }
 
@@ -264,54 +233,46 @@ impl FlowPatch {
         (left > 1e-9 * dynamics.opening).then_some(left)
     }
 
-    /// Computes the next step, as long as the middle allows it.
-    fn patch_step(
+    /// Plans the next step, as long as the middle allows it.
+    fn plan_step(
         &self,
         dynamics: &Dynamics,
         reference: Option<&mut (dyn Reference + 'static)>,
-    ) -> PatchStep {
+    ) -> StepPlan {
         let start = middle(&self.phase);
         let (mut length, mut next) = (self.step.min(LONGEST), self.step);
         length = length.min(self.left_of_opening(dynamics).unwrap_or(length));
-        let mut reference = reference;
-        if let Some(reference) = &mut reference {
+        if let Some(reference) = reference {
             length = length.min(reference.reach());
         }
-        let mut after = dynamics.moved(&start, length);
-        for _ in 0..20 {
-            let factor = 0.8 * (STEP_TOLERANCE / after.1.max(1e-30)).powf(1.0 / 8.0);
+        for _ in 0..=20 {
+            let (_, error) = dynamics.moved(&start, length);
+            let factor = 0.8 * (STEP_TOLERANCE / error.max(1e-30)).powf(1.0 / 8.0);
             let fits = factor >= 0.8;
             next = length * factor.clamp(0.2, 3.0);
             if fits || length < SHORTEST {
                 break;
             }
             length = next;
-            after = dynamics.moved(&start, length);
-        }
-        let mut carried = dynamics.carried(&self.phase, Jet::constant(length));
-        if let Some(reference) = reference {
-            let known = reference.phase(length);
-            carried = std::array::from_fn(|i| carried[i].with_middle(known[i]));
         }
         // A step cut short by the reference says little about the next one.
         let next = if length < 0.5 * self.step { next.max(self.step) } else { next };
-        PatchStep { length, next, after: carried }
+        StepPlan { length, next }
     }
 
     fn take(&mut self, patch_step: PatchStep, reference: Option<&mut (dyn Reference + 'static)>) {
         if let Some(reference) = reference {
-            reference.advance(patch_step.length);
+            reference.advance(patch_step.plan.length);
         }
         self.phase = patch_step.after;
-        self.time = self.time.0.fast_two_sum(self.time.1 + patch_step.length);
-        self.step = patch_step.next;
+        self.time = self.time.0.fast_two_sum(self.time.1 + patch_step.plan.length);
+        self.step = patch_step.plan.next;
     }
 }
 
 /// A step of a patch that may be taken.
 struct PatchStep {
-    length: f64,
-    next: f64,
+    plan: StepPlan,
     after: Phase<Jet>,
 }
 

@@ -1,0 +1,151 @@
+//! Patches on their way: each is followed step by step, several at a time in SIMD lanes.
+//!
+//! What a step costs is the carrying of its polynomials; that is done for [`JET_LANES`] patches at
+//! once. All else, the lengths of steps and the events at the top, is decided for each patch alone,
+//! so that a patch's path does not depend on those beside it.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::event::PatchEvent;
+use super::{Dynamics, FlowPatch, GRAZE_WITHIN, PatchEnd, PatchStep};
+use crate::physics::embedded::{dop853, plus};
+use crate::physics::jet::Jet;
+use crate::physics::jet_lanes::{JET_LANES, JetLanes};
+use crate::physics::phase::Phase;
+use crate::physics::reference::Reference;
+
+/// A patch that is being followed.
+pub struct Follower {
+    /// The patch after the steps that were taken.
+    patch: FlowPatch,
+    /// The latest patch that may be the end: no start is at the top with any bob, so that events
+    /// alone decide which have passed.
+    clear: FlowPatch,
+    pass_began: Option<f64>,
+    budget: f64,
+    tolerance: f64,
+}
+
+/// The length of a step to try, and of the one after it.
+#[derive(Clone, Copy, Debug)]
+pub struct StepPlan {
+    pub(super) length: f64,
+    pub(super) next: f64,
+}
+
+impl Follower {
+    /// Begins to follow a patch, at most to `budget`, as long as its polynomials leave out no more
+    /// than `tolerance`.
+    pub fn new(patch: FlowPatch, budget: f64, tolerance: f64) -> Self {
+        Follower { clear: patch.clone(), patch, pass_began: None, budget, tolerance }
+    }
+
+    /// Plans the next step, or returns the end of the way.
+    pub fn plan(
+        &mut self,
+        dynamics: &Dynamics,
+        reference: Option<&mut (dyn Reference + 'static)>,
+    ) -> Result<StepPlan, PatchEnd> {
+        if self.patch.settled() {
+            return Err(PatchEnd::Grazed);
+        }
+        if self.pass_began.is_none() && self.patch.is_clear(dynamics) {
+            self.clear.clone_from(&self.patch);
+            if self.patch.time.0 >= self.budget {
+                return Err(self.stopped(PatchEnd::Over));
+            }
+        }
+        if self.pass_began.is_some_and(|began| self.patch.time.0 > began + GRAZE_WITHIN) {
+            return Err(self.stopped(PatchEnd::Unclear));
+        }
+        Ok(self.patch.plan_step(dynamics, reference))
+    }
+
+    /// Goes back to where the patch can end.
+    fn stopped(&mut self, end: PatchEnd) -> PatchEnd {
+        self.patch.clone_from(&self.clear);
+        end
+    }
+
+    /// Takes a step to the states `after`, or a part of it later on; returns the end of the way if
+    /// the step leads there.
+    pub fn take(
+        &mut self,
+        dynamics: &Dynamics,
+        plan: StepPlan,
+        after: Phase<Jet>,
+        mut reference: Option<&mut (dyn Reference + 'static)>,
+    ) -> Option<PatchEnd> {
+        let patch_step = PatchStep { plan, after };
+        let tail = dynamics.tail(&patch_step.after);
+        if tail.is_nan() || tail > self.tolerance {
+            return Some(self.stopped(PatchEnd::Spread));
+        }
+        let patch = &mut self.patch;
+        let event = match patch.left_of_opening(dynamics) {
+            Some(_) => PatchEvent::Nothing,
+            None => patch.event_in(dynamics, &patch_step, self.tolerance, reference.as_deref()),
+        };
+        match event {
+            PatchEvent::Nothing => {}
+            PatchEvent::FarTurn(clearance) => patch.far_turns = patch.far_turns.min(clearance),
+            PatchEvent::TooMuch => {
+                patch.step = plan.length * 0.5;
+                return None;
+            }
+            PatchEvent::Unclear => return Some(self.stopped(PatchEnd::Unclear)),
+            PatchEvent::Pass(pass) => return Some(PatchEnd::Passed(pass)),
+            PatchEvent::NearlyGraze(bob) => {
+                self.pass_began = Some(patch.time.0);
+                patch.beyond[bob] = true;
+            }
+            PatchEvent::Back(bob) => patch.beyond[bob] = false,
+            PatchEvent::Graze(graze, beyond) => {
+                self.pass_began = None;
+                patch.beyond[graze.bob] = beyond;
+                patch.grazes.extend(graze.concerns_any().then_some(*graze));
+            }
+        }
+        patch.take(patch_step, reference.take());
+        None
+    }
+
+    /// The patch in its last state.
+    pub fn into_patch(self) -> FlowPatch {
+        self.patch
+    }
+}
+
+/// Carries the patches of some followers by their planned steps, at most [`JET_LANES`] of them.
+pub fn carried(dynamics: &Dynamics, planned: &[(&Follower, StepPlan)]) -> Vec<Phase<Jet>> {
+    let last = planned.len() - 1;
+    let phases = std::array::from_fn(|lane| &planned[lane.min(last)].0.patch.phase);
+    let lengths = std::array::from_fn(|lane| planned[lane.min(last)].1.length);
+    let mut all = Vec::with_capacity(planned.len());
+    Arch::new().dispatch(Carry { dynamics, phases, lengths, count: planned.len(), all: &mut all });
+    all
+}
+
+struct Carry<'a> {
+    dynamics: &'a Dynamics,
+    phases: [&'a Phase<Jet>; JET_LANES],
+    lengths: [f64; JET_LANES],
+    count: usize,
+    all: &'a mut Vec<Phase<Jet>>,
+}
+
+impl WithSimd for Carry<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, set: S) {
+        let Carry { dynamics, phases, lengths, count, all } = self;
+        let constant = |value: f64| JetLanes::constants(set, [value; JET_LANES]);
+        let phase = JetLanes::load(set, phases);
+        let pendulum = dynamics.pendulum.map(constant);
+        let scale = dynamics.inverse_scale.map(constant);
+        let length = JetLanes::constants(set, lengths);
+        let after = plus(&phase, &dop853(&pendulum, scale, &phase, length).change);
+        all.extend((0..count).map(|lane| JetLanes::lane(&after, lane)));
+    }
+}
