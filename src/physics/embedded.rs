@@ -281,7 +281,7 @@ fn sum<T: Real, const N: usize>(k: [&Phase<T>; N], weights: [f64; N]) -> Phase<T
     for i in 0..6 {
         sum[i] = sum[i] * sum[i].lit(weights[0]);
         for j in 1..N {
-            sum[i] = k[j][i].mul_add(sum[i].lit(weights[j]), sum[i]);
+            sum[i].add_scaled(&k[j][i], weights[j]);
         }
     }
     sum
@@ -297,7 +297,7 @@ fn less<T: Real, const N: usize>(
     let mut rate = *rate;
     for i in 0..6 {
         for j in 0..N {
-            rate[i] = k[j][i].mul_add(rate[i].lit(-weights[j]), rate[i]);
+            rate[i].add_scaled(&k[j][i], -weights[j]);
         }
     }
     rate

@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::{Simd, WithSimd};
 
-use super::jet::{DEGREE, Jet, TERMS, first};
+use super::jet::{Jet, TERMS, first};
 use super::phase::Phase;
 use super::real::Real;
 
@@ -57,6 +57,16 @@ impl<S: Simd> JetLanes<S> {
         phase.each_ref().map(|jets| Jet::of_parts(jets.c.map(|row| row[lane]), jets.varies))
     }
 
+    /// Adds the polynomials of `other`, each times a constant.
+    #[inline(always)]
+    fn add_times(&mut self, other: &Self, by: &Row) {
+        let rows = if other.varies { TERMS } else { 1 };
+        for (sum, row) in self.c[..rows].iter_mut().zip(&other.c) {
+            add_product(self.set, sum, row, by);
+        }
+        self.varies |= other.varies;
+    }
+
     #[inline(always)]
     fn scaled(mut self, by: Row) -> Self {
         for row in &mut self.c {
@@ -79,20 +89,6 @@ fn add_product<S: Simd>(set: S, sum: &mut Row, x: &Row, y: &Row) {
     }
 }
 
-/// Calls a macro with every pair of degrees of a product in order, as literals, so that its loops
-/// are unrolled.
-macro_rules! for_degrees {
-    ($call:ident) => {
-        $call!(0: 0 1 2 3 4 5 6);
-        $call!(1: 0 1 2 3 4 5);
-        $call!(2: 0 1 2 3 4);
-        $call!(3: 0 1 2 3);
-        $call!(4: 0 1 2);
-        $call!(5: 0 1);
-        $call!(6: 0);
-    };
-}
-
 /// A product of polynomials, as a function of its own: inlined, it would be most of the code.
 struct Product<'a>(&'a [Row; TERMS], &'a [Row; TERMS], &'a mut [Row; TERMS]);
 
@@ -113,7 +109,13 @@ impl WithSimd for Product<'_> {
                 }
             )*};
         }
-        for_degrees!(degree);
+        degree!(0: 0 1 2 3 4 5 6);
+        degree!(1: 0 1 2 3 4 5);
+        degree!(2: 0 1 2 3 4);
+        degree!(3: 0 1 2 3);
+        degree!(4: 0 1 2);
+        degree!(5: 0 1);
+        degree!(6: 0);
     }
 }
 
@@ -129,20 +131,26 @@ impl WithSimd for Reciprocal<'_> {
         let inverse = c[0].map(|c| 1.0 / c);
         let less = inverse.map(|c| -c);
         out[0] = inverse;
-        for n in 1..=DEGREE {
-            let mut sum = [[0.0; JET_LANES]; DEGREE + 1];
-            for m in 1..=n {
-                for a in 0..=m {
-                    for b in 0..=n - m {
-                        let (x, y) = (&c[first(m) + a], &out[first(n - m) + b]);
-                        add_product(set, &mut sum[a + b], x, y);
+        macro_rules! degree {
+            ($n:literal: $($m:literal)*) => {
+                let mut sum = [[0.0; JET_LANES]; $n + 1];
+                $(for a in 0..=$m {
+                    for b in 0..=$n - $m {
+                        let (x, y) = (const { first($m) } + a, const { first($n - $m) } + b);
+                        add_product(set, &mut sum[a + b], &c[x], &out[y]);
                     }
+                })*
+                for j in 0..=$n {
+                    add_product(set, &mut out[const { first($n) } + j], &less, &sum[j]);
                 }
-            }
-            for (row, sum) in out[first(n)..].iter_mut().zip(&sum[..=n]) {
-                add_product(set, row, &less, sum);
-            }
+            };
         }
+        degree!(1: 1);
+        degree!(2: 1 2);
+        degree!(3: 1 2 3);
+        degree!(4: 1 2 3 4);
+        degree!(5: 1 2 3 4 5);
+        degree!(6: 1 2 3 4 5 6);
     }
 }
 
@@ -217,11 +225,12 @@ impl<S: Simd> Real for JetLanes<S> {
         if factor.varies {
             return self * factor + term;
         }
-        let rows = if self.varies { TERMS } else { 1 };
-        for (sum, row) in term.c[..rows].iter_mut().zip(&self.c) {
-            add_product(self.set, sum, row, &factor.c[0]);
-        }
-        term.varies |= self.varies;
+        term.add_times(&self, &factor.c[0]);
         term
+    }
+
+    #[inline(always)]
+    fn add_scaled(&mut self, other: &Self, weight: f64) {
+        self.add_times(other, &[weight; JET_LANES]);
     }
 }

@@ -25,6 +25,12 @@ pub trait Real:
     /// Returns `self · factor + term`, fused where the type can do so at no cost.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
+    /// Adds `weight · other` to `self`, in place where a copy would cost.
+    #[inline(always)]
+    fn add_scaled(&mut self, other: &Self, weight: f64) {
+        *self = other.mul_add(self.lit(weight), *self);
+    }
+
     /// Returns `(sum, error)` with `sum + error == self + other` exactly, if |self| ≥ |other|
     /// (Dekker 1971); otherwise the error is still right to a rounding of `other`. Types whose
     /// compiler cannot be trusted with this note it in their own module.
