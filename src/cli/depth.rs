@@ -13,6 +13,7 @@ pub(super) fn depth_object(
     serde_json::json!({
         "digits": depth.digits,
         "integrated": depth.integrated,
+        "told_by_lines": depth.told_by_lines,
         "begins_secs": depth.begins_secs,
         "decades_a_second": depth.decades_a_second,
         "horizon_secs": depth.horizon_secs(config.precision),

@@ -84,6 +84,20 @@ impl Jet {
         if ratio < 0.5 { last * ratio / (1.0 - ratio) } else { f64::INFINITY }
     }
 
+    /// The coefficients of degree 1.
+    pub(super) fn gradient(&self) -> [f64; 2] {
+        [self.c[1], self.c[2]]
+    }
+
+    /// The polynomial on the line through the middle, by powers of the distance from there in units
+    /// of `direction`.
+    pub(super) fn along(&self, [x, y]: [f64; 2]) -> [f64; DEGREE + 1] {
+        std::array::from_fn(|n| {
+            let term = |j: usize| x.powi((n - j) as i32) * y.powi(j as i32);
+            (0..=n).map(|j| self.c[first(n) + j] * term(j)).sum()
+        })
+    }
+
     /// Value at a point of the cell.
     pub fn at(&self, [x, y]: [f64; 2]) -> f64 {
         // Horner's rule in y, whose coefficients are polynomials in x.

@@ -98,9 +98,10 @@ impl Grid {
         Grid { spots: self.spots.in_leaves_of(&other.spots), ..self }
     }
 
-    /// Groups pixels by the leaves in which they lie, with their places among `pixels`.
-    pub fn grouped(&self, pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
-        self.spots.grouped(self.size, pixels)
+    /// Groups pixels by the leaves in which they lie, each with about `leaf_pixels` along a side, with
+    /// their places among `pixels`.
+    pub fn grouped(&self, leaf_pixels: u32, pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
+        self.spots.grouped(self.size, leaf_pixels, pixels)
     }
 
     /// Change of (θ1, θ2) per pixel to the right and per pixel upwards, rad.

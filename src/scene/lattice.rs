@@ -31,8 +31,6 @@ use crate::scene::{Grid, Scene, Turn};
 pub const SIDE: u32 = 128;
 /// Samples in a cell.
 pub const SAMPLES: usize = (SIDE * SIDE) as usize;
-/// Samples along each side of the leaves to which start maps belong.
-const LEAF: u32 = 16;
 /// The deepest level: its cells are about 7e-106 rad wide.
 pub const DEEPEST: u32 = 352;
 
@@ -134,20 +132,20 @@ impl Cell {
         [0, 1].map(|i| (place[i] - corner[i]).wrapped().to_f64() * half - 1.0)
     }
 
-    /// Groups the cell's `samples` × `samples` samples by the leaves to which start maps belong, a
-    /// power of two of them along each side.
-    pub fn leaves(&self, samples: u32) -> Grouped {
-        let leaves = samples / LEAF;
+    /// Groups the cell's `samples` × `samples` samples by the leaves to which start maps belong, each
+    /// with `leaf` of them along a side; both are powers of two.
+    pub fn leaves(&self, samples: u32, leaf: u32) -> Grouped {
+        let leaves = samples / leaf;
         let level = self.level + leaves.ilog2();
-        let at = |k: u32| f64::from(2 * k + 1) / f64::from(LEAF) - 1.0;
+        let at = |k: u32| f64::from(2 * k + 1) / f64::from(leaf) - 1.0;
         let mut groups = Grouped::new();
         let mut x = self.x;
         for i in 0..leaves {
             let mut y = self.y;
             for j in 0..leaves {
                 // Rows count from the top.
-                let place = |a: u32, b: u32| (samples - 1 - j * LEAF - b) * samples + i * LEAF + a;
-                let points = (0..LEAF).flat_map(|b| (0..LEAF).map(move |a| [a, b]));
+                let place = |a: u32, b: u32| (samples - 1 - j * leaf - b) * samples + i * leaf + a;
+                let points = (0..leaf).flat_map(|b| (0..leaf).map(move |a| [a, b]));
                 let points = points.map(|[a, b]| (place(a, b), [at(a), at(b)])).collect();
                 groups.push((Cell { level, x, y }, points));
                 y = y + Turn::side(level);

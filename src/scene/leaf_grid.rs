@@ -7,10 +7,6 @@ use super::lattice::Cell;
 use super::turn::Turn;
 use crate::physics::{Dd, Theta};
 
-/// Approximate number of pixels along the side of a leaf. With fewer, pixels begin later and f32
-/// errs less; with more, fewer cells are followed (measured).
-const LEAF_PIXELS: f64 = 16.0;
-
 /// Pixels by the leaf in which they lie: for each its place among all and its point in [−1, 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
 
@@ -20,8 +16,8 @@ pub(super) struct LeafGrid {
     middle: [Turn; 2],
     right: [Turn; 2],
     up: [Turn; 2],
-    /// Level of the leaves.
-    level: u32,
+    /// Distance between the pixels that decide the level of the leaves, rad.
+    pixel: f64,
 }
 
 impl LeafGrid {
@@ -31,40 +27,42 @@ impl LeafGrid {
             |by: Dd| Turn::from_theta(Theta::from_dd(by)) - Turn::from_theta(Theta::ZERO);
         let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
         let pixel = (length(right) * length(up)).sqrt();
-        let sides = std::f64::consts::TAU / (LEAF_PIXELS * pixel);
         LeafGrid {
             middle: center.map(Turn::from_theta),
             right: right.map(from_zero),
             up: up.map(from_zero),
-            level: sides.log2().floor().max(0.0) as u32,
+            pixel,
         }
     }
 
     /// The same places in the leaves of another grid, whose pixels lie closer.
     pub(super) fn in_leaves_of(self, others: &LeafGrid) -> Self {
-        LeafGrid { level: others.level, ..self }
+        LeafGrid { pixel: others.pixel, ..self }
     }
 
     /// The leaf of a point `across` pixels to the right of the centre and `above` pixels above it,
     /// and the point's place in that leaf.
-    fn leaf_point(&self, across: f64, above: f64) -> (Cell, [f64; 2]) {
+    fn leaf_point(&self, level: u32, across: f64, above: f64) -> (Cell, [f64; 2]) {
         let place =
             [0, 1].map(|i| self.middle[i] + self.right[i].times(across) + self.up[i].times(above));
-        let cell = Cell::at(place, self.level);
+        let cell = Cell::at(place, level);
         (cell, cell.point(place))
     }
 
-    /// Groups pixels of a picture of `size` by their leaves.
+    /// Groups pixels of a picture of `size` by their leaves, with about `leaf_pixels` along a side.
     pub(super) fn grouped(
         &self,
         size: [u32; 2],
+        leaf_pixels: u32,
         pixels: impl Iterator<Item = [u32; 2]>,
     ) -> Grouped {
+        let sides = std::f64::consts::TAU / (f64::from(leaf_pixels) * self.pixel);
+        let level = sides.log2().floor().max(0.0) as u32;
         let mut groups = std::collections::BTreeMap::<Cell, Vec<_>>::new();
         for (place, [column, row]) in (0..).zip(pixels) {
             let across = f64::from(column) + 0.5 - f64::from(size[0]) / 2.0;
             let above = f64::from(size[1]) / 2.0 - f64::from(row) - 0.5;
-            let (cell, point) = self.leaf_point(across, above);
+            let (cell, point) = self.leaf_point(level, across, above);
             groups.entry(cell).or_default().push((place, point));
         }
         groups.into_iter().collect()

@@ -29,7 +29,9 @@ impl OpenTile {
         known: impl Fn([u32; 2]) -> Option<Known>,
     ) -> Self {
         let pixel = |place: u32| (grid, pixels[place as usize], known(pixels[place as usize]));
-        let groups = config.is_deep(grid.pixel_rad()).then(|| grid.grouped(pixels.iter().copied()));
+        let groups = config
+            .is_deep(grid.pixel_rad())
+            .then(|| grid.grouped(config.leaf_pixels(), pixels.iter().copied()));
         OpenTile::sorted(pixels.len() as u32, groups, pixel)
     }
 
@@ -49,7 +51,7 @@ impl OpenTile {
             (&grids[k], [place % side, place / side], known(k, place))
         };
         let is_deep = grids.first().is_some_and(|grid| config.is_deep(grid.pixel_rad()));
-        let groups = is_deep.then(|| leaves_of(cells, side));
+        let groups = is_deep.then(|| leaves_of(cells, side, config.leaf_pixels()));
         OpenTile::sorted(cells.len() as u32 * in_cell, groups, pixel)
     }
 
@@ -136,11 +138,11 @@ fn known_deep((grid, [x, y], known): (&Grid, [u32; 2], Option<Known>)) -> Option
 }
 
 /// Returns the leaves of cells, with the places of their points among all samples of the cells.
-fn leaves_of(cells: &[Cell], side: u32) -> Grouped {
+fn leaves_of(cells: &[Cell], side: u32, leaf: u32) -> Grouped {
     let mut groups = Grouped::new();
     for (k, cell) in (0..).zip(cells) {
         let moved = |(place, point)| (k * side * side + place, point);
-        let leaves = cell.leaves(side).into_iter();
+        let leaves = cell.leaves(side, leaf).into_iter();
         groups.extend(leaves.map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect())));
     }
     groups

@@ -39,10 +39,8 @@ pub struct Work {
 /// Maximum size in bytes of a mirrored half, whose samples wait until its rows are due.
 const MIRROR_BYTES: u64 = 320 << 20;
 
-/// Approximate height of a deep picture's leaves in rows. Lower bands would follow each leaf again
-/// and again, so bands are at least this high …
-const LEAF_ROWS: usize = 16;
-/// … unless they would have more pixels than this.
+/// Largest number of pixels of a deep tile that is as high as its leaves. Lower bands would follow
+/// each leaf again and again.
 const MOST_DEEP: usize = 1 << 20;
 
 impl Work {
@@ -70,7 +68,7 @@ impl Work {
     ) -> Self {
         let grid = Grid::new(scene, size);
         let is_deep = config.is_deep(grid.pixel_rad());
-        let leaves = (LEAF_ROWS * size[0] as usize).min(MOST_DEEP);
+        let leaves = ((config.leaf_pixels() * size[0]) as usize).min(MOST_DEEP);
         let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
         Work {
             grid,

@@ -13,9 +13,10 @@ use std::sync::{Arc, Mutex};
 use rayon::prelude::*;
 
 use super::following::Following;
+use super::split_lanes::SplitLanes;
 use super::start_map::{FinishedPatch, StartMap};
 use crate::engine::Question;
-use crate::physics::flow_patch::{Dynamics, FlowPatch, Follower, JET_LANES, PatchEnd, carried};
+use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, digits_for, reference};
 use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
@@ -60,17 +61,17 @@ struct Anchor {
 
 /// A cell that has been followed up to some time.
 #[derive(Clone)]
-struct SplitNode {
-    patch: FlowPatch,
-    edge: Option<Jet>,
+pub(super) struct SplitNode {
+    pub patch: FlowPatch,
+    pub edge: Option<Jet>,
 }
 
 /// A cell on its way with the leaves below it, and what its polynomials may leave out.
-struct Branch {
-    node: SplitNode,
-    cell: Cell,
-    leaves: Vec<Cell>,
-    tolerance: f64,
+pub(super) struct Branch {
+    pub node: SplitNode,
+    pub cell: Cell,
+    pub leaves: Vec<Cell>,
+    pub tolerance: f64,
 }
 
 /// Largest number of leaves that are followed on one thread.
@@ -241,7 +242,7 @@ impl DomainSplitting {
 
     /// Cuts a cell whose path has ended into the quarters that have leaves; otherwise, adds the
     /// start maps of its leaves.
-    fn cut(
+    pub(super) fn cut(
         &self,
         branch: Branch,
         end: PatchEnd,
@@ -307,83 +308,6 @@ impl Branch {
         } else {
             PatchEnd::Spread
         }
-    }
-}
-
-/// Branches that are followed together: a lane whose cell has ended takes the next one.
-struct SplitLanes<'a> {
-    splitting: &'a DomainSplitting,
-    wanted: SplitRequest<'a>,
-    waiting: Vec<Branch>,
-    lanes: Vec<(Branch, Follower)>,
-    start_maps: Vec<(Cell, StartMap)>,
-}
-
-impl<'a> SplitLanes<'a> {
-    fn new(splitting: &'a DomainSplitting, waiting: Vec<Branch>, wanted: SplitRequest<'a>) -> Self {
-        SplitLanes { splitting, wanted, waiting, lanes: Vec::new(), start_maps: Vec::new() }
-    }
-
-    fn run(mut self) -> Vec<(Cell, StartMap)> {
-        loop {
-            self.fill();
-            if self.lanes.is_empty() || self.wanted.cancelled.load(Ordering::Relaxed) {
-                return self.start_maps;
-            }
-            self.step();
-        }
-    }
-
-    fn fill(&mut self) {
-        while self.lanes.len() < JET_LANES {
-            let Some(branch) = self.waiting.pop() else { return };
-            let patch = &branch.node.patch;
-            if patch.holds(&self.splitting.dynamics, branch.tolerance) {
-                let follower = Follower::new(patch.clone(), self.wanted.budget, branch.tolerance);
-                self.lanes.push((branch, follower));
-            } else {
-                self.end(branch, PatchEnd::Spread);
-            }
-        }
-    }
-
-    /// Plans, carries and takes one step in every lane.
-    fn step(&mut self) {
-        let dynamics = &self.splitting.dynamics;
-        let mut plans = Vec::with_capacity(JET_LANES);
-        let mut lane = 0;
-        while lane < self.lanes.len() {
-            match self.lanes[lane].1.plan(dynamics, None) {
-                Ok(plan) => {
-                    plans.push(plan);
-                    lane += 1;
-                }
-                Err(end) => self.leave(lane, end),
-            }
-        }
-        let planned: Vec<_> =
-            self.lanes.iter().zip(&plans).map(|((_, follower), plan)| (follower, *plan)).collect();
-        if planned.is_empty() {
-            return;
-        }
-        let after = carried(dynamics, &planned);
-        for (lane, (plan, after)) in plans.into_iter().zip(after).enumerate().rev() {
-            if let Some(end) = self.lanes[lane].1.take(dynamics, plan, after, None) {
-                self.leave(lane, end);
-            }
-        }
-    }
-
-    /// Frees a lane whose cell has ended.
-    fn leave(&mut self, lane: usize, end: PatchEnd) {
-        let (mut branch, follower) = self.lanes.remove(lane);
-        branch.node.patch = follower.into_patch();
-        self.end(branch, end);
-    }
-
-    fn end(&mut self, branch: Branch, end: PatchEnd) {
-        let parts = self.splitting.cut(branch, end, self.wanted, &mut self.start_maps);
-        self.waiting.extend(parts);
     }
 }
 

@@ -29,10 +29,12 @@
 
 mod domain_splitting;
 mod following;
+mod line_interval;
+mod lines;
+mod split_lanes;
 mod start_map;
 mod stats;
 
-use crate::engine::EngineKind;
 use std::collections::{HashMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -41,11 +43,12 @@ use std::time::{Duration, Instant};
 
 use self::domain_splitting::{DomainSplitting, SplitRequest};
 pub use self::following::Following;
+use self::lines::Lines;
 use self::start_map::{MappedStart, StartMap};
 pub use self::stats::DepthStats;
 use super::{
-    Deep, Effort, End, Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Leaf, Moving,
-    Question, Starts, Wait,
+    Deep, Effort, End, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep,
+    Leaf, Method, Moving, Precision, Question, Starts, Wait,
 };
 use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::lattice::{Cell, side_rad};
@@ -80,16 +83,16 @@ struct Awaited {
     ends: Vec<End>,
     /// Indices of the starts that the wrapped engine integrates, and the states they begin in.
     moving: Vec<(usize, Moving)>,
+    /// The job and its lines, while samples of these are integrated.
+    lines: Option<(Job, Lines)>,
     effort: Effort,
 }
 
-/// A deep job whose cells have been followed.
+/// A deep job whose cells have been followed, with its lines if it may use any.
 struct Followed {
     job: Job,
-    outcomes: Vec<Outcome>,
-    ends: Vec<End>,
-    moving: Vec<(usize, Moving)>,
-    effort: Effort,
+    awaited: Awaited,
+    lines: Option<Lines>,
 }
 
 /// Longest wait for one source of answers before the other is looked at.
@@ -140,31 +143,63 @@ impl<'a> DepthEngine<'a> {
         });
     }
 
-    /// Queues what has to be integrated for the wrapped engine; returns the result of a job of
-    /// which all is known.
+    /// Takes a deep job whose cells have been followed; returns its result if all of it is known.
     fn take_followed(&mut self, followed: Followed) -> Option<JobResult> {
         self.following -= 1;
-        let Followed { job, outcomes, ends, moving, effort } = followed;
-        if moving.is_empty() {
+        let Followed { job, awaited, lines } = followed;
+        match lines {
+            Some(lines) => self.sample(job, awaited, lines),
+            None => self.integrate(job, awaited),
+        }
+    }
+
+    /// Queues the next samples of a job's lines; once these tell all they can, the starts that are
+    /// left.
+    fn sample(&mut self, job: Job, mut awaited: Awaited, mut lines: Lines) -> Option<JobResult> {
+        let wanted = lines.ask();
+        if wanted.is_empty() {
+            awaited.effort.depth = awaited.effort.depth.map(|depth| lines.counted(depth));
+            let Lines { known, mut alone, .. } = lines;
+            for (place, outcome) in known {
+                awaited.outcomes[place] = outcome;
+            }
+            alone.sort_unstable();
+            awaited.moving.retain(|(place, _)| alone.binary_search(place).is_ok());
+            return self.integrate(job, awaited);
+        }
+        let samples = Job { starts: Starts::Moving(wanted), keep: Keep::Ends, ..job.clone() };
+        self.waiting.push_back(samples);
+        let id = job.id;
+        awaited.lines = Some((job, lines));
+        self.deep.insert(id, awaited);
+        None
+    }
+
+    /// Queues the starts that have to be integrated one by one; returns the result if there are none.
+    fn integrate(&mut self, job: Job, awaited: Awaited) -> Option<JobResult> {
+        if awaited.moving.is_empty() {
             self.deep.remove(&job.id);
+            let Awaited { outcomes, ends, effort, .. } = awaited;
             let ends = if job.keep == Keep::Ends { ends } else { Vec::new() };
             return Some(JobResult { id: job.id, outcomes, ends, effort, ..JobResult::default() });
         }
-        let states = moving.iter().map(|(_, state)| *state).collect();
-        self.deep.insert(job.id, Awaited { outcomes, ends, moving, effort });
+        let states = awaited.moving.iter().map(|(_, state)| *state).collect();
+        self.deep.insert(job.id, awaited);
         self.waiting.push_back(Job { starts: Starts::Moving(states), ..job });
         None
     }
 
-    /// Merges a result of the wrapped engine into its deep job; other results are returned as they
-    /// are.
-    fn take_finished(&mut self, finished: JobResult) -> JobResult {
+    /// Takes a result of the wrapped engine, and returns what it completes: its deep job, or, if it
+    /// belongs to none, the result itself.
+    fn take_finished(&mut self, finished: JobResult) -> Option<JobResult> {
         self.flying -= 1;
-        let Some(Awaited { mut outcomes, mut ends, moving, mut effort }) =
-            self.deep.remove(&finished.id)
-        else {
-            return finished;
-        };
+        let Some(mut awaited) = self.deep.remove(&finished.id) else { return Some(finished) };
+        if let Some((job, mut lines)) = awaited.lines.take() {
+            lines.answer(&finished);
+            awaited.effort += finished.effort;
+            return self.sample(job, awaited, lines);
+        }
+        let Awaited { mut outcomes, mut ends, moving, mut effort, .. } = awaited;
         for (&(place, _), outcome) in moving.iter().zip(&finished.outcomes) {
             outcomes[place] = *outcome;
         }
@@ -177,7 +212,8 @@ impl<'a> DepthEngine<'a> {
         }
         let unfinished = finished.unfinished.into_iter().map(|(k, state)| (moving[k].0, state));
         effort += finished.effort;
-        JobResult { outcomes, ends, unfinished: unfinished.collect(), effort, ..finished }
+        let unfinished = unfinished.collect();
+        Some(JobResult { outcomes, ends, unfinished, effort, ..finished })
     }
 
     /// Keeps the wrapped engine's slots full.
@@ -225,6 +261,7 @@ fn followed(
     let cells: Vec<Cell> = deep.leaves.iter().map(|leaf| leaf.cell).collect();
     let start_maps = splitting.start_maps(&cells, wanted)?;
     let (mut outcomes, mut ends, mut moving) = (Vec::new(), Vec::new(), Vec::new());
+    let mut lines = may_use_lines(&job).then(|| Lines::new(splitting.dynamics, unit_secs));
     let mut depth = DepthStats::NOTHING;
     for Leaf { cell, points } in &deep.leaves {
         let before = moving.len();
@@ -242,10 +279,14 @@ fn followed(
             }
         }
         if let StartMap::Part { ended, .. } = &start_maps[cell] {
+            if let Some(lines) = &mut lines {
+                lines.add(ended, &moving[before..]);
+            }
             let secs = ended.patch.time.0 * unit_secs;
             depth = depth.and(DepthStats {
                 digits: splitting.digits(level),
                 integrated: (moving.len() - before) as u64,
+                told_by_lines: 0,
                 begins_secs: if moving.len() > before {
                     [secs; 2]
                 } else {
@@ -256,7 +297,14 @@ fn followed(
         }
     }
     let effort = Effort { depth: Some(depth), ..Effort::default() };
-    Some(Followed { job, outcomes, ends, moving, effort })
+    Some(Followed { job, awaited: Awaited { outcomes, ends, moving, lines: None, effort }, lines })
+}
+
+/// Returns true if a job's starts may be told from those beside them on a line: it wants outcomes
+/// alone, of a method whose errors are far below what neighbours differ by.
+fn may_use_lines(job: &Job) -> bool {
+    let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
+    adaptive && job.config.precision != Precision::F32 && job.keep != Keep::Ends
 }
 
 impl Deep {
@@ -330,7 +378,7 @@ impl Engine for DepthEngine<'_> {
             }
             let turn = if self.following > 0 { until.min(Instant::now() + TURN) } else { until };
             for answer in self.inner.poll(Wait::Until(turn))? {
-                finished.push(self.take_finished(answer));
+                finished.extend(self.take_finished(answer));
             }
         }
     }

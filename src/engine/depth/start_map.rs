@@ -4,8 +4,9 @@
 use std::sync::Arc;
 
 use crate::engine::{End, Moving, Question};
-use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
+use crate::physics::flow_patch::{Curve, Dynamics, FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
+use crate::physics::phase::Phase;
 use crate::physics::{Outcome, Status};
 
 /// A flow patch that has been followed to its end.
@@ -74,6 +75,21 @@ impl FinishedPatch {
         if self.patch.time.0 > 10.0 * dynamics.opening { decades.max(0.0) / secs } else { 0.0 }
     }
 
+    /// The pendulum that is in a state when the patch ends.
+    pub(super) fn moving(&self, dynamics: &Dynamics, phase: Phase<f64>, clearance: f64) -> Moving {
+        let (high, low) = self.patch.time;
+        let grown = self.patch.spread(dynamics) / self.half_rad;
+        Moving { time: [high, low], phase, step: self.patch.step, clearance, grown }
+    }
+
+    /// The curve on which the states of all starts lie, if they lie on one up to `most_aside` (see
+    /// [`FlowPatch::curve`]) and nothing about them is known from polynomials.
+    pub(super) fn curve(&self, dynamics: &Dynamics, most_aside: f64) -> Option<Curve> {
+        let open = matches!(self.ending, PatchEnd::Spread | PatchEnd::Unclear);
+        let open = open && self.edge.is_none();
+        open.then(|| self.patch.curve(dynamics, most_aside)).flatten()
+    }
+
     fn start(
         &self,
         dynamics: &Dynamics,
@@ -99,9 +115,7 @@ impl FinishedPatch {
                 MappedStart::Known(question.flipped_at(time * unit_secs), end)
             }
             (None, PatchEnd::Spread | PatchEnd::Unclear) => {
-                let step = self.patch.step;
-                let grown = self.patch.spread(dynamics) / self.half_rad;
-                MappedStart::Moving(Moving { time: [high, low], phase, step, clearance, grown })
+                MappedStart::Moving(self.moving(dynamics, phase, clearance))
             }
             (None, _) => {
                 let end = End { time: high + low, phase, clearance, grown: f64::INFINITY };

@@ -9,9 +9,11 @@ use crate::engine::Precision;
 pub struct DepthStats {
     /// Number of decimal digits in which the middles were followed; 0 where f64 was enough.
     pub digits: u32,
-    /// Number of starts that had to be integrated; of the others, everything was known from
-    /// polynomials.
+    /// Number of pendulums that had to be integrated, samples of lines among them.
     pub integrated: u64,
+    /// Number of starts whose answer was told by their neighbours on a line. About the others that
+    /// were not integrated, everything was known from polynomials.
+    pub told_by_lines: u64,
     /// Times at which the first and the last of these integrations began, in s.
     pub begins_secs: [f64; 2],
     /// Rate at which neighbours move apart, in decades per second: the mean over the integrated
@@ -24,6 +26,7 @@ impl DepthStats {
     pub const NOTHING: DepthStats = DepthStats {
         digits: 0,
         integrated: 0,
+        told_by_lines: 0,
         begins_secs: [f64::INFINITY, 0.0],
         decades_a_second: 0.0,
     };
@@ -35,6 +38,7 @@ impl DepthStats {
         DepthStats {
             digits: self.digits.max(other.digits),
             integrated,
+            told_by_lines: self.told_by_lines + other.told_by_lines,
             begins_secs: [
                 self.begins_secs[0].min(other.begins_secs[0]),
                 self.begins_secs[1].max(other.begins_secs[1]),

@@ -10,10 +10,12 @@
 //! itself a polynomial. Where a bob turns round near the top, the height it reaches is one, and its
 //! sign says which starts have flipped: a graze stays one clean line however deep the zoom.
 
+mod curve;
 mod event;
 mod follower;
 mod graze;
 
+pub use curve::{Curve, CurvePoint};
 pub use follower::{Follower, StepPlan, carried};
 pub use graze::Graze;
 
@@ -130,10 +132,16 @@ impl Dynamics {
         plus(phase, &dop853(&self.jets, scale, phase, step).change)
     }
 
+    /// The weights of a state's components: momenta count in units of their scale.
+    pub fn weights(&self) -> Phase<f64> {
+        let [p1, p2] = self.inverse_scale;
+        [1.0, 1.0, 1.0, 1.0, p1, p2]
+    }
+
     /// The largest part that a state's polynomials leave out.
     fn tail(&self, phase: &Phase<Jet>) -> f64 {
-        let unit = |i: usize| if i < 4 { 1.0 } else { self.inverse_scale[i - 4] };
-        (0..6).map(|i| phase[i].tail() * unit(i)).fold(0.0, f64::max)
+        let weight = self.weights();
+        (0..6).map(|i| phase[i].tail() * weight[i]).fold(0.0, f64::max)
     }
 }
 
@@ -160,8 +168,8 @@ impl FlowPatch {
 
     /// A bound on the distance of its states from the middle one: unit vectors and scaled momenta.
     pub fn spread(&self, dynamics: &Dynamics) -> f64 {
-        let unit = |i: usize| if i < 4 { 1.0 } else { dynamics.inverse_scale[i - 4] };
-        (0..6).map(|i| self.phase[i].spread() * unit(i)).fold(0.0, f64::max)
+        let weight = dynamics.weights();
+        (0..6).map(|i| self.phase[i].spread() * weight[i]).fold(0.0, f64::max)
     }
 
     /// The quarter of the patch around `middle`, for which [`FlowPatch::settled`] may be true.

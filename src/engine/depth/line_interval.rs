@@ -1,0 +1,195 @@
+//! Intervals of a line, and what the samples in one tell about the starts between them.
+
+use crate::engine::End;
+use crate::physics::flip::right_secs;
+use crate::physics::flow_patch::CurvePoint;
+use crate::physics::{Outcome, Status};
+
+/// Level of the shortest intervals; an interval of level n is 2^−n half leaves long.
+pub(super) const FINEST: i32 = 5;
+/// Number of samples of an interval, both ends included.
+pub(super) const SAMPLES: usize = 5;
+/// Share of the error that is called right which interpolation may make, and again the residual.
+const SHARE: f64 = 0.2;
+/// Ratio of the distance that a bob must have kept from the top to the distance of neighbouring
+/// samples' ends, for no start between them to have flipped there.
+const CLEAR: f64 = 2.0;
+
+/// An interval of s, from `place` · 2^−`level` to (`place` + 1) · 2^−`level`, with starts in it.
+pub(super) struct Interval {
+    pub level: i32,
+    pub place: i32,
+    /// The starts by their indices in the job.
+    pub starts: Vec<(usize, CurvePoint)>,
+}
+
+/// The end of a pendulum on the line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sample {
+    pub outcome: Outcome,
+    pub end: End,
+}
+
+/// What the samples tell about an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Verdict {
+    /// All flip, at times (s) that are a polynomial: its values at the five samples.
+    Flips([f64; SAMPLES]),
+    /// None flips.
+    Unflipped,
+    /// Something happens in between.
+    Rough,
+}
+
+impl Interval {
+    /// The places of its samples, in units of 2^−`places`.
+    pub(super) fn places(&self, places: i32) -> [i32; SAMPLES] {
+        let quarter = 1 << (places - self.level - 2);
+        std::array::from_fn(|k| (4 * self.place + k as i32) * quarter)
+    }
+
+    /// Its halves, those that have starts.
+    pub(super) fn halves(self) -> impl Iterator<Item = Interval> {
+        let (level, place) = (self.level + 1, 2 * self.place);
+        let middle = f64::from(place + 1) * 0.5f64.powi(level);
+        let (lower, upper): (Vec<_>, Vec<_>) =
+            self.starts.into_iter().partition(|(_, point)| point.s < middle);
+        let halves = [
+            Interval { level, place, starts: lower },
+            Interval { level, place: place + 1, starts: upper },
+        ];
+        halves.into_iter().filter(|half| !half.starts.is_empty())
+    }
+
+    /// Finds the outcomes of the starts in a smooth interval. Those whose residual may count have to
+    /// be integrated `alone`.
+    pub(super) fn settle(
+        &self,
+        verdict: &Verdict,
+        unit_secs: f64,
+        known: &mut Vec<(usize, Outcome)>,
+        alone: &mut Vec<usize>,
+    ) {
+        for (index, point) in &self.starts {
+            let Verdict::Flips(secs) = verdict else {
+                known.push((*index, Outcome::without_time(Status::Unflipped)));
+                continue;
+            };
+            // From −2 to 2, at integers the samples.
+            let x = 4.0 * (point.s * 2f64.powi(self.level) - f64::from(self.place)) - 2.0;
+            let (time, rate) = quartic(secs, x);
+            let per_s = rate * 4.0 * 2f64.powi(self.level);
+            if point.aside * per_s.abs() <= SHARE * right_secs(unit_secs) {
+                known.push((*index, Outcome::flipped(time - point.ahead * unit_secs)));
+            } else {
+                alone.push(*index);
+            }
+        }
+    }
+}
+
+/// Value and derivative at `x` of the polynomial of degree 4 with given values at −2, −1, 0, 1, 2
+/// (Newton's form of divided differences).
+fn quartic(values: &[f64; SAMPLES], x: f64) -> (f64, f64) {
+    let mut c = *values;
+    for order in 1..SAMPLES {
+        for k in (order..SAMPLES).rev() {
+            c[k] = (c[k] - c[k - 1]) / order as f64;
+        }
+    }
+    let (mut value, mut rate) = (0.0, 0.0);
+    for (k, c) in c.iter().enumerate().rev() {
+        let from = x - (k as f64 - 2.0);
+        (value, rate) = (value * from + c, rate * from + value);
+    }
+    (value, rate)
+}
+
+impl Verdict {
+    /// Judges an interval by its samples, from one end to the other.
+    pub(super) fn on(samples: [&Sample; SAMPLES], unit_secs: f64) -> Self {
+        let status = samples[0].outcome.status;
+        let same = samples.iter().all(|sample| sample.outcome.status == status);
+        if !same || !matches!(status, Status::Flipped | Status::Unflipped) {
+            return Verdict::Rough;
+        }
+        let apart = samples.windows(2).map(|pair| pair[0].apart(pair[1])).fold(0.0, f64::max);
+        let clearance = samples.iter().map(|sample| sample.end.clearance).fold(f64::MAX, f64::min);
+        // Not the other way round: NaN is rough.
+        if !(clearance >= CLEAR * apart) {
+            return Verdict::Rough;
+        }
+        if status == Status::Unflipped {
+            return Verdict::Unflipped;
+        }
+        let secs = samples.map(|sample| sample.outcome.time);
+        // How far the middle is from the cubic through the others.
+        let off = (secs[0] - 4.0 * secs[1] + 6.0 * secs[2] - 4.0 * secs[3] + secs[4]) / 6.0;
+        if off.abs() <= SHARE * right_secs(unit_secs) {
+            Verdict::Flips(secs)
+        } else {
+            Verdict::Rough
+        }
+    }
+}
+
+impl Sample {
+    /// Distance of two ends: unit vectors, and reduced time.
+    fn apart(&self, other: &Sample) -> f64 {
+        let (a, b) = (&self.end, &other.end);
+        let square: f64 = (0..4).map(|i| (a.phase[i] - b.phase[i]).powi(2)).sum();
+        square.sqrt() + (a.time - b.time).abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::crossing::FAR;
+
+    fn samples(time: impl Fn(f64) -> f64, clearance: f64) -> [Sample; SAMPLES] {
+        std::array::from_fn(|k| {
+            let time = time(k as f64 - 2.0);
+            let end = End { time, phase: [1.0; 6], clearance, ..End::NOWHERE };
+            Sample { outcome: Outcome::flipped(time), end }
+        })
+    }
+
+    #[test]
+    fn smooth_times_are_interpolated_and_others_are_not() {
+        let smooth = |x: f64| 7.0 + 0.1 * x - 0.02 * x * x + 0.003 * x.powi(3);
+        let verdict = Verdict::on(samples(smooth, FAR).each_ref(), 1.0);
+        let Verdict::Flips(secs) = verdict else { panic!("{verdict:?}") };
+        let (value, rate) = quartic(&secs, 0.7);
+        assert!((value - smooth(0.7)).abs() < 1e-12);
+        assert!((rate - (0.1 - 0.04 * 0.7 + 0.009 * 0.49)).abs() < 1e-12);
+        let rough = |x: f64| if x < 0.5 { 7.0 } else { 7.1 };
+        assert_eq!(Verdict::on(samples(rough, FAR).each_ref(), 1.0), Verdict::Rough);
+        // A bob came so near the top that a start in between may have flipped there.
+        assert_eq!(Verdict::on(samples(smooth, 0.1).each_ref(), 1.0), Verdict::Rough);
+        let mut mixed = samples(smooth, FAR);
+        mixed[3].outcome = Outcome::without_time(Status::Unflipped);
+        assert_eq!(Verdict::on(mixed.each_ref(), 1.0), Verdict::Rough);
+    }
+
+    #[test]
+    fn starts_go_to_their_half() {
+        let point = |s: f64| (0, CurvePoint { s, ahead: 0.0, aside: 0.0 });
+        let interval = Interval { level: 1, place: -3, starts: vec![point(-1.4), point(-1.1)] };
+        assert_eq!(interval.places(7), [-192, -176, -160, -144, -128]);
+        let halves: Vec<_> = interval.halves().map(|half| (half.level, half.place)).collect();
+        assert_eq!(halves, [(2, -6), (2, -5)]);
+    }
+
+    #[test]
+    fn a_residual_that_counts_sends_a_start_off_alone() {
+        let (mut known, mut alone) = (Vec::new(), Vec::new());
+        let start = |index, aside| (index, CurvePoint { s: 0.25, ahead: 0.5, aside });
+        let interval =
+            Interval { level: 0, place: 0, starts: vec![start(0, 1e-6), start(1, 1e-2)] };
+        let verdict = Verdict::Flips([5.0, 5.1, 5.2, 5.3, 5.4]);
+        interval.settle(&verdict, 0.32, &mut known, &mut alone);
+        assert!(known.len() == 1 && known[0].0 == 0 && alone == [1]);
+        assert!((known[0].1.time - (5.1 - 0.16)).abs() < 1e-12);
+    }
+}

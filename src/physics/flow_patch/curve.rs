@@ -1,0 +1,143 @@
+//! The curve along which the states of a small cell lie once one direction has grown beyond all
+//! others.
+
+use super::{Dynamics, FlowPatch};
+use crate::physics::jet::{DEGREE, Jet};
+use crate::physics::phase::Phase;
+
+/// The states P(s) = Φ(s·u) of the starts on a line through the middle of a cell.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The polynomials of P's components, by powers of s.
+    powers: Phase<[f64; DEGREE + 1]>,
+    /// P′ in the middle over its squared length, in weighted components: s to first order.
+    across: Phase<f64>,
+    middle: Phase<f64>,
+}
+
+/// A state as one on the curve, moved along the flow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// Position on the curve; the cell reaches from about −1 to 1.
+    pub s: f64,
+    /// Reduced time by which the state is ahead of the curve.
+    pub ahead: f64,
+    /// Distance that remains, in units of s.
+    pub aside: f64,
+}
+
+/// Number of Newton iterations for a point; the polynomials are nearly linear.
+const NEWTON_STEPS: usize = 4;
+/// Change of s below which a point has been found.
+const FOUND: f64 = 1e-9;
+/// Least sine of the angle between curve and flow at which the two can be told apart.
+const LEAST_ANGLE: f64 = 1e-3;
+
+impl FlowPatch {
+    /// Returns the curve of the patch's states if all of them lie on it, moved along the flow, up to
+    /// `most_aside` in units of s; otherwise `None`. A patch with grazes has none.
+    pub fn curve(&self, dynamics: &Dynamics, most_aside: f64) -> Option<Curve> {
+        if !self.grazes.is_empty() {
+            return None;
+        }
+        let curve = Curve::through(dynamics, &self.phase);
+        let rim = [-1.0, 0.0, 1.0];
+        let rim = rim.into_iter().flat_map(|x| rim.map(|y| [x, y]));
+        let lies = |at: [f64; 2]| {
+            let point = curve.point(dynamics, &self.phase.map(|jet| jet.at(at)));
+            point.is_some_and(|point| point.aside <= most_aside)
+        };
+        rim.into_iter().all(lies).then_some(curve)
+    }
+}
+
+impl Curve {
+    fn through(dynamics: &Dynamics, phase: &Phase<Jet>) -> Self {
+        let weight = dynamics.weights();
+        let linear = phase.map(|jet| jet.gradient());
+        let product = |a: usize, b: usize| -> f64 {
+            (0..6).map(|i| weight[i] * weight[i] * linear[i][a] * linear[i][b]).sum()
+        };
+        let (xx, xy, yy) = (product(0, 0), product(0, 1), product(1, 1));
+        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+        let (sin, cos) = angle.sin_cos();
+        let powers = phase.map(|jet| jet.along([cos, sin]));
+        let length = xx * cos * cos + 2.0 * xy * sin * cos + yy * sin * sin;
+        let across = std::array::from_fn(|i| weight[i] * powers[i][1] / length);
+        Curve { powers, across, middle: phase.map(|jet| jet.middle()) }
+    }
+
+    /// The state at `s`.
+    pub fn at(&self, s: f64) -> Phase<f64> {
+        self.powers.map(|c| c.iter().rev().fold(0.0, |sum, c| sum * s + c))
+    }
+
+    /// P′(s).
+    fn slope(&self, s: f64) -> Phase<f64> {
+        self.powers.map(|c| (1..=DEGREE).rev().fold(0.0, |sum, k| sum * s + k as f64 * c[k]))
+    }
+
+    /// Writes a state as one on the curve, moved along the flow: the nearest one in unit vectors and
+    /// scaled momenta. `None` if curve and flow cannot be told apart there.
+    pub fn point(&self, dynamics: &Dynamics, phase: &Phase<f64>) -> Option<CurvePoint> {
+        let weight = dynamics.weights();
+        let weighted =
+            |state: Phase<f64>| -> Phase<f64> { std::array::from_fn(|i| weight[i] * state[i]) };
+        let dot = |a: &Phase<f64>, b: &Phase<f64>| -> f64 { (0..6).map(|i| a[i] * b[i]).sum() };
+        let from_middle = weighted(std::array::from_fn(|i| phase[i] - self.middle[i]));
+        let mut s = dot(&from_middle, &self.across);
+        for _ in 0..NEWTON_STEPS {
+            let there = self.at(s);
+            let off = weighted(std::array::from_fn(|i| phase[i] - there[i]));
+            let slope = weighted(self.slope(s));
+            let flow = weighted(dynamics.pendulum.derivative(&there));
+            let (ss, sf, ff) = (dot(&slope, &slope), dot(&slope, &flow), dot(&flow, &flow));
+            let det = ss * ff - sf * sf;
+            if det <= LEAST_ANGLE * LEAST_ANGLE * ss * ff {
+                return None;
+            }
+            let (os, of) = (dot(&off, &slope), dot(&off, &flow));
+            let (by, ahead) = ((os * ff - of * sf) / det, (of * ss - os * sf) / det);
+            s += by;
+            if by.abs() < FOUND {
+                let rest: Phase<f64> =
+                    std::array::from_fn(|i| off[i] - by * slope[i] - ahead * flow[i]);
+                let aside = (dot(&rest, &rest) / ss).sqrt();
+                return Some(CurvePoint { s, ahead, aside });
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Pendulum;
+    use crate::physics::flip::Rule;
+
+    #[test]
+    fn states_of_a_narrow_cell_lie_on_the_curve() {
+        let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 9.81);
+        let dynamics = Dynamics::new(pendulum, Rule::Second);
+        let starts = [2.2f64, -1.9].map(f64::sin_cos);
+        let mut patch = FlowPatch::release(starts, 1e-9);
+        patch.follow(&dynamics, 40.0, 1e-12, None);
+        let curve = patch.curve(&dynamics, 1e-4).expect("one direction has grown");
+        for at in [[0.3, -0.7], [-1.0, 0.2], [0.9, 0.9]] {
+            let phase = patch.phase.map(|jet| jet.at(at));
+            let point = curve.point(&dynamics, &phase).unwrap();
+            let there = curve.at(point.s);
+            let flow = pendulum.derivative(&there);
+            let length: f64 = curve.slope(point.s).iter().map(|x| x * x).sum::<f64>().sqrt();
+            for i in 0..6 {
+                let off = phase[i] - flow[i].mul_add(point.ahead, there[i]);
+                assert!(off.abs() < 20.0 * point.aside * length + 1e-13, "{i}: {off}");
+            }
+            assert!(point.s.abs() < 1.5 && point.aside < 1e-4);
+        }
+        // At rest a cell has two directions.
+        let patch = FlowPatch::release(starts, 1e-2);
+        assert!(patch.curve(&dynamics, 1e-4).is_none());
+    }
+}
