@@ -117,7 +117,7 @@ impl IntegratorConfig {
     /// Approximate number of pixels along the side of a leaf of a deep picture. With fewer, pixels
     /// begin later and f32 errs less; with more, fewer cells are followed (measured).
     pub fn leaf_pixels(&self) -> u32 {
-        if self.precision == Precision::F32 { 16 } else { 32 }
+        if self.precision == Precision::F32 { 16 } else { 64 }
     }
 
     /// Distance between starts, in rad, below which they are followed as cells and integrated from

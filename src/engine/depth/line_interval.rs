@@ -6,14 +6,18 @@ use crate::physics::flow_patch::CurvePoint;
 use crate::physics::{Outcome, Status};
 
 /// Level of the shortest intervals; an interval of level n is 2^−n half leaves long.
-pub(super) const FINEST: i32 = 5;
+pub(super) const FINEST: i32 = 6;
 /// Number of samples of an interval, both ends included.
 pub(super) const SAMPLES: usize = 5;
 /// Share of the error that is called right which interpolation may make, and again the residual.
 const SHARE: f64 = 0.2;
-/// Ratio of the distance that a bob must have kept from the top to the distance of neighbouring
-/// samples' ends, for no start between them to have flipped there.
-const CLEAR: f64 = 2.0;
+/// Ratio of the distance that a bob must have kept from the top to the second differences of the
+/// samples' ends, for no start between them to have flipped there. The heights of a bob's turns bend
+/// less than the ends, which come later; only by bending could one reach the top and return between
+/// two samples.
+const CLEAR: f64 = 4.0;
+/// Largest distance of neighbouring ends by which they still belong together.
+const MOST_APART: f64 = 0.3;
 
 /// An interval of s, from `place` · 2^−`level` to (`place` + 1) · 2^−`level`, with starts in it.
 pub(super) struct Interval {
@@ -113,10 +117,13 @@ impl Verdict {
         if !same || !matches!(status, Status::Flipped | Status::Unflipped) {
             return Verdict::Rough;
         }
-        let apart = samples.windows(2).map(|pair| pair[0].apart(pair[1])).fold(0.0, f64::max);
+        let ends = samples.map(Sample::place);
+        let apart = ends.windows(2).map(|e| size(|i| e[1][i] - e[0][i])).fold(0.0, f64::max);
+        let bent = |e: &[[f64; 5]]| size(|i| e[0][i] - 2.0 * e[1][i] + e[2][i]);
+        let bend = ends.windows(3).map(bent).fold(0.0, f64::max);
         let clearance = samples.iter().map(|sample| sample.end.clearance).fold(f64::MAX, f64::min);
         // Not the other way round: NaN is rough.
-        if !(clearance >= CLEAR * apart) {
+        if !(clearance >= CLEAR * bend && apart <= MOST_APART) {
             return Verdict::Rough;
         }
         if status == Status::Unflipped {
@@ -134,12 +141,16 @@ impl Verdict {
 }
 
 impl Sample {
-    /// Distance of two ends: unit vectors, and reduced time.
-    fn apart(&self, other: &Sample) -> f64 {
-        let (a, b) = (&self.end, &other.end);
-        let square: f64 = (0..4).map(|i| (a.phase[i] - b.phase[i]).powi(2)).sum();
-        square.sqrt() + (a.time - b.time).abs()
+    /// The end: unit vectors, and reduced time.
+    fn place(&self) -> [f64; 5] {
+        let [x1, y1, x2, y2, ..] = self.end.phase;
+        [x1, y1, x2, y2, self.end.time]
     }
+}
+
+/// Length of a difference of ends.
+fn size(difference: impl Fn(usize) -> f64) -> f64 {
+    (0..5).map(|i| difference(i).powi(2)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
@@ -166,7 +177,7 @@ mod tests {
         let rough = |x: f64| if x < 0.5 { 7.0 } else { 7.1 };
         assert_eq!(Verdict::on(samples(rough, FAR).each_ref(), 1.0), Verdict::Rough);
         // A bob came so near the top that a start in between may have flipped there.
-        assert_eq!(Verdict::on(samples(smooth, 0.1).each_ref(), 1.0), Verdict::Rough);
+        assert_eq!(Verdict::on(samples(smooth, 0.01).each_ref(), 1.0), Verdict::Rough);
         let mut mixed = samples(smooth, FAR);
         mixed[3].outcome = Outcome::without_time(Status::Unflipped);
         assert_eq!(Verdict::on(mixed.each_ref(), 1.0), Verdict::Rough);
