@@ -5,9 +5,12 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Engine, IntegratorConfig, Precision, Trust};
-use flipmap::physics::{Fixed, Outcome, Pendulum, Scalar, Status, Theta, oracle};
-use flipmap::scene::{Budget, Scene, View};
+use flipmap::engine::{
+    Deep, Engine, IntegratorConfig, Job, Keep, Leaf, Precision, Question, Starts, Trust, Wait,
+};
+use flipmap::physics::{Fixed, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
+use flipmap::scene::lattice::Cell;
+use flipmap::scene::{Budget, Grid, Kind, Scene, View};
 use flipmap::tiles::{Samples, Work};
 
 /// Views (θ1, θ2, width) with structure, found by following filaments down.
@@ -129,6 +132,51 @@ fn no_answer_depends_on_tiles_or_on_what_else_is_asked() {
     }
 }
 
+/// A deep job's outcomes, and the number of starts that were told by their neighbours on a line. A
+/// job that keeps the ends of its pendulums integrates each of them.
+fn answered(scene: &Scene, size: [u32; 2], keep: Keep) -> (Vec<Outcome>, u64) {
+    let grid = Grid::new(scene, size);
+    let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
+    let leaves = grid.grouped(BALANCED.leaf_pixels(), pixels).into_iter();
+    let leaf = |(cell, points): (Cell, Vec<(u32, [f64; 2])>)| Leaf {
+        cell,
+        points: points.into_iter().map(|(_, point)| point).collect(),
+    };
+    let starts = Starts::Deep(Deep { leaves: leaves.map(leaf).collect(), strict: false });
+    let question = Question::from(scene);
+    let mut engine = engine();
+    engine.submit(Job { id: 3, question, config: BALANCED, starts, keep }).unwrap();
+    let result = engine.poll(Wait::UntilFinished).unwrap().remove(0);
+    (result.outcomes, result.effort.depth.unwrap().told_by_lines)
+}
+
+#[test]
+fn starts_on_lines_are_told_what_they_would_find_alone() {
+    let changed = |k: usize, change: fn(&mut Scene)| {
+        let mut scene = scene([PLACES[k].0, PLACES[k].1], PLACES[k].2);
+        change(&mut scene);
+        scene.checked().unwrap()
+    };
+    let scenes = [
+        changed(0, |_| {}),
+        changed(1, |scene| scene.view.rotate = 31.0),
+        changed(2, |scene| scene.view.stretch = 2.0),
+        changed(3, |_| {}),
+        changed(1, |scene| scene.question.rule = Rule::Either),
+        changed(2, |scene| scene.build.kind = Kind::Rods),
+    ];
+    for (k, scene) in scenes.iter().enumerate() {
+        let size = [80, 60];
+        let (on_lines, told) = answered(scene, size, Keep::Nothing);
+        let (alone, none_told) = answered(scene, size, Keep::Ends);
+        assert!(told > 1200 && none_told == 0, "{told} of 4800 are told in scene {k}");
+        for (a, b) in on_lines.iter().zip(&alone) {
+            let apart = (a.time - b.time).abs();
+            assert!(a.status == b.status && apart < 5e-4, "scene {k}: {a:?}, alone {b:?}");
+        }
+    }
+}
+
 #[test]
 fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
     // Regular flips, where both ways work: in double-double from rest, and through cells.
@@ -152,7 +200,7 @@ fn a_grazing_edge_is_one_clean_line_at_every_depth() {
         let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
         let angle = [Fixed::<4>::parse("-1.602").unwrap(), theta2];
         let budget = Fixed::from_f64(2.0);
-        oracle::outcome(&pendulum, angle, flipmap::physics::Rule::Second, budget).status
+        oracle::outcome(&pendulum, angle, Rule::Second, budget).status
             == Status::Flipped
     };
     let mut ends = ["1.8", "2.1"].map(|text| Fixed::<4>::parse(text).unwrap());

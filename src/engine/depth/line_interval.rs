@@ -34,7 +34,7 @@ pub(super) struct Sample {
     pub end: End,
 }
 
-/// What the samples tell about an interval.
+/// The judgement of an interval by its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
     /// All flip, at times (s) that are a polynomial: its values at the five samples.
@@ -52,7 +52,7 @@ impl Interval {
         std::array::from_fn(|k| (4 * self.place + k as i32) * quarter)
     }
 
-    /// Its halves, those that have starts.
+    /// Returns those of its halves that have starts.
     pub(super) fn halves(self) -> impl Iterator<Item = Interval> {
         let (level, place) = (self.level + 1, 2 * self.place);
         let middle = f64::from(place + 1) * 0.5f64.powi(level);

@@ -12,7 +12,8 @@
 //!  L−11 … L−6   anchor ├────────────┤ polynomials no longer hold: quarters
 //!   …           quarter             ├──────┤ quarters
 //!  L            leaf                       ├─────────┤ start map
-//!               starts                               ├── integrated one by one
+//!               samples of its line                   ├── integrated, tell most starts
+//!               other starts                          ├── integrated one by one
 //! ```
 //!
 //! Where the polynomials leave out too much, or cannot tell what happens at the top, the cell is
@@ -20,13 +21,16 @@
 //! Mech. Dyn. Astr. 122, 2015; polynomial arithmetic on flows is Berz's differential algebra). The
 //! finished patch gives each of its leaves a *start map*: which starts are forbidden, flip at a
 //! known time or stay unflipped, and in which states the others are, far enough apart by then that
-//! any number type can integrate them. Those go to the wrapped engine as pendulums in motion, and
-//! all other jobs are passed on to it.
+//! any number type can integrate them. By then most leaves have one direction alone; a few samples
+//! along it tell most of its starts ([`lines`]). Samples, and the starts that these do not tell, go to
+//! the wrapped engine as pendulums in motion, and all other jobs are passed on to it.
 //!
 //! * An answer depends on its leaf's place in the lattice alone, not on jobs or other requests.
-//! * Anchors and splittings are cached, and cells are followed on threads of this engine's own.
+//! * Anchors and splittings are cached, and cells are followed on threads of this engine's own, eight
+//!   at a time in SIMD lanes ([`split_lanes`]).
 //! * Strict jobs use other cuts and smaller errors: [`super::trust`] checks one map by another.
 
+mod deep;
 mod domain_splitting;
 mod following;
 mod line_interval;
@@ -47,11 +51,11 @@ use self::lines::Lines;
 use self::start_map::{MappedStart, StartMap};
 pub use self::stats::DepthStats;
 use super::{
-    Deep, Effort, End, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep,
-    Leaf, Method, Moving, Precision, Question, Starts, Wait,
+    Effort, End, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Leaf,
+    Method, Moving, Precision, Question, Starts, Wait,
 };
-use crate::physics::{Outcome, Scalar, Status, Theta};
-use crate::scene::lattice::{Cell, side_rad};
+use crate::physics::{Outcome, Status};
+use crate::scene::lattice::Cell;
 
 /// An engine that follows deep starts for the engine that it wraps.
 pub struct DepthEngine<'a> {
@@ -305,43 +309,6 @@ fn followed(
 fn may_use_lines(job: &Job) -> bool {
     let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
     adaptive && job.config.precision != Precision::F32 && job.keep != Keep::Ends
-}
-
-impl Deep {
-    /// Selects some of the starts, by their indices among all, in order, and moves them by a share
-    /// of half their leaf.
-    pub fn some(&self, places: &[usize], strict: bool, by: [f64; 2]) -> Deep {
-        let mut wanted = places.iter().copied().peekable();
-        let (mut leaves, mut first) = (Vec::new(), 0);
-        for leaf in &self.leaves {
-            let end = first + leaf.points.len();
-            let mut points = Vec::new();
-            while let Some(place) = wanted.next_if(|place| *place < end) {
-                let [x, y] = leaf.points[place - first];
-                points.push([x + by[0], y + by[1]]);
-            }
-            if !points.is_empty() {
-                leaves.push(Leaf { cell: leaf.cell, points });
-            }
-            first = end;
-        }
-        Deep { leaves, strict }
-    }
-
-    /// Half the side of the leaves in rad.
-    pub fn half_rad(&self) -> f64 {
-        self.leaves.first().map_or(0.0, |leaf| side_rad(leaf.cell.level + 1))
-    }
-
-    /// The angles of the starts in rad.
-    pub fn exact_angles(&self) -> Vec<[Theta; 2]> {
-        let half = Theta::from_f64(self.half_rad());
-        let angle = |leaf: &Leaf, at: &[f64; 2]| {
-            let center = leaf.cell.center();
-            [0, 1].map(|i| (center[i] + Theta::from_f64(at[i]) * half).wrapped())
-        };
-        self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| angle(leaf, at))).collect()
-    }
 }
 
 impl Engine for DepthEngine<'_> {
