@@ -200,8 +200,7 @@ fn a_grazing_edge_is_one_clean_line_at_every_depth() {
         let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
         let angle = [Fixed::<4>::parse("-1.602").unwrap(), theta2];
         let budget = Fixed::from_f64(2.0);
-        oracle::outcome(&pendulum, angle, Rule::Second, budget).status
-            == Status::Flipped
+        oracle::outcome(&pendulum, angle, Rule::Second, budget).status == Status::Flipped
     };
     let mut ends = ["1.8", "2.1"].map(|text| Fixed::<4>::parse(text).unwrap());
     let early = flips_early(ends[1]);

@@ -133,8 +133,9 @@ impl Cell {
     }
 
     /// Groups the cell's `samples` × `samples` samples by the leaves to which start maps belong, each
-    /// with `leaf` of them along a side; both are powers of two.
+    /// with at most `leaf` of them along a side; both are powers of two.
     pub fn leaves(&self, samples: u32, leaf: u32) -> Grouped {
+        let leaf = leaf.min(samples);
         let leaves = samples / leaf;
         let level = self.level + leaves.ilog2();
         let at = |k: u32| f64::from(2 * k + 1) / f64::from(leaf) - 1.0;
@@ -309,5 +310,22 @@ mod tests {
         let image = cell.mirrored().grid(&Scene::default(), SIDE);
         let (here, there) = (grid.angle_from_pixel(3, 9), image.angle_from_pixel(124, 118));
         assert_eq!(here, there.map(|theta| -theta));
+    }
+
+    #[test]
+    fn samples_are_shared_out_to_leaves() {
+        let cell = Cell::around([2.2, -1.9].map(Theta::from_f64), 20);
+        for (samples, leaf, leaves, level) in [(128, 64, 4, 21), (128, 16, 64, 23), (32, 64, 1, 20)]
+        {
+            let groups = cell.leaves(samples, leaf);
+            assert_eq!(groups.len(), leaves);
+            assert!(groups.iter().all(|(leaf, _)| leaf.level == level));
+            let mut places: Vec<u32> = groups
+                .iter()
+                .flat_map(|(_, points)| points.iter().map(|(place, _)| *place))
+                .collect();
+            places.sort_unstable();
+            assert!(places.into_iter().eq(0..samples * samples));
+        }
     }
 }
