@@ -235,7 +235,7 @@ mod checks {
                 display.point(300.0, 240.0);
                 display.key("d");
                 // The map follows the descent, and is never at rest for long.
-                sleep(Duration::from_secs(6));
+                sleep(Duration::from_secs(20));
                 display.key("Escape");
             },
             |told| told.is_idle() && told.width_rad() < 1e-6,

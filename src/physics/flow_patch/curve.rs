@@ -72,7 +72,7 @@ impl Curve {
         self.powers.map(|c| c.iter().rev().fold(0.0, |sum, c| sum * s + c))
     }
 
-    /// P′(s).
+    /// The derivative P′(s).
     fn slope(&self, s: f64) -> Phase<f64> {
         self.powers.map(|c| (1..=DEGREE).rev().fold(0.0, |sum, k| sum * s + k as f64 * c[k]))
     }
