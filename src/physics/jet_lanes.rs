@@ -162,7 +162,7 @@ impl<S: Simd> Add for JetLanes<S> {
         for (row, other) in self.c[..rows].iter_mut().zip(&other.c) {
             row.iter_mut().zip(other).for_each(|(c, other)| *c += other);
         }
-        self.varies |= other.varies;
+        self.varies = self.varies || other.varies;
         self
     }
 }
@@ -203,7 +203,6 @@ impl<S: Simd> Mul for JetLanes<S> {
 impl<S: Simd> Div for JetLanes<S> {
     type Output = Self;
     #[inline(always)]
-    #[expect(clippy::suspicious_arithmetic_impl, reason = "a quotient is a product with 1 over it")]
     fn div(self, other: Self) -> Self {
         if !other.varies {
             return self.scaled(other.c[0].map(|c| 1.0 / c));
