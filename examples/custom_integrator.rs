@@ -4,7 +4,7 @@
 
 use flipmap::engine::Question;
 use flipmap::engine::cpu::{Dop853, EmbeddedPair, outcomes};
-use flipmap::physics::embedded::{Trial, square};
+use flipmap::physics::embedded::Trial;
 use flipmap::physics::flip::right_secs;
 use flipmap::physics::phase::Phase;
 use flipmap::physics::{Dd, Outcome, Pendulum, Real, Rule, oracle};
@@ -35,8 +35,7 @@ impl EmbeddedPair for BogackiShampine {
         let change = sum([2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0, 0.0], [&k1, &k2, &k3, &k3]);
         let k4 = slope(&change);
         let error = sum([-5.0 / 72.0, 1.0 / 12.0, 1.0 / 9.0, -0.125], [&k1, &k2, &k3, &k4]);
-        let error_squared = square(&error, inverse_scale) * step.lit(1.0 / 6.0);
-        Trial { change, error_squared, bow: [step.lit(0.0); 2] }
+        Trial::new(change, &error, inverse_scale)
     }
 }
 

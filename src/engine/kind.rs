@@ -1,7 +1,6 @@
 //! The two kinds of engine.
 
 use std::fmt;
-use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
@@ -29,23 +28,15 @@ impl fmt::Display for EngineKind {
 #[error("there is no engine '{0}': it is cpu or gpu")]
 pub struct UnknownEngine(String);
 
-impl FromStr for EngineKind {
-    type Err = UnknownEngine;
-
-    fn from_str(text: &str) -> Result<Self, UnknownEngine> {
-        match text {
-            "cpu" => Ok(EngineKind::Cpu),
-            "gpu" => Ok(EngineKind::Gpu),
-            _ => Err(UnknownEngine(text.to_string())),
-        }
-    }
-}
-
 impl TryFrom<String> for EngineKind {
     type Error = UnknownEngine;
 
     fn try_from(text: String) -> Result<Self, UnknownEngine> {
-        text.parse()
+        match text.as_str() {
+            "cpu" => Ok(EngineKind::Cpu),
+            "gpu" => Ok(EngineKind::Gpu),
+            _ => Err(UnknownEngine(text)),
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use super::{EngineError, IntegratorConfig, Question};
 use crate::physics::control::Control;
+use crate::physics::embedded::{DOP853_ORDER, DOPRI5_ORDER};
 use crate::physics::trig::Turning;
 use crate::physics::{Outcome, Status, extrapolation, series};
 
@@ -214,11 +215,11 @@ impl Pace {
             Method::Rk4 { step_secs } => {
                 Steps::new(question, step_secs, config.precision).map(Pace::Fixed)
             }
-            Method::Dopri5 { tolerance } => adaptive(tolerance, 5),
-            Method::Dop853 { tolerance } => adaptive(tolerance, 8),
+            Method::Dopri5 { tolerance } => adaptive(tolerance, DOPRI5_ORDER),
+            Method::Dop853 { tolerance } => adaptive(tolerance, DOP853_ORDER),
             Method::Taylor { tolerance } => adaptive(tolerance, series::ORDER_F64 as u32),
             Method::Extrapolation { tolerance } => {
-                let control = Control::new(tolerance, 2 * COLUMNS as u32 - 1).steady();
+                let control = Control::new(tolerance, extrapolation::order(COLUMNS)).steady();
                 Ok(Pace::Adaptive(Adaptive::new(question, control)))
             }
         }

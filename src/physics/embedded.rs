@@ -19,6 +19,21 @@ pub struct Trial<T> {
     pub bow: [T; 2],
 }
 
+impl<T: Real> Trial<T> {
+    /// A trial step of a pair that gives nothing between the ends, from its change and its error.
+    #[inline(always)]
+    pub fn new(change: Phase<T>, error: &Phase<T>, inverse_scale: [T; 2]) -> Self {
+        let error_squared = square(error, inverse_scale);
+        let lit = |value| error_squared.lit(value);
+        Trial { change, error_squared: error_squared * lit(1.0 / 6.0), bow: [lit(0.0); 2] }
+    }
+}
+
+/// The power of the step with which the error that [`dop853`] estimates falls.
+pub const DOP853_ORDER: u32 = 8;
+/// The power of the step with which the error that [`dopri5`] estimates falls.
+pub const DOPRI5_ORDER: u32 = 5;
+
 /// Takes a trial step of Dormand and Prince's pair of orders 8 and 5 with 3 (Hairer, Nørsett and
 /// Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.5 and II.10): 12 right-hand
 /// sides. `inverse_scale` is 1 over the scale of each momentum.
@@ -324,7 +339,7 @@ pub fn plus<T: Real>(phase: &Phase<T>, change: &Phase<T>) -> Phase<T> {
 
 /// The sum of the squares of the six components, with momenta in units of their scale.
 #[inline(always)]
-pub fn square<T: Real>(rate: &Phase<T>, inverse_scale: [T; 2]) -> T {
+fn square<T: Real>(rate: &Phase<T>, inverse_scale: [T; 2]) -> T {
     let (p1, p2) = (rate[4] * inverse_scale[0], rate[5] * inverse_scale[1]);
     let mut total = p1.mul_add(p1, p2 * p2);
     for value in &rate[..4] {

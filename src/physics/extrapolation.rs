@@ -45,6 +45,11 @@ impl<T: Scalar, const K: usize> Default for Weights<T, K> {
     }
 }
 
+/// The power of the step with which the estimated error falls.
+pub const fn order(columns: usize) -> u32 {
+    2 * columns as u32 - 1
+}
+
 /// Number of right-hand sides in a step.
 pub const fn rhs_per_step(columns: usize) -> usize {
     columns * (columns + 1) + 1

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use super::lanes::Lanes;
 use crate::engine::method::COLUMNS;
 use crate::physics::crossing::{FAR, SLACK, StepCrossing, StepState, within};
-use crate::physics::embedded::{Trial, dop853, dopri5, plus, quartic, square};
+use crate::physics::embedded::{DOP853_ORDER, DOPRI5_ORDER, Trial, dop853, dopri5, plus, quartic};
 use crate::physics::extrapolation::{self, Weights};
 use crate::physics::phase::Phase;
 use crate::physics::polynomial::course;
@@ -85,7 +85,7 @@ impl<P: EmbeddedPair> TopTest for OnCubic<P> {
 pub struct Dopri5;
 
 impl EmbeddedPair for Dopri5 {
-    const ORDER: u32 = 5;
+    const ORDER: u32 = DOPRI5_ORDER;
 
     #[inline(always)]
     fn trial<T: Real>(
@@ -131,7 +131,7 @@ pub(super) struct Midpoints;
 static WEIGHTS: LazyLock<Weights<Dd, COLUMNS>> = LazyLock::new(Weights::new);
 
 impl EmbeddedPair for Midpoints {
-    const ORDER: u32 = 2 * COLUMNS as u32 - 1;
+    const ORDER: u32 = extrapolation::order(COLUMNS);
 
     #[inline(always)]
     fn trial<T: Real>(
@@ -143,8 +143,7 @@ impl EmbeddedPair for Midpoints {
         let both = |Dd { hi, lo }: Dd| step.lit(hi) + step.lit(lo);
         let weights = Weights { all: WEIGHTS.all.map(both), error: WEIGHTS.error.map(both) };
         let [change, error] = extrapolation::trial(pendulum, &weights, phase, step);
-        let error_squared = square(&error, inverse_scale) * step.lit(1.0 / 6.0);
-        Trial { change, error_squared, bow: [step.lit(0.0); 2] }
+        Trial::new(change, &error, inverse_scale)
     }
 }
 
@@ -152,7 +151,7 @@ impl EmbeddedPair for Midpoints {
 pub struct Dop853;
 
 impl EmbeddedPair for Dop853 {
-    const ORDER: u32 = 8;
+    const ORDER: u32 = DOP853_ORDER;
 
     #[inline(always)]
     fn trial<T: Real>(

@@ -137,9 +137,7 @@ impl DomainSplitting {
                     let node = anchor.node.clone();
                     drop(anchor);
                     let branch = Branch { node, cell, leaves, tolerance: 0.0 };
-                    let mut maps = Vec::new();
-                    let parts = self.cut(branch, end, wanted, &mut maps);
-                    start_maps.extend(maps);
+                    let parts = self.cut(branch, end, wanted, &mut start_maps);
                     start_maps.extend(self.followed(parts, wanted));
                 }
                 None => start_maps.extend(leaves.iter().map(|leaf| (*leaf, StartMap::Forbidden))),
@@ -247,7 +245,7 @@ impl DomainSplitting {
         branch: Branch,
         end: PatchEnd,
         wanted: SplitRequest,
-        start_maps: &mut Vec<(Cell, StartMap)>,
+        start_maps: &mut impl Extend<(Cell, StartMap)>,
     ) -> Vec<Branch> {
         let Branch { node, cell, leaves, .. } = &branch;
         let unsolved = matches!(end, PatchEnd::Spread | PatchEnd::Unclear);
@@ -274,7 +272,7 @@ impl DomainSplitting {
         &self,
         branch: &Branch,
         wanted: SplitRequest,
-        start_maps: &mut Vec<(Cell, StartMap)>,
+        start_maps: &mut impl Extend<(Cell, StartMap)>,
     ) -> Vec<Branch> {
         let mut quarters = Vec::new();
         for (middle, cell) in QUARTERS.into_iter().zip(branch.cell.children()) {
@@ -301,9 +299,14 @@ impl DomainSplitting {
 }
 
 impl Branch {
+    /// Returns true if the cell can be followed at all.
+    pub(super) fn holds(&self, dynamics: &Dynamics) -> bool {
+        self.node.patch.holds(dynamics, self.tolerance)
+    }
+
     /// Follows the cell alone; returns why it ended.
     fn follow(&mut self, dynamics: &Dynamics, wanted: SplitRequest) -> PatchEnd {
-        if self.node.patch.holds(dynamics, self.tolerance) {
+        if self.holds(dynamics) {
             self.node.patch.follow(dynamics, wanted.budget, self.tolerance, None)
         } else {
             PatchEnd::Spread

@@ -283,7 +283,7 @@ fn followed(
             }
         }
         if let StartMap::Part { ended, .. } = &start_maps[cell] {
-            if let Some(lines) = &mut lines {
+            if let Some(lines) = lines.as_mut().filter(|_| moving.len() > before) {
                 lines.add(ended, &moving[before..]);
             }
             let secs = ended.patch.time.0 * unit_secs;

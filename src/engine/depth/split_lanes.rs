@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 
 use super::domain_splitting::{Branch, DomainSplitting, SplitRequest};
 use super::start_map::StartMap;
-use crate::physics::flow_patch::{Follower, JET_LANES, PatchEnd, carried};
+use crate::physics::flow_patch::{Follower, JET_LANES, PatchEnd, carry};
 use crate::scene::lattice::Cell;
 
 /// Branches that are followed together: a lane whose cell has ended takes the next one.
@@ -40,9 +40,9 @@ impl<'a> SplitLanes<'a> {
     fn fill(&mut self) {
         while self.lanes.len() < JET_LANES {
             let Some(branch) = self.waiting.pop() else { return };
-            let patch = &branch.node.patch;
-            if patch.holds(&self.splitting.dynamics, branch.tolerance) {
-                let follower = Follower::new(patch.clone(), self.wanted.budget, branch.tolerance);
+            if branch.holds(&self.splitting.dynamics) {
+                let patch = branch.node.patch.clone();
+                let follower = Follower::new(patch, self.wanted.budget, branch.tolerance);
                 self.lanes.push((branch, follower));
             } else {
                 self.end(branch, PatchEnd::Spread);
@@ -69,7 +69,7 @@ impl<'a> SplitLanes<'a> {
         if planned.is_empty() {
             return;
         }
-        let after = carried(dynamics, &planned);
+        let after = carry(dynamics, &planned);
         for (lane, (plan, after)) in plans.into_iter().zip(after).enumerate().rev() {
             if let Some(end) = self.lanes[lane].1.take(dynamics, plan, after, None) {
                 self.leave(lane, end);

@@ -74,7 +74,7 @@ impl Follower {
         dynamics: &Dynamics,
         plan: StepPlan,
         after: Phase<Jet>,
-        mut reference: Option<&mut (dyn Reference + 'static)>,
+        reference: Option<&mut (dyn Reference + 'static)>,
     ) -> Option<PatchEnd> {
         let patch_step = PatchStep { plan, after };
         let tail = dynamics.tail(&patch_step.after);
@@ -106,7 +106,7 @@ impl Follower {
                 patch.grazes.extend(graze.concerns_any().then_some(*graze));
             }
         }
-        patch.take(patch_step, reference.take());
+        patch.take(patch_step, reference);
         None
     }
 
@@ -117,7 +117,7 @@ impl Follower {
 }
 
 /// Carries the patches of some followers by their planned steps, at most [`JET_LANES`] of them.
-pub fn carried(dynamics: &Dynamics, planned: &[(&Follower, StepPlan)]) -> Vec<Phase<Jet>> {
+pub fn carry(dynamics: &Dynamics, planned: &[(&Follower, StepPlan)]) -> Vec<Phase<Jet>> {
     let last = planned.len() - 1;
     let phases = std::array::from_fn(|lane| &planned[lane.min(last)].0.patch.phase);
     let lengths = std::array::from_fn(|lane| planned[lane.min(last)].1.length);

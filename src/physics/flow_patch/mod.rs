@@ -16,7 +16,7 @@ mod follower;
 mod graze;
 
 pub use curve::{Curve, CurvePoint};
-pub use follower::{Follower, StepPlan, carried};
+pub use follower::{Follower, StepPlan, carry};
 pub use graze::Graze;
 
 pub use super::jet_lanes::JET_LANES;
@@ -214,7 +214,7 @@ impl FlowPatch {
                 Ok(plan) => plan,
                 Err(end) => break end,
             };
-            let mut after = carried(dynamics, &[(&follower, plan)]).remove(0);
+            let mut after = carry(dynamics, &[(&follower, plan)]).remove(0);
             if let Some(reference) = reference.as_deref_mut() {
                 let known = reference.phase(plan.length);
                 after = std::array::from_fn(|i| after[i].with_middle(known[i]));
