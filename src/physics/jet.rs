@@ -6,6 +6,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::frame::Frame;
 use super::real::Real;
 
 /// Highest degree kept; higher powers of the coordinates are cut off.
@@ -107,21 +108,35 @@ impl Jet {
         })
     }
 
-    /// The polynomial of the part of the cell around `middle` that is 2 `half` wide.
-    pub fn part(&self, middle: [f64; 2], half: f64) -> Self {
+    /// The polynomial in the coordinates of a part of the cell.
+    pub fn part(&self, frame: &Frame) -> Self {
         if !self.varies {
             return *self;
         }
-        let mut out = *self;
-        for (axis, &m) in middle.iter().enumerate() {
-            out.shift(axis, m);
+        let mut shifted = *self;
+        for (axis, &middle) in frame.middle.iter().enumerate() {
+            shifted.shift(axis, middle);
         }
-        let mut scale = 1.0;
+        // x = ax + by and y = cx + dy: each term of a degree becomes one of the same degree.
+        let [[a, c], [b, d]] = frame.axes;
+        let mut one = [0.0; DEGREE + 1];
+        one[0] = 1.0;
+        let mut out = Jet { c: [0.0; TERMS], varies: true };
         for n in 0..=DEGREE {
-            out.c[first(n)..first(n + 1)].iter_mut().for_each(|c| *c *= scale);
-            scale *= half;
+            for j in 0..=n {
+                let term = powers([a, b], n - j, powers([c, d], j, one));
+                for (out, term) in out.c[first(n)..first(n + 1)].iter_mut().zip(term) {
+                    *out += shifted.c[first(n) + j] * term;
+                }
+            }
         }
         out
+    }
+
+    /// Bounds on the distance from its value in the middle on the two axes.
+    pub(super) fn extents(&self) -> [f64; 2] {
+        let along = |axis: usize| (1..=DEGREE).map(|n| self.c[first(n) + axis * n].abs()).sum();
+        [along(0), along(1)]
     }
 
     /// Adds `by` to one coordinate of the argument (repeated synthetic division).
@@ -168,6 +183,17 @@ impl Jet {
         }
         out
     }
+}
+
+/// Multiplies a form in x and y, by the powers of y, by (ax + by) to some power.
+fn powers([a, b]: [f64; 2], power: usize, mut form: [f64; DEGREE + 1]) -> [f64; DEGREE + 1] {
+    for _ in 0..power {
+        for j in (1..=DEGREE).rev() {
+            form[j] = a * form[j] + b * form[j - 1];
+        }
+        form[0] *= a;
+    }
+    form
 }
 
 impl Add for Jet {
@@ -281,10 +307,12 @@ mod tests {
 
         #[test]
         fn a_part_is_the_same_polynomial(
-            a in jets(), x in -1.0..1.0f64, y in -1.0..1.0f64, m in -0.5..0.5f64,
+            a in jets(), x in -1.0..1.0f64, y in -1.0..1.0f64, angle in -3.0..3.0f64,
         ) {
-            let part = a.part([m, -m], 0.5);
-            let there = a.at([m + 0.5 * x, -m + 0.5 * y]);
+            let turned = Frame::turned(angle);
+            let frame = turned.outside(&Frame::parts([true, false]).nth(1).unwrap());
+            let part = a.part(&frame);
+            let there = a.at(frame.outward([x, y]));
             prop_assert!((part.at([x, y]) - there).abs() < 1e-14);
             prop_assert!((part.at([x, y]) - part.middle()).abs() <= part.spread() + 1e-15);
         }

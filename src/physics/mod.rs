@@ -21,6 +21,7 @@ pub mod extrapolation;
 pub mod fixed;
 pub mod flip;
 pub mod flow_patch;
+pub mod frame;
 pub mod integrator;
 pub mod jet;
 mod jet_lanes;

@@ -1,22 +1,39 @@
-//! The domain splitting from an anchor down to the leaves: a cell is followed as long as its
-//! polynomials hold, then cut into quarters.
+//! The domain splitting from an anchor down to its smallest parts: a part is followed as long as its
+//! polynomials hold, then cut.
 //!
 //! An anchor's middle is followed in as many digits as its depth needs. Everything below it is a
 //! difference from it, for which f64 has digits enough: a leaf lies at most [`DEEPEST_BELOW`]
-//! levels below its anchor. Everything about a leaf follows from its own place in the lattice, so
-//! no answer depends on which others were requested.
+//! levels below its anchor.
+//!
+//! A cell is cut into quarters as long as its states differ in two directions. Energy is conserved,
+//! so one direction grows far beyond the other; from then on cells are cut across it only, and what
+//! results are strips as long as the cell:
+//!
+//! ```text
+//!   ┌───────┬───────┐     ┌───────────────┐
+//!   │       │       │     │╲   ╲   ╲   ╲  │   Strips are as wide as a leaf in the end. Whatever
+//!   ├───────┼───────┤ ──▶ │ ╲   ╲   ╲   ╲ │   happens in them is the same all along, to first
+//!   │       │       │     │  ╲   ╲   ╲   ╲│   order, so that all tiles share them.
+//!   └───────┴───────┘     └───────────────┘
+//! ```
+//!
+//! Everything about a part follows from its place in the lattice, so no answer depends on which
+//! others were requested.
 
-use std::collections::HashMap;
+use std::cell::LazyCell;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use rayon::prelude::*;
 
+use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
+use super::part::{Branch, Cut, Part, PlacedStart, SplitNode, Way};
 use super::split_lanes::SplitLanes;
-use super::start_map::{FinishedPatch, StartMap};
-use crate::engine::Question;
+use crate::engine::{Deep, Leaf, Question};
 use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
+use crate::physics::frame::Frame;
 use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, digits_for, reference};
 use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
@@ -41,14 +58,27 @@ const GUARD_BITS: u32 = 10;
 const MOST_ANCHORS: usize = 64;
 /// Reduced time between two checks for cancellation.
 const SLICE: f64 = 1.0;
+/// Largest number of finished patches that are kept, of some 2 kB each.
+const MOST_FINISHED: usize = 20_000;
+/// Largest extent of a strip's states along the bands, as a share of that across them.
+const MOST_ALONG: f64 = 0.25;
+/// Least width of strips that are lines, in levels from that of leaves. There are few of them, and
+/// what is followed in one need not be integrated for every pixel.
+const LEAST_ACROSS: i32 = -3;
+/// Least area of strips that are no lines, in levels from that of leaves: following a smaller one
+/// costs more than integrating its pixels (measured).
+const LEAST_AREA: i32 = -3;
+/// Number of starts from which on a job's parts are followed on several threads.
+const MANY_STARTS: usize = 1 << 16;
 
-/// The domain splitting, and so the start maps, of one pendulum and rule.
+/// The domain splitting of one pendulum and rule.
 pub(super) struct DomainSplitting {
     pub dynamics: Dynamics,
     build: Build,
     rule: Rule,
     strict: bool,
     anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
+    finished: Mutex<HashMap<PartKey, Arc<FinishedPatch>>>,
 }
 
 /// A cell followed along the trajectory of its own middle.
@@ -59,26 +89,8 @@ struct Anchor {
     end: Option<PatchEnd>,
 }
 
-/// A cell that has been followed up to some time.
-#[derive(Clone)]
-pub(super) struct SplitNode {
-    pub patch: FlowPatch,
-    pub edge: Option<Jet>,
-}
-
-/// A cell on its way with the leaves below it, and what its polynomials may leave out.
-pub(super) struct Branch {
-    pub node: SplitNode,
-    pub cell: Cell,
-    pub leaves: Vec<Cell>,
-    pub tolerance: f64,
-}
-
-/// Largest number of leaves that are followed on one thread.
-const LEAVES_IN_LANES: usize = 256;
-
-/// A request for start maps: the leaves' level, the reduced budget, the cancellation flag, and the
-/// progress to report to.
+/// A request for the patches of some starts: the leaves' level, the reduced budget, the cancellation
+/// flag, and the progress to report to.
 #[derive(Clone, Copy)]
 pub(super) struct SplitRequest<'a> {
     pub level: u32,
@@ -87,8 +99,13 @@ pub(super) struct SplitRequest<'a> {
     pub told: &'a Following,
 }
 
-/// Middles of a cell's quarters, in the order of [`Cell::children`].
-const QUARTERS: [[f64; 2]; 4] = [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]];
+/// The patches to which starts belong, with the starts in coordinates of the patch, and the indices
+/// of those that are forbidden.
+#[derive(Default)]
+pub(super) struct Distribution {
+    pub patches: Vec<(Arc<FinishedPatch>, Vec<PlacedStart>)>,
+    pub forbidden: Vec<usize>,
+}
 
 /// The level of the anchors of leaves.
 fn anchor_level(leaf: u32) -> u32 {
@@ -108,6 +125,7 @@ impl DomainSplitting {
             rule: question.rule,
             strict,
             anchors: Mutex::default(),
+            finished: Mutex::default(),
         }
     }
 
@@ -115,35 +133,35 @@ impl DomainSplitting {
         self.build == question.build && self.rule == question.rule && self.strict == strict
     }
 
-    /// Computes the start maps of leaves of one level, in any order; none if cancelled.
-    pub(super) fn start_maps(
+    /// Finds the patches of a job's starts; none if cancelled.
+    pub(super) fn distribute(&self, deep: &Deep, wanted: SplitRequest) -> Option<Distribution> {
+        let mut all = Distribution::default();
+        for (anchor, starts) in by_anchor(deep, wanted.level) {
+            let branch = self.anchored_branch(anchor, starts, wanted)?;
+            all.append(match branch {
+                Ok(branch) => self.followed(vec![branch], wanted),
+                Err(starts) => Distribution::forbidden(&starts),
+            });
+        }
+        (!wanted.cancelled.load(Ordering::Relaxed)).then_some(all)
+    }
+
+    /// The whole of an anchor, followed to its end, or its starts if all of it is forbidden; none if
+    /// cancelled.
+    fn anchored_branch(
         &self,
-        leaves: &[Cell],
+        cell: Cell,
+        starts: Vec<PlacedStart>,
         wanted: SplitRequest,
-    ) -> Option<HashMap<Cell, StartMap>> {
-        let above = anchor_level(wanted.level);
-        let mut groups: HashMap<Cell, Vec<Cell>> = HashMap::new();
-        for leaf in leaves {
-            groups.entry(leaf.ancestor(above)).or_default().push(*leaf);
-        }
-        let mut start_maps = HashMap::new();
-        for (cell, leaves) in groups {
-            let anchor = self.anchor(cell);
-            let mut anchor = anchor.lock().unwrap_or_else(|broken| broken.into_inner());
-            let end = self.advance(&mut anchor, wanted);
-            wanted.told.clear();
-            match end? {
-                Some(end) => {
-                    let node = anchor.node.clone();
-                    drop(anchor);
-                    let branch = Branch { node, cell, leaves, tolerance: 0.0 };
-                    let parts = self.cut(branch, end, wanted, &mut start_maps);
-                    start_maps.extend(self.followed(parts, wanted));
-                }
-                None => start_maps.extend(leaves.iter().map(|leaf| (*leaf, StartMap::Forbidden))),
-            }
-        }
-        (!wanted.cancelled.load(Ordering::Relaxed)).then_some(start_maps)
+    ) -> Option<Result<Branch, Vec<PlacedStart>>> {
+        let anchor = self.anchor(cell);
+        let mut anchor = anchor.lock().unwrap_or_else(|broken| broken.into_inner());
+        let end = self.advance(&mut anchor, wanted);
+        wanted.told.clear();
+        let Some(end) = end? else { return Some(Err(starts)) };
+        let part = Part::whole(cell, wanted.level, self.strict);
+        let way = Way::Ended(Arc::new(finished(&part, anchor.node.clone(), end, wanted.budget)));
+        Some(Ok(Branch { part, starts, way }))
     }
 
     /// Number of decimal digits in which the anchors of leaves of a level are followed.
@@ -162,7 +180,7 @@ impl DomainSplitting {
     /// An anchor at rest, with the digits that the differences of its cells from it need.
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
-        let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW));
+        let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW as i32));
         let reference =
             holds.then(|| reference(&self.build.reduced_in().0, cell.center(), bits(cell.level)));
         let end = (!holds).then_some(PatchEnd::Spread);
@@ -194,7 +212,7 @@ impl DomainSplitting {
         if !anchor.node.settle_edge() {
             return Some(None);
         }
-        let tolerance = self.tolerance(DEEPEST_BELOW);
+        let tolerance = self.tolerance(DEEPEST_BELOW as i32);
         let unit_secs = self.build.unit_secs();
         loop {
             if let Some(end) = &anchor.end {
@@ -216,120 +234,200 @@ impl DomainSplitting {
         }
     }
 
-    fn tolerance(&self, levels_above_leaf: u32) -> f64 {
+    pub(super) fn tolerance(&self, levels_above_leaf: i32) -> f64 {
         let leaf = if self.strict { STRICT_TOLERANCE } else { TOLERANCE };
-        leaf * 0.5f64.powi(levels_above_leaf as i32)
+        leaf * 0.5f64.powi(levels_above_leaf.max(0))
     }
 
-    /// The start maps of the leaves of branches, which are followed on. Large ones are shared among
-    /// threads; the others go together in lanes.
-    fn followed(&self, branches: Vec<Branch>, wanted: SplitRequest) -> Vec<(Cell, StartMap)> {
-        let leaves: usize = branches.iter().map(|branch| branch.leaves.len()).sum();
-        if leaves <= LEAVES_IN_LANES {
+    /// Follows branches to their ends. Many starts are shared among threads; few go together in
+    /// lanes.
+    fn followed(&self, branches: Vec<Branch>, wanted: SplitRequest) -> Distribution {
+        let starts: usize = branches.iter().map(|branch| branch.starts.len()).sum();
+        if starts < MANY_STARTS {
             return SplitLanes::new(self, branches, wanted).run();
         }
-        let follow = |mut branch: Branch| {
-            let end = branch.follow(&self.dynamics, wanted);
-            let mut start_maps = Vec::new();
-            let parts = self.cut(branch, end, wanted, &mut start_maps);
-            start_maps.extend(self.followed(parts, wanted));
-            start_maps
-        };
-        branches.into_par_iter().flat_map_iter(follow).collect()
-    }
-
-    /// Cuts a cell whose path has ended into the quarters that have leaves; otherwise, adds the
-    /// start maps of its leaves.
-    pub(super) fn cut(
-        &self,
-        branch: Branch,
-        end: PatchEnd,
-        wanted: SplitRequest,
-        start_maps: &mut impl Extend<(Cell, StartMap)>,
-    ) -> Vec<Branch> {
-        let Branch { node, cell, leaves, .. } = &branch;
-        let unsolved = matches!(end, PatchEnd::Spread | PatchEnd::Unclear);
-        if unsolved && cell.level < wanted.level && !wanted.cancelled.load(Ordering::Relaxed) {
-            return self.quarters(&branch, wanted, start_maps);
-        }
-        let half_rad = side_rad(cell.level + 1);
-        let ended = Arc::new(FinishedPatch {
-            patch: node.patch.clone(),
-            ending: end,
-            edge: node.edge,
-            half_rad,
-        });
-        let part = |leaf: &Cell| {
-            let half = 0.5f64.powi((leaf.level - cell.level) as i32);
-            let middle = leaf.index_in(cell).map(|index| (2.0 * index + 1.0) * half - 1.0);
-            (*leaf, StartMap::Part { ended: ended.clone(), middle, half })
-        };
-        start_maps.extend(leaves.iter().map(part));
-        Vec::new()
-    }
-
-    fn quarters(
-        &self,
-        branch: &Branch,
-        wanted: SplitRequest,
-        start_maps: &mut impl Extend<(Cell, StartMap)>,
-    ) -> Vec<Branch> {
-        let mut quarters = Vec::new();
-        for (middle, cell) in QUARTERS.into_iter().zip(branch.cell.children()) {
-            let inside = |leaf: &&Cell| leaf.ancestor(cell.level) == cell;
-            let leaves: Vec<Cell> = branch.leaves.iter().filter(inside).copied().collect();
-            if leaves.is_empty() {
-                continue;
-            }
-            let mut node = if branch.node.patch.time.0 == 0.0 {
-                // Too wide for its polynomials even at rest: there is nothing to take a part of.
-                self.released(cell)
-            } else {
-                branch.node.part(middle)
+        let follow = |branch: Branch| {
+            let mut all = Distribution::default();
+            let Branch { part, starts, way } = branch;
+            let finished = match way {
+                Way::Ended(finished) => finished,
+                Way::Open(mut node) => {
+                    let end = self.follow(&mut node, &part, wanted.budget);
+                    self.finish(&part, *node, end, wanted)
+                }
             };
-            if node.settle_edge() {
-                let tolerance = self.tolerance(wanted.level - cell.level);
-                quarters.push(Branch { node, cell, leaves, tolerance });
-            } else {
-                start_maps.extend(leaves.into_iter().map(|leaf| (leaf, StartMap::Forbidden)));
-            }
-        }
-        quarters
-    }
-}
-
-impl Branch {
-    /// Returns true if the cell can be followed at all.
-    pub(super) fn holds(&self, dynamics: &Dynamics) -> bool {
-        self.node.patch.holds(dynamics, self.tolerance)
+            let parts = self.cut(part, starts, finished, wanted, &mut all);
+            all.append(self.followed(parts, wanted));
+            all
+        };
+        let add = |mut all: Distribution, more| {
+            all.append(more);
+            all
+        };
+        branches.into_par_iter().map(follow).reduce(Distribution::default, add)
     }
 
-    /// Follows the cell alone; returns why it ended.
-    fn follow(&mut self, dynamics: &Dynamics, wanted: SplitRequest) -> PatchEnd {
-        if self.holds(dynamics) {
-            self.node.patch.follow(dynamics, wanted.budget, self.tolerance, None)
+    /// Follows a part alone; returns why it ended.
+    fn follow(&self, node: &mut SplitNode, part: &Part, budget: f64) -> PatchEnd {
+        if self.holds(node, part) {
+            node.patch.follow(&self.dynamics, budget, self.tolerance(part.above[0]), None)
         } else {
             PatchEnd::Spread
         }
     }
-}
 
-impl SplitNode {
-    fn part(&self, middle: [f64; 2]) -> Self {
-        let edge = self.edge.map(|edge| edge.part(middle, 0.5));
-        SplitNode { patch: self.patch.part(middle, 0.5), edge }
+    /// Returns true if a part can be followed at all.
+    pub(super) fn holds(&self, node: &SplitNode, part: &Part) -> bool {
+        node.patch.holds(&self.dynamics, self.tolerance(part.above[0]))
     }
 
-    /// Drops the forbidden region's edge where it does not cross the cell; returns false where all
-    /// of the cell is forbidden.
-    fn settle_edge(&mut self) -> bool {
-        let Some(edge) = self.edge else { return true };
-        if edge.middle() > edge.spread() {
-            return false;
+    /// Keeps a part that has been followed to its end.
+    pub(super) fn finish(
+        &self,
+        part: &Part,
+        node: SplitNode,
+        end: PatchEnd,
+        wanted: SplitRequest,
+    ) -> Arc<FinishedPatch> {
+        let patch = Arc::new(finished(part, node, end, wanted.budget));
+        if !wanted.cancelled.load(Ordering::Relaxed) {
+            let mut kept = self.finished.lock().unwrap_or_else(|broken| broken.into_inner());
+            if kept.len() >= MOST_FINISHED {
+                kept.clear();
+            }
+            kept.insert(part.key, patch.clone());
         }
-        if edge.middle() < -edge.spread() {
-            self.edge = None;
+        patch
+    }
+
+    /// Cuts a part that has ended into those that have starts; otherwise, adds it to the patches of
+    /// `all`.
+    pub(super) fn cut(
+        &self,
+        part: Part,
+        starts: Vec<PlacedStart>,
+        finished: Arc<FinishedPatch>,
+        wanted: SplitRequest,
+        all: &mut Distribution,
+    ) -> Vec<Branch> {
+        let goes_on = finished.is_open() && !wanted.cancelled.load(Ordering::Relaxed);
+        let Some(cut) = goes_on.then(|| self.cut_of(&part, &finished)).flatten() else {
+            let inside =
+                |start: PlacedStart| PlacedStart { at: part.frame.inward(start.at), ..start };
+            all.patches.push((finished, starts.into_iter().map(inside).collect()));
+            return Vec::new();
+        };
+        let framed = LazyCell::new(|| finished.node().part(&cut.frame));
+        let mut branches = Vec::new();
+        let groups = part.distribute(&cut, &starts);
+        for ((frame, part), starts) in part.parts(&cut).into_iter().zip(groups) {
+            if starts.is_empty() {
+                continue;
+            }
+            if let Some(known) = self.known(&part.key, wanted.budget) {
+                branches.push(Branch { part, starts, way: Way::Ended(known) });
+                continue;
+            }
+            let mut node = if finished.patch.time.0 == 0.0 {
+                // Too wide for its polynomials even at rest: there is nothing to take a part of.
+                self.released(part.cell)
+            } else {
+                framed.part(&frame)
+            };
+            if node.settle_edge() {
+                branches.push(Branch { part, starts, way: Way::Open(Box::new(node)) });
+            } else {
+                all.forbidden.extend(starts.iter().map(|start| start.index));
+            }
         }
-        true
+        branches
+    }
+
+    fn known(&self, key: &PartKey, budget: f64) -> Option<Arc<FinishedPatch>> {
+        let kept = self.finished.lock().unwrap_or_else(|broken| broken.into_inner());
+        kept.get(key).filter(|finished| finished.serves(budget)).cloned()
+    }
+
+    /// How a part is cut whose polynomials no longer hold; none if it is small enough.
+    fn cut_of(&self, part: &Part, finished: &FinishedPatch) -> Option<Cut> {
+        if part.is_strip {
+            let axes = self.axes_of_strip(part.above, finished);
+            return axes.map(|axes| Cut { frame: Frame::WHOLE, axes, strips: true });
+        }
+        if finished.patch.time.0 > 0.0 {
+            let frame = Frame::turned(finished.patch.growing_angle(&self.dynamics));
+            if !self.is_long(&finished.patch.part(&frame)) {
+                return Some(Cut { frame, axes: [true, false], strips: true });
+            }
+        }
+        (part.above[0] > 0).then_some(Cut {
+            frame: Frame::WHOLE,
+            axes: [true, true],
+            strips: false,
+        })
+    }
+
+    /// The axes along which a strip is cut: to the width of a leaf first, then as long as that
+    /// costs less than what it saves.
+    fn axes_of_strip(
+        &self,
+        [across, along]: [i32; 2],
+        finished: &FinishedPatch,
+    ) -> Option<[bool; 2]> {
+        let is_long = self.is_long(&finished.patch);
+        if across > 0 {
+            return Some([true, along > 0 && is_long]);
+        }
+        let axes = if finished.curve(&self.dynamics).is_some() {
+            [across > LEAST_ACROSS && !is_long, false]
+        } else if across + along > LEAST_AREA {
+            [true, false]
+        } else {
+            [false; 2]
+        };
+        axes.contains(&true).then_some(axes)
+    }
+
+    /// Returns true if the states of a patch also differ along the second axis.
+    fn is_long(&self, patch: &FlowPatch) -> bool {
+        let [across, along] = patch.extents(&self.dynamics);
+        along > MOST_ALONG * across
+    }
+}
+
+/// A job's starts by the anchors of their leaves, in coordinates of the anchor.
+fn by_anchor(deep: &Deep, level: u32) -> BTreeMap<Cell, Vec<PlacedStart>> {
+    let mut groups: BTreeMap<Cell, Vec<PlacedStart>> = BTreeMap::new();
+    let mut index = 0;
+    for Leaf { cell, points } in &deep.leaves {
+        let anchor = cell.ancestor(anchor_level(level));
+        let half = 0.5f64.powi((cell.level - anchor.level) as i32);
+        let middle = cell.index_in(&anchor).map(|index| (2.0 * index + 1.0) * half - 1.0);
+        let group = groups.entry(anchor).or_default();
+        for point in points {
+            let at = [0, 1].map(|i| middle[i] + half * point[i]);
+            group.push(PlacedStart { index, at });
+            index += 1;
+        }
+    }
+    groups
+}
+
+/// A part that has been followed to its end.
+fn finished(part: &Part, node: SplitNode, ending: PatchEnd, budget: f64) -> FinishedPatch {
+    let SplitNode { patch, edge } = node;
+    let (key, half_rad, curve) = (part.key, part.half_rad(), OnceLock::new());
+    FinishedPatch { key, patch, ending, edge, half_rad, budget, curve }
+}
+
+impl Distribution {
+    fn forbidden(starts: &[PlacedStart]) -> Self {
+        let forbidden = starts.iter().map(|start| start.index).collect();
+        Distribution { forbidden, ..Distribution::default() }
+    }
+
+    fn append(&mut self, mut more: Distribution) {
+        self.patches.append(&mut more.patches);
+        self.forbidden.append(&mut more.forbidden);
     }
 }

@@ -5,8 +5,14 @@ use crate::physics::flip::right_secs;
 use crate::physics::flow_patch::CurvePoint;
 use crate::physics::{Outcome, Status};
 
-/// Level of the shortest intervals; an interval of level n is 2^−n half leaves long.
-pub(super) const FINEST: i32 = 6;
+/// Level of the longest intervals; an interval of level n is 2^−n half patches long.
+pub(super) const COARSEST: i32 = 1;
+/// Level of the shortest intervals, where a jump is closed in on to a hundredth of a pixel.
+pub(super) const FINEST: i32 = 9;
+/// Level from which on intervals with several jumps are not halved: they are half a pixel long.
+const UNRESOLVED: i32 = 6;
+/// Number of jumps between samples that make several.
+const SEVERAL: usize = 2;
 /// Number of samples of an interval, both ends included.
 pub(super) const SAMPLES: usize = 5;
 /// Share of the error that is called right which interpolation may make, and again the residual.
@@ -41,11 +47,21 @@ pub(super) enum Verdict {
     Flips([f64; SAMPLES]),
     /// None flips.
     Unflipped,
-    /// Something happens in between.
-    Rough,
+    /// Something happens in between; with the number of neighbours that do not belong together.
+    Rough(usize),
 }
 
 impl Interval {
+    /// The interval of a level in which a point lies, without starts.
+    pub(super) fn around(level: i32, s: f64) -> Self {
+        Interval { level, place: (s * 2f64.powi(level)).floor() as i32, starts: Vec::new() }
+    }
+
+    /// Returns true if halving a rough interval with so many jumps is expected to help.
+    pub(super) fn can_be_halved(&self, jumps: usize) -> bool {
+        self.level < if jumps < SEVERAL { FINEST } else { UNRESOLVED }
+    }
+
     /// The places of its samples, in units of 2^−`places`.
     pub(super) fn places(&self, places: i32) -> [i32; SAMPLES] {
         let quarter = 1 << (places - self.level - 2);
@@ -112,19 +128,20 @@ fn quartic(values: &[f64; SAMPLES], x: f64) -> (f64, f64) {
 impl Verdict {
     /// Judges an interval by its samples, from one end to the other.
     pub(super) fn on(samples: [&Sample; SAMPLES], unit_secs: f64) -> Self {
+        let jumps = samples.windows(2).filter(|pair| !pair[0].belongs_to(pair[1])).count();
         let status = samples[0].outcome.status;
-        let same = samples.iter().all(|sample| sample.outcome.status == status);
-        if !same || !matches!(status, Status::Flipped | Status::Unflipped) {
-            return Verdict::Rough;
+        if !matches!(status, Status::Flipped | Status::Unflipped) {
+            return Verdict::Rough(SAMPLES);
+        }
+        if jumps > 0 {
+            return Verdict::Rough(jumps);
         }
         let ends = samples.map(Sample::place);
-        let apart = ends.windows(2).map(|e| size(|i| e[1][i] - e[0][i])).fold(0.0, f64::max);
         let bent = |e: &[[f64; 5]]| size(|i| e[0][i] - 2.0 * e[1][i] + e[2][i]);
         let bend = ends.windows(3).map(bent).fold(0.0, f64::max);
         let clearance = samples.iter().map(|sample| sample.end.clearance).fold(f64::MAX, f64::min);
-        // Not the other way round: NaN is rough.
-        if !(clearance >= CLEAR * bend && apart <= MOST_APART) {
-            return Verdict::Rough;
+        if clearance < CLEAR * bend {
+            return Verdict::Rough(jumps);
         }
         if status == Status::Unflipped {
             return Verdict::Unflipped;
@@ -135,12 +152,18 @@ impl Verdict {
         if off.abs() <= SHARE * right_secs(unit_secs) {
             Verdict::Flips(secs)
         } else {
-            Verdict::Rough
+            Verdict::Rough(jumps)
         }
     }
 }
 
 impl Sample {
+    /// Returns true if it ends as its neighbour does, near it; false for NaN.
+    fn belongs_to(&self, neighbour: &Sample) -> bool {
+        let (a, b) = (self.place(), neighbour.place());
+        self.outcome.status == neighbour.outcome.status && size(|i| b[i] - a[i]) <= MOST_APART
+    }
+
     /// The end: unit vectors, and reduced time.
     fn place(&self) -> [f64; 5] {
         let [x1, y1, x2, y2, ..] = self.end.phase;
@@ -175,12 +198,12 @@ mod tests {
         assert!((value - smooth(0.7)).abs() < 1e-12);
         assert!((rate - (0.1 - 0.04 * 0.7 + 0.009 * 0.49)).abs() < 1e-12);
         let rough = |x: f64| if x < 0.5 { 7.0 } else { 7.1 };
-        assert_eq!(Verdict::on(samples(rough, FAR).each_ref(), 1.0), Verdict::Rough);
+        assert_eq!(Verdict::on(samples(rough, FAR).each_ref(), 1.0), Verdict::Rough(0));
         // A bob came so near the top that a start in between may have flipped there.
-        assert_eq!(Verdict::on(samples(smooth, 0.01).each_ref(), 1.0), Verdict::Rough);
+        assert_eq!(Verdict::on(samples(smooth, 0.01).each_ref(), 1.0), Verdict::Rough(0));
         let mut mixed = samples(smooth, FAR);
         mixed[3].outcome = Outcome::without_time(Status::Unflipped);
-        assert_eq!(Verdict::on(mixed.each_ref(), 1.0), Verdict::Rough);
+        assert_eq!(Verdict::on(mixed.each_ref(), 1.0), Verdict::Rough(2));
     }
 
     #[test]

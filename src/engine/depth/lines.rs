@@ -1,66 +1,128 @@
-//! Lines: leaves whose starts differ in one coordinate only.
+//! Lines: patches whose starts differ in one coordinate only.
 //!
-//! Energy is conserved, so of the differences within a small leaf one direction alone grows
-//! exponentially. By the time at which the leaf's polynomials end, its states lie along a curve,
-//! to within a residual that shrinks with the leaf, and with it everything that happens later:
+//! Energy is conserved, so of the differences within a small patch one direction alone grows
+//! exponentially. By the time at which its polynomials end, its states lie along a curve, to within
+//! a residual that shrinks with the patch, and with it everything that happens later:
 //!
 //! ```text
-//!   starts in the leaf          their states               flip times
+//!   starts in the patch         their states               flip times
 //!   ┌───────────┐                                          T(s) │    ╭──╮
 //!   │ · · · · · │  Φ(x, y)     ···──•──•──•──···P(s)            │───╯  │  ╭─
 //!   │ · · · · · │ ─────────▶                      ─────────▶    │      ╰──╯
 //!   └───────────┘              s along the curve                └────────── s
 //! ```
 //!
-//! P(s) = Φ(s·u) is the curve through the leaf's middle in the direction u that grows most, the first
+//! P(s) = Φ(s·u) is the curve through the patch's middle in the direction u that grows most, the first
 //! right singular vector of Φ's linear part. Every start is written as P(s) moved along the flow by
-//! a time τ, with a residual; it flips τ earlier than the start at s. So a leaf of a thousand pixels
+//! a time τ, with a residual; it flips τ earlier than the start at s. So a strip of a thousand pixels
 //! needs as many integrations as the function T(s) has features.
 //!
 //! T(s) is sampled on dyadic intervals. An interval is *smooth* if a polynomial of degree 4 goes
 //! through its five samples and no bob came so near the top that a start between them could have
-//! flipped there. Others are halved; starts in those that stay rough, and starts whose residual could
-//! shift their flip, are integrated one by one as everywhere else.
+//! flipped there. Others are halved, so that jumps are closed in on; starts in those that stay rough
+//! or are full of jumps, and starts whose residual could shift their flip, are integrated one by one
+//! as everywhere else.
 //!
-//! Intervals, samples and all decisions belong to the leaf, never to the request, so an answer
-//! depends on nothing but its place in the lattice.
+//! Intervals, samples and all decisions belong to the patch, never to the request, so an answer
+//! depends on nothing but its place in the lattice. Jobs share the samples.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
-use super::line_interval::{FINEST, Interval, SAMPLES, Sample, Verdict};
-use super::start_map::FinishedPatch;
+use super::finished_patch::{FinishedPatch, PartKey};
+use super::line_interval::{COARSEST, FINEST, Interval, SAMPLES, Sample, Verdict};
 use super::stats::DepthStats;
-use crate::engine::{JobResult, Moving};
+use crate::engine::{IntegratorConfig, Job, JobResult, Moving, Question};
 use crate::physics::Outcome;
-use crate::physics::flow_patch::{Curve, Dynamics};
+use crate::physics::flow_patch::Dynamics;
 
-/// Binary logarithm of the number of sample places in half a leaf.
+/// Binary logarithm of the number of sample places in half a patch.
 const PLACES: i32 = FINEST + 2;
-/// Largest residual, in half leaves along the line, of a leaf that is taken for a line.
-const MOST_ASIDE: f64 = 1e-4;
 
-/// The lines of a job's leaves.
+/// The samples of lines that have been taken or asked for, of one question and configuration.
+pub(super) struct LineSamples {
+    question: Question,
+    config: IntegratorConfig,
+    lines: HashMap<PartKey, HashMap<i32, Sample>>,
+    asked: HashSet<(PartKey, i32)>,
+    count: usize,
+}
+
+/// The lines of a job's patches.
 pub(super) struct Lines {
     dynamics: Dynamics,
     /// The reduced unit of time in s.
     unit_secs: f64,
     samples: u64,
-    leaves: Vec<LeafLine>,
-    /// Samples that were asked for: the index of their leaf, and their place.
-    asked: Vec<(usize, i32)>,
+    lines: Vec<Line>,
+    /// Samples that this job has asked for.
+    asked: Vec<(PartKey, i32)>,
     /// Starts whose outcome is known, with their index in the job.
     pub known: Vec<(usize, Outcome)>,
     /// Indices of the starts that have to be integrated one by one.
     pub alone: Vec<usize>,
 }
 
-/// A leaf with the samples taken along its line.
-struct LeafLine {
+/// What a job's lines need next.
+pub(super) enum Need {
+    /// These pendulums are to be integrated, to their ends.
+    Samples(Vec<Moving>),
+    /// Samples that other jobs have asked for.
+    Others,
+    /// Nothing more.
+    Nothing,
+}
+
+/// The line of a patch, with the intervals that have not been judged.
+struct Line {
     patch: Arc<FinishedPatch>,
-    curve: Curve,
-    samples: HashMap<i32, Sample>,
     open: Vec<Interval>,
+}
+
+impl LineSamples {
+    /// No samples yet.
+    fn new(question: Question, config: IntegratorConfig) -> Self {
+        let (lines, asked) = (HashMap::new(), HashSet::new());
+        LineSamples { question, config, lines, asked, count: 0 }
+    }
+
+    fn are_of(&self, question: &Question, config: &IntegratorConfig) -> bool {
+        self.question == *question && self.config == *config
+    }
+
+    /// Forgets samples that were asked for and will not come.
+    pub(super) fn cancel(&mut self) {
+        self.asked.clear();
+    }
+
+    fn insert(&mut self, (key, place): (PartKey, i32), sample: Sample) {
+        self.asked.remove(&(key, place));
+        self.count += 1;
+        self.lines.entry(key).or_default().insert(place, sample);
+    }
+}
+
+/// Largest number of samples that are kept for one question and configuration.
+const MOST_SAMPLES: usize = 1 << 19;
+/// Largest number of questions and configurations whose samples are kept.
+const MOST_QUESTIONS: usize = 4;
+
+/// Returns the samples for a job's question and configuration, none of them if there are too many.
+pub(super) fn samples_of<'a>(all: &'a mut Vec<LineSamples>, job: &Job) -> &'a mut LineSamples {
+    let known = all.iter().position(|samples| samples.are_of(&job.question, &job.config));
+    let mut samples = match known {
+        Some(index) => all.remove(index),
+        None => LineSamples::new(job.question, job.config),
+    };
+    if samples.count > MOST_SAMPLES && samples.asked.is_empty() {
+        samples = LineSamples::new(job.question, job.config);
+    }
+    if all.len() >= MOST_QUESTIONS {
+        all.remove(0);
+    }
+    all.push(samples);
+    let last = all.len() - 1;
+    &mut all[last]
 }
 
 impl Lines {
@@ -70,53 +132,62 @@ impl Lines {
             dynamics,
             unit_secs,
             samples: 0,
-            leaves: Vec::new(),
+            lines: Vec::new(),
             asked: Vec::new(),
             known: Vec::new(),
             alone: Vec::new(),
         }
     }
 
-    /// Adds some starts of the leaf of `patch`, by their indices in the job and their states when the
-    /// patch ends. If the leaf is no line, they have to be integrated one by one.
+    /// Adds some starts of a patch, by their indices in the job and their states when the patch
+    /// ends. If it is no line, they have to be integrated one by one.
     pub(super) fn add(&mut self, patch: &Arc<FinishedPatch>, starts: &[(usize, Moving)]) {
         let dynamics = &self.dynamics;
-        let Some(curve) = patch.curve(dynamics, MOST_ASIDE) else {
+        let Some(curve) = patch.curve(dynamics) else {
             return self.alone.extend(starts.iter().map(|(index, _)| index));
         };
-        let mut open: Vec<Interval> = Vec::new();
+        let mut open: HashMap<i32, Interval> = HashMap::new();
         for (index, moving) in starts {
             let index = *index;
             let Some(point) = curve.point(dynamics, &moving.phase) else {
                 self.alone.push(index);
                 continue;
             };
-            let place = point.s.floor() as i32;
-            match open.iter_mut().find(|interval| interval.place == place) {
-                Some(interval) => interval.starts.push((index, point)),
-                None => open.push(Interval { level: 0, place, starts: vec![(index, point)] }),
-            }
+            let interval = Interval::around(COARSEST, point.s);
+            open.entry(interval.place).or_insert(interval).starts.push((index, point));
         }
-        let samples = HashMap::new();
-        self.leaves.push(LeafLine { patch: patch.clone(), curve, samples, open });
+        self.lines.push(Line { patch: patch.clone(), open: open.into_values().collect() });
     }
 
-    /// Decides as much as the samples allow, and returns the pendulums of the samples that are
-    /// needed next; none once everything is decided.
-    pub(super) fn ask(&mut self) -> Vec<Moving> {
+    /// Decides as much as the samples allow, and returns what is needed next.
+    pub(super) fn ask(&mut self, samples: &mut LineSamples) -> Need {
         let mut wanted = Vec::new();
-        for (leaf, line) in self.leaves.iter_mut().enumerate() {
-            let (known, missing) = line.refine(self.unit_secs, &mut self.alone);
-            self.known.extend(known);
+        for line in &mut self.lines {
+            let key = line.patch.key;
+            let taken = samples.lines.entry(key).or_default();
+            let missing = line.refine(taken, self.unit_secs, &mut self.known, &mut self.alone);
+            let Some(curve) = line.patch.curve(&self.dynamics) else { continue };
             for place in missing {
-                let s = f64::from(place) / f64::from(1 << PLACES);
-                let clearance = line.patch.patch.clearance([0.0; 2]);
-                wanted.push(line.patch.moving(&self.dynamics, line.curve.at(s), clearance));
-                self.asked.push((leaf, place));
+                if samples.asked.insert((key, place)) {
+                    let s = f64::from(place) / f64::from(1 << PLACES);
+                    let clearance = line.patch.patch.clearance([0.0; 2]);
+                    wanted.push(line.patch.moving(&self.dynamics, curve.at(s), clearance));
+                    self.asked.push((key, place));
+                }
             }
         }
+        self.lines.retain(|line| !line.open.is_empty());
         self.samples += wanted.len() as u64;
-        wanted
+        match (wanted.is_empty(), self.lines.is_empty()) {
+            (false, _) => Need::Samples(wanted),
+            (true, false) => Need::Others,
+            (true, true) => Need::Nothing,
+        }
+    }
+
+    /// Returns true if the samples that this job has asked for have come.
+    pub(super) fn is_waiting_for_others(&self) -> bool {
+        self.asked.is_empty()
     }
 
     /// Adds the counts of the lines to statistics in which every start counts as integrated.
@@ -127,40 +198,45 @@ impl Lines {
     }
 
     /// Takes the results of the samples that were asked for.
-    pub(super) fn answer(&mut self, results: &JobResult) {
-        for (k, (leaf, place)) in std::mem::take(&mut self.asked).into_iter().enumerate() {
+    pub(super) fn answer(&mut self, samples: &mut LineSamples, results: &JobResult) {
+        for (k, asked) in std::mem::take(&mut self.asked).into_iter().enumerate() {
             let sample = Sample { outcome: results.outcomes[k], end: results.ends[k] };
-            self.leaves[leaf].samples.insert(place, sample);
+            samples.insert(asked, sample);
         }
     }
 }
 
-impl LeafLine {
-    /// Judges intervals and halves those that are rough, as far as the samples allow. Returns the
-    /// starts whose outcome is known now, and the places of the samples that are missing.
+impl Line {
+    /// Judges intervals and halves those that are rough, as far as the samples allow. Adds the starts
+    /// whose outcome is known now, and those that have to be integrated alone; returns the places
+    /// of the samples that are missing.
     fn refine(
         &mut self,
+        taken: &HashMap<i32, Sample>,
         unit_secs: f64,
+        known: &mut Vec<(usize, Outcome)>,
         alone: &mut Vec<usize>,
-    ) -> (Vec<(usize, Outcome)>, BTreeSet<i32>) {
-        let (mut known, mut missing) = (Vec::new(), BTreeSet::new());
+    ) -> BTreeSet<i32> {
+        let mut missing = BTreeSet::new();
         let mut waiting = std::mem::take(&mut self.open);
         while let Some(interval) = waiting.pop() {
             let places = interval.places(PLACES);
-            let samples = places.map(|place| self.samples.get(&place));
+            let samples = places.map(|place| taken.get(&place));
             if samples.contains(&None) {
-                missing.extend(places.iter().filter(|place| !self.samples.contains_key(place)));
+                missing.extend(places.iter().filter(|place| !taken.contains_key(place)));
                 self.open.push(interval);
                 continue;
             }
             let samples: [&Sample; SAMPLES] =
                 samples.map(|sample| sample.expect("none is missing"));
             match Verdict::on(samples, unit_secs) {
-                Verdict::Rough if interval.level < FINEST => waiting.extend(interval.halves()),
-                Verdict::Rough => alone.extend(interval.starts.iter().map(|(index, _)| index)),
-                smooth => interval.settle(&smooth, unit_secs, &mut known, alone),
+                Verdict::Rough(jumps) if interval.can_be_halved(jumps) => {
+                    waiting.extend(interval.halves());
+                }
+                Verdict::Rough(_) => alone.extend(interval.starts.iter().map(|(index, _)| index)),
+                smooth => interval.settle(&smooth, unit_secs, known, alone),
             }
         }
-        (known, missing)
+        missing
     }
 }

@@ -32,30 +32,28 @@
 
 mod deep;
 mod domain_splitting;
+mod finished_patch;
+mod followed_job;
 mod following;
 mod line_interval;
 mod lines;
+mod part;
 mod split_lanes;
-mod start_map;
 mod stats;
 
 use std::collections::{HashMap, VecDeque};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use self::domain_splitting::{DomainSplitting, SplitRequest};
+use self::followed_job::{Awaited, Followed, Splittings, followed, splitting_of};
 pub use self::following::Following;
-use self::lines::Lines;
-use self::start_map::{MappedStart, StartMap};
+use self::lines::{LineSamples, Lines, Need, samples_of};
 pub use self::stats::DepthStats;
 use super::{
-    Effort, End, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Leaf,
-    Method, Moving, Precision, Question, Starts, Wait,
+    Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Starts, Wait,
 };
-use crate::physics::{Outcome, Status};
-use crate::scene::lattice::Cell;
 
 /// An engine that follows deep starts for the engine that it wraps.
 pub struct DepthEngine<'a> {
@@ -68,35 +66,12 @@ pub struct DepthEngine<'a> {
     waiting: VecDeque<Job>,
     flying: usize,
     following: usize,
+    /// Samples of lines, for the questions and configurations met so far, the latest last.
+    samples: Vec<LineSamples>,
     cancelled: Arc<AtomicBool>,
     told: Following,
     sender: Sender<Followed>,
     receiver: Receiver<Followed>,
-}
-
-/// The domain splittings of the pendulums and rules met so far, the latest last.
-type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
-
-/// Largest number of splittings that are kept.
-const MOST_SPLITTINGS: usize = 4;
-
-/// The known part of a deep job, to be merged with the wrapped engine's answer.
-#[derive(Default)]
-struct Awaited {
-    outcomes: Vec<Outcome>,
-    ends: Vec<End>,
-    /// Indices of the starts that the wrapped engine integrates, and the states they begin in.
-    moving: Vec<(usize, Moving)>,
-    /// The job and its lines, while samples of these are integrated.
-    lines: Option<(Job, Lines)>,
-    effort: Effort,
-}
-
-/// A deep job whose cells have been followed, with its lines if it may use any.
-struct Followed {
-    job: Job,
-    awaited: Awaited,
-    lines: Option<Lines>,
 }
 
 /// Longest wait for one source of answers before the other is looked at.
@@ -119,6 +94,7 @@ impl<'a> DepthEngine<'a> {
             waiting: VecDeque::new(),
             flying: 0,
             following: 0,
+            samples: Vec::new(),
             cancelled: Arc::default(),
             told: Following::default(),
             sender,
@@ -160,23 +136,45 @@ impl<'a> DepthEngine<'a> {
     /// Queues the next samples of a job's lines; once these tell all they can, the starts that are
     /// left.
     fn sample(&mut self, job: Job, mut awaited: Awaited, mut lines: Lines) -> Option<JobResult> {
-        let wanted = lines.ask();
-        if wanted.is_empty() {
-            awaited.effort.depth = awaited.effort.depth.map(|depth| lines.counted(depth));
-            let Lines { known, mut alone, .. } = lines;
-            for (place, outcome) in known {
-                awaited.outcomes[place] = outcome;
+        match lines.ask(samples_of(&mut self.samples, &job)) {
+            Need::Nothing => {
+                awaited.effort.depth = awaited.effort.depth.map(|depth| lines.counted(depth));
+                let Lines { known, mut alone, .. } = lines;
+                for (place, outcome) in known {
+                    awaited.outcomes[place] = outcome;
+                }
+                alone.sort_unstable();
+                awaited.moving.retain(|(place, _)| alone.binary_search(place).is_ok());
+                return self.integrate(job, awaited);
             }
-            alone.sort_unstable();
-            awaited.moving.retain(|(place, _)| alone.binary_search(place).is_ok());
-            return self.integrate(job, awaited);
+            Need::Samples(wanted) => {
+                let starts = Starts::Moving(wanted);
+                self.waiting.push_back(Job { starts, keep: Keep::Ends, ..job.clone() });
+            }
+            Need::Others => {}
         }
-        let samples = Job { starts: Starts::Moving(wanted), keep: Keep::Ends, ..job.clone() };
-        self.waiting.push_back(samples);
         let id = job.id;
         awaited.lines = Some((job, lines));
         self.deep.insert(id, awaited);
         None
+    }
+
+    /// Goes on with the jobs that need no samples but those of others; returns the results of those
+    /// that this completes.
+    fn sample_on(&mut self) -> Vec<JobResult> {
+        let waits = |awaited: &Awaited| {
+            awaited.lines.as_ref().is_some_and(|(_, lines)| lines.is_waiting_for_others())
+        };
+        let mut ready: Vec<u64> =
+            self.deep.iter().filter(|(_, awaited)| waits(awaited)).map(|(id, _)| *id).collect();
+        ready.sort_unstable();
+        let mut finished = Vec::new();
+        for id in ready {
+            let Some(mut awaited) = self.deep.remove(&id) else { continue };
+            let Some((job, lines)) = awaited.lines.take() else { continue };
+            finished.extend(self.sample(job, awaited, lines));
+        }
+        finished
     }
 
     /// Queues the starts that have to be integrated one by one; returns the result if there are none.
@@ -193,31 +191,18 @@ impl<'a> DepthEngine<'a> {
         None
     }
 
-    /// Takes a result of the wrapped engine, and returns what it completes: its deep job, or, if it
+    /// Takes a result of the wrapped engine, and returns what it completes: deep jobs, or, if it
     /// belongs to none, the result itself.
-    fn take_finished(&mut self, finished: JobResult) -> Option<JobResult> {
+    fn take_finished(&mut self, finished: JobResult) -> Vec<JobResult> {
         self.flying -= 1;
-        let Some(mut awaited) = self.deep.remove(&finished.id) else { return Some(finished) };
-        if let Some((job, mut lines)) = awaited.lines.take() {
-            lines.answer(&finished);
+        let Some(mut awaited) = self.deep.remove(&finished.id) else { return vec![finished] };
+        if let Some((job, lines)) = &mut awaited.lines {
+            lines.answer(samples_of(&mut self.samples, job), &finished);
             awaited.effort += finished.effort;
-            return self.sample(job, awaited, lines);
+            self.deep.insert(finished.id, awaited);
+            return self.sample_on();
         }
-        let Awaited { mut outcomes, mut ends, moving, mut effort, .. } = awaited;
-        for (&(place, _), outcome) in moving.iter().zip(&finished.outcomes) {
-            outcomes[place] = *outcome;
-        }
-        for ((place, begun), end) in moving.iter().zip(&finished.ends) {
-            let clearance = end.clearance.min(begun.clearance);
-            ends[*place] = End { clearance, grown: begun.grown, ..*end };
-        }
-        if finished.ends.is_empty() {
-            ends.clear();
-        }
-        let unfinished = finished.unfinished.into_iter().map(|(k, state)| (moving[k].0, state));
-        effort += finished.effort;
-        let unfinished = unfinished.collect();
-        Some(JobResult { outcomes, ends, unfinished, effort, ..finished })
+        vec![awaited.complete(finished)]
     }
 
     /// Keeps the wrapped engine's slots full.
@@ -229,86 +214,6 @@ impl<'a> DepthEngine<'a> {
         }
         Ok(())
     }
-}
-
-/// Returns the domain splitting of a question, made if there is none yet.
-fn splitting_of(
-    splittings: &Splittings,
-    question: &Question,
-    strict: bool,
-) -> Arc<DomainSplitting> {
-    let mut splittings = splittings.lock().unwrap_or_else(|broken| broken.into_inner());
-    if let Some(splitting) = splittings.iter().find(|splitting| splitting.is_of(question, strict)) {
-        return splitting.clone();
-    }
-    if splittings.len() == MOST_SPLITTINGS {
-        splittings.remove(0);
-    }
-    splittings.push(Arc::new(DomainSplitting::new(question, strict)));
-    splittings[splittings.len() - 1].clone()
-}
-
-/// Follows the cells of a job and maps its starts through them; returns none if cancelled.
-fn followed(
-    mut job: Job,
-    splitting: &DomainSplitting,
-    cancelled: &AtomicBool,
-    told: &Following,
-) -> Option<Followed> {
-    let Starts::Deep(deep) = std::mem::replace(&mut job.starts, Starts::Moving(Vec::new())) else {
-        return None;
-    };
-    let question = job.question;
-    let (_, unit_secs) = question.reduced();
-    let level = deep.leaves.first().map_or(0, |leaf| leaf.cell.level);
-    let wanted = SplitRequest { level, budget: question.budget_secs / unit_secs, cancelled, told };
-    let cells: Vec<Cell> = deep.leaves.iter().map(|leaf| leaf.cell).collect();
-    let start_maps = splitting.start_maps(&cells, wanted)?;
-    let (mut outcomes, mut ends, mut moving) = (Vec::new(), Vec::new(), Vec::new());
-    let mut lines = may_use_lines(&job).then(|| Lines::new(splitting.dynamics, unit_secs));
-    let mut depth = DepthStats::NOTHING;
-    for Leaf { cell, points } in &deep.leaves {
-        let before = moving.len();
-        for &at in points {
-            match start_maps[cell].start(&splitting.dynamics, &question, unit_secs, at) {
-                MappedStart::Known(outcome, end) => {
-                    outcomes.push(outcome);
-                    ends.push(end);
-                }
-                MappedStart::Moving(state) => {
-                    moving.push((outcomes.len(), state));
-                    outcomes.push(Outcome::without_time(Status::Unflipped));
-                    ends.push(End::NOWHERE);
-                }
-            }
-        }
-        if let StartMap::Part { ended, .. } = &start_maps[cell] {
-            if let Some(lines) = lines.as_mut().filter(|_| moving.len() > before) {
-                lines.add(ended, &moving[before..]);
-            }
-            let secs = ended.patch.time.0 * unit_secs;
-            depth = depth.and(DepthStats {
-                digits: splitting.digits(level),
-                integrated: (moving.len() - before) as u64,
-                told_by_lines: 0,
-                begins_secs: if moving.len() > before {
-                    [secs; 2]
-                } else {
-                    DepthStats::NOTHING.begins_secs
-                },
-                decades_a_second: ended.decades_a_second(&splitting.dynamics, secs),
-            });
-        }
-    }
-    let effort = Effort { depth: Some(depth), ..Effort::default() };
-    Some(Followed { job, awaited: Awaited { outcomes, ends, moving, lines: None, effort }, lines })
-}
-
-/// Returns true if a job's starts may be told from those beside them on a line: it wants outcomes
-/// alone, of a method whose errors are far below what neighbours differ by.
-fn may_use_lines(job: &Job) -> bool {
-    let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
-    adaptive && job.config.precision != Precision::F32 && job.keep != Keep::Ends
 }
 
 impl Engine for DepthEngine<'_> {
@@ -357,6 +262,7 @@ impl Engine for DepthEngine<'_> {
         self.inner.cancel();
         self.deep.clear();
         self.waiting.clear();
+        self.samples.iter_mut().for_each(LineSamples::cancel);
         (self.flying, self.following) = (0, 0);
     }
 

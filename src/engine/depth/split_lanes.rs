@@ -2,18 +2,26 @@
 
 use std::sync::atomic::Ordering;
 
-use super::domain_splitting::{Branch, DomainSplitting, SplitRequest};
-use super::start_map::StartMap;
+use super::domain_splitting::{Distribution, DomainSplitting, SplitRequest};
+use super::part::{Branch, Part, PlacedStart, SplitNode, Way};
 use crate::physics::flow_patch::{Follower, JET_LANES, PatchEnd, carry};
-use crate::scene::lattice::Cell;
+use crate::physics::jet::Jet;
 
-/// Branches that are followed together: a lane whose cell has ended takes the next one.
+/// Branches that are followed together: a lane whose part has ended takes the next one.
 pub(super) struct SplitLanes<'a> {
     splitting: &'a DomainSplitting,
     wanted: SplitRequest<'a>,
     waiting: Vec<Branch>,
-    lanes: Vec<(Branch, Follower)>,
-    start_maps: Vec<(Cell, StartMap)>,
+    lanes: Vec<Lane>,
+    all: Distribution,
+}
+
+/// A part that is being followed.
+struct Lane {
+    part: Part,
+    starts: Vec<PlacedStart>,
+    edge: Option<Jet>,
+    follower: Follower,
 }
 
 impl<'a> SplitLanes<'a> {
@@ -23,15 +31,15 @@ impl<'a> SplitLanes<'a> {
         waiting: Vec<Branch>,
         wanted: SplitRequest<'a>,
     ) -> Self {
-        SplitLanes { splitting, wanted, waiting, lanes: Vec::new(), start_maps: Vec::new() }
+        SplitLanes { splitting, wanted, waiting, lanes: Vec::new(), all: Distribution::default() }
     }
 
-    /// Follows all branches to their leaves and returns the start maps; some, if cancelled.
-    pub(super) fn run(mut self) -> Vec<(Cell, StartMap)> {
+    /// Follows all branches to their ends; some, if cancelled.
+    pub(super) fn run(mut self) -> Distribution {
         loop {
             self.fill();
             if self.lanes.is_empty() || self.wanted.cancelled.load(Ordering::Relaxed) {
-                return self.start_maps;
+                return self.all;
             }
             self.step();
         }
@@ -39,13 +47,20 @@ impl<'a> SplitLanes<'a> {
 
     fn fill(&mut self) {
         while self.lanes.len() < JET_LANES {
-            let Some(branch) = self.waiting.pop() else { return };
-            if branch.holds(&self.splitting.dynamics) {
-                let patch = branch.node.patch.clone();
-                let follower = Follower::new(patch, self.wanted.budget, branch.tolerance);
-                self.lanes.push((branch, follower));
-            } else {
-                self.end(branch, PatchEnd::Spread);
+            let Some(Branch { part, starts, way }) = self.waiting.pop() else { return };
+            match way {
+                Way::Ended(finished) => {
+                    let parts =
+                        self.splitting.cut(part, starts, finished, self.wanted, &mut self.all);
+                    self.waiting.extend(parts);
+                }
+                Way::Open(node) if self.splitting.holds(&node, &part) => {
+                    let SplitNode { patch, edge } = *node;
+                    let tolerance = self.splitting.tolerance(part.above[0]);
+                    let follower = Follower::new(patch, self.wanted.budget, tolerance);
+                    self.lanes.push(Lane { part, starts, edge, follower });
+                }
+                Way::Open(node) => self.end(part, starts, *node, PatchEnd::Spread),
             }
         }
     }
@@ -56,7 +71,7 @@ impl<'a> SplitLanes<'a> {
         let mut plans = Vec::with_capacity(JET_LANES);
         let mut lane = 0;
         while lane < self.lanes.len() {
-            match self.lanes[lane].1.plan(dynamics, None) {
+            match self.lanes[lane].follower.plan(dynamics, None) {
                 Ok(plan) => {
                     plans.push(plan);
                     lane += 1;
@@ -65,27 +80,26 @@ impl<'a> SplitLanes<'a> {
             }
         }
         let planned: Vec<_> =
-            self.lanes.iter().zip(&plans).map(|((_, follower), plan)| (follower, *plan)).collect();
+            self.lanes.iter().zip(&plans).map(|(lane, plan)| (&lane.follower, *plan)).collect();
         if planned.is_empty() {
             return;
         }
         let after = carry(dynamics, &planned);
         for (lane, (plan, after)) in plans.into_iter().zip(after).enumerate().rev() {
-            if let Some(end) = self.lanes[lane].1.take(dynamics, plan, after, None) {
+            if let Some(end) = self.lanes[lane].follower.take(dynamics, plan, after, None) {
                 self.leave(lane, end);
             }
         }
     }
 
-    /// Frees a lane whose cell has ended.
+    /// Frees a lane whose part has ended.
     fn leave(&mut self, lane: usize, end: PatchEnd) {
-        let (mut branch, follower) = self.lanes.remove(lane);
-        branch.node.patch = follower.into_patch();
-        self.end(branch, end);
+        let Lane { part, starts, edge, follower } = self.lanes.remove(lane);
+        self.end(part, starts, SplitNode { patch: follower.into_patch(), edge }, end);
     }
 
-    fn end(&mut self, branch: Branch, end: PatchEnd) {
-        let parts = self.splitting.cut(branch, end, self.wanted, &mut self.start_maps);
-        self.waiting.extend(parts);
+    fn end(&mut self, part: Part, starts: Vec<PlacedStart>, node: SplitNode, end: PatchEnd) {
+        let finished = self.splitting.finish(&part, node, end, self.wanted);
+        self.waiting.push(Branch { part, starts, way: Way::Ended(finished) });
     }
 }

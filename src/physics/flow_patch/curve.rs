@@ -34,6 +34,11 @@ const FOUND: f64 = 1e-9;
 const LEAST_ANGLE: f64 = 1e-3;
 
 impl FlowPatch {
+    /// The direction, as an angle in its frame, in which its states differ most.
+    pub fn growing_angle(&self, dynamics: &Dynamics) -> f64 {
+        growing_angle(dynamics, &self.phase)
+    }
+
     /// Returns the curve of the patch's states if all of them lie on it, moved along the flow, up to
     /// `most_aside` in units of s; otherwise `None`. A patch with grazes has none.
     pub fn curve(&self, dynamics: &Dynamics, most_aside: f64) -> Option<Curve> {
@@ -51,18 +56,23 @@ impl FlowPatch {
     }
 }
 
+/// The direction in the cell in which states differ most: that of the first right singular vector
+/// of the linear part.
+fn growing_angle(dynamics: &Dynamics, phase: &Phase<Jet>) -> f64 {
+    let weight = dynamics.weights();
+    let linear = phase.map(|jet| jet.gradient());
+    let product = |a: usize, b: usize| -> f64 {
+        (0..6).map(|i| weight[i] * weight[i] * linear[i][a] * linear[i][b]).sum()
+    };
+    0.5 * (2.0 * product(0, 1)).atan2(product(0, 0) - product(1, 1))
+}
+
 impl Curve {
     fn through(dynamics: &Dynamics, phase: &Phase<Jet>) -> Self {
         let weight = dynamics.weights();
-        let linear = phase.map(|jet| jet.gradient());
-        let product = |a: usize, b: usize| -> f64 {
-            (0..6).map(|i| weight[i] * weight[i] * linear[i][a] * linear[i][b]).sum()
-        };
-        let (xx, xy, yy) = (product(0, 0), product(0, 1), product(1, 1));
-        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = growing_angle(dynamics, phase).sin_cos();
         let powers = phase.map(|jet| jet.along([cos, sin]));
-        let length = xx * cos * cos + 2.0 * xy * sin * cos + yy * sin * sin;
+        let length: f64 = (0..6).map(|i| (weight[i] * powers[i][1]).powi(2)).sum();
         let across = std::array::from_fn(|i| weight[i] * powers[i][1] / length);
         Curve { powers, across, middle: phase.map(|jet| jet.middle()) }
     }

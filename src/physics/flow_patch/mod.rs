@@ -24,6 +24,7 @@ pub use super::jet_lanes::JET_LANES;
 use super::crossing::{FAR, StepState};
 use super::embedded::{dop853, plus};
 use super::flip::Rule;
+use super::frame::Frame;
 use super::jet::Jet;
 use super::opening;
 use super::phase::Phase;
@@ -172,16 +173,23 @@ impl FlowPatch {
         (0..6).map(|i| self.phase[i].spread() * weight[i]).fold(0.0, f64::max)
     }
 
-    /// The quarter of the patch around `middle`, for which [`FlowPatch::settled`] may be true.
-    pub fn part(&self, middle: [f64; 2], half: f64) -> Self {
+    /// Bounds on the distance of its states from the middle one, on the two axes of its frame.
+    pub fn extents(&self, dynamics: &Dynamics) -> [f64; 2] {
+        let weight = dynamics.weights();
+        let extents = [0, 1, 2, 3, 4, 5].map(|i| self.phase[i].extents().map(|at| at * weight[i]));
+        [0, 1].map(|axis| extents.iter().map(|extent| extent[axis]).fold(0.0, f64::max))
+    }
+
+    /// A part of the patch, for which [`FlowPatch::settled`] may be true.
+    pub fn part(&self, frame: &Frame) -> Self {
         let graze = |graze: &Graze| Graze {
-            shift: graze.shift.part(middle, half),
-            height: graze.height.part(middle, half),
-            phase: graze.phase.map(|jet| jet.part(middle, half)),
+            shift: graze.shift.part(frame),
+            height: graze.height.part(frame),
+            phase: graze.phase.map(|jet| jet.part(frame)),
             ..*graze
         };
         let grazes = self.grazes.iter().map(graze).filter(Graze::concerns_any).collect();
-        FlowPatch { phase: self.phase.map(|jet| jet.part(middle, half)), grazes, ..*self }
+        FlowPatch { phase: self.phase.map(|jet| jet.part(frame)), grazes, ..*self }
     }
 
     /// Distance from the top that the watched bobs of the start at a point have kept, as a sine.

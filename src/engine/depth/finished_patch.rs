@@ -1,0 +1,149 @@
+//! Patches that have been followed to their end: the outcomes of starts that are known from their
+//! polynomials, and the states from which the others are integrated.
+
+use std::sync::OnceLock;
+
+use super::part::SplitNode;
+use super::stats::DepthStats;
+use crate::engine::{End, Moving, Question};
+use crate::physics::flow_patch::{Curve, Dynamics, FlowPatch, PatchEnd};
+use crate::physics::jet::Jet;
+use crate::physics::phase::Phase;
+use crate::physics::{Outcome, Status};
+use crate::scene::lattice::Cell;
+
+/// The name of a part of an anchor: the same name means the same patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct PartKey {
+    /// The cell that is followed along the trajectory of its own middle.
+    pub anchor: Cell,
+    /// Level of the leaves for which the anchor is cut.
+    pub leaf_level: u32,
+    /// True if it is followed with smaller errors, as a check.
+    pub strict: bool,
+    /// Its place among the parts of parts: 1, then two bits for every cut.
+    pub path: u64,
+}
+
+/// A patch that has been followed to its end.
+#[derive(Debug)]
+pub(super) struct FinishedPatch {
+    pub key: PartKey,
+    /// The patch in its last state.
+    pub patch: FlowPatch,
+    /// The reason why it ended.
+    pub ending: PatchEnd,
+    /// Depth of its starts in the forbidden region, if the region's edge crosses it.
+    pub edge: Option<Jet>,
+    /// Half its side across the bands in rad.
+    pub half_rad: f64,
+    /// Reduced time up to which it was to be followed.
+    pub budget: f64,
+    /// The curve on which its states lie, if they lie on one.
+    pub curve: OnceLock<Option<Curve>>,
+}
+
+/// A start as far as polynomials determine it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum MappedStart {
+    /// The outcome is known, and the end.
+    Known(Outcome, End),
+    /// The state is known up to this moment; the rest has to be integrated.
+    Moving(Moving),
+}
+
+/// Largest residual, as a share of half its length along the curve, of a patch that is taken for a
+/// line.
+const MOST_ASIDE: f64 = 1e-4;
+
+impl FinishedPatch {
+    /// The patch with the forbidden region's edge.
+    pub(super) fn node(&self) -> SplitNode {
+        SplitNode { patch: self.patch.clone(), edge: self.edge }
+    }
+
+    /// Returns true if nothing is known about most of its starts but their states.
+    pub(super) fn is_open(&self) -> bool {
+        matches!(self.ending, PatchEnd::Spread | PatchEnd::Unclear)
+    }
+
+    /// Returns true if it ends in the same way when it is followed to another budget.
+    pub(super) fn serves(&self, budget: f64) -> bool {
+        budget == self.budget || (budget > self.budget && !matches!(self.ending, PatchEnd::Over))
+    }
+
+    /// Mean rate at which neighbours moved apart, in decades per second; 0 where they did not.
+    fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
+        let decades = (self.patch.spread(dynamics) / self.half_rad).log10();
+        // A path not much longer than the opening tells nothing.
+        if self.patch.time.0 > 10.0 * dynamics.opening { decades.max(0.0) / secs } else { 0.0 }
+    }
+
+    /// Statistics of its starts, of which so many are open.
+    pub(super) fn stats(&self, dynamics: &Dynamics, unit_secs: f64, open: usize) -> DepthStats {
+        let secs = self.patch.time.0 * unit_secs;
+        DepthStats {
+            integrated: open as u64,
+            begins_secs: if open > 0 { [secs; 2] } else { DepthStats::NOTHING.begins_secs },
+            decades_a_second: self.decades_a_second(dynamics, secs),
+            ..DepthStats::NOTHING
+        }
+    }
+
+    /// The pendulum that is in a state when the patch ends.
+    pub(super) fn moving(&self, dynamics: &Dynamics, phase: Phase<f64>, clearance: f64) -> Moving {
+        let (high, low) = self.patch.time;
+        let grown = self.patch.spread(dynamics) / self.half_rad;
+        Moving { time: [high, low], phase, step: self.patch.step, clearance, grown }
+    }
+
+    /// The curve on which the states of all starts lie, if they lie on one and nothing about them
+    /// is known from polynomials.
+    pub(super) fn curve(&self, dynamics: &Dynamics) -> Option<&Curve> {
+        let find = || {
+            let open = self.is_open() && self.edge.is_none();
+            open.then(|| self.patch.curve(dynamics, MOST_ASIDE)).flatten()
+        };
+        self.curve.get_or_init(find).as_ref()
+    }
+
+    /// Maps the start at a point of the patch, in [−1, 1]²; `unit_secs` is the reduced unit of time
+    /// in s.
+    pub(super) fn start(
+        &self,
+        dynamics: &Dynamics,
+        question: &Question,
+        unit_secs: f64,
+        at: [f64; 2],
+    ) -> MappedStart {
+        if self.edge.is_some_and(|edge| edge.at(at) > 0.0) {
+            return MappedStart::FORBIDDEN;
+        }
+        let grazed = self.patch.grazes.iter().filter_map(|graze| graze.flip(dynamics, at));
+        let passed = match &self.ending {
+            PatchEnd::Passed(pass) => Some(pass.flip(at)),
+            _ => None,
+        };
+        let first = |a: (f64, _), b: (f64, _)| if b.0 < a.0 { b } else { a };
+        let clearance = self.patch.clearance(at);
+        let (high, low) = self.patch.time;
+        let phase = self.patch.phase.map(|jet| jet.at(at));
+        match (grazed.chain(passed).reduce(first), self.is_open()) {
+            (Some((time, phase)), _) => {
+                let end = End { time, phase, clearance, grown: f64::INFINITY };
+                MappedStart::Known(question.flipped_at(time * unit_secs), end)
+            }
+            (None, true) => MappedStart::Moving(self.moving(dynamics, phase, clearance)),
+            (None, false) => {
+                let end = End { time: high + low, phase, clearance, grown: f64::INFINITY };
+                MappedStart::Known(Outcome::without_time(Status::Unflipped), end)
+            }
+        }
+    }
+}
+
+impl MappedStart {
+    /// The result for starts that conservation of energy keeps from flipping.
+    pub(super) const FORBIDDEN: MappedStart =
+        MappedStart::Known(Outcome { status: Status::Forbidden, time: 0.0 }, End::NOWHERE);
+}
