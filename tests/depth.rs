@@ -158,7 +158,7 @@ fn starts_on_lines_are_told_what_they_would_find_alone() {
         scene.checked().unwrap()
     };
     let centre = ["-1.4530791906636347015765625", "0.4518709860169754505796875"];
-    let mut rods = scene(centre, "1.581e-17");
+    let mut rods = scene(centre, "1e-16");
     rods.build.kind = Kind::Rods;
     let scenes = [
         changed(0, |_| {}),

@@ -97,13 +97,10 @@ impl FinishedPatch {
         Moving { time: [high, low], phase, step: self.patch.step, clearance, grown }
     }
 
-    /// The curve on which the states of all starts lie, if they lie on one and nothing about them
-    /// is known from polynomials.
+    /// The curve on which the states of all starts lie, if they lie on one. Those of starts that are
+    /// forbidden or flipped in a graze are continued as if they were not.
     pub(super) fn curve(&self, dynamics: &Dynamics) -> Option<&Curve> {
-        let find = || {
-            let open = self.is_open() && self.edge.is_none();
-            open.then(|| self.patch.curve(dynamics, MOST_ASIDE)).flatten()
-        };
+        let find = || self.is_open().then(|| self.patch.curve(dynamics, MOST_ASIDE)).flatten();
         self.curve.get_or_init(find).as_ref()
     }
 

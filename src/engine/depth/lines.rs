@@ -170,7 +170,7 @@ impl Lines {
             for place in missing {
                 if samples.asked.insert((key, place)) {
                     let s = f64::from(place) / f64::from(1 << PLACES);
-                    let clearance = line.patch.patch.clearance([0.0; 2]);
+                    let clearance = line.patch.patch.clearance_outside_grazes();
                     wanted.push(line.patch.moving(&self.dynamics, curve.at(s), clearance));
                     self.asked.push((key, place));
                 }

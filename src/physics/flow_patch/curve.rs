@@ -40,11 +40,9 @@ impl FlowPatch {
     }
 
     /// Returns the curve of the patch's states if all of them lie on it, moved along the flow, up to
-    /// `most_aside` in units of s; otherwise `None`. A patch with grazes has none.
+    /// `most_aside` in units of s; otherwise `None`. Those of starts that flipped in a graze are
+    /// continued as if they had not.
     pub fn curve(&self, dynamics: &Dynamics, most_aside: f64) -> Option<Curve> {
-        if !self.grazes.is_empty() {
-            return None;
-        }
         let curve = Curve::through(dynamics, &self.phase);
         let rim = [-1.0, 0.0, 1.0];
         let rim = rim.into_iter().flat_map(|x| rim.map(|y| [x, y]));

@@ -197,6 +197,11 @@ impl FlowPatch {
         self.grazes.iter().map(|graze| graze.clearance(at)).fold(self.far_turns, f64::min)
     }
 
+    /// Distance from the top that the watched bobs of all starts have kept outside grazes, as a sine.
+    pub fn clearance_outside_grazes(&self) -> f64 {
+        self.far_turns
+    }
+
     /// Returns true if all of the patch has flipped.
     pub fn settled(&self) -> bool {
         self.grazes.iter().any(Graze::concerns_all)
