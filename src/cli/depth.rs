@@ -13,6 +13,10 @@ pub(super) fn depth_object(
     serde_json::json!({
         "digits": depth.digits,
         "integrated": depth.integrated,
+        "cells": depth.cells,
+        "cell_steps": depth.cell_steps,
+        "cell_seconds": depth.cell_secs,
+        "line_samples": depth.line_samples,
         "told_by_lines": depth.told_by_lines,
         "begins_secs": depth.begins_secs,
         "decades_a_second": depth.decades_a_second,

@@ -8,7 +8,7 @@ use clap::Args;
 use flipmap::engine::choice::{Chosen, IntegrationSetting};
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
-use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Trust};
+use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{self, Counts, Renderer};
@@ -34,6 +34,9 @@ pub(super) struct Options {
     picture: PictureOptions,
     #[command(flatten)]
     outputs: OutputOptions,
+    /// Follow pixels as cells first (for measurements): auto where that saves time, never, or always
+    #[arg(long, value_name = "WHEN", default_value_t, value_parser = parse_cells)]
+    cells: Cells,
     /// Save pixels that have not flipped to this file, and resume from it with a larger --budget
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
@@ -60,6 +63,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     let Chosen { mut engine, config, why, following } = start(&request)?;
     check_numbers(&scene, spec.size(), config)?;
+    let pixel_rad = Grid::new(&scene, spec.size()).pixel_rad();
+    let refuse = |why| Exit::Usage(format!("--cells is never; {why}"));
+    options.cells.check(&config, pixel_rad).map_err(refuse)?;
     if let Some(continued) = &mut continued {
         continued.check_ran(engine.as_ref(), config)?;
     }
@@ -75,7 +81,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let size = spec.size().map(|side| side * pass.along);
-        let mut work = renderer.work(&scene, size);
+        let mut work = renderer.work(&scene, size).with_cells(options.cells);
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
@@ -101,6 +107,11 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     tell(&ran, &scene);
     Ok(())
+}
+
+fn parse_cells(word: &str) -> Result<Cells, String> {
+    let named = Cells::ALL.into_iter().find(|cells| cells.to_string() == word);
+    named.ok_or_else(|| "it is auto, never or always".to_string())
 }
 
 /// Resolves the options, and rejects what could not be done before anything is computed.

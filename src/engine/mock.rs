@@ -122,7 +122,7 @@ impl Engine for MockEngine {
                 .iter()
                 .map(|state| Self::resumed(&question, state))
                 .collect::<Result<_, _>>()?,
-            Starts::Moving(states) => states.iter().map(Self::under_way).collect(),
+            Starts::Moving(moving) => moving.states.iter().map(Self::under_way).collect(),
             Starts::Deep(deep) => deep.leaves.iter().flat_map(Self::angles_in).collect(),
         };
         self.answered += angles.len();

@@ -16,6 +16,7 @@
 //!   reads from words what a person asks for.
 
 pub mod background;
+mod cells;
 pub mod choice;
 pub mod cpu;
 pub mod depth;
@@ -41,6 +42,7 @@ use crate::physics::phase::Phase;
 use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
 use crate::scene::lattice::Cell;
 use crate::scene::{Build, Scene};
+pub use cells::{Cells, Indistinguishable};
 pub use depth::DepthStats;
 pub use kind::EngineKind;
 pub use level::Accuracy;
@@ -111,7 +113,7 @@ pub enum Starts {
     /// budget only.
     Resumed(Vec<IntegratorState>),
     /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
-    Moving(Vec<Moving>),
+    Moving(MovingStarts),
     /// Released from rest at places too close together for the number types of engines; only
     /// [`depth::DepthEngine`] can begin them.
     Deep(Deep),
@@ -135,6 +137,15 @@ pub struct Leaf {
     pub points: Vec<[f64; 2]>,
 }
 
+/// Pendulums that set out at about the same time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MovingStarts {
+    /// Reduced time from which on their tolerance rises.
+    pub since: f64,
+    /// Their states.
+    pub states: Vec<Moving>,
+}
+
 /// A pendulum in motion, in reduced units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moving {
@@ -156,7 +167,7 @@ impl Starts {
         match self {
             Starts::Rest(angles) => angles.len(),
             Starts::Resumed(states) => states.len(),
-            Starts::Moving(states) => states.len(),
+            Starts::Moving(moving) => moving.states.len(),
             Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
         }
     }
@@ -236,12 +247,12 @@ impl Job {
         Ok(match (pace, self.config.method, &self.starts) {
             // These keep one tolerance throughout.
             (_, Method::Taylor { .. } | Method::Extrapolation { .. }, _) => pace,
-            (Pace::Adaptive(adaptive), _, Starts::Moving(_)) => {
+            (Pace::Adaptive(adaptive), _, Starts::Moving(moving)) => {
                 // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels: in a larger
                 // leaf, neighbours differ by less.
-                let finer = if self.config.precision == Precision::F32 { 200.0 } else { 1000.0 };
+                let finer = if self.config.precision == Precision::F32 { 200.0 } else { 2000.0 };
                 let finer = finer * f64::from(self.config.leaf_pixels()) / 16.0;
-                let control = adaptive.control.after_a_cell(finer);
+                let control = adaptive.control.after_a_cell(moving.since, finer);
                 Pace::Adaptive(method::Adaptive { control, ..adaptive })
             }
             _ => pace,

@@ -68,7 +68,8 @@ pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
         Starts::Rest(angles) => Ok(angles.iter().map(|angle| at_rest(config, *angle)).collect()),
         Starts::Moving(moving) => {
             let pace = Pace::new(question, config)?;
-            Ok(moving.iter().map(|moving| on_its_way(question, config, &pace, moving)).collect())
+            let states = moving.states.iter();
+            Ok(states.map(|moving| on_its_way(question, config, &pace, moving)).collect())
         }
         Starts::Deep(_) => {
             let why = "starts of a deep zoom have to be followed before they are integrated";

@@ -53,12 +53,11 @@ impl Control {
         }
     }
 
-    /// The control for pendulums that begin where the path of a whole cell ended: all that could
-    /// grow has grown by then, so the tolerance no longer rises; and the differences between
-    /// neighbours are smaller than the cell, so it is `finer` times smaller than its ceiling.
-    pub fn after_a_cell(self, finer: f64) -> Self {
-        let ceiling = self.ceiling - 2.0 * finer.log2();
-        Control { start: ceiling, rise: 0.0, ceiling, ..self }
+    /// The control for pendulums that begin at the time `since` where the path of a whole cell ended.
+    /// Differences between neighbours are smaller than the cell then, so the tolerance is `finer`
+    /// times smaller than its ceiling. It rises from there as it does after the release.
+    pub fn after_a_cell(self, since: f64, finer: f64) -> Self {
+        Control { start: self.ceiling - 2.0 * finer.log2() - self.rise * since, ..self }
     }
 
     /// The same control with a constant tolerance.

@@ -12,10 +12,11 @@ use serde::Serialize;
 
 use super::backend::Backend;
 use super::measure::Bench;
+use super::plan::BALANCED;
 use super::statistics::{Errors, median};
 use super::{ReportError, StopTest, as_words};
 use crate::engine::depth::DepthEngine;
-use crate::engine::{Effort, Engine, IntegratorConfig};
+use crate::engine::{Cells, Effort, Engine, IntegratorConfig};
 use crate::physics::{Fixed, Outcome, Pendulum, Scalar, Theta, oracle};
 use crate::scene::{Budget, Scene, View};
 use crate::tiles::preview::preview;
@@ -62,6 +63,56 @@ pub struct DepthRow {
     pub steps_per_pixel: f64,
     /// Microseconds per pixel of that picture, with the reference known: the median of the rounds.
     pub us_per_pixel: f64,
+    /// The same by the way in which pixels are computed, for `balanced` on f64.
+    pub us_by_way: Option<UsByWay>,
+}
+
+/// Ways to compute the pixels of a deep view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthWay {
+    /// From the release.
+    Direct,
+    /// Through cells and strips, each pixel by itself.
+    Cells,
+    /// Through cells and strips, most pixels told by samples of lines.
+    Lines,
+}
+
+/// Microseconds per pixel by the way in which it is computed.
+#[derive(Clone, Debug, Serialize)]
+pub struct UsByWay {
+    /// From the release, if the number type tells the pixels apart.
+    pub directly: Option<f64>,
+    /// Through cells and strips alone.
+    pub by_cells: f64,
+    /// With lines.
+    pub by_lines: f64,
+}
+
+impl DepthWay {
+    /// Every way.
+    pub const ALL: [DepthWay; 3] = [DepthWay::Direct, DepthWay::Cells, DepthWay::Lines];
+}
+
+impl std::fmt::Display for DepthWay {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            DepthWay::Direct => "direct",
+            DepthWay::Cells => "cells",
+            DepthWay::Lines => "lines",
+        })
+    }
+}
+
+impl UsByWay {
+    /// The time by one way.
+    pub fn of(&self, way: DepthWay) -> Option<f64> {
+        match way {
+            DepthWay::Direct => self.directly,
+            DepthWay::Cells => Some(self.by_cells),
+            DepthWay::Lines => Some(self.by_lines),
+        }
+    }
 }
 
 impl FilamentPlace {
@@ -151,16 +202,15 @@ impl Bench<'_> {
         let name = backend.short_name();
         let mut engine = DepthEngine::new(Box::new(backend.engine()), self.threads)?;
         let begun = Instant::now();
-        let (samples, effort) = self.picture(&scene, SIDE, config, &mut engine)?;
+        let (samples, effort) = self.picture(&scene, SIDE, config, Cells::Auto, &mut engine)?;
         let first_secs = begun.elapsed().as_secs_f64();
-        self.picture(&scene, TIMED_SIDE, config, &mut engine)?;
+        let (us_per_pixel, timed) = self.timed(place, config, Cells::Auto, &mut engine)?;
+        drop(engine);
+        let us_by_way = match config == BALANCED {
+            true => Some(self.ways(place, config, backend)?),
+            false => None,
+        };
         let pixels = f64::from(TIMED_SIDE * TIMED_SIDE);
-        let (mut times, mut timed) = (Vec::new(), Effort::default());
-        for _ in 0..ROUNDS {
-            let begun = Instant::now();
-            (_, timed) = self.picture(&scene, TIMED_SIDE, config, &mut engine)?;
-            times.push(begun.elapsed().as_secs_f64() * 1e6 / pixels);
-        }
         let count = if place.width_rad() > 1e-24 {
             self.care.depth_starts
         } else {
@@ -178,8 +228,51 @@ impl Bench<'_> {
             errors: Errors::of(&pairs),
             rhs_per_pixel: timed.rhs_evaluations as f64 / pixels,
             steps_per_pixel: timed.steps as f64 / pixels,
-            us_per_pixel: median(&times).unwrap_or(f64::NAN),
+            us_per_pixel,
+            us_by_way,
         })
+    }
+
+    /// Times the ways to compute the pixels at a place.
+    fn ways(
+        &self,
+        place: &FilamentPlace,
+        config: IntegratorConfig,
+        backend: &mut Backend,
+    ) -> Result<UsByWay, ReportError> {
+        let mut timed = |cells: Cells, lines: bool| {
+            let engine = DepthEngine::new(Box::new(backend.engine()), self.threads)?;
+            let mut engine = if lines { engine } else { engine.without_lines() };
+            self.timed(place, config, cells, &mut engine).map(|(us_per_pixel, _)| us_per_pixel)
+        };
+        let pixel_rad = place.width_rad() / f64::from(TIMED_SIDE);
+        let direct = Cells::Never.check(&config, pixel_rad).is_ok();
+        Ok(UsByWay {
+            directly: direct.then(|| timed(Cells::Never, false)).transpose()?,
+            by_cells: timed(Cells::Always, false)?,
+            by_lines: timed(Cells::Always, true)?,
+        })
+    }
+
+    /// The time of a pixel in µs, and the effort, of the larger picture. After one that finds the
+    /// reference, each round computes the view beside the last one, about which nothing is known.
+    fn timed(
+        &self,
+        place: &FilamentPlace,
+        config: IntegratorConfig,
+        cells: Cells,
+        engine: &mut dyn Engine,
+    ) -> Result<(f64, Effort), ReportError> {
+        let (mut scene, mut times, mut effort) = (place.scene(), Vec::new(), Effort::default());
+        self.picture(&scene, TIMED_SIDE, config, cells, engine)?;
+        let width = Theta::from_f64(place.width_rad());
+        for _ in 0..ROUNDS {
+            scene.view.center[0] = (scene.view.center_rad()[0] + width).to_string();
+            let begun = Instant::now();
+            (_, effort) = self.picture(&scene, TIMED_SIDE, config, cells, engine)?;
+            times.push(begun.elapsed().as_secs_f64() * 1e6 / f64::from(TIMED_SIDE * TIMED_SIDE));
+        }
+        Ok((median(&times).unwrap_or(f64::NAN), effort))
     }
 
     fn picture(
@@ -187,9 +280,10 @@ impl Bench<'_> {
         scene: &Scene,
         side: u32,
         config: IntegratorConfig,
+        cells: Cells,
         engine: &mut dyn Engine,
     ) -> Result<(Samples, Effort), ReportError> {
-        let mut work = Work::new(scene, [side; 2], config, engine.job_size());
+        let mut work = Work::new(scene, [side; 2], config, engine.job_size()).with_cells(cells);
         let samples = preview(&mut work, [side; 2], engine, &|| !(self.stop)())?;
         Ok((samples.ok_or(ReportError::Stopped)?, work.counts().effort))
     }

@@ -1,5 +1,6 @@
 //! The chapter on deep zoom.
 
+use super::depth::{DepthWay, UsByWay};
 use super::pages::{Block, Section, Table, brief, section, share, short};
 use super::plot::{Plot, Series};
 use super::{DepthRow, Report, ReportError, plan};
@@ -8,7 +9,8 @@ const ABOUT: &str = "One filament followed down. At each width a picture of 24 �
      follows the depth, is compared with pixels integrated one by one in fixed-point numbers of \
      57 to 115 digits. First is the time until that picture is there, most of it the reference's; \
      steps, right-hand sides and time are those of a pixel of a picture of 128 × 128 once the \
-     reference is known, cells followed as polynomials included.";
+     reference is known, cells followed as polynomials included. Beside it, the time if every \
+     pixel is integrated directly from its release, and if no pixel is told by samples of a line.";
 
 type Value = fn(&DepthRow) -> Option<f64>;
 
@@ -32,12 +34,32 @@ fn of_engine(rows: &[DepthRow]) -> Result<Section, ReportError> {
         let configs = rows.chunk_by(|a, b| a.config == b.config);
         let series = configs.map(|rows| Series {
             config: rows[0].config,
+            way: None,
             points: rows.iter().filter_map(|row| Some((row.width_rad, value(row)?))).collect(),
         });
         let svg = Plot { across: "width of the view, rad", up, series: series.collect() }.svg()?;
         blocks.push(Block::Figure { caption: caption.to_string(), svg });
     }
+    let series = ways(rows);
+    if !series.is_empty() {
+        let (across, up) = ("width of the view, rad", "µs per pixel");
+        let svg = Plot { across, up, series }.svg()?;
+        let caption = "Time of a pixel by way, over the width: directly from its release, through \
+                       cells and strips alone, and with lines told by samples";
+        blocks.push(Block::Figure { caption: caption.to_string(), svg });
+    }
     Ok(section(&format!("Deep zoom: {}", rows[0].engine), blocks))
+}
+
+/// The times of a pixel by the way in which it was computed.
+fn ways(rows: &[DepthRow]) -> Vec<Series> {
+    let series = |way: DepthWay| {
+        let times = rows.iter().filter_map(|row| Some((row, row.us_by_way.as_ref()?)));
+        let point = |(row, times): (&DepthRow, &UsByWay)| Some((row.width_rad, times.of(way)?));
+        let config = rows.iter().find(|row| row.us_by_way.is_some())?.config;
+        Some(Series { config, way: Some(way), points: times.filter_map(point).collect() })
+    };
+    DepthWay::ALL.into_iter().filter_map(series).collect()
 }
 
 fn table(rows: &[DepthRow]) -> Table {
@@ -53,8 +75,14 @@ fn table(rows: &[DepthRow]) -> Table {
         "steps",
         "RHS",
         "µs/pixel",
+        "directly",
+        "by cells",
         "compared",
     ];
+    let way = |row: &DepthRow, way| {
+        let us = row.us_by_way.as_ref().and_then(|times| times.of(way));
+        us.map_or("–".to_string(), short)
+    };
     let line = |row: &DepthRow| {
         vec![
             plan::words(&row.config),
@@ -68,6 +96,8 @@ fn table(rows: &[DepthRow]) -> Table {
             format!("{:.0}", row.steps_per_pixel),
             format!("{:.0}", row.rhs_per_pixel),
             short(row.us_per_pixel),
+            way(row, DepthWay::Direct),
+            way(row, DepthWay::Cells),
             row.errors.compared.to_string(),
         ]
     };

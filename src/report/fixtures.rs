@@ -1,5 +1,6 @@
 //! An invented report for the tests of the code that writes reports.
 
+use super::depth::UsByWay;
 use super::*;
 use crate::engine::EngineKind;
 use crate::physics::{Outcome, Status};
@@ -58,6 +59,7 @@ pub(super) fn depth(width_rad: f64, pairs: &[(Outcome, Outcome)]) -> DepthRow {
         rhs_per_pixel: 2000.0,
         steps_per_pixel: 150.0,
         us_per_pixel: 20.0,
+        us_by_way: Some(UsByWay { directly: None, by_cells: 30.0, by_lines: 20.0 }),
     }
 }
 

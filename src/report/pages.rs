@@ -234,7 +234,7 @@ fn series(rows: &[&Row], value: Value) -> Vec<Series> {
         };
         match all.iter_mut().find(same) {
             Some(series) => series.points.push(point),
-            None => all.push(Series { config: row.config, points: vec![point] }),
+            None => all.push(Series { config: row.config, way: None, points: vec![point] }),
         }
     }
     all

@@ -7,6 +7,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::ReportError;
+use super::depth::DepthWay;
 use crate::engine::{IntegratorConfig, Method, Precision};
 
 /// Points of one method in one precision, in the order of its settings.
@@ -14,6 +15,8 @@ use crate::engine::{IntegratorConfig, Method, Precision};
 pub(super) struct Series {
     /// The config that decides the colour and the marker.
     pub config: IntegratorConfig,
+    /// The way in which deep pixels were computed, if that decides the colour instead.
+    pub way: Option<DepthWay>,
     /// Points as horizontal and vertical values.
     pub points: Vec<(f64, f64)>,
 }
@@ -77,9 +80,9 @@ impl Plot<'_> {
         for series in &self.series {
             let inside = |&(x, y): &(f64, f64)| (x.max(across.start), y.max(up.start));
             let points: Vec<_> = series.points.iter().filter(is_finite).map(inside).collect();
-            let colour = colour(series.config.method);
+            let colour = series.colour();
             chart.draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(2)))?;
-            let marks = points.iter().map(|&point| marker(point, &series.config));
+            let marks = points.iter().map(|&point| marker(point, colour, series.config.precision));
             chart.draw_series(marks)?;
         }
         Ok(())
@@ -89,12 +92,10 @@ impl Plot<'_> {
         let style = FONT.into_font().color(&GREY).pos(Pos::new(HPos::Left, VPos::Center));
         for (row, series) in self.series.iter().enumerate() {
             let y = 24 + 22 * row as i32;
-            let colour = colour(series.config.method);
+            let colour = series.colour();
             area.draw(&PathElement::new([(0, y), (24, y)], colour.stroke_width(2)))?;
-            area.draw(&marker((12, y), &series.config))?;
-            let IntegratorConfig { method, precision } = series.config;
-            let label = format!("{} {precision}", method.name());
-            area.draw(&Text::new(label, (32, y), style.clone()))?;
+            area.draw(&marker((12, y), colour, series.config.precision))?;
+            area.draw(&Text::new(series.label(), (32, y), style.clone()))?;
         }
         Ok(())
     }
@@ -134,10 +135,25 @@ fn colour(method: Method) -> RGBColor {
     }
 }
 
-/// The marker of a config, by precision: f32 a ring, f64 a disc, pairs of numbers a large ring.
-fn marker<C>(at: C, config: &IntegratorConfig) -> Circle<C, i32> {
-    let colour = colour(config.method);
-    match config.precision {
+impl Series {
+    fn colour(&self) -> RGBColor {
+        match self.way {
+            None => colour(self.config.method),
+            Some(DepthWay::Direct) => RGBColor(213, 94, 0),
+            Some(DepthWay::Cells) => RGBColor(0, 158, 115),
+            Some(DepthWay::Lines) => RGBColor(0, 114, 178),
+        }
+    }
+
+    fn label(&self) -> String {
+        let IntegratorConfig { method, precision } = self.config;
+        self.way.map_or_else(|| format!("{} {precision}", method.name()), |way| way.to_string())
+    }
+}
+
+/// The marker of a precision: f32 a ring, f64 a disc, pairs of numbers a large ring.
+fn marker<C>(at: C, colour: RGBColor, precision: Precision) -> Circle<C, i32> {
+    match precision {
         Precision::F32 => Circle::new(at, 4, colour.stroke_width(2)),
         Precision::F64 => Circle::new(at, 5, colour.filled()),
         Precision::Df32 | Precision::Dd => Circle::new(at, 8, colour.stroke_width(2)),
@@ -150,7 +166,7 @@ mod tests {
     use crate::report::plan;
 
     fn svg(points: &[(f64, f64)]) -> String {
-        let series = vec![Series { config: plan::FAST, points: points.to_vec() }];
+        let series = vec![Series { config: plan::FAST, way: None, points: points.to_vec() }];
         Plot { across: "µs", up: "error", series }.svg().unwrap()
     }
 

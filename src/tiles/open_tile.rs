@@ -2,7 +2,7 @@
 
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
-use crate::engine::{Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust};
+use crate::engine::{Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust};
 use crate::physics::Outcome;
 use crate::scene::lattice::Cell;
 use crate::scene::{Fate, Grid, Grouped, Scene};
@@ -25,12 +25,13 @@ impl OpenTile {
     pub(super) fn of_pixels(
         grid: &Grid,
         config: IntegratorConfig,
+        cells: Cells,
         pixels: &[[u32; 2]],
         known: impl Fn([u32; 2]) -> Option<Known>,
     ) -> Self {
         let pixel = |place: u32| (grid, pixels[place as usize], known(pixels[place as usize]));
-        let groups = config
-            .is_deep(grid.pixel_rad())
+        let groups = cells
+            .are_followed(&config, grid.pixel_rad())
             .then(|| grid.grouped(config.leaf_pixels(), pixels.iter().copied()));
         OpenTile::sorted(pixels.len() as u32, groups, pixel)
     }

@@ -2,7 +2,7 @@
 
 use super::open_tile::OpenTile;
 use crate::engine::trust::{Opinion, TrustEngine};
-use crate::engine::{EngineError, IntegratorConfig, Question, Starts};
+use crate::engine::{Cells, EngineError, IntegratorConfig, Question, Starts};
 use crate::scene::{Grid, Scene};
 
 /// Maximum number of pixels that are integrated directly.
@@ -21,7 +21,8 @@ pub fn opinion(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Opinion>, EngineError> {
     let grid = Grid::new(scene, size);
-    let open = OpenTile::of_pixels(&grid, config, &random_pixels(scene, size), |_| None);
+    let open =
+        OpenTile::of_pixels(&grid, config, Cells::Auto, &random_pixels(scene, size), |_| None);
     let opinion = match open.starts {
         Starts::Deep(deep) if !deep.leaves.is_empty() => {
             Opinion::on(engine, (Question::from(scene), config), &deep, MOST, go_on)?

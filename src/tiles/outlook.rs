@@ -2,7 +2,7 @@
 
 use super::open_tile::OpenTile;
 use crate::engine::trust::Outlook;
-use crate::engine::{Engine, EngineError, IntegratorConfig, Question};
+use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question};
 use crate::scene::{Grid, Scene};
 
 /// Number of pixels in the sample.
@@ -22,7 +22,7 @@ pub fn outlook(
     let grid = Grid::new(scene, size);
     let together = if config.is_deep(grid.pixel_rad()) { TOGETHER } else { 1 };
     let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place, together)).collect();
-    let open = OpenTile::of_pixels(&grid, config, &pixels, |_| None);
+    let open = OpenTile::of_pixels(&grid, config, Cells::Auto, &pixels, |_| None);
     if open.is_settled() {
         return Ok(Some(Outlook::default()));
     }

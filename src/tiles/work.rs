@@ -9,7 +9,7 @@ use super::open_tile::OpenTile;
 use super::plan::{Tile, plan};
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
-use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Trust, Wait};
+use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Keep, Question, Trust, Wait};
 use crate::physics::Status;
 use crate::scene::{Grid, Scene};
 
@@ -27,6 +27,7 @@ pub struct Work {
     grid: Grid,
     question: Question,
     config: IntegratorConfig,
+    cells: Cells,
     mirrored: bool,
     waiting: VecDeque<Tile>,
     in_flight: InFlightJobs<Tile>,
@@ -74,6 +75,7 @@ impl Work {
             grid,
             question: Question::from(scene),
             config,
+            cells: Cells::Auto,
             mirrored: false,
             waiting: plan(size[0], rows, tile_pixels).into(),
             in_flight: InFlightJobs::default(),
@@ -87,6 +89,12 @@ impl Work {
     /// so that both follow the same references.
     pub fn before(mut self, scene: &Scene, size: [u32; 2]) -> Self {
         self.grid = self.grid.in_leaves_of(&Grid::new(scene, size));
+        self
+    }
+
+    /// Follows other starts as cells than the integrator needs.
+    pub fn with_cells(mut self, cells: Cells) -> Self {
+        self.cells = cells;
         self
     }
 
@@ -197,7 +205,7 @@ impl TileSource for Work {
         let tile = self.waiting.pop_front()?;
         let pixels: Vec<_> = tile.pixels().collect();
         let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
-        let open = OpenTile::of_pixels(&self.grid, self.config, &pixels, known);
+        let open = OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known);
         let keep = if self.kept.is_some() { Keep::Unfinished } else { Keep::Nothing };
         Some(NextTile { tile, open, question: self.question, config: self.config, keep })
     }

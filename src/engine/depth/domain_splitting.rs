@@ -2,7 +2,7 @@
 //! polynomials hold, then cut.
 //!
 //! An anchor's middle is followed in as many digits as its depth needs. Everything below it is a
-//! difference from it, for which f64 has digits enough: a leaf lies at most [`DEEPEST_BELOW`]
+//! difference from it, for which f64 has digits enough: a leaf lies at most 11
 //! levels below its anchor.
 //!
 //! A cell is cut into quarters as long as its states differ in two directions. Energy is conserved,
@@ -23,41 +23,27 @@
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 
+use super::anchor::{Anchor, anchor_level};
 use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
 use super::part::{Branch, Cut, Part, PlacedStart, SplitNode, Way};
 use super::split_lanes::SplitLanes;
 use crate::engine::{Deep, Leaf, Question};
+use crate::physics::Rule;
 use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use crate::physics::frame::Frame;
-use crate::physics::jet::Jet;
-use crate::physics::reference::{Reference, digits_for, reference};
-use crate::physics::{Angle, Pendulum, Rule, Scalar, Theta};
 use crate::scene::Build;
-use crate::scene::lattice::{Cell, side_rad};
+use crate::scene::lattice::Cell;
 
-/// Number of levels from one level with anchors to the next.
-const EVERY: u32 = 6;
-/// Least number of levels from an anchor down to a leaf, so that a view seldom needs more than two
-/// anchors. The rounding error of f64 below the anchor doubles with every level.
-const LEAST_BELOW: u32 = 6;
-/// Largest number of levels from an anchor down to a leaf.
-pub(super) const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
 /// Largest part of a leaf's states that its polynomials may leave out. Further up, what is left out
 /// grows with the cells that are cut, so the tolerance is halved with every level above the leaves.
 const TOLERANCE: f64 = 1e-12;
 /// The same tolerance for strict start maps, which check others and share no cut with them.
 const STRICT_TOLERANCE: f64 = 1e-13;
-/// Guard bits for the rounding errors of a long integration.
-const GUARD_BITS: u32 = 10;
-/// Largest number of anchors that are kept.
-const MOST_ANCHORS: usize = 64;
-/// Reduced time between two checks for cancellation.
-const SLICE: f64 = 1.0;
 /// Largest number of finished patches that are kept, of some 2 kB each.
 const MOST_FINISHED: usize = 20_000;
 /// Largest extent of a strip's states along the bands, as a share of that across them.
@@ -74,19 +60,11 @@ const MANY_STARTS: usize = 1 << 16;
 /// The domain splitting of one pendulum and rule.
 pub(super) struct DomainSplitting {
     pub dynamics: Dynamics,
-    build: Build,
-    rule: Rule,
-    strict: bool,
-    anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
+    pub build: Build,
+    pub rule: Rule,
+    pub strict: bool,
+    pub anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
     finished: Mutex<HashMap<PartKey, Arc<FinishedPatch>>>,
-}
-
-/// A cell followed along the trajectory of its own middle.
-struct Anchor {
-    node: SplitNode,
-    reference: Option<Box<dyn Reference>>,
-    /// The end of its path, unless that was only the end of a budget.
-    end: Option<PatchEnd>,
 }
 
 /// A request for the patches of some starts: the leaves' level, the reduced budget, the cancellation
@@ -105,16 +83,8 @@ pub(super) struct SplitRequest<'a> {
 pub(super) struct Distribution {
     pub patches: Vec<(Arc<FinishedPatch>, Vec<PlacedStart>)>,
     pub forbidden: Vec<usize>,
-}
-
-/// The level of the anchors of leaves.
-fn anchor_level(leaf: u32) -> u32 {
-    leaf.saturating_sub(LEAST_BELOW) / EVERY * EVERY
-}
-
-/// Precision that a reference at an anchor needs, in bits after the point.
-fn bits(anchor: u32) -> u32 {
-    anchor + f64::MANTISSA_DIGITS + GUARD_BITS
+    /// Number of parts that were followed for it, and of their steps.
+    pub followed: (u64, u64),
 }
 
 impl DomainSplitting {
@@ -146,94 +116,6 @@ impl DomainSplitting {
         (!wanted.cancelled.load(Ordering::Relaxed)).then_some(all)
     }
 
-    /// The whole of an anchor, followed to its end, or its starts if all of it is forbidden; none if
-    /// cancelled.
-    fn anchored_branch(
-        &self,
-        cell: Cell,
-        starts: Vec<PlacedStart>,
-        wanted: SplitRequest,
-    ) -> Option<Result<Branch, Vec<PlacedStart>>> {
-        let anchor = self.anchor(cell);
-        let mut anchor = anchor.lock().unwrap_or_else(|broken| broken.into_inner());
-        let end = self.advance(&mut anchor, wanted);
-        wanted.told.clear();
-        let Some(end) = end? else { return Some(Err(starts)) };
-        let part = Part::whole(cell, wanted.level, self.strict);
-        let way = Way::Ended(Arc::new(finished(&part, anchor.node.clone(), end, wanted.budget)));
-        Some(Ok(Branch { part, starts, way }))
-    }
-
-    /// Number of decimal digits in which the anchors of leaves of a level are followed.
-    pub(super) fn digits(&self, leaf: u32) -> u32 {
-        digits_for(bits(anchor_level(leaf)))
-    }
-
-    fn anchor(&self, cell: Cell) -> Arc<Mutex<Anchor>> {
-        let mut anchors = self.anchors.lock().unwrap_or_else(|broken| broken.into_inner());
-        if anchors.len() >= MOST_ANCHORS && !anchors.contains_key(&cell) {
-            anchors.clear();
-        }
-        anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.anchored(cell)))).clone()
-    }
-
-    /// An anchor at rest, with the digits that the differences of its cells from it need.
-    fn anchored(&self, cell: Cell) -> Anchor {
-        let node = self.released(cell);
-        let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW as i32));
-        let reference =
-            holds.then(|| reference(&self.build.reduced_in().0, cell.center(), bits(cell.level)));
-        let end = (!holds).then_some(PatchEnd::Spread);
-        Anchor { node, reference, end }
-    }
-
-    /// A cell at rest.
-    fn released(&self, cell: Cell) -> SplitNode {
-        let exact = cell.center().map(Angle::sin_cos);
-        let sin_cos = exact.map(|(sin, cos)| (sin.to_f64(), cos.to_f64()));
-        let patch = FlowPatch::release(sin_cos, side_rad(cell.level + 1));
-        let edge = self.edge(&patch, exact.map(|(_, cos)| cos));
-        SplitNode { patch, edge: Some(edge) }
-    }
-
-    /// Depth of starts at rest in the forbidden region, in reduced units.
-    fn edge(&self, patch: &FlowPatch, cos: [Theta; 2]) -> Jet {
-        let (exact, _) = self.build.reduced_in::<Theta>();
-        let middle = exact.depth(cos) - exact.least_depth(self.rule);
-        let [x1, _, x2, ..] = patch.phase;
-        let Pendulum { p, q, .. } = self.dynamics.pendulum;
-        let depth = x1 * Jet::constant(p) + x2 * Jet::constant(q);
-        depth.with_middle(middle.to_f64())
-    }
-
-    /// Follows an anchor up to the requested budget. Returns its end there, or `Some(None)` where
-    /// all of it is forbidden; `None` if cancelled.
-    fn advance(&self, anchor: &mut Anchor, wanted: SplitRequest) -> Option<Option<PatchEnd>> {
-        if !anchor.node.settle_edge() {
-            return Some(None);
-        }
-        let tolerance = self.tolerance(DEEPEST_BELOW as i32);
-        let unit_secs = self.build.unit_secs();
-        loop {
-            if let Some(end) = &anchor.end {
-                return Some(Some(end.clone()));
-            }
-            if wanted.cancelled.load(Ordering::Relaxed) {
-                return None;
-            }
-            let patch = &mut anchor.node.patch;
-            wanted.told.set(patch.time.0 * unit_secs, wanted.budget * unit_secs);
-            let until = wanted.budget.min(patch.time.0 + SLICE);
-            match patch.follow(&self.dynamics, until, tolerance, anchor.reference.as_deref_mut()) {
-                PatchEnd::Over if patch.time.0 >= wanted.budget => {
-                    return Some(Some(PatchEnd::Over));
-                }
-                PatchEnd::Over => {}
-                end => anchor.end = Some(end),
-            }
-        }
-    }
-
     pub(super) fn tolerance(&self, levels_above_leaf: i32) -> f64 {
         let leaf = if self.strict { STRICT_TOLERANCE } else { TOLERANCE };
         leaf * 0.5f64.powi(levels_above_leaf.max(0))
@@ -253,7 +135,7 @@ impl DomainSplitting {
                 Way::Ended(finished) => finished,
                 Way::Open(mut node) => {
                     let end = self.follow(&mut node, &part, wanted.budget);
-                    self.finish(&part, *node, end, wanted)
+                    self.finish(&part, *node, end, wanted, &mut all)
                 }
             };
             let parts = self.cut(part, starts, finished, wanted, &mut all);
@@ -281,15 +163,17 @@ impl DomainSplitting {
         node.patch.holds(&self.dynamics, self.tolerance(part.above[0]))
     }
 
-    /// Keeps a part that has been followed to its end.
+    /// Keeps a part that has been followed to its end for `all`.
     pub(super) fn finish(
         &self,
         part: &Part,
         node: SplitNode,
         end: PatchEnd,
         wanted: SplitRequest,
+        all: &mut Distribution,
     ) -> Arc<FinishedPatch> {
-        let patch = Arc::new(finished(part, node, end, wanted.budget));
+        all.followed = (all.followed.0 + 1, all.followed.1 + node.patch.steps);
+        let patch = Arc::new(FinishedPatch::new(part, node, end, wanted.budget));
         if !wanted.cancelled.load(Ordering::Relaxed) {
             let mut kept = self.finished.lock().unwrap_or_else(|broken| broken.into_inner());
             if kept.len() >= MOST_FINISHED {
@@ -413,13 +297,6 @@ fn by_anchor(deep: &Deep, level: u32) -> BTreeMap<Cell, Vec<PlacedStart>> {
     groups
 }
 
-/// A part that has been followed to its end.
-fn finished(part: &Part, node: SplitNode, ending: PatchEnd, budget: f64) -> FinishedPatch {
-    let SplitNode { patch, edge } = node;
-    let (key, half_rad, curve) = (part.key, part.half_rad(), OnceLock::new());
-    FinishedPatch { key, patch, ending, edge, half_rad, budget, curve }
-}
-
 impl Distribution {
     fn forbidden(starts: &[PlacedStart]) -> Self {
         let forbidden = starts.iter().map(|start| start.index).collect();
@@ -429,5 +306,7 @@ impl Distribution {
     fn append(&mut self, mut more: Distribution) {
         self.patches.append(&mut more.patches);
         self.forbidden.append(&mut more.forbidden);
+        self.followed.0 += more.followed.0;
+        self.followed.1 += more.followed.1;
     }
 }

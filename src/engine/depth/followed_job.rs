@@ -2,7 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
+use super::anchor::digits;
 use super::domain_splitting::{DomainSplitting, SplitRequest};
 use super::finished_patch::MappedStart;
 use super::following::Following;
@@ -10,7 +12,8 @@ use super::lines::Lines;
 use super::part::PlacedStart;
 use super::stats::DepthStats;
 use crate::engine::{
-    Effort, End, Job, JobResult, Keep, Method, Moving, Precision, Question, Starts,
+    Effort, End, IntegratorState, Job, JobResult, Keep, Method, Moving, MovingStarts, Precision,
+    Question, Starts,
 };
 use crate::physics::{Outcome, Status};
 
@@ -20,23 +23,21 @@ pub(super) type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
 /// Largest number of splittings that are kept.
 const MOST_SPLITTINGS: usize = 4;
 
-/// The known part of a deep job, to be merged with the wrapped engine's answer.
-#[derive(Default)]
+/// The known part of a deep job, to be merged with the wrapped engine's answers.
 pub(super) struct Awaited {
+    /// The job, without its starts.
+    pub job: Job,
     pub outcomes: Vec<Outcome>,
     pub ends: Vec<End>,
-    /// Indices of the starts that the wrapped engine integrates, and the states they begin in.
+    /// States of the starts that are unflipped, if they are kept.
+    pub unfinished: Vec<(usize, IntegratorState)>,
+    /// Number of its flights that have not come back.
+    pub flights: usize,
+    /// Indices of the starts that are not known, and the states they are in.
     pub moving: Vec<(usize, Moving)>,
-    /// The job and its lines, while samples of these are integrated.
-    pub lines: Option<(Job, Lines)>,
-    pub effort: Effort,
-}
-
-/// A deep job whose cells have been followed, with its lines if it may use any.
-pub(super) struct Followed {
-    pub job: Job,
-    pub awaited: Awaited,
+    /// The job's lines, while samples of these are integrated.
     pub lines: Option<Lines>,
+    pub effort: Effort,
 }
 
 /// Returns the domain splitting of a question, made if there is none yet.
@@ -56,26 +57,33 @@ pub(super) fn splitting_of(
     splittings[splittings.len() - 1].clone()
 }
 
-/// Follows the cells of a job and maps its starts through them; returns none if cancelled.
+/// Follows the cells of a job and maps its starts through them, with `lines` if they may tell some;
+/// returns none if cancelled.
 pub(super) fn followed(
     mut job: Job,
     splitting: &DomainSplitting,
+    lines: bool,
     cancelled: &AtomicBool,
     told: &Following,
-) -> Option<Followed> {
+) -> Option<Awaited> {
     let count = job.starts.len();
-    let Starts::Deep(deep) = std::mem::replace(&mut job.starts, Starts::Moving(Vec::new())) else {
+    let Starts::Deep(deep) =
+        std::mem::replace(&mut job.starts, Starts::Moving(MovingStarts::default()))
+    else {
         return None;
     };
     let question = job.question;
     let (_, unit_secs) = question.reduced();
     let level = deep.leaves.first().map_or(0, |leaf| leaf.cell.level);
     let wanted = SplitRequest { level, budget: question.budget_secs / unit_secs, cancelled, told };
+    let begun = Instant::now();
     let distribution = splitting.distribute(&deep, wanted)?;
     let dynamics = &splitting.dynamics;
-    let mut lines = may_use_lines(&job).then(|| Lines::new(*dynamics, unit_secs));
-    let mut awaited = Awaited::of_forbidden(count);
-    let mut depth = DepthStats::NOTHING;
+    let mut lines = (lines && may_use_lines(&job)).then(|| Lines::new(*dynamics, unit_secs));
+    let mut awaited = Awaited::of_forbidden(job, count);
+    let (cells, cell_steps) = distribution.followed;
+    let cell_secs = begun.elapsed().as_secs_f64();
+    let mut depth = DepthStats { cells, cell_steps, cell_secs, ..DepthStats::NOTHING };
     for (patch, starts) in &distribution.patches {
         let before = awaited.moving.len();
         for PlacedStart { index, at } in starts {
@@ -84,42 +92,64 @@ pub(super) fn followed(
         }
         let moving = &awaited.moving[before..];
         depth = depth.and(DepthStats {
-            digits: splitting.digits(level),
+            digits: digits(level),
             ..patch.stats(dynamics, unit_secs, moving.len())
         });
         if let Some(lines) = lines.as_mut().filter(|_| !moving.is_empty()) {
             lines.add(patch, moving);
         }
     }
-    awaited.moving.sort_unstable_by_key(|(index, _)| *index);
     awaited.effort = Effort { depth: Some(depth), ..Effort::default() };
-    Some(Followed { job, awaited, lines })
+    awaited.lines = lines;
+    Some(awaited)
 }
 
 impl Awaited {
     /// Nothing but forbidden starts.
-    fn of_forbidden(count: usize) -> Self {
-        let outcomes = vec![Outcome { status: Status::Forbidden, time: 0.0 }; count];
-        Awaited { outcomes, ends: vec![End::NOWHERE; count], ..Awaited::default() }
+    fn of_forbidden(job: Job, count: usize) -> Self {
+        Awaited {
+            job,
+            outcomes: vec![Outcome { status: Status::Forbidden, time: 0.0 }; count],
+            ends: vec![End::NOWHERE; count],
+            unfinished: Vec::new(),
+            flights: 0,
+            moving: Vec::new(),
+            lines: None,
+            effort: Effort::default(),
+        }
     }
 
-    /// Merges the wrapped engine's answers for the starts in motion.
-    pub(super) fn complete(self, finished: JobResult) -> JobResult {
-        let Awaited { mut outcomes, mut ends, moving, mut effort, .. } = self;
-        for (&(place, _), outcome) in moving.iter().zip(&finished.outcomes) {
-            outcomes[place] = *outcome;
+    /// Merges the wrapped engine's answers for some starts that were in motion.
+    pub(super) fn merge(&mut self, starts: &[(usize, Moving)], finished: &JobResult) {
+        for ((place, _), outcome) in starts.iter().zip(&finished.outcomes) {
+            self.outcomes[*place] = *outcome;
         }
-        for ((place, begun), end) in moving.iter().zip(&finished.ends) {
+        for ((place, begun), end) in starts.iter().zip(&finished.ends) {
             let clearance = end.clearance.min(begun.clearance);
-            ends[*place] = End { clearance, grown: begun.grown, ..*end };
+            self.ends[*place] = End { clearance, grown: begun.grown, ..*end };
         }
-        if finished.ends.is_empty() {
-            ends.clear();
+        let unfinished = finished.unfinished.iter().map(|(k, state)| (starts[*k].0, *state));
+        self.unfinished.extend(unfinished);
+    }
+
+    /// Takes what lines tell; what is left has to be integrated alone.
+    pub(super) fn take_lines(&mut self, lines: Lines) {
+        self.effort.depth = self.effort.depth.map(|depth| lines.counted(depth));
+        let Lines { known, mut alone, .. } = lines;
+        for (place, outcome) in known {
+            self.outcomes[place] = outcome;
         }
-        let unfinished = finished.unfinished.into_iter().map(|(k, state)| (moving[k].0, state));
-        effort += finished.effort;
-        let unfinished = unfinished.collect();
-        JobResult { outcomes, ends, unfinished, effort, ..finished }
+        alone.sort_unstable();
+        self.moving.retain(|(place, _)| alone.binary_search(place).is_ok());
+    }
+
+    /// The result of the job, once all is known.
+    pub(super) fn result(self) -> JobResult {
+        let Awaited { job: Job { id, keep, .. }, outcomes, ends, mut unfinished, effort, .. } =
+            self;
+        let ends = if keep == Keep::Ends { ends } else { Vec::new() };
+        unfinished.sort_unstable_by_key(|(index, _)| *index);
+        JobResult { id, outcomes, ends, unfinished, effort, ..JobResult::default() }
     }
 
     fn take(&mut self, index: usize, start: MappedStart) {

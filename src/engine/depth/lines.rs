@@ -55,8 +55,6 @@ pub(super) struct Lines {
     unit_secs: f64,
     samples: u64,
     lines: Vec<Line>,
-    /// Samples that this job has asked for.
-    asked: Vec<(PartKey, i32)>,
     /// Starts whose outcome is known, with their index in the job.
     pub known: Vec<(usize, Outcome)>,
     /// Indices of the starts that have to be integrated one by one.
@@ -65,8 +63,8 @@ pub(super) struct Lines {
 
 /// What a job's lines need next.
 pub(super) enum Need {
-    /// These pendulums are to be integrated, to their ends.
-    Samples(Vec<Moving>),
+    /// These pendulums are to be integrated, to their ends; with the places of the samples.
+    Samples(Vec<((PartKey, i32), Moving)>),
     /// Samples that other jobs have asked for.
     Others,
     /// Nothing more.
@@ -95,10 +93,15 @@ impl LineSamples {
         self.asked.clear();
     }
 
-    fn insert(&mut self, (key, place): (PartKey, i32), sample: Sample) {
-        self.asked.remove(&(key, place));
-        self.count += 1;
-        self.lines.entry(key).or_default().insert(place, sample);
+    /// Takes the results of samples that were asked for.
+    pub(super) fn insert(&mut self, places: Vec<(PartKey, i32)>, results: &JobResult) {
+        self.count += places.len();
+        let samples = results.outcomes.iter().zip(&results.ends);
+        for ((key, place), (outcome, end)) in places.into_iter().zip(samples) {
+            self.asked.remove(&(key, place));
+            let sample = Sample { outcome: *outcome, end: *end };
+            self.lines.entry(key).or_default().insert(place, sample);
+        }
     }
 }
 
@@ -133,7 +136,6 @@ impl Lines {
             unit_secs,
             samples: 0,
             lines: Vec::new(),
-            asked: Vec::new(),
             known: Vec::new(),
             alone: Vec::new(),
         }
@@ -171,8 +173,8 @@ impl Lines {
                 if samples.asked.insert((key, place)) {
                     let s = f64::from(place) / f64::from(1 << PLACES);
                     let clearance = line.patch.patch.clearance_outside_grazes();
-                    wanted.push(line.patch.moving(&self.dynamics, curve.at(s), clearance));
-                    self.asked.push((key, place));
+                    let moving = line.patch.moving(&self.dynamics, curve.at(s), clearance);
+                    wanted.push(((key, place), moving));
                 }
             }
         }
@@ -185,24 +187,11 @@ impl Lines {
         }
     }
 
-    /// Returns true if the samples that this job has asked for have come.
-    pub(super) fn is_waiting_for_others(&self) -> bool {
-        self.asked.is_empty()
-    }
-
     /// Adds the counts of the lines to statistics in which every start counts as integrated.
     pub(super) fn counted(&self, depth: DepthStats) -> DepthStats {
         let told = self.known.len() as u64;
         let integrated = depth.integrated - told + self.samples;
-        DepthStats { integrated, told_by_lines: told, ..depth }
-    }
-
-    /// Takes the results of the samples that were asked for.
-    pub(super) fn answer(&mut self, samples: &mut LineSamples, results: &JobResult) {
-        for (k, asked) in std::mem::take(&mut self.asked).into_iter().enumerate() {
-            let sample = Sample { outcome: results.outcomes[k], end: results.ends[k] };
-            samples.insert(asked, sample);
-        }
+        DepthStats { integrated, line_samples: self.samples, told_by_lines: told, ..depth }
     }
 }
 

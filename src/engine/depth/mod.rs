@@ -9,30 +9,33 @@
 //!
 //! ```text
 //!  level        time ──▶
-//!  L−11 … L−6   anchor ├────────────┤ polynomials no longer hold: quarters
-//!   …           quarter             ├──────┤ quarters
-//!  L            leaf                       ├─────────┤ start map
-//!               samples of its line                   ├── integrated, tell most starts
-//!               other starts                          ├── integrated one by one
+//!  L−11 … L−6   anchor ├────────────┤ polynomials no longer hold: cut
+//!   …           parts               ├──────┤ cut
+//!  L            strips                     ├─────────┤ finished patches
+//!               samples of their lines               ├── integrated, tell most starts
+//!               other starts                         ├── integrated one by one
 //! ```
 //!
-//! Where the polynomials leave out too much, or cannot tell what happens at the top, the cell is
-//! cut into quarters that continue on their own (automatic domain splitting; Wittig et al., Celest.
-//! Mech. Dyn. Astr. 122, 2015; polynomial arithmetic on flows is Berz's differential algebra). The
-//! finished patch gives each of its leaves a *start map*: which starts are forbidden, flip at a
-//! known time or stay unflipped, and in which states the others are, far enough apart by then that
-//! any number type can integrate them. By then most leaves have one direction alone; a few samples
-//! along it tell most of its starts ([`lines`]). Samples, and the starts that these do not tell, go to
-//! the wrapped engine as pendulums in motion, and all other jobs are passed on to it.
+//! Where the polynomials leave out too much, or cannot tell what happens at the top, a cell is cut
+//! into parts that continue on their own (automatic domain splitting; Wittig et al., Celest. Mech.
+//! Dyn. Astr. 122, 2015; polynomial arithmetic on flows is Berz's differential algebra): into quarters
+//! at first, and into strips once one direction has grown far beyond the other
+//! ([`domain_splitting`]). The *finished patches* say which starts are forbidden, flip at a known time
+//! or stay unflipped, and in which states the others are, far enough apart by then that any number
+//! type can integrate them. By then most patches have one direction alone; a few samples along it tell
+//! most of their starts ([`lines`]). Samples, and the starts that these do not tell, go to the
+//! wrapped engine as pendulums in motion ([`flight`]), and all other jobs are passed on to it.
 //!
-//! * An answer depends on its leaf's place in the lattice alone, not on jobs or other requests.
-//! * Anchors and splittings are cached, and cells are followed on threads of this engine's own, eight
-//!   at a time in SIMD lanes ([`split_lanes`]).
+//! * An answer depends on its place in the lattice alone, not on jobs or other requests.
+//! * Anchors, finished patches and samples are kept for later jobs. Cells are followed on threads of
+//!   this engine's own, eight at a time in SIMD lanes ([`split_lanes`]).
 //! * Strict jobs use other cuts and smaller errors: [`super::trust`] checks one map by another.
 
+mod anchor;
 mod deep;
 mod domain_splitting;
 mod finished_patch;
+mod flight;
 mod followed_job;
 mod following;
 mod line_interval;
@@ -47,12 +50,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-use self::followed_job::{Awaited, Followed, Splittings, followed, splitting_of};
+use self::flight::{Flight, Load, by_departure};
+use self::followed_job::{Awaited, Splittings, followed, splitting_of};
 pub use self::following::Following;
-use self::lines::{LineSamples, Lines, Need, samples_of};
+use self::lines::{LineSamples, Need, samples_of};
 pub use self::stats::DepthStats;
 use super::{
-    Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Starts, Wait,
+    Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Moving, Starts, Wait,
 };
 
 /// An engine that follows deep starts for the engine that it wraps.
@@ -60,19 +64,27 @@ pub struct DepthEngine<'a> {
     inner: Box<dyn Engine + 'a>,
     pool: rayon::ThreadPool,
     splittings: Splittings,
-    /// Deep jobs by identifier: some are being followed, others are with the wrapped engine.
-    deep: HashMap<u64, Awaited>,
+    /// Deep jobs by identifier; none for those whose cells are being followed.
+    deep: HashMap<u64, Option<Awaited>>,
+    /// Flights of deep jobs, by the identifiers of the wrapped engine's jobs.
+    flights: HashMap<u64, Flight>,
+    next_flight: u64,
     /// Jobs for which the wrapped engine has no free slot yet.
     waiting: VecDeque<Job>,
     flying: usize,
     following: usize,
     /// Samples of lines, for the questions and configurations met so far, the latest last.
     samples: Vec<LineSamples>,
+    /// True if samples of lines may tell starts.
+    lines: bool,
     cancelled: Arc<AtomicBool>,
     told: Following,
-    sender: Sender<Followed>,
-    receiver: Receiver<Followed>,
+    sender: Sender<Awaited>,
+    receiver: Receiver<Awaited>,
 }
+
+/// Identifier of the first flight, far above those of jobs that are passed on.
+const FIRST_FLIGHT: u64 = 1 << 63;
 
 /// Longest wait for one source of answers before the other is looked at.
 const TURN: Duration = Duration::from_millis(2);
@@ -91,15 +103,24 @@ impl<'a> DepthEngine<'a> {
             pool,
             splittings: Splittings::default(),
             deep: HashMap::new(),
+            flights: HashMap::new(),
+            next_flight: FIRST_FLIGHT,
             waiting: VecDeque::new(),
             flying: 0,
             following: 0,
             samples: Vec::new(),
+            lines: true,
             cancelled: Arc::default(),
             told: Following::default(),
             sender,
             receiver,
         })
+    }
+
+    /// Makes the engine integrate every start that is not known from polynomials.
+    pub fn without_lines(mut self) -> Self {
+        self.lines = false;
+        self
     }
 
     /// Makes the engine report its progress in following a middle to `following`.
@@ -112,97 +133,99 @@ impl<'a> DepthEngine<'a> {
         let Starts::Deep(deep) = &job.starts else { return };
         let splitting = splitting_of(&self.splittings, &job.question, deep.strict);
         let (sender, cancelled) = (self.sender.clone(), self.cancelled.clone());
-        let told = self.told.clone();
-        self.deep.insert(job.id, Awaited::default());
+        let (lines, told) = (self.lines, self.told.clone());
+        self.deep.insert(job.id, None);
         self.following += 1;
         self.pool.spawn_fifo(move || {
-            if let Some(followed) = followed(job, &splitting, &cancelled, &told) {
+            if let Some(followed) = followed(job, &splitting, lines, &cancelled, &told) {
                 // The receiver is gone once the job is cancelled.
                 let _ = sender.send(followed);
             }
         });
     }
 
-    /// Takes a deep job whose cells have been followed; returns its result if all of it is known.
-    fn take_followed(&mut self, followed: Followed) -> Option<JobResult> {
-        self.following -= 1;
-        let Followed { job, awaited, lines } = followed;
-        match lines {
-            Some(lines) => self.sample(job, awaited, lines),
-            None => self.integrate(job, awaited),
-        }
-    }
-
     /// Queues the next samples of a job's lines; once these tell all they can, the starts that are
-    /// left.
-    fn sample(&mut self, job: Job, mut awaited: Awaited, mut lines: Lines) -> Option<JobResult> {
-        match lines.ask(samples_of(&mut self.samples, &job)) {
-            Need::Nothing => {
-                awaited.effort.depth = awaited.effort.depth.map(|depth| lines.counted(depth));
-                let Lines { known, mut alone, .. } = lines;
-                for (place, outcome) in known {
-                    awaited.outcomes[place] = outcome;
+    /// left. Returns the job's result if all of it is known.
+    fn go_on(&mut self, mut awaited: Awaited) -> Option<JobResult> {
+        if let Some(mut lines) = awaited.lines.take() {
+            match lines.ask(samples_of(&mut self.samples, &awaited.job)) {
+                Need::Nothing => awaited.take_lines(lines),
+                Need::Others => awaited.lines = Some(lines),
+                Need::Samples(wanted) => {
+                    for (since, group) in by_departure(wanted) {
+                        let (places, states) = group.into_iter().unzip();
+                        let load = Load::Samples(places);
+                        self.depart(&mut awaited, Keep::Ends, load, since, states);
+                    }
+                    awaited.lines = Some(lines);
                 }
-                alone.sort_unstable();
-                awaited.moving.retain(|(place, _)| alone.binary_search(place).is_ok());
-                return self.integrate(job, awaited);
             }
-            Need::Samples(wanted) => {
-                let starts = Starts::Moving(wanted);
-                self.waiting.push_back(Job { starts, keep: Keep::Ends, ..job.clone() });
-            }
-            Need::Others => {}
         }
-        let id = job.id;
-        awaited.lines = Some((job, lines));
-        self.deep.insert(id, awaited);
+        if awaited.lines.is_none() {
+            for (since, starts) in by_departure(std::mem::take(&mut awaited.moving)) {
+                let states = starts.iter().map(|(_, state)| *state).collect();
+                let keep = awaited.job.keep;
+                self.depart(&mut awaited, keep, Load::Starts(starts), since, states);
+            }
+            if awaited.flights == 0 {
+                self.deep.remove(&awaited.job.id);
+                return Some(awaited.result());
+            }
+        }
+        self.deep.insert(awaited.job.id, Some(awaited));
         None
     }
 
-    /// Goes on with the jobs that need no samples but those of others; returns the results of those
-    /// that this completes.
-    fn sample_on(&mut self) -> Vec<JobResult> {
-        let waits = |awaited: &Awaited| {
-            awaited.lines.as_ref().is_some_and(|(_, lines)| lines.is_waiting_for_others())
-        };
-        let mut ready: Vec<u64> =
-            self.deep.iter().filter(|(_, awaited)| waits(awaited)).map(|(id, _)| *id).collect();
-        ready.sort_unstable();
-        let mut finished = Vec::new();
-        for id in ready {
-            let Some(mut awaited) = self.deep.remove(&id) else { continue };
-            let Some((job, lines)) = awaited.lines.take() else { continue };
-            finished.extend(self.sample(job, awaited, lines));
-        }
-        finished
-    }
-
-    /// Queues the starts that have to be integrated one by one; returns the result if there are none.
-    fn integrate(&mut self, job: Job, awaited: Awaited) -> Option<JobResult> {
-        if awaited.moving.is_empty() {
-            self.deep.remove(&job.id);
-            let Awaited { outcomes, ends, effort, .. } = awaited;
-            let ends = if job.keep == Keep::Ends { ends } else { Vec::new() };
-            return Some(JobResult { id: job.id, outcomes, ends, effort, ..JobResult::default() });
-        }
-        let states = awaited.moving.iter().map(|(_, state)| *state).collect();
-        self.deep.insert(job.id, awaited);
-        self.waiting.push_back(Job { starts: Starts::Moving(states), ..job });
-        None
+    /// Queues pendulums of a deep job.
+    fn depart(
+        &mut self,
+        awaited: &mut Awaited,
+        keep: Keep,
+        load: Load,
+        since: f64,
+        states: Vec<Moving>,
+    ) {
+        let id = self.next_flight;
+        self.next_flight += 1;
+        awaited.flights += 1;
+        self.flights.insert(id, Flight { job: awaited.job.id, load });
+        self.waiting.push_back(Flight::job(id, &awaited.job, keep, since, states));
     }
 
     /// Takes a result of the wrapped engine, and returns what it completes: deep jobs, or, if it
     /// belongs to none, the result itself.
     fn take_finished(&mut self, finished: JobResult) -> Vec<JobResult> {
         self.flying -= 1;
-        let Some(mut awaited) = self.deep.remove(&finished.id) else { return vec![finished] };
-        if let Some((job, lines)) = &mut awaited.lines {
-            lines.answer(samples_of(&mut self.samples, job), &finished);
-            awaited.effort += finished.effort;
-            self.deep.insert(finished.id, awaited);
-            return self.sample_on();
+        let Some(Flight { job, load }) = self.flights.remove(&finished.id) else {
+            return vec![finished];
+        };
+        let Some(Some(awaited)) = self.deep.get_mut(&job) else { return Vec::new() };
+        awaited.flights -= 1;
+        awaited.effort += finished.effort;
+        match load {
+            Load::Samples(places) => {
+                samples_of(&mut self.samples, &awaited.job).insert(places, &finished);
+            }
+            Load::Starts(starts) => awaited.merge(&starts, &finished),
         }
-        vec![awaited.complete(finished)]
+        self.landed()
+    }
+
+    /// Goes on with the jobs that have no flights out, one that has completed its own or that waits
+    /// for samples of others; returns the results of those that are complete.
+    fn landed(&mut self) -> Vec<JobResult> {
+        let is_ready = |awaited: &Awaited| awaited.flights == 0;
+        let mut ready: Vec<u64> = Vec::new();
+        for (id, awaited) in &self.deep {
+            ready.extend(awaited.as_ref().is_some_and(is_ready).then_some(*id));
+        }
+        ready.sort_unstable();
+        let mut finished = Vec::new();
+        for id in ready {
+            let awaited = self.deep.get_mut(&id).and_then(Option::take);
+            finished.extend(awaited.and_then(|awaited| self.go_on(awaited)));
+        }
+        finished
     }
 
     /// Keeps the wrapped engine's slots full.
@@ -229,7 +252,8 @@ impl Engine for DepthEngine<'_> {
         let mut finished = Vec::new();
         loop {
             while let Ok(followed) = self.receiver.try_recv() {
-                finished.extend(self.take_followed(followed));
+                self.following -= 1;
+                finished.extend(self.go_on(followed));
             }
             self.feed()?;
             let idle = self.flying == 0 && self.following == 0;
@@ -244,7 +268,8 @@ impl Engine for DepthEngine<'_> {
             if self.flying == 0 {
                 let left = until.saturating_duration_since(Instant::now());
                 if let Ok(followed) = self.receiver.recv_timeout(left) {
-                    finished.extend(self.take_followed(followed));
+                    self.following -= 1;
+                    finished.extend(self.go_on(followed));
                 }
                 continue;
             }
@@ -261,6 +286,7 @@ impl Engine for DepthEngine<'_> {
         (self.sender, self.receiver) = channel();
         self.inner.cancel();
         self.deep.clear();
+        self.flights.clear();
         self.waiting.clear();
         self.samples.iter_mut().for_each(LineSamples::cancel);
         (self.flying, self.following) = (0, 0);

@@ -99,7 +99,7 @@ impl<'a> SplitLanes<'a> {
     }
 
     fn end(&mut self, part: Part, starts: Vec<PlacedStart>, node: SplitNode, end: PatchEnd) {
-        let finished = self.splitting.finish(&part, node, end, self.wanted);
+        let finished = self.splitting.finish(&part, node, end, self.wanted, &mut self.all);
         self.waiting.push(Branch { part, starts, way: Way::Ended(finished) });
     }
 }

@@ -11,6 +11,14 @@ pub struct DepthStats {
     pub digits: u32,
     /// Number of pendulums that had to be integrated, samples of lines among them.
     pub integrated: u64,
+    /// Number of cells and strips that were followed below anchors, by this request.
+    pub cells: u64,
+    /// Number of steps that they took.
+    pub cell_steps: u64,
+    /// Time that jobs waited for them and for anchors, summed over jobs, in s.
+    pub cell_secs: f64,
+    /// Number of samples of lines that were integrated.
+    pub line_samples: u64,
     /// Number of starts whose answer was told by their neighbours on a line. About the others that
     /// were not integrated, everything was known from polynomials.
     pub told_by_lines: u64,
@@ -26,6 +34,10 @@ impl DepthStats {
     pub const NOTHING: DepthStats = DepthStats {
         digits: 0,
         integrated: 0,
+        cells: 0,
+        cell_steps: 0,
+        cell_secs: 0.0,
+        line_samples: 0,
         told_by_lines: 0,
         begins_secs: [f64::INFINITY, 0.0],
         decades_a_second: 0.0,
@@ -38,6 +50,10 @@ impl DepthStats {
         DepthStats {
             digits: self.digits.max(other.digits),
             integrated,
+            cells: self.cells + other.cells,
+            cell_steps: self.cell_steps + other.cell_steps,
+            cell_secs: self.cell_secs + other.cell_secs,
+            line_samples: self.line_samples + other.line_samples,
             told_by_lines: self.told_by_lines + other.told_by_lines,
             begins_secs: [
                 self.begins_secs[0].min(other.begins_secs[0]),

@@ -53,6 +53,8 @@ pub struct FlowPatch {
     pub phase: Phase<Jet>,
     /// Length of the next step to try.
     pub step: f64,
+    /// Number of steps taken, since the release or since it was a part of another one.
+    pub steps: u64,
     /// Least distance from the top, as a sine, of the watched bobs' turns that are not in `grazes`.
     far_turns: f64,
     /// Turns near the top at which some of the cell flipped, in order.
@@ -161,6 +163,7 @@ impl FlowPatch {
             time: (0.0, 0.0),
             phase,
             step: super::control::FIRST,
+            steps: 0,
             far_turns: FAR,
             grazes: Vec::new(),
             beyond: [false; 2],
@@ -189,7 +192,7 @@ impl FlowPatch {
             ..*graze
         };
         let grazes = self.grazes.iter().map(graze).filter(Graze::concerns_any).collect();
-        FlowPatch { phase: self.phase.map(|jet| jet.part(frame)), grazes, ..*self }
+        FlowPatch { phase: self.phase.map(|jet| jet.part(frame)), grazes, steps: 0, ..*self }
     }
 
     /// Distance from the top that the watched bobs of the start at a point have kept, as a sine.
@@ -288,6 +291,7 @@ impl FlowPatch {
         self.phase = patch_step.after;
         self.time = self.time.0.fast_two_sum(self.time.1 + patch_step.plan.length);
         self.step = patch_step.plan.next;
+        self.steps += 1;
     }
 }
 

@@ -1,0 +1,140 @@
+//! Anchors: cells followed along the trajectory of their own middle, in as many digits as their depth
+//! needs.
+
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
+
+use super::domain_splitting::{DomainSplitting, SplitRequest};
+use super::finished_patch::FinishedPatch;
+use super::part::{Branch, Part, PlacedStart, SplitNode, Way};
+use crate::physics::flow_patch::{FlowPatch, PatchEnd};
+use crate::physics::jet::Jet;
+use crate::physics::reference::{Reference, digits_for, reference};
+use crate::physics::{Angle, Pendulum, Scalar, Theta};
+use crate::scene::lattice::{Cell, side_rad};
+
+/// Number of levels from one level with anchors to the next.
+const EVERY: u32 = 6;
+/// Least number of levels from an anchor down to a leaf, so that a view seldom needs more than two
+/// anchors. The rounding error of f64 below the anchor doubles with every level.
+const LEAST_BELOW: u32 = 6;
+/// Largest number of levels from an anchor down to a leaf.
+pub(super) const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
+/// Guard bits for the rounding errors of a long integration.
+const GUARD_BITS: u32 = 10;
+/// Largest number of anchors that are kept.
+const MOST_ANCHORS: usize = 64;
+/// Reduced time between two checks for cancellation.
+const SLICE: f64 = 1.0;
+/// A cell followed along the trajectory of its own middle.
+pub(super) struct Anchor {
+    node: SplitNode,
+    reference: Option<Box<dyn Reference>>,
+    /// The end of its path, unless that was only the end of a budget.
+    end: Option<PatchEnd>,
+}
+
+/// The level of the anchors of leaves.
+pub(super) fn anchor_level(leaf: u32) -> u32 {
+    leaf.saturating_sub(LEAST_BELOW) / EVERY * EVERY
+}
+
+/// Precision that a reference at an anchor needs, in bits after the point.
+fn bits(anchor: u32) -> u32 {
+    anchor + f64::MANTISSA_DIGITS + GUARD_BITS
+}
+
+/// Number of decimal digits in which the anchors of leaves of a level are followed.
+pub(super) fn digits(leaf: u32) -> u32 {
+    digits_for(bits(anchor_level(leaf)))
+}
+
+impl DomainSplitting {
+    /// The whole of an anchor, followed to its end, or its starts if all of it is forbidden; none if
+    /// cancelled.
+    pub(super) fn anchored_branch(
+        &self,
+        cell: Cell,
+        starts: Vec<PlacedStart>,
+        wanted: SplitRequest,
+    ) -> Option<Result<Branch, Vec<PlacedStart>>> {
+        let anchor = self.anchor(cell);
+        let mut anchor = anchor.lock().unwrap_or_else(|broken| broken.into_inner());
+        let end = self.advance(&mut anchor, wanted);
+        wanted.told.clear();
+        let Some(end) = end? else { return Some(Err(starts)) };
+        let part = Part::whole(cell, wanted.level, self.strict);
+        let way = Way::Ended(Arc::new(FinishedPatch::new(
+            &part,
+            anchor.node.clone(),
+            end,
+            wanted.budget,
+        )));
+        Some(Ok(Branch { part, starts, way }))
+    }
+
+    fn anchor(&self, cell: Cell) -> Arc<Mutex<Anchor>> {
+        let mut anchors = self.anchors.lock().unwrap_or_else(|broken| broken.into_inner());
+        if anchors.len() >= MOST_ANCHORS && !anchors.contains_key(&cell) {
+            anchors.clear();
+        }
+        anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.anchored(cell)))).clone()
+    }
+
+    /// An anchor at rest, with the digits that the differences of its cells from it need.
+    fn anchored(&self, cell: Cell) -> Anchor {
+        let node = self.released(cell);
+        let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW as i32));
+        let reference =
+            holds.then(|| reference(&self.build.reduced_in().0, cell.center(), bits(cell.level)));
+        let end = (!holds).then_some(PatchEnd::Spread);
+        Anchor { node, reference, end }
+    }
+
+    /// A cell at rest.
+    pub(super) fn released(&self, cell: Cell) -> SplitNode {
+        let exact = cell.center().map(Angle::sin_cos);
+        let sin_cos = exact.map(|(sin, cos)| (sin.to_f64(), cos.to_f64()));
+        let patch = FlowPatch::release(sin_cos, side_rad(cell.level + 1));
+        let edge = self.edge(&patch, exact.map(|(_, cos)| cos));
+        SplitNode { patch, edge: Some(edge) }
+    }
+
+    /// Depth of starts at rest in the forbidden region, in reduced units.
+    fn edge(&self, patch: &FlowPatch, cos: [Theta; 2]) -> Jet {
+        let (exact, _) = self.build.reduced_in::<Theta>();
+        let middle = exact.depth(cos) - exact.least_depth(self.rule);
+        let [x1, _, x2, ..] = patch.phase;
+        let Pendulum { p, q, .. } = self.dynamics.pendulum;
+        let depth = x1 * Jet::constant(p) + x2 * Jet::constant(q);
+        depth.with_middle(middle.to_f64())
+    }
+
+    /// Follows an anchor up to the requested budget. Returns its end there, or `Some(None)` where
+    /// all of it is forbidden; `None` if cancelled.
+    fn advance(&self, anchor: &mut Anchor, wanted: SplitRequest) -> Option<Option<PatchEnd>> {
+        if !anchor.node.settle_edge() {
+            return Some(None);
+        }
+        let tolerance = self.tolerance(DEEPEST_BELOW as i32);
+        let unit_secs = self.build.unit_secs();
+        loop {
+            if let Some(end) = &anchor.end {
+                return Some(Some(end.clone()));
+            }
+            if wanted.cancelled.load(Ordering::Relaxed) {
+                return None;
+            }
+            let patch = &mut anchor.node.patch;
+            wanted.told.set(patch.time.0 * unit_secs, wanted.budget * unit_secs);
+            let until = wanted.budget.min(patch.time.0 + SLICE);
+            match patch.follow(&self.dynamics, until, tolerance, anchor.reference.as_deref_mut()) {
+                PatchEnd::Over if patch.time.0 >= wanted.budget => {
+                    return Some(Some(PatchEnd::Over));
+                }
+                PatchEnd::Over => {}
+                end => anchor.end = Some(end),
+            }
+        }
+    }
+}
