@@ -6,7 +6,8 @@ use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{
-    Deep, Engine, IntegratorConfig, Job, Keep, Leaf, Precision, Question, Starts, Trust, Wait,
+    Cells, Deep, Engine, IntegratorConfig, Job, Keep, Leaf, Precision, Question, Starts, Trust,
+    Wait,
 };
 use flipmap::physics::{Fixed, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
 use flipmap::scene::lattice::Cell;
@@ -41,7 +42,10 @@ fn samples(
     engine: &mut dyn Engine,
     tile_pixels: usize,
 ) -> Samples {
-    let mut work = Work::new(scene, size, config, tile_pixels);
+    all_samples(Work::new(scene, size, config, tile_pixels), size, engine)
+}
+
+fn all_samples(mut work: Work, size: [u32; 2], engine: &mut dyn Engine) -> Samples {
     let mut all = Samples::unflipped((size[0] * size[1]) as usize);
     loop {
         let finished = work.work(engine, None).unwrap();
@@ -177,6 +181,41 @@ fn starts_on_lines_are_told_what_they_would_find_alone() {
             let apart = (a.time - b.time).abs();
             assert!(a.status == b.status && apart < 5e-4, "scene {k}: {a:?}, alone {b:?}");
         }
+    }
+}
+
+#[test]
+fn direct_integration_cells_and_lines_agree() {
+    let size = [48, 36];
+    // With budgets that end before direct integration reaches its horizon.
+    let views = [
+        ("1e-2", 26.0),
+        ("1e-3", 26.0),
+        ("1e-4", 26.0),
+        ("1e-5", 26.0),
+        ("1e-6", 26.0),
+        ("1e-8", 34.0),
+        ("1e-10", 40.0),
+    ];
+    for (width, secs) in views {
+        let mut scene = scene(["-1.6601", "0.1003"], width);
+        scene.question.budget = Budget::secs(secs);
+        let by = |cells: Cells, engine: DepthEngine<'static>| {
+            let mut engine = engine;
+            let work = Work::new(&scene, size, BALANCED, 4096).with_cells(cells);
+            all_samples(work, size, &mut engine)
+        };
+        let directly = by(Cells::Never, engine());
+        let ways = [by(Cells::Always, engine()), by(Cells::Always, engine().without_lines())];
+        for (k, way) in ways.iter().enumerate() {
+            let differs = |p: &usize| !is_right(&way.get(*p), &directly.get(*p));
+            let differing: Vec<usize> = (0..48 * 36).filter(differs).collect();
+            assert!(differing.is_empty(), "{} pixels at {width}, way {k}", differing.len());
+        }
+        let other = scene_beside(&scene);
+        let wrong = samples(&other, size, BALANCED, &mut engine(), 4096);
+        let moved = (0..48 * 36).filter(|p| wrong.get(*p) != directly.get(*p)).count();
+        assert!(moved > 0, "the comparison can fail");
     }
 }
 

@@ -4,7 +4,7 @@
 //! any time are polynomials in the position of the start within the cell ([`Jet`]), and those obey
 //! the equations of motion: the same right-hand sides and steps that move one pendulum move all. A
 //! patch is followed until its polynomials no longer describe the whole cell; there it is
-//! subdivided into quarters that continue, or its pixels' own integration begins.
+//! cut into parts that continue, or its pixels' own integration begins.
 //!
 //! Crossings are found on the polynomials too. Where all of a patch passes the top, the moment is
 //! itself a polynomial. Where a bob turns round near the top, the height it reaches is one, and its
