@@ -100,7 +100,7 @@ fn standard_output_carries_the_picture() {
 }
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
-const MISTAKES: [(&[&str], i32, &[&str]); 44] = [
+const MISTAKES: [(&[&str], i32, &[&str]); 46] = [
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -134,6 +134,8 @@ const MISTAKES: [(&[&str], i32, &[&str]); 44] = [
     (&["--rotate", "nan"], 2, &["--rotate"]),
     (&["--adapter", "geforce"], 2, &["--adapter", "--engine cpu"]),
     (&["--accuracy", "perfect"], 2, &["--accuracy", "lesson, fast, balanced, exact"]),
+    (&["--cells", "sometimes"], 2, &["--cells", "auto, never or always"]),
+    (&["--cells", "never", "--width", "1e-13"], 2, &["--cells is never", "f64"]),
     (&["--tolerance", "1e-16"], 2, &["--tolerance", "between 1e-15 and 1e-2"]),
     (&["--tolerance", "1e-12", "--precision", "f32"], 2, &["--tolerance", "1e-8"]),
     (&["--tolerance", "nan"], 2, &["--tolerance", "between"]),

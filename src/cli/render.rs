@@ -62,10 +62,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         request = continued.prefer_engine(request);
     }
     let Chosen { mut engine, config, why, following } = start(&request)?;
-    check_numbers(&scene, spec.size(), config)?;
-    let pixel_rad = Grid::new(&scene, spec.size()).pixel_rad();
-    let refuse = |why| Exit::Usage(format!("--cells is never; {why}"));
-    options.cells.check(&config, pixel_rad).map_err(refuse)?;
+    check_numbers(&scene, spec.size(), config, options.cells)?;
     if let Some(continued) = &mut continued {
         continued.check_ran(engine.as_ref(), config)?;
     }
@@ -180,9 +177,16 @@ fn announce(engine: &dyn Engine, config: IntegratorConfig, verify: bool, why: &s
 }
 
 /// Rejects too many steps, and warns if pixels lie closer together than the centre's last digit.
-fn check_numbers(scene: &Scene, size: [u32; 2], config: IntegratorConfig) -> Result<(), Exit> {
+fn check_numbers(
+    scene: &Scene,
+    size: [u32; 2],
+    config: IntegratorConfig,
+    cells: Cells,
+) -> Result<(), Exit> {
     check_steps(scene, config)?;
     let pixel = Grid::new(scene, size).pixel_rad();
+    let refuse = |why| Exit::Usage(format!("--cells is never; {why}"));
+    cells.check(&config, pixel).map_err(refuse)?;
     let needed = (-pixel.log10()).ceil() as usize;
     let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);
     if pixel < TOO_SMALL_FOR_ROUND_CENTRES && given < needed {
