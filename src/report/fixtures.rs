@@ -110,7 +110,7 @@ fn the_page_needs_nothing_else() {
     for outside in ["http", "src=", "<link", "@import", "url("] {
         assert!(!page.contains(outside), "{outside}");
     }
-    assert!(page.matches("<svg").count() == 5 && page.contains("Hard cases"));
+    assert!(page.matches("<svg").count() == 6 && page.contains("Hard cases"));
 }
 
 #[test]

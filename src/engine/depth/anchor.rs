@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use super::domain_splitting::{DomainSplitting, SplitRequest};
 use super::finished_patch::FinishedPatch;
-use super::part::{Branch, Part, PlacedStart, SplitNode, Way};
+use super::part::{Branch, PlacedStart, SplitNode, SplitPart, Way};
 use crate::physics::flow_patch::{FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, digits_for, reference};
@@ -63,7 +63,7 @@ impl DomainSplitting {
         let end = self.advance(&mut anchor, wanted);
         wanted.told.clear();
         let Some(end) = end? else { return Some(Err(starts)) };
-        let part = Part::whole(cell, wanted.level, self.strict);
+        let part = SplitPart::whole(cell, wanted.level, self.strict);
         let way = Way::Ended(Arc::new(FinishedPatch::new(
             &part,
             anchor.node.clone(),

@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use super::anchor::{Anchor, anchor_level};
 use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
-use super::part::{Branch, Cut, Part, PlacedStart, SplitNode, Way};
+use super::part::{Branch, Cut, PlacedStart, SplitNode, SplitPart, Way};
 use super::split_lanes::SplitLanes;
 use crate::engine::{Deep, Leaf, Question};
 use crate::physics::Rule;
@@ -150,7 +150,7 @@ impl DomainSplitting {
     }
 
     /// Follows a part alone; returns why it ended.
-    fn follow(&self, node: &mut SplitNode, part: &Part, budget: f64) -> PatchEnd {
+    fn follow(&self, node: &mut SplitNode, part: &SplitPart, budget: f64) -> PatchEnd {
         if self.holds(node, part) {
             node.patch.follow(&self.dynamics, budget, self.tolerance(part.above[0]), None)
         } else {
@@ -159,14 +159,14 @@ impl DomainSplitting {
     }
 
     /// Returns true if a part can be followed at all.
-    pub(super) fn holds(&self, node: &SplitNode, part: &Part) -> bool {
+    pub(super) fn holds(&self, node: &SplitNode, part: &SplitPart) -> bool {
         node.patch.holds(&self.dynamics, self.tolerance(part.above[0]))
     }
 
     /// Keeps a part that has been followed to its end for `all`.
     pub(super) fn finish(
         &self,
-        part: &Part,
+        part: &SplitPart,
         node: SplitNode,
         end: PatchEnd,
         wanted: SplitRequest,
@@ -188,7 +188,7 @@ impl DomainSplitting {
     /// `all`.
     pub(super) fn cut(
         &self,
-        part: Part,
+        part: SplitPart,
         starts: Vec<PlacedStart>,
         finished: Arc<FinishedPatch>,
         wanted: SplitRequest,
@@ -233,7 +233,7 @@ impl DomainSplitting {
     }
 
     /// How a part is cut whose polynomials no longer hold; none if it is small enough.
-    fn cut_of(&self, part: &Part, finished: &FinishedPatch) -> Option<Cut> {
+    fn cut_of(&self, part: &SplitPart, finished: &FinishedPatch) -> Option<Cut> {
         if part.is_strip {
             let axes = self.axes_of_strip(part.above, finished);
             return axes.map(|axes| Cut { frame: Frame::WHOLE, axes, strips: true });

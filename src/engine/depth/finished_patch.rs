@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use super::part::{Part, SplitNode};
+use super::part::{SplitNode, SplitPart};
 use super::stats::DepthStats;
 use crate::engine::{End, Moving, Question};
 use crate::physics::flow_patch::{Curve, Dynamics, FlowPatch, PatchEnd};
@@ -58,7 +58,7 @@ const MOST_ASIDE: f64 = 1e-4;
 
 impl FinishedPatch {
     /// A part that was to be followed to a budget, with the reason why it ended.
-    pub(super) fn new(part: &Part, node: SplitNode, ending: PatchEnd, budget: f64) -> Self {
+    pub(super) fn new(part: &SplitPart, node: SplitNode, ending: PatchEnd, budget: f64) -> Self {
         let SplitNode { patch, edge } = node;
         let (key, half_rad, curve) = (part.key, part.half_rad(), OnceLock::new());
         FinishedPatch { key, patch, ending, edge, half_rad, budget, curve }

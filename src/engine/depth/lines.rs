@@ -61,13 +61,13 @@ pub(super) struct Lines {
     pub alone: Vec<usize>,
 }
 
-/// What a job's lines need next.
+/// The next need of a job's lines.
 pub(super) enum Need {
-    /// These pendulums are to be integrated, to their ends; with the places of the samples.
+    /// Samples, by their places, with the pendulums that have to be integrated to their ends.
     Samples(Vec<((PartKey, i32), Moving)>),
     /// Samples that other jobs have asked for.
     Others,
-    /// Nothing more.
+    /// No more samples.
     Nothing,
 }
 

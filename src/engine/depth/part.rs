@@ -20,7 +20,7 @@ pub(super) struct PlacedStart {
 
 /// A rectangle of an anchor: a cell of the lattice, or a strip along the bands.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct SplitPart {
     pub key: PartKey,
     /// The cell that it is, or for a strip, that it was cut from.
     pub cell: Cell,
@@ -45,7 +45,7 @@ pub(super) struct Cut {
 
 /// A part on its way, with the starts in it, in coordinates of the anchor.
 pub(super) struct Branch {
-    pub part: Part,
+    pub part: SplitPart,
     pub starts: Vec<PlacedStart>,
     pub way: Way,
 }
@@ -65,12 +65,12 @@ pub(super) struct SplitNode {
     pub edge: Option<Jet>,
 }
 
-impl Part {
+impl SplitPart {
     /// The whole of an anchor.
     pub(super) fn whole(anchor: Cell, leaf_level: u32, strict: bool) -> Self {
         let above = [(leaf_level - anchor.level) as i32; 2];
         let key = PartKey { anchor, leaf_level, strict, path: 1 };
-        Part { key, cell: anchor, frame: Frame::WHOLE, above, is_strip: false }
+        SplitPart { key, cell: anchor, frame: Frame::WHOLE, above, is_strip: false }
     }
 
     /// Half its side across the bands in rad.
@@ -79,14 +79,14 @@ impl Part {
     }
 
     /// The parts into which it is cut, each with its frame in the coordinates of `cut`'s frame.
-    pub(super) fn parts(&self, cut: &Cut) -> Vec<(Frame, Part)> {
+    pub(super) fn parts(&self, cut: &Cut) -> Vec<(Frame, SplitPart)> {
         let outer = self.frame.outside(&cut.frame);
         let above = [0, 1].map(|axis| self.above[axis] - i32::from(cut.axes[axis]));
         let part = |(index, frame)| {
             let key = PartKey { path: 4 * self.key.path + index as u64, ..self.key };
             let cell = if cut.strips { self.cell } else { self.cell.children()[index] };
             let place = outer.outside(&frame);
-            (frame, Part { key, cell, frame: place, above, is_strip: cut.strips })
+            (frame, SplitPart { key, cell, frame: place, above, is_strip: cut.strips })
         };
         Frame::parts(cut.axes).enumerate().map(part).collect()
     }

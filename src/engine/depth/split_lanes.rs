@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use super::domain_splitting::{Distribution, DomainSplitting, SplitRequest};
-use super::part::{Branch, Part, PlacedStart, SplitNode, Way};
+use super::part::{Branch, PlacedStart, SplitNode, SplitPart, Way};
 use crate::physics::flow_patch::{Follower, JET_LANES, PatchEnd, carry};
 use crate::physics::jet::Jet;
 
@@ -18,7 +18,7 @@ pub(super) struct SplitLanes<'a> {
 
 /// A part that is being followed.
 struct Lane {
-    part: Part,
+    part: SplitPart,
     starts: Vec<PlacedStart>,
     edge: Option<Jet>,
     follower: Follower,
@@ -98,7 +98,7 @@ impl<'a> SplitLanes<'a> {
         self.end(part, starts, SplitNode { patch: follower.into_patch(), edge }, end);
     }
 
-    fn end(&mut self, part: Part, starts: Vec<PlacedStart>, node: SplitNode, end: PatchEnd) {
+    fn end(&mut self, part: SplitPart, starts: Vec<PlacedStart>, node: SplitNode, end: PatchEnd) {
         let finished = self.splitting.finish(&part, node, end, self.wanted, &mut self.all);
         self.waiting.push(Branch { part, starts, way: Way::Ended(finished) });
     }
