@@ -100,7 +100,7 @@ fn standard_output_carries_the_picture() {
 }
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
-const MISTAKES: [(&[&str], i32, &[&str]); 46] = [
+const MISTAKES: [(&[&str], i32, &[&str]); 45] = [
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -134,7 +134,6 @@ const MISTAKES: [(&[&str], i32, &[&str]); 46] = [
     (&["--rotate", "nan"], 2, &["--rotate"]),
     (&["--adapter", "geforce"], 2, &["--adapter", "--engine cpu"]),
     (&["--accuracy", "perfect"], 2, &["--accuracy", "lesson, fast, balanced, exact"]),
-    (&["--cells", "sometimes"], 2, &["--cells", "auto, never or always"]),
     (&["--cells", "never", "--width", "1e-13"], 2, &["--cells is never", "f64"]),
     (&["--tolerance", "1e-16"], 2, &["--tolerance", "between 1e-15 and 1e-2"]),
     (&["--tolerance", "1e-12", "--precision", "f32"], 2, &["--tolerance", "1e-8"]),
@@ -169,8 +168,7 @@ fn every_mistake_gets_a_sentence_a_code_and_leaves_files_alone() {
 fn impossible_sizes_are_refused() {
     let folder = folder();
     for size in ["0x5", "5x0", "1000001x1", "x", "5", "-1x5", "99999999999x2"] {
-        let output =
-            flipmap(&folder, &["render", "--engine", "cpu", "-o", "a.png", "--size", size]);
+        let output = flipmap(&folder, &["render", "-o", "a.png", "--size", size]);
         assert_eq!(output.status.code(), Some(2), "{size}");
         assert!(error_of(&output).contains("--size"), "{size}: {}", error_of(&output));
     }
