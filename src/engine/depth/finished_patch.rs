@@ -21,7 +21,7 @@ pub(super) struct PartKey {
     pub leaf_level: u32,
     /// True if it is followed with smaller errors, as a check.
     pub strict: bool,
-    /// Its place among the parts of parts: 1, then two bits for every cut.
+    /// Place among the parts of parts: 1, then two bits for every cut.
     pub path: u64,
 }
 

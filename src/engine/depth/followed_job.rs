@@ -31,8 +31,8 @@ pub(super) struct Awaited {
     pub ends: Vec<End>,
     /// States of the starts that are unflipped, if they are kept.
     pub unfinished: Vec<(usize, IntegratorState)>,
-    /// Number of its flights that have not come back.
-    pub flights: usize,
+    /// Number of its takeoffs that have not come back.
+    pub takeoffs: usize,
     /// Indices of the starts that are not known, and the states they are in.
     pub moving: Vec<(usize, Moving)>,
     /// The job's lines, while samples of these are integrated.
@@ -105,14 +105,14 @@ pub(super) fn followed(
 }
 
 impl Awaited {
-    /// Nothing but forbidden starts.
+    /// A job of forbidden starts.
     fn of_forbidden(job: Job, count: usize) -> Self {
         Awaited {
             job,
             outcomes: vec![Outcome { status: Status::Forbidden, time: 0.0 }; count],
             ends: vec![End::NOWHERE; count],
             unfinished: Vec::new(),
-            flights: 0,
+            takeoffs: 0,
             moving: Vec::new(),
             lines: None,
             effort: Effort::default(),

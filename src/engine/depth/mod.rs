@@ -24,7 +24,7 @@
 //! or stay unflipped, and in which states the others are, far enough apart by then that any number
 //! type can integrate them. By then most patches have one direction alone; a few samples along it tell
 //! most of their starts ([`lines`]). Samples, and the starts that these do not tell, go to the
-//! wrapped engine as pendulums in motion ([`flight`]), and all other jobs are passed on to it.
+//! wrapped engine as pendulums in motion ([`takeoff`]), and all other jobs are passed on to it.
 //!
 //! * An answer depends on its place in the lattice alone, not on jobs or other requests.
 //! * Anchors, finished patches and samples are kept for later jobs. Cells are followed on threads of
@@ -35,7 +35,6 @@ mod anchor;
 mod deep;
 mod domain_splitting;
 mod finished_patch;
-mod flight;
 mod followed_job;
 mod following;
 mod line_interval;
@@ -43,6 +42,7 @@ mod lines;
 mod part;
 mod split_lanes;
 mod stats;
+mod takeoff;
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
@@ -50,11 +50,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-use self::flight::{Flight, Load, by_departure};
 use self::followed_job::{Awaited, Splittings, followed, splitting_of};
 pub use self::following::Following;
 use self::lines::{LineSamples, Need, samples_of};
 pub use self::stats::DepthStats;
+use self::takeoff::{Load, Takeoff, by_time};
 use super::{
     Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Moving, Starts, Wait,
 };
@@ -66,9 +66,9 @@ pub struct DepthEngine<'a> {
     splittings: Splittings,
     /// Deep jobs by identifier; none for those whose cells are being followed.
     deep: HashMap<u64, Option<Awaited>>,
-    /// Flights of deep jobs, by the identifiers of the wrapped engine's jobs.
-    flights: HashMap<u64, Flight>,
-    next_flight: u64,
+    /// Takeoffs of deep jobs, by the identifiers of the wrapped engine's jobs.
+    takeoffs: HashMap<u64, Takeoff>,
+    next_takeoff: u64,
     /// Jobs for which the wrapped engine has no free slot yet.
     waiting: VecDeque<Job>,
     flying: usize,
@@ -83,8 +83,8 @@ pub struct DepthEngine<'a> {
     receiver: Receiver<Awaited>,
 }
 
-/// Identifier of the first flight, far above those of jobs that are passed on.
-const FIRST_FLIGHT: u64 = 1 << 63;
+/// Identifier of the first takeoff, far above those of jobs that are passed on.
+const FIRST_TAKEOFF: u64 = 1 << 63;
 
 /// Longest wait for one source of answers before the other is looked at.
 const TURN: Duration = Duration::from_millis(2);
@@ -103,8 +103,8 @@ impl<'a> DepthEngine<'a> {
             pool,
             splittings: Splittings::default(),
             deep: HashMap::new(),
-            flights: HashMap::new(),
-            next_flight: FIRST_FLIGHT,
+            takeoffs: HashMap::new(),
+            next_takeoff: FIRST_TAKEOFF,
             waiting: VecDeque::new(),
             flying: 0,
             following: 0,
@@ -152,7 +152,7 @@ impl<'a> DepthEngine<'a> {
                 Need::Nothing => awaited.take_lines(lines),
                 Need::Others => awaited.lines = Some(lines),
                 Need::Samples(wanted) => {
-                    for (since, group) in by_departure(wanted) {
+                    for (since, group) in by_time(wanted) {
                         let (places, states) = group.into_iter().unzip();
                         let load = Load::Samples(places);
                         self.depart(&mut awaited, Keep::Ends, load, since, states);
@@ -162,12 +162,12 @@ impl<'a> DepthEngine<'a> {
             }
         }
         if awaited.lines.is_none() {
-            for (since, starts) in by_departure(std::mem::take(&mut awaited.moving)) {
+            for (since, starts) in by_time(std::mem::take(&mut awaited.moving)) {
                 let states = starts.iter().map(|(_, state)| *state).collect();
                 let keep = awaited.job.keep;
                 self.depart(&mut awaited, keep, Load::Starts(starts), since, states);
             }
-            if awaited.flights == 0 {
+            if awaited.takeoffs == 0 {
                 self.deep.remove(&awaited.job.id);
                 return Some(awaited.result());
             }
@@ -185,22 +185,22 @@ impl<'a> DepthEngine<'a> {
         since: f64,
         states: Vec<Moving>,
     ) {
-        let id = self.next_flight;
-        self.next_flight += 1;
-        awaited.flights += 1;
-        self.flights.insert(id, Flight { job: awaited.job.id, load });
-        self.waiting.push_back(Flight::job(id, &awaited.job, keep, since, states));
+        let id = self.next_takeoff;
+        self.next_takeoff += 1;
+        awaited.takeoffs += 1;
+        self.takeoffs.insert(id, Takeoff { job: awaited.job.id, load });
+        self.waiting.push_back(Takeoff::job(id, &awaited.job, keep, since, states));
     }
 
     /// Takes a result of the wrapped engine, and returns what it completes: deep jobs, or, if it
     /// belongs to none, the result itself.
     fn take_finished(&mut self, finished: JobResult) -> Vec<JobResult> {
         self.flying -= 1;
-        let Some(Flight { job, load }) = self.flights.remove(&finished.id) else {
+        let Some(Takeoff { job, load }) = self.takeoffs.remove(&finished.id) else {
             return vec![finished];
         };
         let Some(Some(awaited)) = self.deep.get_mut(&job) else { return Vec::new() };
-        awaited.flights -= 1;
+        awaited.takeoffs -= 1;
         awaited.effort += finished.effort;
         match load {
             Load::Samples(places) => {
@@ -211,10 +211,10 @@ impl<'a> DepthEngine<'a> {
         self.landed()
     }
 
-    /// Goes on with the jobs that have no flights out, one that has completed its own or that waits
+    /// Goes on with the jobs that have no takeoffs out, one that has completed its own or that waits
     /// for samples of others; returns the results of those that are complete.
     fn landed(&mut self) -> Vec<JobResult> {
-        let is_ready = |awaited: &Awaited| awaited.flights == 0;
+        let is_ready = |awaited: &Awaited| awaited.takeoffs == 0;
         let mut ready: Vec<u64> = Vec::new();
         for (id, awaited) in &self.deep {
             ready.extend(awaited.as_ref().is_some_and(is_ready).then_some(*id));
@@ -286,7 +286,7 @@ impl Engine for DepthEngine<'_> {
         (self.sender, self.receiver) = channel();
         self.inner.cancel();
         self.deep.clear();
-        self.flights.clear();
+        self.takeoffs.clear();
         self.waiting.clear();
         self.samples.iter_mut().for_each(LineSamples::cancel);
         (self.flying, self.following) = (0, 0);

@@ -1,4 +1,4 @@
-//! Flights: pendulums of a deep job that set out at about the same time and are integrated together.
+//! Takeoffs: pendulums of a deep job that set out at about the same time and are integrated together.
 
 use std::collections::BTreeMap;
 
@@ -9,13 +9,13 @@ use crate::engine::{Job, Keep, Moving, MovingStarts, Starts};
 const TOGETHER: f64 = 4.0;
 
 /// Pendulums on their way through the wrapped engine.
-pub(super) struct Flight {
+pub(super) struct Takeoff {
     /// The deep job that they belong to.
     pub job: u64,
     pub load: Load,
 }
 
-/// The meaning of a flight's pendulums.
+/// The meaning of a takeoff's pendulums.
 pub(super) enum Load {
     /// Samples of lines, at these places.
     Samples(Vec<(PartKey, i32)>),
@@ -23,7 +23,7 @@ pub(super) enum Load {
     Starts(Vec<(usize, Moving)>),
 }
 
-impl Flight {
+impl Takeoff {
     /// The job that integrates pendulums for a deep job; all have set out by the time `since`.
     pub(super) fn job(id: u64, deep: &Job, keep: Keep, since: f64, states: Vec<Moving>) -> Job {
         let starts = Starts::Moving(MovingStarts { since, states });
@@ -33,9 +33,7 @@ impl Flight {
 
 /// Groups pendulums by the time at which they set out, with the last time at which any of a group can,
 /// so that what becomes of each follows from its own time alone.
-pub(super) fn by_departure<T>(
-    all: Vec<(T, Moving)>,
-) -> impl Iterator<Item = (f64, Vec<(T, Moving)>)> {
+pub(super) fn by_time<T>(all: Vec<(T, Moving)>) -> impl Iterator<Item = (f64, Vec<(T, Moving)>)> {
     let mut groups: BTreeMap<i64, Vec<(T, Moving)>> = BTreeMap::new();
     for one in all {
         groups.entry((one.1.time[0] / TOGETHER).ceil() as i64).or_default().push(one);
