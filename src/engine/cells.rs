@@ -4,13 +4,13 @@ use std::fmt;
 
 use super::IntegratorConfig;
 
-/// Which starts are followed as cells first.
+/// The choice of starts that are followed as cells first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cells {
-    /// Those so close together that it saves time, or that their number type cannot tell apart.
+    /// Starts so close together that it saves time, or that their number type cannot tell apart.
     #[default]
     Auto,
-    /// None.
+    /// No starts at all.
     Never,
     /// All of them.
     Always,

@@ -3,7 +3,7 @@
 /// A rectangle in the coordinates of another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// Its middle.
+    /// Middle of the rectangle.
     pub middle: [f64; 2],
     /// The vectors from its middle to the middles of two sides, at right angles.
     pub axes: [[f64; 2]; 2],

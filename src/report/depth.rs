@@ -70,7 +70,7 @@ pub struct DepthRow {
 /// Ways to compute the pixels of a deep view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthWay {
-    /// From the release.
+    /// Directly from the release.
     Direct,
     /// Through cells and strips, each pixel by itself.
     Cells,
@@ -81,11 +81,11 @@ pub enum DepthWay {
 /// Microseconds per pixel by the way in which it is computed.
 #[derive(Clone, Debug, Serialize)]
 pub struct UsByWay {
-    /// From the release, if the number type tells the pixels apart.
+    /// Directly from the release, if the number type tells the pixels apart.
     pub directly: Option<f64>,
     /// Through cells and strips alone.
     pub by_cells: f64,
-    /// With lines.
+    /// Through strips, with lines.
     pub by_lines: f64,
 }
 

@@ -232,7 +232,7 @@ impl DomainSplitting {
         kept.get(key).filter(|finished| finished.serves(budget)).cloned()
     }
 
-    /// How a part is cut whose polynomials no longer hold; none if it is small enough.
+    /// Returns the cut of a part whose polynomials no longer hold; none if it is small enough.
     fn cut_of(&self, part: &SplitPart, finished: &FinishedPatch) -> Option<Cut> {
         if part.is_strip {
             let axes = self.axes_of_strip(part.above, finished);

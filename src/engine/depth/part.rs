@@ -12,9 +12,9 @@ use crate::scene::lattice::{Cell, side_rad};
 /// A start of a job.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedStart {
-    /// Its index in the job.
+    /// Index in the job.
     pub index: usize,
-    /// Its place, in coordinates of the anchor or of a part.
+    /// Place, in coordinates of the anchor or of a part.
     pub at: [f64; 2],
 }
 
@@ -24,7 +24,7 @@ pub(super) struct SplitPart {
     pub key: PartKey,
     /// The cell that it is, or for a strip, that it was cut from.
     pub cell: Cell,
-    /// Its place in the anchor.
+    /// Place in the anchor.
     pub frame: Frame,
     /// Levels by which it is larger than a leaf, across the bands and along them.
     pub above: [i32; 2],
@@ -32,7 +32,7 @@ pub(super) struct SplitPart {
     pub is_strip: bool,
 }
 
-/// How a part is cut.
+/// A way to cut a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
     /// The frame that is cut, in the part's coordinates.
@@ -50,11 +50,11 @@ pub(super) struct Branch {
     pub way: Way,
 }
 
-/// How far the starts of a part have been followed.
+/// The progress of following the starts of a part.
 pub(super) enum Way {
-    /// Up to the time at which it was cut from a larger one.
+    /// Followed to the time at which it was cut from a larger one.
     Open(Box<SplitNode>),
-    /// To its end.
+    /// Followed to the end.
     Ended(Arc<FinishedPatch>),
 }
 
