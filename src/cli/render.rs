@@ -35,7 +35,7 @@ pub(super) struct Options {
     #[command(flatten)]
     outputs: OutputOptions,
     /// Follow pixels as cells first (for measurements): auto where that saves time, never, or always
-    #[arg(long, value_name = "WHEN", default_value_t, value_parser = parse_cells)]
+    #[arg(long, value_name = "WHEN", default_value_t)]
     cells: Cells,
     /// Save pixels that have not flipped to this file, and resume from it with a larger --budget
     #[arg(long, value_name = "FILE")]
@@ -104,11 +104,6 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     tell(&ran, &scene);
     Ok(())
-}
-
-fn parse_cells(word: &str) -> Result<Cells, String> {
-    let named = Cells::ALL.into_iter().find(|cells| cells.to_string() == word);
-    named.ok_or_else(|| "it is auto, never or always".to_string())
 }
 
 /// Resolves the options, and rejects what could not be done before anything is computed.

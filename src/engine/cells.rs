@@ -1,8 +1,9 @@
 //! The choice between following cells of starts and integrating every start from its release.
 
 use std::fmt;
+use std::str::FromStr;
 
-use super::IntegratorConfig;
+use super::{IntegratorConfig, Precision};
 
 /// The choice of starts that are followed as cells first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,7 +26,7 @@ pub enum Cells {
 pub struct Indistinguishable {
     pixel_rad: f64,
     least_rad: f64,
-    precision: super::Precision,
+    precision: Precision,
 }
 
 /// Least distance of starts that are told apart, in roundings of an angle.
@@ -64,6 +65,15 @@ impl fmt::Display for Cells {
             Cells::Never => "never",
             Cells::Always => "always",
         })
+    }
+}
+
+impl FromStr for Cells {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        let named = Cells::ALL.into_iter().find(|cells| cells.to_string() == word);
+        named.ok_or_else(|| "it is auto, never or always".to_string())
     }
 }
 

@@ -26,6 +26,7 @@ const GUARD_BITS: u32 = 10;
 const MOST_ANCHORS: usize = 64;
 /// Reduced time between two checks for cancellation.
 const SLICE: f64 = 1.0;
+
 /// A cell followed along the trajectory of its own middle.
 pub(super) struct Anchor {
     node: SplitNode,

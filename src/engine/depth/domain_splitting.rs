@@ -2,8 +2,8 @@
 //! polynomials hold, then cut.
 //!
 //! An anchor's middle is followed in as many digits as its depth needs. Everything below it is a
-//! difference from it, for which f64 has digits enough: a leaf lies at most 11
-//! levels below its anchor.
+//! difference from it, for which f64 has digits enough: a leaf lies at most
+//! [`DEEPEST_BELOW`](super::anchor::DEEPEST_BELOW) levels below its anchor.
 //!
 //! A cell is cut into quarters as long as its states differ in two directions. Energy is conserved,
 //! so one direction grows far beyond the other; from then on cells are cut across it only, and what
@@ -11,9 +11,9 @@
 //!
 //! ```text
 //!   ┌───────┬───────┐     ┌───────────────┐
-//!   │       │       │     │╲   ╲   ╲   ╲  │   Strips are as wide as a leaf in the end. Whatever
-//!   ├───────┼───────┤ ──▶ │ ╲   ╲   ╲   ╲ │   happens in them is the same all along, to first
-//!   │       │       │     │  ╲   ╲   ╲   ╲│   order, so that all tiles share them.
+//!   │       │       │     │╲   ╲   ╲   ╲  │   Strips become narrower than a leaf. What happens
+//!   ├───────┼───────┤ ──▶ │ ╲   ╲   ╲   ╲ │   in one is the same all along, to first order, so
+//!   │       │       │     │  ╲   ╲   ╲   ╲│   that all tiles share it.
 //!   └───────┴───────┘     └───────────────┘
 //! ```
 //!

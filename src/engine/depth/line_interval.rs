@@ -9,7 +9,8 @@ use crate::physics::{Outcome, Status};
 pub(super) const COARSEST: i32 = 1;
 /// Level of the shortest intervals, where a jump is closed in on to a hundredth of a pixel.
 pub(super) const FINEST: i32 = 9;
-/// Level from which on intervals with several jumps are not halved: they are half a pixel long.
+/// Level from which on intervals with several jumps are not halved: they are a sixteenth of a pixel
+/// long.
 const UNRESOLVED: i32 = 6;
 /// Number of jumps between samples that make several.
 const SEVERAL: usize = 2;
