@@ -6,6 +6,7 @@
 //! something to show.
 
 pub mod action;
+mod auto_budget;
 pub mod camera;
 pub mod canvas;
 pub mod commands;

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use egui::Ui;
 
 use super::action::Action;
+use super::auto_budget::AutoBudget;
 use super::camera::Camera;
 use super::canvas::MapRenderer;
 use super::canvas::colours::colours;
@@ -76,6 +77,7 @@ pub struct AppModel {
     pub(super) asking: Option<Asking>,
     pub(super) descent: DescentPath,
     pub(super) forecast: Forecast,
+    pub(super) auto_budget: AutoBudget,
     /// Figures of the lesson.
     pub lab: Lab,
     pub(super) request: EngineRequest,
@@ -145,6 +147,7 @@ impl AppModel {
             asking: None,
             descent: DescentPath::default(),
             forecast: Forecast::default(),
+            auto_budget: AutoBudget::default(),
             lab: Lab::new(Figure::Machine),
             request,
             wake,
@@ -161,6 +164,7 @@ impl AppModel {
         if self.lab_hides_map() {
             return false;
         }
+        let settled = self.settle_budget();
         let state = &self.state;
         let turn = self.compute.turn(|config| state.view_target(config), Instant::now() + WORK);
         self.meter.read(Instant::now(), self.compute.explorer.counts().simulated);
@@ -174,7 +178,7 @@ impl AppModel {
         let spread = self.spread_colours();
         let news = self.follow_descent();
         let foreseen = self.foresee();
-        turn.news || spread || news || foreseen
+        settled || turn.news || spread || news || foreseen
     }
 
     /// Spreads the palette over the flip times of a deep view, once the view is complete at a

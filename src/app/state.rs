@@ -122,12 +122,12 @@ pub struct AppState {
     pub now_secs: f64,
 }
 
-/// Returns a scene's question; a budget that equals the automatic one follows the depth.
+/// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
 pub(super) fn following(scene: &Scene) -> FlipQuestion {
     let budget = scene.question.budget;
-    let auto = Budget { auto: true, ..budget }.for_view(&scene.build, &scene.view);
+    let auto = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
     let same = auto.secs == budget.secs;
-    FlipQuestion { budget: if budget.auto || same { auto } else { budget }, ..scene.question }
+    FlipQuestion { budget: if budget.auto || !same { budget } else { auto }, ..scene.question }
 }
 
 impl AppState {
@@ -212,8 +212,7 @@ impl AppState {
             config,
             verified: self.integration.spec.verify,
         };
-        let width_rad = screen.camera.width_rad;
-        let budget_secs = self.question.budget.for_width(&self.build, width_rad).secs;
+        let budget_secs = self.question.budget.secs;
         ViewTarget { physics, budget_secs, region: screen.region(), level: screen.level(), pointer }
     }
 
@@ -228,8 +227,6 @@ impl AppState {
                 self.moving = None;
             }
         }
-        let width_rad = self.target().width_rad;
-        self.question.budget = self.question.budget.for_width(&self.build, width_rad);
         if self.moving.is_none() && !self.dragging {
             self.history.visit(self.camera);
         }

@@ -74,7 +74,7 @@ impl FilmOptions {
     pub(super) fn film(&self) -> anyhow::Result<(Film, RunSpec)> {
         let mut keys = self.keys()?;
         for key in &mut keys {
-            key.scene = self.words.apply(std::mem::take(&mut key.scene))?;
+            key.scene = self.words.apply(std::mem::take(&mut key.scene))?.settled();
         }
         same_sizes(&keys, &self.run)?;
         let Some(first) = keys.first_mut() else {

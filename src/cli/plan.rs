@@ -117,7 +117,7 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
         return Ok((PlannedOutput::Film(film), spec));
     }
     let scene = SceneOptions { scene: options.film.scene(), ..SceneOptions::default() };
-    let mut document = options.film.words.apply(scene.document()?)?;
+    let mut document = options.film.words.apply(scene.document()?)?.settled();
     options.film.picture.apply(&mut document)?;
     let spec = options.film.run.settle(&mut document)?;
     document.picture.check()?;

@@ -113,7 +113,7 @@ fn prepare(options: &Options) -> anyhow::Result<(Document, RunSpec)> {
     let spec = options.run.settle(&mut document)?;
     options.picture.apply(&mut document)?;
     check_outputs(options, &document, &spec)?;
-    Ok((document, spec))
+    Ok((document.settled(), spec))
 }
 
 /// Completes all files and returns the time it took.

@@ -119,10 +119,12 @@ impl Plan {
     fn checked(mut self) -> Result<Self, PlanError> {
         let scene = |error: DocumentError| PlanError::Inside(error.to_string());
         match (&mut self.still, &mut self.film) {
-            (Some(document), None) => *document = take(document).checked().map_err(scene)?,
+            (Some(document), None) => {
+                *document = take(document).checked().map_err(scene)?.settled()
+            }
             (None, Some(film)) => {
                 for key in &mut film.keys {
-                    key.scene = take(&mut key.scene).checked().map_err(scene)?;
+                    key.scene = take(&mut key.scene).checked().map_err(scene)?.settled();
                 }
                 film.check().map_err(|error| PlanError::Inside(error.to_string()))?;
             }

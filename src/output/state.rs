@@ -88,7 +88,7 @@ impl RenderState {
 
     /// Refuses to resume with another scene than the state's own, or with a smaller budget.
     pub fn check_scene(&self, now: &Document) -> Result<(), StateError> {
-        let kept = Document::parse(&self.document).map_err(|_| StateError::Foreign)?;
+        let kept = Document::parse(&self.document).map_err(|_| StateError::Foreign)?.settled();
         let differ = |what, kept: String, now: String| {
             if kept == now { Ok(()) } else { Err(StateError::Different { what, kept, now }) }
         };

@@ -157,7 +157,8 @@ struct RecurrenceSeries<T> {
     /// Sines and cosines of θ1, θ2 and θ1 − θ2.
     sin: [Vec<T>; 3],
     cos: [Vec<T>; 3],
-    delta: Vec<T>,
+    /// Derivative of θ1 − θ2.
+    delta_speed: Vec<T>,
     speed_squared: [Vec<T>; 2],
     torque: [Vec<T>; 2],
     det: Vec<T>,
@@ -173,7 +174,7 @@ impl<T: Scalar> RecurrenceSeries<T> {
             speed: [zeros(), zeros()],
             sin: [zeros(), zeros(), zeros()],
             cos: [zeros(), zeros(), zeros()],
-            delta: zeros(),
+            delta_speed: zeros(),
             speed_squared: [zeros(), zeros()],
             torque: [zeros(), zeros()],
             det: zeros(),
@@ -198,39 +199,40 @@ impl<T: Scalar> RecurrenceSeries<T> {
         }
     }
 
-    /// Extends θ1 − θ2, the sines and the cosines to order `k`, from sin′ = θ′ cos, cos′ = −θ′ sin.
+    /// Extends the sines and cosines to order `k`, from sin′ = θ′ cos, cos′ = −θ′ sin, and then the
+    /// derivative of θ1 − θ2.
     fn extend_angles(&mut self, k: usize) {
-        self.delta[k] = self.angle[0][k] - self.angle[1][k];
-        let angles = [&self.angle[0], &self.angle[1], &self.delta];
-        for (i, angle) in angles.into_iter().enumerate() {
-            let (sin, cos) = if k == 0 {
-                sin_cos_exact(angle[0])
-            } else {
-                let over = T::from_f64(k as f64);
-                let (mut sin, mut cos) = (T::zero(), T::zero());
-                for (j, &term) in angle.iter().enumerate().take(k + 1).skip(1) {
-                    let weight = term * T::from_f64(j as f64);
-                    sin = weight.mul_add(self.cos[i][k - j], sin);
-                    cos = weight.mul_add(self.sin[i][k - j], cos);
+        for i in 0..3 {
+            (self.sin[i][k], self.cos[i][k]) = match k.checked_sub(1) {
+                None => sin_cos_exact([self.angle[0][0], self.angle[1][0], self.delta()][i]),
+                Some(before) => {
+                    let derivative = [&self.speed[0], &self.speed[1], &self.delta_speed][i];
+                    let over = T::from_f64(k as f64);
+                    let sin = product(derivative, &self.cos[i], before);
+                    let cos = product(derivative, &self.sin[i], before);
+                    (sin / over, -cos / over)
                 }
-                (sin / over, -cos / over)
             };
-            self.sin[i][k] = sin;
-            self.cos[i][k] = cos;
         }
+        self.delta_speed[k] = self.speed[0][k] - self.speed[1][k];
+    }
+
+    /// The angle θ1 − θ2 at the beginning.
+    fn delta(&self) -> T {
+        self.angle[0][0] - self.angle[1][0]
     }
 
     /// Extends the accelerations to order `k`.
     fn extend_forces(&mut self, pendulum: &Pendulum<T>, k: usize) {
         let Pendulum { a, b, c, p, q, .. } = *pendulum;
         for i in 0..2 {
-            self.speed_squared[i][k] = product(&self.speed[i], &self.speed[i], k);
+            self.speed_squared[i][k] = square(&self.speed[i], k);
         }
         let (s, cos) = (&self.sin[2], &self.cos[2]);
         self.torque[0][k] = -c * product(s, &self.speed_squared[1], k) - p * self.sin[0][k];
         self.torque[1][k] = c * product(s, &self.speed_squared[0], k) - q * self.sin[1][k];
         let constant = if k == 0 { pendulum.least_det } else { T::zero() };
-        self.det[k] = constant + c * c * product(s, s, k);
+        self.det[k] = constant + c * c * square(s, k);
         let pull = [
             b * self.torque[0][k] - c * product(cos, &self.torque[1], k),
             a * self.torque[1][k] - c * product(cos, &self.torque[0], k),
@@ -286,6 +288,13 @@ const LONGEST_STEP: f64 = 1e3;
 /// The coefficient of order `k` of the product of two series.
 fn product<T: Scalar>(x: &[T], y: &[T], k: usize) -> T {
     (0..=k).fold(T::zero(), |sum, j| x[j].mul_add(y[k - j], sum))
+}
+
+/// The coefficient of order `k` of the square of a series: twice the products of different terms.
+fn square<T: Scalar>(x: &[T], k: usize) -> T {
+    let half = (0..k.div_ceil(2)).fold(T::zero(), |sum, j| x[j].mul_add(x[k - j], sum));
+    let twice = half + half;
+    if k % 2 == 0 { x[k / 2].mul_add(x[k / 2], twice) } else { twice }
 }
 
 #[cfg(test)]

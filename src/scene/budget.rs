@@ -1,27 +1,39 @@
 //! The budget of a pixel: a number of simulated seconds, or as many as the view's depth needs.
 
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Build, View};
 use crate::physics::Scalar;
+use crate::physics::growth::time_to_grow;
 
 /// Simulated seconds that a pixel may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
     /// Number of seconds.
     pub secs: f64,
-    /// True if the seconds follow the view's width.
+    /// True if the seconds follow the view's depth.
     pub auto: bool,
 }
 
 /// The least automatic budget: that of the home map (30 s), in the default pendulum's units.
 const LEAST_UNITS: f64 = 93.962_758_580_194_95;
-/// Units of time per decade of width. Neighbours move apart by at most about 0.3 decades a second,
-/// so those of a view ten times smaller need 3.3 s (10.4 units) more to be as far apart, and to
-/// flip as differently.
+/// Decades by which the pixels of a picture are closer together than its sides.
+const PIXEL_DECADES: f64 = 3.0;
+/// Units of time per decade of width where growth is not waited for. On most filaments that views
+/// descend along, neighbours move apart by about 0.3 decades a second: ten times in 3.3 s.
 const UNITS_A_DECADE: f64 = 10.44;
+/// Longest time that growth is waited for, as a multiple of [`UNITS_A_DECADE`].
+const MOST_WAITED: f64 = 3.0;
 /// Step of automatic budgets in units of time, so that moving a little recomputes nothing.
 const STEP_UNITS: f64 = 31.320_919_526_731_65;
+/// Number of settled budgets that are kept.
+const MOST_SETTLED: usize = 64;
+
+/// The automatic budgets settled last, in s: a scene is checked many times on its way.
+static SETTLED: Mutex<VecDeque<(Build, View, f64)>> = Mutex::new(VecDeque::new());
 
 impl Budget {
     /// A fixed budget of `secs` seconds.
@@ -29,22 +41,65 @@ impl Budget {
         Budget { secs, auto: false }
     }
 
-    /// The same budget, fitted to the width of a view if it is automatic.
-    pub fn for_width(self, build: &Build, width_rad: f64) -> Self {
+    /// The same budget with a first guess of its seconds if it is automatic, from the width alone.
+    pub fn guessed(self, build: &Build, view: &View) -> Self {
+        let secs = if self.auto { in_steps(build, expected_units(view)) } else { self.secs };
+        Budget { secs, ..self }
+    }
+
+    /// The same budget, fitted to a checked view if it is automatic: the time after which a turn
+    /// lies between the pendulums of pixels that are next to each other in its middle, at least
+    /// that of the home map. What flips later is noise from pixel to pixel.
+    ///
+    /// Each decade of depth takes a few milliseconds, and more at great depths.
+    pub fn for_view(self, build: &Build, view: &View) -> Self {
         if !self.auto {
             return self;
         }
-        let decades = (std::f64::consts::TAU / width_rad).log10();
-        let steps = ((UNITS_A_DECADE * decades).max(LEAST_UNITS) / STEP_UNITS).ceil();
-        let secs = steps * STEP_UNITS * build.unit_secs();
-        // Whole seconds for the default pendulum.
-        Budget { secs: (secs * 100.0).round() / 100.0, auto: true }
+        let secs = known(build, view).unwrap_or_else(|| {
+            let secs = settle(build, view);
+            let mut settled = SETTLED.lock().unwrap_or_else(PoisonError::into_inner);
+            settled.truncate(MOST_SETTLED - 1);
+            settled.push_front((*build, view.clone(), secs));
+            secs
+        });
+        Budget { secs, auto: true }
     }
+}
 
-    /// The same budget, fitted to a checked view if it is automatic.
-    pub fn for_view(self, build: &Build, view: &View) -> Self {
-        self.for_width(build, view.width_rad().to_f64())
-    }
+/// The automatic budget of a view, in s, if it has been settled lately.
+fn known(build: &Build, view: &View) -> Option<f64> {
+    let settled = SETTLED.lock().unwrap_or_else(PoisonError::into_inner);
+    let same = |(other, seen, _): &&(Build, View, f64)| other == build && seen == view;
+    settled.iter().find(same).map(|(.., secs)| *secs)
+}
+
+/// The automatic budget of a view, in s.
+fn settle(build: &Build, view: &View) -> f64 {
+    let decades = decades(view);
+    let expected = expected_units(view);
+    let most = MOST_WAITED * expected;
+    let grown = || {
+        let (pendulum, _) = build.reduced_in();
+        time_to_grow(&pendulum, view.center_rad(), decades + PIXEL_DECADES, most)
+    };
+    in_steps(build, (decades > 0.0).then(grown).flatten().unwrap_or(expected))
+}
+
+/// Decades of depth of a view.
+fn decades(view: &View) -> f64 {
+    (std::f64::consts::TAU / view.width_rad().to_f64()).log10()
+}
+
+fn expected_units(view: &View) -> f64 {
+    (UNITS_A_DECADE * decades(view)).max(LEAST_UNITS)
+}
+
+/// The budget of so many units of time, at least that of the home map, in s.
+fn in_steps(build: &Build, units: f64) -> f64 {
+    let steps = (units.max(LEAST_UNITS) / STEP_UNITS).ceil();
+    // Whole seconds for the default pendulum.
+    (steps * STEP_UNITS * build.unit_secs() * 100.0).round() / 100.0
 }
 
 impl Default for Budget {
@@ -107,15 +162,32 @@ impl<'de> Deserialize<'de> for Budget {
 mod tests {
     use super::*;
 
+    fn view(center: [&str; 2], width: &str) -> View {
+        let center = center.map(str::to_string);
+        View { center, width: width.to_string(), ..View::default() }
+    }
+
+    const AUTO: Budget = Budget { secs: 0.0, auto: true };
+
     #[test]
-    fn automatic_budgets_grow_with_depth_in_steps() {
-        let auto: Budget = "auto".parse().unwrap();
-        let secs = |width| auto.for_width(&Build::default(), width).secs;
-        assert_eq!((secs(6.0), secs(1e-7)), (30.0, 30.0));
-        assert_eq!((secs(1e-20), secs(1e-50), secs(1e-100)), (70.0, 170.0, 340.0));
+    fn automatic_budgets_follow_the_growth_in_the_middle() {
+        let secs = |center, width| AUTO.for_view(&Build::default(), &view(center, width)).secs;
+        let fast = ["1.1867310027236805013017550390625", "2.0440255543056208421702266796875"];
+        assert_eq!([secs(fast, "6"), secs(fast, "1e-3"), secs(fast, "1e-20")], [30.0, 30.0, 60.0]);
+        // Nothing grows in small swings, so the width decides.
+        let slow = ["0.1", "0.1"];
+        assert_eq!(secs(slow, "1e-20"), 70.0);
         let moon = Build { gravity: (9.81 / 4.0).into(), ..Build::default() };
-        assert_eq!(auto.for_width(&moon, 1.0).secs, 60.0);
-        assert_eq!(Budget::secs(7.0).for_width(&moon, 1e-50).secs, 7.0);
+        assert_eq!(AUTO.for_view(&moon, &view(fast, "1")).secs, 60.0);
+        assert_eq!(Budget::secs(7.0).for_view(&moon, &view(fast, "1e-50")).secs, 7.0);
+    }
+
+    #[test]
+    fn a_guess_follows_the_width() {
+        let secs = |width| AUTO.guessed(&Build::default(), &view(["0", "0"], width)).secs;
+        assert_eq!((secs("6"), secs("1e-7")), (30.0, 30.0));
+        assert_eq!((secs("1e-20"), secs("1e-50"), secs("1e-100")), (70.0, 170.0, 340.0));
+        assert_eq!(Budget::secs(7.0).guessed(&Build::default(), &View::default()).secs, 7.0);
     }
 
     #[test]

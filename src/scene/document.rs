@@ -102,12 +102,19 @@ impl Document {
         document.checked()
     }
 
-    /// Checks every number of the scene and of its picture, and settles a budget that follows the
-    /// depth, which is known only with the view.
+    /// Checks every number of the scene and of its picture, and guesses a budget that follows the
+    /// depth.
     pub fn checked(mut self) -> Result<Self, DocumentError> {
         self.question = self.scene().checked()?.question;
         self.picture.check()?;
         Ok(self)
+    }
+
+    /// The checked document with its automatic budget; see [`Scene::settled`].
+    #[must_use]
+    pub fn settled(mut self) -> Self {
+        self.question = self.scene().settled().question;
+        self
     }
 
     /// Checks every number of the scene and of its picture.

@@ -168,7 +168,8 @@ pub struct SceneError {
 }
 
 impl Scene {
-    /// Checks every number, so that nothing later needs to, and settles an automatic budget.
+    /// Checks every number, so that nothing later needs to. An automatic budget is guessed; see
+    /// [`Scene::settled`].
     pub fn checked(mut self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
         let refuse = |option, value: &dyn std::fmt::Debug, range| {
@@ -185,12 +186,20 @@ impl Scene {
             return refuse("--gravity", &gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
         }
         self.view.check()?;
-        self.question.budget = self.question.budget.for_view(&self.build, &self.view);
+        self.question.budget = self.question.budget.guessed(&self.build, &self.view);
         let budget = self.question.budget.secs;
         if !(1e-9..=1e6).contains(&budget) {
             return refuse("--budget", &budget, "it must lie between 1e-9 and 1e6 s, or be auto");
         }
         Ok(self)
+    }
+
+    /// The checked scene with its automatic budget, which takes seconds at great depths
+    /// ([`Budget::for_view`]).
+    #[must_use]
+    pub fn settled(mut self) -> Self {
+        self.question.budget = self.question.budget.for_view(&self.build, &self.view);
+        self
     }
 }
 

@@ -98,7 +98,7 @@ impl Renderer {
     /// The work of a picture of `size` pixels, for a loop that takes tiles as they finish.
     pub fn work(&mut self, scene: &Scene, size: [u32; 2]) -> Work {
         let tile_pixels = self.engine().job_size();
-        Work::new(scene, size, self.config, tile_pixels)
+        Work::new(&scene.clone().settled(), size, self.config, tile_pixels)
     }
 
     /// The samples of a checked scene in `size` pixels, by rows from the top.
@@ -114,6 +114,7 @@ impl Renderer {
         size: [u32; 2],
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Samples>, EngineError> {
+        let scene = &scene.clone().settled();
         self.second_opinion(scene, size, go_on)?;
         let mut work = self.work(scene, size);
         let samples = preview(&mut work, size, self.engine(), go_on)?;

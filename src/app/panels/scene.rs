@@ -61,8 +61,9 @@ fn pair(ui: &mut Ui, names: [&str; 2], unit: &str, values: &mut [Decimal; 2]) {
     }
 }
 
-const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay together: 3.3 s more for \
-                       each zoom by ten (of the default pendulum), in steps of 10 s";
+const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay together: the budget ends \
+                       when neighbouring pixels of the middle have come a turn apart, in steps of \
+                       10 s (of the default pendulum)";
 
 fn asked(ui: &mut Ui, question: &mut FlipQuestion) {
     ui.label("Rule").on_hover_text("Which bob must flip over the top");

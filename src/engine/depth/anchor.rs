@@ -9,7 +9,7 @@ use super::finished_patch::FinishedPatch;
 use super::part::{Branch, PlacedStart, SplitNode, SplitPart, Way};
 use crate::physics::flow_patch::{FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
-use crate::physics::reference::{Reference, digits_for, reference};
+use crate::physics::reference::{Reference, bits_for, digits_for, reference};
 use crate::physics::{Angle, Pendulum, Scalar, Theta};
 use crate::scene::lattice::{Cell, side_rad};
 
@@ -20,8 +20,6 @@ const EVERY: u32 = 6;
 const LEAST_BELOW: u32 = 6;
 /// Largest number of levels from an anchor down to a leaf.
 pub(super) const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
-/// Guard bits for the rounding errors of a long integration.
-const GUARD_BITS: u32 = 10;
 /// Largest number of anchors that are kept.
 const MOST_ANCHORS: usize = 64;
 /// Reduced time between two checks for cancellation.
@@ -40,14 +38,9 @@ pub(super) fn anchor_level(leaf: u32) -> u32 {
     leaf.saturating_sub(LEAST_BELOW) / EVERY * EVERY
 }
 
-/// Precision that a reference at an anchor needs, in bits after the point.
-fn bits(anchor: u32) -> u32 {
-    anchor + f64::MANTISSA_DIGITS + GUARD_BITS
-}
-
 /// Number of decimal digits in which the anchors of leaves of a level are followed.
 pub(super) fn digits(leaf: u32) -> u32 {
-    digits_for(bits(anchor_level(leaf)))
+    digits_for(bits_for(anchor_level(leaf)))
 }
 
 impl DomainSplitting {
@@ -86,8 +79,8 @@ impl DomainSplitting {
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
         let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW as i32));
-        let reference =
-            holds.then(|| reference(&self.build.reduced_in().0, cell.center(), bits(cell.level)));
+        let reference = holds
+            .then(|| reference(&self.build.reduced_in().0, cell.center(), bits_for(cell.level)));
         let end = (!holds).then_some(PatchEnd::Spread);
         Anchor { node, reference, end }
     }
@@ -129,7 +122,7 @@ impl DomainSplitting {
             let patch = &mut anchor.node.patch;
             wanted.told.set(patch.time.0 * unit_secs, wanted.budget * unit_secs);
             let until = wanted.budget.min(patch.time.0 + SLICE);
-            match patch.follow(&self.dynamics, until, tolerance, anchor.reference.as_deref_mut()) {
+            match patch.follow(&self.dynamics, until, tolerance, anchor.reference.as_mut()) {
                 PatchEnd::Over if patch.time.0 >= wanted.budget => {
                     return Some(Some(PatchEnd::Over));
                 }

@@ -161,8 +161,14 @@ impl Verdict {
 impl Sample {
     /// Returns true if it ends as its neighbour does, near it; false for NaN.
     fn belongs_to(&self, neighbour: &Sample) -> bool {
-        let (a, b) = (self.place(), neighbour.place());
-        self.outcome.status == neighbour.outcome.status && size(|i| b[i] - a[i]) <= MOST_APART
+        self.distance(neighbour) <= MOST_APART
+    }
+
+    /// The distance of another end, infinite if only one of the two has flipped.
+    pub(super) fn distance(&self, other: &Sample) -> f64 {
+        let (a, b) = (self.place(), other.place());
+        let alike = self.outcome.status == other.outcome.status;
+        if alike { size(|i| b[i] - a[i]) } else { f64::INFINITY }
     }
 
     /// The end: unit vectors, and reduced time.

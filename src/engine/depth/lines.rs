@@ -21,7 +21,8 @@
 //! through its five samples and no bob came so near the top that a start between them could have
 //! flipped there. Others are halved, so that jumps are closed in on; starts in those that stay rough
 //! or are full of jumps, and starts whose residual could shift their flip, are integrated one by one
-//! as everywhere else.
+//! as everywhere else. Before anything is told by a line, some starts off it are integrated too, and
+//! one that contradicts it sends all of the patch's starts off alone.
 //!
 //! Intervals, samples and all decisions belong to the patch, never to the request, so an answer
 //! depends on nothing but its place in the lattice. Jobs share the samples.
@@ -30,6 +31,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::finished_patch::{FinishedPatch, PartKey};
+use super::line_check::{CheckPlace, LineCheck};
 use super::line_interval::{COARSEST, FINEST, Interval, SAMPLES, Sample, Verdict};
 use super::stats::DepthStats;
 use crate::engine::{IntegratorConfig, Job, JobResult, Moving, Question};
@@ -39,12 +41,21 @@ use crate::physics::flow_patch::Dynamics;
 /// Binary logarithm of the number of sample places in half a patch.
 const PLACES: i32 = FINEST + 2;
 
+/// The place of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) enum Place {
+    /// On the line, in units of 2^−[`PLACES`].
+    On(i32),
+    /// A pendulum that checks the line.
+    Check(CheckPlace),
+}
+
 /// The samples of lines that have been taken or asked for, of one question and configuration.
 pub(super) struct LineSamples {
     question: Question,
     config: IntegratorConfig,
-    lines: HashMap<PartKey, HashMap<i32, Sample>>,
-    asked: HashSet<(PartKey, i32)>,
+    lines: HashMap<PartKey, HashMap<Place, Sample>>,
+    asked: HashSet<(PartKey, Place)>,
     count: usize,
 }
 
@@ -64,7 +75,7 @@ pub(super) struct Lines {
 /// The next need of a job's lines.
 pub(super) enum Need {
     /// Samples, by their places, with the pendulums that have to be integrated to their ends.
-    Samples(Vec<((PartKey, i32), Moving)>),
+    Samples(Vec<((PartKey, Place), Moving)>),
     /// Samples that other jobs have asked for.
     Others,
     /// No more samples.
@@ -75,6 +86,8 @@ pub(super) enum Need {
 struct Line {
     patch: Arc<FinishedPatch>,
     open: Vec<Interval>,
+    /// True once starts off the line have confirmed it.
+    is_confirmed: bool,
 }
 
 impl LineSamples {
@@ -94,7 +107,7 @@ impl LineSamples {
     }
 
     /// Takes the results of samples that were asked for.
-    pub(super) fn insert(&mut self, places: Vec<(PartKey, i32)>, results: &JobResult) {
+    pub(super) fn insert(&mut self, places: Vec<(PartKey, Place)>, results: &JobResult) {
         self.count += places.len();
         let samples = results.outcomes.iter().zip(&results.ends);
         for ((key, place), (outcome, end)) in places.into_iter().zip(samples) {
@@ -158,23 +171,28 @@ impl Lines {
             let interval = Interval::around(COARSEST, point.s);
             open.entry(interval.place).or_insert(interval).starts.push((index, point));
         }
-        self.lines.push(Line { patch: patch.clone(), open: open.into_values().collect() });
+        let (patch, open) = (patch.clone(), open.into_values().collect());
+        self.lines.push(Line { patch, open, is_confirmed: false });
     }
 
     /// Decides as much as the samples allow, and returns what is needed next.
     pub(super) fn ask(&mut self, samples: &mut LineSamples) -> Need {
         let mut wanted = Vec::new();
         for line in &mut self.lines {
-            let key = line.patch.key;
-            let taken = samples.lines.entry(key).or_default();
-            let missing = line.refine(taken, self.unit_secs, &mut self.known, &mut self.alone);
-            let Some(curve) = line.patch.curve(&self.dynamics) else { continue };
-            for place in missing {
-                if samples.asked.insert((key, place)) {
-                    let s = f64::from(place) / f64::from(1 << PLACES);
-                    let clearance = line.patch.patch.clearance_outside_grazes();
-                    let moving = line.patch.moving(&self.dynamics, curve.at(s), clearance);
-                    wanted.push(((key, place), moving));
+            let patch = line.patch.clone();
+            let Some(curve) = patch.curve(&self.dynamics) else { continue };
+            let (dynamics, unit_secs) = (&self.dynamics, self.unit_secs);
+            let check = LineCheck { dynamics, patch: &patch.patch, curve, unit_secs };
+            let taken = samples.lines.entry(patch.key).or_default();
+            line.confirm(&check, taken, &mut self.alone);
+            for place in line.refine(taken, unit_secs, &mut self.known, &mut self.alone) {
+                if samples.asked.insert((patch.key, place)) {
+                    let state = match place {
+                        Place::On(place) => curve.at(f64::from(place) / f64::from(1 << PLACES)),
+                        Place::Check(place) => check.state(place),
+                    };
+                    let clearance = patch.patch.clearance_outside_grazes();
+                    wanted.push(((patch.key, place), patch.moving(dynamics, state, clearance)));
                 }
             }
         }
@@ -196,23 +214,47 @@ impl Lines {
 }
 
 impl Line {
+    /// Confirms the line by the starts that check it, once these are known; sends all starts off
+    /// alone if they contradict it.
+    fn confirm(
+        &mut self,
+        check: &LineCheck,
+        taken: &HashMap<Place, Sample>,
+        alone: &mut Vec<usize>,
+    ) {
+        let known = |place: CheckPlace| taken.get(&Place::Check(place)).copied();
+        if self.is_confirmed || CheckPlace::all().any(|place| known(place).is_none()) {
+            return;
+        }
+        self.is_confirmed = true;
+        if !check.holds(|place| known(place).expect("all are known")) {
+            log::info!("starts off a line contradict it: {:?}", self.patch.key);
+            let starts = self.open.drain(..).flat_map(|interval| interval.starts);
+            alone.extend(starts.map(|(index, _)| index));
+        }
+    }
+
     /// Judges intervals and halves those that are rough, as far as the samples allow. Adds the starts
     /// whose outcome is known now, and those that have to be integrated alone; returns the places
     /// of the samples that are missing.
     fn refine(
         &mut self,
-        taken: &HashMap<i32, Sample>,
+        taken: &HashMap<Place, Sample>,
         unit_secs: f64,
         known: &mut Vec<(usize, Outcome)>,
         alone: &mut Vec<usize>,
-    ) -> BTreeSet<i32> {
+    ) -> BTreeSet<Place> {
         let mut missing = BTreeSet::new();
+        if !self.is_confirmed {
+            let checks = CheckPlace::all().map(Place::Check);
+            missing.extend(checks.filter(|place| !taken.contains_key(place)));
+        }
         let mut waiting = std::mem::take(&mut self.open);
         while let Some(interval) = waiting.pop() {
-            let places = interval.places(PLACES);
+            let places = interval.places(PLACES).map(Place::On);
+            missing.extend(places.iter().filter(|place| !taken.contains_key(place)));
             let samples = places.map(|place| taken.get(&place));
-            if samples.contains(&None) {
-                missing.extend(places.iter().filter(|place| !taken.contains_key(place)));
+            if !self.is_confirmed || samples.contains(&None) {
                 self.open.push(interval);
                 continue;
             }

@@ -37,6 +37,7 @@ mod domain_splitting;
 mod finished_patch;
 mod followed_job;
 mod following;
+mod line_check;
 mod line_interval;
 mod lines;
 mod part;

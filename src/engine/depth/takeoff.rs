@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::finished_patch::PartKey;
+use super::lines::Place;
 use crate::engine::{Job, Keep, Moving, MovingStarts, Starts};
 
 /// Reduced time within which pendulums set out together.
@@ -18,7 +19,7 @@ pub(super) struct Takeoff {
 /// The meaning of a takeoff's pendulums.
 pub(super) enum Load {
     /// Samples of lines, at these places.
-    Samples(Vec<(PartKey, i32)>),
+    Samples(Vec<(PartKey, Place)>),
     /// Starts of the job by their indices, with the states in which they set out.
     Starts(Vec<(usize, Moving)>),
 }

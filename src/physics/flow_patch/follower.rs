@@ -110,6 +110,11 @@ impl Follower {
         None
     }
 
+    /// A bound on the distance of the patch's states from the middle one.
+    pub(super) fn spread(&self, dynamics: &Dynamics) -> f64 {
+        self.patch.spread(dynamics)
+    }
+
     /// The patch in its last state.
     pub fn into_patch(self) -> FlowPatch {
         self.patch

@@ -28,7 +28,7 @@ use super::frame::Frame;
 use super::jet::Jet;
 use super::opening;
 use super::phase::Phase;
-use super::reference::Reference;
+use super::reference::{Reference, drop_digits};
 use super::{Pendulum, Real};
 
 /// The dynamics that move a patch, in reduced units.
@@ -222,11 +222,12 @@ impl FlowPatch {
         dynamics: &Dynamics,
         budget: f64,
         tolerance: f64,
-        mut reference: Option<&mut (dyn Reference + 'static)>,
+        mut reference: Option<&mut Box<dyn Reference>>,
     ) -> PatchEnd {
         let mut follower = Follower::new(self.clone(), budget, tolerance);
         let end = loop {
-            let plan = match follower.plan(dynamics, reference.as_deref_mut()) {
+            let known = reference.as_deref_mut().map(AsMut::as_mut);
+            let plan = match follower.plan(dynamics, known) {
                 Ok(plan) => plan,
                 Err(end) => break end,
             };
@@ -235,8 +236,13 @@ impl FlowPatch {
                 let known = reference.phase(plan.length);
                 after = std::array::from_fn(|i| after[i].with_middle(known[i]));
             }
-            if let Some(end) = follower.take(dynamics, plan, after, reference.as_deref_mut()) {
+            if let Some(end) =
+                follower.take(dynamics, plan, after, reference.as_deref_mut().map(AsMut::as_mut))
+            {
                 break end;
+            }
+            if let Some(reference) = reference.as_deref_mut() {
+                drop_digits(reference, follower.spread(dynamics));
             }
         };
         *self = follower.into_patch();

@@ -1,81 +1,11 @@
 //! The tangent map of the motion: rates at which neighbours separate, by dual numbers.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
-
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
-use crate::physics::{Angle, Pendulum, Real, State};
+use crate::physics::{Pendulum, State};
 
-/// A dual number: a value and its derivatives along four directions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual {
-    value: f64,
-    slope: [f64; 4],
-}
-
-impl Dual {
-    fn new(value: f64) -> Self {
-        Dual { value, slope: [0.0; 4] }
-    }
-
-    /// The number f(x, y) = `value` with ∂f/∂x = `by_x` and ∂f/∂y = `by_y`.
-    #[inline(always)]
-    fn of(value: f64, by_x: f64, x: &Dual, by_y: f64, y: &Dual) -> Self {
-        Dual { value, slope: std::array::from_fn(|i| by_x * x.slope[i] + by_y * y.slope[i]) }
-    }
-}
-
-impl Add for Dual {
-    type Output = Self;
-    fn add(self, y: Self) -> Self {
-        Dual::of(self.value + y.value, 1.0, &self, 1.0, &y)
-    }
-}
-
-impl Sub for Dual {
-    type Output = Self;
-    fn sub(self, y: Self) -> Self {
-        Dual::of(self.value - y.value, 1.0, &self, -1.0, &y)
-    }
-}
-
-impl Mul for Dual {
-    type Output = Self;
-    fn mul(self, y: Self) -> Self {
-        Dual::of(self.value * y.value, y.value, &self, self.value, &y)
-    }
-}
-
-impl Div for Dual {
-    type Output = Self;
-    fn div(self, y: Self) -> Self {
-        let quotient = self.value / y.value;
-        Dual::of(quotient, 1.0 / y.value, &self, -quotient / y.value, &y)
-    }
-}
-
-impl Neg for Dual {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Dual { value: -self.value, slope: self.slope.map(|slope| -slope) }
-    }
-}
-
-impl Real for Dual {
-    fn lit(self, value: f64) -> Self {
-        Dual::new(value)
-    }
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        self * factor + term
-    }
-}
-
-impl Angle for Dual {
-    fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.value.sin_cos();
-        (Dual::of(sin, cos, &self, 0.0, &self), Dual::of(cos, -sin, &self, 0.0, &self))
-    }
-}
+/// A number with its derivatives along the four directions.
+type Dual = crate::physics::dual::Dual<4>;
 
 /// Four directions away from a state, each δθ1, δθ2, δp1, δp2: canonical coordinates, in which the
 /// motion preserves volumes.
