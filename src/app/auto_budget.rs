@@ -49,14 +49,14 @@ impl AppModel {
     pub(super) fn settle_budget(&mut self) -> bool {
         let state = &self.state;
         if !state.question.budget.auto {
-            self.auto_budget = AutoBudget::default();
+            self.estimates.auto_budget = AutoBudget::default();
             return false;
         }
         if !state.dragging {
             let view = (state.build, state.target());
-            self.auto_budget.ask(view, || state.document().scene(), &self.wake);
+            self.estimates.auto_budget.ask(view, || state.document().scene(), &self.wake);
         }
-        let Some(budget) = self.auto_budget.listen() else { return false };
+        let Some(budget) = self.estimates.auto_budget.listen() else { return false };
         let news = budget != state.question.budget;
         self.state.question.budget = budget;
         news

@@ -76,8 +76,7 @@ pub struct AppModel {
     pub(super) export_form: ExportForm,
     pub(super) asking: Option<Asking>,
     pub(super) descent: DescentPath,
-    pub(super) forecast: Forecast,
-    pub(super) auto_budget: AutoBudget,
+    pub(super) estimates: Estimates,
     /// Figures of the lesson.
     pub lab: Lab,
     pub(super) request: EngineRequest,
@@ -87,6 +86,13 @@ pub struct AppModel {
     pub measured: Vec<String>,
     /// View over which deep colours were last spread, and true if at its finest level.
     spread_for: Option<(Camera, bool)>,
+}
+
+/// Estimates about the newest view, made in the background.
+#[derive(Default)]
+pub(super) struct Estimates {
+    pub(super) forecast: Forecast,
+    pub(super) auto_budget: AutoBudget,
 }
 
 /// The settings that the file holds, and the time of the last save.
@@ -146,8 +152,7 @@ impl AppModel {
             export_form: ExportForm::default(),
             asking: None,
             descent: DescentPath::default(),
-            forecast: Forecast::default(),
-            auto_budget: AutoBudget::default(),
+            estimates: Estimates::default(),
             lab: Lab::new(Figure::Machine),
             request,
             wake,
@@ -356,7 +361,7 @@ impl AppModel {
         let width_rad = self.state.camera.width_rad;
         let diving = self.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
         let doing = self.compute.following().or(diving);
-        let warning = self.forecast.warning();
+        let warning = self.estimates.forecast.warning();
         StatusLine { progress, width_rad, rate, simulated, engine, depth, doing, warning }
     }
 

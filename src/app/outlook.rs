@@ -89,7 +89,7 @@ impl AppModel {
             == IntegrationSetting::Accuracy(Accuracy::Balanced)
             && !self.state.integration.spec.verify;
         if !unchecked {
-            self.forecast.forget();
+            self.estimates.forecast.forget();
             return false;
         }
         let progress = self.progress();
@@ -100,9 +100,9 @@ impl AppModel {
         if let Some(config) = config {
             let state = &self.state;
             let scene = || state.document().scene();
-            self.forecast.ask(state.view_target(config), scene, &self.wake);
+            self.estimates.forecast.ask(state.view_target(config), scene, &self.wake);
         }
-        self.forecast.listen()
+        self.estimates.forecast.listen()
     }
 }
 

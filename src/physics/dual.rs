@@ -8,9 +8,9 @@ use super::real::{Angle, Real};
 /// A value and its derivatives along `N` directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize> {
-    /// The value itself.
+    /// Value of the number.
     pub value: f64,
-    /// Its derivatives.
+    /// Derivatives of the value.
     pub slope: [f64; N],
 }
 

@@ -52,7 +52,7 @@ pub fn digits_for(bits: u32) -> u32 {
 
 /// Number of limbs with `bits` bits after the point; one limb is before it.
 fn limbs_for(bits: u32) -> usize {
-    1 + bits.div_ceil(64).clamp(2, 7) as usize
+    1 + bits.div_ceil(64).clamp(1, 7) as usize
 }
 
 /// Computes the trajectory of a pendulum in reduced units, released from rest at `angle` (rad),
@@ -75,6 +75,7 @@ fn from<const M: usize>(
     bits: u32,
 ) -> Box<dyn Reference> {
     match limbs_for(bits) {
+        2 => Box::new(FixedReference::<2>::new(pendulum, state)),
         3 => Box::new(FixedReference::<3>::new(pendulum, state)),
         4 => Box::new(FixedReference::<4>::new(pendulum, state)),
         5 => Box::new(FixedReference::<5>::new(pendulum, state)),

@@ -1,5 +1,5 @@
-//! Measurements of deep zoom: share of right pixels, steps and time per pixel, in views from 2e-3
-//! down to 2e-50 rad wide.
+//! Measurements of deep zoom: share of right pixels, steps and time per pixel, in views from 1 rad
+//! down to 6e-61 rad wide.
 //!
 //! The truth about a pixel is the gold standard in fixed-point numbers long enough for its depth,
 //! with each pixel integrated on its own from its release: it has nothing in common with start
@@ -140,7 +140,7 @@ impl FilamentPlace {
             Ok(match self.width_rad() {
                 width if width > 1e-24 => self.truth_in::<4>(*pixel),
                 width if width > 1e-40 => self.truth_in::<5>(*pixel),
-                _ => self.truth_in::<7>(*pixel),
+                _ => self.truth_in::<6>(*pixel),
             })
         };
         pixels.par_iter().map(one).collect()
@@ -289,9 +289,10 @@ impl Bench<'_> {
     }
 }
 
-/// The places: each a thousand times narrower than the one before down to 2e-18, then 2e-22, 2e-30
-/// and 2e-50 rad.
-pub(super) const PLACES: [FilamentPlace; 9] = [
+/// The places: a wide one, then each a thousand times narrower than the one before down to 2e-18,
+/// then 2e-22, 2e-30, 2e-50 and 6e-61 rad.
+pub(super) const PLACES: [FilamentPlace; 11] = [
+    FilamentPlace { center: ["1.1867", "2.0438"], width: "1" },
     FilamentPlace { center: ["1.186751171875", "2.043855078125"], width: "2e-3" },
     FilamentPlace { center: ["1.186731091796875", "2.044025366796875"], width: "2e-6" },
     FilamentPlace { center: ["1.186731002827734375", "2.044025554308203125"], width: "2e-9" },
@@ -324,6 +325,13 @@ pub(super) const PLACES: [FilamentPlace; 9] = [
             "2.04402555430562084217021105041761853068902558338534834765625",
         ],
         width: "2e-50",
+    },
+    FilamentPlace {
+        center: [
+            "1.186731002723680501301760333398628467671078030606980411925096073828125",
+            "2.044025554305620842170211050417618530689025583385348156881813920703125",
+        ],
+        width: "6.325e-61",
     },
 ];
 

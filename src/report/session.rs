@@ -176,7 +176,7 @@ impl Session {
 }
 
 /// Number of deep places in a quick report.
-const QUICK_PLACES: usize = 5;
+const QUICK_PLACES: usize = 6;
 
 fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
     let mut tasks = Vec::new();

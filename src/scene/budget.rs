@@ -6,8 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Build, View};
-use crate::physics::Scalar;
-use crate::physics::growth::time_to_grow;
+use crate::physics::growth::times_to_grow;
+use crate::physics::{Scalar, Theta};
 
 /// Simulated seconds that a pixel may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,10 +25,11 @@ const PIXEL_DECADES: f64 = 3.0;
 /// Units of time per decade of width where growth is not waited for. On most filaments that views
 /// descend along, neighbours move apart by about 0.3 decades a second: ten times in 3.3 s.
 const UNITS_A_DECADE: f64 = 10.44;
-/// Longest time that growth is waited for, as a multiple of [`UNITS_A_DECADE`].
+/// Longest time that growth is waited for, as a multiple of [`UNITS_A_DECADE`]: in views wider than
+/// a few thousandths of a radian the middle says little about the rest.
 const MOST_WAITED: f64 = 3.0;
 /// Step of automatic budgets in units of time, so that moving a little recomputes nothing.
-const STEP_UNITS: f64 = 31.320_919_526_731_65;
+const STEP_UNITS: f64 = 15.660_459_763_365_825;
 /// Number of settled budgets that are kept.
 const MOST_SETTLED: usize = 64;
 
@@ -43,7 +44,11 @@ impl Budget {
 
     /// The same budget with a first guess of its seconds if it is automatic, from the width alone.
     pub fn guessed(self, build: &Build, view: &View) -> Self {
-        let secs = if self.auto { in_steps(build, expected_units(view)) } else { self.secs };
+        let secs = if self.auto {
+            in_steps(build, expected_units(view.width_rad().to_f64()))
+        } else {
+            self.secs
+        };
         Budget { secs, ..self }
     }
 
@@ -76,23 +81,32 @@ fn known(build: &Build, view: &View) -> Option<f64> {
 
 /// The automatic budget of a view, in s.
 fn settle(build: &Build, view: &View) -> f64 {
-    let decades = decades(view);
-    let expected = expected_units(view);
-    let most = MOST_WAITED * expected;
-    let grown = || {
-        let (pendulum, _) = build.reduced_in();
-        time_to_grow(&pendulum, view.center_rad(), decades + PIXEL_DECADES, most)
-    };
-    in_steps(build, (decades > 0.0).then(grown).flatten().unwrap_or(expected))
+    settled_by_width(build, view.center_rad(), &[view.width_rad().to_f64()])[0]
 }
 
-/// Decades of depth of a view.
-fn decades(view: &View) -> f64 {
-    (std::f64::consts::TAU / view.width_rad().to_f64()).log10()
+/// The automatic budgets, in s, of views around one centre (rad) whose widths (rad) descend.
+pub(crate) fn settled_by_width(build: &Build, center: [Theta; 2], widths: &[f64]) -> Vec<f64> {
+    let (pendulum, _) = build.reduced_in();
+    let needed: Vec<f64> = widths.iter().map(|width| decades(*width) + PIXEL_DECADES).collect();
+    let most = |width: f64| MOST_WAITED * UNITS_A_DECADE * decades(width);
+    let longest = widths.iter().map(|width| most(*width)).fold(0.0, f64::max);
+    // What happens within the least budget decides nothing.
+    let longest = if longest > LEAST_UNITS { longest } else { 0.0 };
+    let times = times_to_grow(&pendulum, center, &needed, longest);
+    let settled = widths.iter().zip(times).map(|(&width, time)| {
+        let time = time.filter(|time| *time <= most(width));
+        in_steps(build, time.unwrap_or(expected_units(width)))
+    });
+    settled.collect()
 }
 
-fn expected_units(view: &View) -> f64 {
-    (UNITS_A_DECADE * decades(view)).max(LEAST_UNITS)
+/// Decades of depth of a view `width` (rad) across.
+fn decades(width: f64) -> f64 {
+    (std::f64::consts::TAU / width).log10()
+}
+
+fn expected_units(width: f64) -> f64 {
+    (UNITS_A_DECADE * decades(width)).max(LEAST_UNITS)
 }
 
 /// The budget of so many units of time, at least that of the home map, in s.
@@ -174,6 +188,8 @@ mod tests {
         let secs = |center, width| AUTO.for_view(&Build::default(), &view(center, width)).secs;
         let fast = ["1.1867310027236805013017550390625", "2.0440255543056208421702266796875"];
         assert_eq!([secs(fast, "6"), secs(fast, "1e-3"), secs(fast, "1e-20")], [30.0, 30.0, 60.0]);
+        // Growth in the middle of a wide view says nothing about its rim.
+        assert_eq!(secs(["2.5", "1"], "0.01"), 30.0);
         // Nothing grows in small swings, so the width decides.
         let slow = ["0.1", "0.1"];
         assert_eq!(secs(slow, "1e-20"), 70.0);

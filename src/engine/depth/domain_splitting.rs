@@ -252,7 +252,8 @@ impl DomainSplitting {
     }
 
     /// The axes along which a strip is cut: to the width of a leaf first, then as long as that
-    /// costs less than what it saves.
+    /// costs less than what it saves. Cutting narrow strips that are no lines along too, where they
+    /// are long, takes as long or longer (measured).
     fn axes_of_strip(
         &self,
         [across, along]: [i32; 2],

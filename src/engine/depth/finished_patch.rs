@@ -37,6 +37,8 @@ pub(super) struct FinishedPatch {
     pub edge: Option<Jet>,
     /// Half its side across the bands in rad.
     pub half_rad: f64,
+    /// Binary logarithm of its area in leaves.
+    pub area: i32,
     /// Reduced time up to which it was to be followed.
     pub budget: f64,
     /// The curve on which its states lie, if they lie on one.
@@ -60,8 +62,8 @@ impl FinishedPatch {
     /// A part that was to be followed to a budget, with the reason why it ended.
     pub(super) fn new(part: &SplitPart, node: SplitNode, ending: PatchEnd, budget: f64) -> Self {
         let SplitNode { patch, edge } = node;
-        let (key, half_rad, curve) = (part.key, part.half_rad(), OnceLock::new());
-        FinishedPatch { key, patch, ending, edge, half_rad, budget, curve }
+        let (key, half_rad, area) = (part.key, part.half_rad(), part.above.iter().sum());
+        FinishedPatch { key, patch, ending, edge, half_rad, area, budget, curve: OnceLock::new() }
     }
 
     /// The patch with the forbidden region's edge.

@@ -44,7 +44,7 @@ const PLACES: i32 = FINEST + 2;
 /// The place of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Place {
-    /// On the line, in units of 2^−[`PLACES`].
+    /// A place on the line, in units of 2^−[`PLACES`].
     On(i32),
     /// A pendulum that checks the line.
     Check(CheckPlace),
@@ -261,7 +261,7 @@ impl Line {
             let samples: [&Sample; SAMPLES] =
                 samples.map(|sample| sample.expect("none is missing"));
             match Verdict::on(samples, unit_secs) {
-                Verdict::Rough(jumps) if interval.can_be_halved(jumps) => {
+                Verdict::Rough(jumps) if interval.can_be_halved(jumps, self.patch.area) => {
                     waiting.extend(interval.halves());
                 }
                 Verdict::Rough(_) => alone.extend(interval.starts.iter().map(|(index, _)| index)),
