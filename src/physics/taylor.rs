@@ -294,7 +294,7 @@ fn product<T: Scalar>(x: &[T], y: &[T], k: usize) -> T {
 fn square<T: Scalar>(x: &[T], k: usize) -> T {
     let half = (0..k.div_ceil(2)).fold(T::zero(), |sum, j| x[j].mul_add(x[k - j], sum));
     let twice = half + half;
-    if k % 2 == 0 { x[k / 2].mul_add(x[k / 2], twice) } else { twice }
+    if k.is_multiple_of(2) { x[k / 2].mul_add(x[k / 2], twice) } else { twice }
 }
 
 #[cfg(test)]

@@ -104,18 +104,6 @@ impl TileSource for PatchWork {
 
     fn take(&mut self, batch: FinishedBatch<Vec<Cell>>) {
         batch.count_work(&mut self.counts);
-        eprintln!(
-            "LVL {} {} {} {:?}",
-            batch.tile[0].level,
-            batch.samples.len(),
-            batch.effort.rhs_evaluations,
-            batch.effort.depth.map(|d| (
-                d.cell_secs,
-                d.line_samples,
-                d.told_by_lines,
-                d.integrated
-            ))
-        );
         self.counts.add(&batch.samples);
         for (k, cell) in batch.tile.into_iter().enumerate() {
             let samples = batch.samples.part(k * PATCH_SAMPLES..(k + 1) * PATCH_SAMPLES);

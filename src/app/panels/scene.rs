@@ -62,8 +62,8 @@ fn pair(ui: &mut Ui, names: [&str; 2], unit: &str, values: &mut [Decimal; 2]) {
 }
 
 const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay together: the budget ends \
-                       when neighbouring pixels of the middle have come a turn apart, in steps of \
-                       10 s (of the default pendulum)";
+                       when neighbouring pixels of the middle have come a turn apart, in steps of 5 s \
+                       (of the default pendulum)";
 
 fn asked(ui: &mut Ui, question: &mut FlipQuestion) {
     ui.label("Rule").on_hover_text("Which bob must flip over the top");
