@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 use egui::Ui;
 
 use super::action::Action;
-use super::auto_budget::AutoBudget;
 use super::camera::Camera;
 use super::canvas::MapRenderer;
 use super::canvas::colours::colours;
@@ -21,7 +20,7 @@ use super::folders::Folders;
 use super::hover;
 use super::map::{Hovered, map};
 use super::meter::Meter;
-use super::outlook::Forecast;
+use super::outlook::Estimates;
 use super::panels::export::ExportForm;
 use super::panels::places::{PlaceForm, Thumbnails};
 use super::panels::status::{StatusLine, depth_words, status_line};
@@ -86,13 +85,6 @@ pub struct AppModel {
     pub measured: Vec<String>,
     /// View over which deep colours were last spread, and true if at its finest level.
     spread_for: Option<(Camera, bool)>,
-}
-
-/// Estimates about the newest view, made in the background.
-#[derive(Default)]
-pub(super) struct Estimates {
-    pub(super) forecast: Forecast,
-    pub(super) auto_budget: AutoBudget,
 }
 
 /// The settings that the file holds, and the time of the last save.

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, mpsc::TryRecvError};
 
+use super::auto_budget::AutoBudget;
 use super::compute_service::Wake;
 use super::model::AppModel;
 use crate::engine::choice::IntegrationSetting;
@@ -18,6 +19,13 @@ use crate::tiles::view_target::ViewTarget;
 
 /// Width and height in pixels of the picture that stands for the view.
 const SIZE: [u32; 2] = [64, 64];
+
+/// Estimates about the newest view, made in the background.
+#[derive(Default)]
+pub(super) struct Estimates {
+    pub(super) forecast: Forecast,
+    pub(super) auto_budget: AutoBudget,
+}
 
 /// The outlook on the newest view.
 #[derive(Default)]

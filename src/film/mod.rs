@@ -133,7 +133,7 @@ mod tests {
     fn the_levels_of_a_zoom_have_budgets_of_their_own() {
         let groups = frame_groups(&zoom(true));
         let budgets = &groups[0].level_budgets;
-        assert_eq!((budgets[0], budgets[budgets.len() - 1]), (30.0, 60.0));
+        assert_eq!((budgets[0], budgets[budgets.len() - 1]), (30.0, 55.0));
         assert!(budgets.is_sorted());
         assert!(frame_groups(&zoom(false))[0].level_budgets.is_empty(), "30 s were asked for");
     }

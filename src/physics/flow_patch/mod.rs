@@ -226,8 +226,8 @@ impl FlowPatch {
     ) -> PatchEnd {
         let mut follower = Follower::new(self.clone(), budget, tolerance);
         let end = loop {
-            let known = reference.as_deref_mut().map(AsMut::as_mut);
-            let plan = match follower.plan(dynamics, known) {
+            let along = reference.as_deref_mut().map(AsMut::as_mut);
+            let plan = match follower.plan(dynamics, along) {
                 Ok(plan) => plan,
                 Err(end) => break end,
             };
@@ -236,9 +236,8 @@ impl FlowPatch {
                 let known = reference.phase(plan.length);
                 after = std::array::from_fn(|i| after[i].with_middle(known[i]));
             }
-            if let Some(end) =
-                follower.take(dynamics, plan, after, reference.as_deref_mut().map(AsMut::as_mut))
-            {
+            let along = reference.as_deref_mut().map(AsMut::as_mut);
+            if let Some(end) = follower.take(dynamics, plan, after, along) {
                 break end;
             }
             if let Some(reference) = reference.as_deref_mut() {
