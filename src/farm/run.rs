@@ -90,12 +90,7 @@ fn open<'a>(
             let group = &groups[group];
             Box::new(Patches {
                 writer: PartWriter::open(&task.folder, &group.of)?,
-                work: PatchWork::new(
-                    &group.group.scene,
-                    group.group.level_budgets.clone(),
-                    task.config,
-                    cells.into_iter(),
-                ),
+                work: PatchWork::new(&group.group.scene, task.config, cells.into_iter()),
                 cells: Vec::new(),
                 loose: Samples::default(),
             })

@@ -206,11 +206,7 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
                 cells.into()
             }
         };
-        let levels = match &group.level_budgets[..] {
-            [] => String::new(),
-            budgets => format!("{budgets:?} "),
-        };
-        let of = sha256(format!("film {} {levels}{how}", what_of(&group.scene)).as_bytes());
+        let of = sha256(format!("film {} {how}", what_of(&group.scene)).as_bytes());
         tasks.push(FrameGroupTask { group, cells, of });
     }
     tasks

@@ -21,32 +21,27 @@ const LONGEST: f64 = 0.5;
 /// Bits by which the trajectory is more precise than the growth that is still to come demands.
 const SPARE_BITS: f64 = 40.0;
 
-/// The reduced times after which a small difference between starts near `angle` (rad) first has grown
-/// by `decades`, which ascend, as unit vectors and scaled momenta; none where that takes longer than
-/// `most`. The pendulum is in reduced units.
-pub fn times_to_grow(
+/// The reduced time after which a small difference between starts near `angle` (rad) first has grown
+/// by `decades`, as unit vectors and scaled momenta; none if that takes longer than `most`. The
+/// pendulum is in reduced units.
+pub fn time_to_grow(
     pendulum: &Pendulum<Theta>,
     angle: [Theta; 2],
-    decades: &[f64],
+    decades: f64,
     most: f64,
-) -> Vec<Option<f64>> {
-    let mut times = vec![None; decades.len()];
-    let Some(last) = decades.last() else { return times };
-    let mut motion = TangentMotion::released(pendulum, angle, bits(*last));
-    let mut next = 0;
-    while next < decades.len() && motion.time < most {
-        let grown = motion.decades();
-        if grown >= decades[next] {
-            times[next] = Some(motion.time);
-            next += 1;
-            continue;
+) -> Option<f64> {
+    let mut motion = TangentMotion::released(pendulum, angle, bits(decades));
+    while motion.time < most {
+        let left = decades - motion.decades();
+        if left <= 0.0 {
+            return Some(motion.time);
         }
-        if let Some(coarser) = motion.reference.with_fewer_digits(bits(last - grown)) {
+        if let Some(coarser) = motion.reference.with_fewer_digits(bits(left)) {
             motion.reference = coarser;
         }
         motion.advance();
     }
-    times
+    None
 }
 
 /// Precision that the trajectory needs before so many decades of growth, in bits after the point.
@@ -129,23 +124,20 @@ mod tests {
         Pendulum::points([one; 2], [one; 2], one)
     }
 
-    fn time_to_grow(angle: [f64; 2], decades: f64, most: f64) -> Option<f64> {
-        times_to_grow(&unit(), angle.map(Theta::from_f64), &[decades], most)[0]
-    }
-
     #[test]
     fn an_upright_pendulum_grows_at_its_exponent() {
         // λ² = 2 + √2 is the larger eigenvalue of the linear motion about (π, π).
         let exponent = (2.0 + 2f64.sqrt()).sqrt();
-        let times = times_to_grow(&unit(), [Theta::pi(); 2], &[20.0, 70.0], 1e3);
-        let apart = (times[1].unwrap() - times[0].unwrap()) / 50.0;
+        let time = |decades| time_to_grow(&unit(), [Theta::pi(); 2], decades, 1e3).unwrap();
+        let apart = (time(70.0) - time(20.0)) / 50.0;
         let expected = std::f64::consts::LN_10 / exponent;
         assert!((apart / expected - 1.0).abs() < 0.01, "{apart} {expected}");
     }
 
     #[test]
     fn neighbours_are_apart_when_it_says_so() {
-        let time = time_to_grow([1.1867, 2.0438], 5.0, 200.0).unwrap();
+        let angle = [1.1867, 2.0438].map(Theta::from_f64);
+        let time = time_to_grow(&unit(), angle, 5.0, 200.0).unwrap();
         let state = |by: f64| {
             let start = State::rest([1.1867, 2.0438].map(|angle| Dd::new(angle) + Dd::new(by)));
             Orbit::new(unit(), start).state_at(Dd::new(time))
@@ -158,6 +150,7 @@ mod tests {
 
     #[test]
     fn a_small_swing_never_grows() {
-        assert_eq!(time_to_grow([0.1; 2], 6.0, 100.0), None);
+        let angle = [Theta::from_f64(0.1); 2];
+        assert_eq!(time_to_grow(&unit(), angle, 6.0, 100.0), None);
     }
 }

@@ -6,8 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Build, View};
-use crate::physics::growth::times_to_grow;
-use crate::physics::{Scalar, Theta};
+use crate::physics::Scalar;
+use crate::physics::growth::time_to_grow;
 
 /// Simulated seconds that a pixel may use.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,23 +81,15 @@ fn known(build: &Build, view: &View) -> Option<f64> {
 
 /// The automatic budget of a view, in s.
 fn settle(build: &Build, view: &View) -> f64 {
-    settled_by_width(build, view.center_rad(), &[view.width_rad().to_f64()])[0]
-}
-
-/// The automatic budgets, in s, of views around one centre (rad) whose widths (rad) descend.
-pub(crate) fn settled_by_width(build: &Build, center: [Theta; 2], widths: &[f64]) -> Vec<f64> {
-    let (pendulum, _) = build.reduced_in();
-    let needed: Vec<f64> = widths.iter().map(|width| decades(*width) + PIXEL_DECADES).collect();
-    let most = |width: f64| MOST_WAITED * UNITS_A_DECADE * decades(width);
-    let longest = widths.iter().map(|width| most(*width)).fold(0.0, f64::max);
+    let width = view.width_rad().to_f64();
+    let most = MOST_WAITED * UNITS_A_DECADE * decades(width);
+    let grown = || {
+        let (pendulum, _) = build.reduced_in();
+        time_to_grow(&pendulum, view.center_rad(), decades(width) + PIXEL_DECADES, most)
+    };
     // What happens within the least budget decides nothing.
-    let longest = if longest > LEAST_UNITS { longest } else { 0.0 };
-    let times = times_to_grow(&pendulum, center, &needed, longest);
-    let settled = widths.iter().zip(times).map(|(&width, time)| {
-        let time = time.filter(|time| *time <= most(width));
-        in_steps(build, time.unwrap_or(expected_units(width)))
-    });
-    settled.collect()
+    let units = (most > LEAST_UNITS).then(grown).flatten();
+    in_steps(build, units.unwrap_or(expected_units(width)))
 }
 
 /// Decades of depth of a view `width` (rad) across.

@@ -4,7 +4,7 @@
 //! their pendulums and questions are equal; the view only selects the starts. [`Document`] is a
 //! scene as people keep it: a TOML file, or the text inside a PNG.
 
-pub(crate) mod budget;
+mod budget;
 mod built_in;
 mod document;
 pub mod film;

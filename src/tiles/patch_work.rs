@@ -1,7 +1,6 @@
 //! The computation of a film's patches.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::time::Instant;
 
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
@@ -19,7 +18,6 @@ const MOST_IN_JOB: usize = 256;
 pub struct PatchWork {
     scene: Scene,
     question: Question,
-    level_budgets: Arc<[f64]>,
     config: IntegratorConfig,
     waiting: VecDeque<Cell>,
     in_flight: InFlightJobs<Vec<Cell>>,
@@ -28,18 +26,11 @@ pub struct PatchWork {
 }
 
 impl PatchWork {
-    /// Creates the work for patches of a checked scene, whose view does not matter, with budgets by
-    /// the level of a patch (s); without any, the scene's own serves all.
-    pub fn new(
-        scene: &Scene,
-        level_budgets: Arc<[f64]>,
-        config: IntegratorConfig,
-        cells: impl Iterator<Item = Cell>,
-    ) -> Self {
+    /// Creates the work for patches of a checked scene, whose view does not matter.
+    pub fn new(scene: &Scene, config: IntegratorConfig, cells: impl Iterator<Item = Cell>) -> Self {
         PatchWork {
             scene: scene.clone(),
             question: Question::from(scene),
-            level_budgets,
             config,
             waiting: cells.collect(),
             in_flight: InFlightJobs::default(),
@@ -96,10 +87,8 @@ impl TileSource for PatchWork {
             return None;
         }
         let open = OpenTile::of_cells(&self.scene, self.config, &cells, PATCH_SIDE, |_, _| None);
-        let budget_secs = self.level_budgets.get(cells[0].level as usize);
-        let budget_secs = *budget_secs.unwrap_or(&self.question.budget_secs);
-        let question = Question { budget_secs, ..self.question };
-        Some(NextTile { tile: cells, open, question, config: self.config, keep: Keep::Nothing })
+        let (question, config) = (self.question, self.config);
+        Some(NextTile { tile: cells, open, question, config, keep: Keep::Nothing })
     }
 
     fn take(&mut self, batch: FinishedBatch<Vec<Cell>>) {
@@ -130,7 +119,7 @@ mod tests {
         for backwards in [false, true] {
             let mut engine =
                 MockEngine { backwards, job_size: 3 * PATCH_SAMPLES, ..Default::default() };
-            let mut work = PatchWork::new(&scene, Arc::default(), CONFIG, cells.iter().copied());
+            let mut work = PatchWork::new(&scene, CONFIG, cells.iter().copied());
             let mut seen = Vec::new();
             while !work.is_done() {
                 for (cell, samples) in work.work(&mut engine, Instant::now()).unwrap() {

@@ -9,9 +9,11 @@ use crate::physics::{Outcome, Status};
 pub(super) const COARSEST: i32 = 1;
 /// Level of the shortest intervals, where a jump is closed in on to a hundredth of a pixel.
 pub(super) const FINEST: i32 = 9;
-/// Level from which on intervals are not halved, by the number of jumps between their samples: one
-/// jump is closed in on; where nothing belongs together, halving seldom helps.
-const DEEPEST_BY_JUMPS: [i32; SAMPLES] = [FINEST, FINEST, 6, 5, 4];
+/// Level from which on intervals with several jumps are not halved: they are a sixteenth of a pixel
+/// long.
+const UNRESOLVED: i32 = 6;
+/// Number of jumps between samples that make several.
+const SEVERAL: usize = 2;
 /// Level at which the samples all over the line of a patch as large as a leaf would be an eighth of
 /// its pixels.
 const DEEPEST_IN_LEAF: i32 = 6;
@@ -62,7 +64,8 @@ impl Interval {
     /// Returns true if halving a rough interval with so many jumps is expected to help, in a patch
     /// of such an area (the binary logarithm, in leaves).
     pub(super) fn can_be_halved(&self, jumps: usize, area: i32) -> bool {
-        self.level < DEEPEST_BY_JUMPS[jumps.min(SAMPLES - 1)].min(DEEPEST_IN_LEAF + area)
+        let deepest = if jumps < SEVERAL { FINEST } else { UNRESOLVED };
+        self.level < deepest.min(DEEPEST_IN_LEAF + area)
     }
 
     /// The places of its samples, in units of 2^−`places`.
