@@ -182,9 +182,10 @@ fn of_depth(report: &Report) -> Vec<Target> {
         let name = format!("{about}: least share right within 1 ms at any width");
         targets.push(Target::new(name, &format!("at least {least}"), right, [least, ENDLESS]));
         for (what, most, of) in COSTS {
-            let (first, deeper) = (of(&rows[0]), rows[1..].iter().map(of).reduce(f64::max));
+            let mut costs = rows.iter().filter(|row| row.width_rad <= WIDEST_RAD).map(of);
+            let first = costs.next();
+            let ratio = first.zip(costs.reduce(f64::max)).map(|(first, most)| most / first);
             let name = format!("{about}: {what} of a pixel, the most beside the widest view");
-            let ratio = deeper.map(|deeper| deeper / first);
             targets.push(Target::new(name, &format!("at most {most} times"), ratio, [0.0, most]));
         }
     }
@@ -193,6 +194,8 @@ fn of_depth(report: &Report) -> Vec<Target> {
 
 type Cost = (&'static str, f64, fn(&DepthRow) -> f64);
 
+/// Width in rad of the widest view on the filament; most pixels of wider ones flip early.
+const WIDEST_RAD: f64 = 0.01;
 /// Limits on the cost of a deep pixel, as multiples of the cost in the widest view.
 const COSTS: [Cost; 2] =
     [("steps", 1.0, |row| row.steps_per_pixel), ("time", 1.3, |row| row.us_per_pixel)];

@@ -12,7 +12,7 @@ use super::ladder::{Origin, Run};
 use crate::engine::{
     Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Question, Starts, Wait,
 };
-use crate::physics::Dd;
+use crate::physics::{Dd, Status};
 
 /// The expectation for a picture, from a sample of its starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,6 +59,10 @@ impl Outlook {
         let Some(nudged) = answers(moved_by(starts, moved.nudge))? else { return Ok(None) };
         let judge = Judge::new(&question, leaf_half_rad);
         let is_beyond = |(plain, nudged): &(&Answer, &Answer)| {
+            let is_forbidden = |answer: &Answer| answer.outcome.status == Status::Forbidden;
+            if is_forbidden(plain) && is_forbidden(nudged) {
+                return false;
+            }
             let scale = |run: &Run| run.error_scale(&plain.end, leaf_half_rad);
             let apart = judge.distance(plain, nudged);
             apart.is_nan() || apart * scale(&run) / scale(&moved) > judge.allowed(plain)
