@@ -13,6 +13,7 @@ use crate::scene::{Budget, Build, Scene};
 pub(super) struct AutoBudget {
     asked: Option<(Build, Camera)>,
     settling: Option<Receiver<Budget>>,
+    settled: Option<Budget>,
 }
 
 impl AutoBudget {
@@ -22,7 +23,7 @@ impl AutoBudget {
         if self.asked == Some(view) || self.settling.is_some() {
             return;
         }
-        self.asked = Some(view);
+        (self.asked, self.settled) = (Some(view), None);
         let (sender, settling) = channel();
         self.settling = Some(settling);
         let (scene, wake) = (scene(), Arc::clone(wake));
@@ -34,29 +35,38 @@ impl AutoBudget {
         });
     }
 
-    /// Takes a budget that has been settled.
+    /// Takes and returns a budget that has been settled since the last call.
     fn listen(&mut self) -> Option<Budget> {
         let heard = self.settling.as_ref()?.try_recv();
         if heard != Err(TryRecvError::Empty) {
             self.settling = None;
         }
+        self.settled = heard.ok().or(self.settled);
         heard.ok()
+    }
+
+    /// Returns the settled budget of a view, which is not that of a scene opened there again.
+    fn of(&self, view: (Build, Camera)) -> Option<Budget> {
+        self.settled.filter(|_| self.asked == Some(view))
     }
 }
 
 impl AppModel {
-    /// Fits an automatic budget to the view, or to that at the end of a move. Returns true if the budget has changed.
+    /// Fits an automatic budget to the view, or to that at the end of a move. Returns true if the
+    /// budget has changed.
     pub(super) fn settle_budget(&mut self) -> bool {
         let state = &self.state;
+        let budgets = &mut self.estimates.auto_budget;
         if !state.question.budget.auto {
-            self.estimates.auto_budget = AutoBudget::default();
+            *budgets = AutoBudget::default();
             return false;
         }
+        let view = (state.build, state.target());
         if !state.dragging {
-            let view = (state.build, state.target());
-            self.estimates.auto_budget.ask(view, || state.document().scene(), &self.wake);
+            budgets.ask(view, || state.document().scene(), &self.wake);
         }
-        let Some(budget) = self.estimates.auto_budget.listen() else { return false };
+        let heard = budgets.listen();
+        let Some(budget) = heard.or(budgets.of(view)) else { return false };
         let news = budget != state.question.budget;
         self.state.question.budget = budget;
         news
@@ -66,15 +76,13 @@ impl AppModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::compute_service::woken;
     use crate::scene::View;
     use std::time::Duration;
 
     #[test]
     fn one_view_is_settled_at_a_time_and_none_twice() {
-        let (sender, woken) = channel();
-        let wake: Wake = Arc::new(move || {
-            let _ = sender.send(());
-        });
+        let (wake, woken) = woken();
         let mut budget = AutoBudget::default();
         let center = ["1.1867310027236805013017550390625", "2.0440255543056208421702266796875"];
         let view = |width: &str| View {
@@ -82,11 +90,11 @@ mod tests {
             width: width.to_string(),
             ..View::default()
         };
+        let key = |width: &str| (Build::default(), Camera::from_view(&view(width)));
         let ask = |budget: &mut AutoBudget, width: &str| {
             let mut scene = Scene { view: view(width), ..Scene::default() };
             scene.question.budget.auto = true;
-            let camera = Camera::from_view(&scene.view);
-            budget.ask((scene.build, camera), || scene, &wake);
+            budget.ask(key(width), || scene, &wake);
         };
         ask(&mut budget, "2e-22");
         ask(&mut budget, "2e-18");
@@ -94,6 +102,8 @@ mod tests {
         assert_eq!(budget.listen().unwrap().secs, 65.0, "the first one that was asked for");
         ask(&mut budget, "2e-22");
         assert!(budget.listen().is_none(), "asked twice, settled once");
+        assert_eq!(budget.of(key("2e-22")).unwrap().secs, 65.0, "it is not forgotten");
+        assert!(budget.of(key("2e-18")).is_none());
         ask(&mut budget, "2e-18");
         woken.recv_timeout(Duration::from_secs(60)).unwrap();
         assert_eq!(budget.listen().unwrap().secs, 55.0);

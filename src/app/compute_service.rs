@@ -13,6 +13,16 @@ use crate::tiles::view_target::ViewTarget;
 /// Wakes the window from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
+/// Returns a waker and what it sends at each call.
+#[cfg(test)]
+pub(super) fn woken() -> (Wake, std::sync::mpsc::Receiver<()>) {
+    let (sender, woken) = std::sync::mpsc::channel();
+    let wake: Wake = Arc::new(move || {
+        let _ = sender.send(());
+    });
+    (wake, woken)
+}
+
 /// Longest time that a slice may run on a graphics card while a window is open.
 const PACE: Duration = Duration::from_millis(15);
 /// Niceness of the computing threads, less urgent than drawing; 19 is the most.

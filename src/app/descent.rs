@@ -178,16 +178,14 @@ fn descent(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::compute_service::woken;
     use crate::scene::BuiltIn;
     use std::time::Duration;
 
     #[test]
     fn a_dive_goes_deeper_until_nobody_listens() {
         let scene = BuiltIn::named("filigree").unwrap().document().scene();
-        let (sender, woken) = channel();
-        let wake: Wake = Arc::new(move || {
-            let _ = sender.send(());
-        });
+        let (wake, woken) = woken();
         let descent =
             BackgroundDescent::start(scene.clone(), [0.1, 0.0], EngineRequest::default(), wake);
         let mut widths = vec![scene.view.width_rad().hi];

@@ -132,6 +132,7 @@ fn look(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::compute_service::woken;
     use crate::engine::level::BALANCED;
     use crate::physics::Theta;
     use crate::scene::lattice::Region;
@@ -141,10 +142,7 @@ mod tests {
 
     #[test]
     fn a_view_beyond_the_horizon_is_warned_of() {
-        let (sender, woken) = channel();
-        let wake: Wake = Arc::new(move || {
-            let _ = sender.send(());
-        });
+        let (wake, woken) = woken();
         let mut forecast = Forecast::default();
         let mut warning_after = |secs: f64| {
             let question = FlipQuestion { budget: Budget::secs(secs), ..FlipQuestion::default() };

@@ -125,9 +125,9 @@ pub struct AppState {
 /// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
 pub(super) fn following(scene: &Scene) -> FlipQuestion {
     let budget = scene.question.budget;
-    let auto = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
-    let same = auto.secs == budget.secs;
-    FlipQuestion { budget: if budget.auto || !same { budget } else { auto }, ..scene.question }
+    let guess = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
+    let auto = budget.auto || guess.secs == budget.secs;
+    FlipQuestion { budget: Budget { auto, ..budget }, ..scene.question }
 }
 
 impl AppState {

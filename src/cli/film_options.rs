@@ -74,7 +74,7 @@ impl FilmOptions {
     pub(super) fn film(&self) -> anyhow::Result<(Film, RunSpec)> {
         let mut keys = self.keys()?;
         for key in &mut keys {
-            key.scene = self.words.apply(std::mem::take(&mut key.scene))?.settled();
+            key.scene = self.words.apply(std::mem::take(&mut key.scene))?;
         }
         same_sizes(&keys, &self.run)?;
         let Some(first) = keys.first_mut() else {
@@ -91,9 +91,12 @@ impl FilmOptions {
         for key in &mut keys {
             (key.scene.picture, key.scene.run) = how.clone();
         }
-        let film = self.timed(keys, spec.size())?;
+        let mut film = self.timed(keys, spec.size())?;
         film.check().map_err(|why| Exit::Usage(why.to_string()))?;
         how.0.check_size(film.size)?;
+        for key in &mut film.keys {
+            key.scene = std::mem::take(&mut key.scene).settled();
+        }
         Ok((film, spec))
     }
 
@@ -102,7 +105,7 @@ impl FilmOptions {
         match (&self.scenes[..], &self.zoom_to, &self.vary) {
             (_, Some(_), Some(_)) => usage("--zoom-to and --vary exclude each other; give one"),
             ([] | [_], Some(to), None) => self.zoom(to),
-            ([] | [_], None, Some(vary)) => varied(self.from()?, vary),
+            ([] | [_], None, Some(vary)) => varied(self.from()?.settled(), vary),
             ([keys], None, None) if is_toml(keys) => Ok(read_keys(keys)?),
             ([_, _, ..], None, None) => {
                 let scenes: anyhow::Result<Vec<Document>> =

@@ -117,12 +117,12 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
         return Ok((PlannedOutput::Film(film), spec));
     }
     let scene = SceneOptions { scene: options.film.scene(), ..SceneOptions::default() };
-    let mut document = options.film.words.apply(scene.document()?)?.settled();
+    let mut document = options.film.words.apply(scene.document()?)?;
     options.film.picture.apply(&mut document)?;
     let spec = options.film.run.settle(&mut document)?;
     document.picture.check()?;
     document.picture.check_size(spec.size())?;
-    Ok((PlannedOutput::Still(Box::new(document)), spec))
+    Ok((PlannedOutput::Still(Box::new(document.settled())), spec))
 }
 
 /// Runs `flipmap run`.

@@ -34,6 +34,12 @@ pub const DOP853_ORDER: u32 = 8;
 /// The power of the step with which the error that [`dopri5`] estimates falls.
 pub const DOPRI5_ORDER: u32 = 5;
 
+/// Factor from the length of a step of [`dop853`] with this error to one whose error is a little
+/// below `allowed`.
+pub fn dop853_factor(error: f64, allowed: f64) -> f64 {
+    0.8 * (allowed / error.max(1e-30)).powf(1.0 / f64::from(DOP853_ORDER))
+}
+
 /// Takes a trial step of Dormand and Prince's pair of orders 8 and 5 with 3 (Hairer, Nørsett and
 /// Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.5 and II.10): 12 right-hand
 /// sides. `inverse_scale` is 1 over the scale of each momentum.

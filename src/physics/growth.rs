@@ -5,7 +5,7 @@
 //! dropped.
 
 use super::dual::Dual;
-use super::embedded::{dop853, plus};
+use super::embedded::{dop853, dop853_factor, plus};
 use super::phase::Phase;
 use super::reference::{Reference, reference};
 use super::{Pendulum, Theta};
@@ -96,7 +96,7 @@ impl TangentMotion {
         loop {
             let trial = dop853(&self.dynamics, scale, &self.state, Dual::new(length));
             let error = trial.error_squared.value.sqrt();
-            let factor = 0.8 * (TOLERANCE / error.max(1e-30)).powf(1.0 / 8.0);
+            let factor = dop853_factor(error, TOLERANCE);
             // A step cut short by the reference says little about the next one.
             let next = length * factor.clamp(0.2, 3.0);
             if error <= TOLERANCE {

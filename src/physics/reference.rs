@@ -2,8 +2,8 @@
 //!
 //! Only the middle of a patch must be known to all digits: the states around it are differences,
 //! and those keep their own leading digits in f64. As the differences grow, the middle needs fewer
-//! digits, and an integration with half of them takes a tenth of the time: a reference drops them
-//! as it goes.
+//! digits, and an integration with fewer takes a fraction of the time: a reference drops them as it
+//! goes.
 
 use super::phase::Phase;
 use super::polynomial::evaluate;

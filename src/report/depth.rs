@@ -18,7 +18,7 @@ use super::{ReportError, StopTest, as_words};
 use crate::engine::depth::DepthEngine;
 use crate::engine::{Cells, Effort, Engine, IntegratorConfig};
 use crate::physics::{Fixed, Outcome, Pendulum, Scalar, Theta, oracle};
-use crate::scene::{Budget, Scene, View};
+use crate::scene::{Scene, View};
 use crate::tiles::preview::preview;
 use crate::tiles::{Samples, Work};
 
@@ -116,19 +116,21 @@ impl UsByWay {
 }
 
 impl FilamentPlace {
+    fn view(&self) -> View {
+        let center = self.center.map(str::to_string);
+        View { center, width: self.width.to_string(), ..View::default() }
+    }
+
     /// The scene of the view, with a budget that follows its depth.
     fn scene(&self) -> Scene {
-        let center = self.center.map(str::to_string);
-        let view = View { center, width: self.width.to_string(), ..View::default() };
-        let mut scene = Scene { view, ..Scene::default() };
+        let mut scene = Scene { view: self.view(), ..Scene::default() };
         scene.question.budget.auto = true;
-        scene.question.budget = Budget::for_view(scene.question.budget, &scene.build, &scene.view);
-        scene
+        scene.settled()
     }
 
     /// Width of the view, rad.
     fn width_rad(&self) -> f64 {
-        self.scene().view.width_rad().to_f64()
+        self.view().width_rad().to_f64()
     }
 
     /// Computes the truth about some pixels of the picture that is compared.

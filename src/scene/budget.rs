@@ -33,7 +33,7 @@ const STEP_UNITS: f64 = 15.660_459_763_365_825;
 /// Number of settled budgets that are kept.
 const MOST_SETTLED: usize = 64;
 
-/// The automatic budgets settled last, in s: a scene is checked many times on its way.
+/// The automatic budgets settled last, in s: a scene is settled many times on its way.
 static SETTLED: Mutex<VecDeque<(Build, View, f64)>> = Mutex::new(VecDeque::new());
 
 impl Budget {

@@ -23,7 +23,6 @@ const CORNERS: [[f64; 2]; 4] = [[-0.6, -0.9], [-0.6, 0.9], [0.6, -0.9], [0.6, 0.
 const BESIDE: f64 = 1e-4;
 /// Share of the error that is called right by which a corner may miss its line.
 const SHARE: f64 = 0.5;
-
 /// Distance of the ends before and after a corner's place below which the line is steady there.
 const NEAR: f64 = 0.01;
 /// Distance of a corner's end from the line's where that is steady, above which the two differ.
@@ -47,6 +46,10 @@ enum Role {
     After,
 }
 
+impl Role {
+    const ALL: [Role; 3] = [Role::Corner, Role::Before, Role::After];
+}
+
 /// The check of one line.
 pub(super) struct LineCheck<'a> {
     pub dynamics: &'a Dynamics,
@@ -59,8 +62,7 @@ pub(super) struct LineCheck<'a> {
 impl CheckPlace {
     /// All pendulums of a check.
     pub(super) fn all() -> impl Iterator<Item = CheckPlace> {
-        let roles = [Role::Corner, Role::Before, Role::After];
-        (0..CORNERS.len()).flat_map(move |corner| roles.map(|role| CheckPlace { corner, role }))
+        (0..CORNERS.len()).flat_map(|corner| Role::ALL.map(|role| CheckPlace { corner, role }))
     }
 }
 
@@ -69,7 +71,8 @@ impl LineCheck<'_> {
         self.patch.phase.map(|jet| jet.at(CORNERS[corner]))
     }
 
-    /// The place of a corner on the line; there is one at every point of a patch that has a line.
+    /// The place of a corner on the line. A corner without one is compared with the middle, which
+    /// contradicts it.
     fn point(&self, corner: usize) -> CurvePoint {
         let nowhere = CurvePoint { s: 0.0, ahead: 0.0, aside: 0.0 };
         self.curve.point(self.dynamics, &self.corner(corner)).unwrap_or(nowhere)
@@ -88,8 +91,7 @@ impl LineCheck<'_> {
     /// the check.
     pub(super) fn holds(&self, sample: impl Fn(CheckPlace) -> Sample) -> bool {
         (0..CORNERS.len()).all(|corner| {
-            let ends = [Role::Corner, Role::Before, Role::After]
-                .map(|role| sample(CheckPlace { corner, role }));
+            let ends = Role::ALL.map(|role| sample(CheckPlace { corner, role }));
             self.agree(self.point(corner), ends)
         })
     }

@@ -129,7 +129,7 @@ impl Judge {
     }
 
     /// Distance between two answers: in time (reduced) or in unit vectors and scaled momenta,
-    /// whichever is larger; infinite if one has flipped and the other has not.
+    /// whichever is larger; none if both are forbidden, infinite if their statuses differ.
     pub(super) fn distance(&self, a: &Answer, b: &Answer) -> f64 {
         match (a.outcome.status, b.outcome.status) {
             (Status::Flipped, Status::Flipped) => {
@@ -141,6 +141,7 @@ impl Judge {
                 let caught_up = self.moved(&early.end.phase, late.end.time - early.end.time);
                 self.between(&caught_up, &late.end.phase)
             }
+            (Status::Forbidden, Status::Forbidden) => 0.0,
             _ => f64::INFINITY,
         }
     }

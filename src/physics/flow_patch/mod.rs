@@ -22,7 +22,7 @@ pub use graze::Graze;
 pub use super::jet_lanes::JET_LANES;
 
 use super::crossing::{FAR, StepState};
-use super::embedded::{dop853, plus};
+use super::embedded::{dop853, dop853_factor, plus};
 use super::flip::Rule;
 use super::frame::Frame;
 use super::jet::Jet;
@@ -276,7 +276,7 @@ impl FlowPatch {
         }
         for _ in 0..=20 {
             let (_, error) = dynamics.moved(&start, length);
-            let factor = 0.8 * (STEP_TOLERANCE / error.max(1e-30)).powf(1.0 / 8.0);
+            let factor = dop853_factor(error, STEP_TOLERANCE);
             let fits = factor >= 0.8;
             next = length * factor.clamp(0.2, 3.0);
             if fits || length < SHORTEST {
