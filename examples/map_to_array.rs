@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut renderer = Renderer::new(&request)?;
     let samples = renderer.render(&scene, SIZE)?;
 
-    let mut array = NpyWriter::new(File::create("map.npy")?, SIZE)?;
+    let mut array = NpyWriter::new(File::create("map.npy")?, SIZE, 0..1)?;
     array.write(&samples)?;
     let counts = renderer.counts();
     println!("{} of {} pixels flip within the budget", counts.flipped, counts.pixels);

@@ -92,6 +92,15 @@ fn crosses(before: Bob, after: Bob) -> bool {
     return (before.y > 0 && after.y <= 0) || (before.y < 0 && after.y >= 0);
 }
 
+{% if counts_turns %}
+// Number of turns (-1, 0 or 1) that end between two places of a bob: it passes the top where y
+// changes its sign in the sense in which the bob turns (counterpart: `cpu/turns.rs`).
+fn turns_between(x0: f32, y0: f32, x1: f32, y1: f32) -> i32 {
+    let falls = select(0, 1, y1 < 0) - select(0, 1, y0 < 0);
+    return select(0, falls, f32(falls) * (x0 * y1 - y0 * x1) > 0);
+}
+
+{% endif %}
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= atomicLoad(&queue.lengths[queue.turn]) {
@@ -108,6 +117,12 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     let budget = job.budget;
     var clearance = outcomes[pixel].clearance;
     var suspect = false;
+{% if counts_turns %}
+    var turns = vec2<i32>(
+        extractBits(bitcast<i32>(outcomes[pixel].turns), 0u, 16u),
+        extractBits(bitcast<i32>(outcomes[pixel].turns), 16u, 16u),
+    );
+{% endif %}
     while !suspect && steps < stop && rough(time) < budget {
         let step = h;
 {{ maths.step }}
@@ -126,6 +141,13 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endfor %}
         suspect = accepted && near <= 0;
         let taken = accepted && !suspect;
+{% if counts_turns %}
+        let more = vec2<i32>(
+            turns_between(rough(x1), rough(y1), rough(x1_next), rough(y1_next)),
+            turns_between(rough(x2), rough(y2), rough(x2_next), rough(y2_next)),
+        );
+        turns += select(vec2<i32>(0), more, taken);
+{% endif %}
 {% for name in moving %}
         {{ name }} = select({{ name }}, {{ name }}_next, taken);
 {% endfor %}
@@ -138,6 +160,9 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endfor %}
     outcomes[pixel].steps = steps;
     outcomes[pixel].clearance = clearance;
+{% if counts_turns %}
+    outcomes[pixel].turns = bitcast<u32>(insertBits(turns.x, turns.y, 16u, 16u));
+{% endif %}
     let sound = steps < job.most_steps;
     if !sound {
         outcomes[pixel].status = FAILED;

@@ -45,6 +45,10 @@ struct Outcome {
     // Distance from the top that the bobs in question have kept so far, as a sine; only adaptive
     // steps set it.
     clearance: f32,
+{% if counts_turns %}
+    // Whole turns of the bobs, anticlockwise ones positive: two signed numbers of 16 bits.
+    turns: u32,
+{% endif %}
 }
 
 // Lengths of the lists of pendulums: two of those that still run, packed together, read and written

@@ -45,11 +45,12 @@
 //! # The modules
 //!
 //! Data flows one way, which a test checks:
-//! `physics → scene → engine → tiles → output → film → farm → report → lab → app`.
+//! `physics → question → scene → engine → tiles → output → film → farm → report → lab → app`.
 //!
 //! | module | contents |
 //! |---|---|
 //! | [`physics`] | equations of motion, number types, integrators, events, flow patches, the oracle |
+//! | [`question`] | what is asked of a pendulum, and the channels of its answer |
 //! | [`scene`] | pendulum, question, view, colours, films; from pixels to starts |
 //! | [`engine`] | jobs of starts to outcomes: SIMD lanes, compute shaders, deep zoom, checks |
 //! | [`tiles`] | which starts are computed next, and the [`tiles::Renderer`] |
@@ -67,6 +68,7 @@ pub mod film;
 pub mod lab;
 pub mod output;
 pub mod physics;
+pub mod question;
 pub mod report;
 pub mod scene;
 pub mod tiles;

@@ -12,6 +12,7 @@ use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::app::canvas::sample::{LOG_BIAS, LOG_STEPS};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
+use flipmap::engine::method::Pace;
 use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome, status_constants};
 use flipmap::engine::{IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap::physics::{Rule, Status};
@@ -21,8 +22,10 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use sources::rust_files;
 
 /// The modules from left to right: a module may use only those before it.
-const ORDER: [&str; 10] =
-    ["physics", "scene", "engine", "tiles", "output", "film", "farm", "report", "lab", "app"];
+const ORDER: [&str; 11] = [
+    "physics", "question", "scene", "engine", "tiles", "output", "film", "farm", "report", "lab",
+    "app",
+];
 
 /// The top-level names of every `use crate::{…}` in a text.
 fn grouped(text: &str) -> Vec<String> {
@@ -151,9 +154,12 @@ fn designs() -> Vec<Design> {
             for subgroups in [false, true] {
                 let general = Design::general(&config, compensated, subgroups).unwrap();
                 designs.push(general);
-                for (_, rule) in Rule::ALL {
-                    let made =
-                        |build| general.specialised(&question(build, rule), &config).unwrap();
+                let rules = Rule::ALL.iter().map(|(_, rule)| *rule).chain([Rule::Neither]);
+                for rule in rules {
+                    let made = |build| {
+                        let question = question(build, rule);
+                        general.specialised(&question, &Pace::new(&question, &config).unwrap())
+                    };
                     designs.extend(builds.map(made));
                 }
             }
@@ -290,8 +296,8 @@ fn no_shader_file_has_status_codes_of_its_own() {
 fn the_home_kernel_holds_only_what_it_needs() {
     let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
     let home = question(Build::default(), Rule::Second);
-    let text =
-        Design::general(&config, true, true).unwrap().specialised(&home, &config).unwrap().text();
+    let pace = Pace::new(&home, &config).unwrap();
+    let text = Design::general(&config, true, true).unwrap().specialised(&home, &pace).text();
     // The kernel has no other rule, no pendulum data, and no general directions in the stages.
     for absent in
         ["watched", "job.a", "least_det", "t1) >=", "f64", "* 1.0f", " + 0.0f", "{%", "{{"]

@@ -14,7 +14,7 @@ use flipmap::engine::{Accuracy, Engine, EngineKind, IntegratorConfig, Method, Pr
 use flipmap::physics::flip::right_secs;
 use flipmap::physics::{Dd, Outcome, Rule, Scalar, Status, oracle};
 use flipmap::report::hunt::Hunt;
-use flipmap::scene::{Budget, Build, FlipQuestion, Grid, Kind as Sort, Scene, View};
+use flipmap::scene::{Budget, Build, Grid, Kind as Sort, QuestionTable, Scene, View};
 use flipmap::tiles::preview::preview;
 use flipmap::tiles::{Samples, Work};
 use rayon::prelude::*;
@@ -29,8 +29,9 @@ fn rods() -> Build {
 
 /// The checked scene of a window.
 fn scene(build: Build, rule: Rule, budget_secs: f64, view: View) -> Scene {
-    let question = FlipQuestion { rule, budget: Budget::secs(budget_secs) };
-    Scene { build, question, view }.checked().expect("a scene")
+    let question =
+        QuestionTable { rule, budget: Budget::secs(budget_secs), ..QuestionTable::default() };
+    Scene { build, question, view, ..Scene::default() }.checked().expect("a scene")
 }
 
 fn view(center: [&str; 2], width: &str) -> View {

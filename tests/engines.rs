@@ -10,7 +10,7 @@ use flipmap::engine::{
     Accuracy, Engine, EngineKind, IntegratorConfig, Keep, Method, Precision, Question, Starts,
 };
 use flipmap::physics::{Dd, Decimal, Outcome, Rule, Status};
-use flipmap::scene::{Budget, Build, FlipQuestion as Asked, Kind, Scene, View};
+use flipmap::scene::{Budget, Build, Kind, QuestionTable as Asked, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
@@ -85,7 +85,7 @@ fn the_lesson_is_right_where_rk4_at_120_is(make: Make) {
 fn scenes() -> Vec<Scene> {
     let scene = |build: Build, rule: Rule, budget: f64| Scene {
         build,
-        question: Asked { rule, budget: Budget::secs(budget) },
+        question: Asked { rule, budget: Budget::secs(budget), ..Asked::default() },
         ..Scene::default()
     };
     let plain = Build::default();

@@ -16,7 +16,7 @@ use flipmap::engine::{Engine, Precision};
 use flipmap::output::compare::{Comparison, Difference, ResultRows, compare};
 use flipmap::output::{RowOrder, RowPainter};
 use flipmap::physics::Rule;
-use flipmap::scene::{Budget, Build, FlipQuestion, Kind, PictureTable, Scene, View};
+use flipmap::scene::{Budget, Build, Kind, PictureTable, QuestionTable, Scene, View};
 use flipmap::tiles::Work;
 use image::{Rgb, RgbImage};
 
@@ -33,7 +33,8 @@ struct Golden {
 }
 
 fn goldens() -> Vec<Golden> {
-    let question = |rule, secs| FlipQuestion { rule, budget: Budget::secs(secs) };
+    let question =
+        |rule, secs| QuestionTable { rule, budget: Budget::secs(secs), ..QuestionTable::default() };
     let rods = Build { kind: Kind::Rods, ..Build::default() };
     let uneven = Build::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81);
     let turned = View {

@@ -20,7 +20,7 @@ use flipmap::app::places::Places;
 use flipmap::output::Picture;
 use flipmap::physics::Rule;
 use flipmap::scene::{
-    Budget, Build, BuiltIn, Document, FlipQuestion, Kind, PictureTable, Scale, Scene,
+    Budget, Build, BuiltIn, Document, Kind, PictureTable, QuestionTable, Scale, Scene,
 };
 
 /// A panel's state, and all actions it has requested so far.
@@ -50,7 +50,7 @@ fn harness<S: 'static, A: Clone + 'static>(
     harness
 }
 
-type Asked = (Build, FlipQuestion);
+type Asked = (Build, QuestionTable);
 
 fn scene() -> Harness<'static, Shown<Asked, Asked>> {
     let home = Scene::default();
@@ -138,10 +138,17 @@ fn the_scene_follows_what_is_pressed_and_typed() {
     type_over(&mut harness, "Budget", "60");
     let (build, question) = harness.state().state;
     assert_eq!(build, Build::new(Kind::Rods, [1.0, 2.5], build.lengths_m(), 1.62));
-    assert_eq!(question, FlipQuestion { rule: Rule::Either, budget: Budget::secs(60.0) });
+    assert_eq!(
+        question,
+        QuestionTable {
+            rule: Rule::Either,
+            budget: Budget::secs(60.0),
+            ..QuestionTable::default()
+        }
+    );
     assert_eq!(harness.state().asked.len(), 5, "one answer a change");
     press(&mut harness, "Back to the home pendulum");
-    assert_eq!(harness.state().state, (Build::default(), FlipQuestion::default()));
+    assert_eq!(harness.state().state, (Build::default(), QuestionTable::default()));
 }
 
 #[test]

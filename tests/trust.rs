@@ -7,7 +7,7 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};
 use flipmap::physics::{Dd, Outcome, Pendulum, Status, oracle};
-use flipmap::scene::{Budget, FlipQuestion as Asked, Scene, View};
+use flipmap::scene::{Budget, QuestionTable as Asked, Scene, View};
 use rayon::prelude::*;
 
 fn exact() -> TrustEngine<'static> {

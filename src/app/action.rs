@@ -11,7 +11,7 @@ use super::state::Dialog;
 use crate::engine::{Accuracy, EngineKind};
 use crate::lab::Figure;
 use crate::physics::Theta;
-use crate::scene::{Build, Document, FlipQuestion, PictureTable};
+use crate::scene::{Build, Document, PictureTable, QuestionTable};
 
 /// A movement of the view. Points are measured from the middle of the canvas, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,7 @@ pub enum Action {
     /// Plays or pauses the pendulum that is shown.
     PlayPause,
     /// Changes the pendulum or the question.
-    Scene(Box<Build>, FlipQuestion),
+    Scene(Box<Build>, QuestionTable),
     /// Changes the colours.
     Picture(PictureTable),
     /// Changes the accuracy level.

@@ -9,6 +9,10 @@ impl AppState {
     /// Shows a document's pendulum, view and colours, with the accuracy that it states, if any.
     pub(super) fn show(&mut self, document: &Document) -> Option<Effect> {
         let scene = document.scene();
+        if let Err(error) = scene.require_flip_from_rest() {
+            self.notices.fail(format!("{error}."));
+            return None;
+        }
         let question = following(&scene);
         let same = (scene.build, question) == (self.build, self.question);
         (self.build, self.question) = (scene.build, question);
@@ -45,14 +49,8 @@ impl AppState {
     pub(super) fn paste(&mut self, text: &str) -> Option<Effect> {
         match location::parse(text) {
             Ok(scene) => {
-                let document = Document {
-                    pendulum: scene.build,
-                    question: scene.question,
-                    view: scene.view,
-                    picture: self.document().picture,
-                    ..Document::default()
-                };
-                self.show(&document)
+                let picture = self.document().picture;
+                self.show(&Document { picture, ..Document::default() }.with_scene(scene))
             }
             Err(error) => {
                 self.notices.fail(format!("What was pasted is not a location: {error}."));

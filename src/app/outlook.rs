@@ -136,7 +136,7 @@ mod tests {
     use crate::engine::level::BALANCED;
     use crate::physics::Theta;
     use crate::scene::lattice::Region;
-    use crate::scene::{Budget, FlipQuestion};
+    use crate::scene::{Budget, QuestionTable};
     use crate::tiles::view_target::Physics;
     use std::time::Duration;
 
@@ -145,7 +145,7 @@ mod tests {
         let (wake, woken) = woken();
         let mut forecast = Forecast::default();
         let mut warning_after = |secs: f64| {
-            let question = FlipQuestion { budget: Budget::secs(secs), ..FlipQuestion::default() };
+            let question = QuestionTable { budget: Budget::secs(secs), ..QuestionTable::default() };
             let scene = Scene { question, ..Scene::default() }.checked().unwrap();
             let physics = Physics {
                 build: scene.build,

@@ -15,7 +15,7 @@ use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
 use crate::physics::Theta;
-use crate::scene::{Budget, Build, Document, FlipQuestion, PictureTable, Scene, View};
+use crate::scene::{Budget, Build, Document, PictureTable, QuestionTable, Scene, View};
 use crate::tiles::view_target::{Physics, ViewTarget};
 
 /// A panel or window that opens over or beside the map.
@@ -83,7 +83,7 @@ pub struct AppState {
     /// Pendulum that is shown.
     pub build: Build,
     /// Question that is asked about it.
-    pub question: FlipQuestion,
+    pub question: QuestionTable,
     /// Colours of the map.
     pub picture: PictureTable,
     /// True if the times of the palette follow a deep view.
@@ -123,11 +123,11 @@ pub struct AppState {
 }
 
 /// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
-pub(super) fn following(scene: &Scene) -> FlipQuestion {
+pub(super) fn following(scene: &Scene) -> QuestionTable {
     let budget = scene.question.budget;
     let guess = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
     let auto = budget.auto || guess.secs == budget.secs;
-    FlipQuestion { budget: Budget { auto, ..budget }, ..scene.question }
+    QuestionTable { budget: Budget { auto, ..budget }, ..scene.question }
 }
 
 impl AppState {
@@ -180,7 +180,7 @@ impl AppState {
 
     /// Returns the scene that is shown, but with the default view.
     pub fn scene(&self) -> Scene {
-        Scene { build: self.build, question: self.question, view: View::default() }
+        Scene { build: self.build, question: self.question, ..Scene::default() }
     }
 
     /// Returns the current camera, or the one at the end of a move in progress.
@@ -505,7 +505,7 @@ pub(super) mod tests {
         state.apply(Action::Picture(picture));
         state.apply(Action::Layers(Layers { grid: true, ..state.layers }));
         assert_eq!(state.view_target(config), before);
-        let question = FlipQuestion { budget: Budget::secs(60.0), ..state.question };
+        let question = QuestionTable { budget: Budget::secs(60.0), ..state.question };
         assert_eq!(
             state.apply(Action::Scene(Box::new(state.build), question)),
             Some(Effect::Relaunch)

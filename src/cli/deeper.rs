@@ -36,6 +36,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;
     let scene = document.scene();
+    scene.require_flip_from_rest()?;
     stop::listen()?;
     let mut chosen = start(&options.run.engine.request(spec.setting))?;
     let mut descent = Descent::new(scene.clone(), chosen.config, [0.0; 2]);

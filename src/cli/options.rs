@@ -22,10 +22,10 @@ pub(super) struct SceneOptions {
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Scene")]
 pub(super) struct SceneWords {
-    /// Centre of the view in rad, with any number of digits
+    /// Centre of the view in the units of the plane, rad by default, with any number of digits
     #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
     center: Option<String>,
-    /// Width of the view in rad
+    /// Width of the view in those units
     #[arg(long, allow_hyphen_values = true)]
     width: Option<String>,
     /// Simulated seconds that each pixel may use, 1e-9 to 1e6, or auto
@@ -49,6 +49,22 @@ pub(super) struct SceneWords {
     /// Rotate the picture anticlockwise in the plane, by -360 to 360 degrees
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     rotate: Option<String>,
+    /// Question asked about every start: flip, first or state
+    #[arg(long, value_name = "NAME")]
+    ask: Option<String>,
+    /// Time of the answer in s, for the question state (default: the whole budget)
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    at: Option<String>,
+    /// Plane of starts: angles, speeds, first, second, section, or two of theta1, theta2, omega1,
+    /// omega2 with a comma between them
+    #[arg(long, value_name = "NAME")]
+    plane: Option<String>,
+    /// Start in rad and rad/s that gives the quantities which are not on the plane's axes
+    #[arg(long, value_name = "θ1,θ2,ω1,ω2", allow_hyphen_values = true)]
+    origin: Option<String>,
+    /// Total energy of the plane section in J, 0 where both rods are level and at rest
+    #[arg(long, value_name = "J", allow_hyphen_values = true)]
+    energy: Option<String>,
     /// Stretch the picture vertically by this factor, 1e-6 to 1e6
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
     stretch: Option<String>,
@@ -83,12 +99,17 @@ impl SceneWords {
         Ok(document.with_scene(scene.checked()?))
     }
 
-    fn said(&self) -> [(Word, &Option<String>); 10] {
+    fn said(&self) -> [(Word, &Option<String>); 15] {
         [
             (Word::Center, &self.center),
             (Word::Width, &self.width),
             (Word::Rotate, &self.rotate),
             (Word::Stretch, &self.stretch),
+            (Word::Ask, &self.ask),
+            (Word::At, &self.at),
+            (Word::Plane, &self.plane),
+            (Word::Origin, &self.origin),
+            (Word::Energy, &self.energy),
             (Word::Budget, &self.budget),
             (Word::Rule, &self.rule),
             (Word::Kind, &self.kind),

@@ -31,6 +31,9 @@ pub(super) struct PictureOptions {
     /// view itself (the default for views narrower than 1e-6 rad); budget: the whole budget
     #[arg(long, value_name = "t1,t2,...|view|budget", allow_hyphen_values = true)]
     times: Option<String>,
+    /// Channel of the question to paint, and to write to --raw (default: all of them)
+    #[arg(long, value_name = "NAME")]
+    channel: Option<String>,
     /// Leave out the energy curve
     #[arg(long)]
     no_curve: bool,
@@ -82,6 +85,9 @@ impl PictureOptions {
         let picture = &mut document.picture;
         if let Some(palette) = &self.palette {
             picture.palette.clone_from(palette);
+        }
+        if self.channel.is_some() {
+            picture.channel.clone_from(&self.channel);
         }
         picture.samples = self.samples.unwrap_or(picture.samples);
         picture.curve &= !self.no_curve;

@@ -10,6 +10,7 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
+use flipmap::question::Ask;
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{self, Counts, Renderer};
 
@@ -179,9 +180,14 @@ fn check_numbers(
     cells: Cells,
 ) -> Result<(), Exit> {
     check_steps(scene, config)?;
-    let pixel = Grid::new(scene, size).pixel_rad();
-    let refuse = |why| Exit::Usage(format!("--cells is never; {why}"));
-    cells.check(&config, pixel).map_err(refuse)?;
+    let grid = Grid::new(scene, size);
+    let pixel = grid.pixel_rad();
+    let (cells, why) = if grid.has_cells() && scene.question.ask != Ask::State {
+        (cells, "--cells is never")
+    } else {
+        (Cells::Never, "--width is too small for this plane or question")
+    };
+    cells.check(&config, pixel).map_err(|error| Exit::Usage(format!("{why}; {error}")))?;
     let needed = (-pixel.log10()).ceil() as usize;
     let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);
     if pixel < TOO_SMALL_FOR_ROUND_CENTRES && given < needed {
@@ -218,6 +224,8 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
     }
     let why = if spec.verify {
         "checks start at the release: omit --verify and --accuracy exact"
+    } else if !document.question.ask.is_time() {
+        "only the times of flips can be continued: omit --state or --ask"
     } else if document.picture.samples > 1 {
         "it stores one sample per pixel: omit --samples"
     } else {
@@ -275,8 +283,9 @@ fn object(ran: &RunSummary, scene: &Scene) -> serde_json::Value {
 fn tell(ran: &RunSummary, scene: &Scene) {
     let RunSummary { counts, seconds, .. } = ran;
     let Counts { pixels, simulated, flipped, unflipped, forbidden, failed, .. } = *counts;
+    let [done, not_done] = scene.question.ask.kind().counted;
     super::tell(&format!(
-        "flipmap: {pixels} pixels: {flipped} flipped, {unflipped} unflipped, {forbidden} forbidden, \
+        "flipmap: {pixels} pixels: {flipped} {done}, {unflipped} {not_done}, {forbidden} forbidden, \
          {failed} failed; {simulated} simulated in {:.2} s ({:.2} s setup, {:.2} s output)",
         seconds[1], seconds[0], seconds[2]
     ));

@@ -7,7 +7,7 @@ use super::{EngineError, IntegratorConfig, Question};
 use crate::physics::control::Control;
 use crate::physics::embedded::{DOP853_ORDER, DOPRI5_ORDER};
 use crate::physics::trig::Turning;
-use crate::physics::{Outcome, Status, extrapolation, series};
+use crate::physics::{Launch, Outcome, Status, extrapolation, series};
 
 /// The method by which a pixel is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -274,6 +274,19 @@ impl Adaptive {
         }
     }
 
+    /// The same steps, with as many as the fastest of some launches may need.
+    #[must_use]
+    pub(super) fn for_launches(self, question: &Question, launches: &[Launch]) -> Self {
+        let (reduced, unit_secs) = question.reduced();
+        let fastest = launches.iter().flat_map(|launch| launch.speed).map(|w| w.hi.abs());
+        let fastest = fastest.fold(0.0, f64::max) * unit_secs;
+        // A speed of one bob may pass to the other, in proportion to the roots of their inertias.
+        let ratio = (reduced.a.max(reduced.b) / reduced.least_det).sqrt().max(1.0);
+        let more = 20.0 * self.budget * fastest * ratio * 2.0;
+        let most_steps = (f64::from(self.most_steps) + more).min(f64::from(MOST_STEPS)) as u32;
+        Adaptive { most_steps, ..self }
+    }
+
     /// The outcome of a pendulum that crosses the top at a reduced `time`.
     pub fn outcome_of_pass(&self, time: f64) -> Outcome {
         outcome_at(time * self.unit_secs, self.budget_secs)
@@ -298,6 +311,8 @@ pub struct Steps {
     pub length_secs: f64,
     /// Number of steps that begin before the end of the budget.
     pub count: u32,
+    /// True if pendulums may be faster than after any release from rest.
+    pub thrown: bool,
     budget_secs: f64,
 }
 
@@ -325,7 +340,14 @@ impl Steps {
                 question.budget_secs
             )));
         }
-        Ok(Steps { length, length_secs, count: count as u32, budget_secs: question.budget_secs })
+        let (count, budget_secs) = (count as u32, question.budget_secs);
+        Ok(Steps { length, length_secs, count, thrown: false, budget_secs })
+    }
+
+    /// The same steps for pendulums that may be faster than after any release.
+    #[must_use]
+    pub(super) fn for_launches(self) -> Self {
+        Steps { thrown: true, ..self }
     }
 
     /// The outcome of a pendulum that crosses the top `fraction` into the step that follows `steps`
@@ -337,6 +359,9 @@ impl Steps {
     /// The way in which the stages of a step find their directions, chosen by the greatest turn
     /// that the scene's energy allows in one step.
     pub fn turning(&self, question: &Question, precision: Precision) -> Turning {
+        if self.thrown {
+            return Turning::Fresh;
+        }
         let most = question.build.pendulum().greatest_speed() * self.length_secs;
         Turning::within(most, precision.epsilon())
     }

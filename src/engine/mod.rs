@@ -39,7 +39,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::physics::crossing;
 use crate::physics::phase::Phase;
-use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
+use crate::physics::{Dd, Launch, Outcome, Pendulum, Rule, Scalar, Status};
 use crate::scene::lattice::Cell;
 use crate::scene::{Build, Scene};
 pub use cells::{Cells, Indistinguishable};
@@ -66,8 +66,8 @@ impl From<&Scene> for Question {
     fn from(scene: &Scene) -> Self {
         Question {
             build: scene.build,
-            rule: scene.question.rule,
-            budget_secs: scene.question.budget.secs,
+            rule: scene.question.watched(),
+            budget_secs: scene.question.end_secs(),
         }
     }
 }
@@ -109,6 +109,8 @@ pub struct IntegratorConfig {
 pub enum Starts {
     /// Released from rest at these angles (rad), each within (−π, π].
     Rest(Vec<[Dd; 2]>),
+    /// Thrown from angles (rad, each within (−π, π]) with speeds (rad/s).
+    Thrown(Vec<Launch>),
     /// Resumed from the states in which an earlier job left them; its question may differ in the
     /// budget only.
     Resumed(Vec<IntegratorState>),
@@ -166,6 +168,7 @@ impl Starts {
     pub fn len(&self) -> usize {
         match self {
             Starts::Rest(angles) => angles.len(),
+            Starts::Thrown(launches) => launches.len(),
             Starts::Resumed(states) => states.len(),
             Starts::Moving(moving) => moving.states.len(),
             Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
@@ -232,12 +235,15 @@ pub struct End {
     /// Factor by which neighbours had moved apart between the release and the beginning of the
     /// start's own integration: 1 where that began at rest, infinite where none was needed.
     pub grown: f64,
+    /// Whole turns of each bob since the release, anticlockwise ones positive; only counted where
+    /// no bob is watched.
+    pub turns: [i32; 2],
 }
 
 impl End {
     /// The end of a pendulum that has not moved.
     pub const NOWHERE: End =
-        End { time: 0.0, phase: [0.0; 6], clearance: crossing::FAR, grown: 1.0 };
+        End { time: 0.0, phase: [0.0; 6], clearance: crossing::FAR, grown: 1.0, turns: [0; 2] };
 }
 
 impl Job {
@@ -246,7 +252,11 @@ impl Job {
         let pace = Pace::new(&self.question, &self.config)?;
         Ok(match (pace, self.config.method, &self.starts) {
             // These keep one tolerance throughout.
-            (_, Method::Taylor { .. } | Method::Extrapolation { .. }, _) => pace,
+            (_, Method::Taylor { .. } | Method::Extrapolation { .. }, Starts::Moving(_)) => pace,
+            (Pace::Fixed(steps), _, Starts::Thrown(_)) => Pace::Fixed(steps.for_launches()),
+            (Pace::Adaptive(adaptive), _, Starts::Thrown(launches)) => {
+                Pace::Adaptive(adaptive.for_launches(&self.question, launches))
+            }
             (Pace::Adaptive(adaptive), _, Starts::Moving(moving)) => {
                 // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a larger
                 // leaf, neighbours differ by less), and doubled in f64 since the tolerance rises.

@@ -72,8 +72,9 @@ pub struct RawOutcome {
     pub moment: [f32; 2],
     /// Distance from the top that the watched bobs have kept so far, as a sine.
     pub clearance: f32,
-    /// Padding, because WGSL aligns the next outcome to 8 bytes.
-    pub padding: f32,
+    /// Whole turns of the first bob in the low 16 bits and of the second in the high ones, signed;
+    /// only adaptive kernels that watch no bob count them.
+    pub turns: u32,
 }
 
 /// Lengths of the lists of pendulums, and the list in use.

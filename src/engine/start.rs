@@ -4,6 +4,8 @@
 //! Every name has its place, whatever the precision. Names in `_low` are the remainders that
 //! rounding took from the others; a precision without remainders leaves them at 0.
 
+use std::f64::consts::{PI, TAU};
+
 use super::method::Pace;
 use super::{
     End, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving, NUMBERS, Precision,
@@ -11,7 +13,7 @@ use super::{
 };
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
-use crate::physics::{Angle, Dd, Pendulum, Scalar, State, control};
+use crate::physics::{Angle, Dd, Launch, Pendulum, Scalar, State, control};
 
 /// Names of the numbers of a fixed-step state.
 pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
@@ -48,16 +50,43 @@ fn at_rest(config: &IntegratorConfig, angle: [Dd; 2]) -> IntegratorState {
             [numbers[i], numbers[4 + i]] = parts(angle[i], config.precision);
         }
     } else {
-        let vectors = match config.precision {
-            Precision::Dd => angle.map(exact_unit_vector),
-            _ => angle.map(unit_vector),
-        };
-        for (i, value) in vectors.as_flattened().iter().enumerate() {
+        for (i, value) in vectors(config, angle).as_flattened().iter().enumerate() {
             [numbers[i], numbers[6 + i]] = parts(*value, config.precision);
         }
         numbers[STEP] = control::FIRST;
     }
     IntegratorState { steps: 0, numbers }
+}
+
+/// The state of a pendulum thrown with speeds; `reduced` is the pendulum in reduced units and
+/// `unit_secs` its unit of time in s.
+fn thrown(
+    config: &IntegratorConfig,
+    (reduced, unit_secs): &(Pendulum<Dd>, Dd),
+    launch: &Launch,
+) -> IntegratorState {
+    let mut state = at_rest(config, launch.angle);
+    let speed = launch.speed.map(|speed| speed * *unit_secs);
+    if let Method::Rk4 { .. } = config.method {
+        [state.numbers[2], state.numbers[3]] = speed.map(Dd::to_f64);
+        return state;
+    }
+    let [[x1, y1], [x2, y2]] = vectors(config, launch.angle);
+    let coupling = reduced.c * (x1 * x2 + y1 * y2);
+    let momenta =
+        [reduced.a * speed[0] + coupling * speed[1], coupling * speed[0] + reduced.b * speed[1]];
+    for (i, momentum) in momenta.into_iter().enumerate() {
+        [state.numbers[4 + i], state.numbers[10 + i]] = parts(momentum, config.precision);
+    }
+    state
+}
+
+/// The unit vectors along the rods.
+fn vectors(config: &IntegratorConfig, angle: [Dd; 2]) -> [[Dd; 2]; 2] {
+    match config.precision {
+        Precision::Dd => angle.map(exact_unit_vector),
+        _ => angle.map(unit_vector),
+    }
 }
 
 /// The states in which a job's pendulums begin.
@@ -66,6 +95,10 @@ pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     match &job.starts {
         Starts::Resumed(paused) => Ok(paused.clone()),
         Starts::Rest(angles) => Ok(angles.iter().map(|angle| at_rest(config, *angle)).collect()),
+        Starts::Thrown(launches) => {
+            let reduced = question.reduced_in();
+            Ok(launches.iter().map(|launch| thrown(config, &reduced, launch)).collect())
+        }
         Starts::Moving(moving) => {
             let pace = Pace::new(question, config)?;
             let states = moving.states.iter();
@@ -133,12 +166,12 @@ pub fn end(
     clearance: f64,
 ) -> End {
     let numbers = &left.numbers;
-    let (begin, from) = match pace {
-        Pace::Adaptive(_) => (phase_of(numbers), numbers[TIME] + numbers[TIME_LOW]),
+    let (begin, from, turns) = match pace {
+        Pace::Adaptive(_) => (phase_of(numbers), numbers[TIME] + numbers[TIME_LOW], [0; 2]),
         Pace::Fixed(steps) => {
             let angle = [numbers[0] + numbers[4], numbers[1] + numbers[5]];
             let phase = reduced.phase(&State { angle, speed: [numbers[2], numbers[3]] });
-            (phase, f64::from(left.steps) * steps.length)
+            (phase, f64::from(left.steps) * steps.length, angle.map(whole_turns))
         }
     };
     let time = match (pace, flipped) {
@@ -148,7 +181,12 @@ pub fn end(
     };
     let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
     let change = dop853(reduced, scale, &begin, time - from).change;
-    End { time, phase: plus(&begin, &change), clearance, ..End::NOWHERE }
+    End { time, phase: plus(&begin, &change), clearance, turns, ..End::NOWHERE }
+}
+
+/// Number of whole turns in an angle (rad) that began in (−π, π].
+pub fn whole_turns(angle: f64) -> i32 {
+    ((angle - PI) / TAU).ceil() as i32
 }
 
 /// `value` as the number type holds it, and the remainder.

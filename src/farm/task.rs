@@ -214,7 +214,7 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
 
 /// All of a scene that decides its samples.
 fn what_of(scene: &Scene) -> String {
-    let Scene { build, question, view } = scene;
+    let Scene { build, question, view, .. } = scene;
     format!("{build:?} {} {} {view:?}", question.rule, question.budget.secs)
 }
 

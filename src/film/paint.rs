@@ -12,7 +12,8 @@ use rayon::prelude::*;
 
 use super::Mip;
 use super::mip::Light;
-use crate::output::{curve_cover, encoded};
+use crate::output::curve_cover;
+use crate::scene::palette::encoded;
 
 use crate::scene::Turn;
 use crate::scene::film::Shot;

@@ -14,7 +14,8 @@ pub struct ResultRows {
 }
 
 enum ResultKind {
-    Times(BufReader<File>),
+    /// The file, and the number of channels of each pixel.
+    Times(BufReader<File>, usize),
     Colours(Box<png::Reader<BufReader<File>>>),
 }
 
@@ -54,6 +55,9 @@ struct Histogram {
     counts: Vec<u64>,
 }
 
+/// Largest number of channels of an array.
+const MOST_CHANNELS: u32 = 64;
+
 const LEAST_DECADE: f64 = -18.0;
 const DECADES: usize = 24;
 const BINS_A_DECADE: f64 = 100.0;
@@ -87,6 +91,20 @@ pub enum CompareError {
         a: PathBuf,
         /// Path of the other result.
         b: PathBuf,
+    },
+    /// Results with different numbers of channels: answers to different questions.
+    #[error(
+        "{a} has {} channels and {b} {}: only answers to one question can be compared",
+        channels[0],
+        channels[1]
+    )]
+    Channels {
+        /// Path of one result.
+        a: PathBuf,
+        /// Path of the other result.
+        b: PathBuf,
+        /// Numbers of channels.
+        channels: [usize; 2],
     },
     /// Results of different sizes.
     #[error(
@@ -127,10 +145,10 @@ impl ResultRows {
             ([info.width, info.height], ResultKind::Colours(Box::new(reader)))
         } else {
             let mut file = file;
-            let size = npy_size(&mut file).ok_or_else(|| {
-                foreign("is no two-dimensional .npy array of little-endian f64".to_string())
+            let (size, channels) = npy_shape(&mut file).ok_or_else(|| {
+                foreign("is no .npy array of little-endian f64 of two or three axes".to_string())
             })?;
-            (size, ResultKind::Times(file))
+            (size, ResultKind::Times(file, channels))
         };
         Ok(ResultRows { path: path.to_path_buf(), size, kind })
     }
@@ -142,14 +160,22 @@ impl ResultRows {
 
     /// Returns true if it holds flip times.
     pub fn has_times(&self) -> bool {
-        matches!(self.kind, ResultKind::Times(_))
+        matches!(self.kind, ResultKind::Times(..))
+    }
+
+    /// Number of values of each pixel.
+    fn channels(&self) -> usize {
+        match self.kind {
+            ResultKind::Times(_, channels) => channels,
+            ResultKind::Colours(_) => 3,
+        }
     }
 
     fn next(&mut self) -> Result<ResultRow, CompareError> {
         let width = self.size[0] as usize;
         let row = match &mut self.kind {
-            ResultKind::Times(file) => {
-                let mut bytes = vec![0; 8 * width];
+            ResultKind::Times(file, channels) => {
+                let mut bytes = vec![0; 8 * width * *channels];
                 file.read_exact(&mut bytes).map(|()| {
                     let numbers = bytes.as_chunks::<8>().0.iter();
                     ResultRow::Times(numbers.map(|bytes| f64::from_le_bytes(*bytes)).collect())
@@ -171,8 +197,8 @@ impl ResultRows {
     }
 }
 
-/// Reads width and height of a `.npy` array of f64 from its header.
-fn npy_size(file: &mut impl Read) -> Option<[u32; 2]> {
+/// Reads width, height and number of channels of a `.npy` array of f64 from its header.
+fn npy_shape(file: &mut impl Read) -> Option<([u32; 2], usize)> {
     let mut head = [0; 10];
     file.read_exact(&mut head).ok()?;
     let length = usize::from(u16::from_le_bytes([head[8], head[9]]));
@@ -183,9 +209,14 @@ fn npy_size(file: &mut impl Read) -> Option<[u32; 2]> {
         && text.contains("'<f8'")
         && text.contains("'fortran_order': False");
     let (_, shape) = text.split_once("'shape': (")?;
-    let (height, width) = shape.split_once(')')?.0.split_once(',')?;
-    let size = [width.trim().parse().ok()?, height.trim().parse().ok()?];
-    fits.then_some(size)
+    let axes: Option<Vec<u32>> =
+        shape.split_once(')')?.0.split(',').map(|axis| axis.trim().parse().ok()).collect();
+    let shape = match axes?[..] {
+        [height, width] => ([width, height], 1),
+        [height, width, channels @ 1..=MOST_CHANNELS] => ([width, height], channels as usize),
+        _ => return None,
+    };
+    fits.then_some(shape)
 }
 
 impl Difference {
@@ -198,6 +229,16 @@ impl Difference {
         } else {
             Difference::Class
         }
+    }
+
+    /// The difference of two pixels with several values: that of the values that differ most.
+    fn of_values(a: &[f64], b: &[f64]) -> Self {
+        let each = a.iter().zip(b).map(|(a, b)| Difference::of_times(*a, *b));
+        let larger = |a, b| match (a, b) {
+            (Difference::By(a), Difference::By(b)) => Difference::By(a.max(b)),
+            _ => Difference::Class,
+        };
+        each.reduce(larger).unwrap_or(Difference::By(0.0))
     }
 
     /// The difference of two colours.
@@ -221,11 +262,17 @@ pub fn compare(
         let (a_size, b_size) = (a.size, b.size);
         return Err(CompareError::Size { a: a.path, a_size, b: b.path, b_size });
     }
+    let channels = a.channels();
+    if channels != b.channels() {
+        let channels = [channels, b.channels()];
+        return Err(CompareError::Channels { a: a.path, b: b.path, channels });
+    }
     let mut comparison = Comparison::default();
     for _ in 0..a.size[1] {
         let differences: Vec<Difference> = match (a.next()?, b.next()?) {
             (ResultRow::Times(a), ResultRow::Times(b)) => {
-                a.iter().zip(b).map(|(a, b)| Difference::of_times(*a, b)).collect()
+                let pixels = a.chunks(channels).zip(b.chunks(channels));
+                pixels.map(|(a, b)| Difference::of_values(a, b)).collect()
             }
             (ResultRow::Colours(a), ResultRow::Colours(b)) => {
                 a.chunks(3).zip(b.chunks(3)).map(|(a, b)| Difference::of_colours(a, b)).collect()
@@ -339,13 +386,16 @@ mod tests {
             let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
             bytes.extend((text.len() as u16).to_le_bytes());
             bytes.extend(text.bytes());
-            npy_size(&mut &bytes[..])
+            npy_shape(&mut &bytes[..])
         };
         let good = "{'descr': '<f8', 'fortran_order': False, 'shape': (5, 7), }";
-        assert_eq!(header(good), Some([7, 5]));
-        for (from, to) in [("<f8", "<f4"), ("False", "True"), ("(5, 7)", "(5,)"), ("5", "-5")] {
+        assert_eq!(header(good), Some(([7, 5], 1)));
+        assert_eq!(header(&good.replace("5, 7", "5, 7, 6")), Some(([7, 5], 6)));
+        for (from, to) in
+            [("<f8", "<f4"), ("False", "True"), ("(5, 7)", "(5,)"), ("5", "-5"), ("7", "7, 99")]
+        {
             assert_eq!(header(&good.replace(from, to)), None, "{to}");
         }
-        assert_eq!(npy_size(&mut &b"\x93NUMPY"[..]), None);
+        assert_eq!(npy_shape(&mut &b"\x93NUMPY"[..]), None);
     }
 }

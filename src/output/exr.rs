@@ -1,6 +1,6 @@
-//! Samples as an OpenEXR image with the channels `time` (s; `+inf` for unflipped and failed, `nan`
-//! for forbidden), `status` (0 unflipped, 1 flipped, 2 forbidden, 3 failed) and `uncertain` (0 or
-//! 1), all f32, row 0 at the top.
+//! Samples as an OpenEXR image with the channels of the question (such as `time` in s; `+inf` for
+//! unflipped and failed, `nan` for forbidden), `status` (0 unflipped, 1 flipped or answered, 2
+//! forbidden, 3 failed) and `uncertain` (0 or 1), all f32, row 0 at the top.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::slice::from_ref;
@@ -12,11 +12,27 @@ use exr::prelude::{ChannelDescription, Compression, Error, LineOrder, SampleType
 
 use super::npy::number_of;
 use crate::engine::Trust;
+use crate::question::Ask;
 use crate::scene::Document;
 use crate::tiles::Samples;
 
-/// The channels in the order of the file, which is alphabetical.
-const CHANNELS: [&str; 3] = ["status", "time", "uncertain"];
+/// Contents of a channel of the file.
+#[derive(Clone, Copy)]
+enum Column {
+    /// A channel of the question, by its index.
+    Value(usize),
+    Status,
+    Uncertain,
+}
+
+/// The channels of a question's image in the order of the file, which is alphabetical.
+fn columns_of(ask: Ask) -> Vec<(&'static str, Column)> {
+    let channels = ask.kind().channels.iter().enumerate();
+    let mut columns: Vec<_> = channels.map(|(k, it)| (it.name, Column::Value(k))).collect();
+    columns.extend([("status", Column::Status), ("uncertain", Column::Uncertain)]);
+    columns.sort_unstable_by_key(|(name, _)| *name);
+    columns
+}
 
 /// Longest row in pixels that is compressed together with others, sixteen at a time. Longer rows
 /// exceed what the compressor looks back over, so that several would only cost memory.
@@ -35,7 +51,7 @@ pub struct ExrWriter<W: Write + Seek> {
     /// Rows of the next block; within each row, channel after channel.
     block: Vec<u8>,
     /// The channels of the row that is being filled.
-    row: [Vec<f32>; 3],
+    row: Vec<(Column, Vec<f32>)>,
     /// Number of rows that are filled.
     rows: usize,
 }
@@ -57,7 +73,10 @@ impl<W: Write + Seek> ExrWriter<W> {
             places: Vec::new(),
             end: bytes.len() as u64,
             block: Vec::new(),
-            row: Default::default(),
+            row: columns_of(document.question.ask)
+                .into_iter()
+                .map(|(_, column)| (column, Vec::new()))
+                .collect(),
             rows: 0,
         })
     }
@@ -65,12 +84,16 @@ impl<W: Write + Seek> ExrWriter<W> {
     /// Writes the next samples.
     pub fn write(&mut self, samples: &Samples) -> io::Result<()> {
         let width = self.header.layer_size.width();
-        for (index, outcome) in samples.iter().enumerate() {
-            let uncertain = samples.trust(index) == Trust::Uncertain;
-            self.row[0].push(f32::from(outcome.status as u8));
-            self.row[1].push(number_of(outcome) as f32);
-            self.row[2].push(f32::from(u8::from(uncertain)));
-            if self.row[0].len() == width {
+        for index in 0..samples.len() {
+            let (status, values) = (samples.get(index).status, samples.values(index));
+            for (column, row) in &mut self.row {
+                row.push(match *column {
+                    Column::Value(channel) => number_of(status, values[channel]) as f32,
+                    Column::Status => f32::from(status as u8),
+                    Column::Uncertain => f32::from(samples.trust(index) == Trust::Uncertain),
+                });
+            }
+            if self.row[0].1.len() == width {
                 self.end_row()?;
             }
         }
@@ -78,7 +101,7 @@ impl<W: Write + Seek> ExrWriter<W> {
     }
 
     fn end_row(&mut self) -> io::Result<()> {
-        for channel in &mut self.row {
+        for (_, channel) in &mut self.row {
             self.block.extend_from_slice(bytemuck::cast_slice(channel));
             channel.clear();
         }
@@ -129,12 +152,14 @@ impl<W: Write + Seek> ExrWriter<W> {
 
 /// The header of an image: its channels and how they are encoded.
 fn header(size: [u32; 2], document: &Document) -> Header {
-    let channels = CHANNELS.map(|name| ChannelDescription::named(name, SampleType::F32));
+    let columns = columns_of(document.question.ask);
+    let channels =
+        columns.iter().map(|(name, _)| ChannelDescription::named(*name, SampleType::F32));
     let compression = if size[0] <= SHORT_ROW { Compression::ZIP16 } else { Compression::ZIP1 };
     let mut attributes = LayerAttributes::named("flipmap");
     attributes.comments = Some(Text::from(document.text().as_str()));
     let [width, height] = size.map(|side| side as usize);
-    Header::new(Text::from("flipmap"), (width, height), channels.into_iter().collect())
+    Header::new(Text::from("flipmap"), (width, height), channels.collect())
         .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_attributes(attributes)
 }
@@ -206,10 +231,10 @@ mod tests {
         let values = |value: &dyn Fn(usize) -> f32| (0..samples.len()).map(value).collect();
         let channels: [Vec<f32>; 3] = [
             values(&|index| f32::from(samples.get(index).status as u8)),
-            values(&|index| number_of(samples.get(index)) as f32),
+            values(&|index| number_of(samples.get(index).status, samples.get(index).time) as f32),
             values(&|index| f32::from(u8::from(samples.trust(index) == Trust::Uncertain))),
         ];
-        let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = CHANNELS
+        let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = ["status", "time", "uncertain"]
             .into_iter()
             .zip(channels)
             .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)))

@@ -1,12 +1,12 @@
 //! The colours of samples: the palette, the mean of several samples per pixel, the energy curve.
 
-use crate::scene::palette::{Rgb, Tones, light};
+use crate::scene::palette::{AnswerColours, Rgb, encoded, light};
 use crate::scene::{Grid, PictureTable, Scene, SceneError};
 use crate::tiles::Samples;
 
 /// Paints bands of a picture from the top.
 pub struct RowPainter {
-    tones: Tones,
+    colours: AnswerColours,
     curve: bool,
     samples_along: u32,
     grid: Grid,
@@ -21,10 +21,9 @@ const CURVE_HALF_WIDTH: f64 = 0.75;
 impl RowPainter {
     /// A painter of a `size` picture of a checked scene; refuses a table that cannot be used.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
-        let Scene { build, question, .. } = scene;
         Ok(RowPainter {
-            tones: Tones::new(picture, build.unit_secs(), question.budget.secs)?,
-            curve: picture.curve && build.pendulum().q > 0.0,
+            colours: AnswerColours::new(scene, picture)?,
+            curve: picture.curve && scene.build.pendulum().q > 0.0,
             samples_along: picture.samples,
             grid: Grid::new(scene, size),
             next_row: 0,
@@ -35,7 +34,8 @@ impl RowPainter {
     /// Paints the next rows of samples as rows of RGB bytes. With several samples per pixel, a row
     /// comes out when it is complete.
     pub fn paint(&mut self, samples: &Samples) -> Vec<u8> {
-        self.pending.extend(samples.iter().map(|outcome| self.tones.colour(&outcome)));
+        let colour = |k| self.colours.colour(samples.get(k).status, samples.values(k));
+        self.pending.extend((0..samples.len()).map(colour));
         let along = self.samples_along as usize;
         let width = self.grid.size()[0] as usize;
         let row_samples = width * along * along;
@@ -82,13 +82,6 @@ fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
         }
     }
     sum.map(|sum| encoded(sum / (along * along) as f64))
-}
-
-/// Converts linear light to sRGB: the inverse of [`light`].
-pub fn encoded(linear: f64) -> u8 {
-    let c =
-        if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (c * 255.0).round() as u8
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The outputs of a render, written as its samples come.
 
 use std::io::Write;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::failure::{OutputError, is_broken_pipe};
@@ -78,6 +79,15 @@ enum Sink {
     Trust(PictureFile),
 }
 
+/// The channels that arrays hold: the chosen one, or all of the question.
+fn channels_of(document: &Document) -> Range<usize> {
+    let ask = document.question.ask;
+    match document.picture.channel_of(ask) {
+        Ok(Some(channel)) => channel..channel + 1,
+        _ => 0..ask.kind().channels.len(),
+    }
+}
+
 /// An output that is complete, but not yet in its place.
 enum Complete {
     File(SafeFile),
@@ -104,7 +114,9 @@ impl Sink {
         }
         let file = SafeFile::create(&name).map_err(refused)?;
         let begun = match option {
-            "--raw" => NpyWriter::new(file, size).map(Sink::Raw).map_err(PngError::from),
+            "--raw" => NpyWriter::new(file, size, channels_of(document))
+                .map(Sink::Raw)
+                .map_err(PngError::from),
             _ => Spool::new(file)
                 .and_then(|file| ExrWriter::new(file, size, document))
                 .map(|exr| Sink::Exr(Box::new(exr)))

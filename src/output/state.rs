@@ -94,6 +94,8 @@ impl RenderState {
         };
         let line = |value: &dyn std::fmt::Debug| format!("{value:?}");
         differ("pendulum", line(&kept.pendulum), line(&now.pendulum))?;
+        differ("question", kept.question.ask.to_string(), now.question.ask.to_string())?;
+        differ("plane", line(&kept.plane), line(&now.plane))?;
         differ("rule", kept.question.rule.to_string(), now.question.rule.to_string())?;
         differ("view", line(&kept.view), line(&now.view))?;
         differ("size", line(&kept.run.size), line(&now.run.size))?;

@@ -20,10 +20,14 @@ pub enum Rule {
     First,
     /// Both bobs, whichever flips first.
     Either,
+    /// No bob: the pendulum is followed for the whole budget, and its turns are counted. A question
+    /// may choose it, a scene cannot.
+    #[serde(skip)]
+    Neither,
 }
 
 impl Rule {
-    /// All rules, each with its name.
+    /// The rules of scenes, each with its name.
     pub const ALL: [(&'static str, Rule); 3] =
         [("second", Rule::Second), ("first", Rule::First), ("either", Rule::Either)];
 
@@ -33,14 +37,15 @@ impl Rule {
             Rule::First => &[0],
             Rule::Second => &[1],
             Rule::Either => &[0, 1],
+            Rule::Neither => &[],
         }
     }
 }
 
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (word, _) = Self::ALL[Self::ALL.iter().position(|(_, r)| r == self).unwrap_or(0)];
-        f.write_str(word)
+        let known = Self::ALL.iter().find(|(_, rule)| rule == self);
+        f.write_str(known.map_or("neither", |(word, _)| word))
     }
 }
 

@@ -9,6 +9,7 @@
 //! * [`integrator`] holds the fixed-step methods, [`embedded`] and [`series`] those that choose
 //!   their steps, [`control`] their step size control;
 //! * [`taylor`] and [`oracle`] are the *gold standard* by which every engine is judged;
+//! * [`transport`] brings a state to another time;
 //! * [`simple`] is the single pendulum, [`separation`] measures how fast two pendulums diverge;
 //! * [`flip`] and [`crossing`] find the moment at which a bob passes the top.
 
@@ -38,11 +39,12 @@ pub mod separation;
 pub mod series;
 pub mod simple;
 pub mod taylor;
+pub mod transport;
 pub mod trig;
 
 pub use dd::Dd;
 pub use decimal::Decimal;
 pub use fixed::{Fixed, Theta};
 pub use flip::{Outcome, Rule, Status};
-pub use pendulum::{Pendulum, State};
+pub use pendulum::{Launch, Pendulum, State};
 pub use real::{Angle, Real, Scalar};

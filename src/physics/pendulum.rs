@@ -11,6 +11,7 @@
 //! Their determinant AB − C² c² = (AB − C²) + C² s² is positive; its constant part is carried as a
 //! sixth number, because computing it from the other five cancels for light first bobs.
 
+use super::dd::Dd;
 use super::flip::Rule;
 use super::real::{Angle, Real, Scalar};
 
@@ -29,6 +30,23 @@ pub struct Pendulum<T> {
     pub q: T,
     /// Least value of the determinant, AB − C², in kg² m⁴.
     pub least_det: T,
+}
+
+/// A start with speeds, to the precision of double-double.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Launch {
+    /// Angles θ1 and θ2 in (−π, π], rad.
+    pub angle: [Dd; 2],
+    /// Angular velocities ω1 and ω2, rad/s.
+    pub speed: [Dd; 2],
+}
+
+impl Launch {
+    /// The same start with both angles moved, rad.
+    #[must_use]
+    pub fn moved_by(self, by: [Dd; 2]) -> Self {
+        Launch { angle: [0, 1].map(|i| self.angle[i] + by[i]), ..self }
+    }
 }
 
 /// The state of a pendulum.
@@ -117,6 +135,8 @@ impl<T: Scalar> Pendulum<T> {
             Rule::Second => self.p - self.q,
             Rule::First => self.q - self.p,
             Rule::Either => (self.p - self.q).abs(),
+            // Deeper than any start: nothing is forbidden.
+            Rule::Neither => (self.p + self.q) + (self.p + self.q),
         }
     }
 
@@ -134,6 +154,15 @@ impl<T: Scalar> Pendulum<T> {
     /// The nearest pendulum in f64.
     pub fn to_f64(&self) -> Pendulum<f64> {
         self.map(T::to_f64)
+    }
+}
+
+impl Pendulum<Dd> {
+    /// Returns true if energy conservation proves that a pendulum thrown from `launch` can never
+    /// meet `rule`.
+    pub fn forbids_launch(&self, rule: Rule, launch: &Launch) -> bool {
+        let Launch { angle, speed } = *launch;
+        self.forbids_depth(rule, -self.energy(&State { angle, speed }))
     }
 }
 

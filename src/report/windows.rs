@@ -5,7 +5,7 @@ use super::{ReportError, StopTest};
 use crate::engine::Question;
 use crate::physics::{Dd, Outcome, Rule};
 use crate::report::test_set::{open_starts, spread};
-use crate::scene::{Build, FlipQuestion as Asked, Kind, Scene, View};
+use crate::scene::{Build, Kind, QuestionTable as Asked, Scene, View};
 
 /// Pixels along each side of a window from which the open starts are taken.
 const SIDE: u32 = 96;
@@ -99,7 +99,7 @@ impl Window {
         let (center, width) = (self.center.map(str::to_string), self.width.to_string());
         let question = Asked { rule: self.rule, ..Asked::default() };
         let view = View { center, width, ..View::default() };
-        Scene { build: (self.build)(), question, view }
+        Scene { build: (self.build)(), question, view, ..Scene::default() }
     }
 
     /// The question that is asked about the window's starts.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Build, FlipQuestion, PictureTable, Scene, SceneError, View};
+use super::{Build, PictureTable, Plane, QuestionTable, Scene, SceneError, View};
 
 /// The newest file format that this program reads, and the one that it writes.
 pub(super) const FORMAT: u32 = 1;
@@ -16,7 +16,10 @@ pub struct Document {
     /// The pendulum.
     pub pendulum: Build,
     /// The question asked about every start.
-    pub question: FlipQuestion,
+    pub question: QuestionTable,
+    /// The plane of starts.
+    #[serde(skip_serializing_if = "is_plain")]
+    pub plane: Plane,
     /// The part of the plane that is shown.
     pub view: View,
     /// Settings with which the picture is painted.
@@ -57,12 +60,17 @@ fn is_false(value: &bool) -> bool {
     !value
 }
 
+fn is_plain(plane: &Plane) -> bool {
+    *plane == Plane::default()
+}
+
 impl Default for Document {
     fn default() -> Self {
         Document {
             format: FORMAT,
             pendulum: Build::default(),
-            question: FlipQuestion::default(),
+            question: QuestionTable::default(),
+            plane: Plane::default(),
             view: View::default(),
             picture: PictureTable::default(),
             run: RunTable::default(),
@@ -107,6 +115,7 @@ impl Document {
     pub fn checked(mut self) -> Result<Self, DocumentError> {
         self.question = self.scene().checked()?.question;
         self.picture.check()?;
+        self.picture.channel_of(self.question.ask)?;
         Ok(self)
     }
 
@@ -130,13 +139,18 @@ impl Document {
 
     /// The scene: what to compute.
     pub fn scene(&self) -> Scene {
-        Scene { build: self.pendulum, question: self.question, view: self.view.clone() }
+        Scene {
+            build: self.pendulum,
+            question: self.question,
+            view: self.view.clone(),
+            plane: self.plane.clone(),
+        }
     }
 
     /// Returns this document with another scene, and with the same picture and run tables.
     pub fn with_scene(self, scene: Scene) -> Self {
-        let Scene { build, question, view } = scene;
-        Document { pendulum: build, question, view, ..self }
+        let Scene { build, question, view, plane } = scene;
+        Document { pendulum: build, question, view, plane, ..self }
     }
 }
 

@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::keys::Key;
-use super::{Budget, Build, FlipQuestion, Scene, View};
+use super::{Budget, Build, QuestionTable, Scene, SceneError, View};
 use crate::physics::{Decimal, Scalar, Theta};
 
 /// Frames of one size along a path of keys.
@@ -40,6 +40,9 @@ pub enum FilmError {
     /// Too few keys: the camera has nowhere to go.
     #[error("a film needs two keys or more, and this one has {0}")]
     Few(usize),
+    /// A question or a plane that films do not know.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// A change of something that cannot change gradually.
     #[error("key {number} has another {what} than the first; in a film it stays the same")]
     Jumps {
@@ -104,6 +107,7 @@ impl Film {
             return Err(FilmError::Large { size, samples });
         }
         for (key, number) in self.keys.iter().zip(1..) {
+            key.scene.scene().require_flip_from_rest()?;
             let jumps = |what| Err(FilmError::Jumps { number, what });
             if key.scene.question.rule != first.scene.question.rule {
                 return jumps("rule");
@@ -167,10 +171,10 @@ impl Film {
         } else {
             self.budget_secs()
         };
-        let question = FlipQuestion { rule: a.question.rule, budget: Budget::secs(budget) };
+        let question = QuestionTable { budget: Budget::secs(budget), ..a.question };
         let view = between_views(&a.view, &b.view, share);
         let clock_secs = from.clock.zip(to.clock).map(|(a, b)| mix(a, b));
-        Shot { scene: Scene { build, question, view }, clock_secs }
+        Shot { scene: Scene { build, question, view, plane: a.plane }, clock_secs }
     }
 }
 

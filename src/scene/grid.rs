@@ -1,9 +1,9 @@
 //! The starts of a picture's pixels, and what is known of them before anything is computed.
 
-use super::Scene;
 use super::leaf_grid::{Grouped, LeafGrid};
+use super::{Axis, Plane, Scene};
 use crate::physics::opening::{Begin, Opening, from_top};
-use crate::physics::{Angle, Dd, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
+use crate::physics::{Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]
@@ -15,6 +15,7 @@ pub struct Grid {
     /// Change of (θ1, θ2) per pixel to the right, rad; `up` is the change per pixel upwards.
     right: [Dd; 2],
     up: [Dd; 2],
+    plane: Plane,
     pendulum: Pendulum<f64>,
     exact: Pendulum<Dd>,
     rule: Rule,
@@ -29,8 +30,10 @@ pub enum Fate {
     /// The whole outcome is known: energy conservation forbids the flip, or the pendulum is
     /// balanced for ever, or it passes the top in its first moments.
     Known(Outcome),
-    /// The pixel has to be simulated from these angles, in [−π, π] (rad).
+    /// The pixel has to be simulated from these angles, in [−π, π] (rad), at rest.
     Open([Dd; 2]),
+    /// The pixel has to be simulated from this start, which has speeds.
+    Thrown(Launch),
 }
 
 /// Distance from the top below which double-double does not tell its two sides apart, rad.
@@ -78,12 +81,13 @@ impl Grid {
             spots: LeafGrid::new(center, right, up),
             right,
             up,
+            plane: scene.plane.clone(),
             pendulum,
             exact: scene.build.pendulum_in(),
-            rule: scene.question.rule,
-            opening: Opening::new(&scene.build.reduced_in().0, scene.question.rule),
+            rule: scene.question.watched(),
+            opening: Opening::new(&scene.build.reduced_in().0, scene.question.watched()),
             unit_secs: scene.build.unit_secs(),
-            budget_secs: scene.question.budget.secs,
+            budget_secs: scene.question.end_secs(),
         }
     }
 
@@ -115,11 +119,16 @@ impl Grid {
         right + up
     }
 
-    /// The angles (θ1, θ2) of pixel (`column`, `row`), row 0 at the top, in (−π, π].
+    /// The coordinates of pixel (`column`, `row`), row 0 at the top, in the units of the plane's
+    /// axes; angles lie in (−π, π].
     pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
         let [x, y] = self.pixels_from_center(column, row).map(Dd::new);
+        let wraps = self.plane.axes().map(Axis::wraps);
         [0, 1].map(|i| {
             let angle = self.center[i] + (x * self.right[i] + y * self.up[i]);
+            if !wraps[i] {
+                return angle;
+            }
             // Within one turn there is nothing to wrap, and no rounding to fear.
             if angle <= Dd::PI && angle > -Dd::PI { angle } else { angle.wrapped() }
         })
@@ -142,6 +151,9 @@ impl Grid {
     /// Distance from the middle of a pixel to the energy curve in pixels, to first order: the
     /// energy's depth there over its slope. Large where the energy is flat.
     pub fn pixels_from_curve(&self, column: u32, row: u32) -> f64 {
+        if !self.plane.is_at_rest() || self.rule == Rule::Neither {
+            return f64::INFINITY;
+        }
         let angle = self.angle_from_pixel(column, row);
         let Pendulum { p, q, .. } = self.pendulum;
         let near = angle.map(|theta| theta.hi);
@@ -167,6 +179,12 @@ impl Grid {
     /// Determines as much of a pixel's outcome as is known beforehand.
     pub fn fate(&self, column: u32, row: u32) -> Fate {
         let angle = self.angle_from_pixel(column, row);
+        if !self.plane.is_at_rest() {
+            return self.fate_in_motion(angle);
+        }
+        if self.rule == Rule::Neither {
+            return Fate::Open(angle);
+        }
         if self.is_forbidden(angle) {
             return Fate::Known(Outcome::without_time(Status::Forbidden));
         }
@@ -177,6 +195,32 @@ impl Grid {
             Some(outcome) => Fate::Known(outcome),
             None => Fate::Open(self.kept_inside(angle, column, row)),
         }
+    }
+
+    /// The fate of a start with speeds. At the top itself, a bob that moves on anticlockwise leaves
+    /// (−π, π] at once.
+    fn fate_in_motion(&self, at: [Dd; 2]) -> Fate {
+        let Some(launch) = self.plane.launch(&self.exact, at) else {
+            return Fate::Known(Outcome::without_time(Status::Forbidden));
+        };
+        if self.rule != Rule::Neither && self.exact.forbids_launch(self.rule, &launch) {
+            return Fate::Known(Outcome::without_time(Status::Forbidden));
+        }
+        let zero = Dd::new(0.0);
+        let leaves = |&bob: &usize| launch.angle[bob] == Dd::PI && launch.speed[bob] > zero;
+        if self.rule.watched().iter().any(leaves) {
+            return Fate::Known(Outcome::flipped(0.0));
+        }
+        let is_balanced = launch.speed == [zero; 2] && oracle::is_balanced(launch.angle);
+        if is_balanced && self.rule != Rule::Neither {
+            return Fate::Known(Outcome::without_time(Status::Unflipped));
+        }
+        Fate::Thrown(launch)
+    }
+
+    /// Returns true if cells of starts can be followed, which takes starts at rest.
+    pub fn has_cells(&self) -> bool {
+        self.plane.is_at_rest()
     }
 
     /// The outcome of a pixel that passes the top in its first moments; `None` for any other.
@@ -224,7 +268,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{FlipQuestion, View};
+    use crate::scene::{QuestionTable, View};
 
     fn grid(view: View, size: [u32; 2]) -> Grid {
         let scene = Scene { view, ..Scene::default() };
@@ -286,7 +330,7 @@ mod tests {
                 width: "1e-3".into(),
                 ..View::default()
             };
-            let question = FlipQuestion { rule, ..FlipQuestion::default() };
+            let question = QuestionTable { rule, ..QuestionTable::default() };
             let scene = Scene { view, question, ..Scene::default() };
             Grid::new(&scene, [1, 1]).fate(0, 0)
         };

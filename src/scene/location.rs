@@ -99,7 +99,7 @@ fn three_numbers(text: &str) -> Result<Scene, LocationError> {
 mod tests {
     use super::*;
     use crate::physics::Rule;
-    use crate::scene::{BUILT_IN, Budget, Build, FlipQuestion, Kind, View};
+    use crate::scene::{BUILT_IN, Budget, Build, Kind, QuestionTable, View};
     use proptest::prelude::*;
 
     fn refused(text: &str) -> String {
@@ -112,7 +112,11 @@ mod tests {
         assert_eq!(text(&scene), "flipmap:center=0,0;width=6.283185307179586");
         scene.view.center = ["-1.66".into(), "0.1".into()];
         scene.view.width = "0.4".into();
-        scene.question = FlipQuestion { rule: Rule::Either, budget: Budget::secs(60.0) };
+        scene.question = QuestionTable {
+            rule: Rule::Either,
+            budget: Budget::secs(60.0),
+            ..QuestionTable::default()
+        };
         let line = "flipmap:center=-1.66,0.1;width=0.4;budget=60;rule=either";
         assert_eq!(text(&scene), line);
         assert_eq!(parse(&format!("\n  {line} ;\t\n")), Ok(scene.clone()));
@@ -176,8 +180,13 @@ mod tests {
                     let (center, width) = view;
                     Scene {
                         build: Build::new(kind, masses, lengths, gravity),
-                        question: FlipQuestion { rule, budget: Budget::secs(budget) },
+                        question: QuestionTable {
+                            rule,
+                            budget: Budget::secs(budget),
+                            ..QuestionTable::default()
+                        },
                         view: View { center, width, rotate, stretch },
+                        ..Scene::default()
                     }
                 },
             )

@@ -15,6 +15,7 @@ mod leaf_grid;
 pub mod location;
 pub mod palette;
 mod picture;
+mod plane;
 mod turn;
 mod view;
 mod words;
@@ -25,6 +26,7 @@ pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
 pub use picture::{PictureTable, Scale};
+pub use plane::{Axis, Plane, PlaneKind};
 pub use turn::Turn;
 pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
@@ -32,6 +34,7 @@ pub use words::Word;
 use serde::{Deserialize, Serialize};
 
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
+use crate::question::Ask;
 
 /// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -128,19 +131,57 @@ impl Build {
     }
 }
 
-/// The question asked about every start.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// The question asked about every start. Keys added after the first release are written only where
+/// they differ from their defaults.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct FlipQuestion {
+pub struct QuestionTable {
+    /// The question's name.
+    #[serde(skip_serializing_if = "is_default")]
+    pub ask: Ask,
     /// The rule: which bob is watched.
     pub rule: Rule,
     /// Simulated seconds that a pixel may use.
     pub budget: Budget,
+    /// Time of the answer in s, for questions about a moment; none for the end of the budget.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<f64>,
 }
 
-impl Default for FlipQuestion {
-    fn default() -> Self {
-        FlipQuestion { rule: Rule::Second, budget: Budget::default() }
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+impl QuestionTable {
+    /// The bobs that are watched.
+    pub fn watched(&self) -> Rule {
+        self.ask.watched(self.rule)
+    }
+
+    /// Simulated seconds after which a pendulum is followed no further.
+    pub fn end_secs(&self) -> f64 {
+        match self.at {
+            Some(at) if self.ask.kind().at_a_time => at,
+            _ => self.budget.secs,
+        }
+    }
+
+    /// Checks what belongs to this question; the budget is checked.
+    fn check(&self) -> Result<(), SceneError> {
+        let refuse = |option, value, range| Err(SceneError { option, value, range });
+        let Some(at) = self.at else { return Ok(()) };
+        if !self.ask.kind().at_a_time {
+            return refuse(
+                "--at",
+                at.to_string(),
+                "only the question state is about a moment: add --ask state",
+            );
+        }
+        if !(at > 0.0 && at <= self.budget.secs) {
+            let range = "it must lie within the budget: between 0 and --budget, in s";
+            return refuse("--at", format!("{at} s"), range);
+        }
+        Ok(())
     }
 }
 
@@ -150,9 +191,11 @@ pub struct Scene {
     /// The pendulum.
     pub build: Build,
     /// The question asked about every start.
-    pub question: FlipQuestion,
+    pub question: QuestionTable,
     /// The part of the plane that is shown.
     pub view: View,
+    /// The plane of starts that it is part of.
+    pub plane: Plane,
 }
 
 /// A number of a scene that cannot be used, with the range of those that can.
@@ -191,14 +234,50 @@ impl Scene {
         if !(1e-9..=1e6).contains(&budget) {
             return refuse("--budget", &budget, "it must lie between 1e-9 and 1e6 s, or be auto");
         }
+        self.question.check()?;
+        self.plane.check(&self.build)?;
+        if gravity == 0.0 && !self.is_flip_from_rest() {
+            let range = "without gravity nothing moves from rest, and nothing else is computed";
+            return refuse("--gravity", &gravity, range);
+        }
         Ok(self)
+    }
+
+    /// Returns true if it asks for the flips of pendulums released from rest, the question and the
+    /// plane that every part of the program knows.
+    pub fn is_flip_from_rest(&self) -> bool {
+        self.question.ask == Ask::Flip && self.plane.is_at_rest()
+    }
+
+    /// Refuses another question or plane where only flips from rest can be shown or computed.
+    pub fn require_flip_from_rest(&self) -> Result<(), SceneError> {
+        let Scene { question, plane, .. } = self;
+        let range = "here only flips of pendulums released from rest are possible; flipmap render \
+                     takes every question and plane";
+        if question.ask != Ask::Flip {
+            let value = question.ask.to_string();
+            return Err(SceneError { option: "--ask", value, range });
+        }
+        if !plane.is_at_rest() {
+            let value = plane.kind.to_string();
+            return Err(SceneError { option: "--plane", value, range });
+        }
+        Ok(())
+    }
+
+    /// Returns true if the pixels of a picture on both sides of the view's centre are mirror images
+    /// with equal answers.
+    pub fn is_symmetric(&self) -> bool {
+        self.view.is_symmetric() && self.plane.is_symmetric() && self.question.ask.kind().is_even
     }
 
     /// The checked scene with its automatic budget, which takes seconds at great depths
     /// ([`Budget::for_view`]).
     #[must_use]
     pub fn settled(mut self) -> Self {
-        self.question.budget = self.question.budget.for_view(&self.build, &self.view);
+        if self.plane.is_at_rest() {
+            self.question.budget = self.question.budget.for_view(&self.build, &self.view);
+        }
         self
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SceneError;
 use super::palette::{Palette, rise};
+use crate::question::Ask;
 
 /// The table `[picture]` of a scene's file. Keys added after the first release are written only
 /// where they differ from their defaults, so that older pictures remain the same files.
@@ -31,6 +32,10 @@ pub struct PictureTable {
     /// natural unit of time to the budget, two for another range, more for a stretched one.
     #[serde(skip_serializing_if = "is_default")]
     pub times: Vec<f64>,
+    /// Name of the question's channel that is painted and written; none for all of them, and the
+    /// colours by which the question is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
 }
 
 impl Default for PictureTable {
@@ -43,6 +48,7 @@ impl Default for PictureTable {
             cycles: 1.0,
             scale: Scale::Log,
             times: Vec::new(),
+            channel: None,
         }
     }
 }
@@ -115,6 +121,16 @@ impl PictureTable {
             return refuse(value, "at most 1048576 samples fit in a row");
         }
         Ok(())
+    }
+
+    /// Index of the chosen channel of a question; none if all are wanted.
+    pub fn channel_of(&self, ask: Ask) -> Result<Option<usize>, SceneError> {
+        let Some(name) = &self.channel else { return Ok(None) };
+        ask.channel(name).map(Some).ok_or_else(|| SceneError {
+            option: "--channel",
+            value: format!("'{name}'"),
+            range: ask.kind().channel_names,
+        })
     }
 
     /// Checks that every setting can be used.

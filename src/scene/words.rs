@@ -2,6 +2,7 @@
 
 use super::{Kind, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
+use crate::question::Ask;
 
 /// One number of a scene, or a pair of numbers, that has an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,13 +27,26 @@ pub enum Word {
     Lengths,
     /// Gravity g.
     Gravity,
+    /// The question's name.
+    Ask,
+    /// Time of the answer.
+    At,
+    /// The quantities on the plane's axes.
+    Plane,
+    /// Start through which the plane lies.
+    Origin,
+    /// Energy of a section.
+    Energy,
 }
+
+/// Value of `--at` for the end of the budget.
+const END_OF_BUDGET: &str = "budget";
 
 const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comma between them";
 
 impl Word {
     /// Every word with its option: the view first, then the question and the pendulum.
-    pub const ALL: [(&'static str, Word); 10] = [
+    pub const ALL: [(&'static str, Word); 15] = [
         ("--center", Word::Center),
         ("--width", Word::Width),
         ("--rotate", Word::Rotate),
@@ -43,6 +57,11 @@ impl Word {
         ("--masses", Word::Masses),
         ("--lengths", Word::Lengths),
         ("--gravity", Word::Gravity),
+        ("--ask", Word::Ask),
+        ("--at", Word::At),
+        ("--plane", Word::Plane),
+        ("--origin", Word::Origin),
+        ("--energy", Word::Energy),
     ];
 
     /// The word's option.
@@ -60,7 +79,7 @@ impl Word {
     }
 
     fn apply(self, scene: &mut Scene, text: &str) -> Result<(), &'static str> {
-        let Scene { build, question, view } = scene;
+        let Scene { build, question, view, plane } = scene;
         let number = |range| text.parse().map_err(|_| range);
         match self {
             Word::Center => {
@@ -91,13 +110,26 @@ impl Word {
                 let range = "it must be 0 or a number between 1e-9 and 1e9 m/s²";
                 build.gravity = text.parse().map_err(|()| range)?;
             }
+            Word::Ask => question.ask = text.parse().map_err(|_| Ask::NAMES)?,
+            Word::At => {
+                let none = text == END_OF_BUDGET;
+                let range = "it must be a number of seconds within the budget, or budget";
+                question.at = if none { None } else { Some(number(range)?) };
+            }
+            Word::Plane => plane.kind = text.parse()?,
+            Word::Origin => {
+                let parts: Vec<String> = text.split(',').map(|x| x.trim().to_string()).collect();
+                plane.origin =
+                    parts.try_into().map_err(|_| "it must be four numbers θ1,θ2,ω1,ω2")?;
+            }
+            Word::Energy => plane.energy = number("it must be a number of joules")?,
         }
         Ok(())
     }
 
     /// The value of the word as text, which [`Word::set`] reads back.
     pub fn text(self, scene: &Scene) -> String {
-        let Scene { build, question, view } = scene;
+        let Scene { build, question, view, plane } = scene;
         let pair = |[first, second]: [Decimal; 2]| format!("{first},{second}");
         match self {
             Word::Center => view.center.join(","),
@@ -110,6 +142,11 @@ impl Word {
             Word::Masses => pair(build.masses),
             Word::Lengths => pair(build.lengths),
             Word::Gravity => build.gravity.to_string(),
+            Word::Ask => question.ask.to_string(),
+            Word::At => question.at.map_or(END_OF_BUDGET.to_string(), |at| at.to_string()),
+            Word::Plane => plane.kind.to_string(),
+            Word::Origin => plane.origin.join(","),
+            Word::Energy => plane.energy.to_string(),
         }
     }
 }

@@ -41,7 +41,7 @@ pub struct Cache {
 }
 
 /// Size in bytes of a cell without unfinished pendulums.
-pub const TILE_BYTES: usize = SAMPLES * Samples::BYTES;
+pub const TILE_BYTES: usize = SAMPLES * Samples::bytes(1);
 
 impl CachedCell {
     /// Returns the outcome and the trust of the sample at a place.

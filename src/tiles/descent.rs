@@ -74,7 +74,7 @@ impl Descent {
         view.center = [0, 1].map(|i| (center[i] + by[i]).wrapped().decimal(digits));
         view.width = format!("{width:.3e}");
         self.wish = [0.0; 2];
-        let Scene { build, question, view } = &mut self.scene;
+        let Scene { build, question, view, .. } = &mut self.scene;
         question.budget = question.budget.for_view(build, view);
         Ok(DescentStep::Scene(Box::new(self.scene.clone())))
     }

@@ -21,6 +21,7 @@ use super::order;
 use super::samples::{Counts, Samples};
 use super::view_target::{Physics, ViewTarget};
 use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Keep, Wait};
+use crate::question::Ask;
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
 
 /// The progress of the newest target.
@@ -312,7 +313,14 @@ impl TileSource for Explorer {
         let open = OpenTile::of_cells(&target.scene(), config, &batch.cells, SIDE, before);
         // Checks begin at the release, so checked pixels cannot be resumed.
         let keep = if target.physics.verified { Keep::Nothing } else { Keep::Unfinished };
-        Some(NextTile { tile: batch, open, question: target.question(), config, keep })
+        Some(NextTile {
+            tile: batch,
+            open,
+            question: target.question(),
+            config,
+            keep,
+            ask: Ask::Flip,
+        })
     }
 
     fn take(&mut self, finished: FinishedBatch<Batch>) {

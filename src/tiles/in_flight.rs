@@ -11,11 +11,13 @@
 use std::collections::HashMap;
 
 use super::open_tile::OpenTile;
+use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use crate::engine::{
     Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Question,
     Starts, Wait,
 };
+use crate::question::Ask;
 
 /// A tile to compute, with the question and the integrator config of its job.
 pub(super) struct NextTile<T> {
@@ -24,6 +26,7 @@ pub(super) struct NextTile<T> {
     pub question: Question,
     pub config: IntegratorConfig,
     pub keep: Keep,
+    pub ask: Ask,
 }
 
 /// A supplier of tiles that takes back their samples.
@@ -96,10 +99,21 @@ impl<T> FinishedBatch<T> {
     }
 }
 
+/// A tile that an engine is computing.
+#[derive(Debug)]
+struct JobInFlight<T> {
+    tile: T,
+    /// Samples with those that were known beforehand.
+    samples: Samples,
+    /// Places of the samples that are computed.
+    places: Vec<u32>,
+    reader: Reader,
+}
+
 /// The tiles that an engine is computing, by the ids of their jobs.
 #[derive(Debug)]
 pub(super) struct InFlightJobs<T> {
-    jobs: HashMap<u64, (T, Samples, Vec<u32>)>,
+    jobs: HashMap<u64, JobInFlight<T>>,
     next_id: u64,
 }
 
@@ -122,19 +136,21 @@ impl<T> InFlightJobs<T> {
 
     /// Iterates over the tiles of all jobs, in no particular order.
     pub(super) fn tiles(&self) -> impl Iterator<Item = &T> {
-        self.jobs.values().map(|(tile, ..)| tile)
+        self.jobs.values().map(|job| &job.tile)
     }
 
     /// Submits a tile's open pixels to the engine as one job.
     fn submit(&mut self, engine: &mut dyn Engine, next: NextTile<T>) -> Result<(), EngineError> {
-        let NextTile { tile, open, question, config, keep } = next;
+        let NextTile { tile, open, question, config, keep, ask } = next;
         let OpenTile { samples, places, starts } = open;
         // A pendulum that begins where its cell's flow patch ends has no state to resume.
         let keep = if let Starts::Deep(_) = starts { Keep::Nothing } else { keep };
+        let reader = Reader::new(ask, &question);
+        let keep = if reader.keep() == Keep::Ends { Keep::Ends } else { keep };
         let id = self.next_id;
         self.next_id += 1;
         engine.submit(Job { id, question, config, starts, keep })?;
-        self.jobs.insert(id, (tile, samples, places));
+        self.jobs.insert(id, JobInFlight { tile, samples, places, reader });
         Ok(())
     }
 
@@ -162,12 +178,10 @@ impl<T> InFlightJobs<T> {
     }
 
     fn finish(&mut self, answer: JobResult) -> Option<FinishedBatch<T>> {
-        let (tile, mut samples, places) = self.jobs.remove(&answer.id)?;
-        for (k, &place) in places.iter().enumerate() {
-            samples.set(place as usize, answer.outcomes[k]);
-            if let Some(&trust) = answer.trusts.get(k) {
-                samples.set_trust(place as usize, trust);
-            }
+        let JobInFlight { tile, mut samples, places, reader } = self.jobs.remove(&answer.id)?;
+        reader.fill(&answer, &places, &mut samples);
+        for (&place, &trust) in places.iter().zip(&answer.trusts) {
+            samples.set_trust(place as usize, trust);
         }
         let unfinished = answer.unfinished.into_iter();
         let unfinished = unfinished.map(|(k, state)| (places[k], state)).collect();

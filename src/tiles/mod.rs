@@ -26,6 +26,7 @@ pub mod patch_work;
 pub mod patches;
 mod plan;
 pub mod preview;
+mod reader;
 mod renderer;
 mod samples;
 mod saved_pixels;

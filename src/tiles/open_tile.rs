@@ -30,9 +30,8 @@ impl OpenTile {
         known: impl Fn([u32; 2]) -> Option<Known>,
     ) -> Self {
         let pixel = |place: u32| (grid, pixels[place as usize], known(pixels[place as usize]));
-        let groups = cells
-            .are_followed(&config, grid.pixel_rad())
-            .then(|| grid.grouped(config.leaf_pixels(), pixels.iter().copied()));
+        let follows = grid.has_cells() && cells.are_followed(&config, grid.pixel_rad());
+        let groups = follows.then(|| grid.grouped(config.leaf_pixels(), pixels.iter().copied()));
         OpenTile::sorted(pixels.len() as u32, groups, pixel)
     }
 
@@ -82,14 +81,15 @@ impl OpenTile {
 
     /// Sorts pixels into known samples and starts. Resumed and new starts never share a job.
     fn fill(&mut self, pixels: impl Iterator<Item = (u32, Fate, Option<Known>)>) {
-        let (mut angles, mut resumed) = (Vec::new(), Vec::<IntegratorState>::new());
+        let (mut angles, mut launches) = (Vec::new(), Vec::new());
+        let mut resumed = Vec::<IntegratorState>::new();
         for (place, fate, known) in pixels {
             match (fate, known) {
                 (Fate::Known(outcome), _) => self.set(place, outcome, Trust::of_proved(&outcome)),
-                (Fate::Open(_), Some((SavedPixel::Over(outcome), trust))) => {
+                (_, Some((SavedPixel::Over(outcome), trust))) => {
                     self.set(place, outcome, trust);
                 }
-                (Fate::Open(_), Some((SavedPixel::Unfinished(state), _))) => {
+                (_, Some((SavedPixel::Unfinished(state), _))) => {
                     self.places.push(place);
                     resumed.push(state);
                 }
@@ -97,10 +97,19 @@ impl OpenTile {
                     self.places.push(place);
                     angles.push(angle);
                 }
+                (Fate::Thrown(launch), None) => {
+                    self.places.push(place);
+                    launches.push(launch);
+                }
             }
         }
-        self.starts =
-            if resumed.is_empty() { Starts::Rest(angles) } else { Starts::Resumed(resumed) };
+        self.starts = if !resumed.is_empty() {
+            Starts::Resumed(resumed)
+        } else if !launches.is_empty() {
+            Starts::Thrown(launches)
+        } else {
+            Starts::Rest(angles)
+        };
     }
 
     /// Sorts deep pixels, grouped by leaf, into known samples and starts.

@@ -8,6 +8,7 @@ use super::open_tile::OpenTile;
 use super::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use super::samples::{Counts, Samples};
 use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Wait};
+use crate::question::Ask;
 use crate::scene::Scene;
 use crate::scene::lattice::Cell;
 
@@ -88,7 +89,7 @@ impl TileSource for PatchWork {
         }
         let open = OpenTile::of_cells(&self.scene, self.config, &cells, PATCH_SIDE, |_, _| None);
         let (question, config) = (self.question, self.config);
-        Some(NextTile { tile: cells, open, question, config, keep: Keep::Nothing })
+        Some(NextTile { tile: cells, open, question, config, keep: Keep::Nothing, ask: Ask::Flip })
     }
 
     fn take(&mut self, batch: FinishedBatch<Vec<Cell>>) {
@@ -128,6 +129,7 @@ mod tests {
                         let expected = match grid.fate(place % PATCH_SIDE, place / PATCH_SIDE) {
                             Fate::Open(angle) => MockEngine::answer(&Question::from(&scene), angle),
                             Fate::Known(outcome) => outcome,
+                            Fate::Thrown(_) => unreachable!("starts at rest"),
                         };
                         assert_eq!(samples.get(place as usize), expected);
                     }

@@ -16,7 +16,7 @@ pub fn preview(
     engine: &mut dyn Engine,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Samples>, EngineError> {
-    let mut all = Samples::unflipped((size[0] * size[1]) as usize);
+    let mut all = Samples::unanswered((size[0] * size[1]) as usize, work.channels());
     while !work.is_done() {
         if !go_on() {
             engine.cancel();
@@ -25,7 +25,8 @@ pub fn preview(
         for part in work.work(engine, Some(Instant::now() + PATIENCE))? {
             for (k, [x, y]) in part.tile.pixels().enumerate() {
                 let place = (y * size[0] + x) as usize;
-                all.set(place, part.samples.get(k));
+                let status = part.samples.get(k).status;
+                all.set_values(place, status, part.samples.values(k));
                 all.set_trust(place, part.samples.trust(k));
             }
         }

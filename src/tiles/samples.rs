@@ -1,26 +1,37 @@
-//! Samples: the outcome of each pixel with its trust, and counts of each kind of pixel.
+//! Samples: the answer of each pixel with its trust, and counts of each kind of pixel.
 
 use serde::{Deserialize, Serialize};
 
 use crate::engine::{Effort, Trust};
 use crate::physics::{Outcome, Status};
 
-/// Outcomes and their trust, stored compactly.
+/// Answers and their trust, stored compactly.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
     statuses: Vec<Status>,
-    times: Vec<f64>,
+    /// Values of the question's channels, sample after sample.
+    values: Vec<f64>,
     trusts: Vec<Trust>,
 }
 
 impl Samples {
-    /// Creates `count` unflipped samples.
+    /// Creates `count` unflipped samples of a question with one channel.
     pub fn unflipped(count: usize) -> Self {
+        Samples::unanswered(count, 1)
+    }
+
+    /// Creates `count` samples without an answer, of a question with this many channels.
+    pub fn unanswered(count: usize, channels: usize) -> Self {
         Samples {
             statuses: vec![Status::Unflipped; count],
-            times: vec![0.0; count],
+            values: vec![0.0; count * channels],
             trusts: vec![Trust::Unchecked; count],
         }
+    }
+
+    /// Number of channels of each sample.
+    pub fn channels(&self) -> usize {
+        self.values.len().checked_div(self.len()).unwrap_or(1)
     }
 
     /// Number of samples.
@@ -33,15 +44,28 @@ impl Samples {
         self.statuses.is_empty()
     }
 
-    /// Returns the outcome of sample `index`.
+    /// Returns the status of sample `index`, and its first channel as a time.
     pub fn get(&self, index: usize) -> Outcome {
-        Outcome { status: self.statuses[index], time: self.times[index] }
+        Outcome { status: self.statuses[index], time: self.values(index)[0] }
     }
 
-    /// Replaces the outcome of sample `index`.
+    /// Returns the values of the channels of sample `index`; they mean nothing unless it has an
+    /// answer, which the status `Flipped` says.
+    pub fn values(&self, index: usize) -> &[f64] {
+        let channels = self.channels();
+        &self.values[index * channels..(index + 1) * channels]
+    }
+
+    /// Replaces the outcome of sample `index`, whose time is the first channel.
     pub fn set(&mut self, index: usize, outcome: Outcome) {
-        self.statuses[index] = outcome.status;
-        self.times[index] = outcome.time;
+        self.set_values(index, outcome.status, &[outcome.time]);
+    }
+
+    /// Replaces the status and the first values of sample `index`.
+    pub fn set_values(&mut self, index: usize, status: Status, values: &[f64]) {
+        let first = index * self.channels();
+        self.statuses[index] = status;
+        self.values[first..first + values.len()].copy_from_slice(values);
     }
 
     /// Returns the trust of sample `index`.
@@ -56,17 +80,18 @@ impl Samples {
 
     /// Keeps only the first `count` samples.
     pub fn truncated(mut self, count: usize) -> Self {
+        self.values.truncate(count * self.channels());
         self.statuses.truncate(count);
-        self.times.truncate(count);
         self.trusts.truncate(count);
         self
     }
 
     /// Returns a copy of the samples at `places`.
     pub fn part(&self, places: std::ops::Range<usize>) -> Self {
+        let channels = self.channels();
         Samples {
             statuses: self.statuses[places.clone()].to_vec(),
-            times: self.times[places.clone()].to_vec(),
+            values: self.values[places.start * channels..places.end * channels].to_vec(),
             trusts: self.trusts[places].to_vec(),
         }
     }
@@ -74,14 +99,17 @@ impl Samples {
     /// Appends other samples.
     pub fn append(&mut self, other: Samples) {
         self.statuses.extend(other.statuses);
-        self.times.extend(other.times);
+        self.values.extend(other.values);
         self.trusts.extend(other.trusts);
     }
 
     /// Reverses the order of the samples: those of a tile become those of its mirror image.
     pub fn reversed(mut self) -> Self {
+        // Backwards number by number, then forwards within each sample.
+        let channels = self.channels();
+        self.values.reverse();
+        self.values.chunks_mut(channels).for_each(<[f64]>::reverse);
         self.statuses.reverse();
-        self.times.reverse();
         self.trusts.reverse();
         self
     }
@@ -91,8 +119,10 @@ impl Samples {
         (0..self.len()).map(|index| self.get(index))
     }
 
-    /// Size of a sample in bytes.
-    pub const BYTES: usize = size_of::<Status>() + size_of::<f64>() + size_of::<Trust>();
+    /// Size in bytes of a sample with this many channels.
+    pub const fn bytes(channels: usize) -> usize {
+        size_of::<Status>() + channels * size_of::<f64>() + size_of::<Trust>()
+    }
 }
 
 /// Counts of the pixels answered and of the work done.

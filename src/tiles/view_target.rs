@@ -37,8 +37,11 @@ impl ViewTarget {
     /// Returns a scene with the pendulum and the question; its view is not used, because the
     /// lattice places the samples.
     pub(super) fn scene(&self) -> Scene {
-        let question =
-            scene::FlipQuestion { rule: self.physics.rule, budget: Budget::secs(self.budget_secs) };
+        let question = scene::QuestionTable {
+            rule: self.physics.rule,
+            budget: Budget::secs(self.budget_secs),
+            ..Default::default()
+        };
         Scene { build: self.physics.build, question, ..Scene::default() }
     }
 

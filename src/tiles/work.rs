@@ -7,10 +7,12 @@ use std::time::Instant;
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
 use super::plan::{Tile, plan};
+use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
 use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Keep, Question, Trust, Wait};
 use crate::physics::Status;
+use crate::question::Ask;
 use crate::scene::{Grid, Scene};
 
 /// A tile and the samples of its pixels, in the order of [`Tile::pixels`].
@@ -26,6 +28,7 @@ pub struct FinishedTile {
 pub struct Work {
     grid: Grid,
     question: Question,
+    ask: Ask,
     config: IntegratorConfig,
     cells: Cells,
     mirrored: bool,
@@ -54,7 +57,8 @@ impl Work {
         tile_pixels: usize,
     ) -> Self {
         let half = u64::from(size[0]) * u64::from(size[1]) / 2;
-        let mirrored = scene.view.is_symmetric() && half * Samples::BYTES as u64 <= MIRROR_BYTES;
+        let bytes = Samples::bytes(scene.question.ask.kind().channels.len());
+        let mirrored = scene.is_symmetric() && half * bytes as u64 <= MIRROR_BYTES;
         let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
         Work { mirrored, ..Work::of_rows(scene, size, config, tile_pixels, 0..rows) }
     }
@@ -74,6 +78,7 @@ impl Work {
         Work {
             grid,
             question: Question::from(scene),
+            ask: scene.question.ask,
             config,
             cells: Cells::Auto,
             mirrored: false,
@@ -127,6 +132,11 @@ impl Work {
             }
         }
         Ok(std::mem::take(&mut self.finished))
+    }
+
+    /// Number of channels of each sample.
+    pub fn channels(&self) -> usize {
+        self.ask.kind().channels.len()
     }
 
     /// Returns true if no tile is waiting or in flight.
@@ -205,9 +215,15 @@ impl TileSource for Work {
         let tile = self.waiting.pop_front()?;
         let pixels: Vec<_> = tile.pixels().collect();
         let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
-        let open = OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known);
+        let mut open = OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known);
         let keep = if self.kept.is_some() { Keep::Unfinished } else { Keep::Nothing };
-        Some(NextTile { tile, open, question: self.question, config: self.config, keep })
+        let (ask, question, config) = (self.ask, self.question, self.config);
+        let start = |place: usize| {
+            let [x, y] = pixels[place];
+            self.grid.angle_from_pixel(x, y)
+        };
+        open.samples = Reader::new(ask, &question).complete(open.samples, start);
+        Some(NextTile { tile, open, question, config, keep, ask })
     }
 
     fn take(&mut self, batch: FinishedBatch<Tile>) {
@@ -262,6 +278,7 @@ mod tests {
                 let outcome = match grid.fate(x, y) {
                     Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
                     Fate::Known(outcome) => outcome,
+                    Fate::Thrown(_) => unreachable!("starts at rest"),
                 };
                 samples.set((y * size[0] + x) as usize, outcome);
             }

@@ -18,7 +18,7 @@ use flipmap::physics::{Dd, Decimal, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
 use flipmap::scene::{
-    Budget, Build, Fate, FlipQuestion as Asked, Grid, PictureTable, Scale, Scene,
+    Budget, Build, Fate, Grid, PictureTable, QuestionTable as Asked, Scale, Scene,
 };
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
@@ -95,6 +95,7 @@ fn grid(screen: &Screen, scene: &Scene) -> Grid {
 fn outcome(fate: Fate, scene: &Scene) -> Outcome {
     match fate {
         Fate::Known(outcome) => outcome,
+        Fate::Thrown(_) => unreachable!("starts at rest"),
         Fate::Open(angle) if fails(angle) => Outcome::without_time(Status::Failed),
         Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
     }

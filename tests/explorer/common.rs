@@ -6,7 +6,7 @@ use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Job, Method, Precision, Question};
 use flipmap::physics::{Decimal, Outcome, Rule, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
-use flipmap::scene::{Budget, Build, Fate, FlipQuestion as Asked, Scene};
+use flipmap::scene::{Budget, Build, Fate, QuestionTable as Asked, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap::tiles::view_target::{Physics, ViewTarget};
@@ -102,6 +102,7 @@ pub(crate) fn wrong(explorer: &mut Explorer, target: &ViewTarget, cell: Cell) ->
     let grid = cell.grid(&scene, SIDE);
     let truth = (0..SIDE * SIDE).map(|place| match grid.fate(place % SIDE, place / SIDE) {
         Fate::Known(outcome) => outcome,
+        Fate::Thrown(_) => unreachable!("starts at rest"),
         Fate::Open(angle) => MockEngine::answer(&question, angle),
     });
     let mut samples: Vec<Outcome> = known.samples.iter().collect();

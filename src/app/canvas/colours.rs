@@ -3,14 +3,14 @@
 
 use super::pipeline::{TABLE_ENTRIES, Uniforms};
 use crate::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
-use crate::scene::{Build, FlipQuestion, PictureTable, SceneError};
+use crate::scene::{Build, PictureTable, QuestionTable, SceneError};
 
 /// Returns the uniforms, and the table's sRGB colours as four bytes each; `trust` hatches uncertain
 /// pixels. Fails if the picture cannot be painted.
 pub fn colours(
     picture: &PictureTable,
     build: &Build,
-    question: &FlipQuestion,
+    question: &QuestionTable,
     trust: bool,
 ) -> Result<(Uniforms, Vec<u8>), SceneError> {
     let tones = Tones::new(picture, build.unit_secs(), question.budget.secs)?;
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn the_table_has_the_tones_of_its_times() {
-        let (build, question) = (Build::default(), FlipQuestion::default());
+        let (build, question) = (Build::default(), QuestionTable::default());
         let plain = PictureTable::default();
         let stretched =
             PictureTable { times: vec![0.5, 3.0, 4.0, 40.0], reverse: true, ..plain.clone() };
@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn a_picture_that_cannot_be_painted_is_refused() {
         let picture = PictureTable { palette: "rainbow".into(), ..PictureTable::default() };
-        let refused = colours(&picture, &Build::default(), &FlipQuestion::default(), true);
+        let refused = colours(&picture, &Build::default(), &QuestionTable::default(), true);
         assert!(refused.unwrap_err().to_string().contains("batlow"));
     }
 }

@@ -5,7 +5,7 @@ use egui::{Color32, Grid, Mesh, Rect, Response, Role, Sense, Ui, WidgetInfo, pos
 use super::field::{number, plain};
 use crate::physics::Outcome;
 use crate::scene::palette::{FAILED, FORBIDDEN, Palette, Rgb, Tones, UNFLIPPED};
-use crate::scene::{Build, FlipQuestion, PictureTable, Scale};
+use crate::scene::{Build, PictureTable, QuestionTable, Scale};
 
 /// An action of the user on the colours.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub fn colours_panel(
     ui: &mut Ui,
     picture: &PictureTable,
     build: &Build,
-    question: &FlipQuestion,
+    question: &QuestionTable,
     has_samples: bool,
 ) -> Option<ColourAction> {
     let Ok(tones) = Tones::new(picture, build.unit_secs(), question.budget.secs) else {

@@ -4,7 +4,7 @@ use egui::{Grid, Ui};
 
 use super::field::number;
 use crate::physics::{Decimal, Rule};
-use crate::scene::{Budget, Build, FlipQuestion, Kind, Scene};
+use crate::scene::{Budget, Build, Kind, QuestionTable, Scene};
 
 /// Range of a mass in kg or a length in m.
 const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
@@ -14,8 +14,8 @@ const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 pub fn scene_panel(
     ui: &mut Ui,
     build: &Build,
-    question: &FlipQuestion,
-) -> Option<(Build, FlipQuestion)> {
+    question: &QuestionTable,
+) -> Option<(Build, QuestionTable)> {
     let (mut new_build, mut new_question) = (*build, *question);
     Grid::new("scene").num_columns(2).show(ui, |ui| {
         built(ui, &mut new_build);
@@ -65,14 +65,16 @@ const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay togeth
                        when neighbouring pixels of the middle have come a turn apart, in steps of 5 s \
                        (of the default pendulum)";
 
-fn asked(ui: &mut Ui, question: &mut FlipQuestion) {
+fn asked(ui: &mut Ui, question: &mut QuestionTable) {
     ui.label("Rule").on_hover_text("Which bob must flip over the top");
     ui.horizontal(|ui| {
         for (word, rule) in Rule::ALL {
             let told = match rule {
                 Rule::Second => "The second bob is watched",
                 Rule::First => "The first bob is watched",
-                Rule::Either => "Both bobs are watched; whichever flips first counts",
+                Rule::Either | Rule::Neither => {
+                    "Both bobs are watched; whichever flips first counts"
+                }
             };
             ui.radio_value(&mut question.rule, rule, word).on_hover_text(told);
         }

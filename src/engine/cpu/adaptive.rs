@@ -5,6 +5,7 @@ use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::pair::{EmbeddedPair, LaneStep, TopTest};
+use super::turns;
 use crate::engine::method::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
 use crate::engine::{End, NUMBERS, Question};
@@ -32,6 +33,7 @@ pub(super) fn run<N: Number, P: TopTest>(
         reduced,
         adaptive,
     };
+    let counts_turns = lanes.scheduler.counts_turns();
     finish_those_over(&mut lanes.scheduler, &adaptive);
     while lanes.scheduler.is_busy() {
         if lanes.scheduler.is_cancelled() {
@@ -52,6 +54,9 @@ pub(super) fn run<N: Number, P: TopTest>(
                 state.advance(&adaptive, &next, excess);
                 lanes.decide::<N, P>([&before, &state], clearance, taken);
                 break;
+            }
+            if counts_turns {
+                turns::count(&mut state.turns, [&state.phase, &next], excess);
             }
             state.advance(&adaptive, &next, excess);
             state.clearance =
@@ -82,6 +87,8 @@ struct LaneState<N: Number> {
     step: N::Leading,
     /// Distance from the top that the watched bobs have kept so far, as a sine.
     clearance: N::Leading,
+    /// Whole turns of each bob.
+    turns: [N::Leading; 2],
 }
 
 impl<N: Number> LaneState<N> {
@@ -95,6 +102,7 @@ impl<N: Number> LaneState<N> {
             time_low: lanes(TIME_LOW),
             step: lanes(STEP),
             clearance: <N::Leading as Lanes>::load(set, &scheduler.clearance),
+            turns: [0, 1].map(|bob| <N::Leading as Lanes>::load(set, &scheduler.turns[bob])),
         }
     }
 
@@ -102,6 +110,9 @@ impl<N: Number> LaneState<N> {
     fn store(&self, scheduler: &mut LaneScheduler, taken: u32) {
         self.store_rows(&mut scheduler.rows);
         self.clearance.store(&mut scheduler.clearance);
+        for (turns, row) in self.turns.iter().zip(&mut scheduler.turns) {
+            turns.store(row);
+        }
         scheduler.count_steps(taken);
     }
 

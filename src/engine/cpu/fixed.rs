@@ -3,6 +3,7 @@
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use crate::engine::method::Steps;
+use crate::engine::start::whole_turns;
 use crate::engine::{End, NUMBERS, Precision, Question};
 use crate::physics::flip::{fraction_of_step, may_pass};
 use crate::physics::integrator::rk4;
@@ -177,7 +178,8 @@ impl FixedStepLanes<'_> {
 
     fn end(&self, steps: f64, state: &State<f64>) -> End {
         let phase = self.reduced.phase(state);
-        End { time: steps * self.steps.length, phase, ..End::NOWHERE }
+        let turns = state.angle.map(whole_turns);
+        End { time: steps * self.steps.length, phase, turns, ..End::NOWHERE }
     }
 
     /// Number of steps until the first lane's budget is used up.

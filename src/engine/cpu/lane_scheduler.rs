@@ -32,7 +32,7 @@ use crate::engine::method::Pace;
 use crate::engine::start::{TIME, TIME_LOW, phase_of};
 use crate::engine::{Effort, End, IntegratorConfig, IntegratorState, NUMBERS, Question};
 use crate::physics::crossing::FAR;
-use crate::physics::{Outcome, Status};
+use crate::physics::{Outcome, Rule, Status};
 
 /// A chunk of a job, with all that its lanes need.
 pub(super) struct Chunk<'a> {
@@ -76,6 +76,8 @@ pub(super) struct LaneScheduler<'a> {
     /// Distance from the top that the watched bobs of each lane's pendulum have kept so far, as a
     /// sine.
     pub clearance: [f64; MOST_LANES],
+    /// Whole turns of each bob of each lane's pendulum, where no bob is watched.
+    pub turns: [[f64; MOST_LANES]; 2],
     /// The results of the pendulums that are done.
     pub answer: ChunkResult,
     lanes: usize,
@@ -104,6 +106,7 @@ impl<'a> LaneScheduler<'a> {
             rows: [[0.0; MOST_LANES]; NUMBERS],
             taken: [0; MOST_LANES],
             clearance: [FAR; MOST_LANES],
+            turns: [[0.0; MOST_LANES]; 2],
             answer,
             lanes,
             start: [IDLE; MOST_LANES],
@@ -121,6 +124,11 @@ impl<'a> LaneScheduler<'a> {
         self.busy > 0
     }
 
+    /// Returns true if whole turns are counted.
+    pub(super) fn counts_turns(&self) -> bool {
+        self.chunk.question.rule == Rule::Neither
+    }
+
     /// Returns true if the answer is no longer needed.
     pub(super) fn is_cancelled(&self) -> bool {
         self.chunk.cancelled.load(Ordering::Relaxed)
@@ -134,6 +142,7 @@ impl<'a> LaneScheduler<'a> {
                 self.put(lane, start.numbers);
                 (self.start[lane], self.taken[lane]) = (self.next_start, start.steps);
                 self.clearance[lane] = FAR;
+                self.turns.iter_mut().for_each(|turns| turns[lane] = 0.0);
                 self.next_start += 1;
                 self.busy += 1;
             }
@@ -176,6 +185,7 @@ impl<'a> LaneScheduler<'a> {
             time: numbers[TIME] + numbers[TIME_LOW],
             phase: phase_of(&numbers),
             clearance: self.clearance[lane],
+            turns: self.turns.map(|turns| turns[lane] as i32),
             ..End::NOWHERE
         }
     }

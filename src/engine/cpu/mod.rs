@@ -12,6 +12,7 @@ mod lanes;
 mod number;
 mod pair;
 mod taylor;
+mod turns;
 
 pub use custom::outcomes;
 pub use pair::{Dop853, Dopri5, EmbeddedPair};

@@ -6,6 +6,7 @@ use super::adaptive::{finish_those_over, idle};
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
+use super::turns;
 use crate::engine::End;
 use crate::engine::method::Adaptive;
 use crate::engine::start::{TIME, TIME_LOW};
@@ -31,6 +32,7 @@ pub(super) fn run<N: Number, T: Scalar, const M: usize>(
     let pendulum = reduced.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
     let inverse_scale = reduced.to_f64().momentum_scale().map(|scale| 1.0 / scale);
     let mut scheduler = LaneScheduler::new(chunk, <N::Leading as Lanes>::COUNT, idle());
+    let counts_turns = scheduler.counts_turns();
     finish_those_over(&mut scheduler, &adaptive);
     while scheduler.is_busy() {
         if scheduler.is_cancelled() {
@@ -53,9 +55,12 @@ pub(super) fn run<N: Number, T: Scalar, const M: usize>(
             } else {
                 keep_least(&mut scheduler, clearance);
             }
+            if counts_turns {
+                turns::count(&mut state.turns, [&state.phase, &next], -length);
+            }
             state.advance(next, length);
             if taken == PATIENCE || state.time.largest() >= adaptive.budget {
-                state.store(&mut scheduler.rows);
+                state.store(&mut scheduler);
                 scheduler.count_steps(taken);
                 break;
             }
@@ -230,6 +235,8 @@ struct TaylorLaneState<N: Number> {
     phase: Phase<N>,
     time: N::Leading,
     time_low: N::Leading,
+    /// Whole turns of each bob.
+    turns: [N::Leading; 2],
 }
 
 impl<N: Number> TaylorLaneState<N> {
@@ -240,14 +247,19 @@ impl<N: Number> TaylorLaneState<N> {
             phase: load_phase(set, rows),
             time: Lanes::load(set, &rows[TIME]),
             time_low: Lanes::load(set, &rows[TIME_LOW]),
+            turns: [0, 1].map(|bob| Lanes::load(set, &scheduler.turns[bob])),
         }
     }
 
     #[inline(always)]
-    fn store(&self, rows: &mut [[f64; MOST_LANES]]) {
+    fn store(&self, scheduler: &mut LaneScheduler) {
+        let rows = &mut scheduler.rows;
         store_phase(&self.phase, rows);
         self.time.store(&mut rows[TIME]);
         self.time_low.store(&mut rows[TIME_LOW]);
+        for (turns, row) in self.turns.iter().zip(&mut scheduler.turns) {
+            turns.store(row);
+        }
     }
 
     #[inline(always)]
@@ -268,10 +280,10 @@ impl<N: Number> TaylorLaneState<N> {
         flips: Flips,
         adaptive: &Adaptive,
     ) {
-        self.store(&mut scheduler.rows);
+        self.store(scheduler);
         let before = scheduler.rows;
         self.advance(next, length);
-        self.store(&mut scheduler.rows);
+        self.store(scheduler);
         scheduler.count_steps(taken);
         for lane in scheduler.running() {
             if let Some((into_step, phase)) = flips[lane] {

@@ -136,12 +136,18 @@ impl FinishedPatch {
         let phase = self.patch.phase.map(|jet| jet.at(at));
         match (grazed.chain(passed).reduce(first), self.is_open()) {
             (Some((time, phase)), _) => {
-                let end = End { time, phase, clearance, grown: f64::INFINITY };
+                let end = End { time, phase, clearance, grown: f64::INFINITY, ..End::NOWHERE };
                 MappedStart::Known(question.flipped_at(time * unit_secs), end)
             }
             (None, true) => MappedStart::Moving(self.moving(dynamics, phase, clearance)),
             (None, false) => {
-                let end = End { time: high + low, phase, clearance, grown: f64::INFINITY };
+                let end = End {
+                    time: high + low,
+                    phase,
+                    clearance,
+                    grown: f64::INFINITY,
+                    ..End::NOWHERE
+                };
                 MappedStart::Known(Outcome::without_time(Status::Unflipped), end)
             }
         }

@@ -59,20 +59,16 @@ pub struct Design {
 }
 
 impl Design {
-    /// The kernel made for a question and nothing else.
-    pub fn specialised(
-        self,
-        question: &Question,
-        config: &IntegratorConfig,
-    ) -> Result<Self, EngineError> {
-        let scheme = match (self.scheme, Pace::new(question, config)?) {
+    /// The kernel made for a question at a pace and nothing else.
+    pub fn specialised(self, question: &Question, pace: &Pace) -> Self {
+        let scheme = match (self.scheme, pace) {
             (Scheme::Fixed(_), Pace::Fixed(steps)) => {
-                Scheme::Fixed(steps.turning(question, config.precision))
+                Scheme::Fixed(steps.turning(question, self.precision))
             }
             (scheme, _) => scheme,
         };
         let scene = Some((question.reduced().0, question.rule));
-        Ok(Design { scheme, scene, ..self })
+        Design { scheme, scene, ..self }
     }
 
     /// The kernel that takes any question.
@@ -160,6 +156,7 @@ impl Design {
             state: self.state(),
             watched: self.watched(),
             bobs: self.watched().len(),
+            counts_turns: self.watched().is_empty() && self.is_adaptive(),
             befores: bobs(""),
             nows: bobs("_next"),
             is_watched: match self.scene {
@@ -225,6 +222,7 @@ struct Values {
     moving: Vec<&'static str>,
     watched: Vec<usize>,
     bobs: usize,
+    counts_turns: bool,
     befores: String,
     nows: String,
     is_watched: &'static str,

@@ -121,7 +121,8 @@ impl Design {
                 None => format!("((job.watched & {bob}u) != 0u && ({pass}))"),
             }
         };
-        self.watched().iter().map(one).collect::<Vec<_>>().join(" || ")
+        let passes: Vec<String> = self.watched().iter().map(one).collect();
+        if passes.is_empty() { "false".to_string() } else { passes.join(" || ") }
     }
 
     /// The coefficients of the quintic of a bob's angle beyond the top over the step (see

@@ -21,6 +21,7 @@ use self::pipeline::Kernel;
 use self::slot::{FinishedSlice, Slot, SlotEvent};
 use super::selfcheck::{self, Check, Verdict};
 use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait, start};
+use crate::physics::Rule;
 
 /// Largest number of jobs on the device at a time.
 const SLOTS: usize = 2;
@@ -106,7 +107,9 @@ impl GpuEngine {
         self.require(&job.config)?;
         let general =
             Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
-        if self.specialise { general.specialised(&job.question, &job.config) } else { Ok(general) }
+        // The general kernel counts no turns.
+        let specialise = self.specialise || job.question.rule == Rule::Neither;
+        Ok(if specialise { general.specialised(&job.question, &job.pace()?) } else { general })
     }
 
     /// Index of the job's kernel in the list; compiles it if it is new.

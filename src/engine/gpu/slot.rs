@@ -303,7 +303,7 @@ fn head(job: &Job, pace: &Pace) -> JobHead {
 
 /// The outcome of a pendulum that has not begun.
 const UNBEGUN: RawOutcome =
-    RawOutcome { status: 0, steps: 0, moment: [0.0; 2], clearance: FAR as f32, padding: 0.0 };
+    RawOutcome { status: 0, steps: 0, moment: [0.0; 2], clearance: FAR as f32, turns: 0 };
 
 // Stages of a read-back.
 const PENDING: u8 = 0;

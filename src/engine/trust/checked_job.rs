@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::Trust;
 use super::judge::{Answer, Judge};
 use super::ladder::{Origin, Run, Rung, rungs};
-use crate::engine::{Effort, Job, JobResult, Keep, Starts};
-use crate::physics::{Dd, Outcome, Theta};
+use crate::engine::{Effort, End, Job, JobResult, Keep, Starts};
+use crate::physics::{Dd, Outcome, Status, Theta};
 
 /// A job whose starts climb the ladder until they are sure.
 pub(super) struct CheckedJob {
@@ -20,8 +20,8 @@ pub(super) struct CheckedJob {
     open: Vec<usize>,
     /// Runs that have been computed.
     done: Vec<Done>,
-    /// Finest outcome of each start so far.
-    outcomes: Vec<Outcome>,
+    /// Finest answer to each start so far.
+    finest: Vec<Answer>,
     trusts: Vec<Trust>,
     effort: Effort,
 }
@@ -35,6 +35,10 @@ struct Done {
     starts: Vec<usize>,
     answers: Vec<Answer>,
 }
+
+/// The answer to a start of which nothing is known.
+const UNANSWERED: Answer =
+    Answer { outcome: Outcome { status: Status::Unflipped, time: 0.0 }, end: End::NOWHERE };
 
 /// Number of identifiers that a checked job has for the jobs of its runs.
 pub(super) const RUNS: u64 = 32;
@@ -53,7 +57,7 @@ impl CheckedJob {
             rung: 0,
             open: (0..count).collect(),
             done: Vec::new(),
-            outcomes: vec![Outcome::without_time(crate::physics::Status::Unflipped); count],
+            finest: vec![UNANSWERED; count],
             trusts: vec![Trust::Unchecked; count],
             effort: Effort::default(),
             job,
@@ -86,6 +90,11 @@ impl CheckedJob {
                 let by = run.nudge.map(Dd::new);
                 let moved = |&start: &usize| [0, 1].map(|i| angles[start][i] + by[i]);
                 Starts::Rest(self.open.iter().map(moved).collect())
+            }
+            Starts::Thrown(launches) => {
+                let by = run.nudge.map(Dd::new);
+                let moved = |&start: &usize| launches[start].moved_by(by);
+                Starts::Thrown(self.open.iter().map(moved).collect())
             }
             Starts::Deep(deep) => {
                 let strict = run.from == Origin::StrictMap;
@@ -124,11 +133,11 @@ impl CheckedJob {
         // Runs finish in any order.
         self.done.sort_by_key(|done| done.index);
         let judge = Judge::new(&self.job.question, self.leaf_half_rad.unwrap_or(0.0));
-        let verdicts: Vec<(Outcome, bool)> =
+        let verdicts: Vec<(Answer, bool)> =
             self.open.par_iter().map(|&start| judge.verdict(&self.answers(start))).collect();
         let trust = self.rungs[self.rung].trust;
-        for (start, (outcome, sure)) in std::mem::take(&mut self.open).into_iter().zip(verdicts) {
-            self.outcomes[start] = outcome;
+        for (start, (answer, sure)) in std::mem::take(&mut self.open).into_iter().zip(verdicts) {
+            self.finest[start] = answer;
             self.trusts[start] = if sure { trust } else { Trust::Uncertain };
             if !sure {
                 self.open.push(start);
@@ -147,9 +156,14 @@ impl CheckedJob {
 
     /// The result of the job.
     pub(super) fn finish(self) -> JobResult {
+        let ends = match self.job.keep {
+            Keep::Ends => self.finest.iter().map(|answer| answer.end).collect(),
+            _ => Vec::new(),
+        };
         JobResult {
             id: self.job.id,
-            outcomes: self.outcomes,
+            outcomes: self.finest.iter().map(|answer| answer.outcome).collect(),
+            ends,
             trusts: self.trusts,
             effort: self.effort,
             ..JobResult::default()

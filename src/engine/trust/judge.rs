@@ -19,10 +19,10 @@
 
 use super::ladder::Run;
 use crate::engine::{End, Question};
-use crate::physics::embedded::{dop853, plus};
 use crate::physics::flip::right_secs;
 use crate::physics::phase::Phase;
-use crate::physics::{Outcome, Pendulum, Status};
+use crate::physics::transport::transported;
+use crate::physics::{Outcome, Pendulum, Rule, Status};
 
 /// An outcome, and the end of its integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +40,8 @@ const OF_CLEARANCE: f64 = 0.1;
 const LINEAR: f64 = 0.05;
 /// Largest error allowed in the state of an unflipped pendulum.
 const UNFLIPPED: f64 = 1e-2;
+/// Largest error allowed in the state of a pendulum where that is the answer.
+const STATE: f64 = SAFETY * 1e-3;
 /// Largest factor by which an error may exceed what the growth of the others explains.
 const UNLIKELY: f64 = 1e3;
 /// Largest accepted probability that an answer of the finest run is called right though it is
@@ -55,6 +57,8 @@ pub(super) struct Judge {
     inverse_scale: [f64; 2],
     /// Error allowed in a flip's time, reduced.
     tolerance: f64,
+    /// Error allowed in the state of a pendulum that has not flipped.
+    unflipped: f64,
     /// Half the side of the leaves of start maps in rad.
     leaf_half_rad: f64,
 }
@@ -66,17 +70,18 @@ impl Judge {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;
-        Judge { pendulum, inverse_scale, tolerance, leaf_half_rad }
+        let unflipped = if question.rule == Rule::Neither { STATE } else { UNFLIPPED };
+        Judge { pendulum, inverse_scale, tolerance, unflipped, leaf_half_rad }
     }
 
     /// Returns the finest of some answers, and whether the others make it sure.
-    pub(super) fn verdict(&self, answers: &[(Run, Answer)]) -> (Outcome, bool) {
+    pub(super) fn verdict(&self, answers: &[(Run, Answer)]) -> (Answer, bool) {
         let scale =
             |(run, answer): &(Run, Answer)| run.error_scale(&answer.end, self.leaf_half_rad);
         let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
         scaled.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (finest, others) = scaled.split_first().expect("the first rung has all starts");
-        (finest.1.1.outcome, self.is_sure(finest, others))
+        (finest.1.1, self.is_sure(finest, others))
     }
 
     /// Returns true if `finest` is sure by what the `others` are, each with its error scale.
@@ -113,7 +118,7 @@ impl Judge {
         let clearance = OF_CLEARANCE * answer.end.clearance;
         match answer.outcome.status {
             Status::Flipped => self.tolerance.min(clearance).min(self.beyond(&answer.end.phase)),
-            _ => UNFLIPPED.min(clearance),
+            _ => self.unflipped.min(clearance),
         }
     }
 
@@ -138,7 +143,8 @@ impl Judge {
             }
             (Status::Unflipped, Status::Unflipped) => {
                 let (early, late) = if a.end.time <= b.end.time { (a, b) } else { (b, a) };
-                let caught_up = self.moved(&early.end.phase, late.end.time - early.end.time);
+                let caught_up =
+                    transported(&self.pendulum, &early.end.phase, late.end.time - early.end.time);
                 self.between(&caught_up, &late.end.phase)
             }
             (Status::Forbidden, Status::Forbidden) => 0.0,
@@ -150,28 +156,4 @@ impl Judge {
         let unit = |i: usize| if i < 4 { 1.0 } else { self.inverse_scale[i - 4] };
         (0..6).map(|i| (a[i] - b[i]).abs() * unit(i)).fold(0.0, f64::max)
     }
-
-    /// The state that `phase` becomes after the reduced time `by`.
-    fn moved(&self, phase: &Phase<f64>, by: f64) -> Phase<f64> {
-        let (mut phase, mut left, mut step) = (*phase, by, FIRST_STEP);
-        for _ in 0..MOST_STEPS {
-            if left <= 0.0 {
-                break;
-            }
-            let length = left.min(step);
-            let trial = dop853(&self.pendulum, self.inverse_scale, &phase, length);
-            let excess = trial.error_squared.sqrt() / STEP_TOLERANCE;
-            if excess <= 1.0 {
-                phase = plus(&phase, &trial.change);
-                left -= length;
-            }
-            step = length * (0.8 * excess.max(1e-12).powf(-1.0 / 8.0)).clamp(0.2, 4.0);
-        }
-        phase
-    }
 }
-
-/// Tolerance of the integration that brings two states to one time.
-const STEP_TOLERANCE: f64 = 1e-13;
-const FIRST_STEP: f64 = 0.1;
-const MOST_STEPS: u32 = 1000;

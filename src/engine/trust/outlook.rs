@@ -95,7 +95,10 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
             let moved = |angle: &[Dd; 2]| [0, 1].map(|i| angle[i] + Dd::new(by[i]));
             Starts::Rest(angles.iter().map(moved).collect())
         }
-        other => other.clone(),
+        Starts::Thrown(launches) => {
+            Starts::Thrown(launches.iter().map(|launch| launch.moved_by(by.map(Dd::new))).collect())
+        }
+        Starts::Resumed(_) | Starts::Moving(_) => starts.clone(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Pictures at half their size: the mean of four pixels in linear light.
 
 use super::RGB;
-use crate::output::paint::encoded;
+use crate::scene::palette::encoded;
 use crate::scene::palette::light_table;
 
 /// Tables for the mean of four channel values: the light of each value as a whole number, and the

@@ -44,6 +44,7 @@ fn picture(bench: &mut HardBench, scene: &Scene) -> Result<Vec<Outcome>, EngineE
     let outcome = |fate: Fate| match fate {
         Fate::Open(_) => answers.next().unwrap_or(Outcome::without_time(Status::Failed)),
         Fate::Known(outcome) => outcome,
+        Fate::Thrown(_) => unreachable!("views of starts at rest"),
     };
     Ok(fates.into_iter().map(outcome).collect())
 }

@@ -3,7 +3,7 @@
 
 use crate::engine::{Engine, EngineError, IntegratorConfig};
 use crate::physics::{Angle, Dd, Rule, Scalar, Theta};
-use crate::scene::{Budget, Build, FlipQuestion, Kind, Scene, View};
+use crate::scene::{Budget, Build, Kind, QuestionTable, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
 
 /// Generator of random scenes, the same ones for the same seed.
@@ -74,7 +74,8 @@ impl Scenes {
         let rule = self.random.choice(Rule::ALL.map(|(_, rule)| rule)).unwrap_or_default();
         let units = self.magnitude(0.0, 300f64.log10());
         let secs = Self::round(units * build.unit_secs(), 3).clamp(1e-9, 1e6);
-        let question = FlipQuestion { rule, budget: Budget::secs(secs) };
+        let question =
+            QuestionTable { rule, budget: Budget::secs(secs), ..QuestionTable::default() };
         let lures = [
             Lure::Anywhere,
             Lure::Anywhere,
@@ -86,7 +87,7 @@ impl Scenes {
             Lure::Edge,
         ];
         let lure = self.random.choice(lures).unwrap_or(Lure::Anywhere);
-        let mut scene = Scene { build, question, view: View::default() };
+        let mut scene = Scene { build, question, ..Scene::default() };
         self.look(&mut scene, lure);
         // A descent and an edge are followed upright.
         let looks = (scene.view.rotate, scene.view.stretch);

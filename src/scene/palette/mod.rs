@@ -1,7 +1,9 @@
 //! Colours of samples. The tables are data in `assets/palettes`; nothing here computes flips.
 
+mod answers;
 mod tones;
 
+pub use answers::AnswerColours;
 pub use tones::{Lookup, Tones, equalised, rise};
 
 use super::SceneError;
@@ -66,6 +68,13 @@ impl Palette {
 pub fn light(channel: u8) -> f64 {
     let c = f64::from(channel) / 255.0;
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Converts linear light to sRGB: the inverse of [`light`].
+pub fn encoded(linear: f64) -> u8 {
+    let c =
+        if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (c * 255.0).round() as u8
 }
 
 /// [`light`] of every channel value, scaled so that full light is 65535.

@@ -88,10 +88,15 @@ impl Tones {
         }
     }
 
+    /// The colour of a time in s.
+    pub fn colour_at(&self, secs: f64) -> Rgb {
+        self.palette.colour(self.position(secs))
+    }
+
     /// The colour of an outcome.
     pub fn colour(&self, outcome: &Outcome) -> Rgb {
         match outcome.status {
-            Status::Flipped => self.palette.colour(self.position(outcome.time)),
+            Status::Flipped => self.colour_at(outcome.time),
             Status::Unflipped => UNFLIPPED,
             Status::Forbidden => FORBIDDEN,
             Status::Failed => FAILED,

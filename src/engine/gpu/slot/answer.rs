@@ -38,7 +38,9 @@ impl Slot {
         let one = |(raw, state): (&RawOutcome, &IntegratorState)| {
             let flipped = (raw.status & 255 == 1).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
-            start::end(&reduced, &self.pace, state, flipped, clearance)
+            let turns = [raw.turns as i16, (raw.turns >> 16) as i16].map(i32::from);
+            let end = start::end(&reduced, &self.pace, state, flipped, clearance);
+            if let Pace::Adaptive(_) = self.pace { End { turns, ..end } } else { end }
         };
         raw.par_iter().zip(states).map(one).collect()
     }

@@ -1,0 +1,49 @@
+//! `first`: the bob that first goes over the top, and when.
+
+use super::flip::TIME;
+use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, QuestionKind, Watches};
+use crate::physics::Rule;
+
+pub(super) const QUESTION: QuestionKind = QuestionKind {
+    name: "first",
+    about: "Each pixel is a pendulum, coloured by the bob that goes over the top before the other. \
+            The channel `time` tells when.",
+    channels: &[
+        Channel { name: "bob", unit: "", right: 0.0, scale: ChannelScale::Between(0.0, 3.0) },
+        TIME,
+    ],
+    counted: ["flipped", "unflipped"],
+    channel_names: "the question first has bob and time",
+    watches: Watches::Always(Rule::Either),
+    at_a_time: false,
+    is_even: true,
+    read,
+};
+
+fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+    let [x1, y1, x2, y2, ..] = ending.phase;
+    // One of them is at the top, where its sine vanishes.
+    let is_second = x1 > 0.0 || (x2 < 0.0 && y2.abs() < y1.abs());
+    [if is_second { 2.0 } else { 1.0 }, ending.outcome.time, 0.0, 0.0, 0.0, 0.0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{Outcome, Pendulum};
+
+    #[test]
+    fn the_bob_at_the_top_is_the_one_whose_sine_vanishes() {
+        let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
+        let bob = |phase| {
+            let outcome = Outcome::flipped(2.5);
+            let ending =
+                Ending { pendulum: &pendulum, unit_secs: 1.0, outcome, phase, turns: [0; 2] };
+            let [bob, secs, ..] = read(&ending);
+            (bob, secs)
+        };
+        assert_eq!(bob([-1.0, 1e-17, -0.6, 0.8, 0.0, 0.0]), (1.0, 2.5));
+        assert_eq!(bob([-0.6, 0.8, -1.0, -1e-17, 0.0, 0.0]), (2.0, 2.5));
+        assert_eq!(bob([1.0, 0.0, -1.0, 1e-9, 0.0, 0.0]), (2.0, 2.5), "the first one hangs");
+    }
+}

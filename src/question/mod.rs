@@ -1,0 +1,156 @@
+//! Questions: what is asked of every pendulum, and how its answer is read.
+//!
+//! An engine follows a pendulum until a watched bob passes the top, or until the budget is used up,
+//! and knows no question by name. A question says what is watched and for how long, and reads its
+//! *channels* from the outcome and the end of the integration: named numbers with a unit, a natural
+//! scale of colours, and the error within which they count as right.
+//!
+//! One question is one file here, with a line in [`Ask::ALL`].
+
+mod first;
+mod flip;
+mod state;
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::physics::phase::Phase;
+use crate::physics::{Outcome, Pendulum, Rule};
+
+/// The name of a question.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Ask {
+    /// The moment at which a watched bob first goes over the top.
+    #[default]
+    Flip,
+    /// The bob that first goes over the top, and when.
+    First,
+    /// The state at a given time.
+    State,
+}
+
+/// All that a question decides.
+pub struct QuestionKind {
+    /// Name in options and files.
+    pub name: &'static str,
+    /// Two sentences on what its map shows.
+    pub about: &'static str,
+    /// The numbers of an answer, in order; at most [`MOST_CHANNELS`].
+    pub channels: &'static [Channel],
+    /// Words for pixels with an answer and for those without one at the end of the budget.
+    pub counted: [&'static str; 2],
+    /// A phrase with the names of the channels.
+    pub channel_names: &'static str,
+    /// The bobs that it watches.
+    pub watches: Watches,
+    /// True if the answer lies at the time `at`, not at an event.
+    pub at_a_time: bool,
+    /// True if mirror images, with all angles and speeds negated, have equal answers.
+    pub is_even: bool,
+    /// Returns the values of the channels.
+    pub read: fn(&Ending) -> [f64; MOST_CHANNELS],
+}
+
+/// The bobs that a question watches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Watches {
+    /// The bobs of the scene's rule.
+    TheRule,
+    /// The same ones in every scene.
+    Always(Rule),
+}
+
+/// Largest number of channels of any question.
+pub const MOST_CHANNELS: usize = 6;
+
+/// One number of an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Channel {
+    /// Name in files and on the command line.
+    pub name: &'static str,
+    /// Unit; empty for a count.
+    pub unit: &'static str,
+    /// Greatest error of a right value, in its unit.
+    pub right: f64,
+    /// Natural scale of its colours.
+    pub scale: ChannelScale,
+}
+
+/// The natural scale of a channel's colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ChannelScale {
+    /// Times, from the pendulum's natural unit of time to the budget.
+    Times,
+    /// An angle: −π and π are one colour.
+    Cyclic,
+    /// Values from the first to the second.
+    Between(f64, f64),
+}
+
+/// The outcome and the end of an integration, as a question reads them.
+#[derive(Clone, Copy, Debug)]
+pub struct Ending<'a> {
+    /// The pendulum in reduced units.
+    pub pendulum: &'a Pendulum<f64>,
+    /// The pendulum's unit of time in s.
+    pub unit_secs: f64,
+    /// The outcome.
+    pub outcome: Outcome,
+    /// State at the event, or else at the end of the budget; reduced units.
+    pub phase: Phase<f64>,
+    /// Whole turns of each bob until then, anticlockwise ones positive.
+    pub turns: [i32; 2],
+}
+
+impl Ask {
+    /// Every question.
+    pub const ALL: [Ask; 3] = [Ask::Flip, Ask::First, Ask::State];
+
+    /// All that the question decides.
+    pub fn kind(self) -> &'static QuestionKind {
+        match self {
+            Ask::Flip => &flip::QUESTION,
+            Ask::First => &first::QUESTION,
+            Ask::State => &state::QUESTION,
+        }
+    }
+
+    /// The bobs that are watched in a scene with this rule.
+    pub fn watched(self, rule: Rule) -> Rule {
+        match self.kind().watches {
+            Watches::TheRule => rule,
+            Watches::Always(rule) => rule,
+        }
+    }
+
+    /// The channel of this name.
+    pub fn channel(self, name: &str) -> Option<usize> {
+        self.kind().channels.iter().position(|channel| channel.name == name)
+    }
+
+    /// Returns true if the answer is the time alone, which needs no end of the integration.
+    pub fn is_time(self) -> bool {
+        matches!(self.kind().channels, [Channel { scale: ChannelScale::Times, .. }])
+    }
+
+    /// A phrase with the names of all questions.
+    pub const NAMES: &str = "the questions are flip, first and state";
+}
+
+impl fmt::Display for Ask {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.kind().name)
+    }
+}
+
+impl FromStr for Ask {
+    type Err = &'static str;
+
+    fn from_str(word: &str) -> Result<Self, &'static str> {
+        let named = Ask::ALL.into_iter().find(|ask| ask.kind().name == word);
+        named.ok_or(Ask::NAMES)
+    }
+}

@@ -1,0 +1,46 @@
+//! `state`: where the pendulum is, and how fast it moves, at a given time.
+
+use std::f64::consts::PI;
+
+use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, QuestionKind, Watches};
+use crate::physics::Rule;
+
+pub(super) const QUESTION: QuestionKind = QuestionKind {
+    name: "state",
+    about: "Each pixel is a pendulum, coloured by where its rods point at the time `at`. Neighbours \
+            of one colour still swing together.",
+    channels: &[
+        angle("theta1"),
+        angle("theta2"),
+        speed("omega1"),
+        speed("omega2"),
+        turns("turns1"),
+        turns("turns2"),
+    ],
+    counted: ["answered", "unanswered"],
+    channel_names: "the question state has theta1, theta2, omega1, omega2, turns1 and turns2",
+    watches: Watches::Always(Rule::Neither),
+    at_a_time: true,
+    is_even: false,
+    read,
+};
+
+const fn angle(name: &'static str) -> Channel {
+    Channel { name, unit: "rad", right: 1e-3, scale: ChannelScale::Cyclic }
+}
+
+const fn speed(name: &'static str) -> Channel {
+    Channel { name, unit: "rad/s", right: 1e-2, scale: ChannelScale::Between(-10.0, 10.0) }
+}
+
+const fn turns(name: &'static str) -> Channel {
+    Channel { name, unit: "", right: 0.0, scale: ChannelScale::Between(-5.0, 5.0) }
+}
+
+fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+    let [x1, y1, x2, y2, ..] = ending.phase;
+    let [theta1, theta2] = [y1.atan2(x1), y2.atan2(x2)].map(|a| if a == -PI { PI } else { a });
+    let [omega1, omega2] = ending.pendulum.speeds(&ending.phase).map(|w| w / ending.unit_secs);
+    let [turns1, turns2] = ending.turns.map(f64::from);
+    [theta1, theta2, omega1, omega2, turns1, turns2]
+}

@@ -1,0 +1,140 @@
+//! The colours of answers: a question's channels, one of them or two angles at once.
+
+use std::f64::consts::{PI, TAU};
+
+use super::{FAILED, FORBIDDEN, Palette, Rgb, Tones, UNFLIPPED};
+use crate::physics::Status;
+use crate::question::{Ask, ChannelScale};
+use crate::scene::{PictureTable, Scene, SceneError};
+
+/// A map from answers to colours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnswerColours {
+    way: Way,
+}
+
+/// The way in which the channels become a colour.
+#[derive(Clone, Debug, PartialEq)]
+enum Way {
+    /// A channel of times.
+    Times(usize, Tones),
+    /// An angle, once round a palette whose end is its beginning.
+    Angle(usize, Palette),
+    /// A channel between two values.
+    Between(usize, [f64; 2], Palette),
+    /// Two angles at once.
+    Torus,
+}
+
+impl AnswerColours {
+    /// The colours of a checked scene's answers: of the picture's channel, or of the channel or
+    /// channels by which its question is known.
+    pub fn new(scene: &Scene, picture: &PictureTable) -> Result<Self, SceneError> {
+        let ask = scene.question.ask;
+        let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget.secs)?;
+        let chosen = picture.channel_of(ask)?;
+        if chosen.is_none() && ask == Ask::State {
+            return Ok(AnswerColours { way: Way::Torus });
+        }
+        let channel = chosen.unwrap_or(0);
+        let way = match ask.kind().channels[channel].scale {
+            ChannelScale::Times => Way::Times(channel, tones),
+            ChannelScale::Cyclic => {
+                let is_default = picture.palette == Palette::DEFAULT;
+                let name = if is_default { Palette::CYCLIC } else { &picture.palette };
+                Way::Angle(channel, Palette::named(name)?)
+            }
+            ChannelScale::Between(from, to) => {
+                Way::Between(channel, [from, to], Palette::named(&picture.palette)?)
+            }
+        };
+        Ok(AnswerColours { way })
+    }
+
+    /// The colour of a sample.
+    pub fn colour(&self, status: Status, values: &[f64]) -> Rgb {
+        match status {
+            Status::Flipped => self.of_values(values),
+            Status::Unflipped => UNFLIPPED,
+            Status::Forbidden => FORBIDDEN,
+            Status::Failed => FAILED,
+        }
+    }
+
+    fn of_values(&self, values: &[f64]) -> Rgb {
+        match &self.way {
+            Way::Times(channel, tones) => tones.colour_at(values[*channel]),
+            Way::Angle(channel, palette) => palette.colour((values[*channel] + PI) / TAU),
+            Way::Between(channel, [from, to], palette) => {
+                palette.colour((values[*channel] - from) / (to - from))
+            }
+            Way::Torus => torus([values[0], values[1]]),
+        }
+    }
+}
+
+/// The colour of two angles: θ1 goes once round the hues, and θ2 round a circle of lightness and
+/// chroma, so that every pair has a colour of its own, with no seam at ±π. In Oklab (Ottosson, *A
+/// perceptual color space for image processing*, 2020). Lightness alone tells |θ2|, whatever
+/// colours an eye can see.
+fn torus([theta1, theta2]: [f64; 2]) -> Rgb {
+    let (sin2, cos2) = theta2.sin_cos();
+    let lightness = 0.62 - 0.17 * cos2;
+    let chroma = 0.085 + 0.03 * sin2;
+    let (sin1, cos1) = theta1.sin_cos();
+    from_oklab([lightness, chroma * cos1, chroma * sin1])
+}
+
+/// Converts Oklab to sRGB; what lies outside is clipped.
+fn from_oklab([lightness, a, b]: [f64; 3]) -> Rgb {
+    let cube = |x: f64| x * x * x;
+    let l = cube(lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b);
+    let m = cube(lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b);
+    let s = cube(lightness - 0.089_484_177_5 * a - 1.291_485_548_0 * b);
+    [
+        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
+        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
+        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
+    ]
+    .map(super::encoded)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::QuestionTable;
+
+    fn colours(ask: Ask, channel: Option<&str>) -> Result<AnswerColours, SceneError> {
+        let question = QuestionTable { ask, ..QuestionTable::default() };
+        let scene = Scene { question, ..Scene::default() };
+        let channel = channel.map(str::to_string);
+        AnswerColours::new(&scene, &PictureTable { channel, ..PictureTable::default() })
+    }
+
+    #[test]
+    fn two_angles_are_one_colour_without_a_seam() {
+        let near = |a: Rgb, b: Rgb| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 2);
+        for k in 0..60 {
+            let angle = -PI + TAU * f64::from(k) / 60.0;
+            assert!(near(torus([PI, angle]), torus([-PI, angle])));
+            assert!(near(torus([angle, PI]), torus([angle, -PI])));
+            assert!(near(torus([angle, 1.0]), torus([angle + 0.01, 1.01])), "smooth");
+            assert!(!near(torus([angle, 1.0]), torus([angle, -1.0])), "signs differ");
+            assert!(!near(torus([angle, 1.0]), torus([angle + 0.5, 1.0])));
+        }
+    }
+
+    #[test]
+    fn a_channel_has_colours_of_its_own_scale() {
+        let state = colours(Ask::State, Some("theta2")).unwrap();
+        let colour = |angle| state.colour(Status::Flipped, &[0.3, angle, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(colour(PI), colour(-PI));
+        assert_ne!(colour(0.0), colour(1.0));
+        let speed = colours(Ask::State, Some("omega1")).unwrap();
+        let fast = |w| speed.colour(Status::Flipped, &[0.0, 0.0, w, 0.0, 0.0, 0.0]);
+        assert_eq!(fast(99.0), fast(10.0), "beyond its scale");
+        assert_eq!(speed.colour(Status::Forbidden, &[0.0; 6]), FORBIDDEN);
+        let refused = colours(Ask::Flip, Some("theta2")).unwrap_err().to_string();
+        assert_eq!(refused, "--channel is 'theta2'; the question flip has time");
+    }
+}

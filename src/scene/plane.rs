@@ -1,0 +1,287 @@
+//! The plane of starts that a view lies in: a flat piece of the four-dimensional space of angles
+//! and speeds, or a section of constant energy through it.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::{Build, SceneError};
+use crate::physics::{Angle, Dd, Launch, Pendulum, Scalar};
+
+/// A plane of starts. Its coordinates are those of [`super::View::center`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Plane {
+    /// The quantities across and up.
+    pub kind: PlaneKind,
+    /// Start (θ1, θ2, ω1, ω2) in rad and rad/s that gives the two quantities which are not on an
+    /// axis; decimal strings.
+    pub origin: [String; 4],
+    /// Total energy of a section in J; zero if both rods are level and at rest.
+    pub energy: f64,
+}
+
+/// The quantities on the axes of a plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlaneKind {
+    /// Two of the angles and speeds.
+    Axes([Axis; 2]),
+    /// The angle θ2 and its momentum p2 where θ1 = 0 and dθ1/dt > 0, at a given energy.
+    Section,
+}
+
+/// A quantity on an axis of a plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The angle θ1, rad.
+    Theta1,
+    /// The angle θ2, rad.
+    Theta2,
+    /// The angular velocity ω1, rad/s.
+    Omega1,
+    /// The angular velocity ω2, rad/s.
+    Omega2,
+    /// The momentum p2 = ∂L/∂ω2, kg m²/s.
+    Momentum2,
+}
+
+/// The names of axes that can be combined.
+const AXES: [(&str, Axis); 4] = [
+    ("theta1", Axis::Theta1),
+    ("theta2", Axis::Theta2),
+    ("omega1", Axis::Omega1),
+    ("omega2", Axis::Omega2),
+];
+
+/// The planes that have names of their own.
+const NAMED: [(&str, PlaneKind); 5] = [
+    ("angles", PlaneKind::Axes([Axis::Theta1, Axis::Theta2])),
+    ("speeds", PlaneKind::Axes([Axis::Omega1, Axis::Omega2])),
+    ("first", PlaneKind::Axes([Axis::Theta1, Axis::Omega1])),
+    ("second", PlaneKind::Axes([Axis::Theta2, Axis::Omega2])),
+    ("section", PlaneKind::Section),
+];
+
+impl Axis {
+    /// Returns true if values 2π apart are one.
+    pub fn wraps(self) -> bool {
+        matches!(self, Axis::Theta1 | Axis::Theta2)
+    }
+
+    /// Symbol and unit, for labels.
+    pub fn label(self) -> &'static str {
+        match self {
+            Axis::Theta1 => "θ1, rad",
+            Axis::Theta2 => "θ2, rad",
+            Axis::Omega1 => "ω1, rad/s",
+            Axis::Omega2 => "ω2, rad/s",
+            Axis::Momentum2 => "p2, kg m²/s",
+        }
+    }
+
+    /// Index of the quantity among (θ1, θ2, ω1, ω2); the momentum takes the place of ω2.
+    fn place(self) -> usize {
+        match self {
+            Axis::Theta1 => 0,
+            Axis::Theta2 => 1,
+            Axis::Omega1 => 2,
+            Axis::Omega2 | Axis::Momentum2 => 3,
+        }
+    }
+}
+
+impl Default for Plane {
+    fn default() -> Self {
+        let zero = || "0".to_string();
+        Plane { kind: NAMED[0].1, origin: [zero(), zero(), zero(), zero()], energy: 0.0 }
+    }
+}
+
+impl Plane {
+    /// The quantities across and up.
+    pub fn axes(&self) -> [Axis; 2] {
+        match self.kind {
+            PlaneKind::Axes(axes) => axes,
+            PlaneKind::Section => [Axis::Theta2, Axis::Momentum2],
+        }
+    }
+
+    /// Returns true if it is the torus of both angles, with pendulums released from rest.
+    pub fn is_at_rest(&self) -> bool {
+        self.kind == NAMED[0].1
+            && self.origin[2..].iter().all(|speed| Dd::parse(speed) == Some(Dd::new(0.0)))
+    }
+
+    /// Returns true if the start at (−x, −y) is the mirror image of the one at (x, y).
+    pub fn is_symmetric(&self) -> bool {
+        let is_zero = |value: &String| Dd::parse(value) == Some(Dd::new(0.0));
+        let axes = self.axes().map(Axis::place);
+        let off_axis = (0..4).filter(|place| !axes.contains(place));
+        self.kind != PlaneKind::Section
+            && off_axis.into_iter().all(|place| is_zero(&self.origin[place]))
+    }
+
+    /// Checks that every number can be used for this pendulum.
+    pub fn check(&self, build: &Build) -> Result<(), SceneError> {
+        let refuse = |option, value, range| Err(SceneError { option, value, range });
+        if let PlaneKind::Axes([across, up]) = self.kind
+            && across == up
+        {
+            return refuse("--plane", format!("'{}'", self.kind), "its two axes must differ");
+        }
+        for value in &self.origin {
+            if !Dd::parse(value).is_some_and(|value| value.hi.abs() <= MOST) {
+                let range = "it must be four decimal numbers θ1,θ2,ω1,ω2 between -1e6 and 1e6";
+                return refuse("--origin", format!("'{value}'"), range);
+            }
+        }
+        let Pendulum { p, q, .. } = build.pendulum();
+        if !self.energy.is_finite() || self.energy.abs() > MOST_ENERGY {
+            return refuse(
+                "--energy",
+                self.energy.to_string(),
+                "it must lie between -1e12 and 1e12 J",
+            );
+        }
+        if self.kind == PlaneKind::Section && self.energy < -(p + q) {
+            let range = "a section's energy must be at least that of the hanging pendulum, \
+                         -(m1 + m2) g l1 - m2 g l2 for points";
+            return refuse("--energy", format!("{} J", self.energy), range);
+        }
+        Ok(())
+    }
+
+    /// The start at a position, rad, rad/s or kg m²/s; none where a section has no real solution.
+    /// `pendulum` is in SI units.
+    pub fn launch(&self, pendulum: &Pendulum<Dd>, at: [Dd; 2]) -> Option<Launch> {
+        let mut start = [0, 1, 2, 3].map(|i| Dd::parse(&self.origin[i]).unwrap_or_default());
+        if self.kind == PlaneKind::Section {
+            return self.on_section(pendulum, at);
+        }
+        for (axis, value) in self.axes().into_iter().zip(at) {
+            start[axis.place()] = value;
+        }
+        let [theta1, theta2, omega1, omega2] = start;
+        Some(Launch { angle: [theta1, theta2].map(wrapped), speed: [omega1, omega2] })
+    }
+
+    /// The start where θ1 = 0 and ω1 > 0 with the section's energy: of ½A ω1² + ½B ω2² + C c ω1 ω2 =
+    /// K and p2 = C c ω1 + B ω2 follow ω1² = (2BK − p2²) / (AB − C² c²) and ω2.
+    fn on_section(&self, pendulum: &Pendulum<Dd>, [theta2, p2]: [Dd; 2]) -> Option<Launch> {
+        let Pendulum { b, c, p, q, least_det, .. } = *pendulum;
+        let (sin, cos) = theta2.sin_cos();
+        let kinetic = Dd::new(self.energy) + p + q * cos;
+        let square = (b * kinetic + b * kinetic - p2 * p2) / (least_det + c * c * sin * sin);
+        if square < Dd::new(0.0) {
+            return None;
+        }
+        let omega1 = square.sqrt();
+        let omega2 = (p2 - c * cos * omega1) / b;
+        Some(Launch { angle: [Dd::new(0.0), wrapped(theta2)], speed: [omega1, omega2] })
+    }
+}
+
+/// Largest number in an origin.
+const MOST: f64 = 1e6;
+/// Largest energy of a section, J.
+const MOST_ENERGY: f64 = 1e12;
+
+/// An angle in (−π, π].
+fn wrapped(angle: Dd) -> Dd {
+    if angle <= Dd::PI && angle > -Dd::PI { angle } else { angle.wrapped() }
+}
+
+impl fmt::Display for PlaneKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some((name, _)) = NAMED.iter().find(|(_, kind)| kind == self) {
+            return f.write_str(name);
+        }
+        let PlaneKind::Axes(axes) = self else { return f.write_str("section") };
+        let name = |axis: Axis| AXES[axis.place()].0;
+        write!(f, "{},{}", name(axes[0]), name(axes[1]))
+    }
+}
+
+impl FromStr for PlaneKind {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, &'static str> {
+        let words = "the planes are angles, speeds, first, second and section, or two of theta1, \
+                     theta2, omega1 and omega2 with a comma between them";
+        if let Some((_, kind)) = NAMED.iter().find(|(name, _)| *name == text) {
+            return Ok(*kind);
+        }
+        let axis =
+            |word: &str| AXES.iter().find(|(name, _)| *name == word.trim()).map(|(_, axis)| *axis);
+        let (across, up) = text.split_once(',').ok_or(words)?;
+        Ok(PlaneKind::Axes([axis(across).ok_or(words)?, axis(up).ok_or(words)?]))
+    }
+}
+
+impl Serialize for PlaneKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for PlaneKind {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::State;
+
+    #[test]
+    fn planes_are_known_by_name_or_by_their_axes() {
+        for (name, kind) in NAMED {
+            assert_eq!((name.parse(), kind.to_string().as_str()), (Ok(kind), name));
+        }
+        let mixed = PlaneKind::Axes([Axis::Theta1, Axis::Omega2]);
+        assert_eq!(
+            (" theta1 ,omega2".parse(), mixed.to_string().as_str()),
+            (Ok(mixed), "theta1,omega2")
+        );
+        assert!("sideways".parse::<PlaneKind>().unwrap_err().contains("section"));
+    }
+
+    #[test]
+    fn a_section_has_its_energy_and_no_start_beyond_it() {
+        let build = Build::default();
+        let pendulum = build.pendulum_in::<Dd>();
+        for energy in [-5.0, 0.0, 12.5] {
+            let plane = Plane { kind: PlaneKind::Section, energy, ..Plane::default() };
+            let Launch { angle, speed } =
+                plane.launch(&pendulum, [Dd::new(0.7), Dd::new(-0.9)]).unwrap();
+            let near = |pair: [Dd; 2]| pair.map(|x| x.hi);
+            let state = State { angle: near(angle), speed: near(speed) };
+            assert!((pendulum.to_f64().energy(&state) - energy).abs() < 1e-12);
+            assert!(speed[0].hi > 0.0 && angle[0].hi == 0.0);
+            let phase = pendulum.to_f64().phase(&state);
+            assert!((phase[5] + 0.9).abs() < 1e-13, "p2 is the coordinate");
+            assert!(plane.launch(&pendulum, [Dd::new(0.7), Dd::new(99.0)]).is_none());
+        }
+    }
+
+    #[test]
+    fn bad_planes_are_refused_by_name() {
+        let refused = |change: fn(&mut Plane)| {
+            let mut plane = Plane::default();
+            change(&mut plane);
+            plane.check(&Build::default()).unwrap_err().to_string()
+        };
+        Plane::default().check(&Build::default()).unwrap();
+        let twice = refused(|plane| plane.kind = PlaneKind::Axes([Axis::Omega1; 2]));
+        assert!(twice.contains("--plane is 'omega1,omega1'; its two axes"), "{twice}");
+        let far = refused(|plane| plane.origin[2] = "1e9".into());
+        assert!(far.contains("--origin is '1e9'"), "{far}");
+        let low = refused(|plane| {
+            (plane.kind, plane.energy) = (PlaneKind::Section, -30.0);
+        });
+        assert!(low.contains("--energy is -30 J"), "{low}");
+    }
+}

@@ -1,0 +1,88 @@
+//! From the results of jobs to the channels of a question.
+
+use rayon::prelude::*;
+
+use super::Samples;
+use crate::engine::{End, JobResult, Keep, Question};
+use crate::physics::transport::{transported, turns_between};
+use crate::physics::{Dd, Outcome, Pendulum, State, Status};
+use crate::question::{Ask, Ending, MOST_CHANNELS};
+
+/// A reader of the answers to one question about one pendulum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reader {
+    ask: Ask,
+    /// The pendulum in reduced units, and its unit of time in s.
+    pendulum: Pendulum<f64>,
+    unit_secs: f64,
+    /// Reduced time at which answers about a moment lie.
+    at: f64,
+}
+
+impl Reader {
+    /// A reader of the answers to `ask` in results of jobs with this question.
+    pub(super) fn new(ask: Ask, question: &Question) -> Self {
+        let (pendulum, unit_secs) = question.reduced();
+        Reader { ask, pendulum, unit_secs, at: question.budget_secs / unit_secs }
+    }
+
+    /// The states that jobs must return.
+    pub(super) fn keep(&self) -> Keep {
+        if self.ask.is_time() { Keep::Nothing } else { Keep::Ends }
+    }
+
+    /// Writes the answers of a job into the samples at `places`.
+    pub(super) fn fill(&self, result: &JobResult, places: &[u32], samples: &mut Samples) {
+        if self.ask.is_time() {
+            for (&place, outcome) in places.iter().zip(&result.outcomes) {
+                samples.set(place as usize, *outcome);
+            }
+            return;
+        }
+        let answers = result.outcomes.par_iter().zip(&result.ends);
+        let answers: Vec<_> = answers.map(|(outcome, end)| self.read(outcome, end)).collect();
+        let channels = self.ask.kind().channels.len();
+        for (&place, (status, values)) in places.iter().zip(answers) {
+            samples.set_values(place as usize, status, &values[..channels]);
+        }
+    }
+
+    /// The status of an answer and its channels.
+    fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
+        let ends_at_a_time = self.ask.kind().at_a_time && outcome.status == Status::Unflipped;
+        let (phase, turns) = if ends_at_a_time {
+            let phase = transported(&self.pendulum, &end.phase, self.at - end.time);
+            let since = turns_between(&phase, &end.phase);
+            (phase, [end.turns[0] - since[0], end.turns[1] - since[1]])
+        } else {
+            (end.phase, end.turns)
+        };
+        let status = if ends_at_a_time { Status::Flipped } else { outcome.status };
+        let Reader { pendulum, unit_secs, .. } = self;
+        let ending = Ending { pendulum, unit_secs: *unit_secs, outcome: *outcome, phase, turns };
+        (status, (self.ask.kind().read)(&ending))
+    }
+
+    /// Gives samples that were known beforehand all channels of the question; `start` returns the
+    /// angles of a sample's start in rad. A bob that passes the top in its first moments begins
+    /// there.
+    pub(super) fn complete(&self, samples: Samples, start: impl Fn(usize) -> [Dd; 2]) -> Samples {
+        if self.ask.is_time() {
+            return samples;
+        }
+        let channels = self.ask.kind().channels.len();
+        let mut all = Samples::unanswered(samples.len(), channels);
+        for (index, outcome) in samples.iter().enumerate() {
+            all.set_trust(index, samples.trust(index));
+            if outcome.status != Status::Flipped {
+                all.set_values(index, outcome.status, &[]);
+                continue;
+            }
+            let phase = self.pendulum.phase(&State::rest(start(index).map(|angle| angle.hi)));
+            let end = End { phase, ..End::NOWHERE };
+            let (status, values) = self.read(&outcome, &end);
+            all.set_values(index, status, &values[..channels]);
+        }
+        all
+    }
+}

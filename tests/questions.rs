@@ -1,0 +1,249 @@
+//! Questions other than the flip, and planes other than the angles at rest, judged by the gold
+//! standard.
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+
+use common::*;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::level::{BALANCED, FAST};
+use flipmap::engine::{Engine, IntegratorConfig};
+use flipmap::physics::oracle::flip_within;
+use flipmap::physics::taylor::Orbit;
+use flipmap::physics::{Dd, Launch, Outcome, Scalar, State, Status};
+use flipmap::question::Ask;
+use flipmap::scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
+use flipmap::tiles::{Renderer, Samples};
+use rayon::prelude::*;
+
+fn scene(ask: Ask, plane: Plane, width: &str, secs: f64) -> Scene {
+    let question = QuestionTable { ask, budget: Budget::secs(secs), ..QuestionTable::default() };
+    let view = View { width: width.to_string(), ..View::default() };
+    Scene { question, plane, view, ..Scene::default() }.checked().unwrap()
+}
+
+fn plane(kind: &str, origin: [&str; 4]) -> Plane {
+    let kind: PlaneKind = kind.parse().unwrap();
+    Plane { kind, origin: origin.map(str::to_string), ..Plane::default() }
+}
+
+fn rendered(
+    scene: &Scene,
+    side: u32,
+    config: IntegratorConfig,
+    engine: Box<dyn Engine>,
+) -> Samples {
+    let mut renderer = Renderer::of(engine, config, false, Some(2)).unwrap();
+    renderer.render(scene, [side; 2]).unwrap()
+}
+
+fn by_cpu(scene: &Scene, side: u32, config: IntegratorConfig) -> Samples {
+    rendered(scene, side, config, Box::new(CpuEngine::new(Some(2)).unwrap()))
+}
+
+/// The start of a pixel with its speeds; none if it is forbidden.
+fn start(scene: &Scene, side: u32, k: u32) -> Option<State<Dd>> {
+    match Grid::new(scene, [side; 2]).fate(k % side, k / side) {
+        Fate::Known(_) => None,
+        Fate::Open(angle) => Some(State::rest(angle)),
+        Fate::Thrown(Launch { angle, speed }) => Some(State { angle, speed }),
+    }
+}
+
+/// The state after `secs`, with unwrapped angles, by the gold standard.
+fn true_state(scene: &Scene, start: State<Dd>, secs: f64) -> State<f64> {
+    let state = Orbit::new(scene.build.pendulum_in::<Dd>(), start).state_at(Dd::new(secs));
+    State { angle: state.angle.map(Dd::to_f64), speed: state.speed.map(Dd::to_f64) }
+}
+
+/// The flip of a thrown pendulum by the gold standard.
+fn true_flip(scene: &Scene, start: State<Dd>) -> Outcome {
+    let (rule, budget) = (scene.question.watched(), scene.question.budget.secs);
+    let mut orbit = Orbit::new(scene.build.pendulum_in::<Dd>(), start);
+    while orbit.time().hi <= budget {
+        let step = orbit.step();
+        if let Some(tau) = flip_within(&step, rule) {
+            let secs = (step.start + tau).hi;
+            let fits = secs <= budget;
+            return if fits {
+                Outcome::flipped(secs)
+            } else {
+                Outcome::without_time(Status::Unflipped)
+            };
+        }
+    }
+    Outcome::without_time(Status::Unflipped)
+}
+
+/// Difference of two angles on the circle, rad.
+fn apart(a: f64, b: f64) -> f64 {
+    let by = (a - b).abs() % TAU;
+    by.min(TAU - by)
+}
+
+/// Share of a scene's pixels whose state is right within `most` rad, with right turns and speeds
+/// within ten times that.
+fn share_of_right_states(scene: &Scene, side: u32, samples: &Samples, most: f64) -> f64 {
+    let is_right = |k: u32| {
+        let truth = true_state(scene, start(scene, side, k)?, scene.question.end_secs());
+        let values = samples.values(k as usize);
+        let turns = truth.angle.map(|angle| ((angle - PI) / TAU).ceil());
+        // At ±π itself a turn may be counted to either side.
+        let whole = |bob: usize| values[bob] + TAU * values[4 + bob] - truth.angle[bob];
+        let near = |bob: usize| {
+            apart(values[bob], truth.angle[bob]) < most
+                && (values[2 + bob] - truth.speed[bob]).abs() < 10.0 * most
+                && whole(bob).abs() < 2.0 * most
+                && (values[4 + bob] == turns[bob] || values[bob].abs() > PI - most)
+        };
+        Some((0..2).all(near))
+    };
+    let right: Vec<bool> = (0..side * side).into_par_iter().filter_map(is_right).collect();
+    assert!(right.len() as u32 > side * side / 2);
+    right.iter().filter(|right| **right).count() as f64 / right.len() as f64
+}
+
+#[test]
+fn states_after_12_s_are_the_gold_standards() {
+    let scene = scene(Ask::State, Plane::default(), "6.283185307179586", 12.0);
+    let samples = by_cpu(&scene, 24, BALANCED);
+    assert_eq!(samples.channels(), 6);
+    let share = share_of_right_states(&scene, 24, &samples, 1e-3);
+    assert!(share >= 0.99, "{share}");
+    let fast = share_of_right_states(&scene, 24, &by_cpu(&scene, 24, FAST), 1e-3);
+    assert!(fast < share, "the test can fail: {fast}");
+}
+
+#[test]
+fn a_state_lies_at_its_time_and_not_at_the_end_of_the_budget() {
+    let mut scene = scene(Ask::State, plane("speeds", ["0.4", "-2", "0", "0"]), "14", 30.0);
+    scene.question.at = Some(2.5);
+    let samples = by_cpu(&scene, 12, BALANCED);
+    assert_eq!(share_of_right_states(&scene, 12, &samples, 1e-7), 1.0);
+    let mut later = scene.clone();
+    later.question.at = Some(2.6);
+    assert!(share_of_right_states(&later, 12, &samples, 1e-7) < 0.1, "the test can fail");
+}
+
+#[test]
+fn normal_modes_swing_as_they_must() {
+    // ω² = (g/l)(2 ± √2), with θ2 = ∓√2 θ1; errors of the linear theory are of third order.
+    for sign in [-1.0, 1.0] {
+        let amplitude = 1e-4;
+        let mut scene = scene(Ask::State, Plane::default(), "1e-12", 3.0);
+        let theta2 = -sign * 2f64.sqrt() * amplitude;
+        scene.view.center = [amplitude.to_string(), theta2.to_string()];
+        let samples = by_cpu(&scene, 1, BALANCED);
+        let omega = (9.81 * (2.0 + sign * 2f64.sqrt())).sqrt();
+        let expected = (omega * 3.0).cos();
+        let values = samples.values(0);
+        assert!((values[0] - amplitude * expected).abs() < 1e-9, "{values:?}");
+        assert!((values[1] - theta2 * expected).abs() < 1e-9, "{values:?}");
+    }
+}
+
+/// Share of a scene's open pixels whose flip is right within 1 ms.
+fn share_of_right_flips(scene: &Scene, side: u32, samples: &Samples) -> f64 {
+    let is_right = |k: u32| {
+        let (truth, found) = (true_flip(scene, start(scene, side, k)?), samples.get(k as usize));
+        Some(truth.status == found.status && (truth.time - found.time).abs() < 1e-3)
+    };
+    let right: Vec<bool> = (0..side * side).into_par_iter().filter_map(is_right).collect();
+    assert!(right.len() as u32 > side * side / 4, "{}", right.len());
+    right.iter().filter(|right| **right).count() as f64 / right.len() as f64
+}
+
+#[test]
+fn flips_on_every_plane_are_the_gold_standards() {
+    let planes = [
+        (plane("speeds", ["0", "0", "0", "0"]), "24"),
+        (plane("first", ["0", "1.5", "0", "-3"]), "9"),
+        (plane("second", ["-2", "0", "4", "0"]), "9"),
+        (plane("theta1,omega2", ["0", "0.5", "-1", "0"]), "9"),
+        (plane("angles", ["0", "0", "3", "-5"]), "6.28"),
+        (Plane { kind: PlaneKind::Section, energy: 5.0, ..Plane::default() }, "8"),
+    ];
+    for (plane, width) in planes {
+        let scene = scene(Ask::Flip, plane, width, 8.0);
+        let share = share_of_right_flips(&scene, 14, &by_cpu(&scene, 14, BALANCED));
+        assert!(share >= 0.99, "{:?}: {share}", scene.plane);
+    }
+}
+
+#[test]
+fn checked_pixels_of_other_questions_and_planes_are_sure_or_marked() {
+    let mut swung = scene(Ask::Flip, plane("speeds", ["0", "0", "0", "0"]), "24", 20.0);
+    swung.view.center = ["1".into(), "2".into()];
+    let state = scene(Ask::State, Plane::default(), "6.283185307179586", 20.0);
+    for scene in [swung, state] {
+        let engine = Box::new(CpuEngine::new(Some(2)).unwrap());
+        let mut renderer = Renderer::of(engine, BALANCED, true, Some(2)).unwrap();
+        let samples = renderer.render(&scene, [12; 2]).unwrap();
+        let counts = renderer.counts();
+        assert!(counts.uncertain() < 8, "{}", counts.uncertain());
+        for k in 0..144 {
+            let Some(start) = start(&scene, 12, k) else { continue };
+            if samples.trust(k as usize) == flipmap::engine::Trust::Uncertain {
+                continue;
+            }
+            if scene.question.ask == Ask::State {
+                let truth = true_state(&scene, start, 20.0);
+                let values = samples.values(k as usize);
+                let off =
+                    (0..2).map(|bob| apart(values[bob], truth.angle[bob])).fold(0.0, f64::max);
+                assert!(off < 1e-3, "{k}: {off:e}");
+            } else {
+                let (truth, found) = (true_flip(&scene, start), samples.get(k as usize));
+                assert_eq!(truth.status, found.status, "{k}");
+                assert!((truth.time - found.time).abs() < 1e-3, "{k}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_bob_that_goes_first_is_the_one_whose_own_flip_comes_first() {
+    let scene = scene(Ask::First, Plane::default(), "6.283185307179586", 10.0);
+    let samples = by_cpu(&scene, 30, BALANCED);
+    let flips = |rule| {
+        let question = QuestionTable { ask: Ask::Flip, rule, ..scene.question };
+        by_cpu(&Scene { question, ..scene.clone() }, 30, BALANCED)
+    };
+    let [first, second] =
+        [flipmap::physics::Rule::First, flipmap::physics::Rule::Second].map(flips);
+    let secs = |samples: &Samples, k| match samples.get(k) {
+        Outcome { status: Status::Flipped, time } => time,
+        _ => f64::INFINITY,
+    };
+    let mut seen = [0; 2];
+    for k in (0..900).filter(|k| samples.get(*k).status == Status::Flipped) {
+        let [bob, time] = [samples.values(k)[0], samples.values(k)[1]];
+        let [one, two] = [secs(&first, k), secs(&second, k)];
+        assert_eq!(bob, if one < two { 1.0 } else { 2.0 }, "{k}: {one} {two}");
+        assert!((time - one.min(two)).abs() < 1e-3, "{k}");
+        seen[bob as usize - 1] += 1;
+    }
+    assert!(seen.iter().all(|count| *count > 20), "{seen:?}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn the_card_answers_as_the_processor_does() {
+    let state = scene(Ask::State, Plane::default(), "6.283185307179586", 4.0);
+    let swung = scene(Ask::State, plane("speeds", ["1", "-1", "0", "0"]), "12", 4.0);
+    for scene in [state, swung] {
+        for config in [BALANCED, FAST, lesson(flipmap::engine::Precision::F64)] {
+            let samples = rendered(&scene, 12, config, Box::new(gpu_engine()));
+            let share = share_of_right_states(&scene, 12, &samples, 1e-2);
+            assert!(share > 0.95, "{config:?}: {share}");
+        }
+    }
+    let flips = scene_of_flips();
+    let samples = rendered(&flips, 14, BALANCED, Box::new(gpu_engine()));
+    assert!(share_of_right_flips(&flips, 14, &samples) >= 0.99);
+}
+
+fn scene_of_flips() -> Scene {
+    scene(Ask::Flip, plane("second", ["-2", "0", "4", "0"]), "9", 8.0)
+}
