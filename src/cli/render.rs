@@ -8,9 +8,9 @@ use clap::Args;
 use flipmap::engine::choice::{Chosen, IntegrationSetting};
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
-use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
+use flipmap::engine::{Accuracy, Cells, Engine, EngineKind, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
-use flipmap::question::Ask;
+use flipmap::question::Needs;
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{self, Counts, Renderer};
 
@@ -59,6 +59,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     paths.check()?;
     stop::listen()?;
     let mut request = options.run.engine.request(spec.setting);
+    if document.question.ask.kind().needs == Needs::Growth {
+        request.kind = Some(EngineKind::Cpu);
+    }
     if let Some(continued) = &continued {
         request = continued.prefer_engine(request);
     }
@@ -182,7 +185,7 @@ fn check_numbers(
     check_steps(scene, config)?;
     let grid = Grid::new(scene, size);
     let pixel = grid.pixel_rad();
-    let (cells, why) = if grid.has_cells() && scene.question.ask != Ask::State {
+    let (cells, why) = if grid.has_cells() && scene.question.ask.kind().follows_cells {
         (cells, "--cells is never")
     } else {
         (Cells::Never, "--width is too small for this plane or question")
@@ -215,6 +218,7 @@ fn check_outputs(options: &Options, document: &Document, spec: &RunSpec) -> Resu
     let state = options.state.as_deref();
     options.outputs.check(options.json, spec.verify, state)?;
     check_state(options, document, spec)?;
+    check_growth(options, document, spec)?;
     check_picture(document, spec.size())
 }
 
@@ -232,6 +236,20 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
         return Ok(());
     };
     Err(Exit::Usage(format!("--state cannot be used here, because {why}")))
+}
+
+/// Rejects settings that the growth of nudges does not have.
+fn check_growth(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
+    let why = if document.question.ask.kind().needs != Needs::Growth {
+        return Ok(());
+    } else if spec.verify {
+        "it is not checked: omit --verify and --accuracy exact"
+    } else if options.run.engine.request(spec.setting).kind == Some(EngineKind::Gpu) {
+        "the processor computes it: omit --engine gpu"
+    } else {
+        return Ok(());
+    };
+    Err(Exit::Usage(format!("--ask growth cannot be answered like this: {why}")))
 }
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {

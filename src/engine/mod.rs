@@ -219,6 +219,8 @@ pub enum Keep {
     Unfinished,
     /// The end of each pendulum, so that answers can be compared.
     Ends,
+    /// The end of each pendulum with its growth, for which its tangents are carried along.
+    Growth,
 }
 
 /// The state in which a pendulum's integration ended: at its flip, or at the end of the budget;
@@ -238,12 +240,21 @@ pub struct End {
     /// Whole turns of each bob since the release, anticlockwise ones positive; only counted where
     /// no bob is watched.
     pub turns: [i32; 2],
+    /// Natural logarithm of the growth of the largest of all nudges (see
+    /// [`crate::physics::tangents`]); 0 unless [`Keep::Growth`] asked for it.
+    pub log_growth: f64,
 }
 
 impl End {
     /// The end of a pendulum that has not moved.
-    pub const NOWHERE: End =
-        End { time: 0.0, phase: [0.0; 6], clearance: crossing::FAR, grown: 1.0, turns: [0; 2] };
+    pub const NOWHERE: End = End {
+        time: 0.0,
+        phase: [0.0; 6],
+        clearance: crossing::FAR,
+        grown: 1.0,
+        turns: [0; 2],
+        log_growth: 0.0,
+    };
 }
 
 impl Job {

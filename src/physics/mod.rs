@@ -38,6 +38,7 @@ pub mod reference;
 pub mod separation;
 pub mod series;
 pub mod simple;
+pub mod tangents;
 pub mod taylor;
 pub mod transport;
 pub mod trig;

@@ -1,7 +1,7 @@
 //! `first`: the bob that first goes over the top, and when.
 
 use super::flip::TIME;
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, QuestionKind, Watches};
+use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
 use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
@@ -17,6 +17,9 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     watches: Watches::Always(Rule::Either),
     at_a_time: false,
     is_even: true,
+    painted: Painted::First,
+    follows_cells: true,
+    needs: Needs::End,
     read,
 };
 
@@ -37,8 +40,15 @@ mod tests {
         let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
         let bob = |phase| {
             let outcome = Outcome::flipped(2.5);
-            let ending =
-                Ending { pendulum: &pendulum, unit_secs: 1.0, outcome, phase, turns: [0; 2] };
+            let ending = Ending {
+                pendulum: &pendulum,
+                unit_secs: 1.0,
+                outcome,
+                phase,
+                secs: 2.5,
+                turns: [0; 2],
+                log_growth: 0.0,
+            };
             let [bob, secs, ..] = read(&ending);
             (bob, secs)
         };

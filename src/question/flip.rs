@@ -1,6 +1,6 @@
 //! `flip`: the moment at which a watched bob first goes over the top.
 
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, QuestionKind, Watches};
+use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "flip",
@@ -12,6 +12,9 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     watches: Watches::TheRule,
     at_a_time: false,
     is_even: true,
+    painted: Painted::First,
+    follows_cells: true,
+    needs: Needs::Outcome,
     read,
 };
 

@@ -9,6 +9,7 @@
 
 mod first;
 mod flip;
+mod growth;
 mod state;
 
 use std::fmt;
@@ -30,6 +31,8 @@ pub enum Ask {
     First,
     /// The state at a given time.
     State,
+    /// The finite-time Lyapunov exponent over the budget.
+    Growth,
 }
 
 /// All that a question decides.
@@ -50,6 +53,12 @@ pub struct QuestionKind {
     pub at_a_time: bool,
     /// True if mirror images, with all angles and speeds negated, have equal answers.
     pub is_even: bool,
+    /// Channels that its colours show.
+    pub painted: Painted,
+    /// True if deep views are answered, by following cells of starts.
+    pub follows_cells: bool,
+    /// All that an engine has to return.
+    pub needs: Needs,
     /// Returns the values of the channels.
     pub read: fn(&Ending) -> [f64; MOST_CHANNELS],
 }
@@ -61,6 +70,26 @@ pub enum Watches {
     TheRule,
     /// The same ones in every scene.
     Always(Rule),
+}
+
+/// Channels that the colours of a question show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Painted {
+    /// The first channel.
+    First,
+    /// The first two channels, both angles.
+    TwoAngles,
+}
+
+/// Results of an integration that a question reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// The outcome alone.
+    Outcome,
+    /// The state at the end, too.
+    End,
+    /// The growth of nudges, too, which only the processor computes.
+    Growth,
 }
 
 /// Largest number of channels of any question.
@@ -88,6 +117,8 @@ pub enum ChannelScale {
     Cyclic,
     /// Values from the first to the second.
     Between(f64, f64),
+    /// Rates, from 0 to this many per natural unit of time of the pendulum.
+    Rates(f64),
 }
 
 /// The outcome and the end of an integration, as a question reads them.
@@ -101,13 +132,17 @@ pub struct Ending<'a> {
     pub outcome: Outcome,
     /// State at the event, or else at the end of the budget; reduced units.
     pub phase: Phase<f64>,
+    /// Simulated seconds until then.
+    pub secs: f64,
     /// Whole turns of each bob until then, anticlockwise ones positive.
     pub turns: [i32; 2],
+    /// Natural logarithm of the growth of the largest of all nudges until then.
+    pub log_growth: f64,
 }
 
 impl Ask {
     /// Every question.
-    pub const ALL: [Ask; 3] = [Ask::Flip, Ask::First, Ask::State];
+    pub const ALL: [Ask; 4] = [Ask::Flip, Ask::First, Ask::State, Ask::Growth];
 
     /// All that the question decides.
     pub fn kind(self) -> &'static QuestionKind {
@@ -115,6 +150,7 @@ impl Ask {
             Ask::Flip => &flip::QUESTION,
             Ask::First => &first::QUESTION,
             Ask::State => &state::QUESTION,
+            Ask::Growth => &growth::QUESTION,
         }
     }
 
@@ -131,13 +167,13 @@ impl Ask {
         self.kind().channels.iter().position(|channel| channel.name == name)
     }
 
-    /// Returns true if the answer is the time alone, which needs no end of the integration.
+    /// Returns true if the answer is the outcome alone, with the time of a flip.
     pub fn is_time(self) -> bool {
-        matches!(self.kind().channels, [Channel { scale: ChannelScale::Times, .. }])
+        self.kind().needs == Needs::Outcome
     }
 
     /// A phrase with the names of all questions.
-    pub const NAMES: &str = "the questions are flip, first and state";
+    pub const NAMES: &str = "the questions are flip, first, state and growth";
 }
 
 impl fmt::Display for Ask {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, QuestionKind, Watches};
+use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
 use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
@@ -22,6 +22,9 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     watches: Watches::Always(Rule::Neither),
     at_a_time: true,
     is_even: false,
+    painted: Painted::TwoAngles,
+    follows_cells: false,
+    needs: Needs::End,
     read,
 };
 

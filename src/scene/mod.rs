@@ -174,7 +174,7 @@ impl QuestionTable {
             return refuse(
                 "--at",
                 at.to_string(),
-                "only the question state is about a moment: add --ask state",
+                "only the questions state and growth last until a given time",
             );
         }
         if !(at > 0.0 && at <= self.budget.secs) {

@@ -146,7 +146,7 @@ impl<T> InFlightJobs<T> {
         // A pendulum that begins where its cell's flow patch ends has no state to resume.
         let keep = if let Starts::Deep(_) = starts { Keep::Nothing } else { keep };
         let reader = Reader::new(ask, &question);
-        let keep = if reader.keep() == Keep::Ends { Keep::Ends } else { keep };
+        let keep = if ask.is_time() { keep } else { reader.keep() };
         let id = self.next_id;
         self.next_id += 1;
         engine.submit(Job { id, question, config, starts, keep })?;

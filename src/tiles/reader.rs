@@ -6,7 +6,7 @@ use super::Samples;
 use crate::engine::{End, JobResult, Keep, Question};
 use crate::physics::transport::{transported, turns_between};
 use crate::physics::{Dd, Outcome, Pendulum, State, Status};
-use crate::question::{Ask, Ending, MOST_CHANNELS};
+use crate::question::{Ask, Ending, MOST_CHANNELS, Needs};
 
 /// A reader of the answers to one question about one pendulum.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,11 @@ impl Reader {
 
     /// The states that jobs must return.
     pub(super) fn keep(&self) -> Keep {
-        if self.ask.is_time() { Keep::Nothing } else { Keep::Ends }
+        match self.ask.kind().needs {
+            Needs::Outcome => Keep::Nothing,
+            Needs::End => Keep::Ends,
+            Needs::Growth => Keep::Growth,
+        }
     }
 
     /// Writes the answers of a job into the samples at `places`.
@@ -59,7 +63,16 @@ impl Reader {
         };
         let status = if ends_at_a_time { Status::Flipped } else { outcome.status };
         let Reader { pendulum, unit_secs, .. } = self;
-        let ending = Ending { pendulum, unit_secs: *unit_secs, outcome: *outcome, phase, turns };
+        let secs = if ends_at_a_time { self.at } else { end.time } * unit_secs;
+        let ending = Ending {
+            pendulum,
+            unit_secs: *unit_secs,
+            outcome: *outcome,
+            phase,
+            secs,
+            turns,
+            log_growth: end.log_growth,
+        };
         (status, (self.ask.kind().read)(&ending))
     }
 

@@ -44,6 +44,8 @@ pub(super) struct Chunk<'a> {
     pub pace: Pace,
     /// States in which the pendulums begin, in reduced units.
     pub starts: &'a [IntegratorState],
+    /// True if tangents are carried along.
+    pub growth: bool,
     /// Flag that is set when the answer is no longer needed.
     pub cancelled: &'a AtomicBool,
 }

@@ -11,6 +11,7 @@ mod lane_scheduler;
 mod lanes;
 mod number;
 mod pair;
+mod tangents;
 mod taylor;
 mod turns;
 
@@ -32,7 +33,7 @@ use self::pair::{Midpoints, OnCubic, OnQuartic};
 use super::method::{Adaptive, Pace, Steps};
 use super::{
     End, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,
-    Precision, Wait, start,
+    Precision, Starts, Wait, start,
 };
 use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
@@ -96,6 +97,18 @@ impl CpuEngine {
         Err(EngineError::Unsupported(why))
     }
 
+    /// Returns an error if the growth along a job's pendulums cannot be computed.
+    fn require_tangents(job: &Job) -> Result<(), EngineError> {
+        let why = match (job.config.method, job.config.precision, &job.starts) {
+            (Method::Taylor { .. } | Method::Extrapolation { .. }, ..) | (_, Precision::Dd, _) => {
+                "growth is computed by --method rk4, dopri5 or dop853 in f32 or f64"
+            }
+            (_, _, Starts::Rest(_) | Starts::Thrown(_)) => return Ok(()),
+            _ => "growth is computed from the release only",
+        };
+        Err(EngineError::Unsupported(why.to_string()))
+    }
+
     fn take(&mut self, landed: FinishedChunk) -> Option<JobResult> {
         let flying = self.flying.get_mut(&landed.job)?;
         let FinishedChunk { first, answer, job } = landed;
@@ -106,7 +119,7 @@ impl CpuEngine {
                 let kept = (0..count).filter(|&i| answer.outcomes[i].status == Status::Unflipped);
                 flying.finished.unfinished.extend(kept.map(|i| (first + i, answer.states[i])));
             }
-            Keep::Ends => {
+            Keep::Ends | Keep::Growth => {
                 let ends = &mut flying.finished.ends;
                 ends.resize(flying.finished.outcomes.len(), End::NOWHERE);
                 ends[first..first + count].copy_from_slice(&answer.ends);
@@ -127,6 +140,9 @@ impl CpuEngine {
 impl Engine for CpuEngine {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
         Self::require(&job.config)?;
+        if job.keep == Keep::Growth {
+            Self::require_tangents(&job)?;
+        }
         let pace = job.pace()?;
         let starts = start::states(&job)?;
         let count = starts.len();
@@ -156,6 +172,7 @@ impl Engine for CpuEngine {
                     config,
                     pace,
                     starts: &starts,
+                    growth: job.keep == Keep::Growth,
                     cancelled: &cancelled,
                 };
                 let flown = Arch::new().dispatch(ChunkInFlight { chunk: &chunk });
@@ -250,6 +267,9 @@ impl WithSimd for ChunkInFlight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
+        if self.chunk.growth {
+            return self.growth(set);
+        }
         match self.chunk.pace {
             Pace::Fixed(steps) => self.fixed(set, steps),
             Pace::Adaptive(pace) => self.adaptive(set, pace),
@@ -274,6 +294,18 @@ impl ChunkInFlight<'_> {
         match config.precision {
             Precision::F32 => lanes!(F32Lanes),
             _ => lanes!(F64Lanes),
+        }
+    }
+
+    #[inline(always)]
+    fn growth<S: Simd>(self, set: S) -> Option<ChunkResult> {
+        match (self.chunk.config.method, self.chunk.config.precision) {
+            (Method::Dopri5 { .. }, Precision::F32) => {
+                tangents::run::<F32Lanes<S>, Dopri5>(set, self.chunk)
+            }
+            (Method::Dopri5 { .. }, _) => tangents::run::<F64Lanes<S>, Dopri5>(set, self.chunk),
+            (_, Precision::F32) => tangents::run::<F32Lanes<S>, Dop853>(set, self.chunk),
+            _ => tangents::run::<F64Lanes<S>, Dop853>(set, self.chunk),
         }
     }
 

@@ -20,7 +20,7 @@ use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{FinishedSlice, Slot, SlotEvent};
 use super::selfcheck::{self, Check, Verdict};
-use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait, start};
+use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Starts, Wait, start};
 use crate::physics::Rule;
 
 /// Largest number of jobs on the device at a time.
@@ -105,6 +105,10 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
+        if job.keep == Keep::Growth {
+            let why = "growth is computed on the processor: use --engine cpu";
+            return Err(EngineError::Unsupported(why.to_string()));
+        }
         let general =
             Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
         // The general kernel counts no turns.

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::{FAILED, FORBIDDEN, Palette, Rgb, Tones, UNFLIPPED};
 use crate::physics::Status;
-use crate::question::{Ask, ChannelScale};
+use crate::question::{ChannelScale, Painted};
 use crate::scene::{PictureTable, Scene, SceneError};
 
 /// A map from answers to colours.
@@ -33,7 +33,7 @@ impl AnswerColours {
         let ask = scene.question.ask;
         let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget.secs)?;
         let chosen = picture.channel_of(ask)?;
-        if chosen.is_none() && ask == Ask::State {
+        if chosen.is_none() && ask.kind().painted == Painted::TwoAngles {
             return Ok(AnswerColours { way: Way::Torus });
         }
         let channel = chosen.unwrap_or(0);
@@ -43,6 +43,12 @@ impl AnswerColours {
                 let is_default = picture.palette == Palette::DEFAULT;
                 let name = if is_default { Palette::CYCLIC } else { &picture.palette };
                 Way::Angle(channel, Palette::named(name)?)
+            }
+            ChannelScale::Rates(most) => {
+                let is_default = picture.palette == Palette::DEFAULT;
+                let name = if is_default { Palette::DARK_TO_BRIGHT } else { &picture.palette };
+                let most = most / scene.build.unit_secs();
+                Way::Between(channel, [0.0, most], Palette::named(name)?)
             }
             ChannelScale::Between(from, to) => {
                 Way::Between(channel, [from, to], Palette::named(&picture.palette)?)
@@ -102,6 +108,7 @@ fn from_oklab([lightness, a, b]: [f64; 3]) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::question::Ask;
     use crate::scene::QuestionTable;
 
     fn colours(ask: Ask, channel: Option<&str>) -> Result<AnswerColours, SceneError> {

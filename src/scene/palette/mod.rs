@@ -40,6 +40,9 @@ impl Palette {
     /// Name of a palette whose end is its beginning.
     pub const CYCLIC: &str = "romao";
 
+    /// Name of a palette from dark to bright.
+    pub const DARK_TO_BRIGHT: &str = "magma";
+
     /// The palette called `name`.
     pub fn named(name: &str) -> Result<Self, SceneError> {
         let found = FILES.iter().find(|(known, _)| *known == name);

@@ -26,7 +26,7 @@ impl Slot {
                 let left = states.filter(|(i, _)| outcomes[*i].status == Status::Unflipped);
                 finished.unfinished = left.collect();
             }
-            Keep::Ends => finished.ends = self.ends(&raw, &self.read_states(&raw)?),
+            Keep::Ends | Keep::Growth => finished.ends = self.ends(&raw, &self.read_states(&raw)?),
         }
         self.buffers.answer.unmap();
         Some(JobResult { outcomes, ..finished })

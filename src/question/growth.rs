@@ -1,0 +1,29 @@
+//! `growth`: the finite-time Lyapunov exponent over the budget.
+
+use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
+use crate::physics::Rule;
+
+pub(super) const QUESTION: QuestionKind = QuestionKind {
+    name: "growth",
+    about: "Each pixel is a pendulum, coloured by how fast the largest of all nudges to its start \
+            grows over the budget. Islands of regular motion are dark and chaos is bright.",
+    channels: &[Channel {
+        name: "exponent",
+        unit: "1/s",
+        right: 1e-2,
+        scale: ChannelScale::Rates(0.5),
+    }],
+    counted: ["answered", "unanswered"],
+    channel_names: "the question growth has exponent",
+    watches: Watches::Always(Rule::Neither),
+    at_a_time: true,
+    is_even: true,
+    painted: Painted::First,
+    follows_cells: false,
+    needs: Needs::Growth,
+    read,
+};
+
+fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+    [ending.log_growth / ending.secs, 0.0, 0.0, 0.0, 0.0, 0.0]
+}
