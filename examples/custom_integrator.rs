@@ -40,7 +40,8 @@ impl EmbeddedPair for BogackiShampine {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let question = Question { build: Build::default(), rule: Rule::Second, budget_secs: 4.0 };
+    let question =
+        Question { build: Build::default(), rule: Rule::Second, budget_secs: 4.0, passes: 1 };
     let start = |k: u32| [1.6 + 0.02 * f64::from(k % 8), 2.2 + 0.1 * f64::from(k / 8)];
     let starts: Vec<[Dd; 2]> = (0..64).map(|k| start(k).map(Dd::new)).collect();
     let own = outcomes::<BogackiShampine>(&question, 1e-9, &starts)?;

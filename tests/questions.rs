@@ -8,10 +8,10 @@ use std::f64::consts::{PI, TAU};
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::{Engine, IntegratorConfig};
-use flipmap::physics::oracle::flip_within;
+use flipmap::engine::{Engine, IntegratorConfig, Method, Precision};
+use flipmap::physics::oracle::{flip_within, passages};
 use flipmap::physics::taylor::Orbit;
-use flipmap::physics::{Dd, Launch, Outcome, Scalar, State, Status};
+use flipmap::physics::{Angle, Dd, Launch, Outcome, Pendulum, Scalar, State, Status};
 use flipmap::question::Ask;
 use flipmap::scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
 use flipmap::tiles::{Renderer, Samples};
@@ -233,7 +233,7 @@ fn the_card_answers_as_the_processor_does() {
     let state = scene(Ask::State, Plane::default(), "6.283185307179586", 4.0);
     let swung = scene(Ask::State, plane("speeds", ["1", "-1", "0", "0"]), "12", 4.0);
     for scene in [state, swung] {
-        for config in [BALANCED, FAST, lesson(flipmap::engine::Precision::F64)] {
+        for config in [BALANCED, FAST, lesson(Precision::F64)] {
             let samples = rendered(&scene, 12, config, Box::new(gpu_engine()));
             let share = share_of_right_states(&scene, 12, &samples, 1e-2);
             assert!(share > 0.95, "{config:?}: {share}");
@@ -246,4 +246,193 @@ fn the_card_answers_as_the_processor_does() {
 
 fn scene_of_flips() -> Scene {
     scene(Ask::Flip, plane("second", ["-2", "0", "4", "0"]), "9", 8.0)
+}
+
+/// The growth of the largest of all nudges by the gold standard: central differences of orbits in
+/// double-double.
+fn true_exponent(scene: &Scene, start: State<Dd>, secs: f64) -> f64 {
+    const NUDGE: f64 = 1e-11;
+    let unit = scene.build.unit_secs();
+    let column = |k: usize| {
+        let ends = [-NUDGE, NUDGE].map(|by| {
+            let mut moved = start;
+            if k < 2 {
+                moved.angle[k] = moved.angle[k] + Dd::new(by);
+            } else {
+                moved.speed[k - 2] = moved.speed[k - 2] + Dd::new(by / unit);
+            }
+            Orbit::new(scene.build.pendulum_in::<Dd>(), moved).state_at(Dd::new(secs))
+        });
+        let angle = |i: usize| (ends[1].angle[i] - ends[0].angle[i]).hi / (2.0 * NUDGE);
+        let speed = |i: usize| (ends[1].speed[i] - ends[0].speed[i]).hi * unit / (2.0 * NUDGE);
+        [angle(0), angle(1), speed(0), speed(1)]
+    };
+    let columns = [0, 1, 2, 3].map(column);
+    // The largest singular value by power iteration on the map after its transpose.
+    let mut nudge = [1.0, 0.7, -0.4, 0.2];
+    let mut growth = 0.0;
+    for _ in 0..200 {
+        let moved: [f64; 4] =
+            std::array::from_fn(|i| (0..4).map(|k| columns[k][i] * nudge[k]).sum());
+        growth = moved.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let back: [f64; 4] =
+            std::array::from_fn(|k| (0..4).map(|i| columns[k][i] * moved[i]).sum());
+        let length = back.iter().map(|x| x * x).sum::<f64>().sqrt();
+        nudge = back.map(|x| x / length);
+    }
+    growth.ln() / secs
+}
+
+#[test]
+fn growth_is_the_gold_standards_by_every_method() {
+    let scene = scene(Ask::Growth, plane("speeds", ["2", "-1", "0", "0"]), "8", 8.0);
+    let truth: Vec<f64> = (0..81u32)
+        .into_par_iter()
+        .map(|k| true_exponent(&scene, start(&scene, 9, k).unwrap(), 8.0))
+        .collect();
+    let share_within = |config: IntegratorConfig, most: f64| {
+        let samples = by_cpu(&scene, 9, config);
+        let right = truth
+            .iter()
+            .enumerate()
+            .filter(|(k, truth)| (samples.values(*k)[0] - **truth).abs() < most * truth.abs());
+        right.count() as f64 / 81.0
+    };
+    assert!(share_within(BALANCED, 0.01) >= 0.99);
+    let fast = share_within(FAST, 0.01);
+    assert!(fast >= 0.9, "f32: {fast}");
+    assert!(share_within(lesson(Precision::F64), 0.01) >= 0.95);
+    assert!(share_within(BALANCED, 1e-14) < 0.5, "the test can fail");
+}
+
+/// A step of the Poincaré map: from a start on the section θ1 = 0 to the next passage of θ1 = 0 with
+/// dθ1/dt > 0, as its duration in units of time with θ2, and p2 there.
+fn returned(pendulum: &Pendulum<Dd>, start: State<Dd>) -> [Dd; 3] {
+    let mut orbit = Orbit::new(*pendulum, start);
+    let mut left = false;
+    loop {
+        let step = orbit.step();
+        let [from, to] = [Dd::new(0.0), step.end() - step.start].map(|tau| step.state(tau));
+        left |= to.angle[0].abs().hi > 1e-3;
+        if !(left && from.angle[0].hi < 0.0 && to.angle[0].hi >= 0.0) {
+            continue;
+        }
+        // Newton's method, which the direction of the passage makes converge.
+        let mut tau = step.end() - step.start;
+        for _ in 0..60 {
+            let state = step.state(tau);
+            tau = tau - state.angle[0] / state.speed[0];
+        }
+        let State { angle, speed } = step.state(tau);
+        let cos = (angle[0] - angle[1]).sin_cos().1;
+        let p2 = pendulum.b * speed[1] + pendulum.c * cos * speed[0];
+        return [step.start + tau, angle[1], p2];
+    }
+}
+
+#[test]
+fn periodic_orbits_of_a_computer_assisted_proof_are_found_on_the_section() {
+    // ChaseHendrick/double-pendulum (2026, not peer reviewed), with m = l = g = 1 and the energy
+    // less by 0: H = -2 cos θ1 - cos θ2 + kinetic.
+    let orbits = [
+        (-0.5, "-1.2448609709185", [3.7047745436, 3.7047745487], [-3.23158, -3.23150]),
+        (0.0, "-1.46237309248", [2.9534890074, 2.9534890134], [-3.80869, -3.80863]),
+        (0.5, "-1.627044959203", [2.5643622220, 2.5643622277], [-3.33283, -3.33277]),
+    ];
+    let build = flipmap::scene::Build::new(flipmap::scene::Kind::Points, [1.0; 2], [1.0; 2], 1.0);
+    let pendulum = build.pendulum_in::<Dd>();
+    for (energy, p2, time, trace) in orbits {
+        let section = Plane { kind: PlaneKind::Section, energy, ..Plane::default() };
+        let p2 = Dd::parse(p2).unwrap();
+        let from = |theta2: f64, by: f64| {
+            let launch = section.launch(&pendulum, [Dd::new(theta2), p2 + Dd::new(by)]).unwrap();
+            returned(&pendulum, State { angle: launch.angle, speed: launch.speed })
+        };
+        let [secs, theta2, after] = from(0.0, 0.0);
+        assert!(time[0] - 1e-10 < secs.hi && secs.hi < time[1] + 1e-10, "{energy}: {secs}");
+        assert!((theta2 + Dd::TAU).abs().hi < 1e-9 && (after - p2).abs().hi < 1e-9, "{energy}");
+        let by = 1e-8;
+        let [ahead, behind] = [from(by, 0.0), from(-by, 0.0)];
+        let [above, below] = [from(0.0, by), from(0.0, -by)];
+        let found = ((ahead[1] - behind[1]) + (above[2] - below[2])).hi / (2.0 * by);
+        assert!(trace[0] - 1e-5 < found && found < trace[1] + 1e-5, "{energy}: {found}");
+        let multiplier = (found.abs() + (found * found - 4.0).sqrt()) / 2.0;
+        println!("{energy}: {secs} s, trace {found}, exponent {}", multiplier.ln() / secs.hi);
+    }
+}
+
+/// All passes of the top by both bobs up to the end of the budget by the gold standard, in order: the
+/// time in s, the bob, and true if it is anticlockwise.
+fn true_passes(scene: &Scene, start: State<Dd>) -> Vec<(f64, usize, bool)> {
+    let budget = scene.question.end_secs();
+    let mut orbit = Orbit::new(scene.build.pendulum_in::<Dd>(), start);
+    let mut passes = Vec::new();
+    while orbit.time().hi <= budget {
+        let step = orbit.step();
+        for bob in 0..2 {
+            for tau in passages(&step.angle[bob], step.length) {
+                let speed = step.state(tau).speed[bob];
+                passes.push(((step.start + tau).hi, bob, speed.hi > 0.0));
+            }
+        }
+    }
+    passes.retain(|(secs, ..)| *secs <= budget);
+    passes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    passes
+}
+
+const ALL_METHODS: [IntegratorConfig; 5] = [
+    BALANCED,
+    IntegratorConfig { method: Method::Dopri5 { tolerance: 1e-10 }, precision: Precision::F64 },
+    IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 },
+    IntegratorConfig { method: Method::Rk4 { step_secs: 1.0 / 2000.0 }, precision: Precision::F64 },
+    FAST,
+];
+
+#[test]
+fn every_flip_is_counted_by_every_method() {
+    let scene = scene(Ask::Flips, plane("speeds", ["2.5", "-1", "0", "0"]), "24", 6.0);
+    let side = 12;
+    let truth: Vec<[f64; 4]> = (0..side * side)
+        .into_par_iter()
+        .map(|k| {
+            let mut counts = [0.0; 4];
+            for (_, bob, left) in true_passes(&scene, start(&scene, side, k).unwrap()) {
+                counts[2 * bob + usize::from(!left)] += 1.0;
+            }
+            counts
+        })
+        .collect();
+    assert!((0..4).all(|way| truth.iter().any(|counts| counts[way] > 5.0)), "all ways are seen");
+    for config in ALL_METHODS {
+        let samples = by_cpu(&scene, side, config);
+        let right = (0..truth.len()).filter(|k| samples.values(*k) == truth[*k]).count();
+        assert!(right * 100 >= truth.len() * 97, "{config:?}: {right} of {}", truth.len());
+    }
+}
+
+#[test]
+fn the_third_flip_is_found_by_every_method() {
+    let mut scene = scene(Ask::Flip, Plane::default(), "6.283185307179586", 8.0);
+    scene.question.count = 3;
+    let side = 20;
+    let truth: Vec<Option<f64>> = (0..side * side)
+        .into_par_iter()
+        .map(|k| {
+            let passes = true_passes(&scene, start(&scene, side, k)?);
+            passes.iter().filter(|(_, bob, _)| *bob == 1).map(|(secs, ..)| *secs).nth(2)
+        })
+        .collect();
+    let seen = truth.iter().flatten().count();
+    assert!(seen > 40, "{seen}");
+    for config in ALL_METHODS {
+        let samples = by_cpu(&scene, side, config);
+        let is_right = |k: &usize| match (truth[*k], samples.get(*k)) {
+            (Some(truth), Outcome { status: Status::Flipped, time }) => (truth - time).abs() < 1e-3,
+            (None, Outcome { status, .. }) => status != Status::Flipped,
+            _ => false,
+        };
+        let right = (0..truth.len()).filter(is_right).count();
+        assert!(right * 100 >= truth.len() * 97, "{config:?}: {right} of {}", truth.len());
+    }
 }

@@ -49,12 +49,15 @@ pub(super) struct SceneWords {
     /// Rotate the picture anticlockwise in the plane, by -360 to 360 degrees
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     rotate: Option<String>,
-    /// Question asked about every start: flip, first or state
+    /// Question asked about every start: flip, first, flips, state or growth
     #[arg(long, value_name = "NAME")]
     ask: Option<String>,
     /// Time of the answer in s, for the question state (default: the whole budget)
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     at: Option<String>,
+    /// Number of the flip whose time is asked for, from 1
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    count: Option<String>,
     /// Plane of starts: angles, speeds, first, second, section, or two of theta1, theta2, omega1,
     /// omega2 with a comma between them
     #[arg(long, value_name = "NAME")]
@@ -99,7 +102,7 @@ impl SceneWords {
         Ok(document.with_scene(scene.checked()?))
     }
 
-    fn said(&self) -> [(Word, &Option<String>); 15] {
+    fn said(&self) -> [(Word, &Option<String>); 16] {
         [
             (Word::Center, &self.center),
             (Word::Width, &self.width),
@@ -107,6 +110,7 @@ impl SceneWords {
             (Word::Stretch, &self.stretch),
             (Word::Ask, &self.ask),
             (Word::At, &self.at),
+            (Word::Count, &self.count),
             (Word::Plane, &self.plane),
             (Word::Origin, &self.origin),
             (Word::Energy, &self.energy),

@@ -59,7 +59,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     paths.check()?;
     stop::listen()?;
     let mut request = options.run.engine.request(spec.setting);
-    if document.question.ask.kind().needs == Needs::Growth {
+    if document.question.needs_processor() {
         request.kind = Some(EngineKind::Cpu);
     }
     if let Some(continued) = &continued {
@@ -218,7 +218,7 @@ fn check_outputs(options: &Options, document: &Document, spec: &RunSpec) -> Resu
     let state = options.state.as_deref();
     options.outputs.check(options.json, spec.verify, state)?;
     check_state(options, document, spec)?;
-    check_growth(options, document, spec)?;
+    check_question(options, document, spec)?;
     check_picture(document, spec.size())
 }
 
@@ -228,8 +228,8 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
     }
     let why = if spec.verify {
         "checks start at the release: omit --verify and --accuracy exact"
-    } else if !document.question.ask.is_time() {
-        "only the times of flips can be continued: omit --state or --ask"
+    } else if !document.question.ask.is_time() || document.question.count > 1 {
+        "only the times of first flips can be continued: omit --state, or --ask and --count"
     } else if document.picture.samples > 1 {
         "it stores one sample per pixel: omit --samples"
     } else {
@@ -238,18 +238,18 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
     Err(Exit::Usage(format!("--state cannot be used here, because {why}")))
 }
 
-/// Rejects settings that the growth of nudges does not have.
-fn check_growth(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
-    let why = if document.question.ask.kind().needs != Needs::Growth {
-        return Ok(());
-    } else if spec.verify {
-        "it is not checked: omit --verify and --accuracy exact"
-    } else if options.run.engine.request(spec.setting).kind == Some(EngineKind::Gpu) {
+/// Rejects settings with which the question cannot be answered.
+fn check_question(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
+    let question = &document.question;
+    let on_card = options.run.engine.request(spec.setting).kind == Some(EngineKind::Gpu);
+    let why = if spec.verify && question.ask.kind().needs == Needs::Growth {
+        "growth is not checked: omit --verify and --accuracy exact"
+    } else if on_card && question.needs_processor() {
         "the processor computes it: omit --engine gpu"
     } else {
         return Ok(());
     };
-    Err(Exit::Usage(format!("--ask growth cannot be answered like this: {why}")))
+    Err(Exit::Usage(format!("--ask {} cannot be answered like this: {why}", question.ask)))
 }
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {

@@ -259,7 +259,12 @@ mod tests {
     fn job(id: u64) -> Job {
         Job {
             id,
-            question: Question { build: Build::default(), rule: Rule::Second, budget_secs: 30.0 },
+            question: Question {
+                build: Build::default(),
+                rule: Rule::Second,
+                budget_secs: 30.0,
+                passes: 1,
+            },
             config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },
             starts: Starts::Rest(vec![[Dd::new(id as f64); 2]]),
             keep: Keep::Nothing,

@@ -377,7 +377,7 @@ mod tests {
     use crate::scene::Build;
 
     fn question(budget_secs: f64) -> Question {
-        Question { build: Build::default(), rule: Rule::Second, budget_secs }
+        Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 }
     }
 
     #[test]

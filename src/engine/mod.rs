@@ -59,6 +59,8 @@ pub struct Question {
     pub rule: Rule,
     /// Simulated seconds a start may use.
     pub budget_secs: f64,
+    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.
+    pub passes: u32,
 }
 
 impl From<&Scene> for Question {
@@ -68,6 +70,7 @@ impl From<&Scene> for Question {
             build: scene.build,
             rule: scene.question.watched(),
             budget_secs: scene.question.end_secs(),
+            passes: scene.question.passes(),
         }
     }
 }
@@ -240,6 +243,8 @@ pub struct End {
     /// Whole turns of each bob since the release, anticlockwise ones positive; only counted where
     /// no bob is watched.
     pub turns: [i32; 2],
+    /// Number of passes of the top by each bob anticlockwise and clockwise, the first bob first.
+    pub passes: [u32; 4],
     /// Natural logarithm of the growth of the largest of all nudges (see
     /// [`crate::physics::tangents`]); 0 unless [`Keep::Growth`] asked for it.
     pub log_growth: f64,
@@ -253,6 +258,7 @@ impl End {
         clearance: crossing::FAR,
         grown: 1.0,
         turns: [0; 2],
+        passes: [0; 4],
         log_growth: 0.0,
     };
 }

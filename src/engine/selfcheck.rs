@@ -104,7 +104,8 @@ pub fn orbits(
     engine: &mut dyn Engine,
     precisions: &[Precision],
 ) -> Result<Vec<Check>, EngineError> {
-    let question = Question { build: Build::default(), rule: Rule::Second, budget_secs: 1.0 };
+    let question =
+        Question { build: Build::default(), rule: Rule::Second, budget_secs: 1.0, passes: 1 };
     let pendulum = question.build.pendulum();
     let angles = ORBITS.map(|angle| angle.map(Dd::new));
     let truth = ORBITS.map(|angle| oracle::outcome(&pendulum, angle, Rule::Second, 1.0));

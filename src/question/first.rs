@@ -15,6 +15,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     counted: ["flipped", "unflipped"],
     channel_names: "the question first has bob and time",
     watches: Watches::Always(Rule::Either),
+    passes: 1,
     at_a_time: false,
     is_even: true,
     painted: Painted::First,
@@ -47,6 +48,7 @@ mod tests {
                 phase,
                 secs: 2.5,
                 turns: [0; 2],
+                passes: [0; 4],
                 log_growth: 0.0,
             };
             let [bob, secs, ..] = read(&ending);

@@ -10,6 +10,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     counted: ["flipped", "unflipped"],
     channel_names: "the question flip has time",
     watches: Watches::TheRule,
+    passes: 1,
     at_a_time: false,
     is_even: true,
     painted: Painted::First,

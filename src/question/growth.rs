@@ -16,6 +16,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     counted: ["answered", "unanswered"],
     channel_names: "the question growth has exponent",
     watches: Watches::Always(Rule::Neither),
+    passes: 1,
     at_a_time: true,
     is_even: true,
     painted: Painted::First,

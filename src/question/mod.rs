@@ -9,6 +9,7 @@
 
 mod first;
 mod flip;
+mod flips;
 mod growth;
 mod state;
 
@@ -29,6 +30,8 @@ pub enum Ask {
     Flip,
     /// The bob that first goes over the top, and when.
     First,
+    /// The number of times that each bob goes over the top.
+    Flips,
     /// The state at a given time.
     State,
     /// The finite-time Lyapunov exponent over the budget.
@@ -49,6 +52,9 @@ pub struct QuestionKind {
     pub channel_names: &'static str,
     /// The bobs that it watches.
     pub watches: Watches,
+    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none. The
+    /// question `flip` takes the scene's count instead.
+    pub passes: u32,
     /// True if the answer lies at the time `at`, not at an event.
     pub at_a_time: bool,
     /// True if mirror images, with all angles and speeds negated, have equal answers.
@@ -79,6 +85,8 @@ pub enum Painted {
     First,
     /// The first two channels, both angles.
     TwoAngles,
+    /// The sum of all channels, which are counts.
+    Sum,
 }
 
 /// Results of an integration that a question reads.
@@ -88,6 +96,8 @@ pub enum Needs {
     Outcome,
     /// The state at the end, too.
     End,
+    /// The number of passes, too, which only the processor counts.
+    Passes,
     /// The growth of nudges, too, which only the processor computes.
     Growth,
 }
@@ -136,19 +146,23 @@ pub struct Ending<'a> {
     pub secs: f64,
     /// Whole turns of each bob until then, anticlockwise ones positive.
     pub turns: [i32; 2],
+    /// Number of passes of the top by each bob in each direction until then: the first bob
+    /// anticlockwise and clockwise, the second likewise.
+    pub passes: [u32; 4],
     /// Natural logarithm of the growth of the largest of all nudges until then.
     pub log_growth: f64,
 }
 
 impl Ask {
     /// Every question.
-    pub const ALL: [Ask; 4] = [Ask::Flip, Ask::First, Ask::State, Ask::Growth];
+    pub const ALL: [Ask; 5] = [Ask::Flip, Ask::First, Ask::Flips, Ask::State, Ask::Growth];
 
     /// All that the question decides.
     pub fn kind(self) -> &'static QuestionKind {
         match self {
             Ask::Flip => &flip::QUESTION,
             Ask::First => &first::QUESTION,
+            Ask::Flips => &flips::QUESTION,
             Ask::State => &state::QUESTION,
             Ask::Growth => &growth::QUESTION,
         }
@@ -173,7 +187,7 @@ impl Ask {
     }
 
     /// A phrase with the names of all questions.
-    pub const NAMES: &str = "the questions are flip, first, state and growth";
+    pub const NAMES: &str = "the questions are flip, first, flips, state and growth";
 }
 
 impl fmt::Display for Ask {

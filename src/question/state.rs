@@ -20,6 +20,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     counted: ["answered", "unanswered"],
     channel_names: "the question state has theta1, theta2, omega1, omega2, turns1 and turns2",
     watches: Watches::Always(Rule::Neither),
+    passes: 1,
     at_a_time: true,
     is_even: false,
     painted: Painted::TwoAngles,

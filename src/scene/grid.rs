@@ -16,6 +16,7 @@ pub struct Grid {
     right: [Dd; 2],
     up: [Dd; 2],
     plane: Plane,
+    has_cells: bool,
     pendulum: Pendulum<f64>,
     exact: Pendulum<Dd>,
     rule: Rule,
@@ -82,6 +83,7 @@ impl Grid {
             right,
             up,
             plane: scene.plane.clone(),
+            has_cells: scene.plane.is_at_rest() && scene.question.follows_cells(),
             pendulum,
             exact: scene.build.pendulum_in(),
             rule: scene.question.watched(),
@@ -218,9 +220,10 @@ impl Grid {
         Fate::Thrown(launch)
     }
 
-    /// Returns true if cells of starts can be followed, which takes starts at rest.
+    /// Returns true if cells of starts can be followed, which takes starts at rest and a question
+    /// that a cell's polynomials answer.
     pub fn has_cells(&self) -> bool {
-        self.plane.is_at_rest()
+        self.has_cells
     }
 
     /// The outcome of a pixel that passes the top in its first moments; `None` for any other.

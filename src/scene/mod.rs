@@ -34,7 +34,7 @@ pub use words::Word;
 use serde::{Deserialize, Serialize};
 
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
-use crate::question::Ask;
+use crate::question::{Ask, Needs};
 
 /// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -133,7 +133,7 @@ impl Build {
 
 /// The question asked about every start. Keys added after the first release are written only where
 /// they differ from their defaults.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct QuestionTable {
     /// The question's name.
@@ -146,16 +146,49 @@ pub struct QuestionTable {
     /// Time of the answer in s, for questions about a moment; none for the end of the budget.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<f64>,
+    /// Number of the flip whose time is asked for, from 1.
+    #[serde(skip_serializing_if = "is_one")]
+    pub count: u32,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
+fn is_one(count: &u32) -> bool {
+    *count == 1
+}
+
+impl Default for QuestionTable {
+    fn default() -> Self {
+        let (ask, rule, budget) = (Ask::Flip, Rule::Second, Budget::default());
+        QuestionTable { ask, rule, budget, at: None, count: 1 }
+    }
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
+/// Largest number of a flip that can be asked for.
+const MOST_COUNT: u32 = 1_000_000;
+
 impl QuestionTable {
     /// The bobs that are watched.
     pub fn watched(&self) -> Rule {
         self.ask.watched(self.rule)
+    }
+
+    /// Returns true if deep views are answered, by following cells of starts.
+    pub fn follows_cells(&self) -> bool {
+        self.ask.kind().follows_cells && self.passes() == 1
+    }
+
+    /// Returns true if only the processor computes it: tangents and counts of passes.
+    pub fn needs_processor(&self) -> bool {
+        self.ask.kind().needs == Needs::Growth || self.passes() != 1
+    }
+
+    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.
+    pub fn passes(&self) -> u32 {
+        if self.ask == Ask::Flip { self.count } else { self.ask.kind().passes }
     }
 
     /// Simulated seconds after which a pendulum is followed no further.
@@ -169,6 +202,12 @@ impl QuestionTable {
     /// Checks what belongs to this question; the budget is checked.
     fn check(&self) -> Result<(), SceneError> {
         let refuse = |option, value, range| Err(SceneError { option, value, range });
+        if !(1..=MOST_COUNT).contains(&self.count) {
+            return refuse("--count", self.count.to_string(), "it must lie between 1 and 1000000");
+        }
+        if self.count > 1 && self.ask != Ask::Flip {
+            return refuse("--count", self.count.to_string(), "only the question flip counts");
+        }
         let Some(at) = self.at else { return Ok(()) };
         if !self.ask.kind().at_a_time {
             return refuse(
@@ -246,7 +285,7 @@ impl Scene {
     /// Returns true if it asks for the flips of pendulums released from rest, the question and the
     /// plane that every part of the program knows.
     pub fn is_flip_from_rest(&self) -> bool {
-        self.question.ask == Ask::Flip && self.plane.is_at_rest()
+        self.question.ask == Ask::Flip && self.question.count == 1 && self.plane.is_at_rest()
     }
 
     /// Refuses another question or plane where only flips from rest can be shown or computed.
@@ -257,6 +296,10 @@ impl Scene {
         if question.ask != Ask::Flip {
             let value = question.ask.to_string();
             return Err(SceneError { option: "--ask", value, range });
+        }
+        if question.count > 1 {
+            let value = question.count.to_string();
+            return Err(SceneError { option: "--count", value, range });
         }
         if !plane.is_at_rest() {
             let value = plane.kind.to_string();

@@ -31,6 +31,8 @@ pub enum Word {
     Ask,
     /// Time of the answer.
     At,
+    /// Number of the flip.
+    Count,
     /// The quantities on the plane's axes.
     Plane,
     /// Start through which the plane lies.
@@ -46,7 +48,7 @@ const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comm
 
 impl Word {
     /// Every word with its option: the view first, then the question and the pendulum.
-    pub const ALL: [(&'static str, Word); 15] = [
+    pub const ALL: [(&'static str, Word); 16] = [
         ("--center", Word::Center),
         ("--width", Word::Width),
         ("--rotate", Word::Rotate),
@@ -59,6 +61,7 @@ impl Word {
         ("--gravity", Word::Gravity),
         ("--ask", Word::Ask),
         ("--at", Word::At),
+        ("--count", Word::Count),
         ("--plane", Word::Plane),
         ("--origin", Word::Origin),
         ("--energy", Word::Energy),
@@ -116,6 +119,10 @@ impl Word {
                 let range = "it must be a number of seconds within the budget, or budget";
                 question.at = if none { None } else { Some(number(range)?) };
             }
+            Word::Count => {
+                let range = "it must be a whole number between 1 and 1000000";
+                question.count = text.parse().map_err(|_| range)?;
+            }
             Word::Plane => plane.kind = text.parse()?,
             Word::Origin => {
                 let parts: Vec<String> = text.split(',').map(|x| x.trim().to_string()).collect();
@@ -144,6 +151,7 @@ impl Word {
             Word::Gravity => build.gravity.to_string(),
             Word::Ask => question.ask.to_string(),
             Word::At => question.at.map_or(END_OF_BUDGET.to_string(), |at| at.to_string()),
+            Word::Count => question.count.to_string(),
             Word::Plane => plane.kind.to_string(),
             Word::Origin => plane.origin.join(","),
             Word::Energy => plane.energy.to_string(),

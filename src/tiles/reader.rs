@@ -30,7 +30,7 @@ impl Reader {
     pub(super) fn keep(&self) -> Keep {
         match self.ask.kind().needs {
             Needs::Outcome => Keep::Nothing,
-            Needs::End => Keep::Ends,
+            Needs::End | Needs::Passes => Keep::Ends,
             Needs::Growth => Keep::Growth,
         }
     }
@@ -71,6 +71,7 @@ impl Reader {
             phase,
             secs,
             turns,
+            passes: end.passes,
             log_growth: end.log_growth,
         };
         (status, (self.ask.kind().read)(&ending))

@@ -42,7 +42,11 @@ pub(crate) fn lively(level: u32) -> ViewTarget {
 }
 
 pub(crate) fn scene(target: &ViewTarget) -> Scene {
-    let question = Asked { rule: target.physics.rule, budget: Budget::secs(target.budget_secs) };
+    let question = Asked {
+        rule: target.physics.rule,
+        budget: Budget::secs(target.budget_secs),
+        ..Asked::default()
+    };
     Scene { build: target.physics.build, question, ..Scene::default() }
 }
 

@@ -56,7 +56,7 @@ fn spans(job: &Job) -> Vec<Span> {
     let mut spans: Vec<Span> = match &job.starts {
         Starts::Rest(angles) => angles.iter().map(|angle| span(*angle, 0.0)).collect(),
         Starts::Resumed(states) => states.iter().map(|state| resumed(state, span)).collect(),
-        Starts::Moving(_) | Starts::Deep(_) => panic!("no depth is aimed at here"),
+        _ => panic!("no depth and no plane with speeds is aimed at here"),
     };
     spans.retain(|span| {
         let mixed = |sum: u64, bits: &u64| (sum ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -96,7 +96,7 @@ impl Engine for Ledger {
         let first = match &job.starts {
             Starts::Rest(angles) => Starts::Rest(angles.iter().take(1).copied().collect()),
             Starts::Resumed(states) => Starts::Resumed(states.iter().take(1).copied().collect()),
-            Starts::Moving(_) | Starts::Deep(_) => panic!("no depth is aimed at here"),
+            _ => panic!("no depth and no plane with speeds is aimed at here"),
         };
         let index = usize::from(matches!(job.starts, Starts::Resumed(_)));
         let (count, light) = (job.starts.len(), Job { starts: first, ..job.clone() });

@@ -5,6 +5,7 @@ use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::pair::{EmbeddedPair, LaneStep, TopTest};
+use super::passes::{beyond_top, height_beyond};
 use super::turns;
 use crate::engine::method::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
@@ -212,41 +213,62 @@ impl AdaptiveLanes<'_> {
         }
     }
 
-    /// Decides the step that a lane took from `numbers`.
+    /// Decides the step that a lane took from `numbers`, pass by pass.
     fn look<P: TopTest>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
         let moment = |numbers: &[f64; NUMBERS]| {
             let phase = start::phase_of(numbers);
             StepState { phase, speed: self.reduced.speeds(&phase) }
         };
-        let step = LaneStep {
+        let (after, length) = (moment(&self.scheduler.numbers(lane)), numbers[STEP]);
+        let mut step = LaneStep {
             pendulum: &self.reduced,
             inverse_scale: self.reduced.momentum_scale().map(|scale| 1.0 / scale),
             before: moment(numbers),
-            after: moment(&self.scheduler.numbers(lane)),
-            length: numbers[STEP],
+            after,
+            length,
         };
-        let mut fraction: Option<f64> = None;
-        let clearance = &mut self.scheduler.clearance[lane];
-        for &bob in self.scheduler.chunk.question.rule.watched() {
-            let passed = P::look(&step, bob);
-            fraction = [fraction, passed.fraction].into_iter().flatten().reduce(f64::min);
-            *clearance = clearance.min(passed.clearance);
+        let mut begun = 0.0;
+        while let Some((bob, fraction)) = first_pass::<P>(&mut self.scheduler, lane, &step) {
+            let time = numbers[TIME] + (numbers[TIME_LOW] + (begun + step.length * fraction));
+            let outcome = self.adaptive.outcome_of_pass(time);
+            let top = step.shortened::<P::Pair>(fraction);
+            let from = step.before.phase[2 * bob + 1];
+            let anticlockwise = if from == 0.0 { top.speed[bob] > 0.0 } else { from > 0.0 };
+            let over = outcome.status == Status::Unflipped;
+            if over || self.scheduler.pass(lane, bob, anticlockwise) {
+                let end = End { time, phase: top.phase, ..self.scheduler.end_of_phase(lane) };
+                // A saved pendulum continues from before the step in which it flips.
+                self.scheduler.put(lane, *numbers);
+                self.scheduler.finish(lane, outcome, end);
+                return;
+            }
+            let cleared = height_beyond(&self.reduced, &top, bob);
+            self.scheduler.clearance[lane] = self.scheduler.clearance[lane].min(cleared);
+            begun += step.length * fraction;
+            let before = beyond_top(&top, bob, anticlockwise);
+            step = LaneStep { before, length: length - begun, ..step };
         }
-        let config = self.scheduler.chunk.config;
-        self.scheduler.answer.effort.rhs_evaluations +=
-            config.method.rhs_per_step(config.precision);
-        let Some(fraction) = fraction else { return };
-        let time = numbers[TIME] + (numbers[TIME_LOW] + numbers[STEP] * fraction);
-        let end = End {
-            time,
-            phase: step.shortened::<P::Pair>(fraction).phase,
-            clearance: self.scheduler.clearance[lane],
-            ..End::NOWHERE
-        };
-        // A saved pendulum continues from before the step in which it flips.
-        self.scheduler.put(lane, *numbers);
-        self.scheduler.finish(lane, self.adaptive.outcome_of_pass(time), end);
     }
+}
+
+/// The bob that first passes the top in a step, and the fraction of the step at which it does.
+fn first_pass<P: TopTest>(
+    scheduler: &mut LaneScheduler,
+    lane: usize,
+    step: &LaneStep,
+) -> Option<(usize, f64)> {
+    let config = scheduler.chunk.config;
+    scheduler.answer.effort.rhs_evaluations += config.method.rhs_per_step(config.precision);
+    let mut first: Option<(usize, f64)> = None;
+    for &bob in scheduler.chunk.question.rule.watched() {
+        let passed = P::look(step, bob);
+        scheduler.clearance[lane] = scheduler.clearance[lane].min(passed.clearance);
+        let earlier = |fraction: &f64| first.is_none_or(|(_, before)| *fraction < before);
+        if let Some(fraction) = passed.fraction.filter(earlier) {
+            first = Some((bob, fraction));
+        }
+    }
+    first
 }
 
 /// Frees the lanes whose budget is used up, until every lane has work or none is left.

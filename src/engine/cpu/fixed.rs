@@ -1,5 +1,7 @@
 //! Fixed steps: RK4 in angles, a register of pendulums at a time.
 
+use std::f64::consts::TAU;
+
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use crate::engine::method::Steps;
@@ -132,26 +134,67 @@ impl FixedStepLanes<'_> {
         let effort = &mut self.scheduler.answer.effort;
         effort.steps += 1;
         effort.rhs_evaluations += 4;
-        let step = self.steps.length;
-        let mut fraction: Option<f64> = None;
+        let steps = self.scheduler.taken[lane];
+        let (mut from, mut to, mut begun) = (before, exact_after, 0.0);
+        while let Some((bob, share)) = self.first_pass(&from, &to, 1.0 - begun) {
+            let fraction = begun + (1.0 - begun) * share;
+            let outcome = self.steps.outcome_of_pass(steps, fraction);
+            let change = rk4(&self.reduced, &before, self.steps.length * fraction, Turning::Fresh);
+            let top = before.plus(&change);
+            let anticlockwise = to.angle[bob] > 0.0;
+            let over = outcome.status == Status::Unflipped;
+            if over || self.scheduler.pass(lane, bob, anticlockwise) {
+                let end = self.end(f64::from(steps) + fraction, &top);
+                let passes = self.scheduler.passes[lane];
+                self.scheduler.finish(lane, outcome, End { passes, ..end });
+                return;
+            }
+            // The bob goes on from the other side of the top.
+            let turn = if anticlockwise { -TAU } else { TAU };
+            (from, begun) = (top, fraction);
+            from.angle[bob] = 0.5 * turn;
+            to.angle[bob] += turn;
+        }
+        self.take(lane, after, [0, 1].map(|bob| to.angle[bob] - exact_after.angle[bob]));
+    }
+
+    /// Moves a lane to the state after a step, with its angles turned by whole turns, rad.
+    fn take(&mut self, lane: usize, mut after: [f64; 6], turned: [f64; 2]) {
+        for bob in (0..2).filter(|&bob| turned[bob] != 0.0) {
+            let angle = after[bob] + turned[bob] + after[4 + bob];
+            let kept = match self.scheduler.chunk.config.precision {
+                Precision::F32 => f64::from(angle as f32),
+                _ => angle,
+            };
+            (after[bob], after[4 + bob]) = (kept, angle - kept);
+        }
+        for (row, value) in self.scheduler.rows.iter_mut().zip(after) {
+            row[lane] = value;
+        }
+        self.scheduler.taken[lane] += 1;
+    }
+
+    /// The bob that first passes the top between two states a share of a step apart, and the
+    /// fraction of that time at which it does.
+    fn first_pass(
+        &mut self,
+        from: &State<f64>,
+        to: &State<f64>,
+        share: f64,
+    ) -> Option<(usize, f64)> {
+        let length = self.steps.length * share;
+        let mut first: Option<(usize, f64)> = None;
         for &bob in self.scheduler.chunk.question.rule.watched() {
-            if may_pass(&before, &exact_after, bob, step) {
-                effort.rhs_evaluations += 2;
-                let found = fraction_of_step(&self.reduced, bob, &before, &exact_after, step);
-                fraction = [fraction, found].into_iter().flatten().reduce(f64::min);
+            if may_pass(from, to, bob, length) {
+                self.scheduler.answer.effort.rhs_evaluations += 2;
+                let found = fraction_of_step(&self.reduced, bob, from, to, length);
+                let earlier = |share: &f64| first.is_none_or(|(_, before)| *share < before);
+                if let Some(share) = found.filter(earlier) {
+                    first = Some((bob, share));
+                }
             }
         }
-        let Some(fraction) = fraction else {
-            for (row, value) in self.scheduler.rows.iter_mut().zip(after) {
-                row[lane] = value;
-            }
-            self.scheduler.taken[lane] += 1;
-            return;
-        };
-        let steps = self.scheduler.taken[lane];
-        let change = rk4(&self.reduced, &before, step * fraction, Turning::Fresh);
-        let end = self.end(f64::from(steps) + fraction, &before.plus(&change));
-        self.scheduler.finish(lane, self.steps.outcome_of_pass(steps, fraction), end);
+        first
     }
 
     /// Frees the lanes whose budget is used up, until every lane has work or none is left.
@@ -166,6 +209,7 @@ impl FixedStepLanes<'_> {
                     let status = if sound { Status::Unflipped } else { Status::Failed };
                     let state = exact_state(&self.scheduler.numbers(lane));
                     let end = self.end(f64::from(self.scheduler.taken[lane]), &state);
+                    let end = End { passes: self.scheduler.passes[lane], ..end };
                     self.scheduler.finish(lane, Outcome::without_time(status), end);
                     finished = true;
                 }

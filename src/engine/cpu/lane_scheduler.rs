@@ -80,6 +80,8 @@ pub(super) struct LaneScheduler<'a> {
     pub clearance: [f64; MOST_LANES],
     /// Whole turns of each bob of each lane's pendulum, where no bob is watched.
     pub turns: [[f64; MOST_LANES]; 2],
+    /// Passes of each lane's pendulum so far (see [`End::passes`]).
+    pub passes: [[u32; 4]; MOST_LANES],
     /// The results of the pendulums that are done.
     pub answer: ChunkResult,
     lanes: usize,
@@ -109,6 +111,7 @@ impl<'a> LaneScheduler<'a> {
             taken: [0; MOST_LANES],
             clearance: [FAR; MOST_LANES],
             turns: [[0.0; MOST_LANES]; 2],
+            passes: [[0; 4]; MOST_LANES],
             answer,
             lanes,
             start: [IDLE; MOST_LANES],
@@ -131,6 +134,12 @@ impl<'a> LaneScheduler<'a> {
         self.chunk.question.rule == Rule::Neither
     }
 
+    /// Counts a pass by a bob of a lane's pendulum, and returns true if that was the last one.
+    pub(super) fn pass(&mut self, lane: usize, bob: usize, anticlockwise: bool) -> bool {
+        self.passes[lane][2 * bob + usize::from(!anticlockwise)] += 1;
+        self.passes[lane].iter().sum::<u32>() >= self.chunk.question.passes
+    }
+
     /// Returns true if the answer is no longer needed.
     pub(super) fn is_cancelled(&self) -> bool {
         self.chunk.cancelled.load(Ordering::Relaxed)
@@ -144,6 +153,7 @@ impl<'a> LaneScheduler<'a> {
                 self.put(lane, start.numbers);
                 (self.start[lane], self.taken[lane]) = (self.next_start, start.steps);
                 self.clearance[lane] = FAR;
+                self.passes[lane] = [0; 4];
                 self.turns.iter_mut().for_each(|turns| turns[lane] = 0.0);
                 self.next_start += 1;
                 self.busy += 1;
@@ -188,6 +198,7 @@ impl<'a> LaneScheduler<'a> {
             phase: phase_of(&numbers),
             clearance: self.clearance[lane],
             turns: self.turns.map(|turns| turns[lane] as i32),
+            passes: self.passes[lane],
             ..End::NOWHERE
         }
     }

@@ -11,6 +11,7 @@ mod lane_scheduler;
 mod lanes;
 mod number;
 mod pair;
+mod passes;
 mod tangents;
 mod taylor;
 mod turns;

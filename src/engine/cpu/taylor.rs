@@ -6,17 +6,18 @@ use super::adaptive::{finish_those_over, idle};
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
+use super::passes::height_beyond;
 use super::turns;
 use crate::engine::End;
 use crate::engine::method::Adaptive;
 use crate::engine::start::{TIME, TIME_LOW};
 use crate::physics::control::LONGEST;
-use crate::physics::crossing::FAR;
+use crate::physics::crossing::{FAR, StepState};
 use crate::physics::embedded::plus;
 use crate::physics::phase::Phase;
 use crate::physics::polynomial::{bernstein, course, evaluate, halves};
 use crate::physics::series::MotionSeries;
-use crate::physics::{Dd, Real, Scalar};
+use crate::physics::{Dd, Real, Scalar, Status};
 
 /// Runs a chunk in lanes of `N`, with expansions of `M` coefficients; one lane's numbers are
 /// of type `T`, made from the two parts they are stored in.
@@ -47,7 +48,8 @@ pub(super) fn run<N: Number, T: Scalar, const M: usize>(
             let clearance = clearance(chunk, &series, &next, length);
             taken += 1;
             if clearance.smallest() <= 0.0 {
-                let flips = flips_in_step(&mut scheduler, &series, length, clearance, from_parts);
+                let step = (&series, &state, &adaptive);
+                let flips = flips_in_step(&mut scheduler, step, length, clearance, from_parts);
                 if flips.iter().any(Option::is_some) {
                     state.finish_step(&mut scheduler, next, length, taken, flips, &adaptive);
                     break;
@@ -129,14 +131,14 @@ fn reach<N: Number, const M: usize>(series: &[N; M], length: N::Leading) -> N::L
     sum * length
 }
 
-/// The reduced time into the step and the state then, for each lane that flips.
+/// The reduced time into the step and the state then, for each lane that flips for the last time.
 type Flips = [Option<(f64, Phase<f64>)>; MOST_LANES];
 
-/// Looks for crossings in the lanes that may have made one.
+/// Looks for passes in the lanes that may have made one, and counts them.
 #[inline(always)]
 fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     scheduler: &mut LaneScheduler,
-    series: &MotionSeries<N, M>,
+    (series, state, adaptive): (&MotionSeries<N, M>, &TaylorLaneState<N>, &Adaptive),
     length: N::Leading,
     clearance: N::Leading,
     from_parts: fn(f64, f64) -> T,
@@ -144,6 +146,9 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     let (mut bounds, mut lengths) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
     clearance.store(&mut bounds);
     length.store(&mut lengths);
+    let mut times = [0.0; MOST_LANES];
+    state.time.store(&mut times);
+    let reduced = scheduler.chunk.question.reduced().0;
     let all = [0, 1, 2, 3, 4, 5].map(|i| rows(&series.phase[i]));
     let mut flips = [None; MOST_LANES];
     for lane in scheduler.running() {
@@ -155,28 +160,41 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
         let one = |i: usize| -> [T; M] {
             std::array::from_fn(|k| from_parts(all[i][k][0][lane], all[i][k][1][lane]))
         };
-        let mut first: Option<T> = None;
+        let mut passes: Vec<(T, usize, bool)> = Vec::new();
         for &bob in scheduler.chunk.question.rule.watched() {
-            let (passed, nearest) = passage_of_top(&one(2 * bob), &one(2 * bob + 1), length);
+            let (x, y) = (one(2 * bob), one(2 * bob + 1));
+            let (found, nearest) = passages_of_top(&x, &y, length, scheduler.chunk.question.passes);
             scheduler.clearance[lane] = scheduler.clearance[lane].min(nearest);
-            first = [first, passed].into_iter().flatten().reduce(|a, b| if b < a { b } else { a });
+            passes
+                .extend(found.into_iter().map(|(time, anticlockwise)| (time, bob, anticlockwise)));
         }
-        flips[lane] = first.map(|time| {
+        passes.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(std::cmp::Ordering::Equal));
+        for (time, bob, anticlockwise) in passes {
+            let into_step = time.to_f64();
             let phase = [0, 1, 2, 3, 4, 5].map(|i| evaluate(&one(i), time).to_f64());
-            (time.to_f64(), phase)
-        });
+            let outcome = adaptive.outcome_of_pass(times[lane] + into_step);
+            let over = outcome.status == Status::Unflipped;
+            if over || scheduler.pass(lane, bob, anticlockwise) {
+                flips[lane] = Some((into_step, phase));
+                break;
+            }
+            let top = StepState { phase, speed: reduced.speeds(&phase) };
+            let cleared = height_beyond(&reduced, &top, bob);
+            scheduler.clearance[lane] = scheduler.clearance[lane].min(cleared);
+        }
     }
     flips
 }
 
-/// The first moment in (0, length] at which the point with the polynomials `x` and `y` on the unit
-/// circle crosses the top, (−1, 0), and how near it comes without crossing. Near the top `y` keeps
-/// its leading digits, however small it is.
-fn passage_of_top<T: Scalar, const M: usize>(
+/// The first `most` moments in (0, length] at which the point with the polynomials `x` and `y` on the unit circle
+/// crosses the top, (−1, 0), each with true if it does so anticlockwise, and how near it comes
+/// without crossing until then. Near the top `y` keeps its leading digits, however small it is.
+fn passages_of_top<T: Scalar, const M: usize>(
     x: &[T; M],
     y: &[T; M],
     length: T,
-) -> (Option<T>, f64) {
+    most: u32,
+) -> (Vec<(T, bool)>, f64) {
     let mut power = T::from_f64(1.0);
     let scaled = y.map(|c| {
         let term = c * power;
@@ -184,7 +202,8 @@ fn passage_of_top<T: Scalar, const M: usize>(
         term
     });
     let (mut control, mut from) = (bernstein(&scaled), T::zero());
-    let Some(first) = control.iter().find(|&&c| c != T::zero()) else { return (None, FAR) };
+    let mut passages = Vec::new();
+    let Some(first) = control.iter().find(|&&c| c != T::zero()) else { return (passages, FAR) };
     let mut side = if *first > T::zero() { T::from_f64(1.0) } else { -T::from_f64(1.0) };
     let mut nearest = FAR;
     loop {
@@ -192,14 +211,14 @@ fn passage_of_top<T: Scalar, const M: usize>(
         if evaluate(x, from * length) < T::zero() {
             nearest = nearest.min(found.clearance.to_f64());
         }
-        let Some(change) = found.change else { return (None, nearest) };
+        let Some(change) = found.change else { return (passages, nearest) };
         let share = from + (T::from_f64(1.0) - from) * change;
         if evaluate(x, share * length) < T::zero() {
-            return (Some(share * length), nearest);
+            passages.push((share * length, side > T::zero()));
         }
-        // The crossing is at the bottom; beyond it the sides change.
-        if share >= T::from_f64(1.0) {
-            return (None, nearest);
+        // Beyond a crossing, at the top or at the bottom, the sides change.
+        if share >= T::from_f64(1.0) || passages.len() >= most as usize {
+            return (passages, nearest);
         }
         (control, from, side) = (halves(&control, change)[1], share, -side);
         control[0] = T::zero();
@@ -290,7 +309,7 @@ impl<N: Number> TaylorLaneState<N> {
                 let numbers = before.map(|row| row[lane]);
                 scheduler.put(lane, numbers);
                 let time = numbers[TIME] + (numbers[TIME_LOW] + into_step);
-                let end = End { time, phase, clearance: scheduler.clearance[lane], ..End::NOWHERE };
+                let end = End { time, phase, ..scheduler.end_of_phase(lane) };
                 scheduler.finish(lane, adaptive.outcome_of_pass(time), end);
             }
         }
@@ -304,19 +323,21 @@ mod tests {
     #[test]
     fn a_pass_is_seen_however_near_the_top_it_begins() {
         for size in [1e-3, 1e-15, 1e-30] {
-            let (pass, _) = passage_of_top(&[-1.0, 0.0], &[-0.9 * size, size], 1.0);
-            assert!((pass.expect("beyond the top") - 0.9f64).abs() < 1e-12, "{size} {pass:?}");
+            let (passes, _) = passages_of_top(&[-1.0, 0.0], &[-0.9 * size, size], 1.0, 1);
+            assert!((passes[0].0 - 0.9f64).abs() < 1e-12 && !passes[0].1, "{size} {passes:?}");
         }
     }
 
     #[test]
     fn a_miss_says_how_near_it_was() {
         let y = |height: f64| [height - 0.25, 1.0, -1.0, 0.0];
-        let (pass, nearest) = passage_of_top(&[-1.0, 0.0, 0.0, 0.0], &y(-1e-9), 1.0);
-        assert!(pass.is_none() && (0.1e-9..1.0001e-9).contains(&nearest), "{nearest:e}");
-        let (pass, _) = passage_of_top(&[-1.0, 0.0, 0.0, 0.0], &y(1e-9), 1.0);
-        assert!((pass.expect("over it") - (0.5 - 1e-9f64.sqrt())).abs() < 1e-11);
-        let (pass, nearest) = passage_of_top(&[1.0, 0.0, 0.0, 0.0], &y(1e-9), 1.0);
-        assert_eq!((pass, nearest), (None, FAR), "the bottom is no top");
+        let (passes, nearest) = passages_of_top(&[-1.0, 0.0, 0.0, 0.0], &y(-1e-9), 1.0, 1);
+        assert!(passes.is_empty() && (0.1e-9..1.0001e-9).contains(&nearest), "{nearest:e}");
+        let (passes, _) = passages_of_top(&[-1.0, 0.0, 0.0, 0.0], &y(1e-9), 1.0, 9);
+        let by = 1e-9f64.sqrt();
+        assert!((passes[0].0 - (0.5 - by)).abs() < 1e-11 && !passes[0].1, "over it");
+        assert!((passes[1].0 - (0.5 + by)).abs() < 1e-11 && passes[1].1, "and back");
+        let (passes, nearest) = passages_of_top(&[1.0, 0.0, 0.0, 0.0], &y(1e-9), 1.0, 1);
+        assert_eq!((passes, nearest), (Vec::new(), FAR), "the bottom is no top");
     }
 }

@@ -105,8 +105,8 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
-        if job.keep == Keep::Growth {
-            let why = "growth is computed on the processor: use --engine cpu";
+        if job.keep == Keep::Growth || job.question.passes != 1 {
+            let why = "only the processor follows tangents and counts passes: use --engine cpu";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         let general =

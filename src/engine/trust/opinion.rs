@@ -98,7 +98,8 @@ mod tests {
     use crate::scene::lattice::Cell;
 
     fn starts() -> (Question, Deep) {
-        let question = Question { build: Build::default(), rule: Rule::Second, budget_secs: 8.0 };
+        let question =
+            Question { build: Build::default(), rule: Rule::Second, budget_secs: 8.0, passes: 1 };
         let cell = Cell::around([2.2, -1.9].map(Theta::from_f64), 80);
         let points = (0..4).map(|k| [0.2 * f64::from(k), -0.3]).collect();
         (question, Deep { leaves: vec![Leaf { cell, points }], strict: false })

@@ -132,7 +132,8 @@ mod tests {
     /// The outlook of starts in a row from one of them.
     fn outlook(from: [f64; 2], budget_secs: f64) -> Outlook {
         let mut engine = CpuEngine::new(Some(2)).unwrap();
-        let question = Question { build: Build::default(), rule: Rule::Second, budget_secs };
+        let question =
+            Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 };
         let angle = |k: u32| [from[0] + 4e-4 * f64::from(k), from[1] + 3e-4 * f64::from(k)];
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
         Outlook::of(&mut engine, question, BALANCED, &starts, &|| true).unwrap().unwrap()

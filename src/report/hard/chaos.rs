@@ -32,7 +32,7 @@ pub(super) const CASES: &[HardCase] = &[
 fn lyapunov(_: &mut HardBench) -> Result<HardFinding, EngineError> {
     let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
     let build = Build::new(Kind::Points, [1.0; 2], [1.0; 2], 1.0);
-    let asked = Question { build, rule: Rule::Second, budget_secs: 1.0 };
+    let asked = Question { build, rule: Rule::Second, budget_secs: 1.0, passes: 1 };
     let long = spectrum(&unit, [2.0, 2.0], 500.0);
     let sum: f64 = long.iter().sum();
     let pair = long[0] + long[3];

@@ -173,7 +173,7 @@ impl<'a> HardBench<'a> {
 
 /// A question about the pendulum of the home map.
 fn home(rule: Rule, budget_secs: f64) -> Question {
-    Question { build: Build::default(), rule, budget_secs }
+    Question { build: Build::default(), rule, budget_secs, passes: 1 }
 }
 
 /// Distance between two outcomes in seconds; infinite if their statuses differ.

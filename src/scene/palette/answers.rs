@@ -13,6 +13,9 @@ pub struct AnswerColours {
     way: Way,
 }
 
+/// Number of passes in each natural unit of time from which on colours stay the same.
+const MOST_A_UNIT: f64 = 0.4;
+
 /// The way in which the channels become a colour.
 #[derive(Clone, Debug, PartialEq)]
 enum Way {
@@ -24,6 +27,8 @@ enum Way {
     Between(usize, [f64; 2], Palette),
     /// Two angles at once.
     Torus,
+    /// The sum of all channels, from 0 to a number.
+    Counts(f64, Palette),
 }
 
 impl AnswerColours {
@@ -35,6 +40,11 @@ impl AnswerColours {
         let chosen = picture.channel_of(ask)?;
         if chosen.is_none() && ask.kind().painted == Painted::TwoAngles {
             return Ok(AnswerColours { way: Way::Torus });
+        }
+        if chosen.is_none() && ask.kind().painted == Painted::Sum {
+            let units = scene.question.end_secs() / scene.build.unit_secs();
+            let palette = Palette::named(&picture.palette)?;
+            return Ok(AnswerColours { way: Way::Counts(MOST_A_UNIT * units, palette) });
         }
         let channel = chosen.unwrap_or(0);
         let way = match ask.kind().channels[channel].scale {
@@ -75,6 +85,7 @@ impl AnswerColours {
                 palette.colour((values[*channel] - from) / (to - from))
             }
             Way::Torus => torus([values[0], values[1]]),
+            Way::Counts(most, palette) => palette.colour(values.iter().sum::<f64>() / most),
         }
     }
 }
@@ -85,8 +96,8 @@ impl AnswerColours {
 /// colours an eye can see.
 fn torus([theta1, theta2]: [f64; 2]) -> Rgb {
     let (sin2, cos2) = theta2.sin_cos();
-    let lightness = 0.62 - 0.17 * cos2;
-    let chroma = 0.085 + 0.03 * sin2;
+    let lightness = 0.63 - 0.2 * cos2;
+    let chroma = 0.105 + 0.035 * sin2;
     let (sin1, cos1) = theta1.sin_cos();
     from_oklab([lightness, chroma * cos1, chroma * sin1])
 }
