@@ -11,7 +11,7 @@ use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{Engine, IntegratorConfig, Method, Precision};
 use flipmap::physics::oracle::{flip_within, passages};
 use flipmap::physics::taylor::Orbit;
-use flipmap::physics::{Angle, Dd, Launch, Outcome, Pendulum, Scalar, State, Status};
+use flipmap::physics::{Angle, Dd, Decimal, Launch, Outcome, Pendulum, Scalar, State, Status};
 use flipmap::question::Ask;
 use flipmap::scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
 use flipmap::tiles::{Renderer, Samples};
@@ -165,9 +165,12 @@ fn flips_on_every_plane_are_the_gold_standards() {
         (Plane { kind: PlaneKind::Section, energy: 5.0, ..Plane::default() }, "8"),
     ];
     for (plane, width) in planes {
-        let scene = scene(Ask::Flip, plane, width, 8.0);
-        let share = share_of_right_flips(&scene, 14, &by_cpu(&scene, 14, BALANCED));
-        assert!(share >= 0.99, "{:?}: {share}", scene.plane);
+        for friction in [[0.0, 0.0], [0.1, 0.05]] {
+            let mut scene = scene(Ask::Flip, plane.clone(), width, 8.0);
+            scene.build.friction = friction.map(Decimal::from);
+            let share = share_of_right_flips(&scene, 14, &by_cpu(&scene, 14, BALANCED));
+            assert!(share >= 0.99, "{:?} {friction:?}: {share}", scene.plane);
+        }
     }
 }
 
@@ -239,9 +242,12 @@ fn the_card_answers_as_the_processor_does() {
             assert!(share > 0.95, "{config:?}: {share}");
         }
     }
-    let flips = scene_of_flips();
-    let samples = rendered(&flips, 14, BALANCED, Box::new(gpu_engine()));
-    assert!(share_of_right_flips(&flips, 14, &samples) >= 0.99);
+    for friction in [[0.0, 0.0], [0.1, 0.05]] {
+        let mut flips = scene_of_flips();
+        flips.build.friction = friction.map(Decimal::from);
+        let samples = rendered(&flips, 14, BALANCED, Box::new(gpu_engine()));
+        assert!(share_of_right_flips(&flips, 14, &samples) >= 0.99, "{friction:?}");
+    }
 }
 
 fn scene_of_flips() -> Scene {
@@ -435,4 +441,49 @@ fn the_third_flip_is_found_by_every_method() {
         let right = (0..truth.len()).filter(is_right).count();
         assert!(right * 100 >= truth.len() * 97, "{config:?}: {right} of {}", truth.len());
     }
+}
+
+#[test]
+fn friction_slows_every_method_alike() {
+    let mut scene = scene(Ask::State, plane("speeds", ["2.5", "-1", "0", "0"]), "20", 6.0);
+    scene.build.friction = [0.2, 0.1].map(Decimal::from);
+    for config in ALL_METHODS {
+        let share = share_of_right_states(&scene, 10, &by_cpu(&scene, 10, config), 1e-3);
+        assert!(share >= 0.98, "{config:?}: {share}");
+    }
+    let samples = by_cpu(&scene, 10, BALANCED);
+    scene.build.friction = [0.2, 0.11].map(Decimal::from);
+    assert!(share_of_right_states(&scene, 10, &samples, 1e-3) < 0.1, "the test can fail");
+}
+
+#[test]
+fn what_friction_takes_is_what_energy_loses() {
+    let friction = [0.2, 0.1].map(Decimal::from);
+    let pendulum = flipmap::scene::Build { friction, ..Default::default() }.pendulum();
+    let [b1, b2] = pendulum.friction.unwrap();
+    let begin = State { angle: [2.5, -1.0], speed: [3.0, 8.0] };
+    let mut orbit = Orbit::new(pendulum, begin);
+    // Five points of Gauss and Legendre in each step of the expansion.
+    let nodes = [0.0, 0.538_469_310_105_683_1, 0.906_179_845_938_664];
+    let weights = [0.568_888_888_888_888_9, 0.478_628_670_499_366_5, 0.236_926_885_056_189_1];
+    let mut work = 0.0;
+    while orbit.time() < 10.0 {
+        let step = orbit.step();
+        let power = |tau: f64| {
+            let [w1, w2] = step.state(tau).speed;
+            b1 * w1 * w1 + b2 * (w2 - w1) * (w2 - w1)
+        };
+        let quarter = step.length / 4.0;
+        for part in 0..4 {
+            let middle = (f64::from(part) + 0.5) * quarter;
+            for (node, weight) in nodes.iter().zip(weights) {
+                let sides: &[f64] = if *node == 0.0 { &[1.0] } else { &[1.0, -1.0] };
+                for side in sides {
+                    work += weight * 0.5 * quarter * power(middle + side * node * 0.5 * quarter);
+                }
+            }
+        }
+    }
+    let lost = pendulum.energy(&begin) - pendulum.energy(orbit.state());
+    assert!(lost > 10.0 && (work - lost).abs() < 1e-9 * lost, "{work} {lost}");
 }

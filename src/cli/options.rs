@@ -43,6 +43,9 @@ pub(super) struct SceneWords {
     /// Gravitational acceleration in m/s²
     #[arg(long, allow_hyphen_values = true)]
     gravity: Option<String>,
+    /// Friction at the two pivots in N m s
+    #[arg(long, value_name = "b1,b2", allow_hyphen_values = true)]
+    friction: Option<String>,
     /// Kind of pendulum: points (bobs on massless rods) or rods (uniform bars)
     #[arg(long)]
     kind: Option<String>,
@@ -102,7 +105,7 @@ impl SceneWords {
         Ok(document.with_scene(scene.checked()?))
     }
 
-    fn said(&self) -> [(Word, &Option<String>); 16] {
+    fn said(&self) -> [(Word, &Option<String>); 17] {
         [
             (Word::Center, &self.center),
             (Word::Width, &self.width),
@@ -117,6 +120,7 @@ impl SceneWords {
             (Word::Budget, &self.budget),
             (Word::Rule, &self.rule),
             (Word::Kind, &self.kind),
+            (Word::Friction, &self.friction),
             (Word::Masses, &self.masses),
             (Word::Lengths, &self.lengths),
             (Word::Gravity, &self.gravity),

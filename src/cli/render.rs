@@ -185,7 +185,7 @@ fn check_numbers(
     check_steps(scene, config)?;
     let grid = Grid::new(scene, size);
     let pixel = grid.pixel_rad();
-    let (cells, why) = if grid.has_cells() && scene.question.ask.kind().follows_cells {
+    let (cells, why) = if grid.has_cells() {
         (cells, "--cells is never")
     } else {
         (Cells::Never, "--width is too small for this plane or question")

@@ -58,7 +58,7 @@ pub fn near_rad(pendulum: &Pendulum<f64>) -> f64 {
     greatest_pull(pendulum) * length(pendulum).powi(2)
 }
 
-fn greatest_pull(Pendulum { a, b, c, p, q, least_det }: &Pendulum<f64>) -> f64 {
+fn greatest_pull(Pendulum { a, b, c, p, q, least_det, .. }: &Pendulum<f64>) -> f64 {
     (b * p + c * q).max(a * q + c * p) / least_det
 }
 
@@ -84,6 +84,10 @@ impl Opening {
     /// Returns true if a watched bob is released so near the top that [`Opening::begin`] must
     /// decide; `angle` within [−π, π].
     pub fn concerns(&self, angle: [f64; 2]) -> bool {
+        // With friction the motion is no series in the square of time.
+        if self.rounded.friction.is_some() {
+            return false;
+        }
         self.rule.watched().iter().any(|&bob| from_top(angle[bob]).abs() <= 1.01 * self.near_rad)
     }
 

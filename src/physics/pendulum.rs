@@ -8,7 +8,8 @@
 //! C c α1 + B α2 =  C s ω1² − Q sin θ2        s = sin(θ1−θ2)
 //! ```
 //!
-//! Their determinant AB − C² c² = (AB − C²) + C² s² is positive; its constant part is carried as a
+//! Friction at the pivots adds −b1 ω1 + b2 (ω2−ω1) to the first right-hand side and −b2 (ω2−ω1) to the
+//! second. Their determinant AB − C² c² = (AB − C²) + C² s² is positive; its constant part is carried as a
 //! sixth number, because computing it from the other five cancels for light first bobs.
 
 use super::dd::Dd;
@@ -30,6 +31,9 @@ pub struct Pendulum<T> {
     pub q: T,
     /// Least value of the determinant, AB − C², in kg² m⁴.
     pub least_det: T,
+    /// Friction b1 and b2 at the two pivots in N m s; none where nothing slows it down, so that
+    /// kernels and loops hold no trace of it.
+    pub friction: Option<[T; 2]>,
 }
 
 /// A start with speeds, to the precision of double-double.
@@ -80,6 +84,7 @@ impl<T: Scalar> Pendulum<T> {
             p: (m1 + m2) * gravity * l1,
             q: m2 * gravity * l2,
             least_det: m1 * m2 * l1 * l1 * l2 * l2,
+            friction: None,
         }
     }
 
@@ -94,6 +99,7 @@ impl<T: Scalar> Pendulum<T> {
             p: (m1 / lit(2.0) + m2) * gravity * l1,
             q: m2 * gravity * l2 / lit(2.0),
             least_det: (m1 / lit(9.0) + m2 / lit(12.0)) * m2 * l1 * l1 * l2 * l2,
+            friction: None,
         }
     }
 
@@ -110,6 +116,7 @@ impl<T: Scalar> Pendulum<T> {
             p: self.p / self.q,
             q: one,
             least_det: self.least_det / (self.c * self.c),
+            friction: self.friction.map(|pair| pair.map(|b| b / (self.c * self.q).sqrt())),
         };
         (reduced, (self.c / self.q).sqrt())
     }
@@ -177,6 +184,7 @@ impl<T: Copy> Pendulum<T> {
             p: f(self.p),
             q: f(self.q),
             least_det: f(self.least_det),
+            friction: self.friction.map(|pair| pair.map(&f)),
         }
     }
 }
@@ -211,7 +219,19 @@ impl<T: Real> Pendulum<T> {
     /// The right-hand sides τ in N m, with `cs` = C sin(θ1−θ2).
     #[inline(always)]
     fn torques(&self, cs: T, [sin1, sin2]: [T; 2], [w1, w2]: [T; 2]) -> [T; 2] {
-        [-(cs * (w2 * w2)) - self.p * sin1, cs * (w1 * w1) - self.q * sin2]
+        let torques = [-(cs * (w2 * w2)) - self.p * sin1, cs * (w1 * w1) - self.q * sin2];
+        match self.drag([w1, w2]) {
+            None => torques,
+            Some(drag) => [torques[0] + drag[0], torques[1] + drag[1]],
+        }
+    }
+
+    /// The torques of friction in N m at these speeds (rad/s), if there is any.
+    #[inline(always)]
+    pub fn drag(&self, [w1, w2]: [T; 2]) -> Option<[T; 2]> {
+        let [b1, b2] = self.friction?;
+        let joint = b2 * (w2 - w1);
+        Some([joint - b1 * w1, -joint])
     }
 }
 

@@ -18,20 +18,18 @@ impl<T: Real> Pendulum<T> {
     ///
     /// With c = cos(θ1−θ2) and s = sin(θ1−θ2), the speeds solve A ω1 + C c ω2 = p1 and
     /// C c ω1 + B ω2 = p2; then x′ = −ωy, y′ = ωx, p1′ = −C s ω1ω2 − P y1 and
-    /// p2′ = C s ω1ω2 − Q y2.
+    /// p2′ = C s ω1ω2 − Q y2, each with the torque of friction.
     #[inline(always)]
     pub fn derivative(&self, phase: &Phase<T>) -> Phase<T> {
         let [x1, y1, x2, y2, _, _] = *phase;
         let ([w1, w2], sin) = self.speeds_and_sine(phase);
         let pull = sin * (w1 * w2);
-        [
-            -(w1 * y1),
-            w1 * x1,
-            -(w2 * y2),
-            w2 * x2,
-            -(self.p.mul_add(y1, pull)),
-            (-self.q).mul_add(y2, pull),
-        ]
+        let forces = [-(self.p.mul_add(y1, pull)), (-self.q).mul_add(y2, pull)];
+        let [p1, p2] = match self.drag([w1, w2]) {
+            None => forces,
+            Some(drag) => [forces[0] + drag[0], forces[1] + drag[1]],
+        };
+        [-(w1 * y1), w1 * x1, -(w2 * y2), w2 * x2, p1, p2]
     }
 
     /// The angular velocities ω1 and ω2 in rad/s.
@@ -63,6 +61,13 @@ impl<T: Scalar> Pendulum<T> {
         let cos = self.c * (x1 * x2 + y1 * y2);
         let [w1, w2] = state.speed;
         [x1, y1, x2, y2, self.a * w1 + cos * w2, cos * w1 + self.b * w2]
+    }
+
+    /// Kinetic plus potential energy in J; zero if both rods are level and at rest.
+    pub fn energy_of(&self, phase: &Phase<T>) -> T {
+        let [x1, _, x2, _, p1, p2] = *phase;
+        let [w1, w2] = self.speeds(phase);
+        T::from_f64(0.5) * (p1 * w1 + p2 * w2) - self.depth([x1, x2])
     }
 
     /// Approximate limit of each momentum, √(inertia × weight), by which errors are judged.

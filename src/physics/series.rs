@@ -47,6 +47,7 @@ impl<T: Real, const N: usize> MotionSeries<T, N> {
             let drive = product(&sin, &both, k);
             // A division, because the literal 1/(k+1) would be accurate to f64 only.
             let over = zero.lit(1.0) / zero.lit((k + 1) as f64);
+            let drag = pendulum.drag([w[0][k], w[1][k]]);
             let next = [
                 -product(&w[0], y1, k),
                 product(&w[0], x1, k),
@@ -57,6 +58,10 @@ impl<T: Real, const N: usize> MotionSeries<T, N> {
             ];
             for i in 0..6 {
                 z[i][k + 1] = next[i] * over;
+            }
+            if let Some([first, second]) = drag {
+                z[4][k + 1] = z[4][k + 1] + first * over;
+                z[5][k + 1] = z[5][k + 1] + second * over;
             }
         }
         MotionSeries { phase: z, speed: w }

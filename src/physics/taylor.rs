@@ -122,7 +122,8 @@ impl<T: Scalar> Orbit<T> {
 /// A pendulum in a unit of time of `unit` seconds.
 fn in_units<T: Scalar>(pendulum: &Pendulum<T>, unit: T) -> Pendulum<T> {
     let square = unit * unit;
-    Pendulum { p: pendulum.p * square, q: pendulum.q * square, ..*pendulum }
+    let friction = pendulum.friction.map(|pair| pair.map(|b| b * unit));
+    Pendulum { p: pendulum.p * square, q: pendulum.q * square, friction, ..*pendulum }
 }
 
 fn in_units_of<T: Scalar>(state: &State<T>, unit: T) -> State<T> {
@@ -231,6 +232,10 @@ impl<T: Scalar> RecurrenceSeries<T> {
         let (s, cos) = (&self.sin[2], &self.cos[2]);
         self.torque[0][k] = -c * product(s, &self.speed_squared[1], k) - p * self.sin[0][k];
         self.torque[1][k] = c * product(s, &self.speed_squared[0], k) - q * self.sin[1][k];
+        if let Some([first, second]) = pendulum.drag([self.speed[0][k], self.speed[1][k]]) {
+            self.torque[0][k] = self.torque[0][k] + first;
+            self.torque[1][k] = self.torque[1][k] + second;
+        }
         let constant = if k == 0 { pendulum.least_det } else { T::zero() };
         self.det[k] = constant + c * c * square(s, k);
         let pull = [

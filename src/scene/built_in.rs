@@ -21,9 +21,9 @@ macro_rules! scenes {
 }
 
 /// All built-in scenes as they are shown: from the whole map inwards, then the others.
-pub const BUILT_IN: [BuiltIn; 21] = scenes! {
+pub const BUILT_IN: [BuiltIn; 22] = scenes! {
     "home" "filigree" "threads" "deep" "abyss" "trench" "seabed" "shore" "tip" "upright" "island" "either" "first" "rods"
-    "heavy" "heyl" "moment" "islands" "turns" "section" "thrown"
+    "heavy" "heyl" "moment" "islands" "turns" "section" "thrown" "damped"
 };
 
 impl BuiltIn {

@@ -164,6 +164,7 @@ impl Film {
             masses: pair(a.build.masses, b.build.masses),
             lengths: pair(a.build.lengths, b.build.lengths),
             gravity: exact(a.build.gravity, b.build.gravity),
+            friction: pair(a.build.friction, b.build.friction),
         };
         // A film whose camera moves has one budget throughout.
         let budget = if self.stays() {

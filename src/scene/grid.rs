@@ -83,7 +83,7 @@ impl Grid {
             right,
             up,
             plane: scene.plane.clone(),
-            has_cells: scene.plane.is_at_rest() && scene.question.follows_cells(),
+            has_cells: scene.has_cells(),
             pendulum,
             exact: scene.build.pendulum_in(),
             rule: scene.question.watched(),

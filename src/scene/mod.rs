@@ -64,6 +64,13 @@ pub struct Build {
     pub lengths: [Decimal; 2],
     /// Gravity g in m/s².
     pub gravity: Decimal,
+    /// Friction b1, b2 at the two pivots in N m s.
+    #[serde(skip_serializing_if = "is_frictionless")]
+    pub friction: [Decimal; 2],
+}
+
+fn is_frictionless(friction: &[Decimal; 2]) -> bool {
+    friction.iter().all(|b| b.value() == 0.0)
 }
 
 impl Default for Build {
@@ -76,7 +83,8 @@ impl Build {
     /// A pendulum of masses in kg, lengths in m and gravity in m/s².
     pub fn new(kind: Kind, masses: [f64; 2], lengths: [f64; 2], gravity: f64) -> Self {
         let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Decimal::from));
-        Build { kind, masses, lengths, gravity: gravity.into() }
+        let friction = [0.0.into(); 2];
+        Build { kind, masses, lengths, gravity: gravity.into(), friction }
     }
 
     /// Masses m1, m2 as the nearest f64, in kg.
@@ -99,10 +107,17 @@ impl Build {
         let [masses, lengths] =
             [self.masses, self.lengths].map(|pair| pair.map(|x| T::from_theta(x.exact())));
         let gravity = T::from_theta(self.gravity.exact());
-        match self.kind {
+        let pendulum = match self.kind {
             Kind::Points => Pendulum::points(masses, lengths, gravity),
             Kind::Rods => Pendulum::rods(masses, lengths, gravity),
-        }
+        };
+        let friction = self.friction.map(|b| T::from_theta(b.exact()));
+        Pendulum { friction: self.has_friction().then_some(friction), ..pendulum }
+    }
+
+    /// Returns true if anything slows the pendulum down.
+    pub fn has_friction(&self) -> bool {
+        !is_frictionless(&self.friction)
     }
 
     /// The five numbers in reduced units, in which C = Q = 1, and the unit of time, √(C/Q), in s.
@@ -122,7 +137,14 @@ impl Build {
             ),
         };
         let unit_secs = (l1 / of(self.gravity)).sqrt();
-        (Pendulum { a, b, c: one, p, q: one, least_det }, unit_secs)
+        // In units of √(CQ); C is Q over gravity times the first length.
+        let force = match self.kind {
+            Kind::Points => m2 * l2 * of(self.gravity),
+            Kind::Rods => m2 * l2 * of(self.gravity) / two,
+        };
+        let friction = self.friction.map(|b| of(b) / (force * unit_secs));
+        let friction = self.has_friction().then_some(friction);
+        (Pendulum { a, b, c: one, p, q: one, least_det, friction }, unit_secs)
     }
 
     /// The pendulum's natural unit of time in s; 1 s without gravity, when nothing moves.
@@ -264,6 +286,9 @@ impl Scene {
         if let Some(length) = lengths.iter().find(|l| !WIDE.contains(&l.value())) {
             return refuse("--lengths", length, "each length must lie between 1e-9 and 1e9 m");
         }
+        if let Some(b) = self.build.friction.iter().find(|b| !(0.0..=1e9).contains(&b.value())) {
+            return refuse("--friction", b, "each must lie between 0 and 1e9 N m s");
+        }
         if !(gravity == 0.0 || WIDE.contains(&gravity.value())) {
             return refuse("--gravity", &gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
         }
@@ -286,6 +311,12 @@ impl Scene {
     /// plane that every part of the program knows.
     pub fn is_flip_from_rest(&self) -> bool {
         self.question.ask == Ask::Flip && self.question.count == 1 && self.plane.is_at_rest()
+    }
+
+    /// Returns true if cells of starts can be followed: they begin at rest, and their polynomials
+    /// answer the question.
+    pub fn has_cells(&self) -> bool {
+        self.plane.is_at_rest() && self.question.follows_cells()
     }
 
     /// Refuses another question or plane where only flips from rest can be shown or computed.

@@ -27,6 +27,8 @@ pub enum Word {
     Lengths,
     /// Gravity g.
     Gravity,
+    /// Friction b1, b2.
+    Friction,
     /// The question's name.
     Ask,
     /// Time of the answer.
@@ -48,7 +50,7 @@ const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comm
 
 impl Word {
     /// Every word with its option: the view first, then the question and the pendulum.
-    pub const ALL: [(&'static str, Word); 16] = [
+    pub const ALL: [(&'static str, Word); 17] = [
         ("--center", Word::Center),
         ("--width", Word::Width),
         ("--rotate", Word::Rotate),
@@ -59,6 +61,7 @@ impl Word {
         ("--masses", Word::Masses),
         ("--lengths", Word::Lengths),
         ("--gravity", Word::Gravity),
+        ("--friction", Word::Friction),
         ("--ask", Word::Ask),
         ("--at", Word::At),
         ("--count", Word::Count),
@@ -113,6 +116,10 @@ impl Word {
                 let range = "it must be 0 or a number between 1e-9 and 1e9 m/s²";
                 build.gravity = text.parse().map_err(|()| range)?;
             }
+            Word::Friction => {
+                let range = "it must be two numbers between 0 and 1e9 N m s with a comma between";
+                build.friction = pair(text).ok_or(range)?;
+            }
             Word::Ask => question.ask = text.parse().map_err(|_| Ask::NAMES)?,
             Word::At => {
                 let none = text == END_OF_BUDGET;
@@ -149,6 +156,7 @@ impl Word {
             Word::Masses => pair(build.masses),
             Word::Lengths => pair(build.lengths),
             Word::Gravity => build.gravity.to_string(),
+            Word::Friction => pair(build.friction),
             Word::Ask => question.ask.to_string(),
             Word::At => question.at.map_or(END_OF_BUDGET.to_string(), |at| at.to_string()),
             Word::Count => question.count.to_string(),

@@ -50,7 +50,8 @@ impl OpenTile {
             let (k, place) = ((place / in_cell) as usize, place % in_cell);
             (&grids[k], [place % side, place / side], known(k, place))
         };
-        let is_deep = grids.first().is_some_and(|grid| config.is_deep(grid.pixel_rad()));
+        let follows = |grid: &Grid| grid.has_cells() && config.is_deep(grid.pixel_rad());
+        let is_deep = grids.first().is_some_and(follows);
         let groups = is_deep.then(|| leaves_of(cells, side, config.leaf_pixels()));
         OpenTile::sorted(cells.len() as u32 * in_cell, groups, pixel)
     }

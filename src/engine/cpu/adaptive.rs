@@ -13,7 +13,7 @@ use crate::engine::{End, NUMBERS, Question};
 use crate::physics::control::{GROW, LONGEST, SHRINK};
 use crate::physics::crossing::{FAR, StepState};
 use crate::physics::phase::Phase;
-use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
+use crate::physics::{Dd, Outcome, Pendulum, Real, Rule, Status};
 
 /// Runs a chunk in lanes of `N`.
 #[inline(always)]
@@ -66,6 +66,9 @@ pub(super) fn run<N: Number, P: TopTest>(
                 state.store(&mut lanes.scheduler, taken);
                 break;
             }
+        }
+        if reduced.friction.is_some() {
+            finish_those_slowed(&mut lanes.scheduler, &reduced);
         }
         finish_those_over(&mut lanes.scheduler, &adaptive);
     }
@@ -269,6 +272,22 @@ fn first_pass<P: TopTest>(
         }
     }
     first
+}
+
+/// Frees the lanes whose pendulums friction has left too little energy ever to pass the top.
+fn finish_those_slowed(scheduler: &mut LaneScheduler, reduced: &Pendulum<f64>) {
+    let rule = scheduler.chunk.question.rule;
+    if rule == Rule::Neither || scheduler.chunk.question.passes == u32::MAX {
+        return;
+    }
+    // More than any error of the energy.
+    let least = reduced.least_depth(rule) + 1e-3 * (reduced.p + reduced.q);
+    for lane in scheduler.running() {
+        if -reduced.energy_of(&start::phase_of(&scheduler.numbers(lane))) > least {
+            let end = scheduler.end_of_phase(lane);
+            scheduler.finish(lane, Outcome::without_time(Status::Unflipped), end);
+        }
+    }
 }
 
 /// Frees the lanes whose budget is used up, until every lane has work or none is left.

@@ -29,6 +29,7 @@ impl Design {
                 p: variable("p"),
                 q: literal(1.0),
                 least_det: variable("least_det"),
+                friction: None,
             },
         }
     }
