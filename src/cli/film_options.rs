@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::physics::Decimal;
+use flipmap::question::Ask;
 use flipmap::scene::film::Film;
 use flipmap::scene::keys::{Easing, Key, Keys};
 use flipmap::scene::{Budget, Document, Scene, View};
@@ -217,7 +218,7 @@ fn spaced(scenes: Vec<Document>) -> Vec<Key> {
 fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
     let wrong = || {
         Exit::Usage(format!(
-            "--vary is '{vary}'; it must be time, budget, gravity, masses or lengths with two \
+            "--vary is '{vary}'; it must be time, at, budget, gravity, masses or lengths with two \
              values, as in time=0..30 or masses=1,1..1,5"
         ))
     };
@@ -239,6 +240,13 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
                 let budget = &mut key.scene.question.budget;
                 budget.secs = budget.secs.max(latest);
                 budget.auto &= budget.secs > latest;
+            }
+            "at" => {
+                key.scene.question.ask = Ask::State;
+                key.scene.question.at = Some(one()?);
+                let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
+                let budget = &mut key.scene.question.budget;
+                budget.secs = budget.secs.max(latest);
             }
             "budget" => key.scene.question.budget = Budget::secs(one()?),
             "gravity" => key.scene.pendulum.gravity = exact(text)?,

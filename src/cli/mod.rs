@@ -13,6 +13,7 @@ mod film_options;
 mod hunt;
 #[cfg(feature = "window")]
 mod lab;
+mod moments;
 mod options;
 mod outputs;
 mod picture_options;

@@ -114,6 +114,10 @@ fn spares_others(path: &Path) -> Result<(), Exit> {
 fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     if options.film.says_film() {
         let (film, spec) = options.film.film()?;
+        if film.is_of_moments() {
+            let message = "a film of states is made by flipmap video; plans are for stills and for films of flips";
+            return Err(Exit::Usage(message.to_string()).into());
+        }
         return Ok((PlannedOutput::Film(film), spec));
     }
     let scene = SceneOptions { scene: options.film.scene(), ..SceneOptions::default() };

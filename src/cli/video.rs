@@ -12,25 +12,25 @@ use super::exit::Exit;
 use super::film_options::FilmOptions;
 use super::progress::Mode;
 use super::run_options::{check_steps, start};
-use super::{farm, stop};
+use super::{farm, moments, stop};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
     #[command(flatten)]
-    film: FilmOptions,
+    pub film: FilmOptions,
     /// Film to write: .mp4 or .mkv (lossless) through ffmpeg, or a folder of numbered pictures
     #[arg(short, long, value_name = "FILM")]
-    output: PathBuf,
+    pub output: PathBuf,
     /// Folder that keeps the samples, to resume after a stop or to change colours (default:
     /// FILM.samples)
     #[arg(long, value_name = "FOLDER")]
-    cache: Option<PathBuf>,
+    pub cache: Option<PathBuf>,
     /// Print the ffmpeg command line and exit
     #[arg(long)]
     print_ffmpeg: bool,
     /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
-    progress: Mode,
+    pub progress: Mode,
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
@@ -44,6 +44,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
     }
     farm::check_output(&options.output)?;
+    if film.is_of_moments() {
+        return moments::run(options, &film, &spec);
+    }
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     std::fs::create_dir_all(&cache)
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;

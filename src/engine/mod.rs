@@ -20,16 +20,19 @@ mod cells;
 pub mod choice;
 pub mod cpu;
 pub mod depth;
+mod end;
 pub mod gpu;
 pub mod kind;
 pub mod level;
 pub mod method;
 pub mod mock;
+mod one_job;
 pub mod profile;
 pub mod run_settings;
 pub mod selfcheck;
 pub mod shared;
 pub mod start;
+mod starts;
 pub mod symbol;
 pub mod trust;
 
@@ -37,17 +40,17 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::physics::crossing;
-use crate::physics::phase::Phase;
-use crate::physics::{Dd, Launch, Outcome, Pendulum, Rule, Scalar, Status};
-use crate::scene::lattice::Cell;
+use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
 use crate::scene::{Build, Scene};
 pub use cells::{Cells, Indistinguishable};
 pub use depth::DepthStats;
+pub use end::End;
 pub use kind::EngineKind;
 pub use level::Accuracy;
 use method::Pace;
 pub use method::{Method, Precision};
+pub use one_job::run_job;
+pub use starts::{Deep, Leaf, Moving, MovingStarts, Starts};
 pub use trust::Trust;
 
 /// The question that a job asks about each of its starts.
@@ -107,83 +110,6 @@ pub struct IntegratorConfig {
     pub precision: Precision,
 }
 
-/// The states in which the pendulums of a job begin.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Starts {
-    /// Released from rest at these angles (rad), each within (−π, π].
-    Rest(Vec<[Dd; 2]>),
-    /// Thrown from angles (rad, each within (−π, π]) with speeds (rad/s).
-    Thrown(Vec<Launch>),
-    /// Resumed from the states in which an earlier job left them; its question may differ in the
-    /// budget only.
-    Resumed(Vec<IntegratorState>),
-    /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
-    Moving(MovingStarts),
-    /// Released from rest at places too close together for the number types of engines; only
-    /// [`depth::DepthEngine`] can begin them.
-    Deep(Deep),
-}
-
-/// Starts grouped by the leaves of the lattice in which they lie.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Deep {
-    /// The leaves, all of one level.
-    pub leaves: Vec<Leaf>,
-    /// True if they are followed with other cuts than usual and smaller errors, as a check.
-    pub strict: bool,
-}
-
-/// Starts in one cell of the lattice.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Leaf {
-    /// The cell of the lattice.
-    pub cell: Cell,
-    /// Positions in the cell, in [−1, 1]²: θ1 to the right, θ2 up.
-    pub points: Vec<[f64; 2]>,
-}
-
-/// Pendulums that set out at about the same time.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MovingStarts {
-    /// Reduced time from which on their tolerance rises.
-    pub since: f64,
-    /// Their states.
-    pub states: Vec<Moving>,
-}
-
-/// A pendulum in motion, in reduced units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moving {
-    /// Time since the release, and the remainder that rounding took from it.
-    pub time: [f64; 2],
-    /// Unit vectors along the rods, and momenta.
-    pub phase: Phase<f64>,
-    /// Length of the first step to try, short enough to be safe.
-    pub step: f64,
-    /// Clearance so far, see [`End::clearance`].
-    pub clearance: f64,
-    /// Growth so far, see [`End::grown`].
-    pub grown: f64,
-}
-
-impl Starts {
-    /// Number of pendulums.
-    pub fn len(&self) -> usize {
-        match self {
-            Starts::Rest(angles) => angles.len(),
-            Starts::Thrown(launches) => launches.len(),
-            Starts::Resumed(states) => states.len(),
-            Starts::Moving(moving) => moving.states.len(),
-            Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
-        }
-    }
-
-    /// Returns true if there are no pendulums.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
-
 /// Most numbers that a pendulum's state can have, see [`start`].
 pub const NUMBERS: usize = 15;
 
@@ -224,43 +150,6 @@ pub enum Keep {
     Ends,
     /// The end of each pendulum with its growth, for which its tangents are carried along.
     Growth,
-}
-
-/// The state in which a pendulum's integration ended: at its flip, or at the end of the budget;
-/// reduced units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
-    /// Time since the release.
-    pub time: f64,
-    /// Unit vectors along the rods, and momenta.
-    pub phase: Phase<f64>,
-    /// Lower bound on the distance from the top (as a sine) at which a watched bob turned round
-    /// before; [`crossing::FAR`] for methods that cannot tell.
-    pub clearance: f64,
-    /// Factor by which neighbours had moved apart between the release and the beginning of the
-    /// start's own integration: 1 where that began at rest, infinite where none was needed.
-    pub grown: f64,
-    /// Whole turns of each bob since the release, anticlockwise ones positive; only counted where
-    /// no bob is watched.
-    pub turns: [i32; 2],
-    /// Number of passes of the top by each bob anticlockwise and clockwise, the first bob first.
-    pub passes: [u32; 4],
-    /// Natural logarithm of the growth of the largest of all nudges (see
-    /// [`crate::physics::tangents`]); 0 unless [`Keep::Growth`] asked for it.
-    pub log_growth: f64,
-}
-
-impl End {
-    /// The end of a pendulum that has not moved.
-    pub const NOWHERE: End = End {
-        time: 0.0,
-        phase: [0.0; 6],
-        clearance: crossing::FAR,
-        grown: 1.0,
-        turns: [0; 2],
-        passes: [0; 4],
-        log_growth: 0.0,
-    };
 }
 
 impl Job {

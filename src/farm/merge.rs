@@ -106,21 +106,24 @@ impl FilmSink {
         })
     }
 
-    fn has(&mut self, frame: u32, shot: &Shot) -> bool {
+    /// Returns true if a frame is there, whole and as it should be.
+    pub fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         match self {
             FilmSink::Frames(frames) => frames.has(frame, shot),
             FilmSink::Encoder(_) => false,
         }
     }
 
-    fn write(&mut self, frame: u32, shot: &Shot, rgb: &[u8]) -> Result<(), MergeError> {
+    /// Writes the next frame.
+    pub fn write(&mut self, frame: u32, shot: &Shot, rgb: &[u8]) -> Result<(), MergeError> {
         match self {
             FilmSink::Frames(frames) => Ok(frames.write(frame, shot, rgb)?),
             FilmSink::Encoder(encoder) => Ok(encoder.write(rgb)?),
         }
     }
 
-    fn finish(self) -> Result<(), MergeError> {
+    /// Completes the film.
+    pub fn finish(self) -> Result<(), MergeError> {
         match self {
             FilmSink::Frames(frames) => Ok(frames.finish()?),
             FilmSink::Encoder(encoder) => Ok(encoder.finish()?),

@@ -10,7 +10,7 @@ use crate::film::{FrameGroup, frame_groups};
 use crate::output::sha256;
 use crate::scene::film::Film;
 use crate::scene::lattice::Cell;
-use crate::scene::{Document, Scene};
+use crate::scene::{Build, Document, QuestionTable, Scene};
 use crate::tiles::patches::{PATCH_SAMPLES, canonical};
 
 /// Largest number of patches in a hand, which is dealt to one shard.
@@ -184,7 +184,7 @@ fn passes(document: &Document, numbers: bool, how: &str) -> Vec<StillPass> {
     }
     let pass = |along: u32| {
         let size = size.map(|side| side * along);
-        let rows = if scene.view.is_symmetric() { size[1].div_ceil(2) } else { size[1] };
+        let rows = if scene.is_symmetric() { size[1].div_ceil(2) } else { size[1] };
         let of = sha256(format!("still {} {size:?} {how}", what_of(&scene)).as_bytes());
         StillPass { along, size, rows, of }
     };
@@ -212,10 +212,20 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
     tasks
 }
 
-/// All of a scene that decides its samples.
+/// All of a scene that decides its samples. Settings added after the first release appear only where
+/// they differ from their defaults, so that older parts are still found.
 fn what_of(scene: &Scene) -> String {
-    let Scene { build, question, view, .. } = scene;
-    format!("{build:?} {} {} {view:?}", question.rule, question.budget.secs)
+    let Scene { build, question, view, plane } = scene;
+    let Build { kind, masses, lengths, gravity, friction } = build;
+    let build = format!(
+        "Build {{ kind: {kind:?}, masses: {masses:?}, lengths: {lengths:?}, gravity: {gravity:?} }}"
+    );
+    let plain = format!("{build} {} {} {view:?}", question.rule, question.budget.secs);
+    if scene.is_flip_from_rest() && !scene.build.has_friction() {
+        return plain;
+    }
+    let QuestionTable { ask, at, count, .. } = question;
+    format!("{plain} {friction:?} {ask} {at:?} {count} {plane:?}")
 }
 
 #[cfg(test)]
@@ -228,6 +238,31 @@ mod tests {
 
     const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+
+    #[test]
+    fn what_a_scene_computes_names_newer_settings_only_where_they_are_used() {
+        let home = Scene::default();
+        let old = "Build { kind: Points, masses: [1.0, 1.0], lengths: [1.0, 1.0], gravity: 9.81 } \
+                   second 30 View { center: [\"0\", \"0\"], width: \"6.283185307179586\", \
+                   rotate: 0.0, stretch: 1.0 }";
+        assert_eq!(what_of(&home), old);
+        let changes: [fn(&mut Scene); 5] = [
+            |scene| scene.build.friction[1] = Decimal::from(0.1),
+            |scene| scene.question.ask = crate::question::Ask::State,
+            |scene| scene.question.count = 2,
+            |scene| scene.plane.origin[3] = "1".to_string(),
+            |scene| scene.plane.kind = "speeds".parse().unwrap(),
+        ];
+        let mut all = vec![old.to_string()];
+        for change in changes {
+            let mut scene = home.clone();
+            change(&mut scene);
+            all.push(what_of(&scene));
+        }
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), 6);
+    }
 
     fn task(what: PlannedOutput, shards: u32) -> Task {
         let plan = Plan::new(what, shards, (&MockEngine::default(), CONFIG, false), true);

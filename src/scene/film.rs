@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::keys::Key;
 use super::{Budget, Build, QuestionTable, Scene, SceneError, View};
 use crate::physics::{Decimal, Scalar, Theta};
+use crate::question::Ask;
 
 /// Frames of one size along a path of keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,6 +51,15 @@ pub enum FilmError {
         number: usize,
         /// The property that differs.
         what: &'static str,
+    },
+    /// A change of something else than the time in a film of states.
+    #[error(
+        "key {number} has another view, plane or pendulum than the one before, or an earlier --at; in \
+         a film of states only the time changes, and it goes on"
+    )]
+    Moves {
+        /// Number of the key, from 1.
+        number: usize,
     },
     /// A clock that starts or stops partway through the film.
     #[error("key {number} {has} a clock and the first {first}: give it to all keys or to none")]
@@ -107,7 +117,9 @@ impl Film {
             return Err(FilmError::Large { size, samples });
         }
         for (key, number) in self.keys.iter().zip(1..) {
-            key.scene.scene().require_flip_from_rest()?;
+            if !self.is_of_moments() {
+                key.scene.scene().require_flip_from_rest()?;
+            }
             let jumps = |what| Err(FilmError::Jumps { number, what });
             if key.scene.question.rule != first.scene.question.rule {
                 return jumps("rule");
@@ -120,6 +132,23 @@ impl Film {
                 return Err(FilmError::Clock { number, has: has(key), first: has(first) });
             }
             range("clock", key.clock.unwrap_or(0.0), 0.0, 1e6)?;
+        }
+        if self.is_of_moments() { self.check_moments() } else { Ok(()) }
+    }
+
+    /// Returns true if it shows the question `state` as its time goes on.
+    pub fn is_of_moments(&self) -> bool {
+        self.keys.iter().all(|key| key.scene.question.ask == Ask::State)
+    }
+
+    /// Refuses a film of moments in which something else than the time changes.
+    fn check_moments(&self) -> Result<(), FilmError> {
+        for ((before, key), number) in self.keys.iter().zip(&self.keys[1..]).zip(2..) {
+            let [a, b] = [before, key].map(|key| key.scene.scene());
+            let same = (a.build, &a.view, &a.plane) == (b.build, &b.view, &b.plane);
+            if !same || b.question.end_secs() < a.question.end_secs() {
+                return Err(FilmError::Moves { number });
+            }
         }
         Ok(())
     }
@@ -172,7 +201,8 @@ impl Film {
         } else {
             self.budget_secs()
         };
-        let question = QuestionTable { budget: Budget::secs(budget), ..a.question };
+        let at = a.question.at.zip(b.question.at).map(|(a, b)| mix(a, b));
+        let question = QuestionTable { budget: Budget::secs(budget), at, ..a.question };
         let view = between_views(&a.view, &b.view, share);
         let clock_secs = from.clock.zip(to.clock).map(|(a, b)| mix(a, b));
         Shot { scene: Scene { build, question, view, plane: a.plane }, clock_secs }

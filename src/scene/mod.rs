@@ -238,7 +238,7 @@ impl QuestionTable {
                 "only the questions state and growth last until a given time",
             );
         }
-        if !(at > 0.0 && at <= self.budget.secs) {
+        if !(at >= 0.0 && at <= self.budget.secs) {
             let range = "it must lie within the budget: between 0 and --budget, in s";
             return refuse("--at", format!("{at} s"), range);
         }

@@ -18,6 +18,7 @@ pub mod cache;
 pub mod descent;
 pub mod explorer;
 mod in_flight;
+pub mod moments;
 mod open_tile;
 mod opinion;
 mod order;

@@ -5,8 +5,7 @@
 use rayon::prelude::*;
 
 use super::Trust;
-use super::outlook::ask;
-use crate::engine::{Deep, Engine, EngineError, IntegratorConfig, Keep, Question, Starts};
+use crate::engine::{Deep, Engine, EngineError, IntegratorConfig, Keep, Question, Starts, run_job};
 use crate::physics::flip::right_secs;
 use crate::physics::{Fixed, Outcome, Scalar, Status, Theta, oracle};
 
@@ -35,7 +34,7 @@ impl Opinion {
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Opinion>, EngineError> {
         let starts = Starts::Deep(deep.clone());
-        let Some(answer) = ask(engine, question, config, starts, Keep::Nothing, go_on)? else {
+        let Some(answer) = run_job(engine, question, config, starts, Keep::Nothing, go_on)? else {
             return Ok(None);
         };
         let is_sure = |k: &usize| {

@@ -5,12 +5,10 @@
 //! of the configuration. The distance by which that moves its answer is its growth, and so its
 //! error.
 
-use std::time::{Duration, Instant};
-
 use super::judge::{Answer, Judge};
 use super::ladder::{Origin, Run};
 use crate::engine::{
-    Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Question, Starts, Wait,
+    Engine, EngineError, IntegratorConfig, JobResult, Keep, Question, Starts, run_job,
 };
 use crate::physics::Dd;
 
@@ -29,10 +27,6 @@ const ENOUGH: f64 = 0.99;
 const NUDGE: f64 = 30.0;
 /// Share of half a leaf by which deep starts are moved.
 const DEEP_NUDGE: f64 = 1e-8;
-/// Identifier of the job; no others are in flight.
-const JOB: u64 = 0;
-/// Time between two checks for a stop.
-const PATIENCE: Duration = Duration::from_millis(50);
 
 impl Outlook {
     /// Computes the outlook from these starts; none once `go_on` returns false.
@@ -50,7 +44,7 @@ impl Outlook {
         let run = Run::new(config, from);
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
         let mut answers = |starts| {
-            let finished = ask(engine, question, config, starts, Keep::Ends, go_on)?;
+            let finished = run_job(engine, question, config, starts, Keep::Ends, go_on)?;
             let answer = |(outcome, end)| Answer { outcome, end };
             let all = |f: JobResult| f.outcomes.into_iter().zip(f.ends).map(answer).collect();
             Ok::<Option<Vec<Answer>>, EngineError>(finished.map(all))
@@ -100,25 +94,6 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
         }
         Starts::Resumed(_) | Starts::Moving(_) => starts.clone(),
     }
-}
-
-/// Runs one job on an engine and returns its result; none once `go_on` returns false.
-pub(super) fn ask(
-    engine: &mut dyn Engine,
-    question: Question,
-    config: IntegratorConfig,
-    starts: Starts,
-    keep: Keep,
-    go_on: &dyn Fn() -> bool,
-) -> Result<Option<JobResult>, EngineError> {
-    engine.submit(Job { id: JOB, question, config, starts, keep })?;
-    while go_on() {
-        if let Some(finished) = engine.poll(Wait::Until(Instant::now() + PATIENCE))?.pop() {
-            return Ok(Some(finished));
-        }
-    }
-    engine.cancel();
-    Ok(None)
 }
 
 #[cfg(test)]

@@ -1,0 +1,83 @@
+//! The states in which the pendulums of a job begin.
+
+use super::IntegratorState;
+use crate::physics::phase::Phase;
+use crate::physics::{Dd, Launch};
+use crate::scene::lattice::Cell;
+
+/// The states in which the pendulums of a job begin.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Starts {
+    /// Released from rest at these angles (rad), each within (−π, π].
+    Rest(Vec<[Dd; 2]>),
+    /// Thrown from angles (rad, each within (−π, π]) with speeds (rad/s).
+    Thrown(Vec<Launch>),
+    /// Resumed from the states in which an earlier job left them; its question may differ in the
+    /// budget only.
+    Resumed(Vec<IntegratorState>),
+    /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
+    Moving(MovingStarts),
+    /// Released from rest at places too close together for the number types of engines; only
+    /// [`depth::DepthEngine`] can begin them.
+    Deep(Deep),
+}
+
+/// Starts grouped by the leaves of the lattice in which they lie.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deep {
+    /// The leaves, all of one level.
+    pub leaves: Vec<Leaf>,
+    /// True if they are followed with other cuts than usual and smaller errors, as a check.
+    pub strict: bool,
+}
+
+/// Starts in one cell of the lattice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leaf {
+    /// The cell of the lattice.
+    pub cell: Cell,
+    /// Positions in the cell, in [−1, 1]²: θ1 to the right, θ2 up.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Pendulums that set out at about the same time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MovingStarts {
+    /// Reduced time from which on their tolerance rises.
+    pub since: f64,
+    /// Their states.
+    pub states: Vec<Moving>,
+}
+
+/// A pendulum in motion, in reduced units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moving {
+    /// Time since the release, and the remainder that rounding took from it.
+    pub time: [f64; 2],
+    /// Unit vectors along the rods, and momenta.
+    pub phase: Phase<f64>,
+    /// Length of the first step to try, short enough to be safe.
+    pub step: f64,
+    /// Clearance so far, see [`End::clearance`].
+    pub clearance: f64,
+    /// Growth so far, see [`End::grown`].
+    pub grown: f64,
+}
+
+impl Starts {
+    /// Number of pendulums.
+    pub fn len(&self) -> usize {
+        match self {
+            Starts::Rest(angles) => angles.len(),
+            Starts::Thrown(launches) => launches.len(),
+            Starts::Resumed(states) => states.len(),
+            Starts::Moving(moving) => moving.states.len(),
+            Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
+        }
+    }
+
+    /// Returns true if there are no pendulums.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}

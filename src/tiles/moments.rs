@@ -1,0 +1,94 @@
+//! The states of a view's pendulums at later and later times: each trajectory is computed once,
+//! and goes on from where the time before found it.
+
+use super::plan::plan;
+use super::reader::Reader;
+use super::samples::Samples;
+use crate::engine::run_job as run;
+use crate::engine::{Engine, EngineError, IntegratorConfig, Job, Keep, Question, Starts};
+use crate::physics::Status;
+use crate::scene::{Fate, Grid, Scene};
+
+/// The pendulums of a view in motion.
+pub struct Moments {
+    question: Question,
+    config: IntegratorConfig,
+    reader: Reader,
+    samples: Samples,
+    batches: Vec<Batch>,
+    /// Time that the pendulums have reached, s.
+    reached_secs: f64,
+}
+
+/// Pendulums of one job.
+struct Batch {
+    /// Indices of their pixels, row by row from the top.
+    places: Vec<u32>,
+    /// Their starts, or the states in which the last job left them.
+    starts: Starts,
+}
+
+impl Moments {
+    /// The pendulums of a checked scene with the question `state` at their starts, in a picture of
+    /// `size` pixels.
+    pub fn new(scene: &Scene, size: [u32; 2], config: IntegratorConfig, job_size: usize) -> Self {
+        let grid = Grid::new(scene, size);
+        let question = Question::from(scene);
+        let (ask, count) = (scene.question.ask, (size[0] * size[1]) as usize);
+        let mut samples = Samples::unanswered(count, ask.kind().channels.len());
+        let mut batches = Vec::new();
+        for tile in plan(size[0], 0..size[1], job_size) {
+            let (mut places, mut angles, mut launches) = (Vec::new(), Vec::new(), Vec::new());
+            for [x, y] in tile.pixels() {
+                let place = y * size[0] + x;
+                match grid.fate(x, y) {
+                    Fate::Known(outcome) => {
+                        samples.set_values(place as usize, outcome.status, &[]);
+                        continue;
+                    }
+                    Fate::Open(angle) => angles.push(angle),
+                    Fate::Thrown(launch) => launches.push(launch),
+                }
+                places.push(place);
+            }
+            // A plane has starts of one kind.
+            let is_at_rest = launches.is_empty();
+            let starts = if is_at_rest { Starts::Rest(angles) } else { Starts::Thrown(launches) };
+            batches.push(Batch { places, starts });
+        }
+        let reader = Reader::new(ask, &question);
+        Moments { question, config, reader, samples, batches, reached_secs: 0.0 }
+    }
+
+    /// Lets all pendulums go on until `at_secs`, which must not lie before the time they have
+    /// reached, and returns their states there; none once `go_on` returns false.
+    pub fn at(
+        &mut self,
+        engine: &mut dyn Engine,
+        at_secs: f64,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<&Samples>, EngineError> {
+        assert!(at_secs >= self.reached_secs, "time goes on");
+        self.reached_secs = at_secs;
+        self.question.budget_secs = at_secs;
+        self.reader = self.reader.at(&self.question);
+        for batch in &mut self.batches {
+            let starts = std::mem::replace(&mut batch.starts, Starts::Rest(Vec::new()));
+            let (id, question, config, keep) = (0, self.question, self.config, Keep::Unfinished);
+            let pace = Job { id, question, config, starts: starts.clone(), keep }.pace()?;
+            let Some(result) = run(engine, question, config, starts, keep, go_on)? else {
+                return Ok(None);
+            };
+            // Those that are not among the unfinished ones have failed.
+            for &place in &batch.places {
+                self.samples.set_values(place as usize, Status::Failed, &[]);
+            }
+            let place = |(k, state): (usize, _)| (batch.places[k], state);
+            let (places, states): (Vec<u32>, Vec<_>) =
+                result.unfinished.into_iter().map(place).unzip();
+            self.reader.fill_states(&pace, &states, &places, &mut self.samples);
+            (batch.places, batch.starts) = (places, Starts::Resumed(states));
+        }
+        Ok(Some(&self.samples))
+    }
+}
