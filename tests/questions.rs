@@ -14,6 +14,7 @@ use flipmap::physics::taylor::Orbit;
 use flipmap::physics::{Angle, Dd, Decimal, Launch, Outcome, Pendulum, Scalar, State, Status};
 use flipmap::question::Ask;
 use flipmap::scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
+use flipmap::tiles::moments::Moments;
 use flipmap::tiles::{Renderer, Samples};
 use rayon::prelude::*;
 
@@ -486,4 +487,27 @@ fn what_friction_takes_is_what_energy_loses() {
     }
     let lost = pendulum.energy(&begin) - pendulum.energy(orbit.state());
     assert!(lost > 10.0 && (work - lost).abs() < 1e-9 * lost, "{work} {lost}");
+}
+
+#[test]
+fn a_film_of_states_passes_through_the_states_of_stills() {
+    for plane in [Plane::default(), plane("speeds", ["2", "-1", "0", "0"])] {
+        let mut scene = scene(Ask::State, plane, "6.2", 30.0);
+        let mut engine = CpuEngine::new(Some(2)).unwrap();
+        let mut moments = Moments::new(&scene, [15, 11], BALANCED, 40);
+        for at in [0.0, 0.3, 2.5, 2.5, 4.0] {
+            let samples = moments.at(&mut engine, at, &|| true).unwrap().unwrap().clone();
+            scene.question.at = Some(at);
+            let mut renderer =
+                Renderer::of(Box::new(CpuEngine::new(Some(2)).unwrap()), BALANCED, false, Some(2))
+                    .unwrap();
+            let still = renderer.render(&scene, [15, 11]).unwrap();
+            let off = |samples: &Samples, k: usize| {
+                (0..2).map(|i| apart(samples.values(k)[i], still.values(k)[i])).fold(0.0, f64::max)
+            };
+            let most = (0..165).map(|k| off(&samples, k)).fold(0.0, f64::max);
+            assert!(most < 1e-9, "{at}: {most:e}");
+        }
+        assert!(moments.at(&mut engine, 5.0, &|| false).unwrap().is_none(), "it can be stopped");
+    }
 }
