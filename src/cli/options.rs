@@ -52,7 +52,7 @@ pub(super) struct SceneWords {
     /// Rotate the picture anticlockwise in the plane, by -360 to 360 degrees
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     rotate: Option<String>,
-    /// Question asked about every start: flip, first, flips, state or growth
+    /// Question asked about every start: flip, first, flips, state, growth or return
     #[arg(long, value_name = "NAME")]
     ask: Option<String>,
     /// Time of the answer in s, for the question state (default: the whole budget)

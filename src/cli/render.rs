@@ -242,8 +242,9 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
 fn check_question(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
     let question = &document.question;
     let on_card = options.run.engine.request(spec.setting).kind == Some(EngineKind::Gpu);
-    let why = if spec.verify && question.ask.kind().needs == Needs::Growth {
-        "growth is not checked: omit --verify and --accuracy exact"
+    let unchecked = matches!(question.ask.kind().needs, Needs::Growth | Needs::Return);
+    let why = if spec.verify && unchecked {
+        "it is not checked: omit --verify and --accuracy exact"
     } else if on_card && question.needs_processor() {
         "the processor computes it: omit --engine gpu"
     } else {

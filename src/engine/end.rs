@@ -22,6 +22,9 @@ pub struct End {
     pub turns: [i32; 2],
     /// Number of passes of the top by each bob anticlockwise and clockwise, the first bob first.
     pub passes: [u32; 4],
+    /// Least distance from the start after having left it, as unit vectors and scaled momenta, and
+    /// its time in s; infinite unless [`super::Keep::Return`] asked for it.
+    pub nearest: [f64; 2],
     /// Natural logarithm of the growth of the largest of all nudges (see
     /// [`crate::physics::tangents`]); 0 unless [`Keep::Growth`] asked for it.
     pub log_growth: f64,
@@ -36,6 +39,7 @@ impl End {
         grown: 1.0,
         turns: [0; 2],
         passes: [0; 4],
+        nearest: [f64::INFINITY, 0.0],
         log_growth: 0.0,
     };
 }

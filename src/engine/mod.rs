@@ -150,6 +150,8 @@ pub enum Keep {
     Ends,
     /// The end of each pendulum with its growth, for which its tangents are carried along.
     Growth,
+    /// The end of each pendulum with its nearest return to the start.
+    Return,
 }
 
 impl Job {

@@ -43,7 +43,7 @@ pub fn log_growth(pendulum: &Pendulum<f64>, state: &Tangents<f64>) -> f64 {
 
 /// The largest singular value of a matrix, from its columns: one-sided Jacobi rotations make them
 /// orthogonal (Demmel and Veselić, *Jacobi's method is more accurate than QR*, 1992).
-fn largest_singular_value(mut columns: [[f64; 4]; 4]) -> f64 {
+pub fn largest_singular_value(mut columns: [[f64; 4]; 4]) -> f64 {
     let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
     let scale = columns.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if !(scale.is_finite() && scale > 0.0) {

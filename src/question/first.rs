@@ -49,6 +49,7 @@ mod tests {
                 secs: 2.5,
                 turns: [0; 2],
                 passes: [0; 4],
+                nearest: [0.0; 2],
                 log_growth: 0.0,
             };
             let [bob, secs, ..] = read(&ending);

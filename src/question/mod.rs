@@ -11,6 +11,7 @@ mod first;
 mod flip;
 mod flips;
 mod growth;
+mod recurrence;
 mod state;
 
 use std::fmt;
@@ -36,6 +37,8 @@ pub enum Ask {
     State,
     /// The finite-time Lyapunov exponent over the budget.
     Growth,
+    /// The nearest return to the start.
+    Return,
 }
 
 /// All that a question decides.
@@ -100,6 +103,8 @@ pub enum Needs {
     Passes,
     /// The growth of nudges, too, which only the processor computes.
     Growth,
+    /// The nearest return to the start, which only the processor looks for.
+    Return,
 }
 
 /// Largest number of channels of any question.
@@ -149,13 +154,16 @@ pub struct Ending<'a> {
     /// Number of passes of the top by each bob in each direction until then: the first bob
     /// anticlockwise and clockwise, the second likewise.
     pub passes: [u32; 4],
+    /// Least distance from the start after having left it, and its time in s.
+    pub nearest: [f64; 2],
     /// Natural logarithm of the growth of the largest of all nudges until then.
     pub log_growth: f64,
 }
 
 impl Ask {
     /// Every question.
-    pub const ALL: [Ask; 5] = [Ask::Flip, Ask::First, Ask::Flips, Ask::State, Ask::Growth];
+    pub const ALL: [Ask; 6] =
+        [Ask::Flip, Ask::First, Ask::Flips, Ask::State, Ask::Growth, Ask::Return];
 
     /// All that the question decides.
     pub fn kind(self) -> &'static QuestionKind {
@@ -165,6 +173,7 @@ impl Ask {
             Ask::Flips => &flips::QUESTION,
             Ask::State => &state::QUESTION,
             Ask::Growth => &growth::QUESTION,
+            Ask::Return => &recurrence::QUESTION,
         }
     }
 
@@ -187,7 +196,7 @@ impl Ask {
     }
 
     /// A phrase with the names of all questions.
-    pub const NAMES: &str = "the questions are flip, first, flips, state and growth";
+    pub const NAMES: &str = "the questions are flip, first, flips, state, growth and return";
 }
 
 impl fmt::Display for Ask {

@@ -40,10 +40,25 @@ pub(super) fn report() -> Report {
         windows: vec![window(&pairs)],
         late: vec![late()],
         depth: vec![depth(2e-3, &pairs), depth(2e-18, &pairs)],
+        questions: vec![question()],
         hard: vec![hard()],
     };
     report.targets = targets::judge(&report);
     report
+}
+
+/// A row of another question.
+fn question() -> QuestionRow {
+    QuestionRow {
+        question: "state",
+        budget_secs: 12.0,
+        engine: "cpu".to_string(),
+        config: plan::BALANCED,
+        us_per_pixel: 20.0,
+        compared: 256,
+        right: 0.996,
+        tolerance: "1e-3 rad",
+    }
 }
 
 /// A row of deep zoom.

@@ -26,6 +26,7 @@ pub mod motion;
 pub mod pages;
 pub mod plan;
 mod plot;
+mod questions;
 mod session;
 pub mod statistics;
 pub mod stopwatch;
@@ -49,6 +50,7 @@ pub use machine::Machine;
 pub use motion::MotionError;
 pub use pages::{Block, Section, Table};
 pub use plan::Thoroughness;
+pub use questions::QuestionRow;
 pub use session::Session;
 pub use statistics::{Band, Errors};
 pub use targets::Target;
@@ -113,6 +115,8 @@ pub struct Report {
     pub late: Vec<LateRow>,
     /// Results of deep zoom, place by place.
     pub depth: Vec<DepthRow>,
+    /// Speed and errors of the questions other than the first flip.
+    pub questions: Vec<QuestionRow>,
     /// Results of the hard cases.
     pub hard: Vec<HardRow>,
 }

@@ -4,12 +4,15 @@ use super::backend::{self, BackendFilter};
 use super::depth::{FilamentPlace, PLACES, Truths};
 use super::hard::HardCase;
 use super::measure::{Bench, refusal};
+use super::questions::QUESTIONS;
 use super::windows::{self, Window};
 use super::{
     Backend, HardRow, Machine, Refusal, Report, ReportError, StopTest, TestSet, Thoroughness, hard,
     motion, plan, targets,
 };
 use crate::engine::IntegratorConfig;
+use crate::engine::level::{BALANCED, FAST};
+use crate::question::Ask;
 
 /// A task of a session; its number is an index into the list of backends.
 #[derive(Clone, Copy)]
@@ -28,6 +31,8 @@ enum Measurement {
     Late(usize, Window),
     /// A config at a deep place on a backend.
     Depth(usize, IntegratorConfig, FilamentPlace),
+    /// A question with its budget in s, by a config on a backend.
+    Asked(usize, IntegratorConfig, (Ask, f64)),
     /// A hard case on a backend.
     Hard(usize, HardCase),
 }
@@ -69,6 +74,7 @@ impl Session {
             windows: Vec::new(),
             late: Vec::new(),
             depth: Vec::new(),
+            questions: Vec::new(),
             hard: Vec::new(),
         };
         report.targets = targets::judge(&report);
@@ -143,6 +149,10 @@ impl Session {
                 let row = bench.depth(&place, config, &mut backends[index], truths)?;
                 report.depth.push(row);
             }
+            Measurement::Asked(index, config, question) => {
+                let row = bench.question(question, config, &mut backends[index])?;
+                report.questions.push(row);
+            }
             Measurement::Hard(index, case) => {
                 let backend = &mut backends[index];
                 let name = backend.short_name();
@@ -163,6 +173,7 @@ impl Session {
             Measurement::Exact(index)
             | Measurement::Window(index, _)
             | Measurement::Late(index, _)
+            | Measurement::Asked(index, ..)
             | Measurement::Hard(index, _) => (index, what(&task)),
             Measurement::Depth(index, config, _) => {
                 (index, format!("deep zoom by {}", plan::words(&config)))
@@ -204,6 +215,12 @@ fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
             }));
         }
     }
+    for index in 0..backends.len() {
+        if index == last || !quick {
+            let all = |config| QUESTIONS.map(|it| Measurement::Asked(index, config, it));
+            tasks.extend([BALANCED, FAST].into_iter().flat_map(all));
+        }
+    }
     for (index, backend) in backends.iter().enumerate() {
         let fits = |case: &HardCase| case.is_for(backend.kind());
         if index == last || !quick {
@@ -222,6 +239,7 @@ fn name(task: &Measurement, backends: &[Backend]) -> String {
         | Measurement::Window(index, _)
         | Measurement::Late(index, _)
         | Measurement::Depth(index, ..)
+        | Measurement::Asked(index, ..)
         | Measurement::Hard(index, _) => {
             format!("{}: {}", backends[*index].short_name(), what(task))
         }
@@ -242,6 +260,9 @@ fn what(task: &Measurement) -> String {
         Measurement::Late(_, window) => format!("exact beside double-double, {}", window.name),
         Measurement::Depth(_, config, place) => {
             format!("{} at a width of {}", plan::words(config), place.width)
+        }
+        Measurement::Asked(_, config, (ask, _)) => {
+            format!("the question {ask} by {}", plan::words(config))
         }
         Measurement::Hard(_, case) => format!("the hard case {}", case.name),
     }

@@ -17,6 +17,7 @@ pub struct Grid {
     up: [Dd; 2],
     plane: Plane,
     has_cells: bool,
+    passes: u32,
     pendulum: Pendulum<f64>,
     exact: Pendulum<Dd>,
     rule: Rule,
@@ -84,6 +85,7 @@ impl Grid {
             up,
             plane: scene.plane.clone(),
             has_cells: scene.has_cells(),
+            passes: scene.question.passes(),
             pendulum,
             exact: scene.build.pendulum_in(),
             rule: scene.question.watched(),
@@ -232,7 +234,8 @@ impl Grid {
     }
 
     fn opening_near(&self, angle: [Dd; 2], column: u32, row: u32) -> Option<Outcome> {
-        if !self.opening.concerns(angle.map(|theta| theta.hi)) {
+        // Later passes are not known from the first moments.
+        if self.passes != 1 || !self.opening.concerns(angle.map(|theta| theta.hi)) {
             return None;
         }
         match self.opening.begin(self.exact_angle_from_pixel(column, row)) {

@@ -205,7 +205,7 @@ impl QuestionTable {
 
     /// Returns true if only the processor computes it: tangents and counts of passes.
     pub fn needs_processor(&self) -> bool {
-        self.ask.kind().needs == Needs::Growth || self.passes() != 1
+        matches!(self.ask.kind().needs, Needs::Growth | Needs::Return) || self.passes() != 1
     }
 
     /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.

@@ -34,6 +34,7 @@ impl Reader {
             Needs::Outcome => Keep::Nothing,
             Needs::End | Needs::Passes => Keep::Ends,
             Needs::Growth => Keep::Growth,
+            Needs::Return => Keep::Return,
         }
     }
 
@@ -89,7 +90,8 @@ impl Reader {
         } else {
             (end.phase, end.turns)
         };
-        let status = if ends_at_a_time { Status::Flipped } else { outcome.status };
+        let never = self.ask.kind().needs == Needs::Return && end.nearest[0].is_infinite();
+        let status = if ends_at_a_time && !never { Status::Flipped } else { outcome.status };
         let Reader { pendulum, unit_secs, .. } = self;
         let secs = if ends_at_a_time { self.at } else { end.time } * unit_secs;
         let ending = Ending {
@@ -100,6 +102,7 @@ impl Reader {
             secs,
             turns,
             passes: end.passes,
+            nearest: end.nearest,
             log_growth: end.log_growth,
         };
         (status, (self.ask.kind().read)(&ending))

@@ -35,8 +35,8 @@ pub fn outcomes<P: EmbeddedPair>(
     let cancelled = AtomicBool::new(false);
     let pace = Pace::Adaptive(adaptive);
     let outcomes = |starts| {
-        let growth = false;
-        let chunk = Chunk { question, config, pace, starts, growth, cancelled: &cancelled };
+        let keep = Keep::Nothing;
+        let chunk = Chunk { question, config, pace, starts, keep, cancelled: &cancelled };
         let pair = std::marker::PhantomData::<P>;
         let result = Arch::new().dispatch(OnLanes { chunk: &chunk, adaptive, pair });
         result.expect("it is never cancelled").outcomes

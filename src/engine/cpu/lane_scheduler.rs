@@ -30,7 +30,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::lanes::MOST_LANES;
 use crate::engine::method::Pace;
 use crate::engine::start::{TIME, TIME_LOW, phase_of};
-use crate::engine::{Effort, End, IntegratorConfig, IntegratorState, NUMBERS, Question};
+use crate::engine::{Effort, End, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question};
 use crate::physics::crossing::FAR;
 use crate::physics::{Outcome, Rule, Status};
 
@@ -44,8 +44,8 @@ pub(super) struct Chunk<'a> {
     pub pace: Pace,
     /// States in which the pendulums begin, in reduced units.
     pub starts: &'a [IntegratorState],
-    /// True if tangents are carried along.
-    pub growth: bool,
+    /// The states to return, which decide what is computed beside the outcomes.
+    pub keep: Keep,
     /// Flag that is set when the answer is no longer needed.
     pub cancelled: &'a AtomicBool,
 }

@@ -9,6 +9,7 @@ mod custom;
 mod fixed;
 mod lane_scheduler;
 mod lanes;
+mod nearest;
 mod number;
 mod pair;
 mod passes;
@@ -110,6 +111,19 @@ impl CpuEngine {
         Err(EngineError::Unsupported(why.to_string()))
     }
 
+    /// Returns an error if a job's pendulums cannot be watched for returns.
+    fn require_returns(job: &Job) -> Result<(), EngineError> {
+        let why = match (job.config.method, job.config.precision, &job.starts) {
+            (Method::Dopri5 { .. } | Method::Dop853 { .. }, Precision::F64, starts) => match starts
+            {
+                Starts::Rest(_) | Starts::Thrown(_) => return Ok(()),
+                _ => "returns are found from the release only",
+            },
+            _ => "returns are found by --method dopri5 or dop853 in f64: use --accuracy balanced",
+        };
+        Err(EngineError::Unsupported(why.to_string()))
+    }
+
     fn take(&mut self, landed: FinishedChunk) -> Option<JobResult> {
         let flying = self.flying.get_mut(&landed.job)?;
         let FinishedChunk { first, answer, job } = landed;
@@ -120,7 +134,7 @@ impl CpuEngine {
                 let kept = (0..count).filter(|&i| answer.outcomes[i].status == Status::Unflipped);
                 flying.finished.unfinished.extend(kept.map(|i| (first + i, answer.states[i])));
             }
-            Keep::Ends | Keep::Growth => {
+            Keep::Ends | Keep::Growth | Keep::Return => {
                 let ends = &mut flying.finished.ends;
                 ends.resize(flying.finished.outcomes.len(), End::NOWHERE);
                 ends[first..first + count].copy_from_slice(&answer.ends);
@@ -141,8 +155,10 @@ impl CpuEngine {
 impl Engine for CpuEngine {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
         Self::require(&job.config)?;
-        if job.keep == Keep::Growth {
-            Self::require_tangents(&job)?;
+        match job.keep {
+            Keep::Growth => Self::require_tangents(&job)?,
+            Keep::Return => Self::require_returns(&job)?,
+            _ => {}
         }
         let pace = job.pace()?;
         let starts = start::states(&job)?;
@@ -173,7 +189,7 @@ impl Engine for CpuEngine {
                     config,
                     pace,
                     starts: &starts,
-                    growth: job.keep == Keep::Growth,
+                    keep: job.keep,
                     cancelled: &cancelled,
                 };
                 let flown = Arch::new().dispatch(ChunkInFlight { chunk: &chunk });
@@ -268,8 +284,10 @@ impl WithSimd for ChunkInFlight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
-        if self.chunk.growth {
-            return self.growth(set);
+        match self.chunk.keep {
+            Keep::Growth => return self.growth(set),
+            Keep::Return => return self.nearest(),
+            _ => {}
         }
         match self.chunk.pace {
             Pace::Fixed(steps) => self.fixed(set, steps),
@@ -295,6 +313,13 @@ impl ChunkInFlight<'_> {
         match config.precision {
             Precision::F32 => lanes!(F32Lanes),
             _ => lanes!(F64Lanes),
+        }
+    }
+
+    fn nearest(self) -> Option<ChunkResult> {
+        match self.chunk.config.method {
+            Method::Dopri5 { .. } => nearest::run::<Dopri5>(self.chunk),
+            _ => nearest::run::<Dop853>(self.chunk),
         }
     }
 

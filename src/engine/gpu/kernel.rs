@@ -165,6 +165,8 @@ impl Design {
             },
             moment: self.moment(),
             control: ControlValues {
+                far: number(FAR),
+                slack: number(SLACK),
                 exponent: number(control.exponent),
                 safety: number(control.safety),
                 shrink: number(SHRINK),
@@ -174,8 +176,6 @@ impl Design {
             statuses: status_constants(),
             quartic: self.scheme == Scheme::Fifth,
             bows: self.bows(),
-            far: number(FAR),
-            slack: number(SLACK),
             maths,
             may_pass,
         }
@@ -231,16 +231,16 @@ struct Values {
     control: ControlValues,
     quartic: bool,
     bows: Vec<String>,
-    far: String,
-    slack: String,
     maths: BTreeMap<String, String>,
     may_pass: String,
     statuses: String,
 }
 
-/// The constants of the step size control.
+/// The constants of the step size control and of the test for crossings.
 #[derive(Serialize)]
 struct ControlValues {
+    far: String,
+    slack: String,
     exponent: String,
     safety: String,
     shrink: String,

@@ -105,8 +105,8 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
-        if job.keep == Keep::Growth || job.question.passes != 1 {
-            let why = "only the processor follows tangents and counts passes: use --engine cpu";
+        if matches!(job.keep, Keep::Growth | Keep::Return) || job.question.passes != 1 {
+            let why = "only the processor computes growth, returns and counts: use --engine cpu";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         let general =

@@ -26,7 +26,9 @@ impl Slot {
                 let left = states.filter(|(i, _)| outcomes[*i].status == Status::Unflipped);
                 finished.unfinished = left.collect();
             }
-            Keep::Ends | Keep::Growth => finished.ends = self.ends(&raw, &self.read_states(&raw)?),
+            Keep::Ends | Keep::Growth | Keep::Return => {
+                finished.ends = self.ends(&raw, &self.read_states(&raw)?)
+            }
         }
         self.buffers.answer.unmap();
         Some(JobResult { outcomes, ..finished })

@@ -1,0 +1,134 @@
+//! Returns: how near a pendulum comes back to its start once it has left it.
+//!
+//! The distance is that of unit vectors and scaled momenta. It falls where the state moves towards
+//! the start; a minimum lies in a step in which it stops falling, and is found by shorter steps from
+//! the same beginning, as passes of the top are.
+
+use std::sync::atomic::Ordering;
+
+use super::lane_scheduler::{Chunk, ChunkResult};
+use super::pair::EmbeddedPair;
+use crate::engine::method::{Adaptive, Pace};
+use crate::engine::start::{TIME, TIME_LOW, phase_of};
+use crate::engine::{End, IntegratorState, NUMBERS};
+use crate::physics::control::{FIRST, GROW, LONGEST, SHRINK};
+use crate::physics::embedded::plus;
+use crate::physics::phase::Phase;
+use crate::physics::{Outcome, Pendulum, Status};
+
+/// Number of steps between two checks for cancellation.
+const PATIENCE: u32 = 4096;
+/// Halvings in the search for a minimum: its time to a billionth of a step.
+const HALVINGS: u32 = 30;
+
+/// One pendulum on its way back to its start.
+struct Returning<'a> {
+    pendulum: &'a Pendulum<f64>,
+    inverse_scale: [f64; 2],
+    start: Phase<f64>,
+    phase: Phase<f64>,
+    time: f64,
+    /// True once the distance has fallen for the first time: the pendulum has left its start.
+    has_left: bool,
+    /// Least distance since then, and its reduced time.
+    nearest: [f64; 2],
+}
+
+/// Runs a chunk with adaptive steps of `P`.
+pub(super) fn run<P: EmbeddedPair>(chunk: &Chunk) -> Option<ChunkResult> {
+    let Pace::Adaptive(adaptive) = chunk.pace else { return None };
+    let (pendulum, unit_secs) = chunk.question.reduced();
+    let until = chunk.question.budget_secs / unit_secs;
+    let mut result = ChunkResult::default();
+    for start in chunk.starts {
+        let phase = phase_of(&start.numbers);
+        let mut returning = Returning {
+            pendulum: &pendulum,
+            inverse_scale: pendulum.momentum_scale().map(|scale| 1.0 / scale),
+            start: phase,
+            phase,
+            time: start.numbers[TIME] + start.numbers[TIME_LOW],
+            has_left: false,
+            nearest: [f64::INFINITY, 0.0],
+        };
+        let (mut steps, mut length) = (0, FIRST);
+        while returning.time < until && steps < adaptive.most_steps {
+            if steps % PATIENCE == 0 && chunk.cancelled.load(Ordering::Relaxed) {
+                return None;
+            }
+            length = returning.step::<P>(&adaptive, length.min(until - returning.time));
+            steps += 1;
+        }
+        result.effort.steps += u64::from(steps);
+        result.effort.lane_steps += u64::from(steps);
+        let rhs = chunk.config.method.rhs_per_step(chunk.config.precision);
+        result.effort.rhs_evaluations += rhs * u64::from(steps);
+        returning.finish(until, unit_secs, &mut result);
+    }
+    Some(result)
+}
+
+impl Returning<'_> {
+    /// Tries a step of this length, takes it if its error is allowed, and returns the length of the
+    /// next one.
+    fn step<P: EmbeddedPair>(&mut self, adaptive: &Adaptive, length: f64) -> f64 {
+        let control = &adaptive.control;
+        let trial = P::trial(self.pendulum, self.inverse_scale, &self.phase, length);
+        let limit = (control.start + control.rise * self.time).min(control.ceiling);
+        let excess = trial.error_squared.max(1e-300).log2() - limit;
+        let factor = (control.exponent * excess + control.safety).clamp(-8.0, 8.0).exp2();
+        if excess < 0.0 {
+            let next = plus(&self.phase, &trial.change);
+            self.look::<P>(&next, length);
+            self.phase = next;
+            self.time += length;
+        }
+        (length * factor.clamp(SHRINK, GROW)).min(LONGEST)
+    }
+
+    /// Looks for a minimum of the distance in the step to `next`.
+    fn look<P: EmbeddedPair>(&mut self, next: &Phase<f64>, length: f64) {
+        let (before, after) = (self.receding(&self.phase), self.receding(next));
+        self.has_left |= before > 0.0 && after < 0.0;
+        if !(self.has_left && before < 0.0 && after >= 0.0) {
+            return;
+        }
+        let (mut low, mut high) = (0.0, length);
+        let at = |by: f64| {
+            plus(&self.phase, &P::trial(self.pendulum, self.inverse_scale, &self.phase, by).change)
+        };
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.receding(&at(middle)) < 0.0 { low = middle } else { high = middle }
+        }
+        let distance = self.distance(&at(high));
+        if distance < self.nearest[0] {
+            self.nearest = [distance, self.time + high];
+        }
+    }
+
+    fn unit(&self, i: usize) -> f64 {
+        if i < 4 { 1.0 } else { self.inverse_scale[i - 4] }
+    }
+
+    /// Distance of a state from the start.
+    fn distance(&self, phase: &Phase<f64>) -> f64 {
+        (0..6).map(|i| ((phase[i] - self.start[i]) * self.unit(i)).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Half the rate of change of the squared distance.
+    fn receding(&self, phase: &Phase<f64>) -> f64 {
+        let rate = self.pendulum.derivative(phase);
+        (0..6).map(|i| (phase[i] - self.start[i]) * rate[i] * self.unit(i).powi(2)).sum()
+    }
+
+    fn finish(self, until: f64, unit_secs: f64, result: &mut ChunkResult) {
+        let whole = self.time >= until && self.phase.iter().all(|number| number.is_finite());
+        let status = if whole { Status::Unflipped } else { Status::Failed };
+        let nearest = [self.nearest[0], self.nearest[1] * unit_secs];
+        let end = End { time: self.time, phase: self.phase, nearest, ..End::NOWHERE };
+        result.outcomes.push(Outcome::without_time(status));
+        result.states.push(IntegratorState { steps: 0, numbers: [0.0; NUMBERS] });
+        result.ends.push(end);
+    }
+}

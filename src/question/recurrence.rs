@@ -1,0 +1,29 @@
+//! `return`: how near the pendulum comes back to its start, and when.
+
+use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
+use crate::physics::Rule;
+
+pub(super) const QUESTION: QuestionKind = QuestionKind {
+    name: "return",
+    about: "Each pixel is a pendulum, coloured by how near it comes back to its start within the \
+            budget. Dark threads are periodic orbits.",
+    channels: &[
+        Channel { name: "distance", unit: "", right: 1e-3, scale: ChannelScale::Between(0.0, 1.0) },
+        Channel { name: "time", unit: "s", right: 1e-2, scale: ChannelScale::Times },
+    ],
+    counted: ["returned", "not returned"],
+    channel_names: "the question return has distance and time",
+    watches: Watches::Always(Rule::Neither),
+    passes: 1,
+    at_a_time: true,
+    is_even: true,
+    painted: Painted::First,
+    follows_cells: false,
+    needs: Needs::Return,
+    read,
+};
+
+fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+    let [distance, secs] = ending.nearest;
+    [distance, secs, 0.0, 0.0, 0.0, 0.0]
+}

@@ -1,0 +1,161 @@
+//! Flips on every plane, counts of them, checks, and the graphics engine.
+
+use flipmap::engine::Precision;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::level::{BALANCED, FAST};
+use flipmap::physics::{Decimal, Outcome, Status};
+use flipmap::question::Ask;
+use flipmap::scene::{Plane, PlaneKind, QuestionTable, Scene};
+use flipmap::tiles::{Renderer, Samples};
+use rayon::prelude::*;
+
+use crate::common::{gpu_engine, lesson};
+use crate::truth::*;
+
+#[test]
+fn flips_on_every_plane_are_the_gold_standards() {
+    let planes = [
+        (plane("speeds", ["0", "0", "0", "0"]), "24"),
+        (plane("first", ["0", "1.5", "0", "-3"]), "9"),
+        (plane("second", ["-2", "0", "4", "0"]), "9"),
+        (plane("theta1,omega2", ["0", "0.5", "-1", "0"]), "9"),
+        (plane("angles", ["0", "0", "3", "-5"]), "6.28"),
+        (Plane { kind: PlaneKind::Section, energy: 5.0, ..Plane::default() }, "8"),
+    ];
+    for (plane, width) in planes {
+        for friction in [[0.0, 0.0], [0.1, 0.05]] {
+            let mut scene = scene(Ask::Flip, plane.clone(), width, 8.0);
+            scene.build.friction = friction.map(Decimal::from);
+            let share = share_of_right_flips(&scene, 14, &by_cpu(&scene, 14, BALANCED));
+            assert!(share >= 0.99, "{:?} {friction:?}: {share}", scene.plane);
+        }
+    }
+}
+
+#[test]
+fn checked_pixels_of_other_questions_and_planes_are_sure_or_marked() {
+    let mut swung = scene(Ask::Flip, plane("speeds", ["0", "0", "0", "0"]), "24", 20.0);
+    swung.view.center = ["1".into(), "2".into()];
+    let state = scene(Ask::State, Plane::default(), "6.283185307179586", 20.0);
+    for scene in [swung, state] {
+        let engine = Box::new(CpuEngine::new(Some(2)).unwrap());
+        let mut renderer = Renderer::of(engine, BALANCED, true, Some(2)).unwrap();
+        let samples = renderer.render(&scene, [12; 2]).unwrap();
+        let counts = renderer.counts();
+        assert!(counts.uncertain() < 8, "{}", counts.uncertain());
+        for k in 0..144 {
+            let Some(start) = start(&scene, 12, k) else { continue };
+            if samples.trust(k as usize) == flipmap::engine::Trust::Uncertain {
+                continue;
+            }
+            if scene.question.ask == Ask::State {
+                let truth = true_state(&scene, start, 20.0);
+                let values = samples.values(k as usize);
+                let off =
+                    (0..2).map(|bob| apart(values[bob], truth.angle[bob])).fold(0.0, f64::max);
+                assert!(off < 1e-3, "{k}: {off:e}");
+            } else {
+                let (truth, found) = (true_flip(&scene, start), samples.get(k as usize));
+                assert_eq!(truth.status, found.status, "{k}");
+                assert!((truth.time - found.time).abs() < 1e-3, "{k}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_bob_that_goes_first_is_the_one_whose_own_flip_comes_first() {
+    let scene = scene(Ask::First, Plane::default(), "6.283185307179586", 10.0);
+    let samples = by_cpu(&scene, 30, BALANCED);
+    let flips = |rule| {
+        let question = QuestionTable { ask: Ask::Flip, rule, ..scene.question };
+        by_cpu(&Scene { question, ..scene.clone() }, 30, BALANCED)
+    };
+    let [first, second] =
+        [flipmap::physics::Rule::First, flipmap::physics::Rule::Second].map(flips);
+    let secs = |samples: &Samples, k| match samples.get(k) {
+        Outcome { status: Status::Flipped, time } => time,
+        _ => f64::INFINITY,
+    };
+    let mut seen = [0; 2];
+    for k in (0..900).filter(|k| samples.get(*k).status == Status::Flipped) {
+        let [bob, time] = [samples.values(k)[0], samples.values(k)[1]];
+        let [one, two] = [secs(&first, k), secs(&second, k)];
+        assert_eq!(bob, if one < two { 1.0 } else { 2.0 }, "{k}: {one} {two}");
+        assert!((time - one.min(two)).abs() < 1e-3, "{k}");
+        seen[bob as usize - 1] += 1;
+    }
+    assert!(seen.iter().all(|count| *count > 20), "{seen:?}");
+}
+
+#[test]
+fn every_flip_is_counted_by_every_method() {
+    let scene = scene(Ask::Flips, plane("speeds", ["2.5", "-1", "0", "0"]), "24", 6.0);
+    let side = 12;
+    let truth: Vec<[f64; 4]> = (0..side * side)
+        .into_par_iter()
+        .map(|k| {
+            let mut counts = [0.0; 4];
+            for (_, bob, left) in true_passes(&scene, start(&scene, side, k).unwrap()) {
+                counts[2 * bob + usize::from(!left)] += 1.0;
+            }
+            counts
+        })
+        .collect();
+    assert!((0..4).all(|way| truth.iter().any(|counts| counts[way] > 5.0)), "all ways are seen");
+    for config in ALL_METHODS {
+        let samples = by_cpu(&scene, side, config);
+        let right = (0..truth.len()).filter(|k| samples.values(*k) == truth[*k]).count();
+        assert!(right * 100 >= truth.len() * 97, "{config:?}: {right} of {}", truth.len());
+    }
+}
+
+#[test]
+fn the_third_flip_is_found_by_every_method() {
+    let mut scene = scene(Ask::Flip, Plane::default(), "6.283185307179586", 8.0);
+    scene.question.count = 3;
+    let side = 20;
+    let truth: Vec<Option<f64>> = (0..side * side)
+        .into_par_iter()
+        .map(|k| {
+            let passes = true_passes(&scene, start(&scene, side, k)?);
+            passes.iter().filter(|(_, bob, _)| *bob == 1).map(|(secs, ..)| *secs).nth(2)
+        })
+        .collect();
+    let seen = truth.iter().flatten().count();
+    assert!(seen > 40, "{seen}");
+    for config in ALL_METHODS {
+        let samples = by_cpu(&scene, side, config);
+        let is_right = |k: &usize| match (truth[*k], samples.get(*k)) {
+            (Some(truth), Outcome { status: Status::Flipped, time }) => (truth - time).abs() < 1e-3,
+            (None, Outcome { status, .. }) => status != Status::Flipped,
+            _ => false,
+        };
+        let right = (0..truth.len()).filter(is_right).count();
+        assert!(right * 100 >= truth.len() * 97, "{config:?}: {right} of {}", truth.len());
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn the_card_answers_as_the_processor_does() {
+    let state = scene(Ask::State, Plane::default(), "6.283185307179586", 4.0);
+    let swung = scene(Ask::State, plane("speeds", ["1", "-1", "0", "0"]), "12", 4.0);
+    for scene in [state, swung] {
+        for config in [BALANCED, FAST, lesson(Precision::F64)] {
+            let samples = rendered(&scene, 12, config, Box::new(gpu_engine()));
+            let share = share_of_right_states(&scene, 12, &samples, 1e-2);
+            assert!(share > 0.95, "{config:?}: {share}");
+        }
+    }
+    for friction in [[0.0, 0.0], [0.1, 0.05]] {
+        let mut flips = scene_of_flips();
+        flips.build.friction = friction.map(Decimal::from);
+        let samples = rendered(&flips, 14, BALANCED, Box::new(gpu_engine()));
+        assert!(share_of_right_flips(&flips, 14, &samples) >= 0.99, "{friction:?}");
+    }
+}
+
+fn scene_of_flips() -> Scene {
+    scene(Ask::Flip, plane("second", ["-2", "0", "4", "0"]), "9", 8.0)
+}

@@ -1,0 +1,9 @@
+//! Questions other than the flip, and planes other than the angles at rest, judged by the gold
+//! standard.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod flips;
+mod orbits;
+mod states;
+mod truth;

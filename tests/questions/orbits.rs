@@ -1,0 +1,121 @@
+//! Growth, periodic orbits, and returns to the start.
+
+use flipmap::engine::level::{BALANCED, FAST};
+use flipmap::engine::{IntegratorConfig, Precision};
+use flipmap::physics::taylor::Orbit;
+use flipmap::physics::{Dd, Scalar, State, Status};
+use flipmap::question::Ask;
+use flipmap::scene::{Plane, PlaneKind};
+use rayon::prelude::*;
+
+use crate::common::lesson;
+use crate::truth::*;
+
+#[test]
+fn growth_is_the_gold_standards_by_every_method() {
+    let scene = scene(Ask::Growth, plane("speeds", ["2", "-1", "0", "0"]), "8", 8.0);
+    let truth: Vec<f64> = (0..81u32)
+        .into_par_iter()
+        .map(|k| true_exponent(&scene, start(&scene, 9, k).unwrap(), 8.0))
+        .collect();
+    let share_within = |config: IntegratorConfig, most: f64| {
+        let samples = by_cpu(&scene, 9, config);
+        let right = truth
+            .iter()
+            .enumerate()
+            .filter(|(k, truth)| (samples.values(*k)[0] - **truth).abs() < most * truth.abs());
+        right.count() as f64 / 81.0
+    };
+    assert!(share_within(BALANCED, 0.01) >= 0.99);
+    let fast = share_within(FAST, 0.01);
+    assert!(fast >= 0.9, "f32: {fast}");
+    let coarse = share_within(lesson(Precision::F64), 0.01);
+    assert!(coarse >= 0.8, "RK4: {coarse}");
+    assert!(share_within(BALANCED, 1e-14) < 0.5, "the test can fail");
+}
+
+#[test]
+fn periodic_orbits_of_a_computer_assisted_proof_are_found_on_the_section() {
+    // ChaseHendrick/double-pendulum (2026, not peer reviewed), with m = l = g = 1 and the energy
+    // less by 0: H = -2 cos θ1 - cos θ2 + kinetic.
+    let orbits = [
+        (-0.5, "-1.2448609709185", [3.7047745436, 3.7047745487], [-3.23158, -3.23150]),
+        (0.0, "-1.46237309248", [2.9534890074, 2.9534890134], [-3.80869, -3.80863]),
+        (0.5, "-1.627044959203", [2.5643622220, 2.5643622277], [-3.33283, -3.33277]),
+    ];
+    let build = flipmap::scene::Build::new(flipmap::scene::Kind::Points, [1.0; 2], [1.0; 2], 1.0);
+    let pendulum = build.pendulum_in::<Dd>();
+    for (energy, p2, time, trace) in orbits {
+        let section = Plane { kind: PlaneKind::Section, energy, ..Plane::default() };
+        let p2 = Dd::parse(p2).unwrap();
+        let from = |theta2: f64, by: f64| {
+            let launch = section.launch(&pendulum, [Dd::new(theta2), p2 + Dd::new(by)]).unwrap();
+            returned(&pendulum, State { angle: launch.angle, speed: launch.speed })
+        };
+        let [secs, theta2, after] = from(0.0, 0.0);
+        assert!(time[0] - 1e-10 < secs.hi && secs.hi < time[1] + 1e-10, "{energy}: {secs}");
+        assert!((theta2 + Dd::TAU).abs().hi < 1e-9 && (after - p2).abs().hi < 1e-9, "{energy}");
+        let by = 1e-8;
+        let [ahead, behind] = [from(by, 0.0), from(-by, 0.0)];
+        let [above, below] = [from(0.0, by), from(0.0, -by)];
+        let found = ((ahead[1] - behind[1]) + (above[2] - below[2])).hi / (2.0 * by);
+        assert!(trace[0] - 1e-5 < found && found < trace[1] + 1e-5, "{energy}: {found}");
+        let multiplier = (found.abs() + (found * found - 4.0).sqrt()) / 2.0;
+        println!("{energy}: {secs} s, trace {found}, exponent {}", multiplier.ln() / secs.hi);
+    }
+}
+
+#[test]
+fn a_periodic_orbit_returns_to_its_start_and_others_do_not() {
+    let build = flipmap::scene::Build::new(flipmap::scene::Kind::Points, [1.0; 2], [1.0; 2], 1.0);
+    let orbits = [(-0.5, -1.2448609709185, 3.704_774_545), (0.5, -1.627044959203, 2.564_362_225)];
+    for (energy, p2, secs) in orbits {
+        let plane = Plane { kind: PlaneKind::Section, energy, ..Plane::default() };
+        let mut scene = scene(Ask::Return, plane, "1e-9", 4.0);
+        scene.build = build;
+        scene.view.center = ["0".to_string(), format!("{p2}")];
+        for config in &ALL_METHODS[..2] {
+            let there = by_cpu(&scene, 1, *config);
+            let [distance, time] = [there.values(0)[0], there.values(0)[1]];
+            assert!(distance < 1e-7 && (time - secs).abs() < 1e-6, "{distance:e} {time}");
+        }
+        scene.view.center[1] = format!("{}", p2 + 0.01);
+        let beside = by_cpu(&scene, 1, BALANCED).values(0)[0];
+        assert!(beside > 1e-3, "{beside:e}");
+    }
+}
+
+#[test]
+fn the_nearest_return_is_the_least_distance_along_the_orbit() {
+    let scene = scene(Ask::Return, plane("speeds", ["2", "1", "0", "0"]), "10", 5.0);
+    let samples = by_cpu(&scene, 8, BALANCED);
+    let pendulum = scene.build.pendulum();
+    let weight = pendulum.momentum_scale().map(|scale| 1.0 / scale);
+    for k in (0..64).step_by(5) {
+        let begin = start(&scene, 8, k).unwrap();
+        let near = |state: State<Dd>| {
+            let state =
+                State { angle: state.angle.map(|x| x.hi), speed: state.speed.map(|x| x.hi) };
+            pendulum.phase(&state)
+        };
+        let from = near(begin);
+        let mut orbit = Orbit::new(scene.build.pendulum_in::<Dd>(), begin);
+        let (mut before, mut falls, mut least) = (0.0, false, f64::INFINITY);
+        for step in 1..=20_000 {
+            let phase = near(orbit.state_at(Dd::new(5.0 * f64::from(step) / 20_000.0)));
+            let unit = |i: usize| if i < 4 { 1.0 } else { weight[i - 4] };
+            let distance =
+                (0..6).map(|i| ((phase[i] - from[i]) * unit(i)).powi(2)).sum::<f64>().sqrt();
+            falls |= distance < before;
+            // A minimum inside the budget, not its end.
+            if falls && distance > before {
+                least = least.min(before);
+            }
+            before = distance;
+        }
+        let found = samples.values(k as usize)[0];
+        let is_right = (found - least).abs() < 1e-3
+            || (least.is_infinite() && samples.get(k as usize).status != Status::Flipped);
+        assert!(is_right, "{k}: {found} {least}");
+    }
+}

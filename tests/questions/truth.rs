@@ -1,0 +1,200 @@
+//! Scenes, answers, and the truth about them by the gold standard.
+
+use std::f64::consts::{PI, TAU};
+
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::level::{BALANCED, FAST};
+use flipmap::engine::{Engine, IntegratorConfig, Method, Precision};
+use flipmap::physics::oracle::{flip_within, passages};
+use flipmap::physics::taylor::Orbit;
+use flipmap::physics::{Angle, Dd, Launch, Outcome, Pendulum, Scalar, State, Status};
+use flipmap::question::Ask;
+use flipmap::scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
+use flipmap::tiles::{Renderer, Samples};
+use rayon::prelude::*;
+
+pub(crate) fn scene(ask: Ask, plane: Plane, width: &str, secs: f64) -> Scene {
+    let question = QuestionTable { ask, budget: Budget::secs(secs), ..QuestionTable::default() };
+    let view = View { width: width.to_string(), ..View::default() };
+    Scene { question, plane, view, ..Scene::default() }.checked().unwrap()
+}
+
+pub(crate) fn plane(kind: &str, origin: [&str; 4]) -> Plane {
+    let kind: PlaneKind = kind.parse().unwrap();
+    Plane { kind, origin: origin.map(str::to_string), ..Plane::default() }
+}
+
+pub(crate) fn rendered(
+    scene: &Scene,
+    side: u32,
+    config: IntegratorConfig,
+    engine: Box<dyn Engine>,
+) -> Samples {
+    let mut renderer = Renderer::of(engine, config, false, Some(2)).unwrap();
+    renderer.render(scene, [side; 2]).unwrap()
+}
+
+pub(crate) fn by_cpu(scene: &Scene, side: u32, config: IntegratorConfig) -> Samples {
+    rendered(scene, side, config, Box::new(CpuEngine::new(Some(2)).unwrap()))
+}
+
+/// The start of a pixel with its speeds; none if it is forbidden.
+pub(crate) fn start(scene: &Scene, side: u32, k: u32) -> Option<State<Dd>> {
+    match Grid::new(scene, [side; 2]).fate(k % side, k / side) {
+        Fate::Known(_) => None,
+        Fate::Open(angle) => Some(State::rest(angle)),
+        Fate::Thrown(Launch { angle, speed }) => Some(State { angle, speed }),
+    }
+}
+
+/// The state after `secs`, with unwrapped angles, by the gold standard.
+pub(crate) fn true_state(scene: &Scene, start: State<Dd>, secs: f64) -> State<f64> {
+    let state = Orbit::new(scene.build.pendulum_in::<Dd>(), start).state_at(Dd::new(secs));
+    State { angle: state.angle.map(Dd::to_f64), speed: state.speed.map(Dd::to_f64) }
+}
+
+/// The flip of a thrown pendulum by the gold standard.
+pub(crate) fn true_flip(scene: &Scene, start: State<Dd>) -> Outcome {
+    let (rule, budget) = (scene.question.watched(), scene.question.budget.secs);
+    let mut orbit = Orbit::new(scene.build.pendulum_in::<Dd>(), start);
+    while orbit.time().hi <= budget {
+        let step = orbit.step();
+        if let Some(tau) = flip_within(&step, rule) {
+            let secs = (step.start + tau).hi;
+            let fits = secs <= budget;
+            return if fits {
+                Outcome::flipped(secs)
+            } else {
+                Outcome::without_time(Status::Unflipped)
+            };
+        }
+    }
+    Outcome::without_time(Status::Unflipped)
+}
+
+/// Difference of two angles on the circle, rad.
+pub(crate) fn apart(a: f64, b: f64) -> f64 {
+    let by = (a - b).abs() % TAU;
+    by.min(TAU - by)
+}
+
+/// Share of a scene's pixels whose state is right within `most` rad, with right turns and speeds
+/// within ten times that.
+pub(crate) fn share_of_right_states(scene: &Scene, side: u32, samples: &Samples, most: f64) -> f64 {
+    let is_right = |k: u32| {
+        let truth = true_state(scene, start(scene, side, k)?, scene.question.end_secs());
+        let values = samples.values(k as usize);
+        let turns = truth.angle.map(|angle| ((angle - PI) / TAU).ceil());
+        // At ±π itself a turn may be counted to either side.
+        let whole = |bob: usize| values[bob] + TAU * values[4 + bob] - truth.angle[bob];
+        let near = |bob: usize| {
+            apart(values[bob], truth.angle[bob]) < most
+                && (values[2 + bob] - truth.speed[bob]).abs() < 10.0 * most
+                && whole(bob).abs() < 2.0 * most
+                && (values[4 + bob] == turns[bob] || values[bob].abs() > PI - most)
+        };
+        Some((0..2).all(near))
+    };
+    let right: Vec<bool> = (0..side * side).into_par_iter().filter_map(is_right).collect();
+    assert!(right.len() as u32 > side * side / 2);
+    right.iter().filter(|right| **right).count() as f64 / right.len() as f64
+}
+
+/// Share of a scene's open pixels whose flip is right within 1 ms.
+pub(crate) fn share_of_right_flips(scene: &Scene, side: u32, samples: &Samples) -> f64 {
+    let is_right = |k: u32| {
+        let (truth, found) = (true_flip(scene, start(scene, side, k)?), samples.get(k as usize));
+        Some(truth.status == found.status && (truth.time - found.time).abs() < 1e-3)
+    };
+    let right: Vec<bool> = (0..side * side).into_par_iter().filter_map(is_right).collect();
+    assert!(right.len() as u32 > side * side / 4, "{}", right.len());
+    right.iter().filter(|right| **right).count() as f64 / right.len() as f64
+}
+
+/// The growth of the largest of all nudges by the gold standard: central differences of orbits in
+/// double-double.
+pub(crate) fn true_exponent(scene: &Scene, start: State<Dd>, secs: f64) -> f64 {
+    const NUDGE: f64 = 1e-11;
+    let unit = scene.build.unit_secs();
+    let column = |k: usize| {
+        let ends = [-NUDGE, NUDGE].map(|by| {
+            let mut moved = start;
+            if k < 2 {
+                moved.angle[k] = moved.angle[k] + Dd::new(by);
+            } else {
+                moved.speed[k - 2] = moved.speed[k - 2] + Dd::new(by / unit);
+            }
+            Orbit::new(scene.build.pendulum_in::<Dd>(), moved).state_at(Dd::new(secs))
+        });
+        let angle = |i: usize| (ends[1].angle[i] - ends[0].angle[i]).hi / (2.0 * NUDGE);
+        let speed = |i: usize| (ends[1].speed[i] - ends[0].speed[i]).hi * unit / (2.0 * NUDGE);
+        [angle(0), angle(1), speed(0), speed(1)]
+    };
+    let columns = [0, 1, 2, 3].map(column);
+    // The largest singular value by power iteration on the map after its transpose.
+    let mut nudge = [1.0, 0.7, -0.4, 0.2];
+    let mut growth = 0.0;
+    for _ in 0..200 {
+        let moved: [f64; 4] =
+            std::array::from_fn(|i| (0..4).map(|k| columns[k][i] * nudge[k]).sum());
+        growth = moved.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let back: [f64; 4] =
+            std::array::from_fn(|k| (0..4).map(|i| columns[k][i] * moved[i]).sum());
+        let length = back.iter().map(|x| x * x).sum::<f64>().sqrt();
+        nudge = back.map(|x| x / length);
+    }
+    growth.ln() / secs
+}
+
+/// A step of the Poincaré map: from a start on the section θ1 = 0 to the next passage of θ1 = 0 with
+/// dθ1/dt > 0, as its duration in units of time with θ2, and p2 there.
+pub(crate) fn returned(pendulum: &Pendulum<Dd>, start: State<Dd>) -> [Dd; 3] {
+    let mut orbit = Orbit::new(*pendulum, start);
+    let mut left = false;
+    loop {
+        let step = orbit.step();
+        let [from, to] = [Dd::new(0.0), step.end() - step.start].map(|tau| step.state(tau));
+        left |= to.angle[0].abs().hi > 1e-3;
+        if !(left && from.angle[0].hi < 0.0 && to.angle[0].hi >= 0.0) {
+            continue;
+        }
+        // Newton's method, which the direction of the passage makes converge.
+        let mut tau = step.end() - step.start;
+        for _ in 0..60 {
+            let state = step.state(tau);
+            tau = tau - state.angle[0] / state.speed[0];
+        }
+        let State { angle, speed } = step.state(tau);
+        let cos = (angle[0] - angle[1]).sin_cos().1;
+        let p2 = pendulum.b * speed[1] + pendulum.c * cos * speed[0];
+        return [step.start + tau, angle[1], p2];
+    }
+}
+
+/// All passes of the top by both bobs up to the end of the budget by the gold standard, in order: the
+/// time in s, the bob, and true if it is anticlockwise.
+pub(crate) fn true_passes(scene: &Scene, start: State<Dd>) -> Vec<(f64, usize, bool)> {
+    let budget = scene.question.end_secs();
+    let mut orbit = Orbit::new(scene.build.pendulum_in::<Dd>(), start);
+    let mut passes = Vec::new();
+    while orbit.time().hi <= budget {
+        let step = orbit.step();
+        for bob in 0..2 {
+            for tau in passages(&step.angle[bob], step.length) {
+                let speed = step.state(tau).speed[bob];
+                passes.push(((step.start + tau).hi, bob, speed.hi > 0.0));
+            }
+        }
+    }
+    passes.retain(|(secs, ..)| *secs <= budget);
+    passes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    passes
+}
+
+pub(crate) const ALL_METHODS: [IntegratorConfig; 5] = [
+    BALANCED,
+    IntegratorConfig { method: Method::Dopri5 { tolerance: 1e-10 }, precision: Precision::F64 },
+    IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 },
+    IntegratorConfig { method: Method::Rk4 { step_secs: 1.0 / 2000.0 }, precision: Precision::F64 },
+    FAST,
+];
