@@ -26,7 +26,7 @@ pub struct End {
     /// its time in s; infinite unless [`super::Keep::Return`] asked for it.
     pub nearest: [f64; 2],
     /// Natural logarithm of the growth of the largest of all nudges (see
-    /// [`crate::physics::tangents`]); 0 unless [`Keep::Growth`] asked for it.
+    /// [`crate::physics::tangents`]); 0 unless [`super::Keep::Growth`] asked for it.
     pub log_growth: f64,
 }
 

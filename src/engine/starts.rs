@@ -18,7 +18,7 @@ pub enum Starts {
     /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
     Moving(MovingStarts),
     /// Released from rest at places too close together for the number types of engines; only
-    /// [`depth::DepthEngine`] can begin them.
+    /// [`super::depth::DepthEngine`] can begin them.
     Deep(Deep),
 }
 
@@ -58,9 +58,9 @@ pub struct Moving {
     pub phase: Phase<f64>,
     /// Length of the first step to try, short enough to be safe.
     pub step: f64,
-    /// Clearance so far, see [`End::clearance`].
+    /// Clearance so far, see [`super::End::clearance`].
     pub clearance: f64,
-    /// Growth so far, see [`End::grown`].
+    /// Growth so far, see [`super::End::grown`].
     pub grown: f64,
 }
 
