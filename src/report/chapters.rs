@@ -254,14 +254,14 @@ mod tests {
         }
         let counts: Vec<usize> = sections.iter().map(|section| table(section).rows.len()).collect();
         assert_eq!(counts, [1, 1, 2, 1, 1]);
-        assert!(table(&sections[3]).rows[0].contains(&"NO".to_string()));
+        assert!(table(&sections[4]).rows[0].contains(&"NO".to_string()));
     }
 
     #[test]
     fn there_is_no_chapter_on_nothing() {
         let mut report = fixtures::report();
         (report.windows, report.late, report.hard) = Default::default();
-        (report.rows, report.exact) = Default::default();
+        (report.rows, report.exact, report.questions) = Default::default();
         assert!(levels(&report).is_none() && beyond(&report).is_empty());
     }
 }
