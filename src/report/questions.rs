@@ -42,8 +42,8 @@ pub struct QuestionRow {
 
 /// Side of the map that is computed, in pixels.
 const SIDE: u32 = 96;
-/// Number of pixels that are compared, evenly spread.
-const COMPARED: usize = 256;
+/// Number of pixels that are compared, evenly spread, in a whole and in a quick report.
+const COMPARED: [usize; 2] = [256, 64];
 
 /// The questions that are measured, with their budgets in s.
 pub(super) const QUESTIONS: [(Ask, f64); 5] = [
@@ -71,7 +71,8 @@ impl Bench<'_> {
         let samples = preview(&mut work, [SIDE; 2], engine, &|| !(self.stop)())?;
         let samples = samples.ok_or(ReportError::Stopped)?;
         let us = begun.elapsed().as_secs_f64() * 1e6;
-        let (compared, right) = compared(&scene, &samples, self.stop)?;
+        let most = COMPARED[usize::from(self.care.quick)];
+        let (compared, right) = compared(&scene, &samples, most, self.stop)?;
         Ok(QuestionRow {
             question: ask.kind().name,
             budget_secs,
@@ -100,6 +101,7 @@ fn tolerance(ask: Ask) -> &'static str {
 fn compared(
     scene: &Scene,
     samples: &Samples,
+    most: usize,
     stop: StopTest,
 ) -> Result<(usize, usize), ReportError> {
     let grid = Grid::new(scene, [SIDE; 2]);
@@ -109,7 +111,7 @@ fn compared(
         _ => None,
     });
     let open: Vec<(usize, State<Dd>)> = open.collect();
-    let every = (open.len() / COMPARED).max(1);
+    let every = (open.len() / most).max(1);
     let some: Vec<_> = open.into_iter().step_by(every).collect();
     let judge = |(k, start): &(usize, State<Dd>)| {
         let answered = samples.get(*k).status == Status::Flipped;
