@@ -10,7 +10,6 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, EngineKind, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
-use flipmap::question::Needs;
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{self, Counts, Renderer};
 
@@ -241,12 +240,12 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
 /// Rejects settings with which the question cannot be answered.
 fn check_question(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
     let question = &document.question;
-    let on_card = options.run.engine.request(spec.setting).kind == Some(EngineKind::Gpu);
-    let unchecked = matches!(question.ask.kind().needs, Needs::Growth | Needs::Return);
-    let why = if spec.verify && unchecked {
+    let request = options.run.engine.request(spec.setting);
+    let on_card = request.kind == Some(EngineKind::Gpu) || request.adapter.is_some();
+    let why = if spec.verify && question.ask.kind().needs.is_of_the_processor() {
         "it is not checked: omit --verify and --accuracy exact"
     } else if on_card && question.needs_processor() {
-        "the processor computes it: omit --engine gpu"
+        "the processor computes it: omit --engine gpu and --adapter"
     } else {
         return Ok(());
     };

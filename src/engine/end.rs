@@ -1,5 +1,6 @@
 //! The states in which integrations end.
 
+use crate::physics::Accumulators;
 use crate::physics::crossing;
 use crate::physics::phase::Phase;
 
@@ -17,17 +18,8 @@ pub struct End {
     /// Factor by which neighbours had moved apart between the release and the beginning of the
     /// start's own integration: 1 where that began at rest, infinite where none was needed.
     pub grown: f64,
-    /// Whole turns of each bob since the release, anticlockwise ones positive; only counted where
-    /// no bob is watched.
-    pub turns: [i32; 2],
-    /// Number of passes of the top by each bob anticlockwise and clockwise, the first bob first.
-    pub passes: [u32; 4],
-    /// Least distance from the start after having left it, as unit vectors and scaled momenta, and
-    /// its time in s; infinite unless [`super::Keep::Return`] asked for it.
-    pub nearest: [f64; 2],
-    /// Natural logarithm of the growth of the largest of all nudges (see
-    /// [`crate::physics::tangents`]); 0 unless [`super::Keep::Growth`] asked for it.
-    pub log_growth: f64,
+    /// Quantities gathered since the release.
+    pub gathered: Accumulators,
 }
 
 impl End {
@@ -37,9 +29,6 @@ impl End {
         phase: [0.0; 6],
         clearance: crossing::FAR,
         grown: 1.0,
-        turns: [0; 2],
-        passes: [0; 4],
-        nearest: [f64::INFINITY, 0.0],
-        log_growth: 0.0,
+        gathered: Accumulators::NONE,
     };
 }

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
-use crate::physics::{Angle, Dd, Launch, Pendulum, Scalar, State, control};
+use crate::physics::{Accumulators, Angle, Dd, Launch, Pendulum, Scalar, State, control};
 
 /// Names of the numbers of a fixed-step state.
 pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
@@ -155,6 +155,22 @@ pub fn phase_of(numbers: &[f64; NUMBERS]) -> Phase<f64> {
     std::array::from_fn(|i| numbers[i] + numbers[6 + i])
 }
 
+/// The angles of a fixed-step state in rad, as the nearest f64.
+pub fn angles_of(numbers: &[f64]) -> [f64; 2] {
+    [numbers[0] + numbers[4], numbers[1] + numbers[5]]
+}
+
+/// The unit vectors and momenta of a state at this pace.
+pub fn phase_at(reduced: &Pendulum<f64>, pace: &Pace, numbers: &[f64; NUMBERS]) -> Phase<f64> {
+    match pace {
+        Pace::Adaptive(_) => phase_of(numbers),
+        Pace::Fixed(_) => {
+            let speed = [numbers[2], numbers[3]];
+            reduced.phase(&State { angle: angles_of(numbers), speed })
+        }
+    }
+}
+
 /// The end of a pendulum that stopped in the state `left`: there, or at a flip in the step that
 /// follows. `flipped` is the fraction of that step for fixed steps, the reduced time for adaptive
 /// ones.
@@ -166,12 +182,12 @@ pub fn end(
     clearance: f64,
 ) -> End {
     let numbers = &left.numbers;
-    let (begin, from, turns) = match pace {
-        Pace::Adaptive(_) => (phase_of(numbers), numbers[TIME] + numbers[TIME_LOW], [0; 2]),
+    let begin = phase_at(reduced, pace, numbers);
+    let (from, turns) = match pace {
+        Pace::Adaptive(_) => (numbers[TIME] + numbers[TIME_LOW], [0; 2]),
         Pace::Fixed(steps) => {
-            let angle = [numbers[0] + numbers[4], numbers[1] + numbers[5]];
-            let phase = reduced.phase(&State { angle, speed: [numbers[2], numbers[3]] });
-            (phase, f64::from(left.steps) * steps.length, angle.map(whole_turns))
+            let turns = angles_of(numbers).map(whole_turns);
+            (f64::from(left.steps) * steps.length, turns)
         }
     };
     let time = match (pace, flipped) {
@@ -181,7 +197,8 @@ pub fn end(
     };
     let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
     let change = dop853(reduced, scale, &begin, time - from).change;
-    End { time, phase: plus(&begin, &change), clearance, turns, ..End::NOWHERE }
+    let gathered = Accumulators { turns, ..Accumulators::NONE };
+    End { time, phase: plus(&begin, &change), clearance, gathered, ..End::NOWHERE }
 }
 
 /// Number of whole turns in an angle (rad) that began in (−π, π].

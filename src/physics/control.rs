@@ -69,6 +69,11 @@ impl Control {
     pub fn limit(&self, time: f64) -> f64 {
         (self.start + self.rise * time).min(self.ceiling)
     }
+
+    /// The factor from a step to the next, by the excess of its error over the limit.
+    pub fn factor(&self, excess: f64) -> f64 {
+        (self.exponent * excess + self.safety).clamp(-8.0, 8.0).exp2().clamp(SHRINK, GROW)
+    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! the method itself, shortened to end there. DOPRI5 has another test, on the polynomial that it
 //! provides over its step (see [`super::embedded::quartic`]), so each can check the other.
 
+use super::pendulum::Pendulum;
 use super::phase::Phase;
 use super::real::Scalar;
 
@@ -46,6 +47,31 @@ pub struct Approach<T> {
 pub const SLACK: f64 = 0.2;
 /// Clearance of a bob that is below its pivot.
 pub const FAR: f64 = 2.0;
+
+/// Index of the bob that is at the top in a state of passing it: the one whose sine vanishes there.
+pub fn bob_at_top(phase: &Phase<f64>) -> usize {
+    let [x1, y1, x2, y2, ..] = *phase;
+    usize::from(x1 > 0.0 || (x2 < 0.0 && y2.abs() < y1.abs()))
+}
+
+/// Height, as a sine, to which a bob that passes the top in a state would rise beyond it if its
+/// acceleration there turned it round.
+pub fn height_beyond(pendulum: &Pendulum<f64>, top: &StepState<f64>, bob: usize) -> f64 {
+    let [x1, y1, x2, y2, ..] = top.phase;
+    let pull = pendulum.acceleration_towards([(y1, x1), (y2, x2)], top.speed);
+    top.speed[bob].powi(2) / (2.0 * pull[bob].abs()).max(1e-300)
+}
+
+/// The state `top`, in which `bob` passes the top, with the bob put beyond it.
+pub fn beyond_top(top: &StepState<f64>, bob: usize, anticlockwise: bool) -> StepState<f64> {
+    let mut beyond = *top;
+    beyond.phase[2 * bob + 1] = if anticlockwise { -BARELY } else { BARELY };
+    beyond
+}
+
+/// Sine of the angle beyond the top at which a bob that has passed it is put: far below any
+/// rounding, but with a sign.
+const BARELY: f64 = 1e-30;
 
 /// Judges the path of `bob` between two moments `length` apart.
 pub fn approach<T: Scalar>(

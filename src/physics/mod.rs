@@ -13,6 +13,7 @@
 //! * [`simple`] is the single pendulum, [`separation`] measures how fast two pendulums diverge;
 //! * [`flip`] and [`crossing`] find the moment at which a bob passes the top.
 
+mod accumulators;
 pub mod control;
 pub mod crossing;
 pub mod dd;
@@ -43,6 +44,7 @@ pub mod taylor;
 pub mod transport;
 pub mod trig;
 
+pub use accumulators::Accumulators;
 pub use dd::Dd;
 pub use decimal::Decimal;
 pub use fixed::{Fixed, Theta};

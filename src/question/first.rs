@@ -3,11 +3,10 @@
 use super::flip::TIME;
 use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
 use crate::physics::Rule;
+use crate::physics::crossing::bob_at_top;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "first",
-    about: "Each pixel is a pendulum, coloured by the bob that goes over the top before the other. \
-            The channel `time` tells when.",
     channels: &[
         Channel { name: "bob", unit: "", right: 0.0, scale: ChannelScale::Between(0.0, 3.0) },
         TIME,
@@ -25,16 +24,14 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
-    let [x1, y1, x2, y2, ..] = ending.phase;
-    // One of them is at the top, where its sine vanishes.
-    let is_second = x1 > 0.0 || (x2 < 0.0 && y2.abs() < y1.abs());
-    [if is_second { 2.0 } else { 1.0 }, ending.outcome.time, 0.0, 0.0, 0.0, 0.0]
+    let bob = 1 + bob_at_top(&ending.phase);
+    [bob as f64, ending.outcome.time, 0.0, 0.0, 0.0, 0.0]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Outcome, Pendulum};
+    use crate::physics::{Accumulators, Outcome, Pendulum};
 
     #[test]
     fn the_bob_at_the_top_is_the_one_whose_sine_vanishes() {
@@ -47,10 +44,7 @@ mod tests {
                 outcome,
                 phase,
                 secs: 2.5,
-                turns: [0; 2],
-                passes: [0; 4],
-                nearest: [0.0; 2],
-                log_growth: 0.0,
+                gathered: Accumulators::NONE,
             };
             let [bob, secs, ..] = read(&ending);
             (bob, secs)

@@ -5,13 +5,11 @@ use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "flips",
-    about: "Each pixel is a pendulum, coloured by the number of times that its bobs go over the top \
-            within the budget. Channels count each bob and direction.",
     channels: &[
-        count("first_left", 10.0),
-        count("first_right", 10.0),
-        count("second_left", 10.0),
-        count("second_right", 10.0),
+        count("first_left"),
+        count("first_right"),
+        count("second_left"),
+        count("second_right"),
     ],
     counted: ["answered", "unanswered"],
     channel_names: "the question flips has first_left, first_right, second_left and second_right",
@@ -22,16 +20,16 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     is_even: false,
     painted: Painted::Sum,
     follows_cells: false,
-    needs: Needs::Passes,
+    needs: Needs::End,
     read,
 };
 
 /// Passes in one direction; anticlockwise ones go over the top towards the left.
-const fn count(name: &'static str, most: f64) -> Channel {
-    Channel { name, unit: "", right: 0.0, scale: ChannelScale::Between(0.0, most) }
+const fn count(name: &'static str) -> Channel {
+    Channel { name, unit: "", right: 0.0, scale: ChannelScale::Between(0.0, 10.0) }
 }
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
-    let [a, b, c, d] = ending.passes.map(f64::from);
+    let [a, b, c, d] = ending.gathered.passes.map(f64::from);
     [a, b, c, d, 0.0, 0.0]
 }

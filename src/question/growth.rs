@@ -5,8 +5,6 @@ use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "growth",
-    about: "Each pixel is a pendulum, coloured by how fast the largest of all nudges to its start \
-            grows over the budget. Islands of regular motion are dark and chaos is bright.",
     channels: &[Channel {
         name: "exponent",
         unit: "1/s",
@@ -26,5 +24,5 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
-    [ending.log_growth / ending.secs, 0.0, 0.0, 0.0, 0.0, 0.0]
+    [ending.gathered.log_growth / ending.secs, 0.0, 0.0, 0.0, 0.0, 0.0]
 }

@@ -20,7 +20,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::physics::phase::Phase;
-use crate::physics::{Outcome, Pendulum, Rule};
+use crate::physics::{Accumulators, Outcome, Pendulum, Rule};
 
 /// The name of a question.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -45,8 +45,6 @@ pub enum Ask {
 pub struct QuestionKind {
     /// Name in options and files.
     pub name: &'static str,
-    /// Two sentences on what its map shows.
-    pub about: &'static str,
     /// The numbers of an answer, in order; at most [`MOST_CHANNELS`].
     pub channels: &'static [Channel],
     /// Words for pixels with an answer and for those without one at the end of the budget.
@@ -99,12 +97,17 @@ pub enum Needs {
     Outcome,
     /// The state at the end, too.
     End,
-    /// The number of passes, too, which only the processor counts.
-    Passes,
     /// The growth of nudges, too, which only the processor computes.
     Growth,
     /// The nearest return to the start, which only the processor looks for.
     Return,
+}
+
+impl Needs {
+    /// Returns true if only the processor computes it, and nothing checks it.
+    pub fn is_of_the_processor(self) -> bool {
+        matches!(self, Needs::Growth | Needs::Return)
+    }
 }
 
 /// Largest number of channels of any question.
@@ -149,15 +152,8 @@ pub struct Ending<'a> {
     pub phase: Phase<f64>,
     /// Simulated seconds until then.
     pub secs: f64,
-    /// Whole turns of each bob until then, anticlockwise ones positive.
-    pub turns: [i32; 2],
-    /// Number of passes of the top by each bob in each direction until then: the first bob
-    /// anticlockwise and clockwise, the second likewise.
-    pub passes: [u32; 4],
-    /// Least distance from the start after having left it, and its time in s.
-    pub nearest: [f64; 2],
-    /// Natural logarithm of the growth of the largest of all nudges until then.
-    pub log_growth: f64,
+    /// Quantities gathered until then.
+    pub gathered: Accumulators,
 }
 
 impl Ask {

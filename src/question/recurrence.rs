@@ -5,8 +5,6 @@ use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "return",
-    about: "Each pixel is a pendulum, coloured by how near it comes back to its start within the \
-            budget. Dark threads are periodic orbits.",
     channels: &[
         Channel { name: "distance", unit: "", right: 1e-3, scale: ChannelScale::Between(0.0, 1.0) },
         Channel { name: "time", unit: "s", right: 1e-2, scale: ChannelScale::Times },
@@ -24,6 +22,6 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
-    let [distance, secs] = ending.nearest;
-    [distance, secs, 0.0, 0.0, 0.0, 0.0]
+    let [distance, time] = ending.gathered.nearest;
+    [distance, time * ending.unit_secs, 0.0, 0.0, 0.0, 0.0]
 }

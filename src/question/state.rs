@@ -7,8 +7,6 @@ use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "state",
-    about: "Each pixel is a pendulum, coloured by where its rods point at the time `at`. Neighbours \
-            of one colour still swing together.",
     channels: &[
         angle("theta1"),
         angle("theta2"),
@@ -45,6 +43,6 @@ fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
     let [x1, y1, x2, y2, ..] = ending.phase;
     let [theta1, theta2] = [y1.atan2(x1), y2.atan2(x2)].map(|a| if a == -PI { PI } else { a });
     let [omega1, omega2] = ending.pendulum.speeds(&ending.phase).map(|w| w / ending.unit_secs);
-    let [turns1, turns2] = ending.turns.map(f64::from);
+    let [turns1, turns2] = ending.gathered.turns.map(f64::from);
     [theta1, theta2, omega1, omega2, turns1, turns2]
 }

@@ -1,6 +1,7 @@
 //! The starts of a picture's pixels, and what is known of them before anything is computed.
 
 use super::leaf_grid::{Grouped, LeafGrid};
+use super::plane::wrapped;
 use super::{Axis, Plane, Scene};
 use crate::physics::opening::{Begin, Opening, from_top};
 use crate::physics::{Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
@@ -130,11 +131,7 @@ impl Grid {
         let wraps = self.plane.axes().map(Axis::wraps);
         [0, 1].map(|i| {
             let angle = self.center[i] + (x * self.right[i] + y * self.up[i]);
-            if !wraps[i] {
-                return angle;
-            }
-            // Within one turn there is nothing to wrap, and no rounding to fear.
-            if angle <= Dd::PI && angle > -Dd::PI { angle } else { angle.wrapped() }
+            if wraps[i] { wrapped(angle) } else { angle }
         })
     }
 

@@ -34,7 +34,7 @@ pub use words::Word;
 use serde::{Deserialize, Serialize};
 
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
-use crate::question::{Ask, Needs};
+use crate::question::Ask;
 
 /// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -205,7 +205,7 @@ impl QuestionTable {
 
     /// Returns true if only the processor computes it: tangents and counts of passes.
     pub fn needs_processor(&self) -> bool {
-        matches!(self.ask.kind().needs, Needs::Growth | Needs::Return) || self.passes() != 1
+        self.ask.kind().needs.is_of_the_processor() || self.passes() != 1
     }
 
     /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.

@@ -69,17 +69,6 @@ impl Axis {
         matches!(self, Axis::Theta1 | Axis::Theta2)
     }
 
-    /// Symbol and unit, for labels.
-    pub fn label(self) -> &'static str {
-        match self {
-            Axis::Theta1 => "θ1, rad",
-            Axis::Theta2 => "θ2, rad",
-            Axis::Omega1 => "ω1, rad/s",
-            Axis::Omega2 => "ω2, rad/s",
-            Axis::Momentum2 => "p2, kg m²/s",
-        }
-    }
-
     /// Index of the quantity among (θ1, θ2, ω1, ω2); the momentum takes the place of ω2.
     fn place(self) -> usize {
         match self {
@@ -187,8 +176,8 @@ const MOST: f64 = 1e6;
 /// Largest energy of a section, J.
 const MOST_ENERGY: f64 = 1e12;
 
-/// An angle in (−π, π].
-fn wrapped(angle: Dd) -> Dd {
+/// An angle in (−π, π]. Within one turn there is nothing to wrap, and no rounding to fear.
+pub(super) fn wrapped(angle: Dd) -> Dd {
     if angle <= Dd::PI && angle > -Dd::PI { angle } else { angle.wrapped() }
 }
 

@@ -4,8 +4,8 @@
 use super::plan::plan;
 use super::reader::Reader;
 use super::samples::Samples;
-use crate::engine::run_job as run;
-use crate::engine::{Engine, EngineError, IntegratorConfig, Job, Keep, Question, Starts};
+use crate::engine::method::Pace;
+use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Starts, run_job};
 use crate::physics::Status;
 use crate::scene::{Fate, Grid, Scene};
 
@@ -72,11 +72,11 @@ impl Moments {
         self.reached_secs = at_secs;
         self.question.budget_secs = at_secs;
         self.reader = self.reader.at(&self.question);
+        let pace = Pace::new(&self.question, &self.config)?;
         for batch in &mut self.batches {
             let starts = std::mem::replace(&mut batch.starts, Starts::Rest(Vec::new()));
-            let (id, question, config, keep) = (0, self.question, self.config, Keep::Unfinished);
-            let pace = Job { id, question, config, starts: starts.clone(), keep }.pace()?;
-            let Some(result) = run(engine, question, config, starts, keep, go_on)? else {
+            let (question, config, keep) = (self.question, self.config, Keep::Unfinished);
+            let Some(result) = run_job(engine, question, config, starts, keep, go_on)? else {
                 return Ok(None);
             };
             // Those that are not among the unfinished ones have failed.

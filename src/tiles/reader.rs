@@ -32,7 +32,7 @@ impl Reader {
     pub(super) fn keep(&self) -> Keep {
         match self.ask.kind().needs {
             Needs::Outcome => Keep::Nothing,
-            Needs::End | Needs::Passes => Keep::Ends,
+            Needs::End => Keep::Ends,
             Needs::Growth => Keep::Growth,
             Needs::Return => Keep::Return,
         }
@@ -83,28 +83,18 @@ impl Reader {
     /// The status of an answer and its channels.
     fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
         let ends_at_a_time = self.ask.kind().at_a_time && outcome.status == Status::Unflipped;
-        let (phase, turns) = if ends_at_a_time {
-            let phase = transported(&self.pendulum, &end.phase, self.at - end.time);
+        let (mut phase, mut gathered) = (end.phase, end.gathered);
+        if ends_at_a_time {
+            phase = transported(&self.pendulum, &end.phase, self.at - end.time);
             let since = turns_between(&phase, &end.phase);
-            (phase, [end.turns[0] - since[0], end.turns[1] - since[1]])
-        } else {
-            (end.phase, end.turns)
-        };
-        let never = self.ask.kind().needs == Needs::Return && end.nearest[0].is_infinite();
+            gathered.turns = [0, 1].map(|bob| gathered.turns[bob] - since[bob]);
+        }
+        let never = self.ask.kind().needs == Needs::Return && gathered.nearest[0].is_infinite();
         let status = if ends_at_a_time && !never { Status::Flipped } else { outcome.status };
         let Reader { pendulum, unit_secs, .. } = self;
         let secs = if ends_at_a_time { self.at } else { end.time } * unit_secs;
-        let ending = Ending {
-            pendulum,
-            unit_secs: *unit_secs,
-            outcome: *outcome,
-            phase,
-            secs,
-            turns,
-            passes: end.passes,
-            nearest: end.nearest,
-            log_growth: end.log_growth,
-        };
+        let ending =
+            Ending { pendulum, unit_secs: *unit_secs, outcome: *outcome, phase, secs, gathered };
         (status, (self.ask.kind().read)(&ending))
     }
 

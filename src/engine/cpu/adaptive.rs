@@ -5,13 +5,12 @@ use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::pair::{EmbeddedPair, LaneStep, TopTest};
-use super::passes::{beyond_top, height_beyond};
-use super::turns;
+use super::{step_control, turns};
 use crate::engine::method::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
 use crate::engine::{End, NUMBERS, Question};
-use crate::physics::control::{GROW, LONGEST, SHRINK};
-use crate::physics::crossing::{FAR, StepState};
+use crate::physics::control::LONGEST;
+use crate::physics::crossing::{FAR, StepState, beyond_top, height_beyond};
 use crate::physics::phase::Phase;
 use crate::physics::{Dd, Outcome, Pendulum, Real, Rule, Status};
 
@@ -46,7 +45,8 @@ pub(super) fn run<N: Number, P: TopTest>(
             let trial =
                 P::Pair::trial(&pendulum, inverse_scale, &state.phase, N::exactly(state.step));
             let next = N::changed(&state.phase, &trial.change);
-            let excess = state.excess(&adaptive, trial.error_squared.leading());
+            let error_squared = trial.error_squared.leading();
+            let excess = step_control::excess(&adaptive.control, state.time, error_squared);
             let clearance = state.clearance::<P>(chunk.question, &pendulum, &next, &trial.bow);
             let suspicion = clearance.max(excess).smallest();
             taken += 1;
@@ -128,16 +128,6 @@ impl<N: Number> LaneState<N> {
         self.step.store(&mut rows[STEP]);
     }
 
-    /// Excess of each lane's error over what is allowed there, in log₂ of squares: negative where
-    /// the step can be taken.
-    #[inline(always)]
-    fn excess(&self, adaptive: &Adaptive, error_squared: N::Leading) -> N::Leading {
-        let control = &adaptive.control;
-        let lit = |value| self.time.lit(value);
-        let limit = self.time.mul_add(lit(control.rise), lit(control.start));
-        error_squared.rough_log2() - limit.min(lit(control.ceiling))
-    }
-
     /// Distance from the top that the watched bobs keep in the step to `next`; not positive in
     /// lanes where one may have crossed it.
     #[inline(always)]
@@ -167,18 +157,14 @@ impl<N: Number> LaneState<N> {
     /// lane.
     #[inline(always)]
     fn advance(&mut self, adaptive: &Adaptive, next: &Phase<N>, excess: N::Leading) {
-        let control = &adaptive.control;
-        let lit = |value| excess.lit(value);
-        let power = excess.mul_add(lit(control.exponent), lit(control.safety));
-        let factor = power.max(lit(-8.0)).min(lit(8.0)).rough_exp2();
-        let factor = factor.max(lit(SHRINK)).min(lit(GROW));
         for (value, next) in self.phase.iter_mut().zip(next) {
             *value = next.select(excess, *value);
         }
         let (time, low) = self.time.fast_two_sum(self.time_low + self.step);
         self.time = Lanes::select(time, excess, self.time);
         self.time_low = Lanes::select(low, excess, self.time_low);
-        self.step = (self.step * factor).min(lit(LONGEST));
+        let factor = step_control::factor(&adaptive.control, excess);
+        self.step = (self.step * factor).min(excess.lit(LONGEST));
     }
 }
 

@@ -5,12 +5,12 @@ use std::f64::consts::TAU;
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use crate::engine::method::Steps;
-use crate::engine::start::whole_turns;
+use crate::engine::start::{angles_of, whole_turns};
 use crate::engine::{End, NUMBERS, Precision, Question};
 use crate::physics::flip::{fraction_of_step, may_pass};
 use crate::physics::integrator::rk4;
 use crate::physics::trig::Turning;
-use crate::physics::{Outcome, Pendulum, State, Status};
+use crate::physics::{Accumulators, Outcome, Pendulum, State, Status};
 
 /// Runs a chunk in lanes of `L`; `TERMS` terms turn a stage's direction (0: a fresh sine).
 #[inline(always)]
@@ -144,9 +144,8 @@ impl FixedStepLanes<'_> {
             let anticlockwise = to.angle[bob] > 0.0;
             let over = outcome.status == Status::Unflipped;
             if over || self.scheduler.pass(lane, bob, anticlockwise) {
-                let end = self.end(f64::from(steps) + fraction, &top);
-                let passes = self.scheduler.passes[lane];
-                self.scheduler.finish(lane, outcome, End { passes, ..end });
+                let end = self.end(lane, f64::from(steps) + fraction, &top);
+                self.scheduler.finish(lane, outcome, end);
                 return;
             }
             // The bob goes on from the other side of the top.
@@ -208,8 +207,7 @@ impl FixedStepLanes<'_> {
                 if !sound || self.scheduler.taken[lane] >= self.steps.count {
                     let status = if sound { Status::Unflipped } else { Status::Failed };
                     let state = exact_state(&self.scheduler.numbers(lane));
-                    let end = self.end(f64::from(self.scheduler.taken[lane]), &state);
-                    let end = End { passes: self.scheduler.passes[lane], ..end };
+                    let end = self.end(lane, f64::from(self.scheduler.taken[lane]), &state);
                     self.scheduler.finish(lane, Outcome::without_time(status), end);
                     finished = true;
                 }
@@ -220,10 +218,11 @@ impl FixedStepLanes<'_> {
         }
     }
 
-    fn end(&self, steps: f64, state: &State<f64>) -> End {
+    fn end(&self, lane: usize, steps: f64, state: &State<f64>) -> End {
         let phase = self.reduced.phase(state);
-        let turns = state.angle.map(whole_turns);
-        End { time: steps * self.steps.length, phase, turns, ..End::NOWHERE }
+        let (turns, passes) = (state.angle.map(whole_turns), self.scheduler.passes[lane]);
+        let gathered = Accumulators { turns, passes, ..Accumulators::NONE };
+        End { time: steps * self.steps.length, phase, gathered, ..End::NOWHERE }
     }
 
     /// Number of steps until the first lane's budget is used up.
@@ -234,8 +233,5 @@ impl FixedStepLanes<'_> {
 }
 
 fn exact_state(numbers: &[f64]) -> State<f64> {
-    State {
-        angle: [numbers[0] + numbers[4], numbers[1] + numbers[5]],
-        speed: [numbers[2], numbers[3]],
-    }
+    State { angle: angles_of(numbers), speed: [numbers[2], numbers[3]] }
 }

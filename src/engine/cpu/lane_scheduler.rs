@@ -32,7 +32,7 @@ use crate::engine::method::Pace;
 use crate::engine::start::{TIME, TIME_LOW, phase_of};
 use crate::engine::{Effort, End, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question};
 use crate::physics::crossing::FAR;
-use crate::physics::{Outcome, Rule, Status};
+use crate::physics::{Accumulators, Outcome, Rule, Status};
 
 /// A chunk of a job, with all that its lanes need.
 pub(super) struct Chunk<'a> {
@@ -80,7 +80,7 @@ pub(super) struct LaneScheduler<'a> {
     pub clearance: [f64; MOST_LANES],
     /// Whole turns of each bob of each lane's pendulum, where no bob is watched.
     pub turns: [[f64; MOST_LANES]; 2],
-    /// Passes of each lane's pendulum so far (see [`End::passes`]).
+    /// Passes of each lane's pendulum so far (see [`Accumulators::passes`]).
     pub passes: [[u32; 4]; MOST_LANES],
     /// The results of the pendulums that are done.
     pub answer: ChunkResult,
@@ -197,8 +197,11 @@ impl<'a> LaneScheduler<'a> {
             time: numbers[TIME] + numbers[TIME_LOW],
             phase: phase_of(&numbers),
             clearance: self.clearance[lane],
-            turns: self.turns.map(|turns| turns[lane] as i32),
-            passes: self.passes[lane],
+            gathered: Accumulators {
+                turns: self.turns.map(|turns| turns[lane] as i32),
+                passes: self.passes[lane],
+                ..Accumulators::NONE
+            },
             ..End::NOWHERE
         }
     }

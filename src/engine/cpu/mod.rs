@@ -12,7 +12,7 @@ mod lanes;
 mod nearest;
 mod number;
 mod pair;
-mod passes;
+mod step_control;
 mod tangents;
 mod taylor;
 mod turns;

@@ -9,12 +9,12 @@ use std::sync::atomic::Ordering;
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::pair::EmbeddedPair;
 use crate::engine::method::{Adaptive, Pace};
-use crate::engine::start::{TIME, TIME_LOW, phase_of};
+use crate::engine::start::phase_of;
 use crate::engine::{End, IntegratorState, NUMBERS};
-use crate::physics::control::{FIRST, GROW, LONGEST, SHRINK};
+use crate::physics::control::{FIRST, LONGEST};
 use crate::physics::embedded::plus;
 use crate::physics::phase::Phase;
-use crate::physics::{Outcome, Pendulum, Status};
+use crate::physics::{Accumulators, Outcome, Pendulum, Status};
 
 /// Number of steps between two checks for cancellation.
 const PATIENCE: u32 = 4096;
@@ -47,7 +47,7 @@ pub(super) fn run<P: EmbeddedPair>(chunk: &Chunk) -> Option<ChunkResult> {
             inverse_scale: pendulum.momentum_scale().map(|scale| 1.0 / scale),
             start: phase,
             phase,
-            time: start.numbers[TIME] + start.numbers[TIME_LOW],
+            time: 0.0,
             has_left: false,
             nearest: [f64::INFINITY, 0.0],
         };
@@ -63,7 +63,7 @@ pub(super) fn run<P: EmbeddedPair>(chunk: &Chunk) -> Option<ChunkResult> {
         result.effort.lane_steps += u64::from(steps);
         let rhs = chunk.config.method.rhs_per_step(chunk.config.precision);
         result.effort.rhs_evaluations += rhs * u64::from(steps);
-        returning.finish(until, unit_secs, &mut result);
+        returning.finish(until, &mut result);
     }
     Some(result)
 }
@@ -74,16 +74,14 @@ impl Returning<'_> {
     fn step<P: EmbeddedPair>(&mut self, adaptive: &Adaptive, length: f64) -> f64 {
         let control = &adaptive.control;
         let trial = P::trial(self.pendulum, self.inverse_scale, &self.phase, length);
-        let limit = (control.start + control.rise * self.time).min(control.ceiling);
-        let excess = trial.error_squared.max(1e-300).log2() - limit;
-        let factor = (control.exponent * excess + control.safety).clamp(-8.0, 8.0).exp2();
+        let excess = trial.error_squared.max(1e-300).log2() - control.limit(self.time);
         if excess < 0.0 {
             let next = plus(&self.phase, &trial.change);
             self.look::<P>(&next, length);
             self.phase = next;
             self.time += length;
         }
-        (length * factor.clamp(SHRINK, GROW)).min(LONGEST)
+        (length * control.factor(excess)).min(LONGEST)
     }
 
     /// Looks for a minimum of the distance in the step to `next`.
@@ -122,11 +120,11 @@ impl Returning<'_> {
         (0..6).map(|i| (phase[i] - self.start[i]) * rate[i] * self.unit(i).powi(2)).sum()
     }
 
-    fn finish(self, until: f64, unit_secs: f64, result: &mut ChunkResult) {
+    fn finish(self, until: f64, result: &mut ChunkResult) {
         let whole = self.time >= until && self.phase.iter().all(|number| number.is_finite());
         let status = if whole { Status::Unflipped } else { Status::Failed };
-        let nearest = [self.nearest[0], self.nearest[1] * unit_secs];
-        let end = End { time: self.time, phase: self.phase, nearest, ..End::NOWHERE };
+        let gathered = Accumulators { nearest: self.nearest, ..Accumulators::NONE };
+        let end = End { time: self.time, phase: self.phase, gathered, ..End::NOWHERE };
         result.outcomes.push(Outcome::without_time(status));
         result.states.push(IntegratorState { steps: 0, numbers: [0.0; NUMBERS] });
         result.ends.push(end);

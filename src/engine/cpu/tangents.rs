@@ -4,15 +4,16 @@
 use super::lane_scheduler::{Chunk, ChunkResult, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::pair::EmbeddedPair;
+use super::step_control;
 use crate::engine::method::{Adaptive, Pace, Steps};
-use crate::engine::start::{TIME, TIME_LOW, phase_of};
+use crate::engine::start::phase_at;
 use crate::engine::{End, IntegratorState, NUMBERS};
-use crate::physics::control::{FIRST, GROW, LONGEST, SHRINK};
+use crate::physics::control::{FIRST, LONGEST};
 use crate::physics::dual::Dual;
 use crate::physics::embedded::plus;
 use crate::physics::phase::Phase;
 use crate::physics::tangents::{Tangents, log_growth, released};
-use crate::physics::{Outcome, Pendulum, Real, State, Status};
+use crate::physics::{Accumulators, Outcome, Pendulum, Real, Status};
 
 /// Largest slope before all are made smaller by [`SMALLER`], so that none overflows in f32 within a
 /// stretch of steps.
@@ -74,18 +75,6 @@ fn most_steps(pace: &Pace) -> u32 {
     }
 }
 
-/// The unit vectors and momenta with which a pendulum starts.
-fn phase_of_start(chunk: &Chunk, reduced: &Pendulum<f64>, start: &IntegratorState) -> Phase<f64> {
-    let numbers: &[f64; NUMBERS] = &start.numbers;
-    match chunk.pace {
-        Pace::Adaptive(_) => phase_of(numbers),
-        Pace::Fixed(_) => {
-            let angle = [numbers[0] + numbers[4], numbers[1] + numbers[5]];
-            reduced.phase(&State { angle, speed: [numbers[2], numbers[3]] })
-        }
-    }
-}
-
 impl<L: Lanes> TangentLanes<L> {
     #[inline(always)]
     fn of(
@@ -97,23 +86,19 @@ impl<L: Lanes> TangentLanes<L> {
     ) -> Self {
         // Lanes without a start repeat the last one.
         let phases: [Phase<f64>; MOST_LANES] = std::array::from_fn(|lane| {
-            phase_of_start(chunk, reduced, &starts[lane.min(starts.len() - 1)])
+            phase_at(reduced, &chunk.pace, &starts[lane.min(starts.len() - 1)].numbers)
         });
         let row = |i: usize| <L as Lanes>::load(set, &phases.map(|phase| phase[i]));
         let phase = [row(0), row(1), row(2), row(3), row(4), row(5)];
         let splat = |value: f64| L::splat(set, value);
         let pendulum = reduced.map(splat);
         let scale = reduced.momentum_scale().map(|scale| Dual::new(splat(1.0 / scale)));
-        let times = |place: usize| {
-            let adaptive = matches!(chunk.pace, Pace::Adaptive(_));
-            splat(if adaptive { starts[0].numbers[place] } else { 0.0 })
-        };
         TangentLanes {
             state: released(&pendulum, &phase),
             pendulum: pendulum.map(Dual::new),
             inverse_scale: scale,
-            time: times(TIME),
-            time_low: times(TIME_LOW),
+            time: splat(0.0),
+            time_low: splat(0.0),
             step: splat(FIRST),
             end: splat(end),
         }
@@ -121,14 +106,19 @@ impl<L: Lanes> TangentLanes<L> {
 
     #[inline(always)]
     fn is_busy(&self) -> bool {
-        (self.end - self.time).largest() > 0.0
+        self.left().largest() > 0.0
+    }
+
+    /// Time that is left, not positive where a pendulum is done.
+    #[inline(always)]
+    fn left(&self) -> L {
+        (self.end - self.time) - self.time_low
     }
 
     /// Time that is left, at most `step`.
     #[inline(always)]
     fn length(&self, step: L) -> L {
-        let left = (self.end - self.time) - self.time_low;
-        step.min(left).max(step.lit(0.0))
+        step.min(self.left()).max(step.lit(0.0))
     }
 
     /// Tries a step in every lane and takes it where its error is allowed.
@@ -136,15 +126,11 @@ impl<L: Lanes> TangentLanes<L> {
     fn step_adaptively<P: EmbeddedPair>(&mut self, adaptive: &Adaptive) {
         let control = &adaptive.control;
         let length = self.length(self.step);
-        let lit = |value| length.lit(value);
         let trial = P::trial(&self.pendulum, self.inverse_scale, &self.state, Dual::new(length));
-        let limit = self.time.mul_add(lit(control.rise), lit(control.start));
-        let excess = trial.error_squared.value.rough_log2() - limit.min(lit(control.ceiling));
-        let power = excess.mul_add(lit(control.exponent), lit(control.safety));
-        let factor = power.max(lit(-8.0)).min(lit(8.0)).rough_exp2();
-        let factor = factor.max(lit(SHRINK)).min(lit(GROW));
+        let excess = step_control::excess(control, self.time, trial.error_squared.value);
+        let factor = step_control::factor(control, excess);
         self.take(&plus(&self.state, &trial.change), length, excess);
-        self.step = (self.step.min(length.max(self.step * lit(SHRINK))) * factor).min(lit(LONGEST));
+        self.step = (self.step * factor).min(length.lit(LONGEST));
     }
 
     /// Takes a step of the classical Runge–Kutta method.
@@ -226,7 +212,8 @@ impl<L: Lanes> TangentLanes<L> {
             let whole = log_growth.is_finite() && times[lane] >= ends[lane] * (1.0 - 1e-6);
             let status = if whole { Status::Unflipped } else { Status::Failed };
             let phase = state.map(|number| number.value);
-            let end = End { time: times[lane], phase, log_growth, ..End::NOWHERE };
+            let gathered = Accumulators { log_growth, ..Accumulators::NONE };
+            let end = End { time: times[lane], phase, gathered, ..End::NOWHERE };
             result.outcomes.push(Outcome::without_time(status));
             result.states.push(IntegratorState { steps: 0, numbers: [0.0; NUMBERS] });
             result.ends.push(end);

@@ -6,18 +6,17 @@ use super::adaptive::{finish_those_over, idle};
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
-use super::passes::height_beyond;
 use super::turns;
 use crate::engine::End;
 use crate::engine::method::Adaptive;
 use crate::engine::start::{TIME, TIME_LOW};
 use crate::physics::control::LONGEST;
-use crate::physics::crossing::{FAR, StepState};
+use crate::physics::crossing::{FAR, StepState, height_beyond};
 use crate::physics::embedded::plus;
 use crate::physics::phase::Phase;
 use crate::physics::polynomial::{bernstein, course, evaluate, halves};
 use crate::physics::series::MotionSeries;
-use crate::physics::{Dd, Real, Scalar, Status};
+use crate::physics::{Dd, Pendulum, Real, Scalar, Status};
 
 /// Runs a chunk in lanes of `N`, with expansions of `M` coefficients; one lane's numbers are
 /// of type `T`, made from the two parts they are stored in.
@@ -31,7 +30,8 @@ pub(super) fn run<N: Number, T: Scalar, const M: usize>(
     let (reduced, _) = chunk.question.reduced_in::<Dd>();
     let lanes = |value: f64| [value; MOST_LANES];
     let pendulum = reduced.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
-    let inverse_scale = reduced.to_f64().momentum_scale().map(|scale| 1.0 / scale);
+    let near = reduced.to_f64();
+    let inverse_scale = near.momentum_scale().map(|scale| 1.0 / scale);
     let mut scheduler = LaneScheduler::new(chunk, <N::Leading as Lanes>::COUNT, idle());
     let counts_turns = scheduler.counts_turns();
     finish_those_over(&mut scheduler, &adaptive);
@@ -48,8 +48,9 @@ pub(super) fn run<N: Number, T: Scalar, const M: usize>(
             let clearance = clearance(chunk, &series, &next, length);
             taken += 1;
             if clearance.smallest() <= 0.0 {
-                let step = (&series, &state, &adaptive);
-                let flips = flips_in_step(&mut scheduler, step, length, clearance, from_parts);
+                let step = (&series, &state, length);
+                let how = (&near, &adaptive);
+                let flips = flips_in_step(&mut scheduler, step, clearance, how, from_parts);
                 if flips.iter().any(Option::is_some) {
                     state.finish_step(&mut scheduler, next, length, taken, flips, &adaptive);
                     break;
@@ -138,9 +139,9 @@ type Flips = [Option<(f64, Phase<f64>)>; MOST_LANES];
 #[inline(always)]
 fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     scheduler: &mut LaneScheduler,
-    (series, state, adaptive): (&MotionSeries<N, M>, &TaylorLaneState<N>, &Adaptive),
-    length: N::Leading,
+    (series, state, length): (&MotionSeries<N, M>, &TaylorLaneState<N>, N::Leading),
     clearance: N::Leading,
+    (pendulum, adaptive): (&Pendulum<f64>, &Adaptive),
     from_parts: fn(f64, f64) -> T,
 ) -> Flips {
     let (mut bounds, mut lengths) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
@@ -148,7 +149,6 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     length.store(&mut lengths);
     let mut times = [0.0; MOST_LANES];
     state.time.store(&mut times);
-    let reduced = scheduler.chunk.question.reduced().0;
     let all = [0, 1, 2, 3, 4, 5].map(|i| rows(&series.phase[i]));
     let mut flips = [None; MOST_LANES];
     for lane in scheduler.running() {
@@ -178,17 +178,18 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
                 flips[lane] = Some((into_step, phase));
                 break;
             }
-            let top = StepState { phase, speed: reduced.speeds(&phase) };
-            let cleared = height_beyond(&reduced, &top, bob);
+            let top = StepState { phase, speed: pendulum.speeds(&phase) };
+            let cleared = height_beyond(pendulum, &top, bob);
             scheduler.clearance[lane] = scheduler.clearance[lane].min(cleared);
         }
     }
     flips
 }
 
-/// The first `most` moments in (0, length] at which the point with the polynomials `x` and `y` on the unit circle
-/// crosses the top, (−1, 0), each with true if it does so anticlockwise, and how near it comes
-/// without crossing until then. Near the top `y` keeps its leading digits, however small it is.
+/// The first `most` moments in (0, length] at which the point with the polynomials `x` and `y` on
+/// the unit circle crosses the top, (−1, 0), each with true if it does so anticlockwise, and how
+/// near it comes without crossing until then. Near the top `y` keeps its leading digits, however
+/// small it is.
 fn passages_of_top<T: Scalar, const M: usize>(
     x: &[T; M],
     y: &[T; M],

@@ -112,7 +112,7 @@ impl GpuEngine {
         let general =
             Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
         // The general kernel counts no turns and knows no friction.
-        let has_friction = job.question.reduced().0.friction.is_some();
+        let has_friction = job.question.build.has_friction();
         let specialise = self.specialise || job.question.rule == Rule::Neither || has_friction;
         Ok(if specialise { general.specialised(&job.question, &job.pace()?) } else { general })
     }

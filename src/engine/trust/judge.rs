@@ -19,6 +19,7 @@
 
 use super::ladder::Run;
 use crate::engine::{End, Question};
+use crate::physics::crossing::{StepState, bob_at_top, height_beyond};
 use crate::physics::flip::right_secs;
 use crate::physics::phase::Phase;
 use crate::physics::transport::transported;
@@ -125,12 +126,8 @@ impl Judge {
     /// The share [`OF_CLEARANCE`] of the height to which a bob that crosses the top would rise
     /// beyond it, if its acceleration there turned it round.
     fn beyond(&self, phase: &Phase<f64>) -> f64 {
-        let [x1, y1, x2, y2, ..] = *phase;
-        let speed = self.pendulum.speeds(phase);
-        let pull = self.pendulum.acceleration_towards([(y1, x1), (y2, x2)], speed);
-        // The bob at the top is the one whose sine vanishes there.
-        let bob = usize::from(x1 > 0.0 || (x2 < 0.0 && y2.abs() < y1.abs()));
-        OF_CLEARANCE * speed[bob].powi(2) / (2.0 * pull[bob].abs()).max(1e-300)
+        let top = StepState { phase: *phase, speed: self.pendulum.speeds(phase) };
+        OF_CLEARANCE * height_beyond(&self.pendulum, &top, bob_at_top(phase))
     }
 
     /// Distance between two answers: in time (reduced) or in unit vectors and scaled momenta,

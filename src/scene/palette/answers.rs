@@ -49,16 +49,11 @@ impl AnswerColours {
         let channel = chosen.unwrap_or(0);
         let way = match ask.kind().channels[channel].scale {
             ChannelScale::Times => Way::Times(channel, tones),
-            ChannelScale::Cyclic => {
-                let is_default = picture.palette == Palette::DEFAULT;
-                let name = if is_default { Palette::CYCLIC } else { &picture.palette };
-                Way::Angle(channel, Palette::named(name)?)
-            }
+            ChannelScale::Cyclic => Way::Angle(channel, palette_or(picture, Palette::CYCLIC)?),
             ChannelScale::Rates(most) => {
-                let is_default = picture.palette == Palette::DEFAULT;
-                let name = if is_default { Palette::DARK_TO_BRIGHT } else { &picture.palette };
                 let most = most / scene.build.unit_secs();
-                Way::Between(channel, [0.0, most], Palette::named(name)?)
+                let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;
+                Way::Between(channel, [0.0, most], palette)
             }
             ChannelScale::Between(from, to) => {
                 Way::Between(channel, [from, to], Palette::named(&picture.palette)?)
@@ -88,6 +83,12 @@ impl AnswerColours {
             Way::Counts(most, palette) => palette.colour(values.iter().sum::<f64>() / most),
         }
     }
+}
+
+/// The picture's palette, or another one where it has the default.
+fn palette_or(picture: &PictureTable, other: &str) -> Result<Palette, SceneError> {
+    let is_default = picture.palette == Palette::DEFAULT;
+    Palette::named(if is_default { other } else { &picture.palette })
 }
 
 /// The colour of two angles: θ1 goes once round the hues, and θ2 round a circle of lightness and

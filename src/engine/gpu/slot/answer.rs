@@ -41,8 +41,11 @@ impl Slot {
             let flipped = (raw.status & 255 == 1).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
             let turns = [raw.turns as i16, (raw.turns >> 16) as i16].map(i32::from);
-            let end = start::end(&reduced, &self.pace, state, flipped, clearance);
-            if let Pace::Adaptive(_) = self.pace { End { turns, ..end } } else { end }
+            let mut end = start::end(&reduced, &self.pace, state, flipped, clearance);
+            if let Pace::Adaptive(_) = self.pace {
+                end.gathered.turns = turns;
+            }
+            end
         };
         raw.par_iter().zip(states).map(one).collect()
     }
