@@ -1,7 +1,7 @@
 // Draws the samples of tiles through a colour table.
 //
-// A tile lies in a slot of an atlas, one packed word per sample: the logarithm of the time, how
-// sure it is, and the status (counterpart: src/app/canvas/sample.rs). Quads say which part of which
+// A tile lies in a slot of an atlas, one packed word per sample: the logarithm of the time or the
+// colour of another answer, how sure it is, and the status (counterpart: src/app/canvas/sample.rs). Quads say which part of which
 // slot goes where. Between samples the light of the four nearest is mixed, never their times: the
 // mean of two flip times is the time of no pendulum.
 
@@ -13,6 +13,8 @@ struct Canvas {
     budget_log2: f32,
     // 1 if uncertain samples are hatched.
     trust: u32,
+    // 1 if words hold colours instead of times.
+    coloured: u32,
     // Linear light of samples that have no time.
     unflipped: vec4<f32>,
     forbidden: vec4<f32>,
@@ -67,6 +69,14 @@ fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
     return out;
 }
 
+// Linear light of a colour in sRGB (IEC 61966-2-1), eight bits a channel.
+fn decoded(rgb: u32) -> vec3<f32> {
+    let bytes = vec3<u32>((rgb >> 16u) & 255u, (rgb >> 8u) & 255u, rgb & 255u);
+    let c = vec3<f32>(bytes) / 255.0;
+    let high = pow((c + 0.055) / 1.055, vec3<f32>(2.4));
+    return select(high, c / 12.92, c <= vec3<f32>(0.04045));
+}
+
 fn light_of(word: u32) -> vec3<f32> {
     let status = word & 3u;
     let log2_secs = f32(word >> 5u) * LOG_STEP - LOG_BIAS;
@@ -75,6 +85,9 @@ fn light_of(word: u32) -> vec3<f32> {
     }
     if status == FAILED {
         return canvas.failed.rgb;
+    }
+    if canvas.coloured == 1u && status == FLIPPED {
+        return decoded(word >> 5u);
     }
     if status != FLIPPED || log2_secs > canvas.budget_log2 {
         return canvas.unflipped.rgb;

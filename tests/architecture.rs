@@ -253,6 +253,7 @@ fn the_picture_shader_is_valid_and_has_the_same_counterparts() {
         ("entries_per_octave", offset_of!(Uniforms, entries_per_octave)),
         ("budget_log2", offset_of!(Uniforms, budget_log2)),
         ("trust", offset_of!(Uniforms, trust)),
+        ("coloured", offset_of!(Uniforms, coloured)),
         ("unflipped", offset_of!(Uniforms, unflipped)),
         ("forbidden", offset_of!(Uniforms, forbidden)),
         ("failed", offset_of!(Uniforms, failed)),

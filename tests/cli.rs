@@ -317,13 +317,8 @@ fn a_signal_stops_at_once_and_leaves_no_half_file() {
         }
         std::thread::sleep(Duration::from_millis(300));
         let id = child.id().to_string();
-        assert!(
-            std::process::Command::new("kill")
-                .args(["-s", signal, &id])
-                .status()
-                .unwrap()
-                .success()
-        );
+        let killed = std::process::Command::new("kill").args(["-s", signal, &id]).status();
+        assert!(killed.unwrap().success());
         let asked = Instant::now();
         let status = child.wait().unwrap();
         assert!(asked.elapsed() < Duration::from_secs(5), "{signal}: {:?}", asked.elapsed());
@@ -351,13 +346,16 @@ fn a_trace_has_its_columns_and_its_flips() {
     let energy =
         lines.iter().skip(1).map(|line| line.rsplit(',').next().unwrap().parse::<f64>().unwrap());
     assert!(energy.fold(0.0, |worst: f64, e| worst.max(e.abs())) < 1e-28);
+    let thrown = flipmap(&folder, &["trace", "--start", "0,0.5,3,-4", "--until", "0.1"]);
+    assert!(String::from_utf8_lossy(&thrown.stdout).contains("\n0,0,0.5,3,-4,"), "its speeds");
 }
 
 #[test]
 fn traces_with_bad_numbers_are_refused() {
     let folder = folder();
-    let cases: [(&[&str], &str); 4] = [
+    let cases: [(&[&str], &str); 5] = [
         (&["--start", "3"], "--start"),
+        (&["--start", "1,2,3"], "--start"),
         (&["--start", "x,3"], "--start"),
         (&["--start", "3,3", "--until", "-1"], "--until"),
         (&["--start", "3,3", "--every", "0"], "--every"),

@@ -10,6 +10,7 @@ use egui::{Key, Role, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use flipmap::app::panels::pendulum::pendulum_panel;
+use flipmap::app::pin_start::PinStart;
 use flipmap::app::pins::{PinAction, PinId, Pins};
 use flipmap::engine::Trust;
 use flipmap::physics::{Outcome, Scalar, Status, Theta};
@@ -28,7 +29,8 @@ fn flown(scene: &Scene, starts: &[[f64; 2]]) -> (Pins, Vec<PinId>) {
     let ids: Vec<PinId> = starts
         .iter()
         .map(|start| start.map(Theta::from_f64))
-        .map(|start| pins.add([start, [start[0] + pixel, start[1]]], None, || ()).unwrap())
+        .map(|start| PinStart::at_rest([start, [start[0] + pixel, start[1]]]))
+        .map(|start| pins.add(start, None, || ()).unwrap())
         .collect();
     let begun = Instant::now();
     while pins.iter().any(|pin| pin.flight.record().ending.is_none()) {
@@ -179,8 +181,8 @@ fn the_map_is_held_against_the_flight() {
 #[test]
 fn a_pin_without_news_from_its_flight_is_shown_too() {
     let mut pins = Pins::new(&Scene::default());
-    pins.add([[2.2, 1.4], [2.3, 1.4]].map(|start| start.map(Theta::from_f64)), None, || ())
-        .unwrap();
+    let start = [[2.2, 1.4], [2.3, 1.4]].map(|start| start.map(Theta::from_f64));
+    pins.add(PinStart::at_rest(start), None, || ()).unwrap();
     let shown = harness(pins, Theme::Light);
     shown.get_by_label("Pendulum A is being let go");
     assert_eq!(shown.query_all_by_label("flying, 0 s so far").count(), 2, "pendulum and ghost");

@@ -19,6 +19,7 @@ use flipmap::app::panels::scene::scene_panel;
 use flipmap::app::places::Places;
 use flipmap::output::Picture;
 use flipmap::physics::Rule;
+use flipmap::question::Ask;
 use flipmap::scene::{
     Budget, Build, BuiltIn, Document, Kind, PictureTable, QuestionTable, Scale, Scene,
 };
@@ -50,14 +51,11 @@ fn harness<S: 'static, A: Clone + 'static>(
     harness
 }
 
-type Asked = (Build, QuestionTable);
-
-fn scene() -> Harness<'static, Shown<Asked, Asked>> {
-    let home = Scene::default();
+fn scene() -> Harness<'static, Shown<Scene, Scene>> {
     harness(
-        [300.0, 280.0],
-        (home.build, home.question),
-        |ui, (build, question)| scene_panel(ui, build, question).into_iter().collect(),
+        [300.0, 560.0],
+        Scene::default(),
+        |ui, scene| scene_panel(ui, scene).into_iter().collect(),
         |state, asked| *state = asked,
     )
 }
@@ -66,10 +64,7 @@ fn colours(picture: PictureTable) -> Harness<'static, Shown<PictureTable, Colour
     harness(
         [320.0, 420.0],
         picture,
-        |ui, picture| {
-            let Scene { build, question, .. } = Scene::default();
-            colours_panel(ui, picture, &build, &question, true).into_iter().collect()
-        },
+        |ui, picture| colours_panel(ui, picture, &Scene::default(), true).into_iter().collect(),
         |state, action| {
             if let ColourAction::Paint(picture) = action {
                 *state = picture;
@@ -136,7 +131,7 @@ fn the_scene_follows_what_is_pressed_and_typed() {
     type_over(&mut harness, "Mass m2", "2.5");
     type_over(&mut harness, "Gravity g", "1.62");
     type_over(&mut harness, "Budget", "60");
-    let (build, question) = harness.state().state;
+    let Scene { build, question, .. } = harness.state().state;
     assert_eq!(build, Build::new(Kind::Rods, [1.0, 2.5], build.lengths_m(), 1.62));
     assert_eq!(
         question,
@@ -148,7 +143,7 @@ fn the_scene_follows_what_is_pressed_and_typed() {
     );
     assert_eq!(harness.state().asked.len(), 5, "one answer a change");
     press(&mut harness, "Back to the home pendulum");
-    assert_eq!(harness.state().state, (Build::default(), QuestionTable::default()));
+    assert_eq!(harness.state().state, Scene::default());
 }
 
 #[test]
@@ -167,11 +162,50 @@ fn only_what_can_be_computed_comes_out_of_the_scene() {
     }
     let asked = &harness.state().asked;
     assert!(!asked.is_empty());
-    for (build, question) in asked {
-        let scene = Scene { build: *build, question: *question, ..Scene::default() };
-        scene.checked().unwrap();
+    for scene in asked {
+        scene.clone().checked().unwrap();
     }
-    assert_eq!(harness.state().state.0.gravity, 0.0);
+    assert_eq!(harness.state().state.build.gravity, 0.0);
+}
+
+/// Chooses an entry of the box called `name`.
+fn choose<S>(harness: &mut Harness<'_, S>, name: &str, entry: &str) {
+    harness.get_by_role_and_label(Role::ComboBox, name).click();
+    harness.run_steps(3);
+    // The entries are the newest controls; a rule has the name of a plane.
+    harness.get_all_by_label(entry).last().unwrap().click();
+    harness.run_steps(4);
+}
+
+#[test]
+fn question_and_plane_are_chosen_with_what_belongs_to_them() {
+    let mut harness = scene();
+    assert!(harness.query_by_role_and_label(Role::SpinButton, "At").is_none());
+    choose(&mut harness, "Question", "state");
+    type_over(&mut harness, "At", "12.5");
+    let question = harness.state().state.question;
+    assert_eq!((question.ask, question.at), (Ask::State, Some(12.5)));
+    type_over(&mut harness, "Budget", "10");
+    assert_eq!(harness.state().state.question.at, Some(10.0), "never beyond the budget");
+    choose(&mut harness, "Question", "flip");
+    type_over(&mut harness, "Flip number", "3");
+    let question = harness.state().state.question;
+    assert_eq!((question.ask, question.at, question.count), (Ask::Flip, None, 3));
+    choose(&mut harness, "Plane", "first");
+    type_over(&mut harness, "Fixed θ2", "2.5");
+    type_over(&mut harness, "Fixed ω2", "-1");
+    let plane = harness.state().state.plane.clone();
+    assert_eq!(plane.kind.to_string(), "first");
+    assert_eq!(plane.origin, ["0", "2.5", "0", "-1"]);
+    choose(&mut harness, "Plane", "section");
+    type_over(&mut harness, "Energy", "-99");
+    assert_eq!(harness.state().state.plane.energy, 0.0, "less than a hanging pendulum's");
+    type_over(&mut harness, "Energy", "7");
+    assert_eq!(harness.state().state.plane.energy, 7.0);
+    type_over(&mut harness, "Friction b2", "0.25");
+    assert_eq!(harness.state().state.build.friction[1], 0.25);
+    press(&mut harness, "Back to the home pendulum");
+    assert_eq!(harness.state().state, Scene::default());
 }
 
 #[test]

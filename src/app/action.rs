@@ -11,7 +11,7 @@ use super::state::Dialog;
 use crate::engine::{Accuracy, EngineKind};
 use crate::lab::Figure;
 use crate::physics::Theta;
-use crate::scene::{Build, Document, PictureTable, QuestionTable};
+use crate::scene::{Document, PictureTable, Scene};
 
 /// A movement of the view. Points are measured from the middle of the canvas, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ pub enum Action {
     Lab(Option<Figure>),
     /// Opens a start in a figure.
     OpenInLab(Figure, [Theta; 2]),
-    /// Shows on the map a start that was chosen in the laboratory.
+    /// Shows on the map from rest a start that was chosen in the laboratory.
     FromLab([Theta; 2]),
     /// Pins the pixel at a point.
     Pin(DVec2),
@@ -73,8 +73,8 @@ pub enum Action {
     Pins(PinAction),
     /// Plays or pauses the pendulum that is shown.
     PlayPause,
-    /// Changes the pendulum or the question.
-    Scene(Box<Build>, QuestionTable),
+    /// Changes the pendulum, the question or the plane; the view stays if the plane does.
+    Scene(Box<Scene>),
     /// Changes the colours.
     Picture(PictureTable),
     /// Changes the accuracy level.

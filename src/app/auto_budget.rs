@@ -57,7 +57,8 @@ impl AppModel {
     pub(super) fn settle_budget(&mut self) -> bool {
         let state = &self.state;
         let budgets = &mut self.estimates.auto_budget;
-        if !state.question.budget.auto {
+        // Only flips from rest are looked for for longer where the view is deeper.
+        if !state.question.budget.auto || !state.scene().is_flip_from_rest() {
             *budgets = AutoBudget::default();
             return false;
         }
@@ -77,6 +78,7 @@ impl AppModel {
 mod tests {
     use super::*;
     use crate::app::compute_service::woken;
+    use crate::app::reach::Reach;
     use crate::scene::View;
     use std::time::Duration;
 
@@ -90,7 +92,7 @@ mod tests {
             width: width.to_string(),
             ..View::default()
         };
-        let key = |width: &str| (Build::default(), Camera::from_view(&view(width)));
+        let key = |width: &str| (Build::default(), Camera::from_view(&view(width), Reach::TORUS));
         let ask = |budget: &mut AutoBudget, width: &str| {
             let mut scene = Scene { view: view(width), ..Scene::default() };
             scene.question.budget.auto = true;

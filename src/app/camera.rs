@@ -3,60 +3,77 @@
 
 use glam::{DMat2, DVec2};
 
+use super::reach::Reach;
 use crate::physics::{Scalar, Theta};
 use crate::scene::lattice::{DEEPEST, Region, pitch_rad};
 use crate::scene::{LEAST_WIDTH, View};
 
-/// A view as numbers.
+/// A view as numbers, in the radians of the lattice; on the torus these are those of the angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// θ1 and θ2 of the centre in rad, within (−π, π].
+    /// Place of the centre in lattice radians, within [−π, π].
     pub center: [Theta; 2],
-    /// Length of the horizontal axis in rad.
+    /// Length of the horizontal axis in lattice radians.
     pub width_rad: f64,
     /// Angle in degrees by which the picture's horizontal axis is turned anticlockwise.
     pub rotate_deg: f64,
     /// Factor by which the vertical axis shows fewer radians than square pixels would.
     pub stretch: f64,
+    /// Scale and extent of the lattice on the plane of starts.
+    pub reach: Reach,
 }
 
 /// Smallest and largest width that the window zooms to, in rad.
 const LEAST_WIDTH_RAD: f64 = LEAST_WIDTH;
 const LARGEST_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
+/// Share of a bounded plane's square that its home view shows.
+const HOME_SHARE: f64 = 0.25;
 /// Largest width of a sample in physical pixels before the next level is drawn.
 const LARGEST_SAMPLE_PX: f64 = 1.25;
 
 impl Camera {
-    /// Returns the numbers of a checked view.
-    pub fn from_view(view: &View) -> Self {
+    /// Returns the numbers of a checked view of a plane.
+    pub fn from_view(view: &View, reach: Reach) -> Self {
         Camera {
-            center: view.center_rad().map(Theta::wrapped),
-            width_rad: view.width_rad().hi,
+            center: reach.place(view.center_rad()),
+            width_rad: view.width_rad().hi / reach.units(),
             rotate_deg: view.rotate,
             stretch: view.stretch,
+            reach,
         }
         .within_reach()
+    }
+
+    /// Returns the view of a plane that is shown first: the whole torus, or the middle of a plane
+    /// that has no end.
+    pub fn home(reach: Reach) -> Self {
+        let home = Camera::from_view(&View::default(), reach);
+        let share = if reach.repeats { 1.0 } else { HOME_SHARE };
+        Camera { width_rad: share * std::f64::consts::TAU, ..home }
     }
 
     /// Returns the view as people write it, with as many digits as its width can show.
     pub fn view(&self) -> View {
         // Six digits below the width are far below a pixel of any screen.
-        let decimals = (6.0 - self.width_rad.log10()).ceil().max(6.0) as usize;
+        let decimals = (6.0 - self.width().log10()).ceil().max(6.0) as usize;
         View {
-            center: self.center.map(|theta| theta.decimal(decimals)),
-            width: format!("{:?}", self.width_rad),
+            center: self.reach.coordinates(self.center).map(|x| x.decimal(decimals)),
+            width: format!("{:?}", self.width()),
             rotate: self.rotate_deg,
             stretch: self.stretch,
         }
     }
 
-    /// Returns the camera with its centre moved by an offset in rad.
+    /// Length of the horizontal axis in the units of the plane's axes.
+    pub fn width(&self) -> f64 {
+        self.width_rad * self.reach.units()
+    }
+
+    /// Returns the camera with its centre moved by an offset in rad, as far as the plane reaches.
     pub fn moved(&self, by_rad: DVec2) -> Self {
-        let by = by_rad.to_array();
-        Camera {
-            center: [0, 1].map(|i| (self.center[i] + Theta::from_f64(by[i])).wrapped()),
-            ..*self
-        }
+        let by = by_rad.to_array().map(Theta::from_f64);
+        let center = [0, 1].map(|i| self.center[i] + by[i]);
+        Camera { center: self.reach.inside(center), ..*self }
     }
 
     /// Returns the camera zoomed by a factor about a point at an offset from the centre in rad.
@@ -72,7 +89,7 @@ impl Camera {
 
     /// Returns the offset of another centre from this one, the short way round the torus, in rad.
     pub fn offset_of(&self, angle: [Theta; 2]) -> DVec2 {
-        DVec2::from_array([0, 1].map(|i| (angle[i] - self.center[i]).wrapped().to_f64()))
+        DVec2::from_array(self.reach.difference(angle, self.center))
     }
 }
 
@@ -115,7 +132,8 @@ impl Screen {
     pub fn region(&self) -> Region {
         let map = self.plane_from_screen();
         let half = map.x_axis.abs() * self.size.x / 2.0 + map.y_axis.abs() * self.size.y / 2.0;
-        Region { center: self.camera.center, half_rad: half.to_array() }
+        let Camera { center, reach, .. } = self.camera;
+        Region { center, half_rad: half.to_array(), repeats: reach.repeats }
     }
 
     /// Returns the level whose samples are about as large as physical pixels.
@@ -160,6 +178,7 @@ impl Move {
             width_rad,
             rotate_deg: blend(self.from.rotate_deg, self.to.rotate_deg),
             stretch: blend(self.from.stretch, self.to.stretch),
+            reach: self.to.reach,
         };
         (camera, false)
     }
@@ -175,8 +194,7 @@ mod tests {
     }
 
     fn home() -> Camera {
-        let center = [Theta::ZERO; 2];
-        Camera { center, width_rad: std::f64::consts::TAU, rotate_deg: 0.0, stretch: 1.0 }
+        Camera::home(Reach::TORUS)
     }
 
     proptest! {
@@ -219,11 +237,26 @@ mod tests {
         for _ in 0..320 {
             camera = camera.zoomed(2.0, DVec2::new(0.3, 0.2) * camera.width_rad);
         }
-        let back = Camera::from_view(&camera.view());
+        let back = Camera::from_view(&camera.view(), Reach::TORUS);
         assert!(back.offset_of(camera.center).length() < 1e-5 * camera.width_rad);
         assert_eq!(back.width_rad, camera.width_rad);
-        assert_eq!(Camera::from_view(&View::default()), home());
+        assert_eq!(Camera::from_view(&View::default(), Reach::TORUS), home());
         assert_eq!(home().view(), View::default());
+    }
+
+    #[test]
+    fn a_plane_of_speeds_has_its_own_units_and_an_end() {
+        let reach = Reach { doublings: 4, repeats: false };
+        let view =
+            View { center: ["8".into(), "-4.5".into()], width: "2".into(), ..View::default() };
+        let camera = Camera::from_view(&view, reach);
+        assert_eq!((camera.width_rad, camera.width()), (0.125, 2.0));
+        let back = camera.view();
+        assert_eq!((back.center[0].parse(), back.center[1].parse()), (Ok(8.0), Ok(-4.5)));
+        assert_eq!(back.width, "2.0");
+        let far = camera.moved(DVec2::new(99.0, 0.0));
+        assert_eq!(far.center[0], Theta::pi(), "nothing lies beyond");
+        assert!((camera.offset_of(far.center).x - (std::f64::consts::PI - 0.5)).abs() < 1e-12);
     }
 
     #[test]

@@ -164,7 +164,7 @@ impl ComputeService {
             let ServiceState::Ready(engine) = &mut self.stage else {
                 return ServiceUpdate::default();
             };
-            self.explorer.target(target(engine.config));
+            self.explorer.target(&target(engine.config));
             match self.explorer.work(engine.as_mut(), Some(deadline)) {
                 Ok(news) => ServiceUpdate { news, failure: None },
                 Err(error) => self.fail(&error.to_string()),

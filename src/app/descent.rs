@@ -10,6 +10,7 @@ use super::camera::Camera;
 use super::compute_service::{Wake, step_back};
 use super::model::AppModel;
 use super::panels::descent::DescentAction;
+use super::reach::Reach;
 use crate::engine::choice::{ChoiceError, EngineRequest, choose};
 use crate::engine::{EngineError, EngineKind};
 use crate::scene::{Document, Scene};
@@ -89,6 +90,10 @@ impl AppModel {
         if self.descent.running.take().is_some() {
             return;
         }
+        if let Err(error) = self.state.scene().require_flip_from_rest() {
+            self.state.notices.fail(format!("Nothing leads deeper here: {error}."));
+            return;
+        }
         let screen = self.state.screen();
         let pointer = self.state.pointer.unwrap_or_default();
         let towards = (screen.offset_at(pointer) / screen.camera.width_rad).to_array();
@@ -109,7 +114,7 @@ impl AppModel {
         };
         match news {
             DescentNews::To(scene) => {
-                let Camera { center, width_rad, .. } = Camera::from_view(&scene.view);
+                let Camera { center, width_rad, .. } = Camera::from_view(&scene.view, Reach::TORUS);
                 self.state.go(Camera { center, width_rad, ..self.state.target() });
                 self.descent.scenes.push(*scene);
             }
@@ -124,7 +129,7 @@ impl AppModel {
     /// Stops the descent if the user moves the view, changes the scene or closes something.
     pub(super) fn stop_descent_for(&mut self, action: &Action) {
         let moves = matches!(action, Action::Look(look) if *look != Look::Release);
-        if moves || matches!(action, Action::Escape | Action::Show(_) | Action::Scene(..)) {
+        if moves || matches!(action, Action::Escape | Action::Show(_) | Action::Scene(_)) {
             self.descent.running = None;
         }
     }
@@ -135,7 +140,7 @@ impl AppModel {
             DescentAction::Path(path) => self.descent.path = path,
             DescentAction::Open(k) => {
                 let scene = self.descent.scenes.get(k)?;
-                return Some(Action::Look(Look::To(Camera::from_view(&scene.view))));
+                return Some(Action::Look(Look::To(Camera::from_view(&scene.view, Reach::TORUS))));
             }
             DescentAction::Keep => {
                 let shown = self.state.document();

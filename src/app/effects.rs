@@ -6,16 +6,16 @@ use std::sync::Arc;
 use super::action::Action;
 use super::dialog::FileDialog;
 use super::export::{Export, ExportKind, ExportRequest, append_keys};
-use super::hover;
 use super::model::{AppModel, Asking};
 use super::panels::colours::ColourAction;
 use super::panels::export::{ExportAction, ExportSubject};
 use super::panels::places::PlaceAction;
+use super::pin_start::PinStart;
 use super::state::Effect;
 use super::view_samples;
 use crate::output::Picture;
 use crate::physics::Theta;
-use crate::scene::palette::{Tones, equalised};
+use crate::scene::palette::{AnswerColours, equalised};
 use crate::scene::{Document, PictureTable, Scale};
 
 /// Number of steps in an equalised palette.
@@ -33,21 +33,16 @@ impl AppModel {
     /// Carries out an effect, or returns it if only the window can.
     pub(super) fn affect(&mut self, effect: Effect) -> Option<Effect> {
         match effect {
-            Effect::Pin(starts) => self.pin(*starts),
+            Effect::Pin(places) => self.pin(*places),
             Effect::GoDeeper => self.toggle_descent(),
             Effect::Lab(figure) => self.show_figure(figure),
             Effect::OpenInLab(figure, start) => self.open_in_lab(figure, start),
             Effect::FromLab(start) => self.aimed_in_lab(start),
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
-                self.relaunch();
-                self.request.kind = self.state.integration.kind;
                 self.request.setting = self.state.integration.spec.setting;
-                self.compute.reopen(
-                    self.state.integration.kind,
-                    self.state.integration.spec.setting,
-                    self.state.integration.spec.verify,
-                );
+                self.reopen();
+                self.relaunch();
             }
             Effect::Open(path) => self.open(&path),
             Effect::AskForFile => {
@@ -59,20 +54,34 @@ impl AppModel {
         None
     }
 
-    /// Relaunches the pins' flights if the physics has changed; otherwise they continue.
+    /// Opens the engine that the state asks for.
+    fn reopen(&mut self) {
+        self.request.kind = self.engine_kind();
+        let spec = &self.state.integration.spec;
+        self.compute.reopen(self.request.kind, spec.setting, spec.verify);
+    }
+
+    /// Relaunches the pins' flights if the physics has changed; otherwise they continue. Opens
+    /// another engine if the question needs one.
     fn relaunch(&mut self) {
+        if self.engine_kind() != self.request.kind {
+            self.reopen();
+        }
         let wake = Arc::clone(&self.wake);
         self.state.pins.relaunch(&self.state.scene(), move || wake());
     }
 
-    fn pin(&mut self, starts: [[Theta; 2]; 2]) {
-        let level = self.state.screen().level();
-        let budget_secs = self.state.question.budget.secs;
-        let told = hover::outcome_at(&mut self.compute.explorer, starts[0], level, budget_secs);
+    fn pin(&mut self, places: [[Theta; 2]; 2]) {
+        let scene = self.state.scene();
+        let Some(start) = PinStart::on_plane(&scene, self.state.camera.reach, places) else {
+            self.state.notices.tell("No pendulum has the section's energy here.");
+            return;
+        };
+        let told = self.told_at(places[0]);
         let wake = Arc::clone(&self.wake);
-        match self.state.pins.add(starts, told, move || wake()) {
+        match self.state.pins.add(start, told, move || wake()) {
             Ok(id) => {
-                self.state.clicked = Some(id);
+                self.state.pins.clicked = Some(id);
                 self.state.shown.side = true;
             }
             Err(error) => self.state.notices.fail(format!("{error}.")),
@@ -133,10 +142,9 @@ impl AppModel {
     fn keep_place(&mut self, name: &str) -> Result<(), super::places::PlaceError> {
         let document = self.state.document();
         let (screen, scene) = (self.state.screen(), document.scene());
-        let tones =
-            Tones::new(&document.picture, scene.build.unit_secs(), scene.question.budget.secs).ok();
-        let rgb =
-            tones.map(|tones| view_samples::thumbnail(&screen, &mut self.compute.explorer, &tones));
+        let colours = AnswerColours::new(&scene, &document.picture).ok();
+        let explorer = &mut self.compute.explorer;
+        let rgb = colours.map(|colours| view_samples::thumbnail(&screen, explorer, &colours));
         let size = view_samples::THUMBNAIL;
         let rgb = rgb.unwrap_or_else(|| vec![0x80; (3 * size[0] * size[1]) as usize]);
         self.places.add(name, Picture { document, size, rgb })

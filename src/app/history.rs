@@ -58,11 +58,11 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Theta;
+    use crate::app::reach::Reach;
     use proptest::prelude::*;
 
     fn view(width_rad: f64) -> Camera {
-        Camera { center: [Theta::ZERO; 2], width_rad, rotate_deg: 0.0, stretch: 1.0 }
+        Camera { width_rad, ..Camera::home(Reach::TORUS) }
     }
 
     proptest! {

@@ -2,11 +2,23 @@
 
 use crate::engine::Trust;
 use crate::physics::{Outcome, Scalar, Status, Theta};
+use crate::question::MOST_CHANNELS;
 use crate::scene::Turn;
 use crate::scene::lattice::{Cell, SIDE};
 use crate::tiles::explorer::Explorer;
 
-/// Returns the starts of the sample that a level draws at an angle and of the one to its right.
+/// The answer that the map shows for a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// Status: [`Status::Flipped`] if there is an answer.
+    pub status: Status,
+    /// Values of the question's channels, and zeros.
+    pub values: [f64; MOST_CHANNELS],
+    /// Degree to which it is sure.
+    pub trust: Trust,
+}
+
+/// Returns the places of the sample that a level draws at a place and of the one to its right.
 pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
     let cell = Cell::around(angle, level);
     let [column, row] = cell.sample_at(angle);
@@ -19,31 +31,42 @@ pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
     [column, column + 1.0].map(|column| [along(column).wrapped(), up])
 }
 
-/// Returns the outcome and trust that the map shows for the sample at an angle within a budget;
-/// none while only coarser samples are known.
-pub fn outcome_at(
+/// Returns the answer that the map shows for the sample at a place; none while only coarser samples
+/// are known. Flips after `until_secs`, if it is given, are not shown.
+pub fn answer_at(
     explorer: &mut Explorer,
     angle: [Theta; 2],
     level: u32,
-    budget_secs: f64,
-) -> Option<(Outcome, Trust)> {
-    let (outcome, trust) = known_at(explorer, Cell::around(angle, level), angle)?;
+    until_secs: Option<f64>,
+) -> Option<Answer> {
+    let answer = known_at(explorer, Cell::around(angle, level), angle)?;
     // A sample computed for a larger budget may flip after the end of this one.
-    let late = outcome.status == Status::Flipped && outcome.time > budget_secs;
-    Some((if late { Outcome::without_time(Status::Unflipped) } else { outcome }, trust))
+    let is_flipped = answer.status == Status::Flipped;
+    let late = is_flipped && until_secs.is_some_and(|until_secs| answer.values[0] > until_secs);
+    Some(if late { Answer { status: Status::Unflipped, ..answer } } else { answer })
 }
 
-/// Returns the known outcome and trust of the sample at an angle inside a cell.
-pub fn known_at(
-    explorer: &mut Explorer,
-    cell: Cell,
-    angle: [Theta; 2],
-) -> Option<(Outcome, Trust)> {
+/// Returns the known answer of the sample at a place inside a cell.
+pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<Answer> {
     let [column, row] = cell.sample_at(angle);
     let (known, mirrored) = explorer.known(cell)?;
     let place = (row * SIDE + column) as usize;
     let place = if mirrored { known.samples.len() - 1 - place } else { place };
-    Some((known.samples.get(place), known.samples.trust(place)))
+    let mut values = [0.0; MOST_CHANNELS];
+    let known_values = known.samples.values(place);
+    values[..known_values.len()].copy_from_slice(known_values);
+    let Outcome { status, .. } = known.samples.get(place);
+    Some(Answer { status, values, trust: known.samples.trust(place) })
+}
+
+impl Answer {
+    /// The outcome of a question about a time.
+    pub fn outcome(&self) -> Outcome {
+        match self.status {
+            Status::Flipped => Outcome::flipped(self.values[0]),
+            other => Outcome::without_time(other),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,28 +1,51 @@
 //! Incoming scenes: from files, bookmarks and pasted locations.
 
 use super::camera::Camera;
+use super::history::History;
+use super::reach::Reach;
 use super::state::{AppState, Effect, following};
 use crate::engine::run_settings::RunSpec;
-use crate::scene::{Document, RunTable, location};
+use crate::scene::{Document, RunTable, Scene, location};
 
 impl AppState {
     /// Shows a document's pendulum, view and colours, with the accuracy that it states, if any.
     pub(super) fn show(&mut self, document: &Document) -> Option<Effect> {
         let scene = document.scene();
-        if let Err(error) = scene.require_flip_from_rest() {
-            self.notices.fail(format!("{error}."));
-            return None;
-        }
         let question = following(&scene);
-        let same = (scene.build, question) == (self.build, self.question);
-        (self.build, self.question) = (scene.build, question);
+        let same =
+            (scene.build, question, &scene.plane) == (self.build, self.question, &self.plane);
+        self.ask(&Scene { question, ..scene.clone() });
         self.picture = document.picture.clone();
         self.layers.curve = document.picture.curve;
-        self.go(Camera::from_view(&scene.view));
+        self.go(Camera::from_view(&scene.view, self.camera.reach));
         if self.compute_as(&document.run) {
             return Some(Effect::Reopen);
         }
         (!same).then_some(Effect::Relaunch)
+    }
+
+    /// Changes the pendulum, the question and the plane. On another plane the view starts anew; on
+    /// the same one it shows the same starts, whatever the reach of the lattice.
+    pub(super) fn ask(&mut self, scene: &Scene) {
+        let (was, is_same_kind) = (self.plane.clone(), self.plane.kind == scene.plane.kind);
+        if self.question.ask != scene.question.ask {
+            // Another question has other channels.
+            self.picture.channel = None;
+        }
+        (self.build, self.question, self.plane) =
+            (scene.build, scene.question, scene.plane.clone());
+        let reach = Reach::of(scene);
+        if self.plane != was || reach != self.camera.reach {
+            self.pins.leave_plane();
+        }
+        if is_same_kind && reach == self.camera.reach {
+            return;
+        }
+        let view = self.target().view();
+        self.moving = None;
+        self.camera =
+            if is_same_kind { Camera::from_view(&view, reach) } else { Camera::home(reach) };
+        self.history = History::new(self.camera);
     }
 
     /// Computes as a run table says from now on; an empty table changes nothing. Returns true if

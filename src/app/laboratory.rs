@@ -6,11 +6,12 @@ use super::action::{Action, Look};
 use super::camera::Camera;
 use super::hover;
 use super::model::AppModel;
+use super::reach::Reach;
 use super::state::Effect;
 use crate::lab::flips::{Seen, explain};
 use crate::lab::{Figure, FigureRequest};
 use crate::physics::{Scalar, Theta};
-use crate::scene::{Build, View};
+use crate::scene::{Build, Plane, Scene};
 
 /// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
 const PART: f64 = 1.0 / 16.0;
@@ -86,9 +87,13 @@ impl AppModel {
         let window = egui::Window::new("What you are seeing").default_width(330.0);
         window.anchor(Align2::LEFT_TOP, vec2(12.0, 48.0)).resizable(false).show(ctx, |ui| {
             ui.label(Figure::Map.sentence());
+            if !self.state.scene().is_flip_from_rest() {
+                ui.label(self.state.question.ask.kind().about);
+                return;
+            }
             if let Some(kind) = explain(ui, &self.state.build, &seen) {
                 let build = Build { kind, ..self.state.build };
-                actions.push(Action::Scene(Box::new(build), self.state.question));
+                actions.push(Action::Scene(Box::new(Scene { build, ..self.state.scene() })));
             }
         });
         actions
@@ -97,7 +102,11 @@ impl AppModel {
     /// Goes to a start on the map and pins it.
     pub(super) fn aimed_in_lab(&mut self, start: [Theta; 2]) {
         self.state.shown.lab = false;
-        let home = Camera::from_view(&View::default());
+        if !self.state.plane.is_at_rest() {
+            let scene = Scene { plane: Plane::default(), ..self.state.scene() };
+            self.act(vec![Action::Scene(Box::new(scene))]);
+        }
+        let home = Camera::home(Reach::TORUS);
         let width_rad = home.width_rad * PART;
         let camera = Camera { center: start.map(Theta::wrapped), width_rad, ..home };
         self.act(vec![Action::Look(Look::To(camera))]);

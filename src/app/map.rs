@@ -5,20 +5,20 @@ use glam::DVec2;
 
 use super::action::Action;
 use super::canvas::pipeline::MapFrame;
+use super::captions::{place_words, words_of};
 use super::gesture::Gesture;
+use super::hover::Answer;
 use super::overlay::{self, position};
 use super::state::AppState;
-use crate::engine::Trust;
-use crate::physics::{Outcome, Scalar, Status, Theta};
-use crate::scene::lattice::pitch_rad;
+use crate::physics::Theta;
 
 /// The sample of the map under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hovered {
-    /// Start of the sample.
-    pub start: [Theta; 2],
-    /// Known outcome and trust; none while only coarser samples are known.
-    pub outcome: Option<(Outcome, Trust)>,
+    /// Place of the sample on the lattice.
+    pub place: [Theta; 2],
+    /// Known answer; none while only coarser samples are known.
+    pub answer: Option<Answer>,
 }
 
 /// Shows the map and returns the user's actions on it.
@@ -49,7 +49,8 @@ pub fn map(
         }
     }
     if let (Some(pointer), Some(hovered), false) = (state.pointer, hovered, state.dragging) {
-        draw_hovered(&painter, rect, pointer, &words_of(&hovered, state.screen().level()));
+        let words = words_of(&hovered, &state.scene(), state.screen().level());
+        draw_hovered(&painter, rect, pointer, &words);
     }
     if response.has_focus() {
         let stroke = ui.visuals().selection.stroke;
@@ -140,10 +141,13 @@ fn draw_layers(painter: &egui::Painter, rect: Rect, state: &AppState) {
         overlay::draw_tiles(painter, rect, &screen);
     }
     if state.layers.grid {
-        overlay::draw_grid(painter, rect, &screen);
+        overlay::draw_grid(painter, rect, &screen, state.plane.axes());
     }
-    if state.layers.curve && state.build.gravity.value() > 0.0 {
-        let lines = overlay::energy_curve(&screen, &state.build, state.question.rule);
+    if !state.plane.is_at_rest() {
+        overlay::draw_axes(painter, rect, state.plane.axes());
+    }
+    if state.has_energy_curve() {
+        let lines = overlay::energy_curve(&screen, &state.build, state.question.watched());
         overlay::draw_curve(painter, rect, &lines);
     }
 }
@@ -152,7 +156,8 @@ fn draw_layers(painter: &egui::Painter, rect: Rect, state: &AppState) {
 fn draw_pins(painter: &egui::Painter, rect: Rect, state: &AppState) {
     let screen = state.screen();
     for pin in state.pins.iter() {
-        let point = screen.point_of(screen.camera.offset_of(pin.start));
+        let Some(place) = pin.start.place else { continue };
+        let point = screen.point_of(screen.camera.offset_of(place));
         if !point.is_finite() || (point.abs() * 2.0).cmpgt(state.canvas).any() {
             continue;
         }
@@ -174,55 +179,12 @@ fn draw_hovered(painter: &egui::Painter, rect: Rect, pointer: DVec2, words: &str
     }
 }
 
-/// Describes a sample: its angles and what becomes of the pendulum.
-pub fn words_of(hovered: &Hovered, level: u32) -> String {
-    // Enough digits to tell neighbouring samples apart.
-    let digits = (1.0 - pitch_rad(level).log10()).ceil().max(2.0) as usize;
-    let [theta1, theta2] = hovered.start.map(|theta| plain(theta, digits));
-    let fate = match hovered.outcome {
-        None => "being computed".to_string(),
-        Some((outcome, trust)) => {
-            let doubt = if trust == Trust::Uncertain { ", uncertain" } else { "" };
-            match outcome.status {
-                Status::Flipped => format!("flips after {:.4} s{doubt}", outcome.time),
-                Status::Unflipped => format!("does not flip within the budget{doubt}"),
-                Status::Forbidden => "can never flip: too little energy".to_string(),
-                Status::Failed => "could not be integrated".to_string(),
-            }
-        }
-    };
-    format!("θ1 {theta1}, θ2 {theta2} rad · {fate}")
-}
-
-/// Formats an angle with a number of decimals; f64 is quicker if it has enough digits.
-fn plain(theta: Theta, digits: usize) -> String {
-    if digits < 15 { format!("{:.digits$}", theta.to_f64()) } else { theta.decimal(digits) }
-}
-
 /// Returns the description of the map for screen readers.
 fn spoken(state: &AppState, hovered: Option<Hovered>) -> String {
-    let width = state.camera.width_rad;
-    let [theta1, theta2] = state.camera.center.map(Theta::to_f64);
-    let here = hovered.map(|hovered| words_of(&hovered, state.screen().level()));
+    let (scene, camera) = (state.scene(), state.camera);
+    let here = hovered.map(|hovered| words_of(&hovered, &scene, state.screen().level()));
     let here = here.unwrap_or_default();
-    format!("Map around θ1 {theta1:.4}, θ2 {theta2:.4} rad, {width:.3e} rad wide. {here}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_tell_the_fate_and_enough_digits() {
-        let start = [-1.66, 0.1].map(Theta::from_f64);
-        let words = |outcome, level| words_of(&Hovered { start, outcome }, level);
-        let flipped = Some((Outcome::flipped(3.21), Trust::Uncertain));
-        assert_eq!(
-            words(flipped, 3),
-            "θ1 -1.6600, θ2 0.1000 rad · flips after 3.2100 s, uncertain"
-        );
-        let forbidden = Some((Outcome::without_time(Status::Forbidden), Trust::Unchecked));
-        assert!(words(forbidden, 0).contains("never"));
-        assert!(words(None, 60).contains("being computed") && words(None, 60).len() > 50);
-    }
+    let place = place_words(&scene, camera.reach.coordinates(camera.center), 4);
+    let [across, _] = scene.plane.axes();
+    format!("Map around {place}, {:.3e} {} wide. {here}", camera.width(), across.unit())
 }

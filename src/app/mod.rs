@@ -6,9 +6,12 @@
 //! something to show.
 
 pub mod action;
+mod answerable;
+mod answers;
 mod auto_budget;
 pub mod camera;
 pub mod canvas;
+pub mod captions;
 pub mod commands;
 pub mod compute_service;
 pub mod descent;
@@ -31,8 +34,10 @@ pub mod notices;
 mod outlook;
 pub mod overlay;
 pub mod panels;
+pub mod pin_start;
 pub mod pins;
 pub mod places;
+pub mod reach;
 pub mod settings;
 mod side_panel;
 pub mod state;

@@ -29,6 +29,7 @@ use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
 use super::state::{AppState, Effect};
 use super::view_samples;
+use crate::engine::EngineKind;
 use crate::engine::choice::EngineRequest;
 use crate::engine::run_settings::RunSpec;
 use crate::lab::{Figure, Lab};
@@ -127,7 +128,10 @@ impl AppModel {
             state.notices.fail(problem);
         }
         let cache_bytes = (settings.cache_mib as usize) << 20;
-        let request = EngineRequest { setting, ..options.request.clone() };
+        let mut request = EngineRequest { setting, ..options.request.clone() };
+        if document.question.needs_processor() {
+            request.kind = Some(EngineKind::Cpu);
+        }
         let compute = ComputeService::new(request.clone(), verify, cache_bytes, Arc::clone(&wake));
         let places = Places::load(&options.folders);
         AppModel {
@@ -161,7 +165,7 @@ impl AppModel {
         if self.lab_hides_map() {
             return false;
         }
-        let settled = self.settle_budget();
+        let settled = self.make_answerable() || self.settle_budget();
         let state = &self.state;
         let turn = self.compute.turn(|config| state.view_target(config), Instant::now() + WORK);
         self.meter.read(Instant::now(), self.compute.explorer.counts().simulated);
@@ -192,7 +196,8 @@ impl AppModel {
             self.spread_for = None;
             return clear;
         }
-        if !self.state.spreads || self.state.moving.is_some() {
+        let is_time = self.state.question.ask.is_time();
+        if !self.state.spreads || self.state.moving.is_some() || !is_time {
             return false;
         }
         let near = |then: &Camera| {
@@ -220,22 +225,6 @@ impl AppModel {
             self.state.picture.times = times;
         }
         change
-    }
-
-    /// Passes to the pins the outcomes that the map now shows for their pixels.
-    fn tell_pins(&mut self) {
-        let (level, budget_secs) = (self.state.screen().level(), self.state.question.budget.secs);
-        let silent = self.state.pins.iter().filter(|pin| pin.told.is_none());
-        let silent: Vec<_> = silent.map(|pin| (pin.id, pin.start)).collect();
-        for (id, start) in silent {
-            // Another level has other samples, with other outcomes.
-            if hover::sample_at(start, level)[0] == start
-                && let Some(told) =
-                    hover::outcome_at(&mut self.compute.explorer, start, level, budget_secs)
-            {
-                self.state.pins.tell(id, told);
-            }
-        }
     }
 
     /// Returns the progress of the view.
@@ -313,8 +302,9 @@ impl AppModel {
             glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
         self.state.pixels_per_point = f64::from(ui.ctx().pixels_per_point());
         let screen = self.state.screen();
-        let AppState { picture, build, question, layers, .. } = &self.state;
-        let (uniforms, table) = match colours(picture, build, question, layers.trust) {
+        let scene = self.state.scene();
+        let AppState { picture, layers, .. } = &self.state;
+        let colours = match colours(picture, &scene, layers.trust) {
             Ok(colours) => colours,
             // A picture table is checked before it gets here.
             Err(error) => {
@@ -322,13 +312,10 @@ impl AppModel {
                 return Vec::new();
             }
         };
-        let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, uniforms, table);
+        let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
         let hovered = self.state.pointer.map(|point| {
-            let (explorer, level) = (&mut self.compute.explorer, screen.level());
-            let [start, _] = hover::sample_at(screen.angle_at(point), level);
-            let outcome =
-                hover::outcome_at(explorer, start, level, self.state.question.budget.secs);
-            Hovered { start, outcome }
+            let [place, _] = hover::sample_at(screen.angle_at(point), screen.level());
+            Hovered { place, answer: self.answer_at(place) }
         });
         map(ui, &self.state, frame, hovered)
     }
@@ -350,11 +337,12 @@ impl AppModel {
         let depth = self.compute.explorer.depth().zip(self.compute.config());
         let budget_secs = self.state.question.budget.secs;
         let depth = depth.map(|(depth, config)| depth_words(&depth, config.precision, budget_secs));
-        let width_rad = self.state.camera.width_rad;
+        let (width, [across, _]) = (self.state.camera.width(), self.state.plane.axes());
+        let unit = across.unit();
         let diving = self.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
         let doing = self.compute.following().or(diving);
         let warning = self.estimates.forecast.warning();
-        StatusLine { progress, width_rad, rate, simulated, engine, depth, doing, warning }
+        StatusLine { progress, width, unit, rate, simulated, engine, depth, doing, warning }
     }
 
     /// Saves the settings, including how the window was left.

@@ -45,14 +45,15 @@ impl Forecast {
     /// Asks for the outlook on a view, unless it is the one last asked for; `scene` is its scene.
     pub(super) fn ask(&mut self, target: ViewTarget, scene: impl FnOnce() -> Scene, wake: &Wake) {
         let target = ViewTarget { pointer: None, ..target };
-        if self.asked == Some(target) {
+        if self.asked.as_ref() == Some(&target) {
             return;
         }
+        let config = target.physics.config;
         (self.asked, self.known) = (Some(target), None);
         let (sender, answer) = channel();
         let (stopped, wake) = (Arc::new(AtomicBool::new(false)), Arc::clone(wake));
         self.flying = Some(OutlookThread { answer, stopped: Arc::clone(&stopped) });
-        let (scene, config) = (scene(), target.physics.config);
+        let scene = scene();
         std::thread::spawn(move || match look(&scene, config, &stopped) {
             Ok(Some(outlook)) => {
                 // The receiver is gone once the outlook on another view is asked for.
@@ -95,7 +96,8 @@ impl AppModel {
     pub(super) fn foresee(&mut self) -> bool {
         let unchecked = self.state.integration.spec.setting
             == IntegrationSetting::Accuracy(Accuracy::Balanced)
-            && !self.state.integration.spec.verify;
+            && !self.state.integration.spec.verify
+            && self.state.scene().is_flip_from_rest();
         if !unchecked {
             self.estimates.forecast.forget();
             return false;
@@ -147,16 +149,11 @@ mod tests {
         let mut warning_after = |secs: f64| {
             let question = QuestionTable { budget: Budget::secs(secs), ..QuestionTable::default() };
             let scene = Scene { question, ..Scene::default() }.checked().unwrap();
-            let physics = Physics {
-                build: scene.build,
-                rule: scene.question.rule,
-                config: BALANCED,
-                verified: false,
-            };
-            let region = Region { center: [Theta::ZERO; 2], half_rad: [3.0; 2] };
+            let physics = Physics::of(&scene, BALANCED, false);
+            let region = Region { center: [Theta::ZERO; 2], half_rad: [3.0; 2], repeats: true };
             let pointer = None;
             let target = ViewTarget { physics, budget_secs: secs, region, level: 4, pointer };
-            forecast.ask(target, || scene, &wake);
+            forecast.ask(target.clone(), || scene, &wake);
             woken.recv_timeout(Duration::from_secs(60)).unwrap();
             assert!(forecast.listen());
             let warning = forecast.warning();

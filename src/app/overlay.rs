@@ -5,10 +5,12 @@ use glam::DVec2;
 
 use super::camera::Screen;
 use crate::physics::{Angle, Rule, Scalar, Theta};
-use crate::scene::Build;
 use crate::scene::lattice::side_rad;
+use crate::scene::{Axis, Build};
 use crate::tiles::explorer::MOST_CELLS;
 
+/// Least distance in points between grid lines.
+const POINTS_APART: f64 = 130.0;
 /// Distance in points between the nodes at which the energy is evaluated.
 const CURVE_NODE: f64 = 8.0;
 
@@ -176,7 +178,7 @@ impl Spacing {
 /// Returns lines at round fractions of π, as many as are easy to tell apart.
 pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     let region = screen.region();
-    let spacing = Spacing::at_least(2.0 * region.half_rad[0] / (screen.size.x / 130.0));
+    let spacing = Spacing::at_least(2.0 * region.half_rad[0] / (screen.size.x / POINTS_APART));
     let step = spacing.step();
     let step_rad = step.to_f64() * std::f64::consts::PI;
     let mut lines = Vec::new();
@@ -193,6 +195,35 @@ pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
         }
     }
     lines
+}
+
+/// Returns lines at round numbers of a quantity that is no angle, as many as are easy to tell
+/// apart; their offsets are in lattice radians.
+pub fn round_lines(screen: &Screen, axis: usize) -> Vec<GridLine> {
+    let (region, units) = (screen.region(), screen.camera.reach.units());
+    let (center, half) = (region.center[axis].to_f64() * units, region.half_rad[axis] * units);
+    let least = 2.0 * region.half_rad[0] * units / (screen.size.x / POINTS_APART);
+    let power = 10f64.powi(least.log10().floor() as i32);
+    let step = [1.0, 2.0, 5.0, 10.0].map(|times| times * power).into_iter().find(|s| *s >= least);
+    let step = step.unwrap_or(10.0 * power);
+    let decimals = (-step.log10() + 1e-9).ceil().max(0.0) as usize;
+    let [first, last] = [((center - half) / step).ceil(), ((center + half) / step).floor()];
+    let line = |k: f64| {
+        let name = format!("{:.decimals$}", k * step + 0.0).replace('-', "−");
+        GridLine { axis, name, offset_rad: (k * step - center) / units }
+    };
+    std::iter::successors(Some(first), |k| Some(k + 1.0))
+        .take_while(|k| *k <= last)
+        .map(line)
+        .collect()
+}
+
+/// Writes what the axes are in two corners of the map.
+pub fn draw_axes(painter: &Painter, rect: Rect, axes: [Axis; 2]) {
+    let [across, up] = axes.map(|axis| format!("{}, {}", axis.symbol(), axis.unit()));
+    let inset = egui::vec2(6.0, 6.0);
+    label(painter, rect.right_bottom() - inset, Align2::RIGHT_BOTTOM, &format!("{across} →"));
+    label(painter, rect.left_top() + inset, Align2::LEFT_TOP, &format!("{up} ↑"));
 }
 
 /// Returns the text of `index`/2^`power` of π, as people write it.
@@ -213,11 +244,17 @@ fn binary_part_of_pi(index: i64, power: i32) -> String {
 }
 
 /// Draws the grid with its names along the left and lower edges.
-pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen) {
+pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen, axes: [Axis; 2]) {
     let region = screen.region();
     let stroke = Stroke::new(1.0, Color32::from_black_alpha(110));
     let rim = Stroke::new(3.0, Color32::from_white_alpha(50));
-    for line in grid_lines(screen) {
+    // On the torus a lattice radian is one of the angles; elsewhere angles are numbers, too.
+    let lines = if screen.camera.reach.repeats {
+        grid_lines(screen)
+    } else {
+        [0, 1].into_iter().flat_map(|axis| round_lines(screen, axis)).collect()
+    };
+    for line in lines {
         let other = 1 - line.axis;
         let end = |sign: f64| {
             let mut offset = [0.0; 2];
@@ -228,7 +265,7 @@ pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen) {
         let ends = [end(-1.0), end(1.0)];
         painter.line_segment(ends, rim);
         painter.line_segment(ends, stroke);
-        let symbol = if line.axis == 0 { "θ1" } else { "θ2" };
+        let symbol = axes[line.axis].symbol();
         let (at, align) = if line.axis == 0 {
             (pos2(ends[0].x + 3.0, rect.bottom() - 3.0), Align2::LEFT_BOTTOM)
         } else {
@@ -267,10 +304,11 @@ pub fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
 mod tests {
     use super::*;
     use crate::app::camera::Camera;
+    use crate::app::reach::Reach;
 
     fn screen(center: [&str; 2], width_rad: f64) -> Screen {
         let center = center.map(|text| Theta::parse(text).unwrap());
-        let camera = Camera { center, width_rad, rotate_deg: 0.0, stretch: 1.0 };
+        let camera = Camera { center, width_rad, ..Camera::home(Reach::TORUS) };
         Screen { camera, size: DVec2::new(640.0, 480.0), pixels_per_point: 1.0 }
     }
 
@@ -319,6 +357,23 @@ mod tests {
         let decimal = grid_lines(&screen(["-1.66", "0.1"], 0.4));
         assert_eq!(decimal[0].name, "−0.55π");
         assert_eq!(decimal[1].name, "−0.5π");
+    }
+
+    #[test]
+    fn lines_of_speeds_are_round_numbers() {
+        let reach = Reach { doublings: 4, repeats: false };
+        let camera = Camera {
+            center: [0.5, 0.0].map(Theta::from_f64),
+            width_rad: 1.0,
+            ..Camera::home(reach)
+        };
+        let screen = Screen { camera, ..screen(["0", "0"], 1.0) };
+        let lines = round_lines(&screen, 0);
+        // From 0 to 16 rad/s on 640 points.
+        let names: Vec<&str> = lines.iter().map(|line| line.name.as_str()).collect();
+        assert_eq!(names, ["0", "5", "10", "15"]);
+        assert!((lines[2].offset_rad - (10.0 / 16.0 - 0.5)).abs() < 1e-12);
+        assert!(round_lines(&screen, 1).iter().any(|line| line.name == "−5"));
     }
 
     #[test]

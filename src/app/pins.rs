@@ -3,8 +3,9 @@
 use egui::Color32;
 
 use super::flight::{Flight, Playback};
+use super::pin_start::PinStart;
 use crate::engine::{Question, Trust};
-use crate::physics::{Outcome, Theta};
+use crate::physics::Outcome;
 use crate::scene::{Build, Scene};
 
 /// Largest number of pins at once.
@@ -47,10 +48,8 @@ impl Badge {
 pub struct Pin {
     /// Identifier of the pin.
     pub id: PinId,
-    /// θ1 and θ2 of the pixel in rad.
-    pub start: [Theta; 2],
-    /// θ1 and θ2 of the pixel beside it in rad.
-    pub neighbour: [Theta; 2],
+    /// Starts of its pendulum and of the one beside it.
+    pub start: PinStart,
     /// Mark of the pin.
     pub badge: Badge,
     /// Outcome and trust that the map shows, once they are known.
@@ -105,6 +104,8 @@ pub struct Pins {
     question: Question,
     list: Vec<Pin>,
     selected: Option<PinId>,
+    /// Pin that the last click on the map made.
+    pub clicked: Option<PinId>,
     next_id: u64,
 }
 
@@ -116,6 +117,7 @@ impl Pins {
             question: Question::from(scene),
             list: Vec::new(),
             selected: None,
+            clicked: None,
             next_id: 0,
         }
     }
@@ -154,7 +156,7 @@ impl Pins {
     /// whenever there is more to show.
     pub fn add(
         &mut self,
-        [start, neighbour]: [[Theta; 2]; 2],
+        start: PinStart,
         told: Option<(Outcome, Trust)>,
         wake: impl Fn() + Send + 'static,
     ) -> Result<PinId, NoPinLeft> {
@@ -162,9 +164,9 @@ impl Pins {
         let badge = Badge((0..MOST_PINS).find(free).ok_or(NoPinLeft)?);
         let id = PinId(self.next_id);
         self.next_id += 1;
-        let flight = Flight::launch(self.question, start, neighbour, wake);
+        let flight = Flight::launch(self.question, start.launches, wake);
         let playback = Playback::default();
-        self.list.push(Pin { id, start, neighbour, badge, told, flight, playback });
+        self.list.push(Pin { id, start, badge, told, flight, playback });
         self.selected = Some(id);
         Ok(id)
     }
@@ -212,8 +214,15 @@ impl Pins {
         }
         self.question = question;
         for pin in &mut self.list {
-            pin.flight = Flight::launch(question, pin.start, pin.neighbour, wake.clone());
+            pin.flight = Flight::launch(question, pin.start.launches, wake.clone());
             pin.told = None;
+        }
+    }
+
+    /// Takes all pins off the map, because another plane is shown; they keep flying.
+    pub fn leave_plane(&mut self) {
+        for pin in &mut self.list {
+            pin.start.place = None;
         }
     }
 
@@ -251,8 +260,8 @@ mod tests {
     use crate::physics::Scalar;
     use crate::scene;
 
-    fn place(theta1: f64) -> [[Theta; 2]; 2] {
-        [theta1, theta1 + 0.01].map(|theta1| [theta1, 1.4].map(Scalar::from_f64))
+    fn place(theta1: f64) -> PinStart {
+        PinStart::at_rest([theta1, theta1 + 0.01].map(|theta1| [theta1, 1.4].map(Scalar::from_f64)))
     }
 
     fn with_pins(count: usize) -> (Pins, Vec<PinId>) {

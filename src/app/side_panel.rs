@@ -39,10 +39,8 @@ impl AppModel {
                 actions.extend(done.into_iter().filter_map(|action| self.deeper(action)));
             });
             CollapsingHeader::new("Scene").show(ui, |ui| {
-                let changed = scene_panel(ui, &self.state.build, &self.state.question);
-                actions.extend(
-                    changed.map(|(build, question)| Action::Scene(Box::new(build), question)),
-                );
+                let changed = scene_panel(ui, &self.state.scene());
+                actions.extend(changed.map(|scene| Action::Scene(Box::new(scene))));
             });
             CollapsingHeader::new("Accuracy").show(ui, |ui| {
                 actions.extend(accuracy_panel(ui, &self.computing()));
@@ -50,7 +48,7 @@ impl AppModel {
             CollapsingHeader::new("Colours").show(ui, |ui| {
                 let state = &self.state;
                 let any = self.compute.explorer.progress().done > 0;
-                let done = colours_panel(ui, &state.picture, &state.build, &state.question, any);
+                let done = colours_panel(ui, &state.picture, &state.scene(), any);
                 actions.extend(done.and_then(|action| self.colour(action)));
             });
             CollapsingHeader::new("Layers").show(ui, |ui| {
@@ -82,12 +80,16 @@ impl AppModel {
     /// Shows buttons that open the selected pin's start in a figure of the laboratory.
     fn lab_buttons(&self, ui: &mut Ui) -> Vec<Action> {
         let Some(pin) = self.state.pins.selected() else { return Vec::new() };
+        if !pin.start.launches[0].is_at_rest() {
+            ui.label("The lab's pendulums are released from rest.");
+            return Vec::new();
+        }
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
             ui.label("In the lab:");
             for figure in [Figure::Machine, Figure::Integrators, Figure::Twenty] {
                 if ui.button(figure.name()).on_hover_text(figure.title()).clicked() {
-                    actions.push(Action::OpenInLab(figure, pin.start));
+                    actions.push(Action::OpenInLab(figure, pin.start.angle));
                 }
             }
         });

@@ -9,13 +9,14 @@ use super::camera::{Camera, Move, Screen};
 use super::history::History;
 use super::integration::Integration;
 use super::notices::Notices;
-use super::pins::{PinAction, PinId, Pins};
+use super::pins::{PinAction, Pins};
+use super::reach::Reach;
 use super::settings::{Appearance, Layers, Settings, Theme};
 use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
-use crate::physics::Theta;
-use crate::scene::{Budget, Build, Document, PictureTable, QuestionTable, Scene, View};
+use crate::physics::{Rule, Theta};
+use crate::scene::{Budget, Build, Document, PictureTable, Plane, QuestionTable, Scene};
 use crate::tiles::view_target::{Physics, ViewTarget};
 
 /// A panel or window that opens over or beside the map.
@@ -61,7 +62,7 @@ pub enum Effect {
     Open(PathBuf),
     /// Opens an engine for the setting.
     Reopen,
-    /// Launches a flight for the pixel with these starts: its own and its neighbour's.
+    /// Launches a flight for the pixel at a place of the lattice, and for its neighbour's.
     Pin(Box<[[Theta; 2]; 2]>),
     /// Starts or stops an automatic descent.
     GoDeeper,
@@ -84,6 +85,8 @@ pub struct AppState {
     pub build: Build,
     /// Question that is asked about it.
     pub question: QuestionTable,
+    /// Plane of starts that the view lies in.
+    pub plane: Plane,
     /// Colours of the map.
     pub picture: PictureTable,
     /// True if the times of the palette follow a deep view.
@@ -114,8 +117,6 @@ pub struct AppState {
     pub notices: Notices,
     /// Pinned pixels.
     pub pins: Pins,
-    /// Pin that the last click made.
-    pub clicked: Option<PinId>,
     /// Appearance of the window.
     pub look: Appearance,
     /// Time on the window's clock in s.
@@ -134,10 +135,11 @@ impl AppState {
     /// Creates the state of a document with its resolved settings.
     pub fn new(document: &Document, spec: RunSpec) -> Self {
         let scene = document.scene();
-        let camera = Camera::from_view(&scene.view);
+        let camera = Camera::from_view(&scene.view, Reach::of(&scene));
         AppState {
             build: scene.build,
             question: following(&scene),
+            plane: scene.plane.clone(),
             picture: document.picture.clone(),
             spreads: document.picture.times.is_empty(),
             integration: Integration { spec, kind: None },
@@ -159,7 +161,6 @@ impl AppState {
             },
             notices: Notices::default(),
             pins: Pins::new(&scene),
-            clicked: None,
             look: Appearance { animate: true, theme: Theme::default(), ui_scale: 1.0 },
             now_secs: 0.0,
         }
@@ -171,6 +172,7 @@ impl AppState {
         Document {
             pendulum: self.build,
             question: self.question,
+            plane: self.plane.clone(),
             view: self.target().view(),
             picture: PictureTable { curve, ..self.picture.clone() },
             run: self.integration.spec.table.clone(),
@@ -180,7 +182,15 @@ impl AppState {
 
     /// Returns the scene that is shown, but with the default view.
     pub fn scene(&self) -> Scene {
-        Scene { build: self.build, question: self.question, ..Scene::default() }
+        let plane = self.plane.clone();
+        Scene { build: self.build, question: self.question, plane, ..Scene::default() }
+    }
+
+    /// Returns true if the map has an energy curve that is to be drawn.
+    pub fn has_energy_curve(&self) -> bool {
+        let watches = self.question.watched() != Rule::Neither;
+        let is_there = watches && self.plane.is_at_rest() && self.build.gravity.value() > 0.0;
+        self.layers.curve && is_there
     }
 
     /// Returns the current camera, or the one at the end of a move in progress.
@@ -206,12 +216,7 @@ impl AppState {
     pub fn view_target(&self, config: IntegratorConfig) -> ViewTarget {
         let screen = self.through(self.target());
         let pointer = self.pointer.map(|point| screen.offset_at(point).to_array());
-        let physics = Physics {
-            build: self.build,
-            rule: self.question.rule,
-            config,
-            verified: self.integration.spec.verify,
-        };
+        let physics = Physics::of(&self.scene(), config, self.integration.spec.verify);
         let budget_secs = self.question.budget.secs;
         ViewTarget { physics, budget_secs, region: screen.region(), level: screen.level(), pointer }
     }
@@ -246,14 +251,14 @@ impl AppState {
             Action::OpenInLab(figure, start) => return Some(Effect::OpenInLab(figure, start)),
             Action::FromLab(start) => return Some(Effect::FromLab(start)),
             Action::Unpin => {
-                if let Some(id) = self.clicked.take() {
+                if let Some(id) = self.pins.clicked.take() {
                     self.pins.apply(PinAction::Remove(id));
                 }
             }
             Action::Pins(action) => self.pins.apply(action),
             Action::PlayPause => self.play_or_pause(),
-            Action::Scene(build, question) => {
-                (self.build, self.question) = (*build, question);
+            Action::Scene(scene) => {
+                self.ask(&scene);
                 return Some(Effect::Relaunch);
             }
             Action::Picture(picture) => {
@@ -312,7 +317,7 @@ impl AppState {
                 let target = self.through(self.target());
                 self.go(target.camera.moved(target.offset_at(share * self.canvas)));
             }
-            Look::Home => self.go(Camera::from_view(&View::default())),
+            Look::Home => self.go(Camera::home(self.camera.reach)),
             Look::Back => {
                 if let Some(camera) = self.history.back() {
                     self.go(camera);
@@ -388,6 +393,7 @@ pub(super) mod tests {
     use crate::engine::choice::IntegrationSetting;
     use crate::engine::{Method, Precision};
     use crate::physics::Scalar;
+    use crate::question::Ask;
 
     /// Returns the state of a window with the home scene.
     pub(crate) fn state() -> AppState {
@@ -424,7 +430,7 @@ pub(super) mod tests {
         assert!(state.history.has_back());
         look(&mut state, Look::Back);
         state.tick(2.0);
-        assert_eq!(state.camera, Camera::from_view(&View::default()));
+        assert_eq!(state.camera, Camera::home(Reach::TORUS));
         look(&mut state, Look::Forward);
         state.tick(3.0);
         assert!((state.camera.width_rad - std::f64::consts::TAU / 16.0).abs() < 1e-12);
@@ -497,6 +503,33 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn another_plane_begins_at_home_and_another_question_in_its_own_colours() {
+        let mut state = state();
+        state.apply(Action::Animate(false));
+        let ask = |state: &mut AppState, change: fn(&mut Scene)| {
+            let mut scene = state.scene();
+            change(&mut scene);
+            assert_eq!(state.apply(Action::Scene(Box::new(scene))), Some(Effect::Relaunch));
+        };
+        look(&mut state, Look::Zoom { factor: 8.0, about: DVec2::new(90.0, 10.0) });
+        let before = state.camera;
+        ask(&mut state, |scene| scene.question.ask = Ask::State);
+        assert_eq!(state.camera, before);
+        state.picture.channel = Some("omega1".to_string());
+        ask(&mut state, |scene| scene.question.ask = Ask::Flip);
+        assert_eq!(state.picture.channel, None, "flips have no speeds");
+        ask(&mut state, |scene| scene.plane.kind = "speeds".parse().unwrap());
+        assert_eq!(state.camera, Camera::home(state.camera.reach));
+        assert!(!state.camera.reach.repeats && !state.history.has_back());
+        assert!(!state.has_energy_curve());
+        // A faster pendulum has a larger lattice; the view shows the same ones.
+        look(&mut state, Look::Zoom { factor: 4.0, about: DVec2::ZERO });
+        let (width, reach) = (state.camera.width(), state.camera.reach);
+        ask(&mut state, |scene| scene.build.gravity = 981.0.into());
+        assert!(state.camera.reach != reach && (state.camera.width() / width - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn palettes_and_layers_are_not_part_of_the_aim() {
         let mut state = state();
         let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
@@ -506,10 +539,8 @@ pub(super) mod tests {
         state.apply(Action::Layers(Layers { grid: true, ..state.layers }));
         assert_eq!(state.view_target(config), before);
         let question = QuestionTable { budget: Budget::secs(60.0), ..state.question };
-        assert_eq!(
-            state.apply(Action::Scene(Box::new(state.build), question)),
-            Some(Effect::Relaunch)
-        );
+        let scene = Scene { question, ..state.scene() };
+        assert_eq!(state.apply(Action::Scene(Box::new(scene))), Some(Effect::Relaunch));
         assert_ne!(state.view_target(config), before);
     }
 }

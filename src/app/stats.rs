@@ -141,7 +141,7 @@ impl Holdings {
             tiles: progress.wanted,
             tiles_done: progress.done,
             idle: progress.idle,
-            pins: state.pins.iter().map(|pin| pin.start.map(Scalar::to_f64)).collect(),
+            pins: state.pins.iter().map(|pin| pin.start.angle.map(Scalar::to_f64)).collect(),
             flown: state.pins.iter().filter(|p| p.flight.record().ending.is_some()).count(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),
             figure: model.figure_shown(),

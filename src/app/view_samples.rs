@@ -3,10 +3,10 @@
 use glam::DVec2;
 
 use super::camera::Screen;
-use super::hover::known_at;
+use super::hover::{Answer, known_at};
 use crate::physics::{Outcome, Status};
 use crate::scene::lattice::Cell;
-use crate::scene::palette::Tones;
+use crate::scene::palette::AnswerColours;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
 /// Width and height of a bookmark's picture in pixels.
@@ -39,7 +39,7 @@ pub fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64
 }
 
 /// Renders the view as a small picture, three bytes per pixel; unknown pixels are grey.
-pub fn thumbnail(screen: &Screen, explorer: &mut Explorer, tones: &Tones) -> Vec<u8> {
+pub fn thumbnail(screen: &Screen, explorer: &mut Explorer, colours: &AnswerColours) -> Vec<u8> {
     const UNKNOWN: [u8; 3] = [0x80; 3];
     let [width, height] = THUMBNAIL;
     // The thumbnail shows the middle of the view, cropped to its own shape.
@@ -49,17 +49,18 @@ pub fn thumbnail(screen: &Screen, explorer: &mut Explorer, tones: &Tones) -> Vec
         for column in 0..width {
             let x = f64::from(column) + 0.5 - f64::from(width) / 2.0;
             let y = f64::from(row) + 0.5 - f64::from(height) / 2.0;
-            let outcome = best_outcome(screen, explorer, DVec2::new(x, y) * scale);
-            bytes.extend(outcome.map_or(UNKNOWN, |outcome| tones.colour(&outcome)));
+            let answer = best_answer(screen, explorer, DVec2::new(x, y) * scale);
+            let colour = |answer: Answer| colours.colour(answer.status, &answer.values);
+            bytes.extend(answer.map_or(UNKNOWN, colour));
         }
     }
     bytes
 }
 
-/// Returns the outcome of the finest known sample at a point.
-fn best_outcome(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<Outcome> {
+/// Returns the answer of the finest known sample at a point.
+fn best_answer(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<Answer> {
     let angle = screen.angle_at(point);
     let around = Cell::around(angle, screen.level());
     let mut cells = std::iter::successors(Some(around), Cell::parent);
-    cells.find_map(|cell| known_at(explorer, cell, angle)).map(|(outcome, _)| outcome)
+    cells.find_map(|cell| known_at(explorer, cell, angle))
 }

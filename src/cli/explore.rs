@@ -30,7 +30,6 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
-    document.scene().require_flip_from_rest()?;
     let spec = options.run.settle(&mut document)?;
     let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
     let options = model::WindowOptions {

@@ -24,8 +24,9 @@ pub(super) struct PictureOptions {
     /// Number of times to run through the palette, 1 to 100
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     cycles: Option<String>,
-    /// Colour scale: equal steps of colour for equal ratios (log) or differences (linear) of time
-    #[arg(long, value_name = "log|linear")]
+    /// Colour scale: equal steps of colour for equal ratios (log) or differences (linear) of time, or
+    /// one colour for all that lies between two of --times (steps)
+    #[arg(long, value_name = "log|linear|steps")]
     scale: Option<String>,
     /// Two or more times in seconds that divide the palette into equal steps; view: times of the
     /// view itself (the default for views narrower than 1e-6 rad); budget: the whole budget
@@ -34,6 +35,9 @@ pub(super) struct PictureOptions {
     /// Channel of the question to paint, and to write to --raw (default: all of them)
     #[arg(long, value_name = "NAME")]
     channel: Option<String>,
+    /// Draw a legend in the lower left corner: the values of the colours, with units
+    #[arg(long)]
+    legend: bool,
     /// Leave out the energy curve
     #[arg(long)]
     no_curve: bool,
@@ -91,6 +95,7 @@ impl PictureOptions {
         }
         picture.samples = self.samples.unwrap_or(picture.samples);
         picture.curve &= !self.no_curve;
+        picture.legend |= self.legend;
         picture.reverse |= self.reverse;
         set(&mut picture.scale, "--scale", &self.scale, Scale::from_str)?;
         set(&mut picture.cycles, "--cycles", &self.cycles, |text| {

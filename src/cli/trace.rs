@@ -1,4 +1,4 @@
-//! `flipmap trace`: follows one pendulum with the gold standard in double-double.
+//! `flipmap trace`: follows one pendulum, at rest or thrown, with the gold standard in double-double.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use clap::Args;
 use flipmap::output::{Destination, SafeFile};
 use flipmap::physics::opening::settled;
 use flipmap::physics::taylor::{Orbit, TaylorStep};
-use flipmap::physics::{Dd, Pendulum, Scalar, State, oracle};
+use flipmap::physics::{Dd, Launch, Pendulum, Scalar, State, oracle};
 
 use super::exit::Exit;
 use super::options::SceneOptions;
@@ -18,8 +18,9 @@ use super::stop;
 pub(super) struct Options {
     #[command(flatten)]
     scene: SceneOptions,
-    /// Angles in rad at which the pendulum is released from rest, with any number of digits
-    #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
+    /// Angles in rad at which the pendulum is released from rest, with any number of digits; or
+    /// these and the speeds in rad/s with which it is thrown
+    #[arg(long, value_name = "θ1,θ2[,ω1,ω2]", allow_hyphen_values = true)]
     start: String,
     /// Simulated seconds to trace
     #[arg(long, value_name = "SECONDS", default_value = "30", allow_hyphen_values = true)]
@@ -38,7 +39,7 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let scene = options.scene.document()?.scene();
     let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
-    let angle = parse_start(&options.start)?;
+    let Launch { angle, speed } = parse_start(&options.start)?;
     let until = seconds("--until", &options.until, 1e-9..=1e6)?;
     let every = seconds("--every", &options.every, 1e-9..=1e6)?;
     if (until / every).hi > MOST_ROWS {
@@ -63,7 +64,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         None => SafeFile::Stdout(std::io::BufWriter::new(std::io::stdout())),
     };
     stop::listen()?;
-    let start = State::rest(settled(&pendulum, angle));
+    let at_rest = speed == [Dd::new(0.0); 2];
+    let angle = if at_rest { settled(&pendulum, angle) } else { angle };
+    let start = State { angle, speed };
     let flips = follow(&pendulum, start, until, every, &mut out).map_err(|error| {
         match error.is::<std::io::Error>() {
             true => error.context(format!("cannot write {destination}")),
@@ -159,17 +162,21 @@ fn tell(options: &Options, passages: &[CrossingRow]) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn parse_start(text: &str) -> Result<[Dd; 2], Exit> {
-    let both = text.split_once(',').and_then(|(a, b)| Some([Dd::parse(a)?, Dd::parse(b)?]));
-    match both {
-        Some(angle) if angle.iter().all(|theta| theta.hi.abs() <= 1e6) => {
-            Ok(angle.map(|theta| if theta.abs() <= Dd::PI { theta } else { theta.wrapped() }))
+fn parse_start(text: &str) -> Result<Launch, Exit> {
+    let numbers: Option<Vec<Dd>> = text.split(',').map(Dd::parse).collect();
+    let numbers = numbers.filter(|all| all.iter().all(|number| number.hi.abs() <= 1e6));
+    let (angle, speed) = match numbers.as_deref() {
+        Some(&[theta1, theta2]) => ([theta1, theta2], [Dd::new(0.0); 2]),
+        Some(&[theta1, theta2, omega1, omega2]) => ([theta1, theta2], [omega1, omega2]),
+        _ => {
+            return Err(Exit::Usage(format!(
+                "--start is '{text}'; it must be two angles between -1e6 and 1e6 rad, separated by \
+                 a comma, or these and two speeds between -1e6 and 1e6 rad/s"
+            )));
         }
-        _ => Err(Exit::Usage(format!(
-            "--start is '{text}'; it must be two angles between -1e6 and 1e6 rad, separated by a \
-             comma"
-        ))),
-    }
+    };
+    let near = |theta: Dd| if theta.abs() <= Dd::PI { theta } else { theta.wrapped() };
+    Ok(Launch { angle: angle.map(near), speed })
 }
 
 fn seconds(option: &str, text: &str, range: std::ops::RangeInclusive<f64>) -> Result<Dd, Exit> {

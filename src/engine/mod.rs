@@ -41,6 +41,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
+use crate::question::Needs;
 use crate::scene::{Build, Scene};
 pub use cells::{Cells, Indistinguishable};
 pub use depth::DepthStats;
@@ -152,6 +153,24 @@ pub enum Keep {
     Growth,
     /// The end of each pendulum with its nearest return to the start.
     Return,
+}
+
+impl Keep {
+    /// Returns true if only the processor's engine returns it.
+    pub fn is_of_the_processor(self) -> bool {
+        matches!(self, Keep::Growth | Keep::Return)
+    }
+}
+
+impl From<Needs> for Keep {
+    fn from(needs: Needs) -> Keep {
+        match needs {
+            Needs::Outcome => Keep::Nothing,
+            Needs::End => Keep::Ends,
+            Needs::Growth => Keep::Growth,
+            Needs::Return => Keep::Return,
+        }
+    }
 }
 
 impl Job {

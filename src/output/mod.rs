@@ -8,6 +8,7 @@ pub mod compare;
 mod digest;
 mod exr;
 mod failure;
+mod legend;
 mod npy;
 mod paint;
 mod picture_file;

@@ -1,5 +1,7 @@
-//! The colours of samples: the palette, the mean of several samples per pixel, the energy curve.
+//! The colours of samples: the palette, the mean of several samples per pixel, the energy curve, the
+//! legend.
 
+use super::legend::Legend;
 use crate::scene::palette::{AnswerColours, Rgb, encoded, light};
 use crate::scene::{Grid, PictureTable, Scene, SceneError};
 use crate::tiles::Samples;
@@ -8,6 +10,7 @@ use crate::tiles::Samples;
 pub struct RowPainter {
     colours: AnswerColours,
     curve: bool,
+    legend: Option<Legend>,
     samples_along: u32,
     grid: Grid,
     next_row: u32,
@@ -21,8 +24,11 @@ const CURVE_HALF_WIDTH: f64 = 0.75;
 impl RowPainter {
     /// A painter of a `size` picture of a checked scene; refuses a table that cannot be used.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
+        let colours = AnswerColours::new(scene, picture)?;
+        let legend = || Legend::new(&colours, scene.question.ask, size);
         Ok(RowPainter {
-            colours: AnswerColours::new(scene, picture)?,
+            legend: picture.legend.then(legend).transpose()?,
+            colours,
             curve: picture.curve && scene.build.pendulum().q > 0.0,
             samples_along: picture.samples,
             grid: Grid::new(scene, size),
@@ -45,18 +51,24 @@ impl RowPainter {
         for row in painted.chunks(row_samples) {
             for column in 0..width {
                 let colour = mean(row, width * along, column * along, along);
-                bytes.extend(self.with_curve(colour, column as u32));
+                bytes.extend(self.with_marks(colour, column as u32));
             }
             self.next_row += 1;
         }
         bytes
     }
 
+    /// The colour of a pixel of the next row under the energy curve and the legend.
+    fn with_marks(&self, colour: Rgb, column: u32) -> Rgb {
+        let colour = if self.curve { self.with_curve(colour, column) } else { colour };
+        match &self.legend {
+            Some(legend) => legend.over(colour, column, self.next_row),
+            None => colour,
+        }
+    }
+
     /// Darkens `colour` towards black where the energy curve passes.
     fn with_curve(&self, colour: Rgb, column: u32) -> Rgb {
-        if !self.curve {
-            return colour;
-        }
         let cover = curve_cover(&self.grid, column, self.next_row);
         colour.map(|channel| (f64::from(channel) * (1.0 - cover)).round() as u8)
     }

@@ -23,4 +23,37 @@ impl Accumulators {
         nearest: [f64::INFINITY, 0.0],
         log_growth: 0.0,
     };
+
+    /// Returns true if the least distances and the growth of another run are the same, as far as
+    /// answers need to be right. States that agree tell whether turns and passes do.
+    pub fn agrees_with(&self, other: &Accumulators) -> bool {
+        let near = |i: usize, allowed: f64| {
+            let (mine, its) = (self.nearest[i], other.nearest[i]);
+            // Equal infinities are equal.
+            mine == its || (mine - its).abs() <= allowed
+        };
+        let apart = (self.log_growth - other.log_growth).abs();
+        near(0, NEAREST) && near(1, NEAREST) && apart <= GROWTH * self.log_growth.abs()
+    }
+}
+
+/// Greatest difference of least distances and of their reduced times that still agree.
+const NEAREST: f64 = 1e-3;
+/// Greatest share by which two logarithms of growth that agree differ.
+const GROWTH: f64 = 0.01;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_agree_within_what_answers_may_be_wrong_by() {
+        let one = Accumulators { nearest: [0.2, 3.0], log_growth: 4.0, ..Accumulators::NONE };
+        assert!(one.agrees_with(&one) && Accumulators::NONE.agrees_with(&Accumulators::NONE));
+        assert!(one.agrees_with(&Accumulators { nearest: [0.2005, 3.0004], ..one }));
+        assert!(!one.agrees_with(&Accumulators { nearest: [0.21, 3.0], ..one }));
+        assert!(!one.agrees_with(&Accumulators { nearest: [f64::INFINITY, 0.0], ..one }));
+        assert!(one.agrees_with(&Accumulators { log_growth: 4.03, ..one }));
+        assert!(!one.agrees_with(&Accumulators { log_growth: 4.1, ..one }));
+    }
 }

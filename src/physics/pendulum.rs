@@ -46,6 +46,16 @@ pub struct Launch {
 }
 
 impl Launch {
+    /// The release from rest at angles in rad.
+    pub fn at_rest(angle: [Dd; 2]) -> Self {
+        Launch { angle, speed: [Dd::new(0.0); 2] }
+    }
+
+    /// Returns true if it has no speed.
+    pub fn is_at_rest(&self) -> bool {
+        self.speed == [Dd::new(0.0); 2]
+    }
+
     /// The same start with both angles moved, rad.
     #[must_use]
     pub fn moved_by(self, by: [Dd; 2]) -> Self {

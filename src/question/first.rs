@@ -7,6 +7,8 @@ use crate::physics::crossing::bob_at_top;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "first",
+    about: "Each pixel is a pendulum, coloured by the bob that goes over the top before the other. \
+            The channel `time` tells when.",
     channels: &[
         Channel { name: "bob", unit: "", right: 0.0, scale: ChannelScale::Between(0.0, 3.0) },
         TIME,

@@ -4,6 +4,8 @@ use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, Questi
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "flip",
+    about: "Each pixel is a pendulum, coloured by the time at which the watched bob goes over \
+            the top. Where energy forbids that, nothing is simulated.",
     channels: &[TIME],
     counted: ["flipped", "unflipped"],
     channel_names: "the question flip has time",

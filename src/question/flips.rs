@@ -5,6 +5,8 @@ use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "flips",
+    about: "Each pixel is a pendulum, coloured by the number of times that its bobs go over the top \
+            within the budget. Channels count each bob and direction.",
     channels: &[
         count("first_left"),
         count("first_right"),

@@ -5,6 +5,8 @@ use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "growth",
+    about: "Each pixel is a pendulum, coloured by how fast the largest of all nudges to its start \
+            grows over the budget. Islands of regular motion are dark and chaos is bright.",
     channels: &[Channel {
         name: "exponent",
         unit: "1/s",

@@ -45,6 +45,8 @@ pub enum Ask {
 pub struct QuestionKind {
     /// Name in options and files.
     pub name: &'static str,
+    /// Two sentences on what its map shows.
+    pub about: &'static str,
     /// The numbers of an answer, in order; at most [`MOST_CHANNELS`].
     pub channels: &'static [Channel],
     /// Words for pixels with an answer and for those without one at the end of the budget.
@@ -104,7 +106,7 @@ pub enum Needs {
 }
 
 impl Needs {
-    /// Returns true if only the processor computes it, and nothing checks it.
+    /// Returns true if only the processor computes it.
     pub fn is_of_the_processor(self) -> bool {
         matches!(self, Needs::Growth | Needs::Return)
     }

@@ -5,6 +5,8 @@ use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "return",
+    about: "Each pixel is a pendulum, coloured by how near it comes back to its start within the \
+            budget. Dark threads are periodic orbits.",
     channels: &[
         Channel { name: "distance", unit: "", right: 1e-3, scale: ChannelScale::Between(0.0, 1.0) },
         Channel { name: "time", unit: "s", right: 1e-2, scale: ChannelScale::Times },

@@ -7,6 +7,8 @@ use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "state",
+    about: "Each pixel is a pendulum, coloured by where its rods point at the time `at`. Neighbours \
+            of one colour still swing together.",
     channels: &[
         angle("theta1"),
         angle("theta2"),

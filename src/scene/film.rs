@@ -119,6 +119,11 @@ impl Film {
         for (key, number) in self.keys.iter().zip(1..) {
             if !self.is_of_moments() {
                 key.scene.scene().require_flip_from_rest()?;
+                if key.scene.picture.legend {
+                    let (option, value) = ("--legend", "set".to_string());
+                    let range = "a legend is drawn in stills and in films of states";
+                    Err(SceneError { option, value, range })?;
+                }
             }
             let jumps = |what| Err(FilmError::Jumps { number, what });
             if key.scene.question.rule != first.scene.question.rule {

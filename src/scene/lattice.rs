@@ -17,6 +17,8 @@
 //! ```
 //!
 //! - Corners are multiples of 2^−level turns, which 448 bits after the point hold exactly.
+//! - Planes with speeds or momenta are covered by the same square, enlarged and without repeats
+//!   ([`super::Plane::lattice_doublings`]).
 //! - A cell knows nothing of a view. The window always samples it in the same [`SIDE`] × [`SIDE`]
 //!   places (films in fewer, see `tiles::patches`): a place is the same tile in every view.
 //! - (θ1, θ2) → (−θ1, −θ2) maps the lattice onto itself and keeps the flip times from rest. A cell
@@ -52,6 +54,8 @@ pub struct Region {
     pub center: [Theta; 2],
     /// Half the extent along θ1 and θ2 in rad.
     pub half_rad: [f64; 2],
+    /// True if cells repeat beyond ±π, as on the torus; else nothing lies there.
+    pub repeats: bool,
 }
 
 /// A cell at one of the places where it appears in a region: the torus repeats.
@@ -168,11 +172,20 @@ impl Cell {
         if image < *self { (image, true) } else { (*self, false) }
     }
 
-    /// The `samples` × `samples` samples as a picture of `scene`'s pendulum, row 0 at the top.
+    /// Returns the cell whose samples are computed for this one, and true if that is its image;
+    /// `mirrors` is true if images have equal samples.
+    pub fn computed(&self, mirrors: bool) -> (Cell, bool) {
+        if mirrors { self.canonical() } else { (*self, false) }
+    }
+
+    /// The `samples` × `samples` samples as a picture of `scene`'s pendulum and plane, row 0 at the
+    /// top.
     pub fn grid(&self, scene: &Scene, samples: u32) -> Grid {
-        let side = Theta::pi().doubled(1).halved(self.level);
+        let doublings = scene.plane.lattice_doublings(&scene.build);
+        let side = Theta::pi().doubled(1 + doublings).halved(self.level);
         let pixel = side / Theta::from_f64(f64::from(samples));
-        Grid::square(scene, self.center(), pixel.to_dd(), [samples; 2])
+        let center = self.center().map(|middle| middle.doubled(doublings));
+        Grid::square(scene, center, pixel.to_dd(), [samples; 2])
     }
 
     /// Column and row of the sample nearest to a start inside the cell.
@@ -200,8 +213,10 @@ impl Region {
             return Vec::new();
         }
         let column = &columns;
+        let exists = |corner: &[Turn; 2]| self.repeats || *corner == corner.map(Turn::wrapped);
         rows.iter()
             .flat_map(|&y| column.iter().map(move |&x| [x, y]))
+            .filter(exists)
             .map(|corner| self.placed(corner, level))
             .collect()
     }
@@ -234,7 +249,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn region(center: [f64; 2], half: f64) -> Region {
-        Region { center: center.map(Theta::from_f64), half_rad: [half; 2] }
+        Region { center: center.map(Theta::from_f64), half_rad: [half; 2], repeats: true }
     }
 
     fn cells() -> impl Strategy<Value = Cell> {
@@ -297,6 +312,8 @@ mod tests {
             wide.iter().filter(|p| p.cell == home).map(|p| p.offset[0]).collect();
         assert!(offsets.iter().any(|x| *x > 4.0) && offsets.iter().any(|x| *x < 0.0));
         assert!(region([0.0, 0.0], 4.0).cells(12, 1000).is_empty(), "too many is none");
+        let bounded = Region { repeats: false, ..region([0.0, 0.0], 4.0) };
+        assert_eq!(bounded.cells(1, 1000).len(), 4, "each once");
     }
 
     #[test]

@@ -189,10 +189,10 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// Largest number of a flip that can be asked for.
-const MOST_COUNT: u32 = 1_000_000;
-
 impl QuestionTable {
+    /// Largest number of a flip that can be asked for.
+    pub const MOST_COUNT: u32 = 1_000_000;
+
     /// The bobs that are watched.
     pub fn watched(&self) -> Rule {
         self.ask.watched(self.rule)
@@ -224,7 +224,7 @@ impl QuestionTable {
     /// Checks what belongs to this question; the budget is checked.
     fn check(&self) -> Result<(), SceneError> {
         let refuse = |option, value, range| Err(SceneError { option, value, range });
-        if !(1..=MOST_COUNT).contains(&self.count) {
+        if !(1..=Self::MOST_COUNT).contains(&self.count) {
             return refuse("--count", self.count.to_string(), "it must lie between 1 and 1000000");
         }
         if self.count > 1 && self.ask != Ask::Flip {

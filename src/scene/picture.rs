@@ -36,6 +36,9 @@ pub struct PictureTable {
     /// colours by which the question is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
+    /// True if a legend is drawn in the corner.
+    #[serde(skip_serializing_if = "is_default")]
+    pub legend: bool,
 }
 
 impl Default for PictureTable {
@@ -49,6 +52,7 @@ impl Default for PictureTable {
             scale: Scale::Log,
             times: Vec::new(),
             channel: None,
+            legend: false,
         }
     }
 }
@@ -71,18 +75,21 @@ pub enum Scale {
     Log,
     /// Equal differences of times are equal steps of colour.
     Linear,
+    /// All times between two of the picture's times have one colour.
+    Steps,
 }
 
 impl Scale {
     /// Every scale with its name.
-    pub const ALL: [(&'static str, Scale); 2] = [("log", Scale::Log), ("linear", Scale::Linear)];
+    pub const ALL: [(&'static str, Scale); 3] =
+        [("log", Scale::Log), ("linear", Scale::Linear), ("steps", Scale::Steps)];
 }
 
 impl FromStr for Scale {
     type Err = &'static str;
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let known = Self::ALL.iter().find(|(word, _)| *word == text);
-        known.map(|(_, scale)| *scale).ok_or("it must be log or linear")
+        known.map(|(_, scale)| *scale).ok_or("it must be log, linear or steps")
     }
 }
 

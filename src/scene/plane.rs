@@ -1,6 +1,7 @@
 //! The plane of starts that a view lies in: a flat piece of the four-dimensional space of angles
 //! and speeds, or a section of constant energy through it.
 
+use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
@@ -54,19 +55,46 @@ const AXES: [(&str, Axis); 4] = [
     ("omega2", Axis::Omega2),
 ];
 
-/// The planes that have names of their own.
-const NAMED: [(&str, PlaneKind); 5] = [
-    ("angles", PlaneKind::Axes([Axis::Theta1, Axis::Theta2])),
-    ("speeds", PlaneKind::Axes([Axis::Omega1, Axis::Omega2])),
-    ("first", PlaneKind::Axes([Axis::Theta1, Axis::Omega1])),
-    ("second", PlaneKind::Axes([Axis::Theta2, Axis::Omega2])),
-    ("section", PlaneKind::Section),
-];
+impl PlaneKind {
+    /// The planes that have names of their own.
+    pub const NAMED: [(&str, PlaneKind); 5] = [
+        ("angles", PlaneKind::Axes([Axis::Theta1, Axis::Theta2])),
+        ("speeds", PlaneKind::Axes([Axis::Omega1, Axis::Omega2])),
+        ("first", PlaneKind::Axes([Axis::Theta1, Axis::Omega1])),
+        ("second", PlaneKind::Axes([Axis::Theta2, Axis::Omega2])),
+        ("section", PlaneKind::Section),
+    ];
+    /// The plane of both angles.
+    const ANGLES: PlaneKind = PlaneKind::NAMED[0].1;
+}
 
 impl Axis {
+    /// The quantities of a start, in the order of an origin.
+    pub const OF_STARTS: [Axis; 4] = [Axis::Theta1, Axis::Theta2, Axis::Omega1, Axis::Omega2];
+
     /// Returns true if values 2π apart are one.
     pub fn wraps(self) -> bool {
         matches!(self, Axis::Theta1 | Axis::Theta2)
+    }
+
+    /// Symbol of the quantity.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Axis::Theta1 => "θ1",
+            Axis::Theta2 => "θ2",
+            Axis::Omega1 => "ω1",
+            Axis::Omega2 => "ω2",
+            Axis::Momentum2 => "p2",
+        }
+    }
+
+    /// Unit of the quantity.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Axis::Theta1 | Axis::Theta2 => "rad",
+            Axis::Omega1 | Axis::Omega2 => "rad/s",
+            Axis::Momentum2 => "kg m²/s",
+        }
     }
 
     /// Index of the quantity among (θ1, θ2, ω1, ω2); the momentum takes the place of ω2.
@@ -83,7 +111,7 @@ impl Axis {
 impl Default for Plane {
     fn default() -> Self {
         let zero = || "0".to_string();
-        Plane { kind: NAMED[0].1, origin: [zero(), zero(), zero(), zero()], energy: 0.0 }
+        Plane { kind: PlaneKind::ANGLES, origin: [zero(), zero(), zero(), zero()], energy: 0.0 }
     }
 }
 
@@ -98,7 +126,7 @@ impl Plane {
 
     /// Returns true if it is the torus of both angles, with pendulums released from rest.
     pub fn is_at_rest(&self) -> bool {
-        self.kind == NAMED[0].1
+        self.kind == PlaneKind::ANGLES
             && self.origin[2..].iter().all(|speed| Dd::parse(speed) == Some(Dd::new(0.0)))
     }
 
@@ -109,6 +137,28 @@ impl Plane {
         let off_axis = (0..4).filter(|place| !axes.contains(place));
         self.kind != PlaneKind::Section
             && off_axis.into_iter().all(|place| is_zero(&self.origin[place]))
+    }
+
+    /// Returns true if both axes are angles, so that the plane repeats in both directions.
+    pub fn is_torus(&self) -> bool {
+        self.axes().into_iter().all(Axis::wraps)
+    }
+
+    /// Number of doublings by which the lattice, a square from −π to π, is enlarged to cover the
+    /// plane in the units of its axes: none for a torus, else as many as reach [`FASTEST`] or all
+    /// momenta of a section. Angles then repeat across it.
+    pub fn lattice_doublings(&self, build: &Build) -> u32 {
+        if self.is_torus() {
+            return 0;
+        }
+        let most = match self.kind {
+            PlaneKind::Axes(_) => FASTEST / build.unit_secs(),
+            PlaneKind::Section => {
+                let Pendulum { b, p, q, .. } = build.pendulum();
+                (2.0 * b * (self.energy + p + q)).max(0.0).sqrt()
+            }
+        };
+        (most / PI).log2().ceil().max(0.0) as u32
     }
 
     /// Checks that every number can be used for this pendulum.
@@ -171,6 +221,8 @@ impl Plane {
     }
 }
 
+/// Angular velocity in turns of the natural clock, 1/√(l1/g), up to which the lattice reaches.
+const FASTEST: f64 = 16.0;
 /// Largest number in an origin.
 const MOST: f64 = 1e6;
 /// Largest energy of a section, J.
@@ -183,7 +235,7 @@ pub(super) fn wrapped(angle: Dd) -> Dd {
 
 impl fmt::Display for PlaneKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some((name, _)) = NAMED.iter().find(|(_, kind)| kind == self) {
+        if let Some((name, _)) = PlaneKind::NAMED.iter().find(|(_, kind)| kind == self) {
             return f.write_str(name);
         }
         let PlaneKind::Axes(axes) = self else { return f.write_str("section") };
@@ -198,7 +250,7 @@ impl FromStr for PlaneKind {
     fn from_str(text: &str) -> Result<Self, &'static str> {
         let words = "the planes are angles, speeds, first, second and section, or two of theta1, \
                      theta2, omega1 and omega2 with a comma between them";
-        if let Some((_, kind)) = NAMED.iter().find(|(name, _)| *name == text) {
+        if let Some((_, kind)) = PlaneKind::NAMED.iter().find(|(name, _)| *name == text) {
             return Ok(*kind);
         }
         let axis =
@@ -227,7 +279,7 @@ mod tests {
 
     #[test]
     fn planes_are_known_by_name_or_by_their_axes() {
-        for (name, kind) in NAMED {
+        for (name, kind) in PlaneKind::NAMED {
             assert_eq!((name.parse(), kind.to_string().as_str()), (Ok(kind), name));
         }
         let mixed = PlaneKind::Axes([Axis::Theta1, Axis::Omega2]);
@@ -254,6 +306,21 @@ mod tests {
             assert!((phase[5] + 0.9).abs() < 1e-13, "p2 is the coordinate");
             assert!(plane.launch(&pendulum, [Dd::new(0.7), Dd::new(99.0)]).is_none());
         }
+    }
+
+    #[test]
+    fn the_lattice_reaches_every_start_worth_showing() {
+        let build = Build::default();
+        let reach = |kind, energy| {
+            let plane = Plane { kind, energy, ..Plane::default() };
+            PI * f64::from(1 << plane.lattice_doublings(&build))
+        };
+        assert_eq!(reach(PlaneKind::ANGLES, 0.0), PI);
+        let fastest = reach(PlaneKind::NAMED[1].1, 0.0);
+        assert!((50.0..101.0).contains(&fastest), "{fastest} rad/s");
+        // p2² ≤ 2 B (E + P + Q), with B = 1 kg m² and P + Q = 29.43 J.
+        let momentum = reach(PlaneKind::Section, 30.0);
+        assert!((10.9..21.9).contains(&momentum), "{momentum} kg m²/s");
     }
 
     #[test]

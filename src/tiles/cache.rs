@@ -40,7 +40,7 @@ pub struct Cache {
     serial: u64,
 }
 
-/// Size in bytes of a cell without unfinished pendulums.
+/// Size in bytes of a cell of flip times without unfinished pendulums.
 pub const TILE_BYTES: usize = SAMPLES * Samples::bytes(1);
 
 impl CachedCell {
@@ -61,7 +61,8 @@ impl CachedCell {
     }
 
     fn bytes(&self) -> usize {
-        TILE_BYTES + self.unfinished.capacity() * size_of::<(u32, IntegratorState)>()
+        let samples = SAMPLES * Samples::bytes(self.samples.channels());
+        samples + self.unfinished.capacity() * size_of::<(u32, IntegratorState)>()
     }
 }
 
@@ -83,9 +84,10 @@ impl Cache {
         self.bytes
     }
 
-    /// Number of cells without unfinished pendulums that fit at the same time.
-    pub fn room(&self) -> usize {
-        self.budget_bytes / TILE_BYTES
+    /// Number of cells with this many channels and without unfinished pendulums that fit at the
+    /// same time.
+    pub fn room(&self, channels: usize) -> usize {
+        self.budget_bytes / (SAMPLES * Samples::bytes(channels))
     }
 
     /// Changes the budget. If it is smaller, all may fit only once fewer cells are wanted.
@@ -261,6 +263,6 @@ mod tests {
         assert_eq!(cache.bytes(), TILE_BYTES);
         assert!(cache.peek(0, cell(1)).unwrap().serial > first);
         cache.set_budget(TILE_BYTES / 2);
-        assert_eq!((cache.bytes(), cache.room()), (0, 0));
+        assert_eq!((cache.bytes(), cache.room(1)), (0, 0));
     }
 }

@@ -18,10 +18,10 @@ use super::cache::{Cache, CachedCell};
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
 use super::order;
+use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::view_target::{Physics, ViewTarget};
-use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Keep, Wait};
-use crate::question::Ask;
+use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Wait};
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
 
 /// The progress of the newest target.
@@ -52,12 +52,19 @@ pub(super) struct Batch {
     cells: Vec<Cell>,
 }
 
+/// A physics viewed before, and whether the mirror images of its cells have equal samples.
+#[derive(Debug)]
+struct KnownPhysics {
+    physics: Physics,
+    mirrors: bool,
+}
+
 /// The cells of a window: those computed so far, those in flight and those still to be computed.
 #[derive(Debug)]
 pub struct Explorer {
     cache: Cache,
     /// All physics viewed so far; the index of each is its key.
-    physics: Vec<Physics>,
+    physics: Vec<KnownPhysics>,
     target: Option<ViewTarget>,
     /// Key of the target's physics.
     key: usize,
@@ -90,8 +97,8 @@ impl Explorer {
     }
 
     /// Replaces the target.
-    pub fn target(&mut self, target: ViewTarget) {
-        if self.target == Some(target) {
+    pub fn target(&mut self, target: &ViewTarget) {
+        if self.target.as_ref() == Some(target) {
             return;
         }
         let key = self.key_of(&target.physics);
@@ -100,23 +107,25 @@ impl Explorer {
             self.before = Some(self.key);
         }
         self.key = key;
-        self.target = Some(target);
+        self.target = Some(target.clone());
         self.plan();
     }
 
     /// Returns the key of a physics, which is added to the list if it is new.
     fn key_of(&mut self, physics: &Physics) -> usize {
-        let known = self.physics.iter().position(|other| other == physics);
+        let known = self.physics.iter().position(|other| other.physics == *physics);
         known.unwrap_or_else(|| {
-            self.physics.push(*physics);
+            let (physics, mirrors) = (physics.clone(), physics.mirrors());
+            self.physics.push(KnownPhysics { physics, mirrors });
             self.physics.len() - 1
         })
     }
 
     /// Queues the cells that the target needs and that are neither known nor in flight.
     fn plan(&mut self) {
-        let Some(target) = self.target else { return };
-        let cells = order::wanted(&target, self.cache.room());
+        let Some(target) = &self.target else { return };
+        let channels = target.physics.question.ask.kind().channels.len();
+        let cells = order::wanted(target, self.cache.room(channels));
         self.cache.want(self.key, cells.iter().map(|(cell, _)| *cell));
         // Cells in flight to a smaller budget are resumed when they have finished.
         let jobs = self.in_flight.tiles().filter(|batch| batch.physics == self.key);
@@ -137,10 +146,10 @@ impl Explorer {
     /// Returns true if a cell has to be computed. A coarse one does not if its parent or all of its
     /// quarters are known, which are nearly as fine and stand in.
     fn needs(&self, cell: Cell, finest: bool) -> bool {
-        let known = |cell: Cell| self.cache.peek(self.key, cell.canonical().0);
+        let known = |cell: Cell| self.peek(cell);
         if let Some(known) = known(cell) {
-            return finest
-                && self.target.is_some_and(|target| known.budget_secs < target.budget_secs);
+            let budget_secs = self.target.as_ref().map_or(0.0, |target| target.budget_secs);
+            return finest && known.budget_secs < budget_secs;
         }
         let instead = |cell: Cell| known(cell).is_some();
         finest || !(cell.parent().is_some_and(instead) || cell.children().into_iter().all(instead))
@@ -238,7 +247,7 @@ impl Explorer {
     /// Returns what is known of a cell of the target, canonical or not, and true if the samples are
     /// those of its mirror image, in reverse order.
     pub fn known(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
-        self.target?;
+        self.target.as_ref()?;
         self.look(self.key, cell)
     }
 
@@ -249,14 +258,23 @@ impl Explorer {
     }
 
     fn look(&mut self, key: usize, cell: Cell) -> Option<(&CachedCell, bool)> {
-        let (canonical, mirrored) = cell.canonical();
-        self.cache.get(key, canonical).map(|known| (known, mirrored))
+        let (computed, mirrored) = cell.computed(self.mirrors(key));
+        self.cache.get(key, computed).map(|known| (known, mirrored))
+    }
+
+    /// Returns what is known of a cell of the target's physics, without counting it as used.
+    fn peek(&self, cell: Cell) -> Option<&CachedCell> {
+        self.cache.peek(self.key, cell.computed(self.mirrors(self.key)).0)
+    }
+
+    fn mirrors(&self, key: usize) -> bool {
+        self.physics.get(key).is_some_and(|known| known.mirrors)
     }
 
     /// Returns the progress of the newest target.
     pub fn progress(&self) -> ViewProgress {
-        let Some(target) = self.target else { return ViewProgress::default() };
-        let known = |cell: Cell| self.cache.peek(self.key, cell.canonical().0);
+        let Some(target) = &self.target else { return ViewProgress::default() };
+        let known = |cell: Cell| self.peek(cell);
         let placed = target.region.cells(target.level, MOST_CELLS);
         let fine =
             |cell: Cell| known(cell).is_some_and(|known| known.budget_secs >= target.budget_secs);
@@ -302,25 +320,31 @@ impl TileSource for Explorer {
     }
 
     fn next_tile(&mut self, job_size: usize) -> Option<NextTile<Batch>> {
-        let target = self.target?;
+        let target = self.target.clone()?;
         let cells = self.next_cells((job_size / (2 * SAMPLES)).clamp(1, MOST_IN_JOB));
         if cells.is_empty() {
             return None;
         }
         let batch = Batch { physics: self.key, budget_secs: target.budget_secs, cells };
-        let config = target.physics.config;
-        let before = |k: usize, place| self.cache.peek(batch.physics, batch.cells[k])?.known(place);
-        let open = OpenTile::of_cells(&target.scene(), config, &batch.cells, SIDE, before);
-        // Checks begin at the release, so checked pixels cannot be resumed.
-        let keep = if target.physics.verified { Keep::Nothing } else { Keep::Unfinished };
-        Some(NextTile {
-            tile: batch,
-            open,
-            question: target.question(),
-            config,
-            keep,
-            ask: Ask::Flip,
-        })
+        let (config, ask) = (target.physics.config, target.physics.question.ask);
+        // Only times of flips stay the same when the budget grows.
+        let continues = ask.is_time();
+        let before = |k: usize, place| {
+            let known = self.cache.peek(batch.physics, batch.cells[k]).filter(|_| continues);
+            known?.known(place)
+        };
+        let (scene, question) = (target.scene(), target.question());
+        let mut open = OpenTile::of_cells(&scene, config, &batch.cells, SIDE, before);
+        if !ask.is_time() {
+            let grids: Vec<_> = batch.cells.iter().map(|cell| cell.grid(&scene, SIDE)).collect();
+            let start = |place: usize| {
+                let (cell, place) = (place / SAMPLES, (place % SAMPLES) as u32);
+                grids[cell].angle_from_pixel(place % SIDE, place / SIDE)
+            };
+            open.samples = Reader::new(ask, &question).complete(open.samples, start);
+        }
+        let keep = target.physics.keep();
+        Some(NextTile { tile: batch, open, question, config, keep, ask })
     }
 
     fn take(&mut self, finished: FinishedBatch<Batch>) {
@@ -331,7 +355,7 @@ impl TileSource for Explorer {
         let FinishedBatch { tile: batch, samples, unfinished, .. } = finished;
         self.keep(&batch, &samples, &unfinished);
         // The budget has been raised since the job was submitted.
-        if self.target.is_some_and(|target| batch.budget_secs < target.budget_secs) {
+        if self.target.as_ref().is_some_and(|target| batch.budget_secs < target.budget_secs) {
             self.plan();
         }
     }

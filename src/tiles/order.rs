@@ -38,6 +38,7 @@ fn passes(target: &ViewTarget) -> Vec<(Vec<Cell>, bool)> {
 }
 
 fn nearest_first(target: &ViewTarget, region: &Region, level: u32) -> Vec<Cell> {
+    let mirrors = target.physics.mirrors();
     let mut placed = region.cells(level, MOST_CELLS);
     let far = |offset: [f64; 2], from: [f64; 2]| (offset[0] - from[0]).hypot(offset[1] - from[1]);
     let distance = |offset: [f64; 2]| {
@@ -45,5 +46,5 @@ fn nearest_first(target: &ViewTarget, region: &Region, level: u32) -> Vec<Cell> 
         target.pointer.map_or(middle, |pointer| middle.min(far(offset, pointer)))
     };
     placed.sort_by(|a, b| distance(a.offset).total_cmp(&distance(b.offset)));
-    placed.into_iter().map(|placed| placed.cell.canonical().0).collect()
+    placed.into_iter().map(|placed| placed.cell.computed(mirrors).0).collect()
 }

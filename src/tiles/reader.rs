@@ -30,12 +30,7 @@ impl Reader {
 
     /// The states that jobs must return.
     pub(super) fn keep(&self) -> Keep {
-        match self.ask.kind().needs {
-            Needs::Outcome => Keep::Nothing,
-            Needs::End => Keep::Ends,
-            Needs::Growth => Keep::Growth,
-            Needs::Return => Keep::Return,
-        }
+        self.ask.kind().needs.into()
     }
 
     /// Writes the answers of a job into the samples at `places`.

@@ -1,25 +1,49 @@
 //! The target of a window: the physics and the part of the plane in view.
 
-use crate::engine::{IntegratorConfig, Question};
-use crate::physics::Rule;
+use crate::engine::{IntegratorConfig, Keep, Question};
 use crate::scene::lattice::Region;
-use crate::scene::{self, Budget, Build, Scene};
+use crate::scene::{Budget, Build, Plane, QuestionTable, Scene};
 
-/// All that decides a pixel's answer, except the start and the budget.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// All that decides a pixel's answer, except the start and the budget of a search for a flip.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Physics {
     /// The pendulum.
     pub build: Build,
-    /// Choice of the watched bob.
-    pub rule: Rule,
+    /// The question; answers that a larger budget only adds to have the default budget here.
+    pub question: QuestionTable,
+    /// The plane of starts.
+    pub plane: Plane,
     /// Integrator config of the pixels.
     pub config: IntegratorConfig,
     /// True if every pixel is checked.
     pub verified: bool,
 }
 
+impl Physics {
+    /// The physics of a scene's pixels.
+    pub fn of(scene: &Scene, config: IntegratorConfig, verified: bool) -> Self {
+        let Scene { build, mut question, ref plane, .. } = *scene;
+        if question.ask.is_time() {
+            question.budget = Budget::default();
+        }
+        Physics { build, question, plane: plane.clone(), config, verified }
+    }
+
+    /// Returns true if the mirror images of cells have equal samples.
+    pub fn mirrors(&self) -> bool {
+        self.plane.is_symmetric() && self.question.ask.kind().is_even
+    }
+
+    /// The states that jobs return, to be resumed. Checks begin at the release, and passes are not
+    /// part of a state.
+    pub(super) fn keep(&self) -> Keep {
+        let resumes = self.question.ask.is_time() && self.question.passes() == 1;
+        if resumes && !self.verified { Keep::Unfinished } else { Keep::Nothing }
+    }
+}
+
 /// A view to be computed: a region of the plane, with its physics, budget and level.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ViewTarget {
     /// Physics of the pixels.
     pub physics: Physics,
@@ -34,15 +58,12 @@ pub struct ViewTarget {
 }
 
 impl ViewTarget {
-    /// Returns a scene with the pendulum and the question; its view is not used, because the
+    /// Returns a scene with the pendulum, the question and the plane; its view is not used, because the
     /// lattice places the samples.
     pub(super) fn scene(&self) -> Scene {
-        let question = scene::QuestionTable {
-            rule: self.physics.rule,
-            budget: Budget::secs(self.budget_secs),
-            ..Default::default()
-        };
-        Scene { build: self.physics.build, question, ..Scene::default() }
+        let Physics { build, question, ref plane, .. } = self.physics;
+        let question = QuestionTable { budget: Budget::secs(self.budget_secs), ..question };
+        Scene { build, question, plane: plane.clone(), ..Scene::default() }
     }
 
     /// Returns the question to be answered for every pixel.

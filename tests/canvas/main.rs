@@ -12,6 +12,7 @@ mod offscreen;
 use doubtful::{Doubtful, fails, is_uncertain};
 use flipmap::app::camera::{Camera, Screen};
 use flipmap::app::hover::sample_at;
+use flipmap::app::reach::Reach;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Method, Precision, Question};
 use flipmap::physics::{Dd, Decimal, Outcome, Scalar, Status, Theta};
@@ -61,7 +62,7 @@ fn middle() -> [Theta; 2] {
 fn screen(center: [Theta; 2], level: u32) -> Screen {
     let width_rad = f64::from(SIZE[0]) * pitch_rad(level);
     Screen {
-        camera: Camera { center, width_rad, rotate_deg: 0.0, stretch: 1.0 },
+        camera: Camera { center, width_rad, ..Camera::home(Reach::TORUS) },
         size: DVec2::from(SIZE.map(f64::from)),
         pixels_per_point: 1.0,
     }
@@ -69,9 +70,8 @@ fn screen(center: [Theta; 2], level: u32) -> Screen {
 
 fn target(screen: &Screen, scene: &Scene) -> ViewTarget {
     let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
-    let (build, rule) = (scene.build, scene.question.rule);
     ViewTarget {
-        physics: Physics { build, rule, config, verified: false },
+        physics: Physics::of(scene, config, false),
         budget_secs: scene.question.budget.secs,
         region: screen.region(),
         level: screen.level(),
@@ -81,7 +81,7 @@ fn target(screen: &Screen, scene: &Scene) -> ViewTarget {
 
 fn explored(screen: &Screen, scene: &Scene) -> Explorer {
     let mut explorer = Explorer::new(1000 * TILE_BYTES);
-    explorer.target(target(screen, scene));
+    explorer.target(&target(screen, scene));
     explorer.work(&mut Doubtful::default(), None).unwrap();
     explorer
 }
@@ -202,7 +202,7 @@ mod checks {
         let there = screen(middle().map(|theta| -theta), LEVEL);
         for (computed, shown) in [(here, there), (there, here)] {
             let mut explorer = explored(&computed, &scene);
-            explorer.target(target(&shown, &scene));
+            explorer.target(&target(&shown, &scene));
             assert!(explorer.progress().idle, "its image is known");
             for picture in &pictures() {
                 let paint = Paint { picture, scene: &scene, trust: false };
@@ -264,7 +264,7 @@ mod checks {
         let mut explorer = explored(&screen, &scene(60.0));
         let (picture, less) = (&pictures()[0], scene(30.0));
         let simulated = explorer.counts().simulated;
-        explorer.target(target(&screen, &less));
+        explorer.target(&target(&screen, &less));
         assert!(explorer.progress().idle && explorer.counts().simulated == simulated);
         let paint = Paint { picture, scene: &less, trust: false };
         let pixels = Studio::new(PLAIN).draw(&screen, &mut explorer, &paint);
@@ -309,7 +309,7 @@ mod checks {
             build: Build { gravity: Decimal::from(8.0), ..Build::default() },
             ..home.clone()
         };
-        explorer.target(target(&screen, &moon));
+        explorer.target(&target(&screen, &moon));
         let paint = Paint { picture, scene: &moon, trust: false };
         let pixels = studio.draw(&screen, &mut explorer, &paint);
         // The previous samples are shown, in the colours of the new view target.
@@ -330,7 +330,8 @@ mod checks {
             (middle(), 17.0, -77.0, 0.7),
             (middle(), 0.3, 45.0, 1.0),
         ] {
-            let camera = Camera { center, width_rad, rotate_deg, stretch };
+            let reach = Reach::TORUS;
+            let camera = Camera { center, width_rad, rotate_deg, stretch, reach };
             let view = Screen { camera, ..screen(center, LEVEL) };
             let mut explorer = explored(&view, &scene);
             let paint = Paint { picture, scene: &scene, trust: false };

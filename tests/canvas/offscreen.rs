@@ -45,8 +45,8 @@ impl Studio {
         paint: &Paint,
     ) -> Vec<u8> {
         let Paint { picture, scene, trust } = paint;
-        let (uniforms, table) = colours(picture, &scene.build, &scene.question, *trust).unwrap();
-        let frame = self.map_renderer.frame(screen, explorer, uniforms, table);
+        let colours = colours(picture, scene, *trust).unwrap();
+        let frame = self.map_renderer.frame(screen, explorer, colours);
         self.uploads = frame.uploads.len();
         let Gpu { device, queue, .. } = &self.gpu;
         self.canvas.load(device, queue, &frame);

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Job, Method, Precision, Question};
-use flipmap::physics::{Decimal, Outcome, Rule, Scalar, Status, Theta};
+use flipmap::physics::{Decimal, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
 use flipmap::scene::{Budget, Build, Fate, QuestionTable as Asked, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
@@ -16,12 +16,9 @@ use super::ledger::Ledger;
 pub(crate) const ROOMY: usize = 4000 * TILE_BYTES;
 
 pub(crate) fn physics(gravity: f64) -> Physics {
-    Physics {
-        build: Build { gravity: Decimal::from(gravity), ..Build::default() },
-        rule: Rule::Second,
-        config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },
-        verified: false,
-    }
+    let build = Build { gravity: Decimal::from(gravity), ..Build::default() };
+    let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+    Physics::of(&Scene { build, ..Scene::default() }, config, false)
 }
 
 /// A view that is two or three cells wide.
@@ -30,7 +27,11 @@ pub(crate) fn target(center: [f64; 2], level: u32) -> ViewTarget {
     ViewTarget {
         physics: physics(9.81),
         budget_secs: 30.0,
-        region: Region { center: center.map(Theta::from_f64), half_rad: [half, 0.8 * half] },
+        region: Region {
+            center: center.map(Theta::from_f64),
+            half_rad: [half, 0.8 * half],
+            repeats: true,
+        },
         level,
         pointer: None,
     }
@@ -43,14 +44,14 @@ pub(crate) fn lively(level: u32) -> ViewTarget {
 
 pub(crate) fn scene(target: &ViewTarget) -> Scene {
     let question = Asked {
-        rule: target.physics.rule,
+        rule: target.physics.question.rule,
         budget: Budget::secs(target.budget_secs),
         ..Asked::default()
     };
     Scene { build: target.physics.build, question, ..Scene::default() }
 }
 
-pub(crate) fn explored(target: ViewTarget, engine: &mut Ledger) -> Explorer {
+pub(crate) fn explored(target: &ViewTarget, engine: &mut Ledger) -> Explorer {
     let mut explorer = Explorer::new(ROOMY);
     explorer.target(target);
     explorer.work(engine, None).unwrap();
@@ -131,7 +132,7 @@ pub(crate) fn cell_of(angle: [Theta; 2], levels: &[u32]) -> Cell {
 #[test]
 fn the_comparison_can_fail() {
     let mut engine = Ledger::default();
-    let mut explorer = explored(lively(5), &mut engine);
+    let mut explorer = explored(&lively(5), &mut engine);
     let cell = in_view(&lively(5))[0];
     assert_eq!(wrong(&mut explorer, &lively(5), cell), Some(0));
     let other = ViewTarget { physics: physics(5.0), ..lively(5) };

@@ -4,5 +4,6 @@
 mod common;
 mod ledger;
 mod order;
+mod planes;
 mod random;
 mod reuse;

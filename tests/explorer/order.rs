@@ -30,12 +30,12 @@ fn coarse_comes_first_then_what_is_near_then_the_ring() {
     // The view spans five by three cells; the cells around it are less than half a cell away.
     let (middle, side) = (Cell::around([2.0, 1.0].map(Theta::from_f64), 9), side_rad(9));
     let [x, y] = [2.3 * side, 1.2 * side];
-    let region = Region { center: middle.center(), half_rad: [x, y] };
+    let region = Region { center: middle.center(), half_rad: [x, y], repeats: true };
     let wide = ViewTarget { region, ..lively(9) };
     for pointer in [None, Some([0.8 * x, -0.6 * y]), Some([-x, y])] {
-        let target = ViewTarget { pointer, ..wide };
+        let target = ViewTarget { pointer, ..wide.clone() };
         let mut engine = Ledger::default();
-        explored(target, &mut engine);
+        explored(&target, &mut engine);
         let cells = cells_of(&engine.jobs, &[5, 7, 9]);
         let view: Vec<_> = [5, 7, 9].map(|level| distances(&target, &target.region, level)).into();
         let pass = |cell: &Cell| match cell.level {
@@ -58,10 +58,10 @@ fn the_newest_view_wins() {
     let (here, there) = (lively(12), target([-1.5, 2.0], 12));
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.target(here);
+    explorer.target(&here);
     frame(&mut explorer, &mut engine);
     assert!(!engine.mock.queue.is_empty());
-    explorer.target(there);
+    explorer.target(&there);
     let sent = jobs_of_frames(&mut explorer, &mut engine, 200);
     assert_eq!(engine.cancels, 1, "what flew for the old view is dropped");
     let wanted: HashSet<Cell> = [8, 10, 12]
@@ -80,11 +80,11 @@ fn what_is_still_useful_flies_on() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
     let mut target = lively(12);
-    explorer.target(target);
+    explorer.target(&target);
     for _ in 0..20 {
         frame(&mut explorer, &mut engine);
         target.region.center[0] = target.region.center[0] + Theta::from_f64(0.02 * side_rad(12));
-        explorer.target(target);
+        explorer.target(&target);
     }
     explorer.work(&mut engine, None).unwrap();
     assert_eq!((engine.cancels, engine.again, engine.doubled), (0, 0, 0));
@@ -97,10 +97,10 @@ fn what_is_still_useful_flies_on() {
 fn late_answers_of_a_grounded_engine_are_nobodys() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.target(lively(7));
+    explorer.target(&lively(7));
     frame(&mut explorer, &mut engine);
     // The engine still holds its old jobs, and returns them first.
-    explorer.target(target([-1.0, 2.5], 7));
+    explorer.target(&target([-1.0, 2.5], 7));
     explorer.ground();
     engine.deaf = true;
     explorer.work(&mut engine, None).unwrap();
@@ -116,7 +116,7 @@ fn late_answers_of_a_grounded_engine_are_nobodys() {
 fn a_frame_without_time_prepares_one_job() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.target(lively(7));
+    explorer.target(&lively(7));
     for jobs in 1..4 {
         explorer.work(&mut engine, Some(Instant::now())).unwrap();
         assert_eq!(engine.jobs.len(), jobs);
@@ -131,7 +131,7 @@ fn among_cells_without_an_open_pixel_a_frame_asks_to_go_on() {
     // Around (0, 0) nothing can ever flip, so hardly any job is in flight that would wake a window.
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.target(ViewTarget {
+    explorer.target(&ViewTarget {
         region: target([0.0, 0.0], 4).region.scaled(3.0),
         ..target([0.0, 0.0], 4)
     });

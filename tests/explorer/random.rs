@@ -66,7 +66,7 @@ impl Session {
         change(&mut self.target);
         let half = 0.7 * side_rad(self.target.level);
         self.target.region.half_rad = [half, 0.8 * half];
-        self.explorer.target(self.target);
+        self.explorer.target(&self.target);
     }
 
     /// Lets the explorer work; a failed engine is replaced, as the window does.
@@ -130,7 +130,7 @@ proptest! {
     #[test]
     fn nothing_is_lost_or_done_twice(actions in actions(), backwards: bool, large: bool) {
         let mut session = Session::new(ROOMY, backwards, if large { 1 << 18 } else { 64 });
-        session.explorer.target(session.target);
+        session.explorer.target(&session.target);
         for action in &actions {
             session.act(action);
         }
@@ -147,7 +147,7 @@ proptest! {
         actions in actions(), room in 0usize..60, then in 0usize..60, backwards: bool,
     ) {
         let mut session = Session::new(room * TILE_BYTES, backwards, 64);
-        session.explorer.target(session.target);
+        session.explorer.target(&session.target);
         for (index, action) in actions.iter().enumerate() {
             if index == actions.len() / 2 {
                 session.explorer.set_cache_bytes(then * TILE_BYTES);

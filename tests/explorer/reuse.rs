@@ -15,7 +15,7 @@ use super::ledger::Ledger;
 #[test]
 fn a_view_seen_before_is_not_computed_again() {
     let mut engine = Ledger::default();
-    let mut explorer = explored(lively(6), &mut engine);
+    let mut explorer = explored(&lively(6), &mut engine);
     let side = side_rad(6);
     let path: Vec<ViewTarget> = (1..6)
         .map(|step| target([2.0 + 0.9 * side * f64::from(step), 1.0], 6))
@@ -23,13 +23,13 @@ fn a_view_seen_before_is_not_computed_again() {
         .chain((1..4).map(|zoom| target([2.0, 1.0], 6 - zoom)))
         .collect();
     for target in &path {
-        explorer.target(*target);
+        explorer.target(target);
         explorer.work(&mut engine, None).unwrap();
     }
     let (simulated, jobs) = (explorer.counts().simulated, engine.jobs.len());
     assert!(simulated > 0);
     for target in path.iter().rev() {
-        explorer.target(*target);
+        explorer.target(target);
         let progress = explorer.progress();
         assert!(progress.idle && progress.done == progress.wanted, "at once: {progress:?}");
         explorer.work(&mut engine, None).unwrap();
@@ -53,13 +53,13 @@ fn a_larger_budget_continues_what_did_not_flip() {
         let physics = Physics { verified, ..physics(9.81) };
         let small = ViewTarget { physics, ..lively(5) };
         let mut engine = Ledger::default();
-        let mut explorer = explored(small, &mut engine);
+        let mut explorer = explored(&small, &mut engine);
         assert!(engine.jobs.iter().all(|job| (job.keep == Keep::Unfinished) != verified));
         let left = unflipped(&mut explorer, &small);
         assert!(left > 10_000, "{left}");
         let (simulated, sent) = (explorer.counts().simulated, engine.sent);
         let large = ViewTarget { budget_secs: 50.0, ..small };
-        explorer.target(large);
+        explorer.target(&large);
         explorer.work(&mut engine, None).unwrap();
         assert_eq!(explorer.counts().simulated - simulated, left as u64);
         // A check begins at the release, so checked pendulums start again from rest.
@@ -76,11 +76,11 @@ fn a_larger_budget_continues_what_did_not_flip() {
 fn a_smaller_budget_computes_nothing() {
     let large = ViewTarget { budget_secs: 50.0, ..lively(5) };
     let mut engine = Ledger::default();
-    let mut explorer = explored(large, &mut engine);
+    let mut explorer = explored(&large, &mut engine);
     let simulated = explorer.counts().simulated;
     for budget_secs in [30.0, 10.5, 45.0] {
-        let target = ViewTarget { budget_secs, ..large };
-        explorer.target(target);
+        let target = ViewTarget { budget_secs, ..large.clone() };
+        explorer.target(&target);
         assert!(explorer.progress().idle);
         explorer.work(&mut engine, None).unwrap();
         assert_eq!(explorer.counts().simulated, simulated, "{budget_secs} s");
@@ -94,10 +94,10 @@ fn a_smaller_budget_computes_nothing() {
 fn a_budget_raised_in_flight_waits_for_what_flies() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.target(lively(5));
+    explorer.target(&lively(5));
     for budget_secs in [41.0, 43.0, 45.0] {
         frame(&mut explorer, &mut engine);
-        explorer.target(ViewTarget { budget_secs, ..lively(5) });
+        explorer.target(&ViewTarget { budget_secs, ..lively(5) });
     }
     explorer.work(&mut engine, None).unwrap();
     assert_eq!((engine.cancels, engine.again, engine.doubled), (0, 0, 0));
@@ -110,10 +110,10 @@ fn a_budget_raised_in_flight_waits_for_what_flies() {
 #[test]
 fn mirror_images_are_computed_once() {
     let mut engine = Ledger::default();
-    let mut explorer = explored(lively(6), &mut engine);
+    let mut explorer = explored(&lively(6), &mut engine);
     let simulated = explorer.counts().simulated;
     let image = target([-2.0, -1.0], 6);
-    explorer.target(image);
+    explorer.target(&image);
     explorer.work(&mut engine, None).unwrap();
     assert_eq!(explorer.counts().simulated, simulated);
     assert!(in_view(&image).into_iter().all(|cell| wrong(&mut explorer, &image, cell) == Some(0)));
@@ -123,7 +123,7 @@ fn mirror_images_are_computed_once() {
     let middle =
         ViewTarget { region: Region { center: [Theta::ZERO; 2], ..middle.region }, ..middle };
     let mut engine = Ledger::default();
-    explored(middle, &mut engine);
+    explored(&middle, &mut engine);
     let cells = cells_of(&engine.jobs, &[0, 2, 4]);
     let distinct: HashSet<Cell> = cells.iter().map(|cell| cell.canonical().0).collect();
     assert_eq!(distinct.len(), cells.len(), "a cell and its image");
@@ -134,13 +134,13 @@ fn the_plane_wraps_around() {
     let pi = std::f64::consts::PI;
     let mut engine = Ledger::default();
     let east = target([pi, -2.9], 4);
-    let mut explorer = explored(east, &mut engine);
+    let mut explorer = explored(&east, &mut engine);
     let sides: HashSet<bool> = in_view(&east).iter().map(|cell| cell.x.to_f64() < 0.5).collect();
     assert_eq!(sides.len(), 2, "cells from both ends");
     assert!(in_view(&east).into_iter().all(|cell| wrong(&mut explorer, &east, cell) == Some(0)));
     let simulated = explorer.counts().simulated;
     for west in [target([-pi, -2.9], 4), target([pi, 2.0 * pi - 2.9], 4)] {
-        explorer.target(west);
+        explorer.target(&west);
         explorer.work(&mut engine, None).unwrap();
         assert_eq!(explorer.counts().simulated, simulated, "{:?}", west.region.center);
     }
@@ -151,7 +151,7 @@ fn several_turns_in_view_are_computed_once() {
     let mut target = target([0.4, 0.2], 2);
     target.region.half_rad = [10.0, 8.0];
     let mut engine = Ledger::default();
-    let mut explorer = explored(target, &mut engine);
+    let mut explorer = explored(&target, &mut engine);
     let placed = target.region.cells(2, MOST_CELLS).len();
     assert!(placed > 60, "{placed}");
     // 16 cells of level 2, none of them entirely forbidden, and one cell of level 0.
@@ -166,7 +166,7 @@ fn several_turns_in_view_are_computed_once() {
 fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
     let mut engine = Ledger::default();
     let home = lively(5);
-    let mut explorer = explored(home, &mut engine);
+    let mut explorer = explored(&home, &mut engine);
     let cells = in_view(&home);
     let before = |explorer: &mut Explorer, cell: &Cell| {
         explorer.known_before(*cell).map(|(known, _)| known.serial)
@@ -176,7 +176,7 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
         cells.iter().map(|cell| explorer.known(*cell).expect("computed").0.serial).collect();
     // A slider passes through several values, for which few or no samples become known.
     for gravity in [9.0, 8.0, 7.0, 6.0] {
-        explorer.target(ViewTarget { physics: physics(gravity), ..home });
+        explorer.target(&ViewTarget { physics: physics(gravity), ..home });
         for (cell, serial) in cells.iter().zip(&of_home) {
             assert!(explorer.known(*cell).is_none());
             assert_eq!(before(&mut explorer, cell), Some(*serial));
@@ -185,7 +185,7 @@ fn a_changed_pendulum_shows_the_one_before_until_it_is_known() {
     explorer.work(&mut engine, None).unwrap();
     assert!(cells.iter().all(|cell| explorer.known(*cell).is_some()));
     let simulated = explorer.counts().simulated;
-    explorer.target(home);
+    explorer.target(&home);
     let progress = explorer.progress();
     assert!(progress.idle && progress.done == progress.wanted, "{progress:?}");
     assert_eq!(explorer.counts().simulated, simulated);
@@ -197,15 +197,15 @@ fn what_is_in_view_stays_where_there_is_no_room_for_more() {
     // No pendulum here has a saved state, so all tiles have the same size.
     let path = (0..6).map(|step| target([2.0 + 0.5 * side_rad(8) * f64::from(step), 0.5], 8));
     let mut engine = Ledger::default();
-    let most = path.clone().map(|target| explored(target, &mut engine).bytes()).max();
+    let most = path.clone().map(|target| explored(&target, &mut engine).bytes()).max();
     let mut explorer = Explorer::new(most.expect("several views"));
     for target in path {
-        explorer.target(target);
+        explorer.target(&target);
         explorer.work(&mut engine, None).unwrap();
         let progress = explorer.progress();
         assert_eq!(progress.done, progress.wanted, "half of it was computed before");
         assert!(explorer.bytes() <= most.expect("several views"));
-        explorer.target(ViewTarget { pointer: Some([0.0; 2]), ..target });
+        explorer.target(&ViewTarget { pointer: Some([0.0; 2]), ..target });
         assert!(explorer.progress().idle, "nothing that this view wants has gone");
     }
 }
@@ -214,7 +214,7 @@ fn what_is_in_view_stays_where_there_is_no_room_for_more() {
 fn a_refused_job_is_computed_once_the_engine_takes_it() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.target(lively(6));
+    explorer.target(&lively(6));
     for refused in [0, 5, 9] {
         engine.mock.fail_at = Some(refused);
         assert!(explorer.work(&mut engine, None).is_err());

@@ -1,11 +1,13 @@
 //! Growth, periodic orbits, and returns to the start.
 
+use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::{IntegratorConfig, Precision};
+use flipmap::engine::{IntegratorConfig, Precision, Trust};
 use flipmap::physics::taylor::Orbit;
 use flipmap::physics::{Dd, Scalar, State, Status};
 use flipmap::question::Ask;
-use flipmap::scene::{Plane, PlaneKind};
+use flipmap::scene::{Plane, PlaneKind, Scene};
+use flipmap::tiles::{Renderer, Samples};
 use rayon::prelude::*;
 
 use crate::common::lesson;
@@ -63,6 +65,43 @@ fn periodic_orbits_of_a_computer_assisted_proof_are_found_on_the_section() {
         let multiplier = (found.abs() + (found * found - 4.0).sqrt()) / 2.0;
         println!("{energy}: {secs} s, trace {found}, exponent {}", multiplier.ln() / secs.hi);
     }
+}
+
+#[test]
+fn sure_exponents_and_returns_are_right_and_those_beyond_the_horizon_are_marked() {
+    let plane = plane("speeds", ["2", "-1", "0", "0"]);
+    let scene = |ask, secs| scene(ask, plane.clone(), "8", secs);
+    let growth = scene(Ask::Growth, 6.0);
+    let (samples, uncertain) = checked(&growth, 9);
+    assert!(uncertain < 30, "{uncertain} of 81 are uncertain");
+    let wrong = (0..81u32).into_par_iter().filter(|&k| {
+        let truth = || true_exponent(&growth, start(&growth, 9, k).unwrap(), 6.0);
+        let is_sure = samples.trust(k as usize) != Trust::Uncertain;
+        is_sure && (samples.values(k as usize)[0] / truth() - 1.0).abs() > 0.01
+    });
+    assert_eq!(wrong.count(), 0);
+    let (_, beyond) = checked(&scene(Ask::Growth, 120.0), 9);
+    assert!(beyond > 40, "only {beyond} of 81 are marked after 120 s");
+
+    // What is sure agrees with another run of the same start.
+    let returns = scene(Ask::Return, 6.0);
+    let (samples, uncertain) = checked(&returns, 9);
+    assert!(uncertain < 30, "{uncertain} of 81 are uncertain");
+    let finer = by_cpu(&returns, 9, ALL_METHODS[0]);
+    for k in 0..81 {
+        let ([mine, _], [its, _]) = (samples.values(k), finer.values(k)) else { panic!() };
+        let is_sure = samples.trust(k) != Trust::Uncertain;
+        let answered = samples.get(k).status == Status::Flipped;
+        assert!(!is_sure || !answered || (mine - its).abs() < 2e-3, "{k}: {mine} {its}");
+    }
+}
+
+/// Checked samples of `side` × `side` pixels, and the number of uncertain ones.
+fn checked(scene: &Scene, side: u32) -> (Samples, u64) {
+    let engine = Box::new(CpuEngine::new(Some(2)).unwrap());
+    let mut renderer = Renderer::of(engine, BALANCED, true, Some(2)).unwrap();
+    let samples = renderer.render(scene, [side; 2]).unwrap();
+    (samples, renderer.counts().uncertain())
 }
 
 #[test]

@@ -34,6 +34,32 @@ fn a_state_lies_at_its_time_and_not_at_the_end_of_the_budget() {
 }
 
 #[test]
+fn a_pendulum_thrown_back_returns_to_where_it_was_thrown() {
+    let origin = ["0.7", "-0.4", "0", "0"];
+    let there = scene(Ask::State, plane("speeds", origin), "8", 4.0);
+    let samples = by_cpu(&there, 8, BALANCED);
+    let mut most = 0f64;
+    for k in 0..64 {
+        let thrown = start(&there, 8, k).unwrap();
+        let [theta1, theta2, omega1, omega2, ..] = samples.values(k as usize) else { panic!() };
+        let mut back = scene(
+            Ask::State,
+            plane("speeds", [&theta1.to_string(), &theta2.to_string(), "0", "0"]),
+            "1e-9",
+            4.0,
+        );
+        back.view.center = [-omega1, -omega2].map(|speed| speed.to_string());
+        let home = by_cpu(&back, 1, BALANCED);
+        let home = home.values(0);
+        let angles = (0..2).map(|i| apart(home[i], thrown.angle[i].hi));
+        let speeds = (0..2).map(|i| (home[2 + i] + thrown.speed[i].hi).abs());
+        most = angles.chain(speeds).fold(most, f64::max);
+    }
+    assert!(most < 1e-5, "{most:e}");
+    assert!(most > 1e-15, "the way back is not the way there");
+}
+
+#[test]
 fn normal_modes_swing_as_they_must() {
     // ω² = (g/l)(2 ± √2), with θ2 = ∓√2 θ1; errors of the linear theory are of third order.
     for sign in [-1.0, 1.0] {

@@ -1,19 +1,37 @@
 //! A picture's colours in the form that the card takes: a table over the logarithm of time, and the
-//! linear light of outcomes without a time. They change with the palette, never with a sample.
+//! linear light of outcomes without a time. They change with the palette, never with a sample. The
+//! answers to other questions are painted here instead.
 
 use super::pipeline::{TABLE_ENTRIES, Uniforms};
-use crate::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
-use crate::scene::{Build, PictureTable, QuestionTable, SceneError};
+use super::sample::WordKind;
+use crate::scene::palette::{AnswerColours, FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
+use crate::scene::{PictureTable, Scene, SceneError};
 
-/// Returns the uniforms, and the table's sRGB colours as four bytes each; `trust` hatches uncertain
-/// pixels. Fails if the picture cannot be painted.
+/// A picture's colours in the form that the card takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CardColours {
+    /// The values shared by all samples.
+    pub uniforms: Uniforms,
+    /// The colour table's sRGB colours, four bytes each.
+    pub table: Vec<u8>,
+    /// What the words of samples tell.
+    pub words: WordKind,
+}
+
+/// Returns the colours of a scene's picture; `trust` hatches uncertain pixels. Fails if the picture
+/// cannot be painted.
 pub fn colours(
     picture: &PictureTable,
-    build: &Build,
-    question: &QuestionTable,
+    scene: &Scene,
     trust: bool,
-) -> Result<(Uniforms, Vec<u8>), SceneError> {
-    let tones = Tones::new(picture, build.unit_secs(), question.budget.secs)?;
+) -> Result<CardColours, SceneError> {
+    let question = &scene.question;
+    let words = if question.ask.is_time() {
+        WordKind::Times
+    } else {
+        WordKind::Colours(Box::new(AnswerColours::new(scene, picture)?))
+    };
+    let tones = Tones::new(picture, scene.build.unit_secs(), question.budget.secs)?;
     let lookup = tones.lookup(TABLE_ENTRIES);
     let octaves = (lookup.last_secs / lookup.first_secs).log2();
     let uniforms = Uniforms {
@@ -21,12 +39,14 @@ pub fn colours(
         entries_per_octave: ((TABLE_ENTRIES - 1) as f64 / octaves) as f32,
         budget_log2: question.budget.secs.log2() as f32,
         trust: u32::from(trust),
+        coloured: u32::from(words != WordKind::Times),
+        padding: [0; 3],
         unflipped: linear(UNFLIPPED),
         forbidden: linear(FORBIDDEN),
         failed: linear(FAILED),
     };
     let table = lookup.colours.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
-    Ok((uniforms, table))
+    Ok(CardColours { uniforms, table, words })
 }
 
 fn linear(colour: Rgb) -> [f32; 4] {
@@ -48,13 +68,15 @@ mod tests {
 
     #[test]
     fn the_table_has_the_tones_of_its_times() {
-        let (build, question) = (Build::default(), QuestionTable::default());
+        let scene = Scene::default();
         let plain = PictureTable::default();
         let stretched =
             PictureTable { times: vec![0.5, 3.0, 4.0, 40.0], reverse: true, ..plain.clone() };
         for picture in [plain, stretched] {
-            let tones = Tones::new(&picture, build.unit_secs(), question.budget.secs).unwrap();
-            let (uniforms, table) = colours(&picture, &build, &question, false).unwrap();
+            let budget_secs = scene.question.budget.secs;
+            let tones = Tones::new(&picture, scene.build.unit_secs(), budget_secs).unwrap();
+            let CardColours { uniforms, table, words } = colours(&picture, &scene, false).unwrap();
+            assert_eq!((words, uniforms.coloured), (WordKind::Times, 0));
             assert_eq!(table.len(), 4 * TABLE_ENTRIES);
             for secs in [1e-3, 0.31, 0.77, 2.0, 3.5, 17.0, 29.9, 30.0, 1e3] {
                 let at = 4 * entry(&uniforms, secs);
@@ -69,7 +91,7 @@ mod tests {
     #[test]
     fn a_picture_that_cannot_be_painted_is_refused() {
         let picture = PictureTable { palette: "rainbow".into(), ..PictureTable::default() };
-        let refused = colours(&picture, &Build::default(), &QuestionTable::default(), true);
+        let refused = colours(&picture, &Scene::default(), true);
         assert!(refused.unwrap_err().to_string().contains("batlow"));
     }
 }

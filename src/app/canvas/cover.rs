@@ -10,7 +10,7 @@ use crate::tiles::explorer::{Explorer, MOST_CELLS};
 /// A part of a tile's samples, drawn as a parallelogram on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// The cell whose samples are drawn, as computed.
+    /// The cell whose samples are drawn, or those of its mirror image.
     pub source: Cell,
     /// True if the samples belong to the previous target's physics.
     pub before: bool,
@@ -52,17 +52,25 @@ struct Best {
 
 fn best(screen: &Screen, explorer: &mut Explorer, placed: &Placed, before: bool) -> Best {
     let source = std::iter::successors(Some(placed.cell), Cell::parent)
-        .find(|cell| is_known(explorer, *cell, before));
+        .find_map(|cell| known(explorer, cell, before));
     let mut patches: Vec<Patch> =
         source.map(|source| patch(screen, placed, source, before)).into_iter().collect();
-    if source != Some(placed.cell) {
+    if source.map(|source| source.cell) != Some(placed.cell) {
         finer(screen, explorer, placed, before, FINER_LEVELS, &mut patches);
     }
     Best { patches, whole: source.is_some() }
 }
 
-fn is_known(explorer: &mut Explorer, cell: Cell, before: bool) -> bool {
-    if before { explorer.known_before(cell).is_some() } else { explorer.known(cell).is_some() }
+/// A cell whose samples, or those of its mirror image, are known.
+#[derive(Clone, Copy)]
+struct KnownSource {
+    cell: Cell,
+    mirrored: bool,
+}
+
+fn known(explorer: &mut Explorer, cell: Cell, before: bool) -> Option<KnownSource> {
+    let known = if before { explorer.known_before(cell) } else { explorer.known(cell) };
+    known.map(|(_, mirrored)| KnownSource { cell, mirrored })
 }
 
 /// Appends the patches of a cell's known descendants, searched down `levels` levels.
@@ -79,8 +87,8 @@ fn finer(
         let away = cell.index_in(&placed.cell).map(|side| (2.0 * side - 1.0) * quarter);
         let offset = [placed.offset[0] + away[0], placed.offset[1] + away[1]];
         let child = Placed { cell, offset };
-        if is_known(explorer, cell, before) {
-            patches.push(patch(screen, &child, cell, before));
+        if let Some(source) = known(explorer, cell, before) {
+            patches.push(patch(screen, &child, source, before));
         } else if levels > 1 {
             finer(screen, explorer, &child, before, levels - 1, patches);
         }
@@ -88,7 +96,8 @@ fn finer(
 }
 
 /// Returns the part of `source`'s samples that covers a cell inside it.
-fn patch(screen: &Screen, placed: &Placed, source: Cell, before: bool) -> Patch {
+fn patch(screen: &Screen, placed: &Placed, source: KnownSource, before: bool) -> Patch {
+    let KnownSource { cell: source, mirrored } = source;
     let side = side_rad(placed.cell.level);
     let middle = DVec2::from_array(placed.offset);
     let at = |x: f64, y: f64| screen.point_of(middle + DVec2::new(x, y) * (side / 2.0));
@@ -99,7 +108,6 @@ fn patch(screen: &Screen, placed: &Placed, source: Cell, before: bool) -> Patch 
     let [column, from_below] = placed.cell.index_in(&source);
     let row = parts - 1.0 - from_below;
     let texel = DVec2::new(column, row) * samples;
-    let (source, mirrored) = source.canonical();
     let (texel, span) = if mirrored {
         (DVec2::splat(f64::from(SIDE)) - texel, DVec2::splat(-samples))
     } else {

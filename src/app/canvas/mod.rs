@@ -1,8 +1,9 @@
 //! The map on the screen: samples of tiles, drawn as quads through a colour table.
 //!
 //! [`mod@cover`] chooses what to draw for every cell in view, [`atlas`] assigns the samples a slot
-//! on the card, and [`pipeline`] uploads and draws them. The card keeps samples, not colours: a
-//! change of colours uploads another table and computes nothing.
+//! on the card, and [`pipeline`] uploads and draws them. The card keeps flip times, not colours: a
+//! change of colours uploads another table and computes nothing. The answers to other questions are
+//! painted on the way to the card, and again when their colours change.
 
 pub mod atlas;
 pub mod colours;
@@ -13,8 +14,10 @@ pub mod sample;
 use std::sync::Arc;
 
 use self::atlas::{Atlas, AtlasPlace};
+use self::colours::CardColours;
 use self::cover::{Patch, cover};
-use self::pipeline::{MapFrame, Quad, Uniforms};
+use self::pipeline::{MapFrame, Quad};
+use self::sample::WordKind;
 use crate::app::camera::Screen;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
@@ -26,23 +29,29 @@ pub const LAYERS: u32 = MOST_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u
 pub struct MapRenderer {
     atlas: Atlas,
     table: Vec<u8>,
+    words: Arc<WordKind>,
 }
 
 impl Default for MapRenderer {
     fn default() -> Self {
-        MapRenderer { atlas: Atlas::new(LAYERS), table: Vec::new() }
+        let words = Arc::new(WordKind::Times);
+        MapRenderer { atlas: Atlas::new(LAYERS), table: Vec::new(), words }
     }
 }
 
 impl MapRenderer {
-    /// Returns the frame that shows a screen, in colours given as uniforms and a table.
+    /// Returns the frame that shows a screen in these colours.
     pub fn frame(
         &mut self,
         screen: &Screen,
         explorer: &mut Explorer,
-        uniforms: Uniforms,
-        table: Vec<u8>,
+        CardColours { uniforms, table, words }: CardColours,
     ) -> MapFrame {
+        if *self.words != words {
+            // What is on the card has other words.
+            self.atlas = Atlas::new(LAYERS);
+            self.words = Arc::new(words);
+        }
         self.atlas.begin_frame();
         let (mut quads, mut uploads) = (Vec::new(), Vec::new());
         for patch in cover(screen, explorer) {
@@ -66,7 +75,7 @@ impl MapRenderer {
             self.table.clone_from(&table);
             table
         });
-        MapFrame { quads, uploads, uniforms, table }
+        MapFrame { quads, uploads, words: Arc::clone(&self.words), uniforms, table }
     }
 }
 

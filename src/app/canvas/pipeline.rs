@@ -7,7 +7,7 @@ use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 use wgpu::util::DeviceExt;
 
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
-use super::sample::word_of;
+use super::sample::WordKind;
 use crate::engine::shared::status_constants;
 use crate::scene::lattice::SIDE;
 use crate::tiles::Samples;
@@ -47,6 +47,10 @@ pub struct Uniforms {
     pub budget_log2: f32,
     /// 1 if uncertain pixels are hatched, else 0.
     pub trust: u32,
+    /// 1 if the words of samples hold colours, 0 if times.
+    pub coloured: u32,
+    /// Room that the shader's layout leaves.
+    pub padding: [u32; 3],
     /// Linear light of unflipped starts.
     pub unflipped: [f32; 4],
     /// Linear light of forbidden starts.
@@ -64,6 +68,8 @@ pub struct MapFrame {
     pub quads: Vec<Quad>,
     /// Slots with the samples that are yet to be uploaded to them.
     pub uploads: Vec<(u32, Arc<Samples>)>,
+    /// The words that the samples become.
+    pub words: Arc<WordKind>,
     /// Colours and marks.
     pub uniforms: Uniforms,
     /// [`TABLE_ENTRIES`] sRGB colours of four bytes each, if they have changed.
@@ -107,7 +113,7 @@ impl Canvas {
     /// Uploads a frame's data to the card.
     pub fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
         for (slot, samples) in &frame.uploads {
-            self.upload(queue, *slot, samples);
+            self.upload(queue, *slot, &frame.words.words(samples));
         }
         if let Some(table) = &frame.table {
             let size =
@@ -129,10 +135,7 @@ impl Canvas {
         self.count = frame.quads.len() as u32;
     }
 
-    fn upload(&self, queue: &wgpu::Queue, slot: u32, samples: &Samples) {
-        let words: Vec<u32> = (0..samples.len())
-            .map(|place| word_of(&samples.get(place), samples.trust(place)))
-            .collect();
+    fn upload(&self, queue: &wgpu::Queue, slot: u32, words: &[u32]) {
         let in_layer = slot % SLOTS_IN_LAYER;
         let origin = wgpu::Origin3d {
             x: in_layer % SLOTS_ALONG * SIDE,
@@ -146,7 +149,7 @@ impl Canvas {
             rows_per_image: None,
         };
         let size = wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
-        queue.write_texture(target, bytemuck::cast_slice(&words), layout, size);
+        queue.write_texture(target, bytemuck::cast_slice(words), layout, size);
     }
 
     /// Draws the loaded frame.

@@ -2,11 +2,38 @@
 
 use crate::engine::Trust;
 use crate::physics::Outcome;
+use crate::scene::palette::AnswerColours;
+use crate::tiles::Samples;
 
 /// Offset of the stored logarithms: they count from 2^-32 s (counterpart in the shader).
 pub const LOG_BIAS: f64 = 32.0;
 /// Number of steps of the stored logarithms per octave.
 pub const LOG_STEPS: f64 = (1 << 21) as f64;
+
+/// What the words of samples tell beside status and trust.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WordKind {
+    /// The time, which the card turns into a colour.
+    Times,
+    /// The colour of an answer that is no flip time.
+    Colours(Box<AnswerColours>),
+}
+
+impl WordKind {
+    /// The words of samples in order.
+    pub fn words(&self, samples: &Samples) -> Vec<u32> {
+        let word = |place: usize| match self {
+            WordKind::Times => word_of(&samples.get(place), samples.trust(place)),
+            WordKind::Colours(colours) => {
+                let status = samples.get(place).status;
+                let [r, g, b] = colours.colour(status, samples.values(place)).map(u32::from);
+                let trust = samples.trust(place) as u32;
+                (((r << 16) | (g << 8) | b) << 5) | (trust << 2) | status as u32
+            }
+        };
+        (0..samples.len()).map(word).collect()
+    }
+}
 
 /// Packs the status into the lowest two bits, trust into the next three, and the logarithm of the
 /// time into the rest: finer than any colour, and nothing for the card to work out.
@@ -20,6 +47,23 @@ pub fn word_of(outcome: &Outcome, trust: Trust) -> u32 {
 mod tests {
     use super::*;
     use crate::physics::Status;
+    use crate::question::Ask;
+    use crate::scene::{PictureTable, QuestionTable, Scene};
+
+    #[test]
+    fn another_question_is_painted_before_the_card_sees_it() {
+        let question = QuestionTable { ask: Ask::State, ..QuestionTable::default() };
+        let scene = Scene { question, ..Scene::default() };
+        let colours = AnswerColours::new(&scene, &PictureTable::default()).unwrap();
+        let mut samples = Samples::unanswered(2, 6);
+        samples.set_values(0, Status::Flipped, &[0.5, -1.0, 2.0, 3.0, 0.0, 0.0]);
+        samples.set_trust(0, Trust::Uncertain);
+        let [r, g, b] = colours.colour(Status::Flipped, samples.values(0)).map(u32::from);
+        let words = WordKind::Colours(Box::new(colours)).words(&samples);
+        assert_eq!(words[0] >> 5, (r << 16) | (g << 8) | b);
+        assert_eq!((words[0] & 3, (words[0] >> 2) & 7), (1, Trust::Uncertain as u32));
+        assert_eq!(words[1] & 3, Status::Unflipped as u32);
+    }
 
     #[test]
     fn a_word_holds_all_that_a_colour_needs() {

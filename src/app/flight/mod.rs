@@ -1,5 +1,4 @@
-//! A flight: the pendulum of a pixel, released from rest, together with a ghost, the pendulum one
-//! pixel away.
+//! A flight: the pendulum of a pixel together with a ghost, the pendulum one pixel away.
 //!
 //! Both are integrated by the gold standard in double-double on a thread of the flight's own, so
 //! that the flight shows exactly the pixel's outcome. The thread hands over its results as it goes
@@ -18,7 +17,7 @@ pub use self::agreement::Agreement;
 pub use self::playback::Playback;
 pub use self::record::{Ending, Flip, Record, Track};
 use crate::engine::Question;
-use crate::physics::{Dd, Outcome, Pendulum, Status, Theta};
+use crate::physics::{Dd, Launch, Outcome, Pendulum, Status};
 
 /// Shortest simulated duration of a flight, whatever the budget, in seconds.
 pub const LEAST_SECS: f64 = 30.0;
@@ -34,20 +33,17 @@ pub struct Flight {
 }
 
 impl Flight {
-    /// Releases the pendulum at `start` and its ghost at `neighbour` (rad, each within (−π, π]).
-    /// The flight's thread calls `wake` whenever [`Flight::receive`] has something to take. The
+    /// Releases a pendulum at the first start and its ghost at the second. The flight's thread calls `wake` whenever [`Flight::receive`] has something to take. The
     /// thread ends with the flight, or soon after the flight is dropped.
     pub fn launch(
         question: Question,
-        start: [Theta; 2],
-        neighbour: [Theta; 2],
+        starts: [Launch; 2],
         wake: impl Fn() + Send + 'static,
     ) -> Flight {
         let (sender, incoming) = mpsc::channel();
-        let [start, neighbour] = [start, neighbour].map(|angle| angle.map(Theta::to_dd));
         let until_secs = question.budget_secs.max(LEAST_SECS);
         let fly = move || {
-            pilot::fly(&question, [start, neighbour], until_secs, |part| {
+            pilot::fly(&question, starts, until_secs, |part| {
                 let wanted = sender.send(part).is_ok();
                 wake();
                 wanted
@@ -58,7 +54,7 @@ impl Flight {
             log::error!("no thread for a flight: {error}");
         }
         let exact: Pendulum<Dd> = question.build.pendulum_in();
-        let forbidden = [start, neighbour].map(|angle| exact.forbids(question.rule, angle));
+        let forbidden = starts.map(|start| pilot::is_forbidden(&exact, start, question.rule));
         Flight { question, forbidden, record: Record::default(), incoming }
     }
 
@@ -134,13 +130,12 @@ mod tests {
         [start, [start[0] - Dd::new(1e-3), start[1]]]
     }
 
-    fn complete(question: Question, [start, neighbour]: [[Dd; 2]; 2]) -> Flight {
-        let mut flight = Flight::launch(
-            question,
-            start.map(Theta::from_dd),
-            neighbour.map(Theta::from_dd),
-            || (),
-        );
+    fn complete(question: Question, starts: [[Dd; 2]; 2]) -> Flight {
+        flown(question, starts.map(Launch::at_rest))
+    }
+
+    fn flown(question: Question, starts: [Launch; 2]) -> Flight {
+        let mut flight = Flight::launch(question, starts, || ());
         let begun = Instant::now();
         while flight.record().ending.is_none() {
             assert!(begun.elapsed() < Duration::from_secs(60), "the flight never ends");
@@ -243,6 +238,26 @@ mod tests {
     }
 
     #[test]
+    fn a_thrown_pendulum_flies_with_its_speeds_and_flips_as_the_gold_standard_says() {
+        let question = question(Rule::Second, 6.0);
+        let pendulum: Pendulum<Dd> = question.build.pendulum_in();
+        let start = Launch { angle: [0.3, -0.2].map(Dd::new), speed: [3.0, 7.0].map(Dd::new) };
+        let flight = flown(question, [start; 2]);
+        let Launch { angle, speed } = start;
+        let mut orbit = Orbit::new(pendulum, State { angle, speed });
+        let kept = flight.record().own.motion.state_at(0.7).expect("complete");
+        let truth = orbit.state_at(Dd::new(0.7));
+        assert!((truth.angle[1].hi - kept.angle[1]).abs() < 1e-12);
+        assert!((kept.angle[1] + 0.2).abs() > 1.0, "it moves fast");
+        let flip = flight.outcome().expect("known");
+        assert_eq!(flip.status, Status::Flipped);
+        assert!(flip.time.hi > 0.0 && flip.time.hi < 6.0);
+        let slow = Launch { speed: [0.1, 0.1].map(Dd::new), ..start };
+        let forbidden = flown(question, [slow; 2]).outcome().expect("known");
+        assert_eq!(forbidden.status, Status::Forbidden);
+    }
+
+    #[test]
     fn a_huge_budget_ends_where_memory_does_and_a_dropped_flight_stops() {
         let fast = Build { gravity: Decimal::from(1e6), ..Build::default() };
         let long = Question { build: fast, ..question(Rule::Second, 1e6) };
@@ -254,10 +269,9 @@ mod tests {
 
         let wakes = Arc::new(AtomicUsize::new(0));
         let counted = wakes.clone();
-        let flight =
-            Flight::launch(long, start.map(Theta::from_dd), start.map(Theta::from_dd), move || {
-                counted.fetch_add(1, Ordering::Relaxed);
-            });
+        let flight = Flight::launch(long, [Launch::at_rest(start); 2], move || {
+            counted.fetch_add(1, Ordering::Relaxed);
+        });
         drop(flight);
         let begun = Instant::now();
         while Arc::strong_count(&wakes) > 1 {

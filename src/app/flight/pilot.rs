@@ -8,22 +8,22 @@ use crate::engine::Question;
 use crate::physics::opening::settled;
 use crate::physics::separation::{Reading, Ruler};
 use crate::physics::taylor::{Orbit, TaylorStep};
-use crate::physics::{Dd, Pendulum, Rule, Scalar, State, oracle};
+use crate::physics::{Dd, Launch, Pendulum, Rule, Scalar, State, oracle};
 
 /// Time for which results are gathered before they are handed over: about a frame.
 const GATHERED: Duration = Duration::from_millis(16);
 /// Greatest number of steps stored of one motion: seven minutes of the home pendulum, in 6 MiB.
 pub const MOST_STEPS: usize = 20_000;
 
-/// Integrates the pendulum from `start` and its ghost from `neighbour` up to `until_secs`; stops as
-/// soon as `hand_over` returns false.
+/// Integrates a pendulum from the first start and its ghost from the second up to `until_secs`;
+/// stops as soon as `hand_over` returns false.
 pub fn fly(
     question: &Question,
-    [start, neighbour]: [[Dd; 2]; 2],
+    starts: [Launch; 2],
     until_secs: f64,
     mut hand_over: impl FnMut(Record) -> bool,
 ) {
-    let mut pair = GhostPair::new(question, [start, neighbour], until_secs);
+    let mut pair = GhostPair::new(question, starts, until_secs);
     let mut fresh = Record { readings: vec![pair.reading_at_release()], ..Record::default() };
     let mut handed_over = Instant::now();
     loop {
@@ -47,14 +47,16 @@ struct Flyer {
 }
 
 impl Flyer {
-    /// Releases a pendulum from rest at `angle`, exactly as the gold standard does.
-    fn new(pendulum: Pendulum<Dd>, angle: [Dd; 2], rule: Rule) -> Self {
-        let rule = (!pendulum.forbids(rule, angle)).then_some(rule);
-        Flyer {
-            orbit: Orbit::new(pendulum, State::rest(settled(&pendulum, angle))),
-            rule,
-            steps: 0,
-        }
+    /// Releases a pendulum, exactly as the gold standard does.
+    fn new(pendulum: Pendulum<Dd>, start: Launch, rule: Rule) -> Self {
+        let rule = (!is_forbidden(&pendulum, start, rule)).then_some(rule);
+        let Launch { angle, speed } = start;
+        let state = if start.is_at_rest() {
+            State::rest(settled(&pendulum, angle))
+        } else {
+            State { angle, speed }
+        };
+        Flyer { orbit: Orbit::new(pendulum, state), rule, steps: 0 }
     }
 
     /// Advances by one step and records it in `track` up to `until`; none if a value is not finite.
@@ -70,6 +72,15 @@ impl Flyer {
         }
         track.motion.push(&step, until.hi);
         Some(step)
+    }
+}
+
+/// Returns true if energy forbids a start ever to flip.
+pub(super) fn is_forbidden(pendulum: &Pendulum<Dd>, start: Launch, rule: Rule) -> bool {
+    match rule {
+        Rule::Neither => false,
+        _ if start.is_at_rest() => pendulum.forbids(rule, start.angle),
+        _ => pendulum.forbids_launch(rule, &start),
     }
 }
 
@@ -95,9 +106,9 @@ struct GhostPair {
 }
 
 impl GhostPair {
-    fn new(question: &Question, starts: [[Dd; 2]; 2], until_secs: f64) -> Self {
+    fn new(question: &Question, starts: [Launch; 2], until_secs: f64) -> Self {
         let pendulum: Pendulum<Dd> = question.build.pendulum_in();
-        let [own, ghost] = starts.map(|angle| Flyer::new(pendulum, angle, question.rule));
+        let [own, ghost] = starts.map(|start| Flyer::new(pendulum, start, question.rule));
         GhostPair {
             energy: pendulum.energy(own.orbit.state()),
             own,

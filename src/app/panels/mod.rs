@@ -1,6 +1,7 @@
 //! The panels beside the map: each shows plain state and returns the user's actions.
 
 pub mod accuracy;
+mod colour_strip;
 pub mod colours;
 pub mod descent;
 pub mod export;
@@ -10,6 +11,7 @@ pub mod layers;
 pub mod notices;
 pub mod pendulum;
 pub mod places;
+mod plane_diagram;
 pub mod scene;
 pub mod status;
 pub mod window;

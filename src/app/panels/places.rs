@@ -1,6 +1,6 @@
 //! Built-in places worth seeing, and the user's bookmarks.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 use egui::{
     Button, ColorImage, Context, Image, Key, Response, Role, TextEdit, TextureHandle, Ui,
@@ -9,7 +9,7 @@ use egui::{
 
 use crate::app::places::{Bookmark, Places};
 use crate::output::Picture;
-use crate::scene::{BUILT_IN, BuiltIn, Document};
+use crate::scene::{BUILT_IN, Document};
 
 /// The panel's unfinished input: names being typed, and the deletion to be confirmed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -83,7 +83,7 @@ pub fn places_panel(
     }
     ui.separator();
     ui.heading("Worth seeing");
-    for scene in SHOWN.iter() {
+    for scene in BUILT_IN {
         if named(ui, scene.name, &format!("Open {}", scene.name)) {
             actions.push(PlaceAction::Open(Box::new(scene.document())));
         }
@@ -95,12 +95,6 @@ pub fn places_panel(
     }
     actions
 }
-
-/// The built-in scenes that the window can show.
-static SHOWN: LazyLock<Vec<BuiltIn>> = LazyLock::new(|| {
-    let is_shown = |scene: &BuiltIn| scene.document().scene().is_flip_from_rest();
-    BUILT_IN.into_iter().filter(is_shown).collect()
-});
 
 /// Shows the field and the button that bookmark the view.
 fn keep(ui: &mut Ui, form: &mut PlaceForm, actions: &mut Vec<PlaceAction>) {

@@ -1,37 +1,36 @@
-//! The question: which pendulum, which bob is watched, and for how long.
+//! The scene: which pendulum, from which plane of starts, and what is asked about it.
 
-use egui::{Grid, Ui};
+use egui::{ComboBox, Grid, Ui};
 
 use super::field::number;
+use super::plane_diagram::plane_diagram;
 use crate::physics::{Decimal, Rule};
-use crate::scene::{Budget, Build, Kind, QuestionTable, Scene};
+use crate::question::{Ask, Watches};
+use crate::scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
 
 /// Range of a mass in kg or a length in m.
 const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
-/// Shows the pendulum and the question; returns both if one has changed. Returns only what can be
+/// Shows the pendulum, the question and the plane; returns the scene if it has changed and can be
 /// computed.
-pub fn scene_panel(
-    ui: &mut Ui,
-    build: &Build,
-    question: &QuestionTable,
-) -> Option<(Build, QuestionTable)> {
-    let (mut new_build, mut new_question) = (*build, *question);
-    Grid::new("scene").num_columns(2).show(ui, |ui| {
-        built(ui, &mut new_build);
-        asked(ui, &mut new_question);
-    });
-    let home = Scene::default();
-    let changed = (*build, *question) != (home.build, home.question);
+pub fn scene_panel(ui: &mut Ui, scene: &Scene) -> Option<Scene> {
+    let mut new = scene.clone();
+    Grid::new("pendulum").num_columns(2).show(ui, |ui| built(ui, &mut new.build));
+    ui.separator();
+    Grid::new("question").num_columns(2).show(ui, |ui| asked(ui, &mut new.question));
+    ui.label(new.question.ask.kind().about);
+    ui.separator();
+    Grid::new("plane").num_columns(2).show(ui, |ui| plane(ui, &mut new.plane));
+    plane_diagram(ui, &new.plane);
+    let home = Scene { view: scene.view.clone(), ..Scene::default() };
     let reset = egui::Button::new("Back to the home pendulum");
-    if ui.add_enabled(changed, reset).clicked() {
-        (new_build, new_question) = (home.build, home.question);
+    if ui.add_enabled(*scene != home, reset).clicked() {
+        new = home;
     }
-    if (new_build, new_question) == (*build, *question) {
+    if new == *scene {
         return None;
     }
-    let scene = Scene { build: new_build, question: new_question, ..home };
-    scene.checked().ok().map(|scene| (scene.build, scene.question))
+    new.checked().ok()
 }
 
 fn built(ui: &mut Ui, build: &mut Build) {
@@ -43,18 +42,25 @@ fn built(ui: &mut Ui, build: &mut Build) {
         rods.on_hover_text("Uniform bars");
     });
     ui.end_row();
-    pair(ui, ["Mass m1", "Mass m2"], " kg", &mut build.masses);
-    pair(ui, ["Length l1", "Length l2"], " m", &mut build.lengths);
+    pair(ui, ["Mass m1", "Mass m2"], " kg", &mut build.masses, WIDE);
+    pair(ui, ["Length l1", "Length l2"], " m", &mut build.lengths, WIDE);
     if let Some(gravity) = number(ui, "Gravity g", " m/s²", build.gravity.value(), 0.0..=1e9) {
         // Gravity below the smallest allowed positive value becomes none.
         build.gravity = if gravity < 1e-9 { 0.0 } else { gravity }.into();
     }
     ui.end_row();
+    pair(ui, ["Friction b1", "Friction b2"], " N m s", &mut build.friction, 0.0..=1e9);
 }
 
-fn pair(ui: &mut Ui, names: [&str; 2], unit: &str, values: &mut [Decimal; 2]) {
+fn pair(
+    ui: &mut Ui,
+    names: [&str; 2],
+    unit: &str,
+    values: &mut [Decimal; 2],
+    range: std::ops::RangeInclusive<f64>,
+) {
     for (name, value) in names.into_iter().zip(values) {
-        if let Some(new) = number(ui, name, unit, value.value(), WIDE) {
+        if let Some(new) = number(ui, name, unit, value.value(), range.clone()) {
             *value = new.into();
         }
         ui.end_row();
@@ -66,25 +72,103 @@ const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay togeth
                        (of the default pendulum)";
 
 fn asked(ui: &mut Ui, question: &mut QuestionTable) {
+    let label = ui.label("Question");
+    let combo = ComboBox::from_id_salt("ask").selected_text(question.ask.kind().name);
+    let combo = combo.show_ui(ui, |ui| {
+        for ask in Ask::ALL {
+            let kind = ask.kind();
+            ui.selectable_value(&mut question.ask, ask, kind.name).on_hover_text(kind.about);
+        }
+    });
+    combo.response.labelled_by(label.id);
+    ui.end_row();
+    let kind = question.ask.kind();
+    if kind.watches == Watches::TheRule {
+        rule(ui, &mut question.rule);
+    }
+    if question.ask == Ask::Flip {
+        let most = f64::from(QuestionTable::MOST_COUNT);
+        if let Some(count) = number(ui, "Flip number", "", f64::from(question.count), 1.0..=most) {
+            question.count = count.round() as u32;
+        }
+        ui.end_row();
+    } else {
+        question.count = 1;
+    }
+    if let Some(secs) = number(ui, "Budget", " s", question.budget.secs, 1e-9..=1e6) {
+        question.budget = Budget::secs(secs);
+    }
+    ui.end_row();
+    if kind.at_a_time {
+        moment(ui, question);
+    } else {
+        question.at = None;
+    }
+    if question.ask == Ask::Flip && question.count == 1 {
+        ui.label("");
+        ui.checkbox(&mut question.budget.auto, "Follow the depth").on_hover_text(FOLLOWS);
+        ui.end_row();
+    }
+}
+
+/// Shows the moment of the answer, which is the end of the budget if it is not set.
+fn moment(ui: &mut Ui, question: &mut QuestionTable) {
+    let budget_secs = question.budget.secs;
+    question.at = question.at.map(|secs| secs.min(budget_secs));
+    let shown = question.at.unwrap_or(budget_secs);
+    if let Some(secs) = number(ui, "At", " s", shown, 0.0..=budget_secs) {
+        question.at = (secs < budget_secs).then_some(secs);
+    }
+    ui.end_row();
+}
+
+fn rule(ui: &mut Ui, rule: &mut Rule) {
     ui.label("Rule").on_hover_text("Which bob must flip over the top");
     ui.horizontal(|ui| {
-        for (word, rule) in Rule::ALL {
-            let told = match rule {
+        for (word, each) in Rule::ALL {
+            let told = match each {
                 Rule::Second => "The second bob is watched",
                 Rule::First => "The first bob is watched",
                 Rule::Either | Rule::Neither => {
                     "Both bobs are watched; whichever flips first counts"
                 }
             };
-            ui.radio_value(&mut question.rule, rule, word).on_hover_text(told);
+            ui.radio_value(rule, each, word).on_hover_text(told);
         }
     });
     ui.end_row();
-    if let Some(secs) = number(ui, "Budget", " s", question.budget.secs, 1e-9..=1e6) {
-        question.budget = Budget::secs(secs);
+}
+
+/// Largest angle or speed to be set, rad or rad/s.
+const FAR: f64 = 1e3;
+
+fn plane(ui: &mut Ui, plane: &mut Plane) {
+    let label = ui.label("Plane");
+    let combo = ComboBox::from_id_salt("plane").selected_text(plane.kind.to_string());
+    let combo = combo.show_ui(ui, |ui| {
+        for (name, kind) in PlaneKind::NAMED {
+            ui.selectable_value(&mut plane.kind, kind, name);
+        }
+    });
+    combo.response.labelled_by(label.id);
+    ui.end_row();
+    if plane.kind == PlaneKind::Section {
+        if let Some(energy) = number(ui, "Energy", " J", plane.energy, -1e12..=1e12) {
+            plane.energy = energy;
+        }
+        ui.end_row();
+        return;
     }
-    ui.end_row();
-    ui.label("");
-    ui.checkbox(&mut question.budget.auto, "Follow the depth").on_hover_text(FOLLOWS);
-    ui.end_row();
+    let axes = plane.axes();
+    for (place, axis) in Axis::OF_STARTS.into_iter().enumerate() {
+        if axes.contains(&axis) || (axes.map(Axis::wraps) == [true; 2] && plane.is_at_rest()) {
+            continue;
+        }
+        let value = plane.origin[place].parse().unwrap_or(0.0);
+        let name = format!("Fixed {}", axis.symbol());
+        if let Some(value) = number(ui, &name, &format!(" {}", axis.unit()), value, -FAR..=FAR) {
+            plane.origin[place] = value.to_string();
+        }
+        ui.end_row();
+    }
 }

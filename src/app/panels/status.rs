@@ -10,8 +10,10 @@ use crate::tiles::explorer::ViewProgress;
 pub struct StatusLine {
     /// The progress of the view.
     pub progress: ViewProgress,
-    /// Width of the view in rad.
-    pub width_rad: f64,
+    /// Width of the view, in the unit that follows.
+    pub width: f64,
+    /// Unit of the horizontal axis.
+    pub unit: &'static str,
     /// Number of starts integrated per second, lately; 0 while nothing is computed.
     pub rate: f64,
     /// Number of starts integrated since the window was opened.
@@ -36,7 +38,7 @@ pub fn status_line(ui: &mut Ui, status: &StatusLine) {
         ui.add(bar).on_hover_text("Share of the view that is computed to its finest level");
         ui.label(format!("level {level}"));
         ui.separator();
-        ui.label(width_text(status.width_rad));
+        ui.label(width_text(status.width, status.unit));
         if let Some((short, whole)) = &status.depth {
             ui.separator();
             ui.label(short).on_hover_text(whole);
@@ -79,9 +81,13 @@ pub fn depth_words(depth: &DepthStats, precision: Precision, budget_secs: f64) -
     (short, format!("The cells' middles are followed in {} digits. {began}", depth.digits))
 }
 
-/// Formats a width in rad, in powers of ten if it is small.
-fn width_text(rad: f64) -> String {
-    if rad >= 1e-3 { format!("{rad:.4} rad wide") } else { format!("{rad:.3e} rad wide") }
+/// Formats a width, in powers of ten if it is small.
+fn width_text(width: f64, unit: &str) -> String {
+    if width >= 1e-3 {
+        format!("{width:.4} {unit} wide")
+    } else {
+        format!("{width:.3e} {unit} wide")
+    }
 }
 
 /// Formats a count with thin spaces between its thousands.

@@ -99,28 +99,14 @@ impl CpuEngine {
         Err(EngineError::Unsupported(why))
     }
 
-    /// Returns an error if the growth along a job's pendulums cannot be computed.
-    fn require_tangents(job: &Job) -> Result<(), EngineError> {
-        let why = match (job.config.method, job.config.precision, &job.starts) {
-            (Method::Taylor { .. } | Method::Extrapolation { .. }, ..) | (_, Precision::Dd, _) => {
-                "growth is computed by --method rk4, dopri5 or dop853 in f32 or f64"
-            }
-            (_, _, Starts::Rest(_) | Starts::Thrown(_)) => return Ok(()),
-            _ => "growth is computed from the release only",
-        };
-        Err(EngineError::Unsupported(why.to_string()))
-    }
-
-    /// Returns an error if a job's pendulums cannot be watched for returns.
-    fn require_returns(job: &Job) -> Result<(), EngineError> {
-        let why = match (job.config.method, job.config.precision, &job.starts) {
-            (Method::Dopri5 { .. } | Method::Dop853 { .. }, Precision::F64, starts) => match starts
-            {
-                Starts::Rest(_) | Starts::Thrown(_) => return Ok(()),
-                _ => "returns are found from the release only",
-            },
-            _ => "returns are found by --method dopri5 or dop853 in f64: use --accuracy balanced",
-        };
+    /// Returns an error if the growth or the returns of a job's pendulums cannot be computed.
+    fn require_keep(job: &Job) -> Result<(), EngineError> {
+        check_keep(job.keep, &job.config)?;
+        let from_release = matches!(job.starts, Starts::Rest(_) | Starts::Thrown(_));
+        if from_release || !job.keep.is_of_the_processor() {
+            return Ok(());
+        }
+        let why = "growth and returns are found from the release only";
         Err(EngineError::Unsupported(why.to_string()))
     }
 
@@ -152,14 +138,27 @@ impl CpuEngine {
     }
 }
 
+/// Returns an error if an integrator config cannot compute what is to be kept.
+pub fn check_keep(keep: Keep, config: &IntegratorConfig) -> Result<(), EngineError> {
+    let IntegratorConfig { method, precision } = config;
+    let has_tangents = !matches!(method, Method::Taylor { .. } | Method::Extrapolation { .. });
+    let is_pair = matches!(method, Method::Dopri5 { .. } | Method::Dop853 { .. });
+    let why = match keep {
+        Keep::Growth if !has_tangents || *precision == Precision::Dd => {
+            "growth is computed by --method rk4, dopri5 or dop853 in f32 or f64"
+        }
+        Keep::Return if !is_pair || *precision != Precision::F64 => {
+            "returns are found by --method dopri5 or dop853 in f64: use --accuracy balanced"
+        }
+        _ => return Ok(()),
+    };
+    Err(EngineError::Unsupported(why.to_string()))
+}
+
 impl Engine for CpuEngine {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
         Self::require(&job.config)?;
-        match job.keep {
-            Keep::Growth => Self::require_tangents(&job)?,
-            Keep::Return => Self::require_returns(&job)?,
-            _ => {}
-        }
+        Self::require_keep(&job)?;
         let pace = job.pace()?;
         let starts = start::states(&job)?;
         let count = starts.len();

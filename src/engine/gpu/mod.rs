@@ -20,7 +20,7 @@ use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{FinishedSlice, Slot, SlotEvent};
 use super::selfcheck::{self, Check, Verdict};
-use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Starts, Wait, start};
+use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait, start};
 use crate::physics::Rule;
 
 /// Largest number of jobs on the device at a time.
@@ -105,7 +105,7 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
-        if matches!(job.keep, Keep::Growth | Keep::Return) || job.question.passes != 1 {
+        if job.keep.is_of_the_processor() || job.question.passes != 1 {
             let why = "only the processor computes growth, returns and counts: use --engine cpu";
             return Err(EngineError::Unsupported(why.to_string()));
         }

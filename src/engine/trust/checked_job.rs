@@ -52,7 +52,7 @@ impl CheckedJob {
             _ => None,
         };
         let case = CheckedJob {
-            rungs: rungs(&job.config, leaf_half_rad),
+            rungs: rungs(&job.config, job.keep, leaf_half_rad),
             leaf_half_rad,
             rung: 0,
             open: (0..count).collect(),
@@ -73,7 +73,7 @@ impl CheckedJob {
             id: self.job.id * RUNS + (before + index) as u64,
             config: run.config,
             starts: self.starts_of(run),
-            keep: Keep::Ends,
+            keep: if self.job.keep.is_of_the_processor() { self.job.keep } else { Keep::Ends },
             ..self.job
         };
         self.rungs[self.rung].runs.iter().enumerate().map(one).collect()
@@ -157,8 +157,10 @@ impl CheckedJob {
     /// The result of the job.
     pub(super) fn finish(self) -> JobResult {
         let ends = match self.job.keep {
-            Keep::Ends => self.finest.iter().map(|answer| answer.end).collect(),
-            _ => Vec::new(),
+            Keep::Nothing | Keep::Unfinished => Vec::new(),
+            Keep::Ends | Keep::Growth | Keep::Return => {
+                self.finest.iter().map(|answer| answer.end).collect()
+            }
         };
         JobResult {
             id: self.job.id,

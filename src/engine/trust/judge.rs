@@ -108,7 +108,8 @@ impl Judge {
             }
             growth = growth.max(apart / scale);
             chance *= (apart.max(*scale) * finest_scale / (scale * allowed)).min(1.0);
-            independent |= other.is_independent_of(run);
+            let agrees = answer.end.gathered.agrees_with(&theirs.end.gathered);
+            independent |= agrees && other.is_independent_of(run);
         }
         let explained = finest_far.is_infinite() || finest_far * growth * UNLIKELY > LINEAR;
         independent && chance <= MOST_CHANCE && explained

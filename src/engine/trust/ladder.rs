@@ -7,7 +7,7 @@
 
 use super::Trust;
 use crate::engine::level::{BALANCED, FAST};
-use crate::engine::{End, IntegratorConfig, Method, Precision};
+use crate::engine::{End, IntegratorConfig, Keep, Method, Precision, cpu};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,12 +135,22 @@ const LAST: IntegratorConfig = dd_run(Method::Taylor { tolerance: 1e-28 });
 const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 });
 
 /// The rungs to climb, one after the other, as long as a start is not sure; `leaf_half_rad` is half
-/// the side of the leaves of deep starts. The first rung begins with its finest run.
-pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung> {
-    match leaf_half_rad {
+/// the side of the leaves of deep starts. The first rung begins with its finest run. Runs that do
+/// not return what is to be kept are left out.
+pub(super) fn rungs(
+    config: &IntegratorConfig,
+    keep: Keep,
+    leaf_half_rad: Option<f64>,
+) -> Vec<Rung> {
+    let mut rungs = match leaf_half_rad {
         Some(half) => deep_rungs(half),
         None => rungs_from_rest(config),
+    };
+    for rung in &mut rungs {
+        rung.runs.retain(|run| cpu::check_keep(keep, &run.config).is_ok());
     }
+    rungs.retain(|rung| !rung.runs.is_empty());
+    rungs
 }
 
 fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {

@@ -10,7 +10,7 @@ use crate::scene::{PictureTable, Scene, SceneError};
 /// A map from answers to colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnswerColours {
-    way: Way,
+    pub(super) way: Way,
 }
 
 /// Number of passes in each natural unit of time from which on colours stay the same.
@@ -18,7 +18,7 @@ const MOST_A_UNIT: f64 = 0.4;
 
 /// The way in which the channels become a colour.
 #[derive(Clone, Debug, PartialEq)]
-enum Way {
+pub(super) enum Way {
     /// A channel of times.
     Times(usize, Tones),
     /// An angle, once round a palette whose end is its beginning.
@@ -95,7 +95,7 @@ fn palette_or(picture: &PictureTable, other: &str) -> Result<Palette, SceneError
 /// chroma, so that every pair has a colour of its own, with no seam at ±π. In Oklab (Ottosson, *A
 /// perceptual color space for image processing*, 2020). Lightness alone tells |θ2|, whatever
 /// colours an eye can see.
-fn torus([theta1, theta2]: [f64; 2]) -> Rgb {
+pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Rgb {
     let (sin2, cos2) = theta2.sin_cos();
     let lightness = 0.63 - 0.2 * cos2;
     let chroma = 0.105 + 0.035 * sin2;

@@ -1,9 +1,11 @@
 //! Colours of samples. The tables are data in `assets/palettes`; nothing here computes flips.
 
 mod answers;
+mod legend;
 mod tones;
 
 pub use answers::AnswerColours;
+pub use legend::LegendTitle;
 pub use tones::{Lookup, Tones, equalised, rise};
 
 use super::SceneError;

@@ -72,6 +72,7 @@ impl Tones {
         let within = match self.scale {
             Scale::Log => (secs / from).ln() / (to / from).ln(),
             Scale::Linear => (secs - from) / (to - from),
+            Scale::Steps => 0.5,
         };
         (step as f64 + within) / steps as f64
     }
@@ -83,7 +84,7 @@ impl Tones {
         let step = (along as usize).min(steps - 1);
         let ([from, to], within) = ([self.times[step], self.times[step + 1]], along - step as f64);
         match self.scale {
-            Scale::Log => from * (to / from).powf(within),
+            Scale::Log | Scale::Steps => from * (to / from).powf(within),
             Scale::Linear => from + (to - from) * within,
         }
     }
@@ -189,6 +190,19 @@ mod tests {
             picture.times = vec![10.0, 20.0];
         });
         assert!(near(tones.position(12.5), 0.25) && near(tones.secs_at(0.25), 12.5));
+    }
+
+    #[test]
+    fn steps_have_one_colour_each() {
+        let tones = tones(|picture| {
+            picture.scale = Scale::Steps;
+            picture.times = vec![1.0, 10.0, 100.0, 1000.0];
+        });
+        let position = |secs| tones.position(secs);
+        assert!(near(position(1.5), 1.0 / 6.0) && near(position(9.9), 1.0 / 6.0));
+        assert!(near(position(10.1), 0.5) && near(position(999.0), 5.0 / 6.0));
+        assert!(near(position(0.1), 1.0 / 6.0) && near(position(1e5), 5.0 / 6.0), "clamped");
+        assert!(near(tones.secs_at(1.0 / 3.0), 10.0), "the legend has the limits");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::physics::{Dd, Outcome, Scalar, Status};
 /// Shows the numbers as tables of names and values.
 pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
     Grid::new("start").num_columns(4).show(ui, |ui| {
-        for (name, theta) in ["θ1", "θ2"].into_iter().zip(pin.start) {
+        for (name, theta) in ["θ1", "θ2"].into_iter().zip(pin.start.angle) {
             let rad = theta.to_f64();
             ui.label(name).on_hover_text(format!("{name} = {theta} rad"));
             ui.label(format!("{rad:.6} rad"));
@@ -20,6 +20,12 @@ pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
             ui.end_row();
         }
     });
+    let [thrown, _] = pin.start.launches;
+    if !thrown.is_at_rest() {
+        let [omega1, omega2] = thrown.speed.map(|speed| speed.hi);
+        let words = format!("ω1 {omega1:.6} rad/s, ω2 {omega2:.6} rad/s");
+        ui.label(words).on_hover_text("The speeds with which it is thrown");
+    }
     Grid::new("facts").num_columns(2).show(ui, |ui| {
         let mut row = |name: &str, why: &str, value: RichText| {
             ui.label(name).on_hover_text(why);

@@ -1,6 +1,8 @@
 //! The whole user interface with the CPU engine behind it, without a window: controlled by control
 //! names and keyboard, as by a user without a mouse or a screen.
 
+mod planes;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -371,7 +373,8 @@ fn a_pinned_pixel_opens_in_the_lab_and_a_start_aimed_there_on_the_map() {
     press(&mut desktop, Modifiers::NONE, Key::ArrowLeft);
     settle(&mut desktop);
     press(&mut desktop, Modifiers::NONE, Key::P);
-    let pin = desktop.state().state.pins.selected().unwrap().start.map(|theta| theta.to_f64());
+    let pin =
+        desktop.state().state.pins.selected().unwrap().start.angle.map(|theta| theta.to_f64());
     click(&mut desktop, "twenty");
     assert_eq!(desktop.state().figure_shown(), Some("twenty"));
     assert_eq!(desktop.state().lab.set()[..2], pin);
@@ -381,6 +384,6 @@ fn a_pinned_pixel_opens_in_the_lab_and_a_start_aimed_there_on_the_map() {
     assert_eq!((desktop.state().figure_shown(), state.pins.iter().count()), (None, 2));
     let there = state.camera.center.map(|theta| theta.to_f64());
     assert!((there[0] - pin[0]).abs() < 1e-12 && (there[1] - pin[1]).abs() < 1e-12);
-    let pinned = state.pins.selected().unwrap().start.map(|theta| theta.to_f64());
+    let pinned = state.pins.selected().unwrap().start.angle.map(|theta| theta.to_f64());
     assert!((pinned[0] - pin[0]).abs() < 0.01, "{pinned:?} for {pin:?}");
 }

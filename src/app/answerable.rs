@@ -1,0 +1,57 @@
+//! The limits within which a window can answer another question or show another plane: an engine
+//! that computes it, an accuracy level that allows it, and pixels that numbers can tell apart.
+
+use super::action::Action;
+use super::camera::Camera;
+use super::model::AppModel;
+use crate::engine::cpu;
+use crate::engine::{Accuracy, Cells, EngineKind, IntegratorConfig};
+use crate::scene::lattice::pitch_rad;
+
+impl AppModel {
+    /// The kind of engine to open: the processor where only it can answer.
+    pub(super) fn engine_kind(&self) -> Option<EngineKind> {
+        let only = self.state.question.needs_processor().then_some(EngineKind::Cpu);
+        only.or(self.state.integration.kind)
+    }
+
+    /// Changes what cannot be computed, and says so: an accuracy level at which the question has no
+    /// answer, and a view in which neighbouring pixels are one number. Returns true if it did.
+    pub(super) fn make_answerable(&mut self) -> bool {
+        let Some(config) = self.compute.config() else { return false };
+        self.make_level_fit(config) || self.make_view_fit(config)
+    }
+
+    fn make_level_fit(&mut self, config: IntegratorConfig) -> bool {
+        let keep = self.state.question.ask.kind().needs.into();
+        let Err(why) = cpu::check_keep(keep, &config) else { return false };
+        self.state.notices.tell(format!("Computed at balanced: {why}."));
+        if let Some(effect) = self.state.apply(Action::Accuracy(Accuracy::Balanced)) {
+            self.affect(effect);
+        }
+        true
+    }
+
+    fn make_view_fit(&mut self, config: IntegratorConfig) -> bool {
+        let scene = self.state.scene();
+        if scene.has_cells() {
+            return false;
+        }
+        let screen = self.state.aimed_screen();
+        let units = screen.camera.reach.units();
+        let fits = |level: &u32| Cells::Never.check(&config, units * pitch_rad(*level)).is_ok();
+        if fits(&screen.level()) {
+            return false;
+        }
+        let coarser = (0..=screen.level()).rev().find(fits).unwrap_or(0);
+        let factor = 2f64.powi((screen.level() - coarser) as i32);
+        let camera = Camera { width_rad: screen.camera.width_rad * factor, ..screen.camera };
+        self.state.notices.tell(format!(
+            "The view stays wider for this plane or question: neighbouring starts would be one \
+             number in {}.",
+            config.precision
+        ));
+        self.state.go(camera);
+        true
+    }
+}

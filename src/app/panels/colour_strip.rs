@@ -1,0 +1,100 @@
+//! Bands of colours, and the legend of a map.
+
+use egui::{Color32, Mesh, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::field::plain;
+use crate::question::Ask;
+use crate::scene::palette::{AnswerColours, FAILED, FORBIDDEN, Rgb, UNFLIPPED};
+
+/// Shows all colours with values under them, and those of pixels without an answer.
+pub(super) fn legend(ui: &mut Ui, colours: &AnswerColours, ask: Ask, palette: &str) {
+    let unit = colours.title(ask).unit;
+    if colours.is_square() {
+        square(ui, colours);
+    } else {
+        let [from, to] = [0.0, 1.0].map(|share| plain(colours.value_along(share)));
+        let response = strip(ui, 22.0, |share| colours.colour_along(share));
+        let told = format!("Legend: {palette} from {from} {unit} to {to} {unit}");
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told.as_str()));
+        ticks(ui, response.rect, colours, unit);
+    }
+    let [_, without] = ask.kind().counted;
+    let without = if ask.is_time() { "not within the budget" } else { without };
+    ui.horizontal_wrapped(|ui| {
+        for (colour, what) in [(UNFLIPPED, without), (FORBIDDEN, "forbidden"), (FAILED, "failed")] {
+            let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
+            ui.painter().rect_filled(rect, 2.0, rgb(colour));
+            ui.label(what);
+        }
+    });
+}
+
+/// Number of colours along a side of the square of two angles.
+const SQUARE_STEPS: u32 = 48;
+
+/// Shows the colours of two angles, θ1 across and θ2 up, from −π to π.
+fn square(ui: &mut Ui, colours: &AnswerColours) {
+    let (rect, response) = ui.allocate_exact_size(vec2(120.0, 120.0), Sense::hover());
+    let told = "Legend: θ1 across and θ2 up, from −π to π rad";
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told));
+    let mut mesh = Mesh::default();
+    let side = rect.width() / SQUARE_STEPS as f32;
+    for (x, y) in (0..SQUARE_STEPS).flat_map(|x| (0..SQUARE_STEPS).map(move |y| (x, y))) {
+        let corner = pos2(rect.left() + side * x as f32, rect.bottom() - side * (y + 1) as f32);
+        let place = [x, y].map(|k| (f64::from(k) + 0.5) / f64::from(SQUARE_STEPS));
+        let cell = Rect::from_min_size(corner, vec2(side, side));
+        mesh.add_colored_rect(cell, rgb(colours.colour_in_square(place)));
+    }
+    ui.painter().add(mesh);
+    ui.label("θ1 across, θ2 up, −π to π");
+}
+
+/// Shows values at the quarters of the strip.
+fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
+    let (rect, _) = ui.allocate_exact_size(vec2(strip.width(), 16.0), Sense::hover());
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let ink = ui.visuals().text_color();
+    for (quarter, align) in (0..=4u8).zip([
+        egui::Align2::LEFT_TOP,
+        egui::Align2::CENTER_TOP,
+        egui::Align2::CENTER_TOP,
+        egui::Align2::CENTER_TOP,
+        egui::Align2::RIGHT_TOP,
+    ]) {
+        let share = f64::from(quarter) / 4.0;
+        let x = rect.left() + rect.width() * share as f32;
+        ui.painter().vline(x, rect.top() - 3.0..=rect.top(), (1.0, ink));
+        let value = three_digits(colours.value_along(share));
+        let text = format!("{value} {unit}").trim_end().to_string();
+        ui.painter().text(pos2(x, rect.top() + 1.0), align, text, font.clone(), ink);
+    }
+}
+
+/// Formats a value to three significant digits, enough beside a colour.
+fn three_digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let unit = 10f64.powf(value.abs().log10().floor() - 2.0);
+    plain((value / unit).round() * unit)
+}
+
+/// Draws a band of colours from left to right.
+pub(super) fn strip(ui: &mut Ui, height: f32, colour: impl Fn(f64) -> Rgb) -> Response {
+    const STEPS: u32 = 256;
+    let width = ui.available_width().min(360.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
+    let mut mesh = Mesh::default();
+    for step in 0..STEPS {
+        let edge = |step: u32| rect.left() + rect.width() * step as f32 / STEPS as f32;
+        let part = Rect::from_x_y_ranges(edge(step)..=edge(step + 1), rect.y_range());
+        let share = (f64::from(step) + 0.5) / f64::from(STEPS);
+        mesh.add_colored_rect(part, rgb(colour(share)));
+    }
+    ui.painter().add(mesh);
+    response
+}
+
+fn rgb([r, g, b]: Rgb) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}

@@ -1,0 +1,75 @@
+//! The part of a plane of starts that the window can reach, and the scale of its lattice.
+
+use crate::physics::{Scalar, Theta};
+use crate::scene::Scene;
+
+/// Scale and extent of the lattice, a square from −π to π, on a plane of starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reach {
+    /// Number of doublings from the lattice to the units of the plane's axes.
+    pub doublings: u32,
+    /// True if the square repeats beyond its sides, as the torus does; else nothing lies there.
+    pub repeats: bool,
+}
+
+impl Reach {
+    /// The torus of both angles, in rad.
+    pub const TORUS: Reach = Reach { doublings: 0, repeats: true };
+
+    /// The reach of a scene's plane.
+    pub fn of(scene: &Scene) -> Self {
+        let doublings = scene.plane.lattice_doublings(&scene.build);
+        Reach { doublings, repeats: scene.plane.is_torus() }
+    }
+
+    /// Number of units of the axes in a lattice radian.
+    pub fn units(self) -> f64 {
+        2f64.powi(self.doublings as i32)
+    }
+
+    /// The place of coordinates on the lattice, in lattice radians.
+    pub fn place(self, coordinates: [Theta; 2]) -> [Theta; 2] {
+        self.inside(coordinates.map(|x| x.halved(self.doublings)))
+    }
+
+    /// The coordinates of a place, in the units of the axes.
+    pub fn coordinates(self, place: [Theta; 2]) -> [Theta; 2] {
+        place.map(|x| x.doubled(self.doublings))
+    }
+
+    /// A place within the square: round the torus, or at the nearest side.
+    pub fn inside(self, place: [Theta; 2]) -> [Theta; 2] {
+        let pi = Theta::pi();
+        let bounded = |x: Theta| match x {
+            _ if x > pi => pi,
+            _ if x < -pi => -pi,
+            _ => x,
+        };
+        if self.repeats { place.map(Theta::wrapped) } else { place.map(bounded) }
+    }
+
+    /// The difference of two places, the short way round a torus, in lattice radians.
+    pub fn difference(self, to: [Theta; 2], from: [Theta; 2]) -> [f64; 2] {
+        [0, 1].map(|i| {
+            let by = to[i] - from[i];
+            if self.repeats { by.wrapped().to_f64() } else { by.to_f64() }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bounded_plane_ends_where_a_torus_goes_on() {
+        let place = [3.5, -3.5].map(Theta::from_f64);
+        let torus = Reach::TORUS.inside(place).map(Theta::to_f64);
+        assert!(torus[0] < -2.0 && torus[1] > 2.0);
+        let bounded = Reach { doublings: 4, repeats: false };
+        assert_eq!(bounded.inside(place), [Theta::pi(), -Theta::pi()]);
+        let speeds = bounded.coordinates([0.5, -0.25].map(Theta::from_f64));
+        assert_eq!(speeds.map(Theta::to_f64), [8.0, -4.0]);
+        assert_eq!(bounded.place(speeds).map(Theta::to_f64), [0.5, -0.25]);
+    }
+}

@@ -1,0 +1,267 @@
+//! A legend in the corner of a picture: what its colours mean, with units.
+
+use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
+
+use crate::question::Ask;
+use crate::scene::SceneError;
+use crate::scene::palette::{AnswerColours, FAILED, FORBIDDEN, Rgb, UNFLIPPED};
+
+/// The font of all words.
+const FONT: &[u8] = epaint_default_fonts::HACK_REGULAR;
+/// Smallest height of letters, and the share of the picture's height that they have in larger ones,
+/// in pixels.
+const LEAST_LETTER: f32 = 11.0;
+const LETTER_SHARE: f32 = 1.0 / 50.0;
+/// Number of letters that the bar is long.
+const BAR_LETTERS: f32 = 34.0;
+/// Share of the picture's colour that shines through the ground.
+const SHINE: f32 = 0.3;
+/// Colour of the words.
+const INK: Rgb = [0xff; 3];
+
+/// A legend, ready to be laid over a picture.
+#[derive(Clone, Debug)]
+pub(super) struct Legend {
+    /// Column and row of the upper left corner.
+    corner: [u32; 2],
+    size: [u32; 2],
+    /// Colour of each pixel, and how much of the picture it covers, row by row.
+    pixels: Vec<(Rgb, f32)>,
+}
+
+impl Legend {
+    /// The legend of the answers to a question, in the lower left corner of a picture of `size`
+    /// pixels; refuses a picture with too little room.
+    pub(super) fn new(
+        colours: &AnswerColours,
+        ask: Ask,
+        size: [u32; 2],
+    ) -> Result<Self, SceneError> {
+        let letter = (size[1] as f32 * LETTER_SHARE).max(LEAST_LETTER).round();
+        let mut sheet = Sheet::new(letter);
+        if colours.is_square() {
+            sheet.square(colours);
+        } else {
+            sheet.bar(colours, ask);
+        }
+        sheet.statuses(ask);
+        sheet.placed(size)
+    }
+
+    /// The picture's colour at a pixel with the legend over it.
+    pub(super) fn over(&self, colour: Rgb, column: u32, row: u32) -> Rgb {
+        let [x, y] = [column.wrapping_sub(self.corner[0]), row.wrapping_sub(self.corner[1])];
+        if x >= self.size[0] || y >= self.size[1] {
+            return colour;
+        }
+        let (above, cover) = self.pixels[(y * self.size[0] + x) as usize];
+        mixed(colour, above, cover)
+    }
+}
+
+fn mixed(below: Rgb, above: Rgb, cover: f32) -> Rgb {
+    [0, 1, 2].map(|i| {
+        let (below, above) = (f32::from(below[i]), f32::from(above[i]));
+        (below + (above - below) * cover).round() as u8
+    })
+}
+
+/// The pixels of a legend while it is drawn; it grows downwards.
+struct Sheet {
+    letter: f32,
+    width: u32,
+    rows: Vec<Vec<(Rgb, f32)>>,
+    /// Upper edge of what comes next.
+    next: f32,
+}
+
+impl Sheet {
+    fn new(letter: f32) -> Self {
+        let width = ((BAR_LETTERS + 4.0) * letter * 0.6).ceil() as u32;
+        Sheet { letter, width, rows: Vec::new(), next: 0.6 * letter }
+    }
+
+    /// Left edge of everything, and the length of the bar.
+    fn left(&self) -> f32 {
+        1.2 * self.letter
+    }
+
+    fn length(&self) -> f32 {
+        self.width as f32 - 2.0 * self.left()
+    }
+
+    fn pixel(&mut self, x: f32, y: f32) -> Option<&mut (Rgb, f32)> {
+        if x < 0.0 || y < 0.0 || x >= self.width as f32 {
+            return None;
+        }
+        let ground = ([0; 3], 1.0 - SHINE);
+        while self.rows.len() <= y as usize {
+            self.rows.push(vec![ground; self.width as usize]);
+        }
+        self.rows[y as usize].get_mut(x as usize)
+    }
+
+    /// Fills a rectangle with a colour that depends on the place in it, each from 0 to 1, y up.
+    fn fill(&mut self, corner: [f32; 2], size: [f32; 2], colour: impl Fn([f64; 2]) -> Rgb) {
+        let [columns, rows] = size.map(|side| side.round() as u32);
+        for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
+            let share = |k: u32, of: u32| (f64::from(k) + 0.5) / f64::from(of);
+            let colour = colour([share(x, columns), 1.0 - share(y, rows)]);
+            let [x, y] = [corner[0] + x as f32, corner[1] + y as f32];
+            if let Some(pixel) = self.pixel(x, y) {
+                *pixel = (colour, 1.0);
+            }
+        }
+    }
+
+    /// Writes words with their middle, left or right edge at `x` (`align` 0.5, 0 or 1).
+    fn write(&mut self, words: &str, x: f32, y: f32, align: f32) {
+        let Ok(font) = FontRef::try_from_slice(FONT) else { return };
+        let font = font.as_scaled(PxScale::from(self.letter));
+        let length: f32 = words.chars().map(|c| font.h_advance(font.glyph_id(c))).sum();
+        let mut at = x - align * length;
+        for letter in words.chars() {
+            let id = font.glyph_id(letter);
+            let glyph: Glyph =
+                id.with_scale_and_position(self.letter, point(at, y + font.ascent()));
+            at += font.h_advance(id);
+            let Some(outline) = font.outline_glyph(glyph) else { continue };
+            let corner = outline.px_bounds().min;
+            outline.draw(|column, row, cover| {
+                let (x, y) = (corner.x + column as f32, corner.y + row as f32);
+                if let Some(pixel) = self.pixel(x, y) {
+                    *pixel = (mixed(pixel.0, INK, cover), pixel.1.max(cover));
+                }
+            });
+        }
+    }
+
+    /// Draws the bar of a quantity with its name above and values below.
+    fn bar(&mut self, colours: &AnswerColours, ask: Ask) {
+        let (left, length, letter) = (self.left(), self.length(), self.letter);
+        let title = colours.title(ask);
+        let unit = if title.unit.is_empty() { String::new() } else { format!(", {}", title.unit) };
+        self.write(&format!("{}{unit}", title.name), left, self.next, 0.0);
+        let top = (self.next + 1.4 * letter).round();
+        self.fill([left.round(), top], [length, 1.2 * letter], |[x, _]| colours.colour_along(x));
+        for quarter in 0..=4u8 {
+            let share = f64::from(quarter) / 4.0;
+            let align = share as f32;
+            let words = three_digits(colours.value_along(share));
+            self.write(&words, left + length * align, top + 1.5 * letter, align);
+        }
+        self.next = top + 3.1 * letter;
+    }
+
+    /// Draws the square of two angles with its axes' names.
+    fn square(&mut self, colours: &AnswerColours) {
+        let (left, letter) = (self.left(), self.letter);
+        let side = 9.0 * letter;
+        let top = self.next.round();
+        self.fill([left.round(), top], [side, side], |place| colours.colour_in_square(place));
+        let beside = left + side + 0.8 * letter;
+        self.write("across: θ1", beside, top, 0.0);
+        self.write("up: θ2", beside, top + 1.4 * letter, 0.0);
+        self.write("−π to π", beside, top + 2.8 * letter, 0.0);
+        self.next = top + side + 0.7 * letter;
+    }
+
+    /// Draws the colours of pixels without an answer.
+    fn statuses(&mut self, ask: Ask) {
+        let [_, without] = ask.kind().counted;
+        let (letter, mut x) = (self.letter, self.left());
+        for (colour, words) in [(UNFLIPPED, without), (FORBIDDEN, "forbidden"), (FAILED, "failed")]
+        {
+            self.fill([x.round(), self.next.round()], [letter, letter], |_| colour);
+            x += 1.4 * letter;
+            self.write(words, x, self.next - 0.1 * letter, 0.0);
+            x += (words.chars().count() as f32 + 1.5) * 0.6 * letter;
+        }
+        self.next += 1.7 * letter;
+    }
+
+    /// Places the sheet in the lower left corner of a picture.
+    fn placed(mut self, size: [u32; 2]) -> Result<Legend, SceneError> {
+        self.pixel(0.0, self.next.ceil() - 1.0);
+        let (width, height) = (self.width, self.rows.len() as u32);
+        let margin = self.letter as u32;
+        if width + margin > size[0] || height + margin > size[1] {
+            return Err(SceneError {
+                option: "--legend",
+                value: format!("set for a picture of {}x{}", size[0], size[1]),
+                range: "the legend needs a picture of at least 320x160 pixels",
+            });
+        }
+        let corner = [margin, size[1] - margin - height];
+        let pixels = self.rows.into_iter().flatten().collect();
+        Ok(Legend { corner, size: [width, height], pixels })
+    }
+}
+
+/// Formats a value to three significant digits.
+fn three_digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let power = value.abs().log10().floor();
+    let decimals = (2.0 - power).clamp(0.0, 12.0) as usize;
+    let unit = 10f64.powf(power - 2.0);
+    let text = format!("{:.decimals$}", (value / unit).round() * unit);
+    let text =
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{PictureTable, QuestionTable, Scene};
+
+    fn legend(ask: Ask, size: [u32; 2]) -> Result<Legend, SceneError> {
+        let question = QuestionTable { ask, ..QuestionTable::default() };
+        let scene = Scene { question, ..Scene::default() };
+        let colours = AnswerColours::new(&scene, &PictureTable::default())?;
+        Legend::new(&colours, ask, size)
+    }
+
+    #[test]
+    fn it_lies_in_the_corner_and_nowhere_else() {
+        let size = [400, 300];
+        let legend = legend(Ask::Flip, size).unwrap();
+        let ground = [10, 200, 30];
+        let changed = |x, y| legend.over(ground, x, y) != ground;
+        let pixels = (0..300).flat_map(|y| (0..400).map(move |x| (x, y)));
+        let inside: Vec<_> = pixels.filter(|&(x, y)| changed(x, y)).collect();
+        assert!(inside.iter().all(|&(x, y)| x < 300 && y > 180), "the lower left");
+        assert!(inside.len() > 5000);
+        let white = inside.iter().filter(|&&(x, y)| legend.over(ground, x, y) == INK).count();
+        assert!(white > 60, "there are words: {white}");
+    }
+
+    #[test]
+    fn a_bar_runs_through_the_palette_and_two_angles_have_a_square() {
+        let colours_seen = |ask| {
+            let legend = legend(ask, [400, 300]).unwrap();
+            let solid = legend.pixels.iter().filter(|(_, cover)| *cover == 1.0);
+            solid.map(|(colour, _)| *colour).collect::<std::collections::HashSet<_>>().len()
+        };
+        assert!((100..400).contains(&colours_seen(Ask::Flip)));
+        assert!(colours_seen(Ask::State) > 2000);
+    }
+
+    #[test]
+    fn a_picture_without_room_is_refused() {
+        let refused = legend(Ask::Flip, [200, 200]).unwrap_err().to_string();
+        assert!(refused.contains("--legend is set for a picture of 200x200"), "{refused}");
+        assert!(legend(Ask::State, [320, 160]).is_ok() && legend(Ask::Flip, [320, 160]).is_ok());
+    }
+
+    #[test]
+    fn values_are_short() {
+        let cases =
+            [(0.319, "0.319"), (30.0, "30"), (-1.5, "−1.5"), (12345.0, "12300"), (0.0, "0")];
+        for (value, text) in cases {
+            assert_eq!(three_digits(value), text);
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Other questions and planes in the window.
+
+use egui::{Event, Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use flipmap::app::folders::Folders;
+use flipmap::engine::Accuracy;
+use flipmap::engine::choice::IntegrationSetting;
+use flipmap::scene::{Document, location};
+
+use crate::{counts, home, model, notices, place, press, settle, until};
+
+#[test]
+fn another_question_on_another_plane_is_shown_flown_and_left_again() {
+    let scene = "flipmap:center=2,-1.5;width=3;budget=4;ask=state;plane=first;origin=0,2.5,0,-1";
+    let mut desktop = home();
+    desktop.event(Event::Paste(scene.to_string()));
+    settle(&mut desktop);
+    let here = location::parse(&place(&desktop)).unwrap();
+    let asked = location::parse(scene).unwrap();
+    assert_eq!((here.question.ask, &here.plane), (asked.question.ask, &asked.plane));
+    assert!((here.view.width_rad().hi - 3.0).abs() < 1e-9, "{}", here.view.width);
+    let middle: f64 = here.view.center[1].parse().unwrap();
+    assert!((middle + 1.5).abs() < 1e-9);
+    let name = "Map around θ1 2.0000 rad, ω1 -1.5000 rad/s, 3.000e0 rad wide";
+    assert!(desktop.query_by_label_contains(name).is_some());
+
+    press(&mut desktop, Modifiers::NONE, Key::P);
+    let pin = desktop.state().state.pins.selected().unwrap();
+    let [start, beside] = pin.start.launches;
+    assert!((start.angle[0].hi - 2.0).abs() < 0.02 && (start.speed[0].hi + 1.5).abs() < 0.02);
+    assert_eq!((start.angle[1].hi, start.speed[1].hi), (2.5, -1.0));
+    assert!(beside.angle[0].hi > start.angle[0].hi, "the ghost starts one pixel to the right");
+    let speeds = desktop.query_all_by_label_contains("ω2 -1.000000 rad/s");
+    assert_eq!(speeds.count(), 1, "its speeds are told");
+
+    press(&mut desktop, Modifiers::NONE, Key::D);
+    assert!(notices(&desktop).contains("--ask is state"), "{}", notices(&desktop));
+    desktop.event(Event::Paste("flipmap:center=0,0;width=6.28".to_string()));
+    settle(&mut desktop);
+    let pin = desktop.state().state.pins.selected().unwrap();
+    assert_eq!((pin.start.place, pin.start.launches[0]), (None, start), "it flies on, off the map");
+}
+
+#[test]
+fn what_only_the_processor_answers_is_computed_there_at_a_level_that_can() {
+    let asked = location::parse("flipmap:center=0,0;width=6;budget=0.5;ask=return").unwrap();
+    let document = Document::default().with_scene(asked);
+    let mut desktop = model(Folders::none(), Some(document));
+    until(&mut desktop, "a level that finds returns", |desktop| {
+        let spec = &desktop.state().state.integration.spec;
+        spec.setting == IntegrationSetting::Accuracy(Accuracy::Balanced)
+    });
+    settle(&mut desktop);
+    assert!(notices(&desktop).contains("Computed at balanced"), "{}", notices(&desktop));
+    let counts = counts(&desktop);
+    assert_eq!(counts.forbidden, 0, "every pendulum may return: {counts:?}");
+    assert!(counts.simulated > 100_000);
+}
+
+#[test]
+fn a_view_of_speeds_stays_as_wide_as_numbers_can_tell_starts_apart() {
+    let mut desktop = home();
+    let deep = "flipmap:center=3,4;width=1e-30;budget=0.1;plane=speeds";
+    desktop.event(Event::Paste(deep.to_string()));
+    settle(&mut desktop);
+    assert!(notices(&desktop).contains("The view stays wider"), "{}", notices(&desktop));
+    let width = location::parse(&place(&desktop)).unwrap().view.width_rad().hi;
+    assert!((1e-12..1e-1).contains(&width), "{width:e}");
+}

@@ -1,0 +1,109 @@
+//! Tiles of other questions and planes show what a picture of the same starts shows.
+
+use flipmap::engine::IntegratorConfig;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::level::BALANCED;
+use flipmap::physics::{Scalar, Status, Theta};
+use flipmap::question::Ask;
+use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
+use flipmap::scene::{Budget, Plane, QuestionTable, Scene, View};
+use flipmap::tiles::Work;
+use flipmap::tiles::explorer::Explorer;
+use flipmap::tiles::view_target::{Physics, ViewTarget};
+
+use crate::common::ROOMY;
+
+const CONFIG: IntegratorConfig = BALANCED;
+
+fn scene(ask: Ask, plane: &str) -> Scene {
+    let question = QuestionTable { ask, budget: Budget::secs(0.6), ..QuestionTable::default() };
+    let origin = ["0.4", "2.5", "0", "-1"].map(str::to_string);
+    let plane = Plane { kind: plane.parse().unwrap(), origin, energy: 3.0 };
+    Scene { question, plane, ..Scene::default() }.checked().unwrap()
+}
+
+fn target(scene: &Scene, cell: Cell) -> ViewTarget {
+    let half = 0.4 * side_rad(cell.level);
+    let repeats = scene.plane.is_torus();
+    ViewTarget {
+        physics: Physics::of(scene, CONFIG, false),
+        budget_secs: scene.question.budget.secs,
+        region: Region { center: cell.center(), half_rad: [half; 2], repeats },
+        level: cell.level,
+        pointer: None,
+    }
+}
+
+/// The cell's samples as a picture, each with its status and channels.
+fn picture(scene: &Scene, cell: Cell) -> Vec<(Status, Vec<f64>)> {
+    let doublings = scene.plane.lattice_doublings(&scene.build);
+    let center = cell.center().map(|middle| middle.doubled(doublings).decimal(60));
+    let side = Theta::pi().doubled(1 + doublings).halved(cell.level);
+    let view = View { center, width: side.decimal(40), ..View::default() };
+    let scene = Scene { view, ..scene.clone() };
+    let mut work = Work::new(&scene, [SIDE; 2], CONFIG, 4096);
+    let mut engine = CpuEngine::new(None).unwrap();
+    let mut pixels = vec![(Status::Failed, Vec::new()); (SIDE * SIDE) as usize];
+    while !work.is_done() {
+        for done in work.work(&mut engine, None).unwrap() {
+            for (k, [x, y]) in done.tile.pixels().enumerate() {
+                let status = done.samples.get(k).status;
+                pixels[(y * SIDE + x) as usize] = (status, done.samples.values(k).to_vec());
+            }
+        }
+    }
+    pixels
+}
+
+#[test]
+fn a_tile_has_the_answers_of_a_picture_of_its_starts() {
+    for (ask, plane, at) in [
+        (Ask::State, "angles", [-1.0, 2.0]),
+        (Ask::State, "first", [-0.2, 0.1]),
+        (Ask::First, "speeds", [0.5, 0.4]),
+        (Ask::Flip, "section", [0.1, -0.1]),
+        (Ask::Growth, "second", [0.1, -0.1]),
+    ] {
+        let scene = scene(ask, plane);
+        let cell = Cell::around(at.map(Theta::from_f64), 6);
+        let mut explorer = Explorer::new(ROOMY);
+        explorer.target(&target(&scene, cell));
+        explorer.work(&mut CpuEngine::new(None).unwrap(), None).unwrap();
+        let (known, mirrored) = explorer.known(cell).expect("it is in view");
+        assert_eq!(known.samples.channels(), ask.kind().channels.len());
+        let samples = std::sync::Arc::clone(&known.samples);
+        let samples = if mirrored { (*samples).clone().reversed() } else { (*samples).clone() };
+        let mut answered = 0;
+        for (place, (status, values)) in picture(&scene, cell).into_iter().enumerate() {
+            assert_eq!(samples.get(place).status, status, "{ask} {plane} {place}");
+            if status != Status::Flipped {
+                continue;
+            }
+            answered += 1;
+            for (mine, its) in samples.values(place).iter().zip(values) {
+                assert!((mine - its).abs() < 1e-6 * (1.0 + its.abs()), "{ask} {plane} {place}");
+            }
+        }
+        assert!(answered > 1000, "{ask} {plane}: {answered}");
+    }
+}
+
+#[test]
+fn without_symmetry_every_cell_is_computed() {
+    let cells = |ask, plane: &str| {
+        let plane = Plane { kind: plane.parse().unwrap(), ..Plane::default() };
+        let scene = Scene { plane, ..scene(ask, "angles") };
+        let home = Cell { level: 2, ..Cell::WHOLE };
+        let region = Region { half_rad: [3.0; 2], ..target(&scene, home).region };
+        let region = Region { center: [Theta::ZERO; 2], ..region };
+        let target = ViewTarget { region, level: 2, ..target(&scene, home) };
+        let mut explorer = Explorer::new(ROOMY);
+        explorer.target(&target);
+        explorer.work(&mut flipmap::engine::mock::MockEngine::default(), None).unwrap();
+        explorer.counts().pixels
+    };
+    let tile = u64::from(SIDE * SIDE);
+    // Level 0 comes first; of the 16 cells of level 2, half are mirror images.
+    assert_eq!(cells(Ask::Flip, "angles"), tile * (1 + 8));
+    assert_eq!(cells(Ask::State, "angles"), tile * (1 + 16));
+}
