@@ -7,7 +7,7 @@ use super::{EngineError, IntegratorConfig, Question};
 use crate::physics::control::Control;
 use crate::physics::embedded::{DOP853_ORDER, DOPRI5_ORDER};
 use crate::physics::trig::Turning;
-use crate::physics::{Launch, Outcome, Status, extrapolation, series};
+use crate::physics::{Outcome, Status, extrapolation, series};
 
 /// The method by which a pixel is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -274,12 +274,11 @@ impl Adaptive {
         }
     }
 
-    /// The same steps, with as many as the fastest of some launches may need.
+    /// The same steps, with as many as a pendulum needs that sets out with the reduced angular
+    /// velocity `fastest`.
     #[must_use]
-    pub(super) fn for_launches(self, question: &Question, launches: &[Launch]) -> Self {
-        let (reduced, unit_secs) = question.reduced();
-        let fastest = launches.iter().flat_map(|launch| launch.speed).map(|w| w.hi.abs());
-        let fastest = fastest.fold(0.0, f64::max) * unit_secs;
+    pub(super) fn for_launches(self, question: &Question, fastest: f64) -> Self {
+        let (reduced, _) = question.reduced();
         // A speed of one bob may pass to the other, in proportion to the roots of their inertias.
         let ratio = (reduced.a.max(reduced.b) / reduced.least_det).sqrt().max(1.0);
         let more = 20.0 * self.budget * fastest * ratio * 2.0;

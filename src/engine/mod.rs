@@ -177,13 +177,17 @@ impl Job {
     /// Returns the fixed steps or the step size control of the job.
     pub fn pace(&self) -> Result<Pace, EngineError> {
         let pace = Pace::new(&self.question, &self.config)?;
+        if let Some(fastest) = start::fastest(&self.question, &pace, &self.starts) {
+            return Ok(match pace {
+                Pace::Fixed(steps) => Pace::Fixed(steps.for_launches()),
+                Pace::Adaptive(adaptive) => {
+                    Pace::Adaptive(adaptive.for_launches(&self.question, fastest))
+                }
+            });
+        }
         Ok(match (pace, self.config.method, &self.starts) {
             // These keep one tolerance throughout.
             (_, Method::Taylor { .. } | Method::Extrapolation { .. }, Starts::Moving(_)) => pace,
-            (Pace::Fixed(steps), _, Starts::Thrown(_)) => Pace::Fixed(steps.for_launches()),
-            (Pace::Adaptive(adaptive), _, Starts::Thrown(launches)) => {
-                Pace::Adaptive(adaptive.for_launches(&self.question, launches))
-            }
             (Pace::Adaptive(adaptive), _, Starts::Moving(moving)) => {
                 // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a larger
                 // leaf, neighbours differ by less), and doubled in f64 since the tolerance rises.

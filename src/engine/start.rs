@@ -111,6 +111,35 @@ pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     }
 }
 
+/// Share by which a resumed pendulum's energy may lie above that of the highest release from rest
+/// before it counts as thrown: errors of coarse steps change the energy, too.
+const ABOVE_REST: f64 = 0.05;
+
+/// The greatest reduced angular velocity of starts that may move faster than after any release from
+/// rest; none where none does. Paused pendulums do not tell how they began, but their energy does.
+pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Option<f64> {
+    let (reduced, unit_secs) = question.reduced();
+    let greatest = |speed: [f64; 2]| speed[0].abs().max(speed[1].abs());
+    match starts {
+        Starts::Thrown(launches) => {
+            let speeds = launches.iter().map(|launch| launch.speed.map(|w| w.hi * unit_secs));
+            Some(speeds.map(greatest).fold(0.0, f64::max))
+        }
+        Starts::Resumed(states) => {
+            let highest = (1.0 + ABOVE_REST) * (reduced.p + reduced.q);
+            let thrown = states.iter().filter_map(|state| {
+                let phase = phase_at(&reduced, pace, &state.numbers);
+                let speed = reduced.speeds(&phase);
+                let kinetic = 0.5 * (phase[4] * speed[0] + phase[5] * speed[1]);
+                let energy = kinetic - reduced.depth([phase[0], phase[2]]);
+                (energy > highest).then(|| greatest(speed))
+            });
+            thrown.reduce(f64::max)
+        }
+        Starts::Rest(_) | Starts::Moving(_) | Starts::Deep(_) => None,
+    }
+}
+
 /// The state of a pendulum that is already in motion.
 fn on_its_way(
     question: &Question,

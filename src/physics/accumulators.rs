@@ -16,7 +16,7 @@ pub struct Accumulators {
 }
 
 impl Accumulators {
-    /// Those of a pendulum that has not moved.
+    /// The quantities of a pendulum that has not moved.
     pub const NONE: Accumulators = Accumulators {
         turns: [0; 2],
         passes: [0; 4],

@@ -61,7 +61,7 @@ fn a_tile_has_the_answers_of_a_picture_of_its_starts() {
         (Ask::State, "angles", [-1.0, 2.0]),
         (Ask::State, "first", [-0.2, 0.1]),
         (Ask::First, "speeds", [0.5, 0.4]),
-        (Ask::Flip, "section", [0.1, -0.1]),
+        (Ask::Flip, "section", [0.7, 0.5]),
         (Ask::Growth, "second", [0.1, -0.1]),
     ] {
         let scene = scene(ask, plane);

@@ -1,5 +1,6 @@
 //! States at a time, films of them, and friction.
 
+use flipmap::engine::Precision;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::physics::taylor::Orbit;
@@ -9,6 +10,7 @@ use flipmap::scene::Plane;
 use flipmap::tiles::moments::Moments;
 use flipmap::tiles::{Renderer, Samples};
 
+use crate::common::lesson;
 use crate::truth::*;
 
 #[test]
@@ -78,15 +80,17 @@ fn normal_modes_swing_as_they_must() {
 
 #[test]
 fn a_film_of_states_passes_through_the_states_of_stills() {
-    for plane in [Plane::default(), plane("speeds", ["2", "-1", "0", "0"])] {
-        let mut scene = scene(Ask::State, plane, "6.2", 30.0);
+    let (fast, coarse) = (plane("speeds", ["2", "-1", "0", "0"]), lesson(Precision::F64));
+    for (plane, config) in [(Plane::default(), BALANCED), (fast.clone(), BALANCED), (fast, coarse)]
+    {
+        let mut scene = scene(Ask::State, plane, "62", 30.0);
         let mut engine = CpuEngine::new(Some(2)).unwrap();
-        let mut moments = Moments::new(&scene, [15, 11], BALANCED, 40);
+        let mut moments = Moments::new(&scene, [15, 11], config, 40);
         for at in [0.0, 0.3, 2.5, 2.5, 4.0] {
             let samples = moments.at(&mut engine, at, &|| true).unwrap().unwrap().clone();
             scene.question.at = Some(at);
             let mut renderer =
-                Renderer::of(Box::new(CpuEngine::new(Some(2)).unwrap()), BALANCED, false, Some(2))
+                Renderer::of(Box::new(CpuEngine::new(Some(2)).unwrap()), config, false, Some(2))
                     .unwrap();
             let still = renderer.render(&scene, [15, 11]).unwrap();
             let off = |samples: &Samples, k: usize| {

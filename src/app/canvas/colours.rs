@@ -14,7 +14,7 @@ pub struct CardColours {
     pub uniforms: Uniforms,
     /// The colour table's sRGB colours, four bytes each.
     pub table: Vec<u8>,
-    /// What the words of samples tell.
+    /// Content of the words of samples.
     pub words: WordKind,
 }
 

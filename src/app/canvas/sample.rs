@@ -10,7 +10,7 @@ pub const LOG_BIAS: f64 = 32.0;
 /// Number of steps of the stored logarithms per octave.
 pub const LOG_STEPS: f64 = (1 << 21) as f64;
 
-/// What the words of samples tell beside status and trust.
+/// Content of the words of samples beside status and trust.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WordKind {
     /// The time, which the card turns into a colour.
