@@ -6,8 +6,16 @@ const WHOLE = 0u;
 const PART = 1u;
 // An interval in which it does.
 const CROSS = 2u;
+{% if counts_passes %}
+// A step that ends where a bob passes the top.
+const TOP = 3u;
+{% endif %}
 // Most trials for one step; a graze takes some sixty.
 const MOST_TRIALS = 400u;
+{% if counts_passes %}
+// Sine of the angle beyond the top at which a bob that has passed it is put.
+const BARELY = 1e-30;
+{% endif %}
 
 {% if quartic %}
 // The control points of a part of a quartic (de Casteljau).
@@ -84,6 +92,12 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     var {{ name }}_after = {{ name }};
 {% endfor %}
     var ends = array<Bob, 2>();
+{% if counts_passes %}
+    var begins = array<Bob, 2>();
+    // The bob that passes the top first, and its state there.
+    var passing = 0u;
+    var top = Bob();
+{% endif %}
 {% if quartic %}
     var courses = array<array<f32, 5>, 2>();
     var most_trials_here = 0u;
@@ -102,18 +116,35 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     var trials = 0u;
     while bob < {{ bobs }}u && trials < MOST_TRIALS {
         trials += 1u;
+{% if counts_passes %}
+        let step = select(real(length), {{ flip_length }}, goal == TOP);
+{% else %}
         let step = real(length);
+{% endif %}
 {{ maths.step }}
         let befores = array<Bob, 2>({{ befores }});
         let nows = array<Bob, 2>({{ nows }});
         let now = nows[bob];
         var bob_done = false;
+{% if counts_passes %}
+        if goal == TOP {
+{% for name in moving %}
+            {{ name }}_after = {{ name }}_next;
+{% endfor %}
+            h_after = h;
+            top = now;
+            break;
+        }
+{% endif %}
         if goal == WHOLE {
 {% for name in moving %}
             {{ name }}_after = {{ name }}_next;
 {% endfor %}
             h_after = real(next_length(whole, excess_of(rough(error_squared), rough(time))));
             ends = nows;
+{% if counts_passes %}
+            begins = befores;
+{% endif %}
 {% if quartic %}
             let bows = array<f32, 2>({{ bows | join(", ") }});
             for (var k = 0u; k < {{ bobs }}u; k++) {
@@ -128,6 +159,9 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
                 if now.x < 0 && better < flip + flip_rest {
                     flip = length;
                     flip_rest = better - length;
+{% if counts_passes %}
+                    passing = bob;
+{% endif %}
                 }
                 bob_done = true;
             }
@@ -164,6 +198,9 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
                 if now.x < 0 && length + rest < flip + flip_rest {
                     flip = length;
                     flip_rest = rest;
+{% if counts_passes %}
+                    passing = bob;
+{% endif %}
                 }
                 bob_done = true;
             }
@@ -198,11 +235,21 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endif %}
                 bob += 1u;
             }
+{% if counts_passes %}
+            if bob == {{ bobs }}u && flip + flip_rest <= whole {
+                goal = TOP;
+                bob = passing;
+            }
+{% endif %}
         }
     }
     outcomes[pixel].steps += 1u;
-    outcomes[pixel].clearance = clearance;
+{% if counts_passes %}
+{% include "passes.wgsl" %}
+{% else %}
     let flipped = flip + flip_rest <= whole;
+{% endif %}
+    outcomes[pixel].clearance = clearance;
     let looks = (outcomes[pixel].status & ~255u) + trials * LOOK;
     outcomes[pixel].status = looks | select(UNFLIPPED, FLIPPED, flipped);
     if flipped {

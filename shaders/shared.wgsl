@@ -49,6 +49,11 @@ struct Outcome {
     // Whole turns of the bobs, anticlockwise ones positive: two signed numbers of 16 bits.
     turns: u32,
 {% endif %}
+{% if counts_passes %}
+    unused: u32,
+    // Passes of the top by each bob anticlockwise and clockwise, the first bob first.
+    passes: array<u32, 4>,
+{% endif %}
 }
 
 // Lengths of the lists of pendulums: two of those that still run, packed together, read and written
@@ -69,6 +74,18 @@ const WORKGROUP = 64u;
 @group(0) @binding(3) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(4) var<storage, read_write> queue: Queue;
 
+{% if counts_passes %}
+// Number of passes of the top after which a pendulum is done.
+const PASSES = {{ passes }}u;
+// Most passes in one step.
+const MOST_PASSES = 8u;
+
+fn passes_of(pixel: u32) -> u32 {
+    let passes = outcomes[pixel].passes;
+    return passes[0] + passes[1] + passes[2] + passes[3];
+}
+
+{% endif %}
 // Puts a pendulum on a list if `wanted`.
 {% if subgroups %}
 // One atomic for a whole subgroup: one for each invocation costs as much as ten steps on software

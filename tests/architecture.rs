@@ -13,7 +13,7 @@ use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::app::canvas::sample::{LOG_BIAS, LOG_STEPS};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
 use flipmap::engine::method::Pace;
-use flipmap::engine::shared::{JobHead, JobScene, Queue, RawOutcome, status_constants};
+use flipmap::engine::shared::{CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants};
 use flipmap::engine::{IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap::physics::{Rule, Status};
 use flipmap::scene::lattice::SIDE;
@@ -134,8 +134,8 @@ fn every_shader_file_is_glued_on_somewhere() {
     assert_eq!(files, known);
 }
 
-fn question(build: Build, rule: Rule) -> Question {
-    Question { build, rule, budget_secs: 30.0, passes: 1 }
+fn question(build: Build, rule: Rule, passes: u32) -> Question {
+    Question { build, rule, budget_secs: 30.0, passes }
 }
 
 /// One design of every kind of kernel.
@@ -155,9 +155,10 @@ fn designs() -> Vec<Design> {
                 let general = Design::general(&config, compensated, subgroups).unwrap();
                 designs.push(general);
                 let rules = Rule::ALL.iter().map(|(_, rule)| *rule).chain([Rule::Neither]);
-                for rule in rules {
+                let rules = rules.map(|rule| (rule, 1)).chain([(Rule::Second, 3)]);
+                for (rule, passes) in rules.chain([(Rule::Either, u32::MAX)]) {
                     let made = |build| {
-                        let question = question(build, rule);
+                        let question = question(build, rule, passes);
                         general.specialised(&question, &Pace::new(&question, &config).unwrap())
                     };
                     designs.extend(builds.map(made));
@@ -228,6 +229,14 @@ fn structs_have_the_same_offsets_on_both_sides() {
         ("moment", offset_of!(RawOutcome, moment)),
         ("clearance", offset_of!(RawOutcome, clearance)),
     ];
+    let mut counting = Design::general(&config, true, true).unwrap();
+    counting.passes = 3;
+    let counted = outcome.iter().copied().chain([
+        ("unused", offset_of!(RawOutcome, turns)),
+        ("passes", offset_of!(CountedOutcome, passes)),
+    ]);
+    let counted: Vec<_> = counted.map(|(name, offset)| (name.to_string(), offset)).collect();
+    assert_eq!(members(&parsed(&counting.text()), "Outcome"), counted);
     let queue = [("turn", offset_of!(Queue, turn)), ("lengths", offset_of!(Queue, lengths))];
     for (name, counterpart) in [("Job", &job[..]), ("Outcome", &outcome[..]), ("Queue", &queue[..])]
     {
@@ -296,7 +305,7 @@ fn no_shader_file_has_status_codes_of_its_own() {
 #[test]
 fn the_home_kernel_holds_only_what_it_needs() {
     let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
-    let home = question(Build::default(), Rule::Second);
+    let home = question(Build::default(), Rule::Second, 1);
     let pace = Pace::new(&home, &config).unwrap();
     let text = Design::general(&config, true, true).unwrap().specialised(&home, &pace).text();
     // The kernel has no other rule, no pendulum data, and no general directions in the stages.

@@ -343,6 +343,11 @@ impl Steps {
         Ok(Steps { length, length_secs, count, thrown: false, budget_secs })
     }
 
+    /// Reduced time at which the budget ends.
+    pub fn budget(&self) -> f64 {
+        self.budget_secs / self.length_secs * self.length
+    }
+
     /// The same steps for pendulums that may be faster than after any release.
     #[must_use]
     pub(super) fn for_launches(self) -> Self {

@@ -77,6 +77,16 @@ pub struct RawOutcome {
     pub turns: u32,
 }
 
+/// The outcome of a pendulum whose passes of the top are counted.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CountedOutcome {
+    /// What every kernel writes.
+    pub raw: RawOutcome,
+    /// Number of passes by each bob anticlockwise and clockwise, the first bob first.
+    pub passes: [u32; 4],
+}
+
 /// Lengths of the lists of pendulums, and the list in use.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

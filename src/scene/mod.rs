@@ -203,9 +203,9 @@ impl QuestionTable {
         self.ask.kind().follows_cells && self.passes() == 1
     }
 
-    /// Returns true if only the processor computes it: tangents and counts of passes.
+    /// Returns true if only the processor computes it.
     pub fn needs_processor(&self) -> bool {
-        self.ask.kind().needs.is_of_the_processor() || self.passes() != 1
+        self.ask.kind().needs.is_of_the_processor()
     }
 
     /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.

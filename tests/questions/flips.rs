@@ -156,6 +156,43 @@ fn the_card_answers_as_the_processor_does() {
     }
 }
 
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn the_card_counts_as_the_processor_does() {
+    let all = scene(Ask::Flips, plane("speeds", ["2.5", "-1", "0", "0"]), "24", 6.0);
+    let mut third = scene(Ask::Flip, Plane::default(), "6.283185307179586", 8.0);
+    third.question.count = 3;
+    for scene in [all, third] {
+        for config in [BALANCED, FAST, lesson(Precision::F32), lesson(Precision::F64)] {
+            let by_card = rendered(&scene, 16, config, Box::new(gpu_engine()));
+            let by_cpu = by_cpu(&scene, 16, config);
+            let is_same = |k: &usize| {
+                let (a, b) = (by_card.values(*k), by_cpu.values(*k));
+                let near = a.iter().zip(b).all(|(a, b)| a == b || (a - b).abs() < 1e-3);
+                by_card.get(*k).status == by_cpu.get(*k).status && near
+            };
+            let same = (0..256).filter(is_same).count();
+            assert!(same >= 250, "{:?} {config:?}: {same} of 256", scene.question.ask);
+        }
+    }
+}
+
+#[test]
+fn two_bobs_that_pass_in_one_step_are_counted_once_each() {
+    let mut scene = scene(Ask::Flips, plane("speeds", ["3.135", "3.13", "0", "0"]), "0.2", 0.2);
+    scene.view.center = ["3", "3"].map(|speed| speed.parse().unwrap());
+    for config in ALL_METHODS {
+        let samples = by_cpu(&scene, 4, config);
+        for k in 0..16 {
+            assert_eq!(samples.values(k), [1.0, 0.0, 1.0, 0.0], "{config:?} {k}");
+        }
+    }
+    if cfg!(not(no_gpu)) {
+        let samples = rendered(&scene, 4, lesson(Precision::F64), Box::new(gpu_engine()));
+        assert!((0..16).all(|k| samples.values(k) == [1.0, 0.0, 1.0, 0.0]));
+    }
+}
+
 fn scene_of_flips() -> Scene {
     scene(Ask::Flip, plane("second", ["-2", "0", "4", "0"]), "9", 8.0)
 }

@@ -150,9 +150,10 @@ impl FixedStepLanes<'_> {
             }
             // The bob goes on from the other side of the top.
             let turn = if anticlockwise { -TAU } else { TAU };
-            (from, begun) = (top, fraction);
-            from.angle[bob] = 0.5 * turn;
             to.angle[bob] += turn;
+            (from, begun) = (top, fraction);
+            from.angle = [0, 1].map(|i| top.angle[i] + (to.angle[i] - exact_after.angle[i]));
+            from.angle[bob] = 0.5 * turn;
         }
         self.take(lane, after, [0, 1].map(|bob| to.angle[bob] - exact_after.angle[bob]));
     }

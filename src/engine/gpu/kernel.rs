@@ -18,7 +18,7 @@ use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// All shader files by name.
-pub const FILES: [(&str, &str); 11] = [
+pub const FILES: [(&str, &str); 14] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
@@ -26,8 +26,11 @@ pub const FILES: [(&str, &str); 11] = [
     ("flip.wgsl", include_str!("../../../shaders/flip.wgsl")),
     ("general.wgsl", include_str!("../../../shaders/general.wgsl")),
     ("fixed.wgsl", include_str!("../../../shaders/fixed.wgsl")),
+    ("fixed_look.wgsl", include_str!("../../../shaders/fixed_look.wgsl")),
+    ("fixed_passes.wgsl", include_str!("../../../shaders/fixed_passes.wgsl")),
     ("adaptive.wgsl", include_str!("../../../shaders/adaptive.wgsl")),
     ("look.wgsl", include_str!("../../../shaders/look.wgsl")),
+    ("passes.wgsl", include_str!("../../../shaders/passes.wgsl")),
     ("turn.wgsl", include_str!("../../../shaders/turn.wgsl")),
     ("selfcheck.wgsl", include_str!("../../../shaders/selfcheck.wgsl")),
 ];
@@ -56,6 +59,8 @@ pub struct Design {
     pub scheme: Scheme,
     /// The scene the kernel is made for; without one it reads the scene as data.
     pub scene: Option<(Pendulum<f64>, Rule)>,
+    /// Number of passes of the top after which a pendulum is done; counted unless it is 1.
+    pub passes: u32,
 }
 
 impl Design {
@@ -68,7 +73,7 @@ impl Design {
             (scheme, _) => scheme,
         };
         let scene = Some((question.reduced().0, question.rule));
-        Design { scheme, scene, ..self }
+        Design { scheme, scene, passes: question.passes, ..self }
     }
 
     /// The kernel that takes any question.
@@ -97,7 +102,13 @@ impl Design {
             subgroups,
             scheme,
             scene: None,
+            passes: 1,
         })
+    }
+
+    /// Returns true if the kernel counts passes of the top.
+    pub fn counts_passes(&self) -> bool {
+        self.passes != 1
     }
 
     fn is_adaptive(&self) -> bool {
@@ -130,7 +141,8 @@ impl Design {
             maths.insert(format!("bob{bob}"), self.quintic_of(bob));
         }
         let values = self.values(maths, self.may_pass());
-        glue(&["shared.wgsl", number, "flip.wgsl", "fixed.wgsl", "turn.wgsl"], &values)
+        let look = if self.counts_passes() { "fixed_passes.wgsl" } else { "fixed_look.wgsl" };
+        glue(&["shared.wgsl", number, "flip.wgsl", "fixed.wgsl", look, "turn.wgsl"], &values)
     }
 
     fn values(&self, maths: BTreeMap<String, String>, may_pass: String) -> Values {
@@ -146,6 +158,9 @@ impl Design {
             bobs.resize(2, "Bob(1.0, 0.0, 0.0)".to_string());
             bobs.join(", ")
         };
+        let mut numbers: Vec<String> =
+            self.watched().iter().map(|bob| format!("{bob}u")).collect();
+        numbers.resize(2, "1u".to_string());
         let number = |value: f64| format!("{value:?}");
         Values {
             general: self.scene.is_none(),
@@ -156,7 +171,10 @@ impl Design {
             state: self.state(),
             watched: self.watched(),
             bobs: self.watched().len(),
+            numbers,
             counts_turns: self.watched().is_empty() && self.is_adaptive(),
+            counts_passes: self.counts_passes(),
+            passes: self.passes,
             befores: bobs(""),
             nows: bobs("_next"),
             is_watched: match self.scene {
@@ -164,6 +182,7 @@ impl Design {
                 None => "(job.watched & (1u << bob)) != 0u && ",
             },
             moment: self.moment(),
+            flip_length: self.flip_length(),
             control: ControlValues {
                 far: number(FAR),
                 slack: number(SLACK),
@@ -190,6 +209,15 @@ impl Design {
             if self.scheme == Scheme::Fifth { known.iter().map(bow).collect() } else { Vec::new() };
         bows.resize(2, "0.0".to_string());
         bows
+    }
+
+    /// Expression for the number `flip + flip_rest`.
+    fn flip_length(&self) -> &'static str {
+        match self.precision {
+            Precision::F32 => "flip + flip_rest",
+            Precision::Df32 => "fast_two_sum(flip, flip_rest, zero)",
+            _ => "real(flip) + real(flip_rest)",
+        }
     }
 
     /// Expression for the reduced time, in two parts, of a flip `flip + flip_rest` into the step.
@@ -222,11 +250,16 @@ struct Values {
     moving: Vec<&'static str>,
     watched: Vec<usize>,
     bobs: usize,
+    /// The watched bobs as shader literals, filled up to two.
+    numbers: Vec<String>,
     counts_turns: bool,
+    counts_passes: bool,
+    passes: u32,
     befores: String,
     nows: String,
     is_watched: &'static str,
     moment: &'static str,
+    flip_length: &'static str,
     #[serde(flatten)]
     control: ControlValues,
     quartic: bool,

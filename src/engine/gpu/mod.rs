@@ -20,7 +20,9 @@ use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{FinishedSlice, Slot, SlotEvent};
 use super::selfcheck::{self, Check, Verdict};
-use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait, start};
+use super::{
+    Engine, EngineError, IntegratorConfig, Job, JobResult, Question, Starts, Wait, start,
+};
 use crate::physics::Rule;
 
 /// Largest number of jobs on the device at a time.
@@ -105,16 +107,16 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
-        if job.keep.is_of_the_processor() || job.question.passes != 1 {
-            let why = "only the processor computes growth, returns and counts: use --engine cpu";
+        if job.keep.is_of_the_processor() {
+            let why = "only the processor computes growth and returns: use --engine cpu";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         let general =
             Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
-        // The general kernel counts no turns and knows no friction.
-        let has_friction = job.question.build.has_friction();
-        let specialise = self.specialise || job.question.rule == Rule::Neither || has_friction;
-        Ok(if specialise { general.specialised(&job.question, &job.pace()?) } else { general })
+        // The general kernel counts neither turns nor passes and knows no friction.
+        let Question { build, rule, passes, .. } = &job.question;
+        let is_special = *rule == Rule::Neither || *passes != 1 || build.has_friction();
+        Ok(if self.specialise || is_special { general.specialised(&job.question, &job.pace()?) } else { general })
     }
 
     /// Index of the job's kernel in the list; compiles it if it is new.

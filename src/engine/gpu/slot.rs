@@ -39,7 +39,7 @@ use wgpu::BufferUsages as Usage;
 use super::device::Gpu;
 use super::pipeline::Kernel;
 use crate::engine::method::Pace;
-use crate::engine::shared::{JobHead, JobScene, Queue, RawOutcome, to_parts};
+use crate::engine::shared::{CountedOutcome, JobHead, JobScene, Queue, RawOutcome, to_parts};
 use crate::engine::start::{self, places};
 use crate::engine::{EngineError, IntegratorState, Job, JobResult, Keep, Precision, Starts};
 use crate::physics::crossing::FAR;
@@ -182,9 +182,15 @@ impl Slot {
             }
         }
         gpu.queue.write_buffer(&self.buffers.states, 0, &bytes);
-        let outcomes: Vec<RawOutcome> =
-            paused.iter().map(|p| RawOutcome { steps: p.steps, ..UNBEGUN }).collect();
-        gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
+        let begun = paused.iter().map(|p| RawOutcome { steps: p.steps, ..UNBEGUN });
+        if self.job.question.passes == 1 {
+            let outcomes: Vec<RawOutcome> = begun.collect();
+            gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
+        } else {
+            let outcomes: Vec<CountedOutcome> =
+                begun.map(|raw| CountedOutcome { raw, passes: [0; 4] }).collect();
+            gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
+        }
     }
 
     /// Submits a slice of at most `slice_steps` steps per pendulum.
@@ -225,7 +231,7 @@ impl Slot {
     }
 
     fn outcome_bytes(&self) -> u64 {
-        u64::from(self.head.count) * size_of::<RawOutcome>() as u64
+        u64::from(self.head.count) * outcome_size(&self.job)
     }
 
     fn fly(&mut self, gpu: &Gpu, encoder: wgpu::CommandEncoder, answer: bool) {
@@ -290,7 +296,9 @@ fn head(job: &Job, pace: &Pace) -> JobHead {
         ..Default::default()
     };
     match pace {
-        Pace::Fixed(steps) => JobHead { step: to_parts(steps.length), ..head },
+        Pace::Fixed(steps) => {
+            JobHead { step: to_parts(steps.length), budget: steps.budget() as f32, ..head }
+        }
         Pace::Adaptive(adaptive) => JobHead {
             budget: adaptive.budget as f32,
             start: adaptive.control.start as f32,
@@ -299,6 +307,16 @@ fn head(job: &Job, pace: &Pace) -> JobHead {
             ..head
         },
     }
+}
+
+/// Size of a pendulum's outcome in bytes.
+fn outcome_size(job: &Job) -> u64 {
+    let size = if job.question.passes == 1 {
+        size_of::<RawOutcome>()
+    } else {
+        size_of::<CountedOutcome>()
+    };
+    size as u64
 }
 
 /// The outcome of a pendulum that has not begun.
@@ -319,7 +337,7 @@ fn make_buffers(
     let count = job.starts.len() as u64;
     let number = if job.config.precision == Precision::F32 { 4 } else { 8 };
     let state_bytes = count * number * state_len as u64;
-    let outcome_bytes = count * size_of::<RawOutcome>() as u64;
+    let outcome_bytes = count * outcome_size(job);
     let storage = Usage::STORAGE | Usage::COPY_DST;
     let both = storage | Usage::COPY_SRC;
     let back = Usage::MAP_READ | Usage::COPY_DST;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::Slot;
 use crate::engine::method::Pace;
-use crate::engine::shared::{RawOutcome, from_parts};
+use crate::engine::shared::{CountedOutcome, RawOutcome, from_parts};
 use crate::engine::{
     Effort, End, IntegratorState, Job, JobResult, Keep, NUMBERS, Precision, Starts, start,
 };
@@ -15,7 +15,8 @@ impl Slot {
     /// The answer, once it has been mapped; none if the device was lost after that.
     pub(super) fn read_answer(&self) -> Option<JobResult> {
         let count = self.head.count as usize;
-        let raw: Vec<RawOutcome> = read(&self.buffers.answer, 0, count)?;
+        let counted = self.read_outcomes(count)?;
+        let raw: Vec<RawOutcome> = counted.iter().map(|counted| counted.raw).collect();
         let outcomes: Vec<Outcome> = raw.iter().map(|raw| self.outcome(raw)).collect();
         let mut finished =
             JobResult { id: self.job.id, effort: self.effort(&raw), ..Default::default() };
@@ -27,17 +28,27 @@ impl Slot {
                 finished.unfinished = left.collect();
             }
             Keep::Ends | Keep::Growth | Keep::Return => {
-                finished.ends = self.ends(&raw, &self.read_states(&raw)?)
+                finished.ends = self.ends(&counted, &self.read_states(&raw)?)
             }
         }
         self.buffers.answer.unmap();
         Some(JobResult { outcomes, ..finished })
     }
 
+    /// The outcomes as the kernel wrote them, with no passes where none are counted.
+    fn read_outcomes(&self, count: usize) -> Option<Vec<CountedOutcome>> {
+        let answer = &self.buffers.answer;
+        if self.job.question.passes != 1 {
+            return read(answer, 0, count);
+        }
+        let raw = read::<RawOutcome>(answer, 0, count)?;
+        Some(raw.into_iter().map(|raw| CountedOutcome { raw, passes: [0; 4] }).collect())
+    }
+
     /// The end of each pendulum; a flip lies in the step that follows its state.
-    fn ends(&self, raw: &[RawOutcome], states: &[IntegratorState]) -> Vec<End> {
+    fn ends(&self, counted: &[CountedOutcome], states: &[IntegratorState]) -> Vec<End> {
         let (reduced, _) = self.job.question.reduced();
-        let one = |(raw, state): (&RawOutcome, &IntegratorState)| {
+        let one = |(CountedOutcome { raw, passes }, state): (&CountedOutcome, &IntegratorState)| {
             let flipped = (raw.status & 255 == 1).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
             let turns = [raw.turns as i16, (raw.turns >> 16) as i16].map(i32::from);
@@ -45,9 +56,10 @@ impl Slot {
             if let Pace::Adaptive(_) = self.pace {
                 end.gathered.turns = turns;
             }
+            end.gathered.passes = *passes;
             end
         };
-        raw.par_iter().zip(states).map(one).collect()
+        counted.par_iter().zip(states).map(one).collect()
     }
 
     fn effort(&self, raw: &[RawOutcome]) -> Effort {

@@ -1,0 +1,45 @@
+// Decides the fixed steps before which `advance` stopped: where the top is reached, the pendulum is
+// done.
+
+@compute @workgroup_size(WORKGROUP)
+fn look(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= atomicLoad(&queue.lengths[SUSPECTS]) {
+        return;
+    }
+    let pixel = lists[SUSPECTS * job.count + id.x];
+{% for name in state %}
+    let {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
+{% endfor %}
+    let step = from_parts(job.step);
+{% if compensated %}
+    let zero = job.zero;
+{% endif %}
+{% include "general.wgsl" %}
+    let steps = outcomes[pixel].steps + 1u;
+{{ maths.step }}
+    var fraction = Real(-1);
+{% for bob in watched %}
+    {
+        let side = select(Real(1), Real(-1), t{{ bob }}_next < 0);
+{{ maths["bob" ~ bob] }}
+        let found = first_rise(Quintic(c0, c1, c2, c3, c4, c5));
+        if {% if general %}(job.watched & {{ bob }}u) != 0u && {% endif %}found >= 0 && (fraction < 0 || found < fraction) {
+            fraction = found;
+        }
+    }
+{% endfor %}
+    let looks = (outcomes[pixel].status & ~255u) + LOOK;
+    let flipped = fraction >= 0;
+    let broken = !finite(w1_next) || !finite(w2_next);
+    if flipped {
+        outcomes[pixel].status = looks | FLIPPED;
+        outcomes[pixel].moment = to_parts(fraction);
+    } else {
+{% for name in state %}
+        states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_next;
+{% endfor %}
+        outcomes[pixel].status = looks | select(UNFLIPPED, FAILED, broken);
+        outcomes[pixel].steps = steps;
+    }
+    put_on(1u - queue.turn, pixel, !flipped && !broken && steps < job.most_steps);
+}
