@@ -2,16 +2,6 @@
 // and momenta. `advance` tries steps and stops before one in which the top may be reached; `look`
 // decides those. The quantities that a step is judged by are f32, whatever the number type.
 
-// Excess of an error over what is allowed at a time, in log2 of squares: negative is good.
-fn excess_of(error_squared: f32, time: f32) -> f32 {
-    return log2(max(error_squared, 1e-37)) - min(job.start + job.rise * time, job.ceiling);
-}
-
-fn next_length(h: f32, excess: f32) -> f32 {
-    let factor = exp2(clamp({{ exponent }} * excess + {{ safety }}, -8.0, 8.0));
-    return min(h * clamp(factor, {{ shrink }}, {{ grow }}), {{ longest }});
-}
-
 // A bob at one moment: its unit vector and speed.
 struct Bob {
     x: f32,

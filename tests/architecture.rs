@@ -13,8 +13,10 @@ use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::app::canvas::sample::{LOG_BIAS, LOG_STEPS};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
 use flipmap::engine::method::Pace;
-use flipmap::engine::shared::{CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants};
-use flipmap::engine::{IntegratorConfig, Method, Precision, Question, Trust};
+use flipmap::engine::shared::{
+    CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants,
+};
+use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap::physics::{Rule, Status};
 use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
@@ -162,6 +164,15 @@ fn designs() -> Vec<Design> {
                         general.specialised(&question, &Pace::new(&question, &config).unwrap())
                     };
                     designs.extend(builds.map(made));
+                    if rule == Rule::Neither && precision != Precision::Df32 {
+                        designs.extend(builds.map(|build| made(build).computing(Ends::Growth)));
+                    }
+                    if rule == Rule::Neither
+                        && precision == Precision::F64
+                        && method != Method::LESSON
+                    {
+                        designs.extend(builds.map(|build| made(build).computing(Ends::Return)));
+                    }
                 }
             }
         }

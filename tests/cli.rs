@@ -328,46 +328,6 @@ fn a_signal_stops_at_once_and_leaves_no_half_file() {
 }
 
 #[test]
-fn a_trace_has_its_columns_and_its_flips() {
-    let folder = folder();
-    let arguments = ["trace", "--start", "3,3", "--gravity", "1", "--until", "8", "--every", "0.5"];
-    let output = flipmap(&folder, &[&arguments[..], &["-o", "t.csv", "--json"]].concat());
-    assert!(output.status.success(), "{}", error_of(&output));
-    let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
-    let lines: Vec<&str> = table.lines().collect();
-    assert_eq!(lines[0], "t,theta1,theta2,omega1,omega2,energy_error");
-    assert_eq!(lines.len(), 1 + 17);
-    assert!(lines[1].starts_with("0,3,3,0,0,"));
-    let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let near = |key: &str, time: f64| (object[key].as_f64().unwrap() - time).abs() < 1e-12;
-    assert!(
-        near("second_flip", 1.767_916_558_420_626_6) && near("first_flip", 6.764_561_342_766_418)
-    );
-    let energy =
-        lines.iter().skip(1).map(|line| line.rsplit(',').next().unwrap().parse::<f64>().unwrap());
-    assert!(energy.fold(0.0, |worst: f64, e| worst.max(e.abs())) < 1e-28);
-    let thrown = flipmap(&folder, &["trace", "--start", "0,0.5,3,-4", "--until", "0.1"]);
-    assert!(String::from_utf8_lossy(&thrown.stdout).contains("\n0,0,0.5,3,-4,"), "its speeds");
-}
-
-#[test]
-fn traces_with_bad_numbers_are_refused() {
-    let folder = folder();
-    let cases: [(&[&str], &str); 5] = [
-        (&["--start", "3"], "--start"),
-        (&["--start", "1,2,3"], "--start"),
-        (&["--start", "x,3"], "--start"),
-        (&["--start", "3,3", "--until", "-1"], "--until"),
-        (&["--start", "3,3", "--every", "0"], "--every"),
-    ];
-    for (arguments, word) in cases {
-        let output = flipmap(&folder, &[&["trace"], arguments].concat());
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(error_of(&output).contains(word));
-    }
-}
-
-#[test]
 fn the_doctor_says_what_would_be_used() {
     let output = flipmap(&folder(), &["doctor"]);
     assert!(output.status.success());

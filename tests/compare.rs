@@ -4,6 +4,7 @@
 mod program;
 
 use std::fs;
+use std::process::Stdio;
 
 use program::*;
 
@@ -44,14 +45,42 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
     let whole = fs::read(at("fine.npy")).unwrap();
     fs::write(&cut, &whole[..whole.len() - 8]).unwrap();
     let [fine, picture] = ["fine.npy", "fine.png"].map(at);
-    for (other, words) in [(&cut, "ends before"), (&picture, "like with like")] {
+    let interlaced = at("interlaced.png");
+    fs::write(&interlaced, with_interlaced_header(&fs::read(at("fine.png")).unwrap())).unwrap();
+    for (other, words) in [
+        (&cut, "bytes, and its header says"),
+        (&picture, "like with like"),
+        (&interlaced, "is interlaced"),
+    ] {
         let output = compared(&[&fine, other, "-o", &at("never.png")]);
         assert_eq!(output.status.code(), Some(1), "{other}");
         assert!(error_of(&output).contains(words), "{}", error_of(&output));
         assert!(!folder.path().join("never.png").exists());
     }
+    // A reader who leaves loses no verdict.
+    let [a, b] = ["fine.npy", "coarse.npy"].map(at);
+    let mut command = program(&folder, &["compare", &a, &b]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(3));
     for wrong in [["--tolerance", "-1"], ["--share", "2"]] {
         let output = compared(&[&fine, &fine, wrong[0], wrong[1]]);
         assert_eq!(output.status.code(), Some(2), "{wrong:?}");
     }
+}
+
+/// A PNG whose header says that its rows are interlaced.
+fn with_interlaced_header(png: &[u8]) -> Vec<u8> {
+    let mut bytes = png.to_vec();
+    bytes[28] = 1;
+    // The checksum of the chunk IHDR (ISO 3309).
+    let mut sum = !0u32;
+    for byte in &bytes[12..29] {
+        sum ^= u32::from(*byte);
+        for _ in 0..8 {
+            sum = if sum & 1 == 1 { 0xedb8_8320 ^ (sum >> 1) } else { sum >> 1 };
+        }
+    }
+    bytes[29..33].copy_from_slice(&(!sum).to_be_bytes());
+    bytes
 }

@@ -174,8 +174,8 @@ fn starts_on_lines_are_told_what_they_would_find_alone() {
     ];
     for (k, scene) in scenes.iter().enumerate() {
         let size = [80, 60];
-        let (on_lines, told) = answered(scene, size, Keep::Nothing);
-        let (alone, none_told) = answered(scene, size, Keep::Ends);
+        let (on_lines, told) = answered(scene, size, Keep::NOTHING);
+        let (alone, none_told) = answered(scene, size, Keep::ENDS);
         assert!(told > 400 && none_told == 0, "{told} of 4800 are told in scene {k}");
         for (a, b) in on_lines.iter().zip(&alone) {
             let apart = (a.time - b.time).abs();

@@ -290,7 +290,7 @@ fn cancelled_jobs_never_come_back(make: Make) {
     let mut engine = make();
     let id = u64::from(IDS.fetch_add(1, Ordering::Relaxed));
     let config = lesson(Precision::F32);
-    let job = Job { id, question, config, starts, keep: Keep::Nothing };
+    let job = Job { id, question, config, starts, keep: Keep::NOTHING };
     engine.submit(job).unwrap();
     engine.cancel();
     assert!(engine.poll(Wait::UntilFinished).unwrap().is_empty());

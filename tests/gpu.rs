@@ -103,7 +103,7 @@ mod checks {
         let mut engine = gpu_engine();
         for id in [1, 2] {
             let starts = Starts::Rest(starts.clone());
-            engine.submit(Job { id, question, config, starts, keep: Keep::Nothing }).unwrap();
+            engine.submit(Job { id, question, config, starts, keep: Keep::NOTHING }).unwrap();
         }
         engine.gpu().device.destroy();
         let mut finished = Vec::new();
@@ -142,7 +142,7 @@ mod checks {
             question: question(&Scene::default()),
             config: lesson(Precision::F64),
             starts: Starts::Rest(open_starts(&Scene::default(), 4, 1)),
-            keep: Keep::Nothing,
+            keep: Keep::NOTHING,
         });
         let message = error.unwrap_err().to_string();
         assert!(message.contains("--precision f64") && message.contains("sines"), "{message}");

@@ -9,6 +9,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use flipmap::lab::home::home_map;
 use flipmap::lab::{Figure, FigureRequest, Lab, flips};
+use flipmap::physics::State;
 use flipmap::scene::{Build, Kind};
 
 const SIZE: [f32; 2] = [1100.0, 680.0];
@@ -73,12 +74,13 @@ fn a_dragged_bob_is_let_go_where_it_is_left() {
 fn a_start_goes_to_the_map_and_comes_from_it() {
     for which in [Figure::Machine, Figure::Integrators, Figure::Twenty] {
         let mut harness = figure(Figure::Single, 0.0);
-        harness.state_mut().lab.open(which, [1.25, -0.5]);
+        let start = State { angle: [1.25, -0.5], speed: [0.5, 2.0] };
+        harness.state_mut().lab.open(which, start);
         harness.run_steps(3);
         assert_eq!(harness.state().lab.set()[..2], [1.25, -0.5]);
         harness.get_by_label("Show this start on the map").click();
         harness.run_steps(2);
-        assert_eq!(harness.state().asked, [FigureRequest::ToMap([1.25, -0.5])], "{which:?}");
+        assert_eq!(harness.state().asked, [FigureRequest::ToMap(start)], "{which:?}");
     }
 }
 
@@ -122,7 +124,7 @@ fn the_keyboard_reaches_the_controls() {
 #[test]
 fn a_step_that_is_too_long_says_so() {
     let mut harness = figure(Figure::Integrators, 0.0);
-    harness.state_mut().lab.open(Figure::Integrators, [2.9, 2.9]);
+    harness.state_mut().lab.open(Figure::Integrators, State::rest([2.9, 2.9]));
     assert!(harness.query_all_by_label("Step Δt").count() > 0);
     let lab = &mut harness.state_mut().lab;
     for _ in 0..400 {

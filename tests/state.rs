@@ -28,6 +28,19 @@ fn same(folder: &TempDir, one: &str, other: &str) -> bool {
     read(one) == read(other)
 }
 
+/// True if two arrays of f64 agree to a thousandth.
+fn nearly_same(folder: &TempDir, one: &str, other: &str) -> bool {
+    let read = |name: &str| {
+        let bytes = fs::read(Path::new(folder.path()).join(name)).unwrap();
+        let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+        let numbers = bytes[header..].as_chunks::<8>().0.iter();
+        numbers.map(|bytes| f64::from_le_bytes(*bytes)).collect::<Vec<f64>>()
+    };
+    let (a, b) = (read(one), read(other));
+    let near = |(a, b): (&f64, &f64)| a == b || (a - b).abs() <= 1e-3 * a.abs().max(1e-3);
+    a.len() == b.len() && a.iter().zip(&b).all(near)
+}
+
 fn going_on_is_one_run(engine: &str, accuracy: &str) {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| {
@@ -67,6 +80,50 @@ fn on_an_adapter_going_on_is_one_run() {
     }
 }
 
+/// The options of questions, of a first run and of a later one.
+const QUESTIONS: [(&[&str], &[&str], &[&str]); 6] = [
+    (&["--ask", "state"], &["--at", "3"], &["--at", "8"]),
+    (&["--ask", "first"], &["--budget", "3"], &["--budget", "8"]),
+    (&["--ask", "flips"], &["--budget", "3"], &["--budget", "8"]),
+    (&["--count", "2"], &["--budget", "3"], &["--budget", "8"]),
+    (&["--ask", "growth"], &["--budget", "3"], &["--budget", "8"]),
+    (&["--ask", "return"], &["--budget", "3"], &["--budget", "8"]),
+];
+
+fn every_question_goes_on(engine: &str, accuracy: &str, questions: &[usize]) {
+    for (question, first, later) in questions.iter().map(|k| QUESTIONS[*k]) {
+        let folder = tempfile::tempdir().unwrap();
+        let run = |arguments: &[&str]| {
+            let how = ["--engine", engine, "--accuracy", accuracy];
+            object(&render(&folder, &[&how, question, arguments].concat()))
+        };
+        run(&[first, &["--raw", "a.npy", "--state", "s"]].concat());
+        let second = run(&[later, &["--raw", "b.npy", "--state", "s"]].concat());
+        let whole = run(&[later, &["--raw", "c.npy"]].concat());
+        if engine == "gpu" && (question.contains(&"growth") || question.contains(&"return")) {
+            // There the step that is cut at the first budget stays cut.
+            assert!(nearly_same(&folder, "b.npy", "c.npy"), "{question:?} {accuracy}");
+        } else {
+            assert!(same(&folder, "b.npy", "c.npy"), "{question:?} {engine} {accuracy}");
+        }
+        let evaluations = |object: &serde_json::Value| object["rhs_evaluations"].as_u64().unwrap();
+        assert!(evaluations(&second) < evaluations(&whole), "{question:?}");
+    }
+}
+
+#[test]
+fn on_the_processor_every_question_goes_on() {
+    every_question_goes_on("cpu", "balanced", &[0, 1, 2, 3, 4, 5]);
+    every_question_goes_on("cpu", "lesson", &[0, 1, 2, 3, 4]);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn on_an_adapter_every_question_goes_on() {
+    every_question_goes_on("gpu", "balanced", &[0, 1, 2, 3, 4, 5]);
+    every_question_goes_on("gpu", "fast", &[0, 2]);
+}
+
 #[test]
 fn what_cannot_go_on_is_refused_by_what_differs() {
     let folder = tempfile::tempdir().unwrap();
@@ -77,6 +134,8 @@ fn what_cannot_go_on_is_refused_by_what_differs() {
         (&["--budget", "4"][..], &["5 s already", "--budget"][..]),
         (&["--budget", "9", "--gravity", "5"], &["another pendulum"]),
         (&["--budget", "9", "--rule", "first"], &["another rule", "second", "first"]),
+        (&["--budget", "9", "--ask", "first"], &["another question", "flip", "first"]),
+        (&["--budget", "9", "--count", "2"], &["another number of flips"]),
         (&["--budget", "9", "--rotate", "2"], &["another view"]),
         (&["--budget", "9", "--accuracy", "lesson"], &["another configuration", "rk4", "dop853"]),
     ] {

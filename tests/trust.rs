@@ -115,7 +115,7 @@ fn a_paused_pendulum_cannot_be_checked() {
         question,
         config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },
         starts: Starts::Resumed(Vec::new()),
-        keep: Keep::Nothing,
+        keep: Keep::NOTHING,
     };
     assert!(engine.submit(job).unwrap_err().to_string().contains("release"));
 }

@@ -54,6 +54,31 @@ fn frames_are_what_render_draws_there() {
 }
 
 #[test]
+fn films_of_other_questions_are_stills_one_after_another() {
+    let growth = ["--ask", "growth", "--budget", "2", "--vary", "masses=1,1..1,2"];
+    let state = ["--ask", "state", "--at", "2", "--zoom-to", "filigree"];
+    let section = ["--plane", "section", "--width", "6", "--budget", "3", "--vary", "energy=0..9"];
+    for words in [&growth[..], &state, &section] {
+        let folder = folder();
+        let how = ["--frames", "3", "--size", "24x16", "--samples", "1", "-o", "f"];
+        video(&folder, &[words, &how].concat());
+        for frame in [0, 2] {
+            let png = format!("f/00000{frame}.png");
+            done(&folder, &[&["render", &png, "-o", "r.png"], &CPU[..]].concat());
+            let [film, still] = [&png, "r.png"].map(|name| pixels(&folder.path().join(name)));
+            assert_eq!(film, still, "{words:?} {frame}");
+        }
+        let [first, last] = [0, 2].map(|k| pixels(&folder.path().join(format!("f/00000{k}.png"))));
+        assert!(difference(&first, &last) > 5.0, "{words:?}: something changes");
+        // What is there is not made again: not even an engine's answer is needed.
+        let made = fs::metadata(folder.path().join("f/000001.png")).unwrap().modified().unwrap();
+        video(&folder, &[words, &how].concat());
+        let again = fs::metadata(folder.path().join("f/000001.png")).unwrap().modified().unwrap();
+        assert_eq!(made, again);
+    }
+}
+
+#[test]
 fn other_colours_and_another_time_compute_nothing() {
     let folder = folder();
     fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
@@ -235,6 +260,13 @@ fn what_is_no_film_is_refused_by_name() {
             "--frames 60 at --fps 30 last 2.00 s, and --secs is 9",
         ),
         (&["home", "first", "-o", "f"], "key 2 has another rule than the first"),
+        (&["home", "moment", "-o", "f"], "key 2 has another question than the first"),
+        (&["home", "section", "-o", "f"], "key 2 has another plane than the first"),
+        (&["--ask", "growth", "--vary", "time=0..9", "-o", "f"], "key 1 has a clock"),
+        (
+            &["--ask", "growth", "--vary", "gravity=1..9", "--cache", "c", "-o", "f"],
+            "it keeps no samples, only its frames: omit --cache",
+        ),
         (&["--zoom-to", "deep", "-o", "f.avi"], "a film is an .mp4, an .mkv"),
         (&["--zoom-to", "deep", "--size", "33x24", "-o", "f.mp4"], "such as 34x24"),
         (

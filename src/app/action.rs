@@ -10,7 +10,7 @@ use super::settings::{Layers, Theme};
 use super::state::Dialog;
 use crate::engine::{Accuracy, EngineKind};
 use crate::lab::Figure;
-use crate::physics::Theta;
+use crate::physics::{State, Theta};
 use crate::scene::{Document, PictureTable, Scene};
 
 /// A movement of the view. Points are measured from the middle of the canvas, y down.
@@ -62,9 +62,9 @@ pub enum Action {
     /// Shows a figure of the laboratory, or the map again.
     Lab(Option<Figure>),
     /// Opens a start in a figure.
-    OpenInLab(Figure, [Theta; 2]),
+    OpenInLab(Figure, State<f64>),
     /// Shows on the map from rest a start that was chosen in the laboratory.
-    FromLab([Theta; 2]),
+    FromLab(State<f64>),
     /// Pins the pixel at a point.
     Pin(DVec2),
     /// Removes the pin that the first click of a double click made.

@@ -4,15 +4,22 @@
 use super::action::Action;
 use super::camera::Camera;
 use super::model::AppModel;
-use crate::engine::cpu;
-use crate::engine::{Accuracy, Cells, EngineKind, IntegratorConfig};
+use crate::engine::choice::EngineRequest;
+use crate::engine::{Accuracy, Cells, Ends, EngineKind, IntegratorConfig, Precision};
+use crate::question::Needs;
 use crate::scene::lattice::pitch_rad;
 
 impl AppModel {
-    /// The kind of engine to open: the processor where only it can answer.
+    /// The kind of engine to open: the processor for growth and returns where the card has no f64.
     pub(super) fn engine_kind(&self) -> Option<EngineKind> {
-        let only = self.state.question.needs_processor().then_some(EngineKind::Cpu);
-        only.or(self.state.integration.kind)
+        let question = &self.state.question;
+        let is_followed = matches!(question.ask.kind().needs, Needs::Growth | Needs::Return);
+        let config = self.compute.config();
+        if is_followed && config.is_some_and(|config| config.precision == Precision::Df32) {
+            return Some(EngineKind::Cpu);
+        }
+        let kind = self.state.integration.kind;
+        EngineRequest { kind, ..EngineRequest::default() }.answering(question).kind
     }
 
     /// Changes what cannot be computed, and says so: an accuracy level at which the question has no
@@ -23,8 +30,12 @@ impl AppModel {
     }
 
     fn make_level_fit(&mut self, config: IntegratorConfig) -> bool {
-        let keep = self.state.question.ask.kind().needs.into();
-        let Err(why) = cpu::check_keep(keep, &config) else { return false };
+        if config.precision == Precision::Df32 {
+            // The processor's engine takes over.
+            return false;
+        }
+        let ends = Ends::from(self.state.question.ask.kind().needs);
+        let Err(why) = ends.check(&config) else { return false };
         self.state.notices.tell(format!("Computed at balanced: {why}."));
         if let Some(effect) = self.state.apply(Action::Accuracy(Accuracy::Balanced)) {
             self.affect(effect);

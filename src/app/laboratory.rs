@@ -10,7 +10,7 @@ use super::reach::Reach;
 use super::state::Effect;
 use crate::lab::flips::{Seen, explain};
 use crate::lab::{Figure, FigureRequest};
-use crate::physics::{Scalar, Theta};
+use crate::physics::{Scalar, State, Theta};
 use crate::scene::{Build, Plane, Scene};
 
 /// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
@@ -37,8 +37,8 @@ impl AppModel {
     }
 
     /// Opens a start in a figure.
-    pub(super) fn open_in_lab(&mut self, figure: Figure, start: [Theta; 2]) {
-        self.lab.open(figure, start.map(|theta| theta.wrapped().to_f64()));
+    pub(super) fn open_in_lab(&mut self, figure: Figure, start: State<f64>) {
+        self.lab.open(figure, start);
         self.show_figure(Some(figure));
     }
 
@@ -70,7 +70,7 @@ impl AppModel {
         let mut actions = self.figure_tabs(ui);
         ui.separator();
         if let Some(FigureRequest::ToMap(start)) = self.lab.show(ui) {
-            actions.push(Action::FromLab(start.map(Theta::from_f64)));
+            actions.push(Action::FromLab(start));
         }
         actions
     }
@@ -99,16 +99,20 @@ impl AppModel {
         actions
     }
 
-    /// Goes to a start on the map and pins it.
-    pub(super) fn aimed_in_lab(&mut self, start: [Theta; 2]) {
+    /// Goes to a start on the map, or on that of pendulums thrown with its speeds, and pins it.
+    pub(super) fn aimed_in_lab(&mut self, start: State<f64>) {
         self.state.shown.lab = false;
-        if !self.state.plane.is_at_rest() {
-            let scene = Scene { plane: Plane::default(), ..self.state.scene() };
+        let [omega1, omega2] = start.speed.map(|speed| speed.to_string());
+        let origin = ["0".to_string(), "0".to_string(), omega1, omega2];
+        let plane = Plane { origin, ..Plane::default() };
+        if self.state.plane != plane {
+            let scene = Scene { plane, ..self.state.scene() };
             self.act(vec![Action::Scene(Box::new(scene))]);
         }
         let home = Camera::home(Reach::TORUS);
         let width_rad = home.width_rad * PART;
-        let camera = Camera { center: start.map(Theta::wrapped), width_rad, ..home };
+        let center = start.angle.map(|angle| Theta::from_f64(angle).wrapped());
+        let camera = Camera { center, width_rad, ..home };
         self.act(vec![Action::Look(Look::To(camera))]);
         let level = self.state.aimed_screen().level();
         self.affect(Effect::Pin(Box::new(hover::sample_at(camera.center, level))));

@@ -29,7 +29,6 @@ use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
 use super::state::{AppState, Effect};
 use super::view_samples;
-use crate::engine::EngineKind;
 use crate::engine::choice::EngineRequest;
 use crate::engine::run_settings::RunSpec;
 use crate::lab::{Figure, Lab};
@@ -128,10 +127,8 @@ impl AppModel {
             state.notices.fail(problem);
         }
         let cache_bytes = (settings.cache_mib as usize) << 20;
-        let mut request = EngineRequest { setting, ..options.request.clone() };
-        if document.question.needs_processor() {
-            request.kind = Some(EngineKind::Cpu);
-        }
+        let request = EngineRequest { setting, ..options.request.clone() };
+        let request = request.answering(&document.question);
         let compute = ComputeService::new(request.clone(), verify, cache_bytes, Arc::clone(&wake));
         let places = Places::load(&options.folders);
         AppModel {

@@ -15,6 +15,7 @@ use super::panels::places::places_panel;
 use super::panels::scene::scene_panel;
 use super::panels::window::window_panel;
 use crate::lab::Figure;
+use crate::physics::{Scalar, State};
 
 impl AppModel {
     /// Shows the panels and returns the user's actions in them.
@@ -80,16 +81,14 @@ impl AppModel {
     /// Shows buttons that open the selected pin's start in a figure of the laboratory.
     fn lab_buttons(&self, ui: &mut Ui) -> Vec<Action> {
         let Some(pin) = self.state.pins.selected() else { return Vec::new() };
-        if !pin.start.launches[0].is_at_rest() {
-            ui.label("The lab's pendulums are released from rest.");
-            return Vec::new();
-        }
+        let angle = pin.start.angle.map(|theta| theta.wrapped().to_f64());
+        let start = State { angle, speed: pin.start.launches[0].speed.map(|speed| speed.hi) };
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
             ui.label("In the lab:");
             for figure in [Figure::Machine, Figure::Integrators, Figure::Twenty] {
                 if ui.button(figure.name()).on_hover_text(figure.title()).clicked() {
-                    actions.push(Action::OpenInLab(figure, pin.start.angle));
+                    actions.push(Action::OpenInLab(figure, start));
                 }
             }
         });

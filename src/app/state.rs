@@ -15,7 +15,7 @@ use super::settings::{Appearance, Layers, Settings, Theme};
 use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
-use crate::physics::{Rule, Theta};
+use crate::physics::{Rule, State, Theta};
 use crate::scene::{Budget, Build, Document, PictureTable, Plane, QuestionTable, Scene};
 use crate::tiles::view_target::{Physics, ViewTarget};
 
@@ -69,9 +69,9 @@ pub enum Effect {
     /// Shows a figure of the laboratory, or the map again.
     Lab(Option<Figure>),
     /// Opens a start in a figure.
-    OpenInLab(Figure, [Theta; 2]),
+    OpenInLab(Figure, State<f64>),
     /// Shows a start on the map.
-    FromLab([Theta; 2]),
+    FromLab(State<f64>),
     /// Relaunches the flights of the pins after a change of the physics.
     Relaunch,
     /// Destroys the graphics device.

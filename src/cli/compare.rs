@@ -106,10 +106,10 @@ fn tell(options: &Options, comparison: &Comparison, times: bool) -> anyhow::Resu
             "p99": quantiles[2],
             "max": largest,
         });
-        return super::say(&serde_json::to_string_pretty(&object)?);
+        return super::say_if_heard(&serde_json::to_string_pretty(&object)?);
     }
     let unit = if times { "s" } else { "levels" };
-    super::say(&format!(
+    super::say_if_heard(&format!(
         "{differing} of {pixels} pixels differ ({:.4} %), {classes} of them in class; median \
          {:.1e}, p90 {:.1e}, p99 {:.1e}, largest {largest:.1e} {unit}",
         100.0 * comparison.share(),

@@ -218,8 +218,8 @@ fn spaced(scenes: Vec<Document>) -> Vec<Key> {
 fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
     let wrong = || {
         Exit::Usage(format!(
-            "--vary is '{vary}'; it must be time, at, budget, gravity, masses or lengths with two \
-             values, as in time=0..30 or masses=1,1..1,5"
+            "--vary is '{vary}'; it must be time, at, budget, energy, friction, gravity, masses or \
+             lengths with two values, as in time=0..30 or masses=1,1..1,5"
         ))
     };
     let (word, values) = vary.split_once('=').ok_or_else(wrong)?;
@@ -249,6 +249,8 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
                 budget.secs = budget.secs.max(latest);
             }
             "budget" => key.scene.question.budget = Budget::secs(one()?),
+            "energy" => key.scene.plane.energy = one()?,
+            "friction" => key.scene.pendulum.friction = two()?,
             "gravity" => key.scene.pendulum.gravity = exact(text)?,
             "masses" => key.scene.pendulum.masses = two()?,
             "lengths" => key.scene.pendulum.lengths = two()?,

@@ -10,10 +10,10 @@ pub(crate) mod exit;
 mod explore;
 mod farm;
 mod film_options;
+mod frames;
 mod hunt;
 #[cfg(feature = "window")]
 mod lab;
-mod moments;
 mod options;
 mod outputs;
 mod picture_options;
@@ -25,6 +25,7 @@ mod run_options;
 mod spread;
 mod stop;
 mod trace;
+mod trace_columns;
 mod video;
 
 use std::path::Path;
@@ -119,6 +120,14 @@ fn tell(text: &str) {
 fn say(text: &str) -> anyhow::Result<()> {
     use std::io::Write;
     Ok(writeln!(std::io::stdout(), "{text}")?)
+}
+
+/// Prints a line on standard output as long as anybody reads it, where the exit code tells the same.
+fn say_if_heard(text: &str) -> anyhow::Result<()> {
+    say(text).or_else(|error| match flipmap::output::is_broken_pipe(error.as_ref()) {
+        true => Ok(()),
+        false => Err(error),
+    })
 }
 
 /// Writes a whole file (- for standard output); the error names the option that asked for it.

@@ -9,6 +9,7 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::farm::merge::{self, MergeError};
 use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
 use flipmap::scene::Document;
+use flipmap::scene::film::FilmKind;
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
@@ -75,11 +76,12 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (mut what, spec) = what(options)?;
     spares_others(&options.output)?;
-    let mut chosen = start(&options.film.run.engine.request(spec.setting))?;
     let scene = match &what {
         PlannedOutput::Still(document) => document.scene(),
         PlannedOutput::Film(film) => film.keys[0].scene.scene(),
     };
+    let request = options.film.run.engine.request(spec.setting).answering(&scene.question);
+    let mut chosen = start(&request)?;
     check_steps(&scene, chosen.config)?;
     if let PlannedOutput::Still(document) = &mut what
         && options.film.picture.spreads(document)
@@ -114,8 +116,8 @@ fn spares_others(path: &Path) -> Result<(), Exit> {
 fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     if options.film.says_film() {
         let (film, spec) = options.film.film()?;
-        if film.is_of_moments() {
-            let message = "a film of states is made by flipmap video; plans are for stills and for films of flips";
+        if film.kind() != FilmKind::Flips {
+            let message = "this film is made by flipmap video: plans are for stills of any question, and for films of first flips from rest";
             return Err(Exit::Usage(message.to_string()).into());
         }
         return Ok((PlannedOutput::Film(film), spec));
@@ -163,7 +165,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
     let parts = farm::scan(&task)?;
     let missing = task.missing_shards(&parts);
     for shard in &missing {
-        super::say(&shard.to_string())?;
+        super::say_if_heard(&shard.to_string())?;
     }
     if missing.is_empty() {
         Ok(())

@@ -8,7 +8,7 @@ use clap::Args;
 use flipmap::engine::choice::{Chosen, IntegrationSetting};
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
-use flipmap::engine::{Accuracy, Cells, Engine, EngineKind, IntegratorConfig, Trust};
+use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
 use flipmap::tiles::{self, Counts, Renderer};
@@ -37,7 +37,7 @@ pub(super) struct Options {
     /// Follow pixels as cells first (for measurements): auto where that saves time, never, or always
     #[arg(long, value_name = "WHEN", default_value_t)]
     cells: Cells,
-    /// Save pixels that have not flipped to this file, and resume from it with a larger --budget
+    /// Save pixels that can go on to this file, and resume from it with a larger --budget or --at
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
     /// Print the settings that ran, the counts and the timings as one JSON object
@@ -57,10 +57,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check()?;
     stop::listen()?;
-    let mut request = options.run.engine.request(spec.setting);
-    if document.question.needs_processor() {
-        request.kind = Some(EngineKind::Cpu);
-    }
+    let mut request = options.run.engine.request(spec.setting).answering(&document.question);
     if let Some(continued) = &continued {
         request = continued.prefer_engine(request);
     }
@@ -175,7 +172,7 @@ fn announce(engine: &dyn Engine, config: IntegratorConfig, verify: bool, why: &s
 }
 
 /// Rejects too many steps, and warns if pixels lie closer together than the centre's last digit.
-fn check_numbers(
+pub(super) fn check_numbers(
     scene: &Scene,
     size: [u32; 2],
     config: IntegratorConfig,
@@ -217,7 +214,6 @@ fn check_outputs(options: &Options, document: &Document, spec: &RunSpec) -> Resu
     let state = options.state.as_deref();
     options.outputs.check(options.json, spec.verify, state)?;
     check_state(options, document, spec)?;
-    check_question(options, document, spec)?;
     check_picture(document, spec.size())
 }
 
@@ -227,26 +223,12 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
     }
     let why = if spec.verify {
         "checks start at the release: omit --verify and --accuracy exact"
-    } else if !document.question.ask.is_time() || document.question.count > 1 {
-        "only the times of first flips can be continued: omit --state, or --ask and --count"
     } else if document.picture.samples > 1 {
         "it stores one sample per pixel: omit --samples"
     } else {
         return Ok(());
     };
     Err(Exit::Usage(format!("--state cannot be used here, because {why}")))
-}
-
-/// Rejects settings with which the question cannot be answered.
-fn check_question(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
-    let question = &document.question;
-    let request = options.run.engine.request(spec.setting);
-    let on_card = request.kind == Some(EngineKind::Gpu) || request.adapter.is_some();
-    if !on_card || !question.needs_processor() {
-        return Ok(());
-    }
-    let why = "the processor computes it: omit --engine gpu and --adapter";
-    Err(Exit::Usage(format!("--ask {} cannot be answered like this: {why}", question.ask)))
 }
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {

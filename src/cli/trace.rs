@@ -13,6 +13,7 @@ use flipmap::physics::{Dd, Launch, Pendulum, Scalar, State, oracle};
 use super::exit::Exit;
 use super::options::SceneOptions;
 use super::stop;
+use super::trace_columns::{Pass, QuestionColumns};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -67,7 +68,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let at_rest = speed == [Dd::new(0.0); 2];
     let angle = if at_rest { settled(&pendulum, angle) } else { angle };
     let start = State { angle, speed };
-    let flips = follow(&pendulum, start, until, every, &mut out).map_err(|error| {
+    let columns = QuestionColumns::new(&scene, &start);
+    let flips = follow(&pendulum, start, columns, [until, every], &mut out).map_err(|error| {
         match error.is::<std::io::Error>() {
             true => error.context(format!("cannot write {destination}")),
             false => error,
@@ -80,21 +82,15 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 /// Maximum number of rows that a table may reasonably have.
 const MOST_ROWS: f64 = 1e8;
 
-/// One crossing of the top.
-struct CrossingRow {
-    bob: usize,
-    time: Dd,
-}
-
 /// Writes the rows and returns all crossings of the top in order of time.
 fn follow(
     pendulum: &Pendulum<Dd>,
     start: State<Dd>,
-    until: Dd,
-    every: Dd,
+    mut columns: QuestionColumns,
+    [until, every]: [Dd; 2],
     out: &mut SafeFile,
-) -> anyhow::Result<Vec<CrossingRow>> {
-    writeln!(out, "t,theta1,theta2,omega1,omega2,energy_error")?;
+) -> anyhow::Result<Vec<Pass>> {
+    writeln!(out, "t,theta1,theta2,omega1,omega2,energy_error{}", columns.head())?;
     let energy = pendulum.energy(&start);
     let scale = pendulum.p + pendulum.q;
     let mut orbit = Orbit::new(*pendulum, start);
@@ -103,7 +99,9 @@ fn follow(
         stop::check()?;
         let step = orbit.step();
         anyhow::ensure!(orbit.state().speed[1].is_finite(), "the motion is no longer finite");
+        let first = passages.len();
         passages.extend(passages_in(&step).into_iter().filter(|p| p.time <= until));
+        columns.add(&passages[first..]);
         loop {
             let time = every * Dd::new(row as f64);
             if time > step.end() || time > until {
@@ -113,32 +111,42 @@ fn follow(
             let state = step.state(time - step.start);
             let rise = pendulum.energy(&state) - energy;
             let error = if scale.hi > 0.0 { (rise / scale).hi } else { 0.0 };
-            write_row(out, time, &state, error)?;
+            write_row(out, time, &state, error, &columns.row(time, &state))?;
             row += 1;
         }
     }
     Ok(passages)
 }
 
-fn write_row(out: &mut SafeFile, time: Dd, state: &State<Dd>, error: f64) -> std::io::Result<()> {
+fn write_row(
+    out: &mut SafeFile,
+    time: Dd,
+    state: &State<Dd>,
+    error: f64,
+    more: &str,
+) -> std::io::Result<()> {
     let [theta1, theta2] = state.angle.map(|x| x.hi);
     let [omega1, omega2] = state.speed.map(|x| x.hi);
-    writeln!(out, "{},{theta1},{theta2},{omega1},{omega2},{error:e}", time.hi)
+    writeln!(out, "{},{theta1},{theta2},{omega1},{omega2},{error:e}{more}", time.hi)
 }
 
-fn passages_in(step: &TaylorStep<Dd>) -> Vec<CrossingRow> {
-    let mut passages: Vec<CrossingRow> = (0..2)
+fn passages_in(step: &TaylorStep<Dd>) -> Vec<Pass> {
+    let mut passages: Vec<Pass> = (0..2)
         .flat_map(|bob| {
             oracle::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau))
         })
-        .map(|(bob, tau)| CrossingRow { bob: bob + 1, time: step.start + tau })
+        .map(|(bob, tau)| Pass {
+            bob: bob + 1,
+            time: step.start + tau,
+            anticlockwise: step.state(tau).speed[bob].hi > 0.0,
+        })
         .collect();
     passages.sort_by(|a, b| a.time.hi.total_cmp(&b.time.hi));
     passages
 }
 
 /// Prints the crossings; the first of each bob is its flip.
-fn tell(options: &Options, passages: &[CrossingRow]) -> anyhow::Result<()> {
+fn tell(options: &Options, passages: &[Pass]) -> anyhow::Result<()> {
     let first = |bob| passages.iter().find(|p| p.bob == bob).map(|p| p.time.hi);
     if options.json {
         let list: Vec<_> = passages
@@ -156,7 +164,7 @@ fn tell(options: &Options, passages: &[CrossingRow]) -> anyhow::Result<()> {
             None => super::tell(&format!("flipmap: the {name} bob does not flip")),
         }
     }
-    for CrossingRow { bob, time } in passages {
+    for Pass { bob, time, .. } in passages {
         super::tell(&format!("flipmap: bob {bob} passes the top at {:.12} s", time.hi));
     }
     Ok(())

@@ -6,13 +6,13 @@ use clap::Args;
 use flipmap::engine::choice::Chosen;
 use flipmap::farm::{Plan, PlannedOutput, Task};
 use flipmap::film::ffmpeg::{Codec, arguments};
-use flipmap::scene::film::Film;
+use flipmap::scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
 use super::progress::Mode;
 use super::run_options::{check_steps, start};
-use super::{farm, moments, stop};
+use super::{farm, frames, stop};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -43,9 +43,13 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(codec) = codec {
         codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
     }
+    let is_of_flips = film.kind() == FilmKind::Flips;
+    if !is_of_flips {
+        frames::check(options, &film, &spec)?;
+    }
     farm::check_output(&options.output)?;
-    if film.is_of_moments() {
-        return moments::run(options, &film, &spec);
+    if !is_of_flips {
+        return frames::run(options, &film, &spec);
     }
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     std::fs::create_dir_all(&cache)

@@ -267,7 +267,7 @@ mod tests {
             },
             config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },
             starts: Starts::Rest(vec![[Dd::new(id as f64); 2]]),
-            keep: Keep::Nothing,
+            keep: Keep::NOTHING,
         }
     }
 

@@ -9,6 +9,8 @@ use super::gpu::device::{Gpu, adapters, describe};
 use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::profile::{Profile, ProfileRow};
 use super::{Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck};
+use crate::question::Needs;
+use crate::scene::QuestionTable;
 
 /// A user's request for an engine.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +25,22 @@ pub struct EngineRequest {
     pub setting: IntegrationSetting,
     /// Longest time that a slice may run on an adapter.
     pub pace: Duration,
+}
+
+impl EngineRequest {
+    /// The same request for an engine that answers a question: unless another is named, the processor
+    /// for growth and returns, for which engines are not compared.
+    #[must_use]
+    pub fn answering(self, question: &QuestionTable) -> Self {
+        let needs = question.ask.kind().needs;
+        let is_named = self.kind.is_some() || self.adapter.is_some();
+        match needs {
+            Needs::Growth | Needs::Return if !is_named => {
+                EngineRequest { kind: Some(EngineKind::Cpu), ..self }
+            }
+            _ => self,
+        }
+    }
 }
 
 impl Default for EngineRequest {

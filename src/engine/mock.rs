@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use super::{
-    Effort, End, Engine, EngineError, EngineKind, IntegratorState, Job, JobResult, Keep, Leaf,
+    Effort, End, Ends, Engine, EngineError, EngineKind, IntegratorState, Job, JobResult, Leaf,
     Moving, NUMBERS,
 };
 use super::{IntegratorConfig, Question, Starts, Wait};
@@ -73,7 +73,7 @@ impl MockEngine {
         for (number, value) in numbers.iter_mut().zip(known.into_iter().chain(angles)) {
             *number = value;
         }
-        IntegratorState { steps: 1, numbers }
+        IntegratorState::new(1, numbers)
     }
 
     /// The present angles of a pendulum in motion.
@@ -129,12 +129,12 @@ impl Engine for MockEngine {
         self.answered += angles.len();
         let outcomes: Vec<_> = angles.iter().map(|a| Self::answer(&question, *a)).collect();
         let unfinished = (0..angles.len())
-            .filter(|k| keep == Keep::Unfinished && outcomes[*k].status == Status::Unflipped)
+            .filter(|k| keep.states && outcomes[*k].status == Status::Unflipped)
             .map(|k| (k, Self::pause(&question, angles[k])))
             .collect();
         let effort = Effort { rhs_evaluations: angles.len() as u64, ..Effort::default() };
         let end = |outcome: &Outcome| End { time: outcome.time, ..End::NOWHERE };
-        let ended = outcomes.iter().filter(|_| keep == Keep::Ends);
+        let ended = outcomes.iter().filter(|_| keep.ends == Ends::Plain);
         let ends: Vec<End> = ended.map(end).collect();
         Ok(vec![JobResult { id, outcomes, unfinished, ends, effort, ..JobResult::default() }])
     }

@@ -22,6 +22,8 @@ pub mod cpu;
 pub mod depth;
 mod end;
 pub mod gpu;
+pub mod integrator_state;
+mod keep;
 pub mod kind;
 pub mod level;
 pub mod method;
@@ -38,14 +40,13 @@ pub mod trust;
 
 use std::time::Instant;
 
-use serde::{Deserialize, Serialize};
-
 use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
-use crate::question::Needs;
 use crate::scene::{Build, Scene};
 pub use cells::{Cells, Indistinguishable};
 pub use depth::DepthStats;
 pub use end::End;
+pub use integrator_state::{Carried, IntegratorState, NUMBERS};
+pub use keep::{Ends, Keep};
 pub use kind::EngineKind;
 pub use level::Accuracy;
 use method::Pace;
@@ -111,19 +112,6 @@ pub struct IntegratorConfig {
     pub precision: Precision,
 }
 
-/// Most numbers that a pendulum's state can have, see [`start`].
-pub const NUMBERS: usize = 15;
-
-/// An unfinished pendulum between two jobs, exactly as the kernel left it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct IntegratorState {
-    /// Number of steps taken; for adaptive methods, of steps tried.
-    pub steps: u32,
-    /// The state in the kernel's units and in the order that [`start`] gives; exact for every
-    /// precision.
-    pub numbers: [f64; NUMBERS],
-}
-
 /// One piece of work for an engine.
 #[derive(Clone, Debug)]
 pub struct Job {
@@ -137,40 +125,6 @@ pub struct Job {
     pub starts: Starts,
     /// Selects the states to return along with the outcomes.
     pub keep: Keep,
-}
-
-/// A selection of the pendulums' states that a job returns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Keep {
-    /// No states.
-    #[default]
-    Nothing,
-    /// The states of pendulums unflipped at the end of the budget, so that they can be continued.
-    Unfinished,
-    /// The end of each pendulum, so that answers can be compared.
-    Ends,
-    /// The end of each pendulum with its growth, for which its tangents are carried along.
-    Growth,
-    /// The end of each pendulum with its nearest return to the start.
-    Return,
-}
-
-impl Keep {
-    /// Returns true if only the processor's engine returns it.
-    pub fn is_of_the_processor(self) -> bool {
-        matches!(self, Keep::Growth | Keep::Return)
-    }
-}
-
-impl From<Needs> for Keep {
-    fn from(needs: Needs) -> Keep {
-        match needs {
-            Needs::Outcome => Keep::Nothing,
-            Needs::End => Keep::Ends,
-            Needs::Growth => Keep::Growth,
-            Needs::Return => Keep::Return,
-        }
-    }
 }
 
 impl Job {

@@ -228,7 +228,7 @@ impl Sample {
     ) -> Result<JobResult, super::EngineError> {
         let starts = Starts::Rest(starts.to_vec());
         let question = self.question;
-        engine.submit(Job { id: 0, question, config, starts, keep: Keep::Nothing })?;
+        engine.submit(Job { id: 0, question, config, starts, keep: Keep::NOTHING })?;
         let mut finished = engine.poll(Wait::UntilFinished)?;
         finished
             .pop()

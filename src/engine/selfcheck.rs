@@ -117,7 +117,7 @@ pub fn orbits(
             _ => Method::LESSON,
         };
         let config = IntegratorConfig { method, precision };
-        let job = Job { id: 0, question, config, starts, keep: Keep::Nothing };
+        let job = Job { id: 0, question, config, starts, keep: Keep::NOTHING };
         // A refused precision has its failed checks already.
         let Ok(()) = engine.submit(job) else { continue };
         let finished = engine.poll(Wait::UntilFinished)?;

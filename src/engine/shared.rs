@@ -81,7 +81,7 @@ pub struct RawOutcome {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct CountedOutcome {
-    /// What every kernel writes.
+    /// The outcome that every kernel writes.
     pub raw: RawOutcome,
     /// Number of passes by each bob anticlockwise and clockwise, the first bob first.
     pub passes: [u32; 4],

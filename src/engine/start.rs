@@ -6,13 +6,16 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::integrator_state::carried_names;
 use super::method::Pace;
 use super::{
-    End, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving, NUMBERS, Precision,
-    Question, Starts,
+    Carried, End, Ends, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving,
+    NUMBERS, Precision, Question, Starts,
 };
+use crate::physics::dual::Dual;
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
+use crate::physics::tangents::{Tangents, log_growth, released};
 use crate::physics::{Accumulators, Angle, Dd, Launch, Pendulum, Scalar, State, control};
 
 /// Names of the numbers of a fixed-step state.
@@ -31,9 +34,11 @@ pub const TIME_LOW: usize = 13;
 /// Index of the next step's length in an adaptive state.
 pub const STEP: usize = 14;
 
-/// Indices in [`IntegratorState::numbers`] of a device's numbers and of their remainders.
-pub fn places(state: &[&str], precision: Precision) -> Vec<[Option<usize>; 2]> {
-    let all: &[&str] = if state.contains(&"h") { &PHASE } else { &ANGLES };
+/// Indices of a device's numbers and of their remainders (see [`IntegratorState::number`]), where jobs
+/// return such ends.
+pub fn places(state: &[&str], precision: Precision, ends: Ends) -> Vec<[Option<usize>; 2]> {
+    let phase = [&PHASE[..], &carried_names(ends)].concat();
+    let all: &[&str] = if state.contains(&"h") { &phase } else { &ANGLES };
     let place = |name: &str| all.iter().position(|&other| other == name);
     let low = |name: &str| match precision {
         Precision::Df32 => place(&format!("{name}_low")),
@@ -55,7 +60,7 @@ fn at_rest(config: &IntegratorConfig, angle: [Dd; 2]) -> IntegratorState {
         }
         numbers[STEP] = control::FIRST;
     }
-    IntegratorState { steps: 0, numbers }
+    IntegratorState::new(0, numbers)
 }
 
 /// The state of a pendulum thrown with speeds; `reduced` is the pendulum in reduced units and
@@ -89,8 +94,63 @@ fn vectors(config: &IntegratorConfig, angle: [Dd; 2]) -> [[Dd; 2]; 2] {
     }
 }
 
-/// The states in which a job's pendulums begin.
+/// Refuses paused pendulums that do not carry what the job returns.
+pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
+    let carries = |state: &IntegratorState| match (job.keep.ends, state.carried.as_deref()) {
+        (Ends::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
+        (Ends::Return, carried) => matches!(carried, Some(Carried::Return { .. })),
+        _ => true,
+    };
+    let is_possible = match &job.starts {
+        Starts::Rest(_) | Starts::Thrown(_) => true,
+        Starts::Resumed(states) => states.iter().all(carries),
+        Starts::Moving(_) | Starts::Deep(_) => !job.keep.ends.are_carried(),
+    };
+    if is_possible {
+        return Ok(());
+    }
+    let why = "growth and returns go on only where they were begun at the release";
+    Err(EngineError::Unsupported(why.to_string()))
+}
+
+/// The states in which a job's pendulums begin, with all that they take along.
 pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
+    let states = plain_states(job)?;
+    if !job.keep.ends.are_carried() {
+        return Ok(states);
+    }
+    let (reduced, _) = job.question.reduced();
+    let pace = Pace::new(&job.question, &job.config)?;
+    let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
+        (Some(_), _) => state,
+        (None, Ends::Growth) => with_tangents(&reduced, &pace, &state),
+        (None, _) => with_start(state),
+    };
+    Ok(states.into_iter().map(begun).collect())
+}
+
+/// A start, as unit vectors and momenta, that looks for its nearest return.
+fn with_start(state: IntegratorState) -> IntegratorState {
+    let (start, nearest) = (phase_of(&state.numbers), Accumulators::NONE.nearest);
+    let carried = Some(Box::new(Carried::Return { start, has_left: false, nearest }));
+    IntegratorState { carried, ..state }
+}
+
+/// A start with the tangents of itself, as unit vectors and momenta at every pace.
+fn with_tangents(reduced: &Pendulum<f64>, pace: &Pace, start: &IntegratorState) -> IntegratorState {
+    let phase = phase_at(reduced, pace, start);
+    let mut numbers = [0.0; NUMBERS];
+    numbers[..6].copy_from_slice(&phase);
+    numbers[STEP] = match pace {
+        Pace::Fixed(steps) => steps.length,
+        Pace::Adaptive(_) => control::FIRST,
+    };
+    let slopes = released(reduced, &phase).map(|number| number.slope);
+    let carried = Carried::Tangents { slopes, log_scale: 0.0 };
+    IntegratorState { steps: 0, numbers, carried: Some(Box::new(carried)) }
+}
+
+fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let Job { question, config, .. } = job;
     match &job.starts {
         Starts::Resumed(paused) => Ok(paused.clone()),
@@ -128,7 +188,7 @@ pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Opti
         Starts::Resumed(states) => {
             let highest = (1.0 + ABOVE_REST) * (reduced.p + reduced.q);
             let thrown = states.iter().filter_map(|state| {
-                let phase = phase_at(&reduced, pace, &state.numbers);
+                let phase = phase_at(&reduced, pace, state);
                 let speed = reduced.speeds(&phase);
                 let kinetic = 0.5 * (phase[4] * speed[0] + phase[5] * speed[1]);
                 let energy = kinetic - reduced.depth([phase[0], phase[2]]);
@@ -159,7 +219,7 @@ fn on_its_way(
                 _ => parts(Dd { hi: high, lo: low }, config.precision),
             };
             numbers[STEP] = moving.step;
-            IntegratorState { steps: 0, numbers }
+            IntegratorState::new(0, numbers)
         }
         Pace::Fixed(steps) => {
             let (reduced, _) = question.reduced();
@@ -174,7 +234,7 @@ fn on_its_way(
                 [numbers[i], numbers[4 + i]] = parts(Dd::new(angle), config.precision);
                 numbers[2 + i] = reduced.speeds(&phase)[i];
             }
-            IntegratorState { steps: count as u32, numbers }
+            IntegratorState::new(count as u32, numbers)
         }
     }
 }
@@ -189,11 +249,13 @@ pub fn angles_of(numbers: &[f64]) -> [f64; 2] {
     [numbers[0] + numbers[4], numbers[1] + numbers[5]]
 }
 
-/// The unit vectors and momenta of a state at this pace.
-pub fn phase_at(reduced: &Pendulum<f64>, pace: &Pace, numbers: &[f64; NUMBERS]) -> Phase<f64> {
-    match pace {
-        Pace::Adaptive(_) => phase_of(numbers),
-        Pace::Fixed(_) => {
+/// The unit vectors and momenta of a state at this pace; with tangents, states of all paces have
+/// them.
+pub fn phase_at(reduced: &Pendulum<f64>, pace: &Pace, state: &IntegratorState) -> Phase<f64> {
+    let IntegratorState { numbers, carried, .. } = state;
+    match (pace, carried.as_deref()) {
+        (Pace::Adaptive(_), _) | (_, Some(Carried::Tangents { .. })) => phase_of(numbers),
+        (Pace::Fixed(_), _) => {
             let speed = [numbers[2], numbers[3]];
             reduced.phase(&State { angle: angles_of(numbers), speed })
         }
@@ -211,9 +273,10 @@ pub fn end(
     clearance: f64,
 ) -> End {
     let numbers = &left.numbers;
-    let begin = phase_at(reduced, pace, numbers);
+    let begin = phase_at(reduced, pace, left);
+    let counts = left.counts();
     let (from, turns) = match pace {
-        Pace::Adaptive(_) => (numbers[TIME] + numbers[TIME_LOW], [0; 2]),
+        Pace::Adaptive(_) => (numbers[TIME] + numbers[TIME_LOW], counts.turns),
         Pace::Fixed(steps) => {
             let turns = angles_of(numbers).map(whole_turns);
             (f64::from(left.steps) * steps.length, turns)
@@ -226,8 +289,28 @@ pub fn end(
     };
     let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
     let change = dop853(reduced, scale, &begin, time - from).change;
-    let gathered = Accumulators { turns, ..Accumulators::NONE };
+    let gathered = Accumulators { turns, ..counts };
     End { time, phase: plus(&begin, &change), clearance, gathered, ..End::NOWHERE }
+}
+
+/// The end of a pendulum with tangents, with the growth of the largest of all nudges.
+pub fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -> End {
+    let (phase, slopes) = (phase_of(&left.numbers), left.slopes());
+    let state: Tangents<f64> = std::array::from_fn(|i| Dual { value: phase[i], slope: slopes[i] });
+    let log_growth = log_growth(reduced, &state) + left.log_scale();
+    let gathered = Accumulators { log_growth, ..Accumulators::NONE };
+    End { time: left.numbers[TIME] + left.numbers[TIME_LOW], phase, gathered, ..End::NOWHERE }
+}
+
+/// The end of a pendulum that has looked for its nearest return.
+pub fn end_with_return(left: &IntegratorState) -> End {
+    let nearest = match left.carried.as_deref() {
+        Some(Carried::Return { nearest, .. }) => *nearest,
+        _ => Accumulators::NONE.nearest,
+    };
+    let gathered = Accumulators { nearest, ..Accumulators::NONE };
+    let (time, phase) = (left.numbers[TIME] + left.numbers[TIME_LOW], phase_of(&left.numbers));
+    End { time, phase, gathered, ..End::NOWHERE }
 }
 
 /// Number of whole turns in an angle (rad) that began in (−π, π].

@@ -62,6 +62,8 @@ pub struct Moving {
     pub clearance: f64,
     /// Growth so far, see [`super::End::grown`].
     pub grown: f64,
+    /// Whole turns of each bob so far.
+    pub turns: [i32; 2],
 }
 
 impl Starts {

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use egui::{Color32, Grid, Slider, SliderClamping, Ui};
 
-use crate::physics::Decimal;
+use crate::physics::{Decimal, State};
 use crate::scene::{Build, Kind};
 
 /// Shows a named number with a slider in a row of a grid; returns true if it was changed. A typed
@@ -104,6 +104,14 @@ pub(super) fn build(ui: &mut Ui, build: &mut Build) -> bool {
         decimal(ui, "Gravity g", " m/s²", gravity, 0.1..=30.0);
     });
     *build != before
+}
+
+/// Shows a row with the speeds of a start that is thrown.
+pub(super) fn thrown(ui: &mut Ui, start: &State<f64>) {
+    let [omega1, omega2] = start.speed;
+    if start.speed != [0.0; 2] {
+        row(ui, "thrown with", format!("{omega1:.3}, {omega2:.3} rad/s"));
+    }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end, ends, wrapped};
 use super::{FigureRequest, LiveFigure};
+use crate::physics::State;
 
 /// A live figure of two angles, and of the second pivot riding on the first bob.
 #[derive(Clone, Debug)]
@@ -18,7 +19,7 @@ impl Default for Double {
 }
 
 impl LiveFigure for Double {
-    fn open(&mut self, start: [f64; 2]) {
+    fn open(&mut self, start: State<f64>) {
         self.0.release(start);
     }
 

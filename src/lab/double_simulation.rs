@@ -16,13 +16,13 @@ const TRAIL: usize = 480;
 /// Number of steps between two points of the trail.
 const TRAIL_EVERY: u64 = 8;
 
-/// A double pendulum, released from rest.
+/// A double pendulum, released from rest or thrown.
 #[derive(Clone, Debug)]
 pub(super) struct DoublePendulumSimulation {
     /// The pendulum's kind, masses, lengths and gravity.
     pub build: Build,
-    /// Angles of the release in rad.
-    pub start: [f64; 2],
+    /// State at the release.
+    pub start: State<f64>,
     /// State at the last step.
     pub state: State<f64>,
     /// The clock of the steps.
@@ -34,31 +34,33 @@ pub(super) struct DoublePendulumSimulation {
 }
 
 impl DoublePendulumSimulation {
-    /// Creates a default pendulum released at two angles.
-    pub(super) fn from(start: [f64; 2]) -> Self {
+    /// Creates a default pendulum released at two angles in rad.
+    pub(super) fn from(angle: [f64; 2]) -> Self {
+        let start = State::rest(angle);
         DoublePendulumSimulation {
             build: Build::default(),
             start,
-            state: State::rest(start),
+            state: start,
             clock: Clock::new(1.0 / STEPS_A_SEC),
             trail: Vec::new(),
             held: None,
         }
     }
 
-    /// Releases the pendulum again, at two angles.
-    pub(super) fn release(&mut self, start: [f64; 2]) {
-        self.start = start;
-        self.state = State::rest(start);
+    /// Releases the pendulum again, in another state.
+    pub(super) fn release(&mut self, start: State<f64>) {
+        (self.start, self.state) = (start, start);
         self.clock = Clock::new(self.clock.step_secs);
         self.trail.clear();
     }
 
-    /// Returns the start, the masses, the lengths and the gravity.
+    /// Returns the angles of the start, the masses, the lengths, the gravity, and the speeds of the
+    /// start.
     pub(super) fn set(&self) -> Vec<f64> {
         let gravity = self.build.gravity.value();
         let (masses, lengths) = (self.build.masses_kg(), self.build.lengths_m());
-        [&self.start[..], &masses, &lengths, &[gravity]].concat()
+        let State { angle, speed } = self.start;
+        [&angle[..], &masses, &lengths, &[gravity], &speed].concat()
     }
 
     /// Returns the five coefficients of the equations of motion.
@@ -108,7 +110,7 @@ impl DoublePendulumSimulation {
         let bob = *self.held.get_or_insert(usize::from(away(second) < away(first)));
         let mut angle = self.state.angle.map(wrapped);
         angle[bob] = angle_of([[0.0; 2], first][bob], place);
-        self.release(angle);
+        self.release(State::rest(angle));
     }
 
     /// Draws the pendulum with its trail.

@@ -7,6 +7,7 @@ use super::controls::{coloured_row, row};
 use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
+use crate::physics::State;
 use crate::physics::simple::MOST_AMPLITUDE;
 
 /// A live figure of a swing and its ghost.
@@ -40,8 +41,8 @@ impl Ghost {
 }
 
 impl LiveFigure for Ghost {
-    fn open(&mut self, start: [f64; 2]) {
-        self.0.release(start[0]);
+    fn open(&mut self, start: State<f64>) {
+        self.0.release(start.angle[0]);
     }
 
     fn advance(&mut self, elapsed_secs: f64) {

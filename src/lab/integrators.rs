@@ -4,7 +4,7 @@ use egui::{Color32, Grid, Ui, vec2};
 
 use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::clock::Clock;
-use super::controls::{coloured_row, number_on};
+use super::controls::{coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{COLOURS, FigureCanvas, INK, ends};
 use super::{FigureRequest, LiveFigure};
@@ -44,12 +44,12 @@ impl Integrator {
     fn run(
         self,
         pendulum: &Pendulum<f64>,
-        start: [f64; 2],
+        start: State<f64>,
         secs: f64,
         step_secs: f64,
     ) -> State<f64> {
         let steps = (secs / step_secs).round().max(1.0);
-        let mut state = State::rest(start);
+        let mut state = start;
         for _ in 0..steps as usize {
             state = self.step(pendulum, &state, secs / steps);
         }
@@ -73,7 +73,7 @@ const DIVERGED_SPEED: f64 = 1e6;
 
 impl Sweep {
     /// Computes the sweep of a pendulum released at `start`.
-    pub fn of(pendulum: &Pendulum<f64>, start: [f64; 2]) -> Self {
+    pub fn of(pendulum: &Pendulum<f64>, start: State<f64>) -> Self {
         let truth = Integrator::Rk4.run(pendulum, start, SWEEP_SECS, 1.0 / 65536.0);
         let steps_secs: Vec<f64> = (6..=11).map(|k| 0.5f64.powi(k)).collect();
         let errors = Integrator::ALL.map(|(method, ..)| {
@@ -130,7 +130,7 @@ impl MethodRun {
 /// The live figure of the three integrators.
 #[derive(Clone, Debug)]
 pub struct Integrators {
-    start: [f64; 2],
+    start: State<f64>,
     step_secs: f64,
     clock: Clock,
     runs: [MethodRun; 3],
@@ -142,15 +142,15 @@ const LONGEST_SECS: f64 = 120.0;
 
 impl Default for Integrators {
     fn default() -> Self {
-        Integrators::new([1.2, 0.9], 1.0 / 100.0)
+        Integrators::new(State::rest([1.2, 0.9]), 1.0 / 100.0)
     }
 }
 
 impl Integrators {
     /// Creates the figure: three pendulums released at `start`, with steps of `step_secs`.
-    pub fn new(start: [f64; 2], step_secs: f64) -> Self {
-        let state = State::rest(start);
-        let run = MethodRun { state, before: state, errors: vec![[0.0; 2]], diverged_at: None };
+    pub fn new(start: State<f64>, step_secs: f64) -> Self {
+        let run =
+            MethodRun { state: start, before: start, errors: vec![[0.0; 2]], diverged_at: None };
         Integrators {
             start,
             step_secs,
@@ -163,7 +163,7 @@ impl Integrators {
     fn step(&mut self, secs: f64) {
         let pendulum = pendulum();
         let unit = pendulum.p + pendulum.q;
-        let energy = pendulum.energy(&State::rest(self.start));
+        let energy = pendulum.energy(&self.start);
         for (run, (method, ..)) in self.runs.iter_mut().zip(Integrator::ALL) {
             if run.diverged_at.is_some() {
                 continue;
@@ -198,7 +198,7 @@ impl Integrators {
 }
 
 impl LiveFigure for Integrators {
-    fn open(&mut self, start: [f64; 2]) {
+    fn open(&mut self, start: State<f64>) {
         *self = Integrators::new(start, self.step_secs);
     }
 
@@ -245,14 +245,15 @@ impl LiveFigure for Integrators {
         let mut changed = false;
         Grid::new("integrators").num_columns(2).show(ui, |ui| {
             changed |= number_on(ui, "Step Δt", " ms", &mut step_ms, 1.0..=200.0, true);
-            changed |= number_on(ui, "θ1", " rad", &mut start[0], -3.1..=3.1, false);
-            changed |= number_on(ui, "θ2", " rad", &mut start[1], -3.1..=3.1, false);
+            changed |= number_on(ui, "θ1", " rad", &mut start.angle[0], -3.1..=3.1, false);
+            changed |= number_on(ui, "θ2", " rad", &mut start.angle[1], -3.1..=3.1, false);
         });
         if changed || ui.button("Restart").clicked() {
             *self = Integrators::new(start, step_ms / 1e3);
         }
         ui.separator();
         Grid::new("integrators now").num_columns(2).show(ui, |ui| {
+            thrown(ui, &self.start);
             for (k, (run, (_, name, colour))) in self.runs.iter().zip(Integrator::ALL).enumerate() {
                 let error = run.errors.last().map_or(0.0, |last| last[1]);
                 let now = run
@@ -270,7 +271,7 @@ impl LiveFigure for Integrators {
     }
 
     fn set(&self) -> Vec<f64> {
-        vec![self.start[0], self.start[1], self.step_secs]
+        vec![self.start.angle[0], self.start.angle[1], self.step_secs]
     }
 
     fn csv(&self, secs: f64) -> String {
@@ -333,7 +334,7 @@ mod tests {
 
     #[test]
     fn what_is_drawn_lies_between_two_steps() {
-        let mut live = Integrators::new([1.0, 0.5], 0.1);
+        let mut live = Integrators::new(State::rest([1.0, 0.5]), 0.1);
         (0..3).for_each(|_| live.advance(0.1));
         let run = &live.runs[2];
         assert_eq!(run.drawn(0.0), run.before.angle);
@@ -343,10 +344,10 @@ mod tests {
 
     #[test]
     fn a_step_that_is_far_too_long_diverges_and_no_other_number_is_lost() {
-        let mut live = Integrators::new([2.9, 2.9], 0.2);
+        let mut live = Integrators::new(State::rest([2.9, 2.9]), 0.2);
         (0..2000).for_each(|_| live.advance(0.2));
         assert!(live.runs[0].errors.iter().flatten().all(|x| x.is_finite()));
-        let mut late = Integrators::new([2.9, 2.9], 0.2);
+        let mut late = Integrators::new(State::rest([2.9, 2.9]), 0.2);
         (1..=3000).for_each(|k| late.step(f64::from(k) * 0.2));
         assert!(late.runs[0].diverged_at.is_some());
         assert!(late.runs[0].state.angle.iter().all(|x| x.is_finite()));

@@ -6,6 +6,7 @@ use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, wrapped};
 use super::{FigureRequest, LiveFigure};
+use crate::physics::State;
 
 /// A live figure of the double pendulum with its equation and energy.
 #[derive(Clone, Debug)]
@@ -18,7 +19,7 @@ impl Default for MachineFigure {
 }
 
 impl LiveFigure for MachineFigure {
-    fn open(&mut self, start: [f64; 2]) {
+    fn open(&mut self, start: State<f64>) {
         self.0.release(start);
     }
 
@@ -89,10 +90,10 @@ fn equation(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
 /// Shows kinetic and potential energy as shares of the total above hanging at rest.
 fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     let pendulum = simulation.pendulum();
-    let (state, start) = (simulation.state, crate::physics::State::rest(simulation.start));
+    let (state, start) = (simulation.state, simulation.start);
     let lowest = -(pendulum.p + pendulum.q);
     let all = (pendulum.energy(&start) - lowest).max(1e-12);
-    let potential = pendulum.energy(&crate::physics::State::rest(state.angle)) - lowest;
+    let potential = pendulum.energy(&State::rest(state.angle)) - lowest;
     let kinetic = pendulum.energy(&state) - lowest - potential;
     for (name, part) in [("kinetic", kinetic), ("potential", potential)] {
         let text = format!("{name} {part:.2} J");
@@ -125,12 +126,12 @@ pub(super) fn motion(simulation: &DoublePendulumSimulation, secs: f64) -> String
 mod tests {
     use super::*;
     use crate::physics::taylor::Orbit;
-    use crate::physics::{Dd, Scalar, State};
+    use crate::physics::{Dd, Scalar};
 
     #[test]
     fn rows_are_states_at_their_moments() {
         let simulation = DoublePendulumSimulation::from([2.0, -1.0]);
-        let start = State::rest(simulation.start.map(Dd::new));
+        let start = State::rest(simulation.start.angle.map(Dd::new));
         let mut orbit = Orbit::new(simulation.pendulum().map(Dd::new), start);
         for line in motion(&simulation, 0.5).lines().skip(2) {
             let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();

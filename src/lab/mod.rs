@@ -25,6 +25,8 @@ pub mod twenty;
 use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
 
+use crate::physics::State;
+
 /// A figure of the lesson.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
@@ -88,14 +90,15 @@ impl Figure {
 /// A request from a figure to the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FigureRequest {
-    /// Shows this start (θ1, θ2 in rad) on the map.
-    ToMap([f64; 2]),
+    /// Shows this start on the map.
+    ToMap(State<f64>),
 }
 
 /// A figure that runs live and that the user can change.
 pub trait LiveFigure {
-    /// Begins again from a start found elsewhere (θ1, θ2 in rad); a single pendulum takes θ1.
-    fn open(&mut self, start: [f64; 2]);
+    /// Begins again from a start found elsewhere; a single pendulum takes θ1, and is released at
+    /// rest.
+    fn open(&mut self, start: State<f64>);
     /// Advances the figure by `elapsed_secs`.
     fn advance(&mut self, elapsed_secs: f64);
     /// Draws the figure in an area of `size` points.
@@ -135,8 +138,8 @@ impl Lab {
         self.live[self.figure as usize].as_ref().map_or(Vec::new(), |live| live.set())
     }
 
-    /// Shows a figure and opens a start (θ1, θ2 in rad) in it.
-    pub fn open(&mut self, figure: Figure, start: [f64; 2]) {
+    /// Shows a figure and opens a start in it.
+    pub fn open(&mut self, figure: Figure, start: State<f64>) {
         self.figure = figure;
         if let Some(live) = self.live() {
             live.open(start);

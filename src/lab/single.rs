@@ -6,6 +6,7 @@ use super::controls::row;
 use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
+use crate::physics::State;
 
 /// A live figure of one coordinate, one mass, one rod, and gravity.
 #[derive(Clone, Debug)]
@@ -18,8 +19,8 @@ impl Default for Single {
 }
 
 impl LiveFigure for Single {
-    fn open(&mut self, start: [f64; 2]) {
-        self.0.release(start[0]);
+    fn open(&mut self, start: State<f64>) {
+        self.0.release(start.angle[0]);
     }
 
     fn advance(&mut self, elapsed_secs: f64) {

@@ -4,7 +4,7 @@ use egui::{Color32, Grid, Ui, vec2};
 
 use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::clock::Clock;
-use super::controls::{brief, number_on, row};
+use super::controls::{brief, number_on, row, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, ends};
 use super::{FigureRequest, LiveFigure};
@@ -16,7 +16,7 @@ use crate::physics::{Dd, State};
 /// Pendulums released from almost the same start.
 #[derive(Clone, Debug)]
 pub struct Twenty {
-    start: [f64; 2],
+    start: State<f64>,
     count: usize,
     nudge_rad: f64,
     clock: Clock,
@@ -37,14 +37,15 @@ const LONGEST_SECS: f64 = 60.0;
 
 impl Default for Twenty {
     fn default() -> Self {
-        Twenty::new([2.2, 2.5], 20, 1e-7)
+        Twenty::new(State::rest([2.2, 2.5]), 20, 1e-7)
     }
 }
 
 impl Twenty {
     /// Creates `count` pendulums, each released `nudge_rad` further in θ1 than the one before.
-    pub fn new(start: [f64; 2], count: usize, nudge_rad: f64) -> Self {
-        let at = |k: usize| State::rest([start[0] + k as f64 * nudge_rad, start[1]]);
+    pub fn new(start: State<f64>, count: usize, nudge_rad: f64) -> Self {
+        let [theta1, theta2] = start.angle;
+        let at = |k: usize| State { angle: [theta1 + k as f64 * nudge_rad, theta2], ..start };
         Twenty {
             start,
             count,
@@ -57,7 +58,7 @@ impl Twenty {
         }
     }
 
-    fn restart(&mut self, start: [f64; 2], count: usize, nudge_rad: f64) {
+    fn restart(&mut self, start: State<f64>, count: usize, nudge_rad: f64) {
         let Twenty { tolerance_rad, precision_rad, .. } = *self;
         *self = Twenty { tolerance_rad, precision_rad, ..Twenty::new(start, count, nudge_rad) };
     }
@@ -115,7 +116,7 @@ fn shade(k: usize, count: usize) -> Color32 {
 }
 
 impl LiveFigure for Twenty {
-    fn open(&mut self, start: [f64; 2]) {
+    fn open(&mut self, start: State<f64>) {
         self.restart(start, self.count, self.nudge_rad);
     }
 
@@ -155,8 +156,8 @@ impl LiveFigure for Twenty {
         Grid::new("twenty").num_columns(2).show(ui, |ui| {
             changed |= number_on(ui, "Pendulums", "", &mut count, 2.0..=50.0, false);
             changed |= number_on(ui, "Nudge", " rad", &mut nudge, 1e-13..=1e-2, true);
-            changed |= number_on(ui, "θ1", " rad", &mut start[0], -3.1..=3.1, false);
-            changed |= number_on(ui, "θ2", " rad", &mut start[1], -3.1..=3.1, false);
+            changed |= number_on(ui, "θ1", " rad", &mut start.angle[0], -3.1..=3.1, false);
+            changed |= number_on(ui, "θ2", " rad", &mut start.angle[1], -3.1..=3.1, false);
             number_on(ui, "Tolerance", " rad", &mut self.tolerance_rad, 1e-3..=1.0, true);
             number_on(ui, "Precision", " rad", &mut self.precision_rad, 1e-16..=1e-3, true);
         });
@@ -165,6 +166,7 @@ impl LiveFigure for Twenty {
         }
         ui.separator();
         Grid::new("twenty now").num_columns(2).show(ui, |ui| {
+            thrown(ui, &self.start);
             row(ui, "time", format!("{:.2} s", self.clock.secs()));
             let apart = self.readings.last().map_or(0.0, |reading| reading.separation_rad);
             let full = if apart > SATURATED_RAD { ", saturated" } else { "" };
@@ -185,7 +187,7 @@ impl LiveFigure for Twenty {
     }
 
     fn set(&self) -> Vec<f64> {
-        vec![self.start[0], self.start[1], self.count as f64, self.nudge_rad]
+        vec![self.start.angle[0], self.start.angle[1], self.count as f64, self.nudge_rad]
     }
 
     fn csv(&self, secs: f64) -> String {
@@ -209,7 +211,7 @@ mod tests {
 
     #[test]
     fn the_climb_is_that_of_the_tangent_map() {
-        let mut live = Twenty::new([2.2, 2.5], 2, 1e-10);
+        let mut live = Twenty::new(State::rest([2.2, 2.5]), 2, 1e-10);
         (0..150).for_each(|_| live.advance(0.1));
         let fitted = live.growth().unwrap();
         // The reference is the growth of a nudge that stays infinitesimal, integrated in

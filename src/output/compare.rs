@@ -3,7 +3,7 @@
 //! Both are read row by row, so that their size does not matter.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// A result that is read row by row, from the top.
@@ -142,12 +142,22 @@ impl ResultRows {
                 return Err(foreign("has other colours than 8-bit RGB".to_string()));
             }
             let info = reader.info();
+            if info.interlaced {
+                return Err(foreign("is interlaced, which no output of flipmap is".to_string()));
+            }
             ([info.width, info.height], ResultKind::Colours(Box::new(reader)))
         } else {
             let mut file = file;
             let (size, channels) = npy_shape(&mut file).ok_or_else(|| {
                 foreign("is no .npy array of little-endian f64 of two or three axes".to_string())
             })?;
+            let values = size.map(u64::from).iter().product::<u64>() * channels as u64;
+            let needed = values.saturating_mul(8) + file.stream_position().map_err(unreadable)?;
+            let found = file.get_ref().metadata().map_err(unreadable)?;
+            if found.is_file() && found.len() != needed {
+                let why = format!("has {} bytes, and its header says {needed}", found.len());
+                return Err(foreign(why));
+            }
             (size, ResultKind::Times(file, channels))
         };
         Ok(ResultRows { path: path.to_path_buf(), size, kind })
@@ -206,7 +216,7 @@ fn npy_shape(file: &mut impl Read) -> Option<([u32; 2], usize)> {
     file.read_exact(&mut text).ok()?;
     let text = String::from_utf8(text).ok()?;
     let fits = head.starts_with(b"\x93NUMPY\x01")
-        && text.contains("'<f8'")
+        && text.contains("'descr': '<f8'")
         && text.contains("'fortran_order': False");
     let (_, shape) = text.split_once("'shape': (")?;
     let axes: Option<Vec<u32>> =
@@ -216,7 +226,7 @@ fn npy_shape(file: &mut impl Read) -> Option<([u32; 2], usize)> {
         [height, width, channels @ 1..=MOST_CHANNELS] => ([width, height], channels as usize),
         _ => return None,
     };
-    fits.then_some(shape)
+    (fits && !shape.0.contains(&0)).then_some(shape)
 }
 
 impl Difference {
@@ -391,9 +401,15 @@ mod tests {
         let good = "{'descr': '<f8', 'fortran_order': False, 'shape': (5, 7), }";
         assert_eq!(header(good), Some(([7, 5], 1)));
         assert_eq!(header(&good.replace("5, 7", "5, 7, 6")), Some(([7, 5], 6)));
-        for (from, to) in
-            [("<f8", "<f4"), ("False", "True"), ("(5, 7)", "(5,)"), ("5", "-5"), ("7", "7, 99")]
-        {
+        for (from, to) in [
+            ("<f8", "<f4"),
+            ("False", "True"),
+            ("(5, 7)", "(5,)"),
+            ("5", "-5"),
+            ("7", "7, 99"),
+            ("5", "0"),
+            ("'<f8'", "[('t', '<f8')]"),
+        ] {
             assert_eq!(header(&good.replace(from, to)), None, "{to}");
         }
         assert_eq!(npy_shape(&mut &b"\x93NUMPY"[..]), None);

@@ -10,7 +10,7 @@ use super::{
     Destination, ExrWriter, NpyWriter, PictureFile, PngError, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
 };
-use crate::scene::Document;
+use crate::scene::{Document, Shown};
 use crate::tiles::Samples;
 
 /// Paths of the outputs, by option.
@@ -82,8 +82,8 @@ enum Sink {
 /// The channels that arrays hold: the chosen one, or all of the question.
 fn channels_of(document: &Document) -> Range<usize> {
     let ask = document.question.ask;
-    match document.picture.channel_of(ask) {
-        Ok(Some(channel)) => channel..channel + 1,
+    match document.picture.shown(ask) {
+        Ok(Shown::Channel(channel)) => channel..channel + 1,
         _ => 0..ask.kind().channels.len(),
     }
 }

@@ -1,7 +1,9 @@
 //! Quantities gathered along a motion, which its end alone does not tell.
 
+use serde::{Deserialize, Serialize};
+
 /// Quantities gathered along a pendulum's motion, where they were asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accumulators {
     /// Whole turns of each bob since the release, anticlockwise ones positive; only counted where
     /// no bob is watched.

@@ -122,7 +122,7 @@ impl<'de> Deserialize<'de> for Decimal {
 /// Maximum length of a number in characters; longer strings are not meant as numbers.
 pub(super) const MOST_CHARACTERS: usize = 1000;
 /// Maximum magnitude of a decimal exponent, for the same reason.
-const MOST_EXPONENT: isize = 2000;
+const MOST_EXPONENT: usize = 2000;
 
 /// Parses a decimal number, if it is one; exponents are allowed, digit separators are not.
 pub(super) fn parse(text: &str) -> Option<DBig> {
@@ -130,8 +130,13 @@ pub(super) fn parse(text: &str) -> Option<DBig> {
     if text.len() > MOST_CHARACTERS || text.contains('_') {
         return None;
     }
+    // Read before the digits are: the longest exponents overflow.
+    let exponent = text.split_once(['e', 'E']).map(|(_, exponent)| exponent.parse::<i64>());
+    if exponent.is_some_and(|e| !e.is_ok_and(|e| e.unsigned_abs() <= MOST_EXPONENT as u64)) {
+        return None;
+    }
     let value = DBig::from_str(text).ok()?;
-    (value.repr().exponent().abs() <= MOST_EXPONENT).then_some(value)
+    (value.repr().exponent().unsigned_abs() <= MOST_EXPONENT).then_some(value)
 }
 
 /// Reads a decimal as the integer nearest to its product with 2^`bits`.
@@ -174,7 +179,17 @@ mod tests {
 
     #[test]
     fn only_numbers_are_read() {
-        for bad in ["", "1_0", "0x10", "pi", "1e99999", "--1", &"1".repeat(1001)] {
+        for bad in [
+            "",
+            "1_0",
+            "0x10",
+            "pi",
+            "1e99999",
+            "1e-9223372036854775808",
+            "1e9223372036854775808",
+            "--1",
+            &"1".repeat(1001),
+        ] {
             assert_eq!(parse(bad), None, "{bad}");
         }
         assert_eq!(read("1.5e0", 1), Some(IBig::from(3)));

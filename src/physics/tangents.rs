@@ -5,9 +5,33 @@ use super::Pendulum;
 use super::dual::Dual;
 use super::phase::Phase;
 use super::real::Real;
+use super::transport::transported_as;
 
 /// A state with its derivatives by the four numbers of its start.
 pub type Tangents<T> = Phase<Dual<4, T>>;
+
+/// Largest slope before all are made smaller by this power of two, so that none overflows in f32
+/// within a stretch of steps; it rounds nothing.
+pub const LARGE: f64 = (1u64 << 40) as f64;
+
+/// A step of the classical Runge–Kutta method.
+#[inline(always)]
+pub fn rk4<T: Real>(
+    pendulum: &Pendulum<Dual<4, T>>,
+    before: &Tangents<T>,
+    length: Dual<4, T>,
+) -> Tangents<T> {
+    let half = length * length.lit(0.5);
+    let from = |slope: &Tangents<T>, by: Dual<4, T>| -> Tangents<T> {
+        std::array::from_fn(|i| before[i] + slope[i] * by)
+    };
+    let k1 = pendulum.derivative(before);
+    let k2 = pendulum.derivative(&from(&k1, half));
+    let k3 = pendulum.derivative(&from(&k2, half));
+    let k4 = pendulum.derivative(&from(&k3, length));
+    let (two, sixth) = (length.lit(2.0), length * length.lit(1.0 / 6.0));
+    std::array::from_fn(|i| before[i] + (k1[i] + two * (k2[i] + k3[i]) + k4[i]) * sixth)
+}
 
 /// A state with the tangents of a start: the derivatives by its own numbers. `pendulum` is in
 /// reduced units.
@@ -31,14 +55,56 @@ pub fn released<T: Real>(pendulum: &Pendulum<T>, phase: &Phase<T>) -> Tangents<T
     [x1, y1, x2, y2, Dual { value: p1, ..momenta[0] }, Dual { value: p2, ..momenta[1] }]
 }
 
+/// The product of the tangent maps along an orbit, one after another.
+#[derive(Clone, Debug)]
+pub struct TangentMap {
+    /// Columns of the map, made smaller so that none overflows.
+    columns: [[f64; 4]; 4],
+    /// Natural logarithm of the factor by which they were made smaller.
+    log_scale: f64,
+}
+
+impl TangentMap {
+    /// The map of a start to itself.
+    pub fn identity() -> Self {
+        let columns = std::array::from_fn(|k| std::array::from_fn(|i| f64::from(u8::from(i == k))));
+        TangentMap { columns, log_scale: 0.0 }
+    }
+
+    /// The map to where the orbit is after the reduced time `by` from `phase`, where this one ends.
+    #[must_use]
+    pub fn followed_by(&self, pendulum: &Pendulum<f64>, phase: &Phase<f64>, by: f64) -> Self {
+        let scale = pendulum.momentum_scale().map(|scale| Dual::new(1.0 / scale));
+        let dual = pendulum.map(Dual::<4>::new);
+        let start = released(pendulum, phase);
+        let state = transported_as(&dual, scale, &start, by, |number| number.value);
+        let step = map_to(pendulum, &state);
+        let columns = self.columns.map(|column| {
+            std::array::from_fn(|i| (0..4).map(|k| step[k][i] * column[k]).sum::<f64>())
+        });
+        let largest = columns.as_flattened().iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+        let columns = columns.map(|column| column.map(|x| x / largest));
+        TangentMap { columns, log_scale: self.log_scale + largest.ln() }
+    }
+
+    /// Natural logarithm of the largest singular value.
+    pub fn log_growth(&self) -> f64 {
+        largest_singular_value(self.columns).ln() + self.log_scale
+    }
+}
+
 /// Natural logarithm of the largest singular value of the tangent map, from the start to a state
 /// with its tangents; `pendulum` is in reduced units.
 pub fn log_growth(pendulum: &Pendulum<f64>, state: &Tangents<f64>) -> f64 {
+    largest_singular_value(map_to(pendulum, state)).ln()
+}
+
+/// The columns of the tangent map from the start to a state with its tangents.
+fn map_to(pendulum: &Pendulum<f64>, state: &Tangents<f64>) -> [[f64; 4]; 4] {
     let [x1, y1, x2, y2, ..] = state;
     let turned = |x: &Dual<4>, y: &Dual<4>, k: usize| x.value * y.slope[k] - y.value * x.slope[k];
     let [w1, w2] = pendulum.map(Dual::new).speeds(state);
-    let column = |k: usize| [turned(x1, y1, k), turned(x2, y2, k), w1.slope[k], w2.slope[k]];
-    largest_singular_value([0, 1, 2, 3].map(column)).ln()
+    [0, 1, 2, 3].map(|k| [turned(x1, y1, k), turned(x2, y2, k), w1.slope[k], w2.slope[k]])
 }
 
 /// The largest singular value of a matrix, from its columns: one-sided Jacobi rotations make them
@@ -99,6 +165,19 @@ mod tests {
         let pendulum = Pendulum::points([1.0, 0.3], [1.0, 0.7], 1.0).reduced().0;
         let phase = pendulum.phase(&State { angle: [0.4, -2.0], speed: [1.5, -0.3] });
         assert!(log_growth(&pendulum, &released(&pendulum, &phase)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn maps_one_after_another_are_the_map_of_the_whole() {
+        let pendulum = Pendulum::points([1.0, 0.3], [1.0, 0.7], 1.0).reduced().0;
+        let start = pendulum.phase(&State { angle: [0.4, -2.0], speed: [1.5, -0.3] });
+        let whole = TangentMap::identity().followed_by(&pendulum, &start, 8.0).log_growth();
+        let (mut map, mut phase) = (TangentMap::identity(), start);
+        for _ in 0..16 {
+            map = map.followed_by(&pendulum, &phase, 0.5);
+            phase = transported(&pendulum, &phase, 0.5);
+        }
+        assert!(whole > 2.0 && (map.log_growth() - whole).abs() < 1e-8, "{whole}");
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! States brought to another time, by short steps of high order.
 
-use super::Pendulum;
 use super::embedded::{dop853, dop853_factor, plus};
 use super::phase::Phase;
+use super::{Pendulum, Real};
 
 /// Tolerance of a step, in unit vectors and scaled momenta.
 const STEP_TOLERANCE: f64 = 1e-13;
@@ -14,14 +14,25 @@ const MOST_STEPS: u32 = 1000;
 /// in reduced units.
 pub fn transported(pendulum: &Pendulum<f64>, phase: &Phase<f64>, by: f64) -> Phase<f64> {
     let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
+    transported_as(pendulum, inverse_scale, phase, by, |number| number)
+}
+
+/// The same for any number type, by the `value` of its numbers.
+pub fn transported_as<T: Real>(
+    pendulum: &Pendulum<T>,
+    inverse_scale: [T; 2],
+    phase: &Phase<T>,
+    by: f64,
+    value: impl Fn(T) -> f64,
+) -> Phase<T> {
     let (mut phase, mut left, mut step) = (*phase, by.abs(), FIRST_STEP);
     for _ in 0..MOST_STEPS {
         if left <= 0.0 {
             break;
         }
         let length = left.min(step);
-        let trial = dop853(pendulum, inverse_scale, &phase, length.copysign(by));
-        let error = trial.error_squared.sqrt();
+        let trial = dop853(pendulum, inverse_scale, &phase, phase[0].lit(length.copysign(by)));
+        let error = value(trial.error_squared).sqrt();
         if error <= STEP_TOLERANCE {
             phase = plus(&phase, &trial.change);
             left -= length;

@@ -14,6 +14,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     at_a_time: false,
     is_even: true,
     painted: Painted::First,
+    tint: None,
     follows_cells: true,
     needs: Needs::Outcome,
     read,

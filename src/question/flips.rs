@@ -21,6 +21,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     // A mirror image exchanges left and right.
     is_even: false,
     painted: Painted::Sum,
+    tint: None,
     follows_cells: false,
     needs: Needs::End,
     read,

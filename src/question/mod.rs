@@ -64,6 +64,8 @@ pub struct QuestionKind {
     pub is_even: bool,
     /// Channels that its colours show.
     pub painted: Painted,
+    /// Another way to paint them, with its name.
+    pub tint: Option<(&'static str, Painted)>,
     /// True if deep views are answered, by following cells of starts.
     pub follows_cells: bool,
     /// All that an engine has to return.
@@ -90,6 +92,8 @@ pub enum Painted {
     TwoAngles,
     /// The sum of all channels, which are counts.
     Sum,
+    /// The kinetic share of the energy above hanging, from both angles and both speeds.
+    EnergySplit,
 }
 
 /// Results of an integration that a question reads.
@@ -99,17 +103,10 @@ pub enum Needs {
     Outcome,
     /// The state at the end, too.
     End,
-    /// The growth of nudges, too, which only the processor computes.
+    /// The growth of nudges, too.
     Growth,
-    /// The nearest return to the start, which only the processor looks for.
+    /// The nearest return to the start, too.
     Return,
-}
-
-impl Needs {
-    /// Returns true if only the processor computes it.
-    pub fn is_of_the_processor(self) -> bool {
-        matches!(self, Needs::Growth | Needs::Return)
-    }
 }
 
 /// Largest number of channels of any question.

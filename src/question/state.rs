@@ -18,13 +18,15 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
         turns("turns2"),
     ],
     counted: ["answered", "unanswered"],
-    channel_names: "the question state has theta1, theta2, omega1, omega2, turns1 and turns2",
+    channel_names: "the question state has theta1, theta2, omega1, omega2, turns1 and turns2, and the \
+                    colours of energy",
     watches: Watches::Always(Rule::Neither),
     passes: 1,
     at_a_time: true,
     is_even: false,
     painted: Painted::TwoAngles,
-    follows_cells: false,
+    tint: Some(("energy", Painted::EnergySplit)),
+    follows_cells: true,
     needs: Needs::End,
     read,
 };

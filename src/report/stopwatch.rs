@@ -76,7 +76,7 @@ fn answers(
             let Some((id, starts)) = jobs.next() else { break };
             let starts = Starts::Rest(starts.to_vec());
             let question = *question;
-            engine.submit(Job { id, question, config, starts, keep: Keep::Nothing })?;
+            engine.submit(Job { id, question, config, starts, keep: Keep::NOTHING })?;
             flying += 1;
         }
         if flying == 0 {

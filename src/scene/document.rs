@@ -115,7 +115,7 @@ impl Document {
     pub fn checked(mut self) -> Result<Self, DocumentError> {
         self.question = self.scene().checked()?.question;
         self.picture.check()?;
-        self.picture.channel_of(self.question.ask)?;
+        self.picture.shown(self.question.ask)?;
         Ok(self)
     }
 

@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::keys::Key;
-use super::{Budget, Build, QuestionTable, Scene, SceneError, View};
+use super::{Axis, Budget, Build, Plane, QuestionTable, Scene, SceneError, View};
 use crate::physics::{Decimal, Scalar, Theta};
 use crate::question::Ask;
 
@@ -24,6 +24,17 @@ pub struct Film {
     /// The keys of the camera's path, ordered by time.
     #[serde(rename = "key")]
     pub keys: Vec<Key>,
+}
+
+/// The way in which the frames of a film are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilmKind {
+    /// Painted from samples of first flips from rest, which are computed once for all frames.
+    Flips,
+    /// States of one view as its time goes on: every trajectory is computed once.
+    Moments,
+    /// Each frame is a still of its own.
+    Stills,
 }
 
 /// The content of one frame.
@@ -52,12 +63,12 @@ pub enum FilmError {
         /// The property that differs.
         what: &'static str,
     },
-    /// A change of something else than the time in a film of states.
+    /// A clock in a film of other answers than flip times.
     #[error(
-        "key {number} has another view, plane or pendulum than the one before, or an earlier --at; in \
-         a film of states only the time changes, and it goes on"
+        "key {number} has a clock, which lights up first flips from rest; other answers change with \
+         --vary at, budget, energy, friction, gravity, masses or lengths"
     )]
-    Moves {
+    Timeless {
         /// Number of the key, from 1.
         number: usize,
     },
@@ -117,15 +128,23 @@ impl Film {
             return Err(FilmError::Large { size, samples });
         }
         for (key, number) in self.keys.iter().zip(1..) {
-            if !self.is_of_moments() {
-                key.scene.scene().require_flip_from_rest()?;
-                if key.scene.picture.legend {
-                    let (option, value) = ("--legend", "set".to_string());
-                    let range = "a legend is drawn in stills and in films of states";
-                    Err(SceneError { option, value, range })?;
-                }
+            if self.kind() == FilmKind::Flips && key.scene.picture.legend {
+                let (option, value) = ("--legend", "set".to_string());
+                let range = "a legend is drawn in stills and in films of other answers than flips";
+                Err(SceneError { option, value, range })?;
             }
             let jumps = |what| Err(FilmError::Jumps { number, what });
+            let asked = |key: &Key| (key.scene.question.ask, key.scene.question.count);
+            if asked(key) != asked(first) {
+                return jumps("question");
+            }
+            let place = |key: &Key| (key.scene.plane.kind, key.scene.plane.origin.clone());
+            if place(key) != place(first) {
+                return jumps("plane");
+            }
+            if key.clock.is_some() && self.kind() != FilmKind::Flips {
+                return Err(FilmError::Timeless { number });
+            }
             if key.scene.question.rule != first.scene.question.rule {
                 return jumps("rule");
             }
@@ -138,24 +157,26 @@ impl Film {
             }
             range("clock", key.clock.unwrap_or(0.0), 0.0, 1e6)?;
         }
-        if self.is_of_moments() { self.check_moments() } else { Ok(()) }
-    }
-
-    /// Returns true if it shows the question `state` as its time goes on.
-    pub fn is_of_moments(&self) -> bool {
-        self.keys.iter().all(|key| key.scene.question.ask == Ask::State)
-    }
-
-    /// Refuses a film of moments in which something else than the time changes.
-    fn check_moments(&self) -> Result<(), FilmError> {
-        for ((before, key), number) in self.keys.iter().zip(&self.keys[1..]).zip(2..) {
-            let [a, b] = [before, key].map(|key| key.scene.scene());
-            let same = (a.build, &a.view, &a.plane) == (b.build, &b.view, &b.plane);
-            if !same || b.question.end_secs() < a.question.end_secs() {
-                return Err(FilmError::Moves { number });
-            }
-        }
         Ok(())
+    }
+
+    /// The way in which its frames are made.
+    pub fn kind(&self) -> FilmKind {
+        let scenes: Vec<Scene> = self.keys.iter().map(|key| key.scene.scene()).collect();
+        let goes_on = |pair: &[Scene]| {
+            let [a, b] = pair else { return false };
+            let same = (a.build, &a.view, &a.plane) == (b.build, &b.view, &b.plane);
+            same && b.question.end_secs() >= a.question.end_secs()
+        };
+        if scenes.iter().all(Scene::is_flip_from_rest) {
+            FilmKind::Flips
+        } else if scenes.iter().all(|scene| scene.question.ask == Ask::State)
+            && scenes.windows(2).all(goes_on)
+        {
+            FilmKind::Moments
+        } else {
+            FilmKind::Stills
+        }
     }
 
     /// The one budget to which every sample of the film is computed, in s.
@@ -208,14 +229,15 @@ impl Film {
         };
         let at = a.question.at.zip(b.question.at).map(|(a, b)| mix(a, b));
         let question = QuestionTable { budget: Budget::secs(budget), at, ..a.question };
-        let view = between_views(&a.view, &b.view, share);
+        let view = between_views(&a.view, &b.view, share, a.plane.axes().map(Axis::wraps));
+        let plane = Plane { energy: mix(a.plane.energy, b.plane.energy), ..a.plane };
         let clock_secs = from.clock.zip(to.clock).map(|(a, b)| mix(a, b));
-        Shot { scene: Scene { build, question, view, plane: a.plane }, clock_secs }
+        Shot { scene: Scene { build, question, view, plane }, clock_secs }
     }
 }
 
-/// The view after `share` of the way from `a` to `b`.
-fn between_views(a: &View, b: &View, share: f64) -> View {
+/// The view after `share` of the way from `a` to `b`, on axes that wrap around or not.
+fn between_views(a: &View, b: &View, share: f64, wraps: [bool; 2]) -> View {
     if share == 0.0 || a == b {
         return a.clone();
     }
@@ -228,8 +250,9 @@ fn between_views(a: &View, b: &View, share: f64) -> View {
     // Twelve digits below the width tell the pixels of any frame apart.
     let digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
     let center = [0, 1].map(|i| {
-        let way = (from[i] - to[i]).wrapped();
-        (to[i] + way * Theta::from_f64(left)).wrapped().decimal(digits)
+        let near = |x: Theta| if wraps[i] { x.wrapped() } else { x };
+        let way = near(from[i] - to[i]);
+        near(to[i] + way * Theta::from_f64(left)).decimal(digits)
     });
     View {
         center,

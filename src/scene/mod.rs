@@ -25,7 +25,7 @@ pub use built_in::{BUILT_IN, BuiltIn};
 pub use document::{Document, DocumentError, RunTable};
 pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
-pub use picture::{PictureTable, Scale};
+pub use picture::{PictureTable, Scale, Shown};
 pub use plane::{Axis, Plane, PlaneKind};
 pub use turn::Turn;
 pub use view::{LEAST_WIDTH, View};
@@ -201,11 +201,6 @@ impl QuestionTable {
     /// Returns true if deep views are answered, by following cells of starts.
     pub fn follows_cells(&self) -> bool {
         self.ask.kind().follows_cells && self.passes() == 1
-    }
-
-    /// Returns true if only the processor computes it.
-    pub fn needs_processor(&self) -> bool {
-        self.ask.kind().needs.is_of_the_processor()
     }
 
     /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.

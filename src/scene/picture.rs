@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SceneError;
 use super::palette::{Palette, rise};
-use crate::question::Ask;
+use crate::question::{Ask, Painted};
 
 /// The table `[picture]` of a scene's file. Keys added after the first release are written only
 /// where they differ from their defaults, so that older pictures remain the same files.
@@ -93,6 +93,17 @@ impl FromStr for Scale {
     }
 }
 
+/// The part of a question's answers that a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// The channels by which the question is known; arrays hold all of them.
+    Natural,
+    /// One channel, alone in arrays, too.
+    Channel(usize),
+    /// All channels, painted in another way.
+    Tint(Painted),
+}
+
 impl PictureTable {
     /// Width of a view in rad below which its colours are spread over its own times, unless the
     /// user chooses others.
@@ -130,10 +141,13 @@ impl PictureTable {
         Ok(())
     }
 
-    /// Index of the chosen channel of a question; none if all are wanted.
-    pub fn channel_of(&self, ask: Ask) -> Result<Option<usize>, SceneError> {
-        let Some(name) = &self.channel else { return Ok(None) };
-        ask.channel(name).map(Some).ok_or_else(|| SceneError {
+    /// The part of a question's answers that is shown.
+    pub fn shown(&self, ask: Ask) -> Result<Shown, SceneError> {
+        let Some(name) = &self.channel else { return Ok(Shown::Natural) };
+        if let Some((_, tint)) = ask.kind().tint.filter(|(tint, _)| tint == name) {
+            return Ok(Shown::Tint(tint));
+        }
+        ask.channel(name).map(Shown::Channel).ok_or_else(|| SceneError {
             option: "--channel",
             value: format!("'{name}'"),
             range: ask.kind().channel_names,

@@ -57,7 +57,7 @@ impl CachedCell {
             return Some((SavedPixel::Over(outcome), trust));
         }
         let state = self.unfinished.binary_search_by_key(&place, |(place, _)| *place).ok()?;
-        Some((SavedPixel::Unfinished(self.unfinished[state].1), trust))
+        Some((SavedPixel::Unfinished(self.unfinished[state].1.clone()), trust))
     }
 
     fn bytes(&self) -> usize {
@@ -204,8 +204,8 @@ mod tests {
     }
 
     fn fill(cache: &mut Cache, x: u32, unfinished: usize) {
-        let state = IntegratorState { steps: 0, numbers: [0.0; NUMBERS] };
-        let unfinished = (0..unfinished as u32).map(|place| (place, state)).collect();
+        let state = IntegratorState::new(0, [0.0; NUMBERS]);
+        let unfinished = (0..unfinished as u32).map(|place| (place, state.clone())).collect();
         cache.insert(0, cell(x), Samples::unflipped(SAMPLES), 30.0, unfinished);
     }
 

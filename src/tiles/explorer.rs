@@ -237,7 +237,7 @@ impl Explorer {
             let unfinished = unfinished
                 .iter()
                 .filter(|(place, _)| places.contains(&(*place as usize)))
-                .map(|(place, state)| (place - first, *state))
+                .map(|(place, state)| (place - first, state.clone()))
                 .collect();
             let samples = samples.part(places.clone());
             self.cache.insert(batch.physics, *cell, samples, batch.budget_secs, unfinished);
@@ -343,8 +343,8 @@ impl TileSource for Explorer {
             };
             open.samples = Reader::new(ask, &question).complete(open.samples, start);
         }
-        let keep = target.physics.keep();
-        Some(NextTile { tile: batch, open, question, config, keep, ask })
+        let keeps_states = target.physics.keeps_states();
+        Some(NextTile { tile: batch, open, question, config, keeps_states, ask })
     }
 
     fn take(&mut self, finished: FinishedBatch<Batch>) {

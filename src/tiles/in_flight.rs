@@ -25,7 +25,8 @@ pub(super) struct NextTile<T> {
     pub open: OpenTile,
     pub question: Question,
     pub config: IntegratorConfig,
-    pub keep: Keep,
+    /// True if states are returned, to be resumed.
+    pub keeps_states: bool,
     pub ask: Ask,
 }
 
@@ -141,12 +142,12 @@ impl<T> InFlightJobs<T> {
 
     /// Submits a tile's open pixels to the engine as one job.
     fn submit(&mut self, engine: &mut dyn Engine, next: NextTile<T>) -> Result<(), EngineError> {
-        let NextTile { tile, open, question, config, keep, ask } = next;
+        let NextTile { tile, open, question, config, keeps_states, ask } = next;
         let OpenTile { samples, places, starts } = open;
         // A pendulum that begins where its cell's flow patch ends has no state to resume.
-        let keep = if let Starts::Deep(_) = starts { Keep::Nothing } else { keep };
+        let states = keeps_states && !matches!(starts, Starts::Deep(_));
         let reader = Reader::new(ask, &question);
-        let keep = if ask.is_time() { keep } else { reader.keep() };
+        let keep = Keep { ends: reader.ends(), states };
         let id = self.next_id;
         self.next_id += 1;
         engine.submit(Job { id, question, config, starts, keep })?;

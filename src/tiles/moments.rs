@@ -75,7 +75,7 @@ impl Moments {
         let pace = Pace::new(&self.question, &self.config)?;
         for batch in &mut self.batches {
             let starts = std::mem::replace(&mut batch.starts, Starts::Rest(Vec::new()));
-            let (question, config, keep) = (self.question, self.config, Keep::Unfinished);
+            let (question, config, keep) = (self.question, self.config, Keep::STATES);
             let Some(result) = run_job(engine, question, config, starts, keep, go_on)? else {
                 return Ok(None);
             };

@@ -7,7 +7,7 @@ use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
 use super::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use super::samples::{Counts, Samples};
-use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Wait};
+use crate::engine::{Engine, EngineError, IntegratorConfig, Question, Wait};
 use crate::question::Ask;
 use crate::scene::Scene;
 use crate::scene::lattice::Cell;
@@ -89,7 +89,7 @@ impl TileSource for PatchWork {
         }
         let open = OpenTile::of_cells(&self.scene, self.config, &cells, PATCH_SIDE, |_, _| None);
         let (question, config) = (self.question, self.config);
-        Some(NextTile { tile: cells, open, question, config, keep: Keep::Nothing, ask: Ask::Flip })
+        Some(NextTile { tile: cells, open, question, config, keeps_states: false, ask: Ask::Flip })
     }
 
     fn take(&mut self, batch: FinishedBatch<Vec<Cell>>) {

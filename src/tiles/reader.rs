@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::Samples;
 use crate::engine::method::Pace;
-use crate::engine::{End, IntegratorState, JobResult, Keep, Question, start};
+use crate::engine::{End, Ends, IntegratorState, JobResult, Question, start};
 use crate::physics::crossing::FAR;
 use crate::physics::transport::{transported, turns_between};
 use crate::physics::{Dd, Outcome, Pendulum, State, Status};
@@ -28,8 +28,8 @@ impl Reader {
         Reader { ask, pendulum, unit_secs, at: question.budget_secs / unit_secs }
     }
 
-    /// The states that jobs must return.
-    pub(super) fn keep(&self) -> Keep {
+    /// The ends that jobs must return.
+    pub(super) fn ends(&self) -> Ends {
         self.ask.kind().needs.into()
     }
 

@@ -1,5 +1,5 @@
-//! Pixels that one run saves for a later one with a larger budget: the outcomes of those that are
-//! done, with the times of flips, and the integrator states of those that have not flipped.
+//! Pixels that one run saves for a later one with a larger budget: the channels of those that are
+//! done, and the integrator states of those that go on.
 
 use std::collections::BTreeMap;
 
@@ -12,13 +12,14 @@ use crate::physics::{Outcome, Status};
 /// images are not among them, because they need no integration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SavedPixels {
-    flipped: BTreeMap<u64, f64>,
+    /// Channels of the pixels that are done.
+    over: BTreeMap<u64, Vec<f64>>,
     failed: Vec<u64>,
     paused: BTreeMap<u64, IntegratorState>,
 }
 
 /// The result of an earlier run for a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SavedPixel {
     /// Final outcome of a pixel that is done.
     Over(Outcome),
@@ -27,22 +28,38 @@ pub enum SavedPixel {
 }
 
 impl SavedPixels {
+    /// The pixels of first flips: their times, and the states of those that have not flipped.
+    pub fn of_first_flips(
+        flipped: BTreeMap<u64, f64>,
+        failed: Vec<u64>,
+        paused: BTreeMap<u64, IntegratorState>,
+    ) -> Self {
+        let over = flipped.into_iter().map(|(index, time)| (index, vec![time])).collect();
+        SavedPixels { over, failed, paused }
+    }
+
     /// Returns what is known of pixel `index`.
     pub fn known(&self, index: u64) -> Option<SavedPixel> {
-        let over = self.flipped.get(&index).map(|&time| Outcome::flipped(time));
+        // A question with more channels than a time has them set later.
+        let over = self.values(index).map(|values| Outcome::flipped(values[0]));
         let failed = || {
             let failed = self.failed.binary_search(&index).is_ok();
             failed.then(|| Outcome::without_time(Status::Failed))
         };
-        let paused = || self.paused.get(&index).map(|&state| SavedPixel::Unfinished(state));
+        let paused = || self.paused.get(&index).cloned().map(SavedPixel::Unfinished);
         over.or_else(failed).map(SavedPixel::Over).or_else(paused)
     }
 
-    /// Saves the outcome of pixel `index`, which is done.
-    pub fn finish(&mut self, index: u64, outcome: Outcome) {
+    /// Returns the channels of pixel `index` if it is done.
+    pub fn values(&self, index: u64) -> Option<&[f64]> {
+        self.over.get(&index).map(Vec::as_slice)
+    }
+
+    /// Saves the status and the channels of pixel `index`, which is done.
+    pub fn finish(&mut self, index: u64, status: Status, values: &[f64]) {
         self.paused.remove(&index);
-        if outcome.status == Status::Flipped {
-            self.flipped.insert(index, outcome.time);
+        if status == Status::Flipped {
+            self.over.insert(index, values.to_vec());
         } else if let Err(place) = self.failed.binary_search(&index) {
             self.failed.insert(place, index);
         }
@@ -66,18 +83,18 @@ mod tests {
 
     #[test]
     fn what_was_kept_is_known_and_nothing_else() {
-        let state = IntegratorState { steps: 7, numbers: [0.5; NUMBERS] };
+        let state = IntegratorState::new(7, [0.5; NUMBERS]);
         let mut kept = SavedPixels::default();
-        kept.pause(3, state);
-        kept.finish(1, Outcome::flipped(2.5));
-        kept.finish(9, Outcome::without_time(Status::Failed));
-        kept.finish(4, Outcome::without_time(Status::Failed));
+        kept.pause(3, state.clone());
+        kept.finish(1, Status::Flipped, &[2.5]);
+        kept.finish(9, Status::Failed, &[]);
+        kept.finish(4, Status::Failed, &[]);
         assert_eq!(kept.known(3), Some(SavedPixel::Unfinished(state)));
         assert_eq!(kept.known(1), Some(SavedPixel::Over(Outcome::flipped(2.5))));
         let failed = SavedPixel::Over(Outcome::without_time(Status::Failed));
-        assert_eq!((kept.known(4), kept.known(9)), (Some(failed), Some(failed)));
+        assert_eq!((kept.known(4), kept.known(9)), (Some(failed.clone()), Some(failed)));
         assert_eq!(kept.known(2), None);
-        kept.finish(3, Outcome::flipped(40.0));
+        kept.finish(3, Status::Flipped, &[40.0]);
         assert_eq!(
             (kept.paused(), kept.known(3)),
             (0, Some(SavedPixel::Over(Outcome::flipped(40.0))))

@@ -1,6 +1,6 @@
 //! The target of a window: the physics and the part of the plane in view.
 
-use crate::engine::{IntegratorConfig, Keep, Question};
+use crate::engine::{IntegratorConfig, Question};
 use crate::scene::lattice::Region;
 use crate::scene::{Budget, Build, Plane, QuestionTable, Scene};
 
@@ -34,11 +34,10 @@ impl Physics {
         self.plane.is_symmetric() && self.question.ask.kind().is_even
     }
 
-    /// The states that jobs return, to be resumed. Checks begin at the release, and passes are not
-    /// part of a state.
-    pub(super) fn keep(&self) -> Keep {
-        let resumes = self.question.ask.is_time() && self.question.passes() == 1;
-        if resumes && !self.verified { Keep::Unfinished } else { Keep::Nothing }
+    /// Returns true if jobs return states, to be resumed with a larger budget. Checks begin at the
+    /// release, and answers of other questions than times are computed anew.
+    pub(super) fn keeps_states(&self) -> bool {
+        self.question.ask.is_time() && !self.verified
     }
 }
 

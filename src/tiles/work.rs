@@ -1,6 +1,6 @@
 //! The loop from a scene to finished tiles.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -10,7 +10,7 @@ use super::plan::{Tile, plan};
 use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
-use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Keep, Question, Trust, Wait};
+use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question, Trust, Wait};
 use crate::physics::Status;
 use crate::question::Ask;
 use crate::scene::{Grid, Scene};
@@ -167,14 +167,18 @@ impl Work {
     fn keep(&mut self, finished: &FinishedBatch<Tile>) {
         let Some(mut kept) = self.kept.take() else { return };
         let pixels: Vec<[u32; 2]> = finished.tile.pixels().collect();
-        for &place in &finished.computed {
-            let outcome = finished.samples.get(place as usize);
-            if outcome.status != Status::Unflipped {
-                kept.finish(self.index(pixels[place as usize]), outcome);
+        let paused: BTreeSet<u32> = finished.unfinished.iter().map(|(place, _)| *place).collect();
+        for &place in finished.computed.iter().filter(|place| !paused.contains(place)) {
+            let status = finished.samples.get(place as usize).status;
+            // Deep pixels have no state from which they could go on.
+            let is_event = status == Status::Flipped && !self.ask.kind().at_a_time;
+            if is_event || status == Status::Failed {
+                let values = finished.samples.values(place as usize);
+                kept.finish(self.index(pixels[place as usize]), status, values);
             }
         }
-        for &(place, state) in &finished.unfinished {
-            kept.pause(self.index(pixels[place as usize]), state);
+        for (place, state) in &finished.unfinished {
+            kept.pause(self.index(pixels[*place as usize]), state.clone());
         }
         self.kept = Some(kept);
     }
@@ -216,14 +220,21 @@ impl TileSource for Work {
         let pixels: Vec<_> = tile.pixels().collect();
         let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
         let mut open = OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known);
-        let keep = if self.kept.is_some() { Keep::Unfinished } else { Keep::Nothing };
+        let keeps_states = self.kept.is_some();
         let (ask, question, config) = (self.ask, self.question, self.config);
         let start = |place: usize| {
             let [x, y] = pixels[place];
             self.grid.angle_from_pixel(x, y)
         };
         open.samples = Reader::new(ask, &question).complete(open.samples, start);
-        Some(NextTile { tile, open, question, config, keep, ask })
+        if let Some(kept) = &self.kept {
+            for (place, pixel) in pixels.iter().enumerate() {
+                if let Some(values) = kept.values(self.index(*pixel)) {
+                    open.samples.set_values(place, Status::Flipped, values);
+                }
+            }
+        }
+        Some(NextTile { tile, open, question, config, keeps_states, ask })
     }
 
     fn take(&mut self, batch: FinishedBatch<Tile>) {

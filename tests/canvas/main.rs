@@ -31,6 +31,7 @@ needs_adapter! {
     checks:
     a_sample_is_a_pixel_of_its_colour
     other_colours_need_no_other_samples
+    a_frame_that_is_thrown_away_costs_no_tile
     a_target_that_encodes_shows_the_same
     the_mirror_image_lies_the_right_way_round
     a_coarser_tile_stands_in_smoothly
@@ -184,6 +185,25 @@ mod checks {
             studio.draw(&screen, &mut explorer, &paint);
             assert_eq!((studio.uploads, explorer.counts().simulated), (0, simulated));
         }
+    }
+
+    pub(crate) fn a_frame_that_is_thrown_away_costs_no_tile() {
+        let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let pictures = pictures();
+        let [first, second, _] =
+            pictures.each_ref().map(|picture| Paint { picture, scene: &scene, trust: false });
+        let mut studio = Studio::new(PLAIN);
+        studio.throw_away(&screen, &mut explorer, &first);
+        studio.throw_away(&screen, &mut explorer, &first);
+        let pixels = studio.draw(&screen, &mut explorer, &first);
+        let uploads = studio.uploads;
+        assert!(uploads > 0 && wrong(&pixels, &painted(&screen, &scene, first.picture)) <= 0.001);
+        // Nor its colours.
+        studio.throw_away(&screen, &mut explorer, &second);
+        let pixels = studio.draw(&screen, &mut explorer, &second);
+        assert!(wrong(&pixels, &painted(&screen, &scene, second.picture)) <= 0.001);
+        assert_eq!(studio.uploads, 0, "what is loaded stays loaded");
     }
 
     pub(crate) fn a_target_that_encodes_shows_the_same() {

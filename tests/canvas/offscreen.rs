@@ -37,6 +37,12 @@ impl Studio {
         Studio { gpu, canvas, map_renderer: MapRenderer::default(), format, uploads: 0 }
     }
 
+    /// Makes a frame and throws it away, as egui does with a pass that it runs again.
+    pub(crate) fn throw_away(&mut self, screen: &Screen, explorer: &mut Explorer, paint: &Paint) {
+        let colours = colours(paint.picture, paint.scene, paint.trust).unwrap();
+        drop(self.map_renderer.frame(screen, explorer, colours));
+    }
+
     /// Draws a screen and returns its pixels, four bytes each; pixels where nothing is drawn are 0.
     pub(crate) fn draw(
         &mut self,

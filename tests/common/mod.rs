@@ -67,7 +67,7 @@ pub(crate) fn finished(
     config: IntegratorConfig,
     starts: Starts,
 ) -> JobResult {
-    let job = Job { id: 7, question: *question, config, starts, keep: Keep::Unfinished };
+    let job = Job { id: 7, question: *question, config, starts, keep: Keep::STATES };
     engine.submit(job).expect("the job is taken");
     let mut finished = engine.poll(Wait::UntilFinished).expect("the engine works");
     assert_eq!(finished.len(), 1);

@@ -95,7 +95,7 @@ impl Engine for Ledger {
         let (id, spans) = (job.id, spans(&job));
         let first = match &job.starts {
             Starts::Rest(angles) => Starts::Rest(angles.iter().take(1).copied().collect()),
-            Starts::Resumed(states) => Starts::Resumed(states.iter().take(1).copied().collect()),
+            Starts::Resumed(states) => Starts::Resumed(states.iter().take(1).cloned().collect()),
             _ => panic!("no depth and no plane with speeds is aimed at here"),
         };
         let index = usize::from(matches!(job.starts, Starts::Resumed(_)));

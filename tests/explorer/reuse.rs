@@ -54,7 +54,7 @@ fn a_larger_budget_continues_what_did_not_flip() {
         let small = ViewTarget { physics, ..lively(5) };
         let mut engine = Ledger::default();
         let mut explorer = explored(&small, &mut engine);
-        assert!(engine.jobs.iter().all(|job| (job.keep == Keep::Unfinished) != verified));
+        assert!(engine.jobs.iter().all(|job| (job.keep == Keep::STATES) != verified));
         let left = unflipped(&mut explorer, &small);
         assert!(left > 10_000, "{left}");
         let (simulated, sent) = (explorer.counts().simulated, engine.sent);

@@ -3,6 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod deep;
 mod flips;
 mod orbits;
 mod states;

@@ -10,7 +10,7 @@ use flipmap::scene::{Plane, PlaneKind, Scene};
 use flipmap::tiles::{Renderer, Samples};
 use rayon::prelude::*;
 
-use crate::common::lesson;
+use crate::common::{gpu_engine, lesson};
 use crate::truth::*;
 
 #[test]
@@ -34,6 +34,44 @@ fn growth_is_the_gold_standards_by_every_method() {
     let coarse = share_within(lesson(Precision::F64), 0.01);
     assert!(coarse >= 0.8, "RK4: {coarse}");
     assert!(share_within(BALANCED, 1e-14) < 0.5, "the test can fail");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn the_card_computes_the_growth_that_the_processor_does() {
+    for plane in [Plane::default(), plane("speeds", ["1", "-1", "0", "0"])] {
+        let scene = scene(Ask::Growth, plane, "6", 8.0);
+        for config in [BALANCED, FAST, lesson(Precision::F64)] {
+            let by_card = rendered(&scene, 12, config, Box::new(gpu_engine()));
+            let by_cpu = by_cpu(&scene, 12, config);
+            let allowed = if config.precision == Precision::F32 { 0.05 } else { 1e-3 };
+            let is_near = |k: &usize| {
+                let (a, b) = (by_card.values(*k)[0], by_cpu.values(*k)[0]);
+                (a / b - 1.0).abs() < allowed
+            };
+            let near = (0..144).filter(is_near).count();
+            assert!(near >= 137, "{config:?}: {near} of 144");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn the_card_finds_the_returns_that_the_processor_does() {
+    for plane in [Plane::default(), plane("speeds", ["1", "-1", "0", "0"])] {
+        let scene = scene(Ask::Return, plane, "6", 5.0);
+        let (by_card, by_cpu) =
+            (rendered(&scene, 12, BALANCED, Box::new(gpu_engine())), by_cpu(&scene, 12, BALANCED));
+        let mut seen = 0;
+        let is_same = |k: &usize| {
+            let (a, b) = (by_card.values(*k), by_cpu.values(*k));
+            let alike = by_card.get(*k).status == by_cpu.get(*k).status;
+            alike && (a == b || ((a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() < 1e-4))
+        };
+        let same = (0..144).filter(is_same).count();
+        seen += (0..144).filter(|k| by_cpu.values(*k)[0].is_finite()).count();
+        assert!(same >= 140 && seen > 72, "{same} of 144, {seen} return");
+    }
 }
 
 #[test]

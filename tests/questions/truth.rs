@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{Engine, IntegratorConfig, Method, Precision};
 use flipmap::physics::oracle::{flip_within, passages};
@@ -30,6 +31,7 @@ pub(crate) fn rendered(
     config: IntegratorConfig,
     engine: Box<dyn Engine>,
 ) -> Samples {
+    let engine = Box::new(DepthEngine::new(engine, Some(2)).unwrap());
     let mut renderer = Renderer::of(engine, config, false, Some(2)).unwrap();
     renderer.render(scene, [side; 2]).unwrap()
 }

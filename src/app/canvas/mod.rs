@@ -12,6 +12,7 @@ pub mod pipeline;
 pub mod sample;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use self::atlas::{Atlas, AtlasPlace};
 use self::colours::CardColours;
@@ -19,6 +20,7 @@ use self::cover::{Patch, cover};
 use self::pipeline::{MapFrame, Quad};
 use self::sample::WordKind;
 use crate::app::camera::Screen;
+use crate::tiles::Samples;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
 /// Number of layers of the atlas: enough for one tile per cell in view.
@@ -30,12 +32,23 @@ pub struct MapRenderer {
     atlas: Atlas,
     table: Vec<u8>,
     words: Arc<WordKind>,
+    last: LastFrame,
+}
+
+/// Data of the last frame for the card. They are part of the next one, too, if the frame was thrown
+/// away: egui may run a pass twice and draw only the second.
+#[derive(Debug, Default)]
+struct LastFrame {
+    uploads: Vec<(u32, Arc<Samples>)>,
+    has_table: bool,
+    is_loaded: Arc<AtomicBool>,
 }
 
 impl Default for MapRenderer {
     fn default() -> Self {
         let words = Arc::new(WordKind::Times);
-        MapRenderer { atlas: Atlas::new(LAYERS), table: Vec::new(), words }
+        let last = LastFrame::default();
+        MapRenderer { atlas: Atlas::new(LAYERS), table: Vec::new(), words, last }
     }
 }
 
@@ -51,9 +64,17 @@ impl MapRenderer {
             // What is on the card has other words.
             self.atlas = Atlas::new(LAYERS);
             self.words = Arc::new(words);
+            self.last.uploads.clear();
         }
         self.atlas.begin_frame();
-        let (mut quads, mut uploads) = (Vec::new(), Vec::new());
+        let last = std::mem::take(&mut self.last);
+        let mut uploads = last.uploads;
+        if last.is_loaded.load(Ordering::Acquire) {
+            uploads.clear();
+        } else if last.has_table {
+            self.table.clear();
+        }
+        let mut quads = Vec::new();
         for patch in cover(screen, explorer) {
             let known = if patch.before {
                 explorer.known_before(patch.source)
@@ -64,6 +85,7 @@ impl MapRenderer {
             let slot = match self.atlas.place(known.serial) {
                 Some(AtlasPlace::There(slot)) => slot,
                 Some(AtlasPlace::New(slot)) => {
+                    uploads.retain(|(other, _)| *other != slot);
                     uploads.push((slot, Arc::clone(&known.samples)));
                     slot
                 }
@@ -75,7 +97,9 @@ impl MapRenderer {
             self.table.clone_from(&table);
             table
         });
-        MapFrame { quads, uploads, words: Arc::clone(&self.words), uniforms, table }
+        let is_loaded = Arc::clone(&self.last.is_loaded);
+        (self.last.uploads, self.last.has_table) = (uploads.clone(), table.is_some());
+        MapFrame { quads, uploads, words: Arc::clone(&self.words), uniforms, table, is_loaded }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The graphics card's part of the map: an atlas of samples, a colour table, and quads.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use bytemuck::{Pod, Zeroable};
 use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
@@ -74,6 +75,8 @@ pub struct MapFrame {
     pub uniforms: Uniforms,
     /// [`TABLE_ENTRIES`] sRGB colours of four bytes each, if they have changed.
     pub table: Option<Vec<u8>>,
+    /// Set once the frame's data are on the card.
+    pub is_loaded: Arc<AtomicBool>,
 }
 
 /// The resources on the card that live as long as the window's device.
@@ -133,6 +136,7 @@ impl Canvas {
             queue.write_buffer(&self.quads, 0, bytes);
         }
         self.count = frame.quads.len() as u32;
+        frame.is_loaded.store(true, Ordering::Release);
     }
 
     fn upload(&self, queue: &wgpu::Queue, slot: u32, words: &[u32]) {

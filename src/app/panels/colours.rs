@@ -73,6 +73,9 @@ fn channels(ui: &mut Ui, picture: &mut PictureTable, ask: Ask) {
                 let name = Some(channel.name.to_string());
                 ui.selectable_value(&mut picture.channel, name, channel.name);
             }
+            if let Some((name, _)) = ask.kind().tint {
+                ui.selectable_value(&mut picture.channel, Some(name.to_string()), name);
+            }
         });
         combo.response.labelled_by(label.id);
     });

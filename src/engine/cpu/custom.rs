@@ -29,13 +29,13 @@ pub fn outcomes<P: EmbeddedPair>(
     let config =
         IntegratorConfig { method: Method::Dop853 { tolerance }, precision: Precision::F64 };
     let starts = Starts::Rest(angles.to_vec());
-    let job = Job { id: 0, question: *question, config, starts, keep: Keep::Nothing };
+    let job = Job { id: 0, question: *question, config, starts, keep: Keep::NOTHING };
     let states = start::states(&job)?;
     let adaptive = Adaptive::new(question, Control::new(tolerance, P::ORDER));
     let cancelled = AtomicBool::new(false);
     let pace = Pace::Adaptive(adaptive);
     let outcomes = |starts| {
-        let keep = Keep::Nothing;
+        let keep = Keep::NOTHING;
         let chunk = Chunk { question, config, pace, starts, keep, cancelled: &cancelled };
         let pair = std::marker::PhantomData::<P>;
         let result = Arch::new().dispatch(OnLanes { chunk: &chunk, adaptive, pair });

@@ -30,7 +30,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::lanes::MOST_LANES;
 use crate::engine::method::Pace;
 use crate::engine::start::{TIME, TIME_LOW, phase_of};
-use crate::engine::{Effort, End, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question};
+use crate::engine::{
+    Carried, Effort, End, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question,
+};
 use crate::physics::crossing::FAR;
 use crate::physics::{Accumulators, Outcome, Rule, Status};
 
@@ -149,12 +151,15 @@ impl<'a> LaneScheduler<'a> {
     pub(super) fn refill(&mut self) {
         for lane in 0..self.lanes {
             if self.start[lane] == IDLE && self.next_start < self.chunk.starts.len() {
-                let start = self.chunk.starts[self.next_start];
+                let start = &self.chunk.starts[self.next_start];
+                let counts = start.counts();
                 self.put(lane, start.numbers);
                 (self.start[lane], self.taken[lane]) = (self.next_start, start.steps);
                 self.clearance[lane] = FAR;
-                self.passes[lane] = [0; 4];
-                self.turns.iter_mut().for_each(|turns| turns[lane] = 0.0);
+                self.passes[lane] = counts.passes;
+                for (turns, count) in self.turns.iter_mut().zip(counts.turns) {
+                    turns[lane] = f64::from(count);
+                }
                 self.next_start += 1;
                 self.busy += 1;
             }
@@ -211,8 +216,14 @@ impl<'a> LaneScheduler<'a> {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;
         self.answer.ends[start] = end;
-        self.answer.states[start] =
-            IntegratorState { steps: self.taken[lane], numbers: self.numbers(lane) };
+        let question = self.chunk.question;
+        let counts = question.passes != 1 || question.rule == Rule::Neither;
+        self.answer.states[start] = IntegratorState {
+            steps: self.taken[lane],
+            numbers: self.numbers(lane),
+            carried: (counts && self.chunk.keep.states)
+                .then(|| Box::new(Carried::Counts(end.gathered))),
+        };
         self.put(lane, self.idle);
         self.busy -= 1;
     }

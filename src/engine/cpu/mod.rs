@@ -34,8 +34,8 @@ use self::number::{Compensated, Two};
 use self::pair::{Midpoints, OnCubic, OnQuartic};
 use super::method::{Adaptive, Pace, Steps};
 use super::{
-    End, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,
-    Precision, Starts, Wait, start,
+    End, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,
+    Precision, Wait, start,
 };
 use crate::physics::series::{ORDER_DD, ORDER_F64};
 use crate::physics::trig::Turning;
@@ -101,30 +101,23 @@ impl CpuEngine {
 
     /// Returns an error if the growth or the returns of a job's pendulums cannot be computed.
     fn require_keep(job: &Job) -> Result<(), EngineError> {
-        check_keep(job.keep, &job.config)?;
-        let from_release = matches!(job.starts, Starts::Rest(_) | Starts::Thrown(_));
-        if from_release || !job.keep.is_of_the_processor() {
-            return Ok(());
-        }
-        let why = "growth and returns are found from the release only";
-        Err(EngineError::Unsupported(why.to_string()))
+        job.keep.ends.check(&job.config)?;
+        start::check_carried(job)
     }
 
     fn take(&mut self, landed: FinishedChunk) -> Option<JobResult> {
         let flying = self.flying.get_mut(&landed.job)?;
         let FinishedChunk { first, answer, job } = landed;
         let count = answer.outcomes.len();
-        match flying.keep {
-            Keep::Nothing => {}
-            Keep::Unfinished => {
-                let kept = (0..count).filter(|&i| answer.outcomes[i].status == Status::Unflipped);
-                flying.finished.unfinished.extend(kept.map(|i| (first + i, answer.states[i])));
-            }
-            Keep::Ends | Keep::Growth | Keep::Return => {
-                let ends = &mut flying.finished.ends;
-                ends.resize(flying.finished.outcomes.len(), End::NOWHERE);
-                ends[first..first + count].copy_from_slice(&answer.ends);
-            }
+        if flying.keep.ends != Ends::None {
+            let ends = &mut flying.finished.ends;
+            ends.resize(flying.finished.outcomes.len(), End::NOWHERE);
+            ends[first..first + count].copy_from_slice(&answer.ends);
+        }
+        if flying.keep.states {
+            let states = answer.states.into_iter().enumerate();
+            let kept = states.filter(|(i, _)| answer.outcomes[*i].status == Status::Unflipped);
+            flying.finished.unfinished.extend(kept.map(|(i, state)| (first + i, state)));
         }
         flying.finished.outcomes[first..first + count].copy_from_slice(&answer.outcomes);
         flying.finished.effort += answer.effort;
@@ -136,23 +129,6 @@ impl CpuEngine {
         finished.unfinished.sort_unstable_by_key(|(index, _)| *index);
         Some(finished)
     }
-}
-
-/// Returns an error if an integrator config cannot compute what is to be kept.
-pub fn check_keep(keep: Keep, config: &IntegratorConfig) -> Result<(), EngineError> {
-    let IntegratorConfig { method, precision } = config;
-    let has_tangents = !matches!(method, Method::Taylor { .. } | Method::Extrapolation { .. });
-    let is_pair = matches!(method, Method::Dopri5 { .. } | Method::Dop853 { .. });
-    let why = match keep {
-        Keep::Growth if !has_tangents || *precision == Precision::Dd => {
-            "growth is computed by --method rk4, dopri5 or dop853 in f32 or f64"
-        }
-        Keep::Return if !is_pair || *precision != Precision::F64 => {
-            "returns are found by --method dopri5 or dop853 in f64: use --accuracy balanced"
-        }
-        _ => return Ok(()),
-    };
-    Err(EngineError::Unsupported(why.to_string()))
 }
 
 impl Engine for CpuEngine {
@@ -283,9 +259,9 @@ impl WithSimd for ChunkInFlight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
-        match self.chunk.keep {
-            Keep::Growth => return self.growth(set),
-            Keep::Return => return self.nearest(),
+        match self.chunk.keep.ends {
+            Ends::Growth => return self.growth(set),
+            Ends::Return => return self.nearest(),
             _ => {}
         }
         match self.chunk.pace {

@@ -9,9 +9,9 @@ use std::sync::atomic::Ordering;
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::pair::EmbeddedPair;
 use crate::engine::method::{Adaptive, Pace};
-use crate::engine::start::phase_of;
-use crate::engine::{End, IntegratorState, NUMBERS};
-use crate::physics::control::{FIRST, LONGEST};
+use crate::engine::start::{STEP, TIME, phase_of};
+use crate::engine::{Carried, End, IntegratorState, NUMBERS};
+use crate::physics::control::LONGEST;
 use crate::physics::embedded::plus;
 use crate::physics::phase::Phase;
 use crate::physics::{Accumulators, Outcome, Pendulum, Status};
@@ -28,6 +28,9 @@ struct Returning<'a> {
     start: Phase<f64>,
     phase: Phase<f64>,
     time: f64,
+    /// Length of the next step.
+    length: f64,
+    steps: u32,
     /// True once the distance has fallen for the first time: the pendulum has left its start.
     has_left: bool,
     /// Least distance since then, and its reduced time.
@@ -41,38 +44,71 @@ pub(super) fn run<P: EmbeddedPair>(chunk: &Chunk) -> Option<ChunkResult> {
     let until = chunk.question.budget_secs / unit_secs;
     let mut result = ChunkResult::default();
     for start in chunk.starts {
-        let phase = phase_of(&start.numbers);
-        let mut returning = Returning {
-            pendulum: &pendulum,
-            inverse_scale: pendulum.momentum_scale().map(|scale| 1.0 / scale),
-            start: phase,
-            phase,
-            time: 0.0,
-            has_left: false,
-            nearest: [f64::INFINITY, 0.0],
-        };
-        let (mut steps, mut length) = (0, FIRST);
-        while returning.time < until && steps < adaptive.most_steps {
-            if steps % PATIENCE == 0 && chunk.cancelled.load(Ordering::Relaxed) {
-                return None;
+        let mut returning = Returning::of(&pendulum, start);
+        // Whole steps while they end within the budget, from where a larger one goes on; then
+        // shorter ones to its end.
+        for is_cut in [false, true] {
+            let room = |now: &Returning| {
+                let left = until - now.time;
+                if is_cut { left > 0.0 } else { now.length <= left }
+            };
+            while room(&returning) && returning.steps < adaptive.most_steps {
+                if returning.steps.is_multiple_of(PATIENCE)
+                    && chunk.cancelled.load(Ordering::Relaxed)
+                {
+                    return None;
+                }
+                returning.step::<P>(&adaptive, until);
             }
-            length = returning.step::<P>(&adaptive, length.min(until - returning.time));
-            steps += 1;
+            if !is_cut && chunk.keep.states {
+                result.states.push(returning.paused());
+            }
         }
-        result.effort.steps += u64::from(steps);
-        result.effort.lane_steps += u64::from(steps);
+        let steps = u64::from(returning.steps - start.steps);
+        result.effort.steps += steps;
+        result.effort.lane_steps += steps;
         let rhs = chunk.config.method.rhs_per_step(chunk.config.precision);
-        result.effort.rhs_evaluations += rhs * u64::from(steps);
+        result.effort.rhs_evaluations += rhs * steps;
         returning.finish(until, &mut result);
     }
     Some(result)
 }
 
-impl Returning<'_> {
-    /// Tries a step of this length, takes it if its error is allowed, and returns the length of the
-    /// next one.
-    fn step<P: EmbeddedPair>(&mut self, adaptive: &Adaptive, length: f64) -> f64 {
+impl<'a> Returning<'a> {
+    /// A pendulum at its start, or where an earlier job left it.
+    fn of(pendulum: &'a Pendulum<f64>, state: &IntegratorState) -> Self {
+        let phase = phase_of(&state.numbers);
+        let (start, has_left, nearest) = match state.carried.as_deref() {
+            Some(&Carried::Return { start, has_left, nearest }) => (start, has_left, nearest),
+            _ => (phase, false, Accumulators::NONE.nearest),
+        };
+        Returning {
+            pendulum,
+            inverse_scale: pendulum.momentum_scale().map(|scale| 1.0 / scale),
+            start,
+            phase,
+            time: state.numbers[TIME],
+            length: state.numbers[STEP],
+            steps: state.steps,
+            has_left,
+            nearest,
+        }
+    }
+
+    /// The state from which a later job goes on.
+    fn paused(&self) -> IntegratorState {
+        let Returning { start, has_left, nearest, .. } = *self;
+        let mut numbers = [0.0; NUMBERS];
+        numbers[..6].copy_from_slice(&self.phase);
+        (numbers[TIME], numbers[STEP]) = (self.time, self.length);
+        let carried = Some(Box::new(Carried::Return { start, has_left, nearest }));
+        IntegratorState { steps: self.steps, numbers, carried }
+    }
+
+    /// Tries a step, at most to `until`, and takes it if its error is allowed.
+    fn step<P: EmbeddedPair>(&mut self, adaptive: &Adaptive, until: f64) {
         let control = &adaptive.control;
+        let length = self.length.min(until - self.time);
         let trial = P::trial(self.pendulum, self.inverse_scale, &self.phase, length);
         let excess = trial.error_squared.max(1e-300).log2() - control.limit(self.time);
         if excess < 0.0 {
@@ -81,7 +117,8 @@ impl Returning<'_> {
             self.phase = next;
             self.time += length;
         }
-        (length * control.factor(excess)).min(LONGEST)
+        self.length = (length * control.factor(excess)).min(LONGEST);
+        self.steps += 1;
     }
 
     /// Looks for a minimum of the distance in the step to `next`.
@@ -126,7 +163,6 @@ impl Returning<'_> {
         let gathered = Accumulators { nearest: self.nearest, ..Accumulators::NONE };
         let end = End { time: self.time, phase: self.phase, gathered, ..End::NOWHERE };
         result.outcomes.push(Outcome::without_time(status));
-        result.states.push(IntegratorState { steps: 0, numbers: [0.0; NUMBERS] });
         result.ends.push(end);
     }
 }

@@ -1,24 +1,18 @@
 //! Growth: pendulums with the tangents of their motion, a register at a time. All of them last as
 //! long as the budget, so no lane is refilled.
 
-use super::lane_scheduler::{Chunk, ChunkResult, PATIENCE};
+use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::{Lanes, MOST_LANES};
 use super::pair::EmbeddedPair;
 use super::step_control;
-use crate::engine::method::{Adaptive, Pace, Steps};
-use crate::engine::start::phase_at;
-use crate::engine::{End, IntegratorState, NUMBERS};
-use crate::physics::control::{FIRST, LONGEST};
+use crate::engine::method::{Adaptive, Pace};
+use crate::engine::start::{STEP, TIME, TIME_LOW};
+use crate::engine::{Carried, End, IntegratorState, NUMBERS};
+use crate::physics::control::LONGEST;
 use crate::physics::dual::Dual;
 use crate::physics::embedded::plus;
-use crate::physics::phase::Phase;
-use crate::physics::tangents::{Tangents, log_growth, released};
-use crate::physics::{Accumulators, Outcome, Pendulum, Real, Status};
-
-/// Largest slope before all are made smaller by [`SMALLER`], so that none overflows in f32 within a
-/// stretch of steps.
-const LARGE: f64 = 1e12;
-const SMALLER: f64 = 1e-12;
+use crate::physics::tangents::{LARGE, Tangents, log_growth, rk4};
+use crate::physics::{Accumulators, Outcome, Pendulum, Status};
 
 /// Pendulums in the lanes of a register with their tangents.
 struct TangentLanes<L> {
@@ -30,6 +24,9 @@ struct TangentLanes<L> {
     step: L,
     /// Reduced time at which they end.
     end: L,
+    /// False while only whole steps within the budget are taken, from where a larger one goes on;
+    /// then steps are cut to its end.
+    cuts: bool,
 }
 
 /// Runs a chunk in lanes of `L`, with adaptive steps of `P`.
@@ -39,23 +36,29 @@ pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Opti
     let end = chunk.question.budget_secs / unit_secs;
     let mut result = ChunkResult::default();
     for starts in chunk.starts.chunks(L::COUNT) {
-        let mut lanes = TangentLanes::<L>::of(set, &reduced, starts, chunk, end);
+        let mut lanes = TangentLanes::<L>::of(set, &reduced, starts, end);
         let mut logs = [0.0; MOST_LANES];
+        for (log, start) in logs.iter_mut().zip(starts) {
+            *log = start.log_scale();
+        }
         let mut steps = 0;
-        while lanes.is_busy() {
-            if chunk.cancelled.load(std::sync::atomic::Ordering::Relaxed) {
-                return None;
-            }
-            for _ in 0..PATIENCE / 16 {
+        for cuts in [false, true] {
+            lanes.cuts = cuts;
+            while lanes.is_busy() && steps < most_steps(&chunk.pace) {
                 match chunk.pace {
                     Pace::Adaptive(adaptive) => lanes.step_adaptively::<P>(&adaptive),
-                    Pace::Fixed(fixed) => lanes.step_fixed(&fixed),
+                    Pace::Fixed(_) => lanes.step_fixed(),
+                }
+                steps += 1;
+                if steps % STRETCH == 0 {
+                    if chunk.cancelled.load(std::sync::atomic::Ordering::Relaxed) {
+                        return None;
+                    }
+                    lanes.keep_small(set, &mut logs);
                 }
             }
-            steps += PATIENCE / 16;
-            lanes.keep_small(set, &mut logs);
-            if steps >= most_steps(&chunk.pace) {
-                break;
+            if !cuts && chunk.keep.states {
+                lanes.pause(&logs, steps, starts, &mut result);
             }
         }
         let rhs = chunk.config.method.rhs_per_step(chunk.config.precision);
@@ -67,46 +70,48 @@ pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Opti
     Some(result)
 }
 
+/// Number of steps after which slopes are looked at.
+const STRETCH: u32 = 32;
+
 fn most_steps(pace: &Pace) -> u32 {
     match pace {
         Pace::Adaptive(adaptive) => adaptive.most_steps,
-        // The last step is short, and some of the last stretch are empty.
-        Pace::Fixed(steps) => steps.count + PATIENCE,
+        // The last step is short, and may be cut in two by rounding.
+        Pace::Fixed(steps) => steps.count + 2,
     }
 }
 
 impl<L: Lanes> TangentLanes<L> {
     #[inline(always)]
-    fn of(
-        set: L::Set,
-        reduced: &Pendulum<f64>,
-        starts: &[IntegratorState],
-        chunk: &Chunk,
-        end: f64,
-    ) -> Self {
+    fn of(set: L::Set, reduced: &Pendulum<f64>, starts: &[IntegratorState], end: f64) -> Self {
         // Lanes without a start repeat the last one.
-        let phases: [Phase<f64>; MOST_LANES] = std::array::from_fn(|lane| {
-            phase_at(reduced, &chunk.pace, &starts[lane.min(starts.len() - 1)].numbers)
+        let start = |lane: usize| &starts[lane.min(starts.len() - 1)];
+        let load = |value: &dyn Fn(&IntegratorState) -> f64| {
+            let values: [f64; MOST_LANES] = std::array::from_fn(|lane| value(start(lane)));
+            <L as Lanes>::load(set, &values)
+        };
+        let number = |place: usize| load(&|start| start.numbers[place]);
+        let state: Tangents<L> = std::array::from_fn(|i| Dual {
+            value: number(i),
+            slope: std::array::from_fn(|k| load(&|start| start.slopes()[i][k])),
         });
-        let row = |i: usize| <L as Lanes>::load(set, &phases.map(|phase| phase[i]));
-        let phase = [row(0), row(1), row(2), row(3), row(4), row(5)];
-        let splat = |value: f64| L::splat(set, value);
-        let pendulum = reduced.map(splat);
-        let scale = reduced.momentum_scale().map(|scale| Dual::new(splat(1.0 / scale)));
+        let pendulum = reduced.map(|number| L::splat(set, number));
+        let scale = reduced.momentum_scale().map(|scale| Dual::new(L::splat(set, 1.0 / scale)));
         TangentLanes {
-            state: released(&pendulum, &phase),
+            state,
             pendulum: pendulum.map(Dual::new),
             inverse_scale: scale,
-            time: splat(0.0),
-            time_low: splat(0.0),
-            step: splat(FIRST),
-            end: splat(end),
+            time: number(TIME),
+            time_low: number(TIME_LOW),
+            step: number(STEP),
+            end: L::splat(set, end),
+            cuts: false,
         }
     }
 
     #[inline(always)]
     fn is_busy(&self) -> bool {
-        self.left().largest() > 0.0
+        self.length().largest() > 0.0
     }
 
     /// Time that is left, not positive where a pendulum is done.
@@ -115,41 +120,35 @@ impl<L: Lanes> TangentLanes<L> {
         (self.end - self.time) - self.time_low
     }
 
-    /// Time that is left, at most `step`.
+    /// Length of the next step, 0 in lanes that wait or are done.
     #[inline(always)]
-    fn length(&self, step: L) -> L {
-        step.min(self.left()).max(step.lit(0.0))
+    fn length(&self) -> L {
+        let (left, zero) = (self.left(), self.step.lit(0.0));
+        if self.cuts {
+            self.step.min(left).max(zero)
+        } else {
+            self.step.where_negative(self.step - left)
+        }
     }
 
     /// Tries a step in every lane and takes it where its error is allowed.
     #[inline(always)]
     fn step_adaptively<P: EmbeddedPair>(&mut self, adaptive: &Adaptive) {
         let control = &adaptive.control;
-        let length = self.length(self.step);
+        let length = self.length();
         let trial = P::trial(&self.pendulum, self.inverse_scale, &self.state, Dual::new(length));
         let excess = step_control::excess(control, self.time, trial.error_squared.value);
         let factor = step_control::factor(control, excess);
         self.take(&plus(&self.state, &trial.change), length, excess);
-        self.step = (self.step * factor).min(length.lit(LONGEST));
+        let next = (self.step * factor).min(length.lit(LONGEST));
+        self.step = Lanes::select(next, -length, self.step);
     }
 
     /// Takes a step of the classical Runge–Kutta method.
     #[inline(always)]
-    fn step_fixed(&mut self, steps: &Steps) {
-        let length = self.length(self.time.lit(steps.length));
-        let dual = Dual::new(length);
-        let half = Dual::new(length * length.lit(0.5));
-        let from = |slope: &Tangents<L>, by: Dual<4, L>| -> Tangents<L> {
-            std::array::from_fn(|i| self.state[i] + slope[i] * by)
-        };
-        let k1 = self.pendulum.derivative(&self.state);
-        let k2 = self.pendulum.derivative(&from(&k1, half));
-        let k3 = self.pendulum.derivative(&from(&k2, half));
-        let k4 = self.pendulum.derivative(&from(&k3, dual));
-        let (two, sixth) = (dual.lit(2.0), dual * dual.lit(1.0 / 6.0));
-        let next = std::array::from_fn(|i| {
-            self.state[i] + (k1[i] + two * (k2[i] + k3[i]) + k4[i]) * sixth
-        });
+    fn step_fixed(&mut self) {
+        let length = self.length();
+        let next = rk4(&self.pendulum, &self.state, Dual::new(length));
         self.take(&next, length, length.lit(-1.0));
     }
 
@@ -176,13 +175,44 @@ impl<L: Lanes> TangentLanes<L> {
         }
         let mut largest = [0.0; MOST_LANES];
         Lanes::store(most, &mut largest);
-        let factor = largest.map(|largest| if largest > LARGE { SMALLER } else { 1.0 });
+        let factor = largest.map(|largest| if largest > LARGE { 1.0 / LARGE } else { 1.0 });
         for (log, factor) in logs.iter_mut().zip(factor) {
             *log -= factor.ln();
         }
         let factor = <L as Lanes>::load(set, &factor);
         for number in &mut self.state {
             number.slope = number.slope.map(|slope| slope * factor);
+        }
+    }
+
+    /// Adds the states from which a later job goes on.
+    #[inline(always)]
+    fn pause(
+        &self,
+        logs: &[f64; MOST_LANES],
+        steps: u32,
+        starts: &[IntegratorState],
+        result: &mut ChunkResult,
+    ) {
+        let rows = self.state.map(|number| (row(number.value), number.slope.map(row)));
+        let moments =
+            [(TIME, row(self.time)), (TIME_LOW, row(self.time_low)), (STEP, row(self.step))];
+        for (lane, start) in starts.iter().enumerate() {
+            let mut numbers = [0.0; NUMBERS];
+            for (number, (value, _)) in numbers.iter_mut().zip(&rows) {
+                *number = value[lane];
+            }
+            for (place, row) in &moments {
+                numbers[*place] = row[lane];
+            }
+            let slopes = std::array::from_fn(|i| rows[i].1.map(|slope| slope[lane]));
+            let carried = Carried::Tangents { slopes, log_scale: logs[lane] };
+            let steps = start.steps + steps;
+            result.states.push(IntegratorState {
+                steps,
+                numbers,
+                carried: Some(Box::new(carried)),
+            });
         }
     }
 
@@ -195,11 +225,6 @@ impl<L: Lanes> TangentLanes<L> {
         count: usize,
         result: &mut ChunkResult,
     ) {
-        let row = |lanes: L| {
-            let mut row = [0.0; MOST_LANES];
-            Lanes::store(lanes, &mut row);
-            row
-        };
         let rows = self.state.map(|number| (row(number.value), number.slope.map(row)));
         let times = row(self.time);
         let ends = row(self.end);
@@ -215,8 +240,15 @@ impl<L: Lanes> TangentLanes<L> {
             let gathered = Accumulators { log_growth, ..Accumulators::NONE };
             let end = End { time: times[lane], phase, gathered, ..End::NOWHERE };
             result.outcomes.push(Outcome::without_time(status));
-            result.states.push(IntegratorState { steps: 0, numbers: [0.0; NUMBERS] });
             result.ends.push(end);
         }
     }
+}
+
+/// The numbers in a register, lane by lane.
+#[inline(always)]
+fn row<L: Lanes>(lanes: L) -> [f64; MOST_LANES] {
+    let mut row = [0.0; MOST_LANES];
+    Lanes::store(lanes, &mut row);
+    row
 }

@@ -9,7 +9,7 @@ use crate::engine::{End, Moving, Question};
 use crate::physics::flow_patch::{Curve, Dynamics, FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::phase::Phase;
-use crate::physics::{Outcome, Status};
+use crate::physics::{Accumulators, Outcome, Status};
 use crate::scene::lattice::Cell;
 
 /// The name of a part of an anchor: the same name means the same patch.
@@ -103,7 +103,8 @@ impl FinishedPatch {
     pub(super) fn moving(&self, dynamics: &Dynamics, phase: Phase<f64>, clearance: f64) -> Moving {
         let (high, low) = self.patch.time;
         let grown = self.patch.spread(dynamics) / self.half_rad;
-        Moving { time: [high, low], phase, step: self.patch.step, clearance, grown }
+        let turns = self.patch.turns_at(&phase);
+        Moving { time: [high, low], phase, step: self.patch.step, clearance, grown, turns }
     }
 
     /// The curve on which the states of all starts lie, if they lie on one. Those of starts that are
@@ -141,12 +142,13 @@ impl FinishedPatch {
             }
             (None, true) => MappedStart::Moving(self.moving(dynamics, phase, clearance)),
             (None, false) => {
+                let turns = self.patch.turns_at(&phase);
                 let end = End {
                     time: high + low,
                     phase,
                     clearance,
                     grown: f64::INFINITY,
-                    ..End::NOWHERE
+                    gathered: Accumulators { turns, ..Accumulators::NONE },
                 };
                 MappedStart::Known(Outcome::without_time(Status::Unflipped), end)
             }

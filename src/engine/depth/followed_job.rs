@@ -12,7 +12,7 @@ use super::lines::Lines;
 use super::part::PlacedStart;
 use super::stats::DepthStats;
 use crate::engine::{
-    Effort, End, IntegratorState, Job, JobResult, Keep, Method, Moving, MovingStarts, Precision,
+    Effort, End, Ends, IntegratorState, Job, JobResult, Method, Moving, MovingStarts, Precision,
     Question, Starts,
 };
 use crate::physics::{Outcome, Status};
@@ -126,9 +126,13 @@ impl Awaited {
         }
         for ((place, begun), end) in starts.iter().zip(&finished.ends) {
             let clearance = end.clearance.min(begun.clearance);
-            self.ends[*place] = End { clearance, grown: begun.grown, ..*end };
+            let mut end = End { clearance, grown: begun.grown, ..*end };
+            for (turns, before) in end.gathered.turns.iter_mut().zip(begun.turns) {
+                *turns += before;
+            }
+            self.ends[*place] = end;
         }
-        let unfinished = finished.unfinished.iter().map(|(k, state)| (starts[*k].0, *state));
+        let unfinished = finished.unfinished.iter().map(|(k, state)| (starts[*k].0, state.clone()));
         self.unfinished.extend(unfinished);
     }
 
@@ -147,7 +151,7 @@ impl Awaited {
     pub(super) fn result(self) -> JobResult {
         let Awaited { job: Job { id, keep, .. }, outcomes, ends, mut unfinished, effort, .. } =
             self;
-        let ends = if keep == Keep::Ends { ends } else { Vec::new() };
+        let ends = if keep.ends == Ends::Plain { ends } else { Vec::new() };
         unfinished.sort_unstable_by_key(|(index, _)| *index);
         JobResult { id, outcomes, ends, unfinished, effort, ..JobResult::default() }
     }
@@ -170,5 +174,5 @@ impl Awaited {
 /// alone, of a method whose errors are far below what neighbours differ by.
 fn may_use_lines(job: &Job) -> bool {
     let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
-    adaptive && job.config.precision != Precision::F32 && job.keep != Keep::Ends
+    adaptive && job.config.precision != Precision::F32 && job.keep.ends != Ends::Plain
 }

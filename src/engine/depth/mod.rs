@@ -156,7 +156,7 @@ impl<'a> DepthEngine<'a> {
                     for (since, group) in by_time(wanted) {
                         let (places, states) = group.into_iter().unzip();
                         let load = Load::Samples(places);
-                        self.depart(&mut awaited, Keep::Ends, load, since, states);
+                        self.depart(&mut awaited, Keep::ENDS, load, since, states);
                     }
                     awaited.lines = Some(lines);
                 }

@@ -8,17 +8,19 @@ use minijinja::{Environment, UndefinedBehavior};
 use serde::Serialize;
 
 use super::maths;
+use crate::engine::integrator_state::{LOG_SCALE, SEARCH, SLOPES, STARTS, carried_names};
 use crate::engine::method::Pace;
 use crate::engine::shared::status_constants;
 use crate::engine::start::{ANGLES, PHASE};
-use crate::engine::{EngineError, IntegratorConfig, Method, Precision, Question};
+use crate::engine::{Ends, EngineError, IntegratorConfig, Method, Precision, Question};
 use crate::physics::control::{Control, GROW, LONGEST, SHRINK};
 use crate::physics::crossing::{FAR, SLACK};
+use crate::physics::tangents::LARGE;
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// All shader files by name.
-pub const FILES: [(&str, &str); 14] = [
+pub const FILES: [(&str, &str); 17] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
@@ -28,6 +30,9 @@ pub const FILES: [(&str, &str); 14] = [
     ("fixed.wgsl", include_str!("../../../shaders/fixed.wgsl")),
     ("fixed_look.wgsl", include_str!("../../../shaders/fixed_look.wgsl")),
     ("fixed_passes.wgsl", include_str!("../../../shaders/fixed_passes.wgsl")),
+    ("control.wgsl", include_str!("../../../shaders/control.wgsl")),
+    ("tangents.wgsl", include_str!("../../../shaders/tangents.wgsl")),
+    ("nearest.wgsl", include_str!("../../../shaders/nearest.wgsl")),
     ("adaptive.wgsl", include_str!("../../../shaders/adaptive.wgsl")),
     ("look.wgsl", include_str!("../../../shaders/look.wgsl")),
     ("passes.wgsl", include_str!("../../../shaders/passes.wgsl")),
@@ -61,6 +66,8 @@ pub struct Design {
     pub scene: Option<(Pendulum<f64>, Rule)>,
     /// Number of passes of the top after which a pendulum is done; counted unless it is 1.
     pub passes: u32,
+    /// Growth or returns, where the kernel computes these instead of passes of the top.
+    pub ends: Ends,
 }
 
 impl Design {
@@ -103,6 +110,7 @@ impl Design {
             scheme,
             scene: None,
             passes: 1,
+            ends: Ends::None,
         })
     }
 
@@ -115,8 +123,17 @@ impl Design {
         !matches!(self.scheme, Scheme::Fixed(_))
     }
 
+    /// The kernel that computes growth or returns, for a specialised one.
+    pub fn computing(self, ends: Ends) -> Self {
+        Design { compensated: false, ends, ..self }
+    }
+
     /// Names of the variables that hold a pendulum's state, in the order of the buffer.
     pub fn state(&self) -> Vec<&'static str> {
+        if self.ends.are_carried() {
+            let moving = ["x1", "y1", "x2", "y2", "p1", "p2", "time", "h"];
+            return [&moving[..], &carried_names(self.ends)].concat();
+        }
         let all: &[&str] = if self.is_adaptive() { &PHASE } else { &ANGLES };
         all.iter().filter(|name| self.compensated || !name.ends_with("_low")).copied().collect()
     }
@@ -131,9 +148,15 @@ impl Design {
     pub fn text(&self) -> String {
         let number = number_file(self.precision);
         let mut maths = BTreeMap::from([("step".to_string(), self.step())]);
+        if self.ends.are_carried() {
+            let file = if self.ends == Ends::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
+            let files = ["shared.wgsl", number, "control.wgsl", file, "turn.wgsl"];
+            return glue(&files, &self.values(maths, String::new()));
+        }
         if self.is_adaptive() {
+            let (control, adaptive) = ("control.wgsl", "adaptive.wgsl");
             return glue(
-                &["shared.wgsl", number, "adaptive.wgsl", "look.wgsl", "turn.wgsl"],
+                &["shared.wgsl", number, control, adaptive, "look.wgsl", "turn.wgsl"],
                 &self.values(maths, String::new()),
             );
         }
@@ -158,23 +181,18 @@ impl Design {
             bobs.resize(2, "Bob(1.0, 0.0, 0.0)".to_string());
             bobs.join(", ")
         };
-        let mut numbers: Vec<String> =
-            self.watched().iter().map(|bob| format!("{bob}u")).collect();
-        numbers.resize(2, "1u".to_string());
         let number = |value: f64| format!("{value:?}");
         Values {
             general: self.scene.is_none(),
             adaptive: self.is_adaptive(),
             compensated: self.compensated,
             subgroups: self.subgroups,
-            moving: self.state().into_iter().filter(|&name| name != "h").collect(),
+            moving: self.moving(),
+            tangents: TangentValues::default(),
             state: self.state(),
             watched: self.watched(),
             bobs: self.watched().len(),
-            numbers,
-            counts_turns: self.watched().is_empty() && self.is_adaptive(),
-            counts_passes: self.counts_passes(),
-            passes: self.passes,
+            counts: self.counts(),
             befores: bobs(""),
             nows: bobs("_next"),
             is_watched: match self.scene {
@@ -182,7 +200,6 @@ impl Design {
                 None => "(job.watched & (1u << bob)) != 0u && ",
             },
             moment: self.moment(),
-            flip_length: self.flip_length(),
             control: ControlValues {
                 far: number(FAR),
                 slack: number(SLACK),
@@ -198,6 +215,26 @@ impl Design {
             maths,
             may_pass,
         }
+    }
+
+    fn counts(&self) -> CountValues {
+        let mut numbers: Vec<String> = self.watched().iter().map(|bob| format!("{bob}u")).collect();
+        numbers.resize(2, "1u".to_string());
+        CountValues {
+            numbers,
+            counts_turns: self.watched().is_empty()
+                && self.is_adaptive()
+                && !self.ends.are_carried(),
+            counts_passes: self.counts_passes(),
+            passes: self.passes,
+            flip_length: self.flip_length(),
+        }
+    }
+
+    /// Names of the variables that a step changes if it is taken.
+    fn moving(&self) -> Vec<&'static str> {
+        let fixed = [&["h", LOG_SCALE][..], &STARTS, &SEARCH].concat();
+        self.state().into_iter().filter(|name| !fixed.contains(name)).collect()
     }
 
     /// Expressions for how the watched bobs' paths bend between the ends of a step, which only
@@ -248,18 +285,16 @@ struct Values {
     subgroups: bool,
     state: Vec<&'static str>,
     moving: Vec<&'static str>,
+    #[serde(flatten)]
+    tangents: TangentValues,
     watched: Vec<usize>,
     bobs: usize,
-    /// The watched bobs as shader literals, filled up to two.
-    numbers: Vec<String>,
-    counts_turns: bool,
-    counts_passes: bool,
-    passes: u32,
+    #[serde(flatten)]
+    counts: CountValues,
     befores: String,
     nows: String,
     is_watched: &'static str,
     moment: &'static str,
-    flip_length: &'static str,
     #[serde(flatten)]
     control: ControlValues,
     quartic: bool,
@@ -267,6 +302,38 @@ struct Values {
     maths: BTreeMap<String, String>,
     may_pass: String,
     statuses: String,
+}
+
+/// Values of kernels that count turns or passes.
+#[derive(Serialize)]
+struct CountValues {
+    /// The watched bobs as shader literals, filled up to two.
+    numbers: Vec<String>,
+    counts_turns: bool,
+    counts_passes: bool,
+    passes: u32,
+    /// Expression for the length into a step at which the top is passed.
+    flip_length: &'static str,
+}
+
+/// Values of kernels that carry tangents.
+#[derive(Serialize)]
+struct TangentValues {
+    slopes: &'static [&'static str],
+    large: String,
+    smaller: String,
+    log_large: String,
+}
+
+impl Default for TangentValues {
+    fn default() -> Self {
+        TangentValues {
+            slopes: SLOPES.as_flattened(),
+            large: format!("{LARGE:?}"),
+            smaller: format!("{:?}", 1.0 / LARGE),
+            log_large: format!("{:?}", LARGE.ln()),
+        }
+    }
 }
 
 /// The constants of the step size control and of the test for crossings.

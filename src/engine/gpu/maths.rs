@@ -1,11 +1,15 @@
 //! The maths of a kernel as shader text, printed from the Rust of `physics`.
 
 use super::kernel::{Design, Scheme};
-use crate::engine::Precision;
+use crate::engine::integrator_state::{SLOPES, STARTS};
+use crate::engine::start::PHASE;
 use crate::engine::symbol::{Dialect, Symbol, literal, variable, write_maths};
-use crate::physics::embedded::{Trial, dop853, dopri5};
+use crate::engine::{Ends, Precision};
+use crate::physics::dual::Dual;
+use crate::physics::embedded::{Trial, dop853, dopri5, plus};
 use crate::physics::phase::Phase;
 use crate::physics::polynomial::quintic_hermite;
+use crate::physics::tangents::{Tangents, rk4};
 use crate::physics::trig::Turning;
 use crate::physics::{Angle, Pendulum, Real, State, integrator};
 
@@ -44,6 +48,11 @@ impl Design {
     /// One step: the `_next` value of every state variable that moves, and the quantities by which
     /// the step is judged.
     pub fn step(&self) -> String {
+        match self.ends {
+            Ends::Growth => return self.tangent_step(),
+            Ends::Return => return self.returning_step(),
+            Ends::None | Ends::Plain => {}
+        }
         match self.scheme {
             Scheme::Fixed(turning) => self.fixed_step(turning),
             Scheme::Fifth => self.adaptive_step(dopri5),
@@ -108,6 +117,67 @@ impl Design {
         })
     }
 
+    fn tangent_step(&self) -> String {
+        write_maths(self.dialect(), || {
+            let pendulum = self.pendulum().map(Dual::<4, Symbol>::new);
+            let scale = self.inverse_scale().map(Dual::new);
+            let before: Tangents<Symbol> = std::array::from_fn(|i| Dual {
+                value: variable(PHASE[i]),
+                slope: SLOPES[i].map(variable),
+            });
+            let step = variable("step");
+            let length = Dual::new(step);
+            let (next, error) = match self.scheme {
+                Scheme::Fixed(_) => (rk4(&pendulum, &before, length), literal(0.0)),
+                Scheme::Fifth => tried(&before, dopri5(&pendulum, scale, &before, length)),
+                Scheme::Eighth => tried(&before, dop853(&pendulum, scale, &before, length)),
+            };
+            let mut results = vec![("time_next".to_string(), variable("time") + step)];
+            for (i, number) in next.iter().enumerate() {
+                results.push((format!("{}_next", PHASE[i]), number.value));
+                let slopes = SLOPES[i].iter().zip(number.slope);
+                results.extend(slopes.map(|(name, slope)| (format!("{name}_next"), slope)));
+            }
+            results.push(("error_squared".to_string(), error));
+            results
+        })
+    }
+
+    /// A step with the rates at which the state moves away from the start at both ends (counterpart:
+    /// `receding` in `cpu/nearest.rs`), and the squared distance from it at the end.
+    fn returning_step(&self) -> String {
+        write_maths(self.dialect(), || {
+            let (pendulum, scale) = (self.pendulum(), self.inverse_scale());
+            let before: Phase<Symbol> = std::array::from_fn(|i| variable(PHASE[i]));
+            let step = variable("step");
+            let trial = match self.scheme {
+                Scheme::Eighth => dop853(&pendulum, scale, &before, step),
+                _ => dopri5(&pendulum, scale, &before, step),
+            };
+            let after = plus(&before, &trial.change);
+            let unit = |i: usize| if i < 4 { literal(1.0) } else { scale[i - 4] };
+            let apart =
+                |phase: &Phase<Symbol>, i: usize| (phase[i] - variable(STARTS[i])) * unit(i);
+            let sum = |part: &dyn Fn(usize) -> Symbol| {
+                (1..6).map(part).fold(part(0), |sum, part| sum + part)
+            };
+            let receding = |phase: &Phase<Symbol>| {
+                let rate = pendulum.derivative(phase);
+                sum(&|i| apart(phase, i) * rate[i] * unit(i))
+            };
+            let mut results = vec![("time_next".to_string(), variable("time") + step)];
+            for (name, value) in PHASE.iter().zip(after) {
+                results.push((format!("{name}_next"), value));
+            }
+            let squared = sum(&|i| apart(&after, i) * apart(&after, i));
+            results.push(("error_squared".to_string(), trial.error_squared));
+            results.push(("receding".to_string(), receding(&before)));
+            results.push(("receding_next".to_string(), receding(&after)));
+            results.push(("distance_squared_next".to_string(), squared));
+            results
+        })
+    }
+
     /// Condition under which a watched bob may have been at the top (counterpart:
     /// `flip::may_pass`).
     pub fn may_pass(&self) -> String {
@@ -151,6 +221,11 @@ impl Design {
             (0..6).map(|k| format!("c{k}")).zip(coefficients).collect()
         })
     }
+}
+
+/// The state after a trial step, and the square of its error.
+fn tried(before: &Tangents<Symbol>, trial: Trial<Dual<4, Symbol>>) -> (Tangents<Symbol>, Symbol) {
+    (plus(before, &trial.change), trial.error_squared.value)
 }
 
 fn state(names: [&'static str; 4]) -> State<Symbol> {

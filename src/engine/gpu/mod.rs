@@ -20,9 +20,7 @@ use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{FinishedSlice, Slot, SlotEvent};
 use super::selfcheck::{self, Check, Verdict};
-use super::{
-    Engine, EngineError, IntegratorConfig, Job, JobResult, Question, Starts, Wait, start,
-};
+use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Question, Starts, Wait, start};
 use crate::physics::Rule;
 
 /// Largest number of jobs on the device at a time.
@@ -107,16 +105,21 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
-        if job.keep.is_of_the_processor() {
-            let why = "only the processor computes growth and returns: use --engine cpu";
-            return Err(EngineError::Unsupported(why.to_string()));
-        }
+        job.keep.ends.check(&job.config)?;
         let general =
             Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
         // The general kernel counts neither turns nor passes and knows no friction.
         let Question { build, rule, passes, .. } = &job.question;
         let is_special = *rule == Rule::Neither || *passes != 1 || build.has_friction();
-        Ok(if self.specialise || is_special { general.specialised(&job.question, &job.pace()?) } else { general })
+        if job.keep.ends.are_carried() {
+            let special = general.specialised(&job.question, &job.pace()?);
+            return Ok(special.computing(job.keep.ends));
+        }
+        Ok(if self.specialise || is_special {
+            general.specialised(&job.question, &job.pace()?)
+        } else {
+            general
+        })
     }
 
     /// Index of the job's kernel in the list; compiles it if it is new.
@@ -217,6 +220,7 @@ impl Engine for GpuEngine {
         if let Starts::Deep(_) = job.starts {
             start::states(&job)?;
         }
+        start::check_carried(&job)?;
         self.start(job)
     }
 

@@ -116,7 +116,7 @@ impl Slot {
         job: Job,
     ) -> Result<Self, EngineError> {
         let pace = job.pace()?;
-        let places = places(&kernel.design.state(), job.config.precision);
+        let places = places(&kernel.design.state(), job.config.precision, job.keep.ends);
         let head = head(&job, &pace);
         let (buffers, groups) = make_buffers(gpu, kernel, &job, places.len())?;
         let slot = Slot {
@@ -167,7 +167,7 @@ impl Slot {
 
     fn write_states(&self, gpu: &Gpu, paused: &[IntegratorState]) {
         let part =
-            |place: Option<usize>, p: &IntegratorState| place.map_or(0.0, |place| p.numbers[place]);
+            |place: Option<usize>, p: &IntegratorState| place.map_or(0.0, |place| p.number(place));
         let mut bytes: Vec<u8> = Vec::with_capacity(self.buffers.states.size() as usize);
         for &[high, low] in &self.places {
             for p in paused {
@@ -182,13 +182,17 @@ impl Slot {
             }
         }
         gpu.queue.write_buffer(&self.buffers.states, 0, &bytes);
-        let begun = paused.iter().map(|p| RawOutcome { steps: p.steps, ..UNBEGUN });
+        let begun = |p: &IntegratorState| {
+            let [first, second] = p.counts().turns;
+            let turns = (first as u32 & 0xffff) | ((second as u32) << 16);
+            RawOutcome { steps: p.steps, turns, ..UNBEGUN }
+        };
         if self.job.question.passes == 1 {
-            let outcomes: Vec<RawOutcome> = begun.collect();
+            let outcomes: Vec<RawOutcome> = paused.iter().map(begun).collect();
             gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
         } else {
-            let outcomes: Vec<CountedOutcome> =
-                begun.map(|raw| CountedOutcome { raw, passes: [0; 4] }).collect();
+            let counted = |p| CountedOutcome { raw: begun(p), passes: p.counts().passes };
+            let outcomes: Vec<CountedOutcome> = paused.iter().map(counted).collect();
             gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
         }
     }
@@ -224,7 +228,7 @@ impl Slot {
         let Buffers { answer, states, .. } = &self.buffers;
         encoder.copy_buffer_to_buffer(&self.buffers.outcomes, 0, answer, 0, outcomes);
         let kept = answer.size() - outcomes;
-        if self.job.keep != Keep::Nothing {
+        if self.job.keep != Keep::NOTHING {
             encoder.copy_buffer_to_buffer(states, 0, answer, outcomes, kept);
         }
         self.fly(gpu, encoder, true);
@@ -341,7 +345,7 @@ fn make_buffers(
     let storage = Usage::STORAGE | Usage::COPY_DST;
     let both = storage | Usage::COPY_SRC;
     let back = Usage::MAP_READ | Usage::COPY_DST;
-    let kept = if job.keep == Keep::Nothing { 0 } else { state_bytes };
+    let kept = if job.keep == Keep::NOTHING { 0 } else { state_bytes };
     let head = (size_of::<JobHead>() + size_of::<JobScene>()) as u64;
     let buffers = Buffers {
         job: gpu.buffer("a job's head", head, storage)?,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Trust;
 use super::judge::{Answer, Judge};
 use super::ladder::{Origin, Run, Rung, rungs};
-use crate::engine::{Effort, End, Job, JobResult, Keep, Starts};
+use crate::engine::{Effort, End, Ends, Job, JobResult, Keep, Starts};
 use crate::physics::{Dd, Outcome, Status, Theta};
 
 /// A job whose starts climb the ladder until they are sure.
@@ -73,7 +73,10 @@ impl CheckedJob {
             id: self.job.id * RUNS + (before + index) as u64,
             config: run.config,
             starts: self.starts_of(run),
-            keep: if self.job.keep.is_of_the_processor() { self.job.keep } else { Keep::Ends },
+            keep: match self.job.keep.ends {
+                Ends::None => Keep::ENDS,
+                ends => Keep { ends, states: false },
+            },
             ..self.job
         };
         self.rungs[self.rung].runs.iter().enumerate().map(one).collect()
@@ -156,11 +159,9 @@ impl CheckedJob {
 
     /// The result of the job.
     pub(super) fn finish(self) -> JobResult {
-        let ends = match self.job.keep {
-            Keep::Nothing | Keep::Unfinished => Vec::new(),
-            Keep::Ends | Keep::Growth | Keep::Return => {
-                self.finest.iter().map(|answer| answer.end).collect()
-            }
+        let ends = match self.job.keep.ends {
+            Ends::None => Vec::new(),
+            _ => self.finest.iter().map(|answer| answer.end).collect(),
         };
         JobResult {
             id: self.job.id,

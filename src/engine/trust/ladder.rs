@@ -7,7 +7,7 @@
 
 use super::Trust;
 use crate::engine::level::{BALANCED, FAST};
-use crate::engine::{End, IntegratorConfig, Keep, Method, Precision, cpu};
+use crate::engine::{End, IntegratorConfig, Keep, Method, Precision};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,7 +147,7 @@ pub(super) fn rungs(
         None => rungs_from_rest(config),
     };
     for rung in &mut rungs {
-        rung.runs.retain(|run| cpu::check_keep(keep, &run.config).is_ok());
+        rung.runs.retain(|run| keep.ends.check(&run.config).is_ok());
     }
     rungs.retain(|rung| !rung.runs.is_empty());
     rungs

@@ -34,7 +34,7 @@ impl Opinion {
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Opinion>, EngineError> {
         let starts = Starts::Deep(deep.clone());
-        let Some(answer) = run_job(engine, question, config, starts, Keep::Nothing, go_on)? else {
+        let Some(answer) = run_job(engine, question, config, starts, Keep::NOTHING, go_on)? else {
             return Ok(None);
         };
         let is_sure = |k: &usize| {

@@ -44,7 +44,7 @@ impl Outlook {
         let run = Run::new(config, from);
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
         let mut answers = |starts| {
-            let finished = run_job(engine, question, config, starts, Keep::Ends, go_on)?;
+            let finished = run_job(engine, question, config, starts, Keep::ENDS, go_on)?;
             let answer = |(outcome, end)| Answer { outcome, end };
             let all = |f: JobResult| f.outcomes.into_iter().zip(f.ends).map(answer).collect();
             Ok::<Option<Vec<Answer>>, EngineError>(finished.map(all))

@@ -29,6 +29,7 @@ use super::jet::Jet;
 use super::opening;
 use super::phase::Phase;
 use super::reference::{Reference, drop_digits};
+use super::transport::turns_between;
 use super::{Pendulum, Real};
 
 /// The dynamics that move a patch, in reduced units.
@@ -55,6 +56,8 @@ pub struct FlowPatch {
     pub step: f64,
     /// Number of steps taken, since the release or since it was a part of another one.
     pub steps: u64,
+    /// Whole turns of each bob of the middle since the release.
+    turns: [i32; 2],
     /// Least distance from the top, as a sine, of the watched bobs' turns that are not in `grazes`.
     far_turns: f64,
     /// Turns near the top at which some of the cell flipped, in order.
@@ -164,6 +167,7 @@ impl FlowPatch {
             phase,
             step: super::control::FIRST,
             steps: 0,
+            turns: [0; 2],
             far_turns: FAR,
             grazes: Vec::new(),
             beyond: [false; 2],
@@ -192,7 +196,15 @@ impl FlowPatch {
             ..*graze
         };
         let grazes = self.grazes.iter().map(graze).filter(Graze::concerns_any).collect();
-        FlowPatch { phase: self.phase.map(|jet| jet.part(frame)), grazes, steps: 0, ..*self }
+        let phase = self.phase.map(|jet| jet.part(frame));
+        let turns = self.turns_at(&middle(&phase));
+        FlowPatch { phase, turns, grazes, steps: 0, ..*self }
+    }
+
+    /// Whole turns of each bob since the release of the start that is in a state now.
+    pub fn turns_at(&self, phase: &Phase<f64>) -> [i32; 2] {
+        let since = turns_between(&middle(&self.phase), phase);
+        [0, 1].map(|bob| self.turns[bob] + since[bob])
     }
 
     /// Distance from the top that the watched bobs of the start at a point have kept, as a sine.
@@ -293,6 +305,7 @@ impl FlowPatch {
         if let Some(reference) = reference {
             reference.advance(patch_step.plan.length);
         }
+        self.turns = self.turns_at(&middle(&patch_step.after));
         self.phase = patch_step.after;
         self.time = self.time.0.fast_two_sum(self.time.1 + patch_step.plan.length);
         self.step = patch_step.plan.next;

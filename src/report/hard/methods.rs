@@ -129,7 +129,7 @@ fn turned_round(paused: &IntegratorState) -> IntegratorState {
         numbers[i] = -numbers[i];
     }
     (numbers[TIME], numbers[TIME + 1]) = (0.0, 0.0);
-    IntegratorState { steps: 0, numbers }
+    IntegratorState::new(0, numbers)
 }
 
 /// Distance of `back` from a pendulum at reduced time `beyond` after its release at `start`.

@@ -164,7 +164,7 @@ impl<'a> HardBench<'a> {
         config: IntegratorConfig,
         starts: Starts,
     ) -> Result<JobResult, EngineError> {
-        let job = Job { id: 1, question: *question, config, starts, keep: Keep::Unfinished };
+        let job = Job { id: 1, question: *question, config, starts, keep: Keep::STATES };
         self.engine.submit(job)?;
         let finished = self.engine.poll(Wait::UntilFinished)?.pop();
         finished.ok_or_else(|| EngineError::Unsupported("the engine gave no answer".to_string()))

@@ -3,9 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{FAILED, FORBIDDEN, Palette, Rgb, Tones, UNFLIPPED};
-use crate::physics::Status;
+use crate::physics::{Pendulum, State, Status};
 use crate::question::{ChannelScale, Painted};
-use crate::scene::{PictureTable, Scene, SceneError};
+use crate::scene::{PictureTable, Scene, SceneError, Shown};
 
 /// A map from answers to colours.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,8 @@ pub(super) enum Way {
     Torus,
     /// The sum of all channels, from 0 to a number.
     Counts(f64, Palette),
+    /// The kinetic share of this pendulum's energy above hanging.
+    EnergySplit(Pendulum<f64>, Palette),
 }
 
 impl AnswerColours {
@@ -36,19 +38,38 @@ impl AnswerColours {
     /// channels by which its question is known.
     pub fn new(scene: &Scene, picture: &PictureTable) -> Result<Self, SceneError> {
         let ask = scene.question.ask;
-        let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget.secs)?;
-        let chosen = picture.channel_of(ask)?;
-        if chosen.is_none() && ask.kind().painted == Painted::TwoAngles {
-            return Ok(AnswerColours { way: Way::Torus });
-        }
-        if chosen.is_none() && ask.kind().painted == Painted::Sum {
-            let units = scene.question.end_secs() / scene.build.unit_secs();
-            let palette = Palette::named(&picture.palette)?;
-            return Ok(AnswerColours { way: Way::Counts(MOST_A_UNIT * units, palette) });
-        }
-        let channel = chosen.unwrap_or(0);
+        let painted = match picture.shown(ask)? {
+            Shown::Channel(channel) => return AnswerColours::of_channel(scene, picture, channel),
+            Shown::Tint(painted) => painted,
+            Shown::Natural => ask.kind().painted,
+        };
+        let way = match painted {
+            Painted::First => return AnswerColours::of_channel(scene, picture, 0),
+            Painted::TwoAngles => Way::Torus,
+            Painted::Sum => {
+                let units = scene.question.end_secs() / scene.build.unit_secs();
+                Way::Counts(MOST_A_UNIT * units, Palette::named(&picture.palette)?)
+            }
+            Painted::EnergySplit => {
+                let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;
+                Way::EnergySplit(scene.build.pendulum(), palette)
+            }
+        };
+        Ok(AnswerColours { way })
+    }
+
+    /// The colours of one channel.
+    fn of_channel(
+        scene: &Scene,
+        picture: &PictureTable,
+        channel: usize,
+    ) -> Result<Self, SceneError> {
+        let ask = scene.question.ask;
         let way = match ask.kind().channels[channel].scale {
-            ChannelScale::Times => Way::Times(channel, tones),
+            ChannelScale::Times => {
+                let (unit, budget) = (scene.build.unit_secs(), scene.question.budget.secs);
+                Way::Times(channel, Tones::new(picture, unit, budget)?)
+            }
             ChannelScale::Cyclic => Way::Angle(channel, palette_or(picture, Palette::CYCLIC)?),
             ChannelScale::Rates(most) => {
                 let most = most / scene.build.unit_secs();
@@ -81,8 +102,18 @@ impl AnswerColours {
             }
             Way::Torus => torus([values[0], values[1]]),
             Way::Counts(most, palette) => palette.colour(values.iter().sum::<f64>() / most),
+            Way::EnergySplit(pendulum, palette) => palette.colour(kinetic_share(pendulum, values)),
         }
     }
+}
+
+/// The kinetic share, from 0 to 1, of the energy above hanging: values are angles in rad and speeds
+/// in rad/s.
+fn kinetic_share(pendulum: &Pendulum<f64>, values: &[f64]) -> f64 {
+    let (angle, speed) = ([values[0], values[1]], [values[2], values[3]]);
+    let potential = pendulum.energy(&State::rest(angle));
+    let all = pendulum.energy(&State { angle, speed });
+    (all - potential) / (all + pendulum.p + pendulum.q).max(f64::MIN_POSITIVE)
 }
 
 /// The picture's palette, or another one where it has the default.
@@ -158,5 +189,19 @@ mod tests {
         assert_eq!(speed.colour(Status::Forbidden, &[0.0; 6]), FORBIDDEN);
         let refused = colours(Ask::Flip, Some("theta2")).unwrap_err().to_string();
         assert_eq!(refused, "--channel is 'theta2'; the question flip has time");
+        assert!(colours(Ask::Growth, Some("energy")).is_err());
+    }
+
+    #[test]
+    fn energy_is_split_as_it_is() {
+        let pendulum = Scene::default().build.pendulum();
+        assert_eq!(kinetic_share(&pendulum, &[1.0, 2.0, 0.0, 0.0, 0.0, 0.0]), 0.0);
+        let hanging = kinetic_share(&pendulum, &[0.0, 0.0, 3.0, 1.0, 0.0, 0.0]);
+        assert!((hanging - 1.0).abs() < 1e-12);
+        assert_eq!(kinetic_share(&pendulum, &[0.0; 6]), 0.0);
+        let state = colours(Ask::State, Some("energy")).unwrap();
+        let colour = |w: f64| state.colour(Status::Flipped, &[1.0, 2.0, w, 0.0, 0.0, 0.0]);
+        assert!(colour(0.0) != colour(2.0) && colour(2.0) != colour(9.0));
+        assert_eq!(colour(2.0), colour(-2.0), "both directions are one energy here");
     }
 }

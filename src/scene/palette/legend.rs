@@ -31,9 +31,10 @@ impl AnswerColours {
     pub fn colour_along(&self, share: f64) -> Rgb {
         match &self.way {
             Way::Times(_, tones) => tones.colour_at(tones.secs_at(share)),
-            Way::Angle(_, palette) | Way::Between(_, _, palette) | Way::Counts(_, palette) => {
-                palette.colour(share)
-            }
+            Way::Angle(_, palette)
+            | Way::Between(_, _, palette)
+            | Way::Counts(_, palette)
+            | Way::EnergySplit(_, palette) => palette.colour(share),
             Way::Torus => self.colour_in_square([share, 0.5]),
         }
     }
@@ -45,6 +46,7 @@ impl AnswerColours {
             Way::Angle(..) | Way::Torus => TAU * share - PI,
             Way::Between(_, [from, to], _) => from + share * (to - from),
             Way::Counts(most, _) => share * most,
+            Way::EnergySplit(..) => share,
         }
     }
 
@@ -57,6 +59,7 @@ impl AnswerColours {
             }
             Way::Torus => LegendTitle { name: "theta1, theta2", unit: "rad" },
             Way::Counts(..) => LegendTitle { name: "passes of both bobs", unit: "" },
+            Way::EnergySplit(..) => LegendTitle { name: "kinetic share of the energy", unit: "" },
         }
     }
 }

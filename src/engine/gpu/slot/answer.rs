@@ -4,12 +4,14 @@ use bytemuck::Pod;
 use rayon::prelude::*;
 
 use super::Slot;
+use crate::engine::integrator_state::carried_names;
 use crate::engine::method::Pace;
 use crate::engine::shared::{CountedOutcome, RawOutcome, from_parts};
 use crate::engine::{
-    Effort, End, IntegratorState, Job, JobResult, Keep, NUMBERS, Precision, Starts, start,
+    Carried, Effort, End, Ends, IntegratorState, Job, JobResult, Keep, NUMBERS, Precision, Starts,
+    start,
 };
-use crate::physics::{Outcome, Status};
+use crate::physics::{Accumulators, Outcome, Rule, Status};
 
 impl Slot {
     /// The answer, once it has been mapped; none if the device was lost after that.
@@ -20,15 +22,16 @@ impl Slot {
         let outcomes: Vec<Outcome> = raw.iter().map(|raw| self.outcome(raw)).collect();
         let mut finished =
             JobResult { id: self.job.id, effort: self.effort(&raw), ..Default::default() };
-        match self.job.keep {
-            Keep::Nothing => {}
-            Keep::Unfinished => {
-                let states = self.read_states(&raw)?.into_iter().enumerate();
+        if self.job.keep != Keep::NOTHING {
+            let mut states = self.read_states(&raw)?;
+            if self.job.keep.ends != Ends::None {
+                finished.ends = self.ends(&counted, &states);
+            }
+            if self.job.keep.states {
+                self.add_counts(&counted, &mut states);
+                let states = states.into_iter().enumerate();
                 let left = states.filter(|(i, _)| outcomes[*i].status == Status::Unflipped);
                 finished.unfinished = left.collect();
-            }
-            Keep::Ends | Keep::Growth | Keep::Return => {
-                finished.ends = self.ends(&counted, &self.read_states(&raw)?)
             }
         }
         self.buffers.answer.unmap();
@@ -48,18 +51,40 @@ impl Slot {
     /// The end of each pendulum; a flip lies in the step that follows its state.
     fn ends(&self, counted: &[CountedOutcome], states: &[IntegratorState]) -> Vec<End> {
         let (reduced, _) = self.job.question.reduced();
+        match self.job.keep.ends {
+            Ends::Growth => {
+                let end = |state| start::end_with_growth(&reduced, state);
+                return states.par_iter().map(end).collect();
+            }
+            Ends::Return => return states.iter().map(start::end_with_return).collect(),
+            Ends::None | Ends::Plain => {}
+        }
         let one = |(CountedOutcome { raw, passes }, state): (&CountedOutcome, &IntegratorState)| {
             let flipped = (raw.status & 255 == 1).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
-            let turns = [raw.turns as i16, (raw.turns >> 16) as i16].map(i32::from);
             let mut end = start::end(&reduced, &self.pace, state, flipped, clearance);
             if let Pace::Adaptive(_) = self.pace {
-                end.gathered.turns = turns;
+                end.gathered.turns = turns_of(raw);
             }
             end.gathered.passes = *passes;
             end
         };
         counted.par_iter().zip(states).map(one).collect()
+    }
+
+    /// Gives states the turns and passes counted so far, where these are counted and nothing else is
+    /// taken along.
+    fn add_counts(&self, counted: &[CountedOutcome], states: &mut [IntegratorState]) {
+        let question = &self.job.question;
+        let counts = question.passes != 1 || question.rule == Rule::Neither;
+        if !counts || self.job.keep.ends.are_carried() {
+            return;
+        }
+        for (CountedOutcome { raw, passes }, state) in counted.iter().zip(states) {
+            let turns = turns_of(raw);
+            let gathered = Accumulators { turns, passes: *passes, ..Accumulators::NONE };
+            state.carried = Some(Box::new(Carried::Counts(gathered)));
+        }
     }
 
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
@@ -109,19 +134,26 @@ impl Slot {
                 .collect(),
             _ => read::<f64>(answer, offset, count)?.iter().map(|&x| [x, 0.0]).collect(),
         };
+        let ends = self.job.keep.ends;
+        let carried = carried_names(ends).len();
         let paused = |i: usize| {
-            let mut numbers = [0.0; NUMBERS];
+            let mut all = vec![0.0; NUMBERS + carried];
             for (k, places) in self.places.iter().enumerate() {
                 for (place, value) in places.iter().zip(states[k * raw.len() + i]) {
                     if let Some(place) = place {
-                        numbers[*place] = value;
+                        all[*place] = value;
                     }
                 }
             }
-            IntegratorState { steps: raw[i].steps, numbers }
+            IntegratorState::from_numbers(raw[i].steps, &all, ends)
         };
         Some((0..raw.len()).map(paused).collect())
     }
+}
+
+/// Whole turns of both bobs.
+fn turns_of(raw: &RawOutcome) -> [i32; 2] {
+    [raw.turns as i16, (raw.turns >> 16) as i16].map(i32::from)
 }
 
 /// `count` values of a mapped buffer; none if the device was lost after it was mapped.

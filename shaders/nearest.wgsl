@@ -1,0 +1,92 @@
+// A tile's pendulums on their way back to their starts (counterpart: src/engine/cpu/nearest.rs); all
+// last as long as the budget, to which the last step is cut. `advance` stops before a step in which
+// the distance from the start has a minimum, and `look` finds it.
+
+// Halvings in the search for a minimum: its time to a billionth of a step.
+const HALVINGS = 30u;
+
+@compute @workgroup_size(WORKGROUP)
+fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= atomicLoad(&queue.lengths[queue.turn]) {
+        return;
+    }
+    let pixel = lists[queue.turn * job.count + id.x];
+{% for name in state %}
+    var {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
+{% endfor %}
+    var steps = outcomes[pixel].steps;
+    let stop = min(steps + job.slice_steps, job.most_steps);
+    var suspect = false;
+    while !suspect && steps < stop && rough(time) < job.budget {
+        let step = min(h, real(job.budget) - time);
+{{ maths.step }}
+        let excess = excess_of(rough(error_squared), rough(time));
+        let accepted = excess < 0;
+        suspect = accepted && has_left > 0 && receding < 0 && receding_next >= 0;
+        let taken = accepted && !suspect;
+        // The distance falls for the first time.
+        let leaves = taken && receding > 0 && receding_next < 0;
+        has_left = select(has_left, real(1.0), leaves);
+{% for name in moving %}
+        {{ name }} = select({{ name }}, {{ name }}_next, taken);
+{% endfor %}
+        h = select(real(next_length(rough(step), excess)), h, suspect);
+        steps += select(1u, 0u, suspect);
+    }
+{% for name in state %}
+    states[{{ loop.index0 }}u * job.count + pixel] = {{ name }};
+{% endfor %}
+    outcomes[pixel].steps = steps;
+    let over = rough(time) >= job.budget;
+    let sound = finite(x1) && (over || steps < job.most_steps);
+    if !sound {
+        outcomes[pixel].status = FAILED;
+    }
+    put_on(SUSPECTS, pixel, sound && suspect);
+    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn look(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= atomicLoad(&queue.lengths[SUSPECTS]) {
+        return;
+    }
+    let pixel = lists[SUSPECTS * job.count + id.x];
+{% for name in state %}
+    let {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
+{% endfor %}
+    let whole = min(h, real(job.budget) - time);
+    // The state at the end of the whole step.
+{% for name in state %}
+    var {{ name }}_after = {{ name }};
+{% endfor %}
+    var low = real(0.0);
+    var high = whole;
+    // First the whole step, then the halvings, and last the distance at the minimum.
+    for (var trial = 0u; trial < HALVINGS + 2u; trial++) {
+        var length = select(real(0.5) * (low + high), whole, trial == 0u);
+        length = select(length, high, trial > HALVINGS);
+        let step = length;
+{{ maths.step }}
+        if trial == 0u {
+{% for name in moving %}
+            {{ name }}_after = {{ name }}_next;
+{% endfor %}
+            h_after = real(next_length(rough(whole), excess_of(rough(error_squared), rough(time))));
+        } else if trial <= HALVINGS {
+            low = select(low, step, receding_next < 0);
+            high = select(step, high, receding_next < 0);
+        } else {
+            let distance = sqrt(distance_squared_next);
+            let nearer = distance < nearest;
+            nearest_time_after = select(nearest_time, time + high, nearer);
+            nearest_after = select(nearest, distance, nearer);
+        }
+    }
+{% for name in state %}
+    states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_after;
+{% endfor %}
+    outcomes[pixel].steps += 1u;
+    outcomes[pixel].status += (HALVINGS + 2u) * LOOK;
+    put_on(1u - queue.turn, pixel, rough(time_after) < job.budget);
+}

@@ -1,0 +1,62 @@
+// A tile's pendulums with the tangents of their motion (counterpart: src/engine/cpu/tangents.rs): all
+// last as long as the budget, to which the last step is cut.
+
+// Largest slope before all are made smaller by a power of two, so that none overflows.
+const LARGE = {{ large }};
+const SMALLER = {{ smaller }};
+const LOG_LARGE = {{ log_large }};
+
+@compute @workgroup_size(WORKGROUP)
+fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= atomicLoad(&queue.lengths[queue.turn]) {
+        return;
+    }
+    let pixel = lists[queue.turn * job.count + id.x];
+{% for name in state %}
+    var {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
+{% endfor %}
+    var steps = outcomes[pixel].steps;
+    // The last fixed step may be cut in two by rounding.
+    let most_steps = job.most_steps + 2u;
+    let stop = min(steps + job.slice_steps, most_steps);
+    while steps < stop && rough(time) < job.budget {
+        let step = min(h, real(job.budget) - time);
+{{ maths.step }}
+{% if adaptive %}
+        let excess = excess_of(rough(error_squared), rough(time));
+        let taken = excess < 0;
+        h = real(next_length(rough(step), excess));
+{% else %}
+        let taken = true;
+{% endif %}
+{% for name in moving %}
+        {{ name }} = select({{ name }}, {{ name }}_next, taken);
+{% endfor %}
+        var most = 0.0;
+{% for name in slopes %}
+        most = max(most, abs(rough({{ name }})));
+{% endfor %}
+        if most > LARGE {
+{% for name in slopes %}
+            {{ name }} *= real(SMALLER);
+{% endfor %}
+            log_scale += real(LOG_LARGE);
+        }
+        steps += 1u;
+    }
+{% for name in state %}
+    states[{{ loop.index0 }}u * job.count + pixel] = {{ name }};
+{% endfor %}
+    outcomes[pixel].steps = steps;
+    let over = rough(time) >= job.budget;
+    let sound = finite(x1) && (over || steps < most_steps);
+    if !sound {
+        outcomes[pixel].status = FAILED;
+    }
+    put_on(1u - queue.turn, pixel, sound && !over);
+}
+
+// No step waits for a verdict.
+@compute @workgroup_size(WORKGROUP)
+fn look() {
+}

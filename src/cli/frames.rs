@@ -1,0 +1,84 @@
+//! Films whose frames are made one after another: states as their time goes on, with every trajectory
+//! computed once, and stills of any question.
+
+use flipmap::engine::Cells;
+use flipmap::engine::run_settings::RunSpec;
+use flipmap::farm::merge::FilmSink;
+use flipmap::output::RowPainter;
+use flipmap::scene::film::{Film, FilmKind, Shot};
+use flipmap::tiles::Renderer;
+use flipmap::tiles::moments::Moments;
+
+use super::exit::Exit;
+use super::progress::Progress;
+use super::render::check_numbers;
+use super::run_options::start;
+use super::{stop, video};
+
+/// Computes and writes a checked film frame by frame; frames that are there already are not made again.
+pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyhow::Result<()> {
+    let mut document = film.keys[0].scene.clone();
+    options.film.picture.apply(&mut document)?;
+    let document = document.checked()?;
+    stop::listen()?;
+    let request = options.film.run.engine.request(spec.setting).answering(&document.question);
+    let chosen = start(&request)?;
+    let size = film.size.map(|side| side * document.picture.samples);
+    for key in &film.keys {
+        check_numbers(&key.scene.scene(), size, chosen.config, Cells::Auto)?;
+    }
+    let threads = options.film.run.engine.threads();
+    let mut renderer = Renderer::of(chosen.engine, chosen.config, spec.verify, threads)?;
+    let mut sink = FilmSink::open(&options.output, film, &document)?;
+    let mut moments = (film.kind() == FilmKind::Moments).then(|| {
+        let job_size = renderer.engine().job_size();
+        Moments::new(&film.shot(0).scene, size, chosen.config, job_size)
+    });
+    let mut progress = Progress::of(options.progress, u64::from(film.frames), "frames");
+    for frame in 0..film.frames {
+        let shot: Shot = film.shot(frame);
+        if sink.has(frame, &shot) {
+            continue;
+        }
+        let mut painter = RowPainter::new(&shot.scene, film.size, &document.picture)?;
+        let rgb = match &mut moments {
+            Some(moments) => {
+                let at = shot.scene.question.end_secs();
+                let samples = moments.at(renderer.engine(), at, &|| !stop::asked())?;
+                painter.paint(samples.ok_or(Exit::Again)?)
+            }
+            None => {
+                let samples = renderer.render_while(&shot.scene, size, &|| !stop::asked())?;
+                painter.paint(&samples.ok_or(Exit::Again)?)
+            }
+        };
+        sink.write(frame, &shot, &rgb)?;
+        progress.set(u64::from(frame) + 1, None);
+    }
+    drop(progress);
+    sink.finish()?;
+    let [width, height] = film.size;
+    super::tell(&format!(
+        "flipmap: {} frames of {width}x{height} at {} per second in {}",
+        film.frames,
+        film.fps,
+        options.output.display()
+    ));
+    Ok(())
+}
+
+/// Rejects what such a film does not have.
+pub(super) fn check(options: &video::Options, film: &Film, spec: &RunSpec) -> Result<(), Exit> {
+    let question = &film.keys[0].scene.question;
+    let why = if options.cache.is_some() {
+        "it keeps no samples, only its frames: omit --cache"
+    } else if spec.verify && film.kind() == FilmKind::Moments {
+        "states that go on are not checked: omit --verify and --accuracy exact"
+    } else {
+        return Ok(());
+    };
+    Err(Exit::Usage(format!(
+        "a film of the question {} cannot be made like this: {why}",
+        question.ask
+    )))
+}

@@ -1,0 +1,153 @@
+//! Pendulums between two jobs.
+
+use serde::{Deserialize, Serialize};
+
+use super::Ends;
+use crate::physics::Accumulators;
+use crate::physics::phase::Phase;
+
+/// Most numbers that a pendulum's state can have, see [`super::start`].
+pub const NUMBERS: usize = 15;
+
+/// An unfinished pendulum between two jobs, exactly as the kernel left it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct IntegratorState {
+    /// Number of steps taken; for adaptive methods, of steps tried.
+    pub steps: u32,
+    /// The state in the kernel's units and in the order that [`super::start`] gives; exact for every
+    /// precision.
+    pub numbers: [f64; NUMBERS],
+    /// All else that it takes along, where the question needs it.
+    pub carried: Option<Box<Carried>>,
+}
+
+/// Quantities that a pendulum takes along besides its state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Carried {
+    /// Turns and passes counted since the release.
+    Counts(Accumulators),
+    /// The search for the nearest return.
+    Return {
+        /// The start, in reduced units.
+        start: Phase<f64>,
+        /// True once it has left its start.
+        has_left: bool,
+        /// Least distance since then, and its reduced time.
+        nearest: [f64; 2],
+    },
+    /// Derivatives of unit vectors and momenta by the four numbers of the start.
+    Tangents {
+        /// The derivatives, made smaller so that none overflows.
+        slopes: [[f64; 4]; 6],
+        /// Natural logarithm of the factor by which they were made smaller.
+        log_scale: f64,
+    },
+}
+
+/// Names of the slopes of unit vectors and momenta by the four numbers of the start.
+pub const SLOPES: [[&str; 4]; 6] = [
+    ["x1_a", "x1_b", "x1_c", "x1_d"],
+    ["y1_a", "y1_b", "y1_c", "y1_d"],
+    ["x2_a", "x2_b", "x2_c", "x2_d"],
+    ["y2_a", "y2_b", "y2_c", "y2_d"],
+    ["p1_a", "p1_b", "p1_c", "p1_d"],
+    ["p2_a", "p2_b", "p2_c", "p2_d"],
+];
+/// Name of the logarithm of the factor by which slopes were made smaller.
+pub const LOG_SCALE: &str = "log_scale";
+/// Names of the unit vectors and momenta of the start.
+pub const STARTS: [&str; 6] =
+    ["x1_start", "y1_start", "x2_start", "y2_start", "p1_start", "p2_start"];
+/// Names of the state of the search for the nearest return: 1 once the start has been left, the least
+/// distance, and its time.
+pub const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
+
+/// Names of the numbers that pendulums take along for such ends, as devices keep them.
+pub fn carried_names(ends: Ends) -> Vec<&'static str> {
+    match ends {
+        Ends::None | Ends::Plain => Vec::new(),
+        Ends::Growth => [SLOPES.as_flattened(), &[LOG_SCALE]].concat(),
+        Ends::Return => [&STARTS[..], &SEARCH].concat(),
+    }
+}
+
+impl Carried {
+    /// A number, by its place among [`carried_names`].
+    fn number(&self, place: usize) -> f64 {
+        match self {
+            Carried::Counts(_) => 0.0,
+            Carried::Tangents { slopes, log_scale } => {
+                slopes.as_flattened().get(place).copied().unwrap_or(*log_scale)
+            }
+            Carried::Return { start, has_left, nearest } => match place {
+                0..6 => start[place],
+                6 => f64::from(u8::from(*has_left)),
+                _ => nearest[place - 7],
+            },
+        }
+    }
+
+    /// The same from all of its numbers.
+    fn from_numbers(ends: Ends, numbers: &[f64]) -> Option<Self> {
+        match ends {
+            Ends::None | Ends::Plain => None,
+            Ends::Growth => {
+                let (slopes, rest) = numbers.as_chunks::<4>();
+                let slopes = slopes.try_into().ok()?;
+                Some(Carried::Tangents { slopes, log_scale: *rest.first()? })
+            }
+            Ends::Return => {
+                let &[.., has_left, distance, time] = numbers else { return None };
+                let start = numbers.get(..6)?.try_into().ok()?;
+                let nearest = [distance, time];
+                Some(Carried::Return { start, has_left: has_left > 0.0, nearest })
+            }
+        }
+    }
+}
+
+impl IntegratorState {
+    /// A state from all its numbers: its own, and those that it takes along for such ends.
+    pub fn from_numbers(steps: u32, all: &[f64], ends: Ends) -> Self {
+        let (own, carried) = all.split_at(NUMBERS.min(all.len()));
+        let mut numbers = [0.0; NUMBERS];
+        numbers[..own.len()].copy_from_slice(own);
+        let carried = Carried::from_numbers(ends, carried).map(Box::new);
+        IntegratorState { steps, numbers, carried }
+    }
+
+    /// A number by its place: one of the state's own, or after them one that it takes along.
+    pub fn number(&self, place: usize) -> f64 {
+        let carried = || self.carried.as_deref().map(|carried| carried.number(place - NUMBERS));
+        self.numbers.get(place).copied().or_else(carried).unwrap_or(0.0)
+    }
+
+    /// A state that takes nothing else along.
+    pub fn new(steps: u32, numbers: [f64; NUMBERS]) -> Self {
+        IntegratorState { steps, numbers, carried: None }
+    }
+
+    /// The slopes that it takes along; none where it has no tangents.
+    pub fn slopes(&self) -> [[f64; 4]; 6] {
+        match self.carried.as_deref() {
+            Some(Carried::Tangents { slopes, .. }) => *slopes,
+            _ => [[0.0; 4]; 6],
+        }
+    }
+
+    /// Natural logarithm of the factor by which the slopes were made smaller.
+    pub fn log_scale(&self) -> f64 {
+        match self.carried.as_deref() {
+            Some(Carried::Tangents { log_scale, .. }) => *log_scale,
+            _ => 0.0,
+        }
+    }
+
+    /// The turns and passes counted so far.
+    pub fn counts(&self) -> Accumulators {
+        match self.carried.as_deref() {
+            Some(Carried::Counts(gathered)) => *gathered,
+            _ => Accumulators::NONE,
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! States in deep views, read from polynomials of the flow or integrated after them.
+
+use std::f64::consts::TAU;
+
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::depth::DepthEngine;
+use flipmap::engine::level::{BALANCED, FAST};
+use flipmap::engine::{IntegratorConfig, Trust};
+use flipmap::physics::taylor::Orbit;
+use flipmap::physics::{Fixed, Scalar, State, Theta};
+use flipmap::question::Ask;
+use flipmap::scene::{Budget, Scene, View};
+use flipmap::tiles::{Renderer, Samples};
+use rayon::prelude::*;
+
+use crate::truth::apart;
+
+const SIDE: u32 = 10;
+/// Number of pixels.
+const COUNT: usize = (SIDE * SIDE) as usize;
+
+/// A deep view (θ1, θ2, width), and times at which its pixels still swing together and no longer do.
+const VIEW: ([&str; 2], &str) =
+    (["1.232005966977461660140937", "2.083059647952103789629524"], "6e-13");
+
+fn scene() -> Scene {
+    let center = VIEW.0.map(str::to_string);
+    let view = View { center, width: VIEW.1.to_string(), ..View::default() };
+    let mut scene = Scene { view, ..Scene::default() };
+    scene.question.budget = Budget { auto: true, ..Budget::default() };
+    let mut scene = scene.checked().unwrap();
+    scene.question.ask = Ask::State;
+    scene
+}
+
+fn rendered(scene: &Scene, config: IntegratorConfig, verify: bool) -> Samples {
+    let inner = Box::new(CpuEngine::new(Some(2)).unwrap());
+    let engine = Box::new(DepthEngine::new(inner, Some(2)).unwrap());
+    let mut renderer = Renderer::of(engine, config, verify, Some(2)).unwrap();
+    renderer.render(scene, [SIDE; 2]).unwrap()
+}
+
+/// The states of a pixel at two times, with unwrapped angles, each integrated on its own in long
+/// numbers.
+fn truth(scene: &Scene, k: u32, times_secs: [f64; 2]) -> [State<f64>; 2] {
+    let pixel = scene.view.width_rad().to_f64() / f64::from(SIDE);
+    let half = f64::from(SIDE) / 2.0;
+    let [x, y] = [k % SIDE, k / SIDE].map(|at| f64::from(at) + 0.5);
+    let by = [x - half, half - y].map(|by| Theta::from_f64(by * pixel));
+    let center = scene.view.center_rad();
+    let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<4>());
+    let mut orbit = Orbit::new(scene.build.pendulum_in(), State::rest(angle));
+    times_secs.map(|secs| {
+        let state = orbit.state_at(Fixed::<4>::from_f64(secs));
+        State { angle: state.angle.map(Scalar::to_f64), speed: state.speed.map(Scalar::to_f64) }
+    })
+}
+
+/// For each pixel, whether its state is right within 1e-3 rad, with its turns.
+fn right(samples: &Samples, truths: &[State<f64>]) -> Vec<bool> {
+    let is_right = |(k, truth): (usize, &State<f64>)| {
+        let values = samples.values(k);
+        let near = (0..2).all(|i| apart(values[i], truth.angle[i]) < 1e-3);
+        let turned = |i: usize| (values[i] + TAU * values[4 + i] - truth.angle[i]).abs() < 1e-2;
+        near && turned(0) && turned(1)
+    };
+    truths.iter().enumerate().map(is_right).collect()
+}
+
+#[test]
+fn deep_states_are_those_of_pendulums_integrated_in_long_numbers() {
+    let mut scene = scene();
+    let last = scene.question.budget.secs;
+    let times = [0.6 * last, 0.8 * last];
+    let all: Vec<[State<f64>; 2]> =
+        (0..SIDE * SIDE).into_par_iter().map(|k| truth(&scene, k, times)).collect();
+    for (time, least) in [(0, 1.0), (1, 0.9)] {
+        let at = times[time];
+        scene.question.at = Some(at);
+        let truths: Vec<State<f64>> = all.iter().map(|states| states[time]).collect();
+        let share = |samples: &Samples| {
+            let right = right(samples, &truths);
+            right.iter().filter(|right| **right).count() as f64 / right.len() as f64
+        };
+        let samples = rendered(&scene, BALANCED, false);
+        assert!(share(&samples) >= least, "{} after {at} s", share(&samples));
+        assert!(share(&rendered(&scene, FAST, false)) > 0.5, "after {at} s");
+        if time == 1 {
+            let far = |a: &State<f64>| apart(a.angle[1], truths[0].angle[1]) > 0.1;
+            assert!(
+                truths.iter().filter(|truth| far(truth)).count() > COUNT / 5,
+                "they have parted"
+            );
+            let turned: Vec<f64> = (0..COUNT).map(|k| samples.values(k)[5]).collect();
+            assert!(turned.iter().any(|turns| *turns != 0.0), "some turns are counted");
+            let mut other = scene.clone();
+            other.view.width = "1.2e-12".to_string();
+            assert!(share(&rendered(&other, BALANCED, false)) < 0.5, "the comparison can fail");
+            let checked = rendered(&scene, BALANCED, true);
+            let right = right(&checked, &truths);
+            let sure = |k: &usize| checked.trust(*k) != Trust::Uncertain;
+            assert!((0..COUNT).filter(sure).all(|k| right[k]), "what is sure is right");
+            assert!((0..COUNT).filter(sure).count() > COUNT / 2, "most are sure");
+        }
+    }
+}

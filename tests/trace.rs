@@ -1,0 +1,92 @@
+//! Traces of single pendulums: their columns, their flips, and the requests that are refused.
+
+#[path = "common/program.rs"]
+mod program;
+
+use std::fs;
+
+use program::*;
+
+#[test]
+fn a_trace_has_its_columns_and_its_flips() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["trace", "--start", "3,3", "--gravity", "1", "--until", "8", "--every", "0.5"];
+    let output = flipmap(&folder, &[&arguments[..], &["-o", "t.csv", "--json"]].concat());
+    assert!(output.status.success(), "{}", error_of(&output));
+    let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines[0], "t,theta1,theta2,omega1,omega2,energy_error");
+    assert_eq!(lines.len(), 1 + 17);
+    assert!(lines[1].starts_with("0,3,3,0,0,"));
+    let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let near = |key: &str, time: f64| (object[key].as_f64().unwrap() - time).abs() < 1e-12;
+    assert!(
+        near("second_flip", 1.767_916_558_420_626_6) && near("first_flip", 6.764_561_342_766_418)
+    );
+    let energy =
+        lines.iter().skip(1).map(|line| line.rsplit(',').next().unwrap().parse::<f64>().unwrap());
+    assert!(energy.fold(0.0, |worst: f64, e| worst.max(e.abs())) < 1e-28);
+    let thrown = flipmap(&folder, &["trace", "--start", "0,0.5,3,-4", "--until", "0.1"]);
+    assert!(String::from_utf8_lossy(&thrown.stdout).contains("\n0,0,0.5,3,-4,"), "its speeds");
+}
+
+#[test]
+fn a_trace_has_the_columns_of_its_question() {
+    let folder = tempfile::tempdir().unwrap();
+    let last = |ask: &str| {
+        let arguments =
+            ["trace", "--start", "3,3", "--gravity", "1", "--until", "8", "--every", "1"];
+        let output = flipmap(&folder, &[&arguments[..], &["--ask", ask]].concat());
+        assert!(output.status.success(), "{}", error_of(&output));
+        let table = String::from_utf8(output.stdout).unwrap();
+        let named =
+            table.lines().next().unwrap().split_once("energy_error,").unwrap().1.to_string();
+        let rows: Vec<&str> = table.lines().skip(1).collect();
+        let values = |row: &str| row.split(',').skip(6).map(str::to_string).collect::<Vec<_>>();
+        (named, values(rows[0]), values(rows[8]))
+    };
+    let numbers =
+        |texts: &[String]| -> Vec<f64> { texts.iter().map(|text| text.parse().unwrap()).collect() };
+    let (named, begin, end) = last("first");
+    assert_eq!((named.as_str(), begin), ("bob,time", vec![String::new(); 2]));
+    assert!(numbers(&end)[0] == 2.0 && (numbers(&end)[1] - 1.767_916_558_420_626_6).abs() < 1e-12);
+    let (named, begin, end) = last("flips");
+    assert_eq!(named, "first_left,first_right,second_left,second_right");
+    assert_eq!(numbers(&begin), [0.0; 4]);
+    let counts = numbers(&end);
+    assert!(counts[2] + counts[3] > 1.0, "{counts:?}");
+    let (named, _, end) = last("state");
+    assert_eq!(named, "turns1,turns2");
+    // What goes over to the left and not back is a turn.
+    assert_eq!(numbers(&end), [counts[0] - counts[1], counts[2] - counts[3]]);
+    let (named, _, end) = last("growth");
+    let exponent = ["--ask", "growth", "--gravity", "1", "--budget", "8", "--size", "1x1"];
+    let exponent = [&exponent[..], &["--center", "3,3", "--width", "1e-6", "--raw", "g.npy"]];
+    let output =
+        flipmap(&folder, &[&["render", "--engine", "cpu"], &exponent.concat()[..]].concat());
+    assert!(output.status.success(), "{}", error_of(&output));
+    let bytes = fs::read(folder.path().join("g.npy")).unwrap();
+    let value = f64::from_le_bytes(bytes[bytes.len() - 8..].try_into().unwrap());
+    assert_eq!(named, "exponent");
+    assert!((numbers(&end)[0] / value - 1.0).abs() < 1e-5, "{end:?} {value}");
+    let (named, begin, end) = last("return");
+    assert_eq!((named.as_str(), numbers(&begin)[0]), ("distance", 0.0));
+    assert!((0.01..6.0).contains(&numbers(&end)[0]), "{end:?}");
+}
+
+#[test]
+fn traces_with_bad_numbers_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&[&str], &str); 5] = [
+        (&["--start", "3"], "--start"),
+        (&["--start", "1,2,3"], "--start"),
+        (&["--start", "x,3"], "--start"),
+        (&["--start", "3,3", "--until", "-1"], "--until"),
+        (&["--start", "3,3", "--every", "0"], "--every"),
+    ];
+    for (arguments, word) in cases {
+        let output = flipmap(&folder, &[&["trace"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(error_of(&output).contains(word));
+    }
+}
