@@ -93,13 +93,7 @@ fn turns_between(x0: f32, y0: f32, x1: f32, y1: f32) -> i32 {
 {% endif %}
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= atomicLoad(&queue.lengths[queue.turn]) {
-        return;
-    }
-    let pixel = lists[queue.turn * job.count + id.x];
-{% for name in state %}
-    var {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
-{% endfor %}
+{% include "running.wgsl" %}
     let zero = job.zero;
 {% include "general.wgsl" %}
     var steps = outcomes[pixel].steps;

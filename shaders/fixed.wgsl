@@ -4,13 +4,7 @@
 
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= atomicLoad(&queue.lengths[queue.turn]) {
-        return;
-    }
-    let pixel = lists[queue.turn * job.count + id.x];
-{% for name in state %}
-    var {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
-{% endfor %}
+{% include "running.wgsl" %}
     let step = from_parts(job.step);
 {% if compensated %}
     let zero = job.zero;

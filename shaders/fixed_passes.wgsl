@@ -3,13 +3,7 @@
 
 @compute @workgroup_size(WORKGROUP)
 fn look(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= atomicLoad(&queue.lengths[SUSPECTS]) {
-        return;
-    }
-    let pixel = lists[SUSPECTS * job.count + id.x];
-{% for name in state %}
-    let {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
-{% endfor %}
+{% include "suspect.wgsl" %}
     let whole = from_parts(job.step);
 {% if compensated %}
     let zero = job.zero;

@@ -7,13 +7,7 @@ const HALVINGS = 30u;
 
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= atomicLoad(&queue.lengths[queue.turn]) {
-        return;
-    }
-    let pixel = lists[queue.turn * job.count + id.x];
-{% for name in state %}
-    var {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
-{% endfor %}
+{% include "running.wgsl" %}
     var steps = outcomes[pixel].steps;
     let stop = min(steps + job.slice_steps, job.most_steps);
     var suspect = false;
@@ -48,13 +42,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(WORKGROUP)
 fn look(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= atomicLoad(&queue.lengths[SUSPECTS]) {
-        return;
-    }
-    let pixel = lists[SUSPECTS * job.count + id.x];
-{% for name in state %}
-    let {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
-{% endfor %}
+{% include "suspect.wgsl" %}
     let whole = min(h, real(job.budget) - time);
     // The state at the end of the whole step.
 {% for name in state %}

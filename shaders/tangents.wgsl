@@ -8,13 +8,7 @@ const LOG_LARGE = {{ log_large }};
 
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= atomicLoad(&queue.lengths[queue.turn]) {
-        return;
-    }
-    let pixel = lists[queue.turn * job.count + id.x];
-{% for name in state %}
-    var {{ name }} = states[{{ loop.index0 }}u * job.count + pixel];
-{% endfor %}
+{% include "running.wgsl" %}
     var steps = outcomes[pixel].steps;
     // The last fixed step may be cut in two by rounding.
     let most_steps = job.most_steps + 2u;

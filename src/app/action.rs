@@ -63,7 +63,7 @@ pub enum Action {
     Lab(Option<Figure>),
     /// Opens a start in a figure.
     OpenInLab(Figure, State<f64>),
-    /// Shows on the map from rest a start that was chosen in the laboratory.
+    /// Shows on the map a start that was chosen in the laboratory.
     FromLab(State<f64>),
     /// Pins the pixel at a point.
     Pin(DVec2),

@@ -6,20 +6,19 @@ use super::camera::Camera;
 use super::model::AppModel;
 use crate::engine::choice::EngineRequest;
 use crate::engine::{Accuracy, Cells, Ends, EngineKind, IntegratorConfig, Precision};
-use crate::question::Needs;
 use crate::scene::lattice::pitch_rad;
 
 impl AppModel {
     /// The kind of engine to open: the processor for growth and returns where the card has no f64.
     pub(super) fn engine_kind(&self) -> Option<EngineKind> {
         let question = &self.state.question;
-        let is_followed = matches!(question.ask.kind().needs, Needs::Growth | Needs::Return);
+        let is_carried = Ends::from(question.ask.kind().needs).are_carried();
         let config = self.compute.config();
-        if is_followed && config.is_some_and(|config| config.precision == Precision::Df32) {
+        if is_carried && config.is_some_and(|config| config.precision == Precision::Df32) {
             return Some(EngineKind::Cpu);
         }
         let kind = self.state.integration.kind;
-        EngineRequest { kind, ..EngineRequest::default() }.answering(question).kind
+        EngineRequest { kind, ..self.request.clone() }.answering(question).kind
     }
 
     /// Changes what cannot be computed, and says so: an accuracy level at which the question has no

@@ -13,10 +13,12 @@ use super::exit::Exit;
 use super::progress::Progress;
 use super::render::check_numbers;
 use super::run_options::start;
-use super::{stop, video};
+use super::{farm, stop, video};
 
-/// Computes and writes a checked film frame by frame; frames that are there already are not made again.
+/// Computes and writes a film frame by frame; frames that are there already are not made again.
 pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyhow::Result<()> {
+    check(options, film, spec)?;
+    farm::check_output(&options.output)?;
     let mut document = film.keys[0].scene.clone();
     options.film.picture.apply(&mut document)?;
     let document = document.checked()?;
@@ -68,7 +70,7 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
 }
 
 /// Rejects what such a film does not have.
-pub(super) fn check(options: &video::Options, film: &Film, spec: &RunSpec) -> Result<(), Exit> {
+fn check(options: &video::Options, film: &Film, spec: &RunSpec) -> Result<(), Exit> {
     let question = &film.keys[0].scene.question;
     let why = if options.cache.is_some() {
         "it keeps no samples, only its frames: omit --cache"

@@ -1,6 +1,7 @@
 //! The columns that a question adds to a trace: its channels so far, at the time of each row.
 
-use flipmap::physics::phase::Phase;
+use flipmap::engine::start::whole_turns;
+use flipmap::physics::phase::{Phase, distance};
 use flipmap::physics::tangents::TangentMap;
 use flipmap::physics::{Dd, Pendulum, State};
 use flipmap::question::Ask;
@@ -48,15 +49,16 @@ impl QuestionColumns {
     }
 
     /// The head of the columns, each after a comma.
-    pub(super) fn head(&self) -> &'static str {
-        match self.ask {
-            Ask::Flip => "",
-            Ask::First => ",bob,time",
-            Ask::Flips => ",first_left,first_right,second_left,second_right",
-            Ask::State => ",turns1,turns2",
-            Ask::Growth => ",exponent",
-            Ask::Return => ",distance",
-        }
+    pub(super) fn head(&self) -> String {
+        let channels = self.ask.kind().channels;
+        let added = match self.ask {
+            Ask::Flip => &[][..],
+            Ask::First | Ask::Flips | Ask::Growth => channels,
+            // A trace has the angles and the speeds already.
+            Ask::State => &channels[4..],
+            Ask::Return => &channels[..1],
+        };
+        added.iter().map(|channel| format!(",{}", channel.name)).collect()
     }
 
     /// Takes the passes of a step, before its rows.
@@ -66,27 +68,31 @@ impl QuestionColumns {
 
     /// The values at a time; those that are not there yet are empty.
     pub(super) fn row(&mut self, time: Dd, state: &State<Dd>) -> String {
-        let passed = self.passes.partition_point(|pass| pass.time <= time);
-        let phase = reduced_phase(&self.pendulum, self.unit_secs, state);
+        let phase = || reduced_phase(&self.pendulum, self.unit_secs, state);
         match self.ask {
             Ask::Flip => String::new(),
-            Ask::First => match self.passes[..passed].first() {
+            Ask::First => match self.passed(time).first() {
                 Some(Pass { bob, time, .. }) => format!(",{bob},{}", time.hi),
                 None => ",,".to_string(),
             },
-            Ask::Flips => self.counts(passed).map(|count| format!(",{count}")).concat(),
-            Ask::State => {
-                let turns = state.angle.map(|angle| ((angle - Dd::PI).hi / Dd::TAU.hi).ceil());
-                turns.map(|turns| format!(",{turns}")).concat()
+            Ask::Flips => self.counts(time).map(|count| format!(",{count}")).concat(),
+            Ask::State => state.angle.map(|angle| format!(",{}", whole_turns(angle.hi))).concat(),
+            Ask::Growth => self.exponent(time.hi, phase()),
+            Ask::Return => {
+                let inverse_scale = self.pendulum.momentum_scale().map(|scale| 1.0 / scale);
+                format!(",{}", distance(&phase(), &self.start, inverse_scale))
             }
-            Ask::Growth => self.exponent(time.hi, phase),
-            Ask::Return => format!(",{}", self.distance(&phase)),
         }
     }
 
-    fn counts(&self, passed: usize) -> [usize; 4] {
+    /// The passes until a time.
+    fn passed(&self, time: Dd) -> &[Pass] {
+        &self.passes[..self.passes.partition_point(|pass| pass.time <= time)]
+    }
+
+    fn counts(&self, time: Dd) -> [usize; 4] {
         let of = |bob, left| {
-            let counted = self.passes[..passed].iter();
+            let counted = self.passed(time).iter();
             counted.filter(|pass| pass.bob == bob && pass.anticlockwise == left).count()
         };
         [of(1, true), of(1, false), of(2, true), of(2, false)]
@@ -97,14 +103,6 @@ impl QuestionColumns {
         let (since, from) = std::mem::replace(&mut self.last, (secs, phase));
         self.map = self.map.followed_by(&self.pendulum, &from, (secs - since) / self.unit_secs);
         if secs > 0.0 { format!(",{}", self.map.log_growth() / secs) } else { ",".to_string() }
-    }
-
-    /// Distance from the start, as unit vectors and scaled momenta.
-    fn distance(&self, phase: &Phase<f64>) -> f64 {
-        let [p1, p2] = self.pendulum.momentum_scale();
-        let scale = [1.0, 1.0, 1.0, 1.0, p1, p2];
-        let part = |i: usize| ((phase[i] - self.start[i]) / scale[i]).powi(2);
-        (0..6).map(part).sum::<f64>().sqrt()
     }
 }
 

@@ -43,14 +43,10 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(codec) = codec {
         codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
     }
-    let is_of_flips = film.kind() == FilmKind::Flips;
-    if !is_of_flips {
-        frames::check(options, &film, &spec)?;
-    }
-    farm::check_output(&options.output)?;
-    if !is_of_flips {
+    if film.kind() != FilmKind::Flips {
         return frames::run(options, &film, &spec);
     }
+    farm::check_output(&options.output)?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     std::fs::create_dir_all(&cache)
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;

@@ -8,8 +8,9 @@ use super::depth::{DepthEngine, Following};
 use super::gpu::device::{Gpu, adapters, describe};
 use super::gpu::{GpuEngine, HEADLESS_PACE};
 use super::profile::{Profile, ProfileRow};
-use super::{Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck};
-use crate::question::Needs;
+use super::{
+    Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck,
+};
 use crate::scene::QuestionTable;
 
 /// A user's request for an engine.
@@ -32,14 +33,11 @@ impl EngineRequest {
     /// for growth and returns, for which engines are not compared.
     #[must_use]
     pub fn answering(self, question: &QuestionTable) -> Self {
-        let needs = question.ask.kind().needs;
         let is_named = self.kind.is_some() || self.adapter.is_some();
-        match needs {
-            Needs::Growth | Needs::Return if !is_named => {
-                EngineRequest { kind: Some(EngineKind::Cpu), ..self }
-            }
-            _ => self,
+        if !is_named && Ends::from(question.ask.kind().needs).are_carried() {
+            return EngineRequest { kind: Some(EngineKind::Cpu), ..self };
         }
+        self
     }
 }
 

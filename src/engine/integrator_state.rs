@@ -62,6 +62,9 @@ pub const STARTS: [&str; 6] =
 /// distance, and its time.
 pub const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
 
+/// Most numbers that a pendulum can take along.
+pub const MOST_CARRIED: usize = 25;
+
 /// Names of the numbers that pendulums take along for such ends, as devices keep them.
 pub fn carried_names(ends: Ends) -> Vec<&'static str> {
     match ends {
@@ -87,7 +90,7 @@ impl Carried {
         }
     }
 
-    /// The same from all of its numbers.
+    /// The quantities that have these numbers, where pendulums take any along for such ends.
     fn from_numbers(ends: Ends, numbers: &[f64]) -> Option<Self> {
         match ends {
             Ends::None | Ends::Plain => None,
@@ -109,9 +112,9 @@ impl Carried {
 impl IntegratorState {
     /// A state from all its numbers: its own, and those that it takes along for such ends.
     pub fn from_numbers(steps: u32, all: &[f64], ends: Ends) -> Self {
-        let (own, carried) = all.split_at(NUMBERS.min(all.len()));
+        let (own, carried) = all.split_at(NUMBERS);
         let mut numbers = [0.0; NUMBERS];
-        numbers[..own.len()].copy_from_slice(own);
+        numbers.copy_from_slice(own);
         let carried = Carried::from_numbers(ends, carried).map(Box::new);
         IntegratorState { steps, numbers, carried }
     }

@@ -93,6 +93,11 @@ impl Question {
         (pendulum.to_f64(), unit_secs.to_f64())
     }
 
+    /// Returns true if turns or passes are counted along the motion.
+    pub fn counts(&self) -> bool {
+        self.passes != 1 || self.rule == Rule::Neither
+    }
+
     /// The outcome of a pendulum that flips after `secs`: unflipped if that is beyond the budget.
     pub fn flipped_at(&self, secs: f64) -> Outcome {
         if secs <= self.budget_secs {

@@ -77,6 +77,14 @@ impl<T: Scalar> Pendulum<T> {
     }
 }
 
+/// Distance of two states, as unit vectors and scaled momenta; `inverse_scale` is 1 over the scale of
+/// each momentum.
+pub fn distance(a: &Phase<f64>, b: &Phase<f64>, inverse_scale: [f64; 2]) -> f64 {
+    let [p1, p2] = inverse_scale;
+    let units = [1.0, 1.0, 1.0, 1.0, p1, p2];
+    (0..6).map(|i| ((a[i] - b[i]) * units[i]).powi(2)).sum::<f64>().sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -127,8 +127,9 @@ impl Film {
         if width * height > MOST_SAMPLES {
             return Err(FilmError::Large { size, samples });
         }
+        let is_of_flips = self.kind() == FilmKind::Flips;
         for (key, number) in self.keys.iter().zip(1..) {
-            if self.kind() == FilmKind::Flips && key.scene.picture.legend {
+            if is_of_flips && key.scene.picture.legend {
                 let (option, value) = ("--legend", "set".to_string());
                 let range = "a legend is drawn in stills and in films of other answers than flips";
                 Err(SceneError { option, value, range })?;
@@ -142,7 +143,7 @@ impl Film {
             if place(key) != place(first) {
                 return jumps("plane");
             }
-            if key.clock.is_some() && self.kind() != FilmKind::Flips {
+            if key.clock.is_some() && !is_of_flips {
                 return Err(FilmError::Timeless { number });
             }
             if key.scene.question.rule != first.scene.question.rule {

@@ -19,7 +19,7 @@ const SIDE: u32 = 10;
 /// Number of pixels.
 const COUNT: usize = (SIDE * SIDE) as usize;
 
-/// A deep view (θ1, θ2, width), and times at which its pixels still swing together and no longer do.
+/// A deep view: θ1 and θ2, and the width.
 const VIEW: ([&str; 2], &str) =
     (["1.232005966977461660140937", "2.083059647952103789629524"], "6e-13");
 

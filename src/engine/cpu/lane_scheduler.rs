@@ -216,13 +216,11 @@ impl<'a> LaneScheduler<'a> {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;
         self.answer.ends[start] = end;
-        let question = self.chunk.question;
-        let counts = question.passes != 1 || question.rule == Rule::Neither;
+        let carries_counts = self.chunk.keep.states && self.chunk.question.counts();
         self.answer.states[start] = IntegratorState {
             steps: self.taken[lane],
             numbers: self.numbers(lane),
-            carried: (counts && self.chunk.keep.states)
-                .then(|| Box::new(Carried::Counts(end.gathered))),
+            carried: carries_counts.then(|| Box::new(Carried::Counts(end.gathered))),
         };
         self.put(lane, self.idle);
         self.busy -= 1;

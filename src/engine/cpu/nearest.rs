@@ -9,11 +9,11 @@ use std::sync::atomic::Ordering;
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::pair::EmbeddedPair;
 use crate::engine::method::{Adaptive, Pace};
-use crate::engine::start::{STEP, TIME, phase_of};
-use crate::engine::{Carried, End, IntegratorState, NUMBERS};
+use crate::engine::start::{STEP, TIME, end_with_return, phase_of};
+use crate::engine::{Carried, IntegratorState, NUMBERS};
 use crate::physics::control::LONGEST;
 use crate::physics::embedded::plus;
-use crate::physics::phase::Phase;
+use crate::physics::phase::{Phase, distance};
 use crate::physics::{Accumulators, Outcome, Pendulum, Status};
 
 /// Number of steps between two checks for cancellation.
@@ -148,7 +148,7 @@ impl<'a> Returning<'a> {
 
     /// Distance of a state from the start.
     fn distance(&self, phase: &Phase<f64>) -> f64 {
-        (0..6).map(|i| ((phase[i] - self.start[i]) * self.unit(i)).powi(2)).sum::<f64>().sqrt()
+        distance(phase, &self.start, self.inverse_scale)
     }
 
     /// Half the rate of change of the squared distance.
@@ -160,9 +160,7 @@ impl<'a> Returning<'a> {
     fn finish(self, until: f64, result: &mut ChunkResult) {
         let whole = self.time >= until && self.phase.iter().all(|number| number.is_finite());
         let status = if whole { Status::Unflipped } else { Status::Failed };
-        let gathered = Accumulators { nearest: self.nearest, ..Accumulators::NONE };
-        let end = End { time: self.time, phase: self.phase, gathered, ..End::NOWHERE };
         result.outcomes.push(Outcome::without_time(status));
-        result.ends.push(end);
+        result.ends.push(end_with_return(&self.paused()));
     }
 }

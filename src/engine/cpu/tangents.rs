@@ -6,13 +6,13 @@ use super::lanes::{Lanes, MOST_LANES};
 use super::pair::EmbeddedPair;
 use super::step_control;
 use crate::engine::method::{Adaptive, Pace};
-use crate::engine::start::{STEP, TIME, TIME_LOW};
-use crate::engine::{Carried, End, IntegratorState, NUMBERS};
+use crate::engine::start::{STEP, TIME, TIME_LOW, end_with_growth};
+use crate::engine::{Carried, IntegratorState, NUMBERS};
 use crate::physics::control::LONGEST;
 use crate::physics::dual::Dual;
 use crate::physics::embedded::plus;
-use crate::physics::tangents::{LARGE, Tangents, log_growth, rk4};
-use crate::physics::{Accumulators, Outcome, Pendulum, Status};
+use crate::physics::tangents::{LARGE, Tangents, rk4};
+use crate::physics::{Outcome, Pendulum, Status};
 
 /// Pendulums in the lanes of a register with their tangents.
 struct TangentLanes<L> {
@@ -58,14 +58,14 @@ pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Opti
                 }
             }
             if !cuts && chunk.keep.states {
-                lanes.pause(&logs, steps, starts, &mut result);
+                result.states.extend(lanes.states(&logs, steps, starts));
             }
         }
         let rhs = chunk.config.method.rhs_per_step(chunk.config.precision);
         result.effort.steps += u64::from(steps) * starts.len() as u64;
         result.effort.lane_steps += u64::from(steps) * L::COUNT as u64;
         result.effort.rhs_evaluations += rhs * u64::from(steps) * starts.len() as u64;
-        lanes.finish(&reduced, &logs, starts.len(), &mut result);
+        lanes.finish(&reduced, &lanes.states(&logs, steps, starts), &mut result);
     }
     Some(result)
 }
@@ -185,19 +185,18 @@ impl<L: Lanes> TangentLanes<L> {
         }
     }
 
-    /// Adds the states from which a later job goes on.
+    /// The states of the lanes that have starts.
     #[inline(always)]
-    fn pause(
+    fn states(
         &self,
         logs: &[f64; MOST_LANES],
         steps: u32,
         starts: &[IntegratorState],
-        result: &mut ChunkResult,
-    ) {
+    ) -> Vec<IntegratorState> {
         let rows = self.state.map(|number| (row(number.value), number.slope.map(row)));
         let moments =
             [(TIME, row(self.time)), (TIME_LOW, row(self.time_low)), (STEP, row(self.step))];
-        for (lane, start) in starts.iter().enumerate() {
+        let state = |(lane, start): (usize, &IntegratorState)| {
             let mut numbers = [0.0; NUMBERS];
             for (number, (value, _)) in numbers.iter_mut().zip(&rows) {
                 *number = value[lane];
@@ -206,39 +205,25 @@ impl<L: Lanes> TangentLanes<L> {
                 numbers[*place] = row[lane];
             }
             let slopes = std::array::from_fn(|i| rows[i].1.map(|slope| slope[lane]));
-            let carried = Carried::Tangents { slopes, log_scale: logs[lane] };
-            let steps = start.steps + steps;
-            result.states.push(IntegratorState {
-                steps,
-                numbers,
-                carried: Some(Box::new(carried)),
-            });
-        }
+            let carried = Some(Box::new(Carried::Tangents { slopes, log_scale: logs[lane] }));
+            IntegratorState { steps: start.steps + steps, numbers, carried }
+        };
+        starts.iter().enumerate().map(state).collect()
     }
 
-    /// Adds the results of the first `count` lanes.
+    /// Adds the results of pendulums in their last states.
     #[inline(always)]
     fn finish(
         &self,
         reduced: &Pendulum<f64>,
-        logs: &[f64; MOST_LANES],
-        count: usize,
+        states: &[IntegratorState],
         result: &mut ChunkResult,
     ) {
-        let rows = self.state.map(|number| (row(number.value), number.slope.map(row)));
-        let times = row(self.time);
-        let ends = row(self.end);
-        for lane in 0..count {
-            let state: Tangents<f64> = std::array::from_fn(|i| Dual {
-                value: rows[i].0[lane],
-                slope: rows[i].1.map(|slope| slope[lane]),
-            });
-            let log_growth = log_growth(reduced, &state) + logs[lane];
-            let whole = log_growth.is_finite() && times[lane] >= ends[lane] * (1.0 - 1e-6);
+        let until = row(self.end)[0] * (1.0 - 1e-6);
+        for state in states {
+            let end = end_with_growth(reduced, state);
+            let whole = end.gathered.log_growth.is_finite() && state.numbers[TIME] >= until;
             let status = if whole { Status::Unflipped } else { Status::Failed };
-            let phase = state.map(|number| number.value);
-            let gathered = Accumulators { log_growth, ..Accumulators::NONE };
-            let end = End { time: times[lane], phase, gathered, ..End::NOWHERE };
             result.outcomes.push(Outcome::without_time(status));
             result.ends.push(end);
         }

@@ -20,13 +20,15 @@ use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// All shader files by name.
-pub const FILES: [(&str, &str); 17] = [
+pub const FILES: [(&str, &str); 19] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
     ("f64.wgsl", include_str!("../../../shaders/f64.wgsl")),
     ("flip.wgsl", include_str!("../../../shaders/flip.wgsl")),
     ("general.wgsl", include_str!("../../../shaders/general.wgsl")),
+    ("running.wgsl", include_str!("../../../shaders/running.wgsl")),
+    ("suspect.wgsl", include_str!("../../../shaders/suspect.wgsl")),
     ("fixed.wgsl", include_str!("../../../shaders/fixed.wgsl")),
     ("fixed_look.wgsl", include_str!("../../../shaders/fixed_look.wgsl")),
     ("fixed_passes.wgsl", include_str!("../../../shaders/fixed_passes.wgsl")),

@@ -20,8 +20,7 @@ use self::kernel::Design;
 use self::pipeline::Kernel;
 use self::slot::{FinishedSlice, Slot, SlotEvent};
 use super::selfcheck::{self, Check, Verdict};
-use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Question, Starts, Wait, start};
-use crate::physics::Rule;
+use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait, start};
 
 /// Largest number of jobs on the device at a time.
 const SLOTS: usize = 2;
@@ -108,18 +107,14 @@ impl GpuEngine {
         job.keep.ends.check(&job.config)?;
         let general =
             Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
-        // The general kernel counts neither turns nor passes and knows no friction.
-        let Question { build, rule, passes, .. } = &job.question;
-        let is_special = *rule == Rule::Neither || *passes != 1 || build.has_friction();
-        if job.keep.ends.are_carried() {
-            let special = general.specialised(&job.question, &job.pace()?);
-            return Ok(special.computing(job.keep.ends));
+        // The general kernel counts nothing, carries nothing along and knows no friction.
+        let (question, ends) = (&job.question, job.keep.ends);
+        let is_special = question.counts() || ends.are_carried() || question.build.has_friction();
+        if !self.specialise && !is_special {
+            return Ok(general);
         }
-        Ok(if self.specialise || is_special {
-            general.specialised(&job.question, &job.pace()?)
-        } else {
-            general
-        })
+        let special = general.specialised(question, &job.pace()?);
+        Ok(if ends.are_carried() { special.computing(ends) } else { special })
     }
 
     /// Index of the job's kernel in the list; compiles it if it is new.

@@ -4,14 +4,14 @@ use bytemuck::Pod;
 use rayon::prelude::*;
 
 use super::Slot;
-use crate::engine::integrator_state::carried_names;
+use crate::engine::integrator_state::{MOST_CARRIED, carried_names};
 use crate::engine::method::Pace;
 use crate::engine::shared::{CountedOutcome, RawOutcome, from_parts};
 use crate::engine::{
     Carried, Effort, End, Ends, IntegratorState, Job, JobResult, Keep, NUMBERS, Precision, Starts,
     start,
 };
-use crate::physics::{Accumulators, Outcome, Rule, Status};
+use crate::physics::{Accumulators, Outcome, Status};
 
 impl Slot {
     /// The answer, once it has been mapped; none if the device was lost after that.
@@ -75,9 +75,7 @@ impl Slot {
     /// Gives states the turns and passes counted so far, where these are counted and nothing else is
     /// taken along.
     fn add_counts(&self, counted: &[CountedOutcome], states: &mut [IntegratorState]) {
-        let question = &self.job.question;
-        let counts = question.passes != 1 || question.rule == Rule::Neither;
-        if !counts || self.job.keep.ends.are_carried() {
+        if !self.job.question.counts() || self.job.keep.ends.are_carried() {
             return;
         }
         for (CountedOutcome { raw, passes }, state) in counted.iter().zip(states) {
@@ -90,7 +88,7 @@ impl Slot {
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
         let before: u64 = match &self.job.starts {
             Starts::Resumed(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
-            Starts::Rest(_) => 0,
+            Starts::Rest(_) | Starts::Thrown(_) => 0,
             _ => start::states(&self.job).iter().flatten().map(|p| u64::from(p.steps)).sum(),
         };
         let steps: u64 = raw.iter().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
@@ -135,9 +133,9 @@ impl Slot {
             _ => read::<f64>(answer, offset, count)?.iter().map(|&x| [x, 0.0]).collect(),
         };
         let ends = self.job.keep.ends;
-        let carried = carried_names(ends).len();
+        let count = NUMBERS + carried_names(ends).len();
         let paused = |i: usize| {
-            let mut all = vec![0.0; NUMBERS + carried];
+            let mut all = [0.0; NUMBERS + MOST_CARRIED];
             for (k, places) in self.places.iter().enumerate() {
                 for (place, value) in places.iter().zip(states[k * raw.len() + i]) {
                     if let Some(place) = place {
@@ -145,7 +143,7 @@ impl Slot {
                     }
                 }
             }
-            IntegratorState::from_numbers(raw[i].steps, &all, ends)
+            IntegratorState::from_numbers(raw[i].steps, &all[..count], ends)
         };
         Some((0..raw.len()).map(paused).collect())
     }
