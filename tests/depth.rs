@@ -11,7 +11,7 @@ use flipmap::engine::{
 };
 use flipmap::physics::{Fixed, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
 use flipmap::scene::lattice::Cell;
-use flipmap::scene::{Budget, Grid, Kind, Scene, View};
+use flipmap::scene::{Budget, ExactPlane, Grid, Kind, Scene, View};
 use flipmap::tiles::{Samples, Work};
 
 /// Views (θ1, θ2, width) with structure, found by following filaments down.
@@ -146,7 +146,11 @@ fn answered(scene: &Scene, size: [u32; 2], keep: Keep) -> (Vec<Outcome>, u64) {
         cell,
         points: points.into_iter().map(|(_, point)| point).collect(),
     };
-    let starts = Starts::Deep(Deep { leaves: leaves.map(leaf).collect(), strict: false });
+    let starts = Starts::Deep(Deep {
+        leaves: leaves.map(leaf).collect(),
+        plane: Box::new(ExactPlane::AT_REST),
+        strict: false,
+    });
     let question = Question::from(scene);
     let mut engine = engine();
     engine.submit(Job { id: 3, question, config: BALANCED, starts, keep }).unwrap();

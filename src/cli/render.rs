@@ -181,7 +181,7 @@ pub(super) fn check_numbers(
     check_steps(scene, config)?;
     let grid = Grid::new(scene, size);
     let pixel = grid.pixel_rad();
-    let (cells, why) = if grid.has_cells() {
+    let (cells, why) = if grid.cell_plane().is_some() {
         (cells, "--cells is never")
     } else {
         (Cells::Never, "--width is too small for this plane or question")

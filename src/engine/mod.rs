@@ -136,14 +136,13 @@ impl Job {
     /// Returns the fixed steps or the step size control of the job.
     pub fn pace(&self) -> Result<Pace, EngineError> {
         let pace = Pace::new(&self.question, &self.config)?;
-        if let Some(fastest) = start::fastest(&self.question, &pace, &self.starts) {
-            return Ok(match pace {
-                Pace::Fixed(steps) => Pace::Fixed(steps.for_launches()),
-                Pace::Adaptive(adaptive) => {
-                    Pace::Adaptive(adaptive.for_launches(&self.question, fastest))
-                }
-            });
-        }
+        let pace = match (start::fastest(&self.question, &pace, &self.starts), pace) {
+            (None, pace) => pace,
+            (Some(_), Pace::Fixed(steps)) => Pace::Fixed(steps.for_launches()),
+            (Some(fastest), Pace::Adaptive(adaptive)) => {
+                Pace::Adaptive(adaptive.for_launches(&self.question, fastest))
+            }
+        };
         Ok(match (pace, self.config.method, &self.starts) {
             // These keep one tolerance throughout.
             (_, Method::Taylor { .. } | Method::Extrapolation { .. }, Starts::Moving(_)) => pace,

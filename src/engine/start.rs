@@ -15,7 +15,7 @@ use super::{
 use crate::physics::dual::Dual;
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
-use crate::physics::tangents::{Tangents, log_growth, released};
+use crate::physics::tangents::{TangentMap, Tangents, log_growth, released};
 use crate::physics::{Accumulators, Angle, Dd, Launch, Pendulum, Scalar, State, control};
 
 /// Names of the numbers of a fixed-step state.
@@ -104,7 +104,11 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     let is_possible = match &job.starts {
         Starts::Rest(_) | Starts::Thrown(_) => true,
         Starts::Resumed(states) => states.iter().all(carries),
-        Starts::Moving(_) | Starts::Deep(_) => !job.keep.ends.are_carried(),
+        Starts::Moving(moving) => match job.keep.ends {
+            Ends::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
+            ends => !ends.are_carried(),
+        },
+        Starts::Deep(_) => job.keep.ends != Ends::Return,
     };
     if is_possible {
         return Ok(());
@@ -115,11 +119,19 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
 
 /// The states in which a job's pendulums begin, with all that they take along.
 pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
+    let (reduced, _) = job.question.reduced();
+    if let (Starts::Moving(moving), Ends::Growth) = (&job.starts, job.keep.ends) {
+        let pace = job.pace()?;
+        let nudged = moving.states.iter().map(|moving| {
+            let nudges = moving.nudges.as_ref()?;
+            Some(nudged_on_its_way(&reduced, (&job.config, &pace), moving, nudges))
+        });
+        return Ok(nudged.flatten().collect());
+    }
     let states = plain_states(job)?;
     if !job.keep.ends.are_carried() {
         return Ok(states);
     }
-    let (reduced, _) = job.question.reduced();
     let pace = Pace::new(&job.question, &job.config)?;
     let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
         (Some(_), _) => state,
@@ -148,6 +160,25 @@ fn with_tangents(reduced: &Pendulum<f64>, pace: &Pace, start: &IntegratorState) 
     let slopes = released(reduced, &phase).map(|number| number.slope);
     let carried = Carried::Tangents { slopes, log_scale: 0.0 };
     IntegratorState { steps: 0, numbers, carried: Some(Box::new(carried)) }
+}
+
+/// The state of a pendulum that is already in motion, with its tangents.
+fn nudged_on_its_way(
+    reduced: &Pendulum<f64>,
+    (config, pace): (&IntegratorConfig, &Pace),
+    moving: &Moving,
+    nudges: &TangentMap,
+) -> IntegratorState {
+    let mut numbers = [0.0; NUMBERS];
+    numbers[..6].copy_from_slice(&moving.phase);
+    [numbers[TIME], numbers[TIME_LOW]] = time_parts(config, moving.time);
+    numbers[STEP] = match pace {
+        Pace::Fixed(steps) => steps.length,
+        Pace::Adaptive(_) => moving.step,
+    };
+    let (slopes, log_scale) = nudges.slopes(reduced, &moving.phase);
+    let carried = Some(Box::new(Carried::Tangents { slopes, log_scale }));
+    IntegratorState { steps: 0, numbers, carried }
 }
 
 fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
@@ -180,23 +211,23 @@ const ABOVE_REST: f64 = 0.05;
 pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Option<f64> {
     let (reduced, unit_secs) = question.reduced();
     let greatest = |speed: [f64; 2]| speed[0].abs().max(speed[1].abs());
+    let highest = (1.0 + ABOVE_REST) * (reduced.p + reduced.q);
+    let thrown = |phase: Phase<f64>| {
+        (reduced.energy_of(&phase) > highest).then(|| greatest(reduced.speeds(&phase)))
+    };
     match starts {
         Starts::Thrown(launches) => {
             let speeds = launches.iter().map(|launch| launch.speed.map(|w| w.hi * unit_secs));
             Some(speeds.map(greatest).fold(0.0, f64::max))
         }
         Starts::Resumed(states) => {
-            let highest = (1.0 + ABOVE_REST) * (reduced.p + reduced.q);
-            let thrown = states.iter().filter_map(|state| {
-                let phase = phase_at(&reduced, pace, state);
-                let speed = reduced.speeds(&phase);
-                let kinetic = 0.5 * (phase[4] * speed[0] + phase[5] * speed[1]);
-                let energy = kinetic - reduced.depth([phase[0], phase[2]]);
-                (energy > highest).then(|| greatest(speed))
-            });
-            thrown.reduce(f64::max)
+            let phases = states.iter().map(|state| phase_at(&reduced, pace, state));
+            phases.filter_map(thrown).reduce(f64::max)
         }
-        Starts::Rest(_) | Starts::Moving(_) | Starts::Deep(_) => None,
+        Starts::Moving(moving) => {
+            moving.states.iter().filter_map(|moving| thrown(moving.phase)).reduce(f64::max)
+        }
+        Starts::Rest(_) | Starts::Deep(_) => None,
     }
 }
 
@@ -213,11 +244,7 @@ fn on_its_way(
             for (i, value) in moving.phase.into_iter().enumerate() {
                 [numbers[i], numbers[6 + i]] = parts(Dd::new(value), config.precision);
             }
-            let [high, low] = moving.time;
-            [numbers[TIME], numbers[TIME_LOW]] = match config.precision {
-                Precision::F64 | Precision::Dd => [high, low],
-                _ => parts(Dd { hi: high, lo: low }, config.precision),
-            };
+            [numbers[TIME], numbers[TIME_LOW]] = time_parts(config, moving.time);
             numbers[STEP] = moving.step;
             IntegratorState::new(0, numbers)
         }
@@ -316,6 +343,14 @@ pub fn end_with_return(left: &IntegratorState) -> End {
 /// Number of whole turns in an angle (rad) that began in (−π, π].
 pub fn whole_turns(angle: f64) -> i32 {
     ((angle - PI) / TAU).ceil() as i32
+}
+
+/// A time as the number type holds it, and the remainder.
+fn time_parts(config: &IntegratorConfig, [high, low]: [f64; 2]) -> [f64; 2] {
+    match config.precision {
+        Precision::F64 | Precision::Dd => [high, low],
+        Precision::F32 | Precision::Df32 => parts(Dd { hi: high, lo: low }, config.precision),
+    }
 }
 
 /// `value` as the number type holds it, and the remainder.

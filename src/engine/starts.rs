@@ -2,7 +2,9 @@
 
 use super::IntegratorState;
 use crate::physics::phase::Phase;
+use crate::physics::tangents::TangentMap;
 use crate::physics::{Dd, Launch};
+use crate::scene::ExactPlane;
 use crate::scene::lattice::Cell;
 
 /// The states in which the pendulums of a job begin.
@@ -17,7 +19,7 @@ pub enum Starts {
     Resumed(Vec<IntegratorState>),
     /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
     Moving(MovingStarts),
-    /// Released from rest at places too close together for the number types of engines; only
+    /// Begun at places too close together for the number types of engines; only
     /// [`super::depth::DepthEngine`] can begin them.
     Deep(Deep),
 }
@@ -27,6 +29,8 @@ pub enum Starts {
 pub struct Deep {
     /// The leaves, all of one level.
     pub leaves: Vec<Leaf>,
+    /// The plane in which they lie.
+    pub plane: Box<ExactPlane>,
     /// True if they are followed with other cuts than usual and smaller errors, as a check.
     pub strict: bool,
 }
@@ -36,7 +40,7 @@ pub struct Deep {
 pub struct Leaf {
     /// The cell of the lattice.
     pub cell: Cell,
-    /// Positions in the cell, in [−1, 1]²: θ1 to the right, θ2 up.
+    /// Positions in the cell, in [−1, 1]²: along the plane's first axis, and its second.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -50,7 +54,7 @@ pub struct MovingStarts {
 }
 
 /// A pendulum in motion, in reduced units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Moving {
     /// Time since the release, and the remainder that rounding took from it.
     pub time: [f64; 2],
@@ -64,6 +68,8 @@ pub struct Moving {
     pub grown: f64,
     /// Whole turns of each bob so far.
     pub turns: [i32; 2],
+    /// Tangent map so far, where growth is asked for.
+    pub nudges: Option<Box<TangentMap>>,
 }
 
 impl Starts {

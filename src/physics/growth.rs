@@ -8,7 +8,7 @@ use super::dual::Dual;
 use super::embedded::{dop853, dop853_factor, plus};
 use super::phase::Phase;
 use super::reference::{Reference, reference};
-use super::{Pendulum, Theta};
+use super::{Pendulum, State, Theta};
 
 /// A state with its derivatives by both angles of the start.
 type Tangents = Phase<Dual<2>>;
@@ -62,7 +62,7 @@ struct TangentMotion {
 
 impl TangentMotion {
     fn released(pendulum: &Pendulum<Theta>, angle: [Theta; 2], bits: u32) -> Self {
-        let reference = reference(pendulum, angle, bits);
+        let reference = reference(pendulum, &State::rest(angle), bits);
         let phase = reference.phase(0.0);
         let [x1, y1, x2, y2, ..] = phase;
         let slopes = [[-y1, 0.0], [x1, 0.0], [0.0, -y2], [0.0, x2], [0.0; 2], [0.0; 2]];

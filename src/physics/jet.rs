@@ -6,6 +6,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::dual::Dual;
 use super::frame::Frame;
 use super::real::Real;
 
@@ -100,11 +101,22 @@ impl Jet {
     }
 
     /// Value at a point of the cell.
-    pub fn at(&self, [x, y]: [f64; 2]) -> f64 {
+    pub fn at(&self, point: [f64; 2]) -> f64 {
+        self.value(point)
+    }
+
+    /// Value at a point of the cell, with its derivative in a direction.
+    pub(super) fn along_at(&self, point: [f64; 2], direction: [f64; 2]) -> Dual<1> {
+        self.value([0, 1].map(|i| Dual { value: point[i], slope: [direction[i]] }))
+    }
+
+    #[inline(always)]
+    fn value<T: Real>(&self, [x, y]: [T; 2]) -> T {
+        let zero = x.lit(0.0);
         // Horner's rule in y, whose coefficients are polynomials in x.
-        (0..=DEGREE).rev().fold(0.0, |sum, j| {
-            let row = (0..=DEGREE - j).rev().fold(0.0, |row, i| row * x + self.c[first(i + j) + j]);
-            sum * y + row
+        (0..=DEGREE).rev().fold(zero, |sum, j| {
+            let coefficients = (0..=DEGREE - j).rev().map(|i| x.lit(self.c[first(i + j) + j]));
+            sum * y + coefficients.fold(zero, |row, c| row * x + c)
         })
     }
 
@@ -303,6 +315,17 @@ mod tests {
             let three = Jet::constant(3.0);
             prop_assert!(near(a * three, 3.0 * at(a)) && near(three * a, 3.0 * at(a)));
             prop_assert!(near(three / a, 3.0 / at(a)));
+        }
+
+        #[test]
+        fn derivatives_are_limits_of_differences(
+            a in jets(), x in -1.0..1.0f64, y in -1.0..1.0f64, angle in -3.0..3.0f64,
+        ) {
+            let (sin, cos) = angle.sin_cos();
+            let ends = [-1e-5, 1e-5].map(|by| a.at([x + by * cos, y + by * sin]));
+            let there = a.along_at([x, y], [cos, sin]);
+            prop_assert_eq!(there.value, a.at([x, y]));
+            prop_assert!((there.slope[0] - (ends[1] - ends[0]) / 2e-5).abs() < 1e-9);
         }
 
         #[test]

@@ -25,7 +25,26 @@ pub fn outcome<T: Scalar>(
     if is_balanced(angle) {
         return Outcome::without_time(Status::Unflipped);
     }
-    let mut orbit = Orbit::new(*pendulum, State::rest(settled(pendulum, angle)));
+    first_flip(Orbit::new(*pendulum, State::rest(settled(pendulum, angle))), rule, budget)
+}
+
+/// The outcome of a start in rad (within (−π, π]) and rad/s that may have speeds, likewise.
+pub fn outcome_from<T: Scalar>(
+    pendulum: &Pendulum<T>,
+    start: &State<T>,
+    rule: Rule,
+    budget: T,
+) -> Outcome<T> {
+    if start.speed == [T::zero(); 2] {
+        return outcome(pendulum, start.angle, rule, budget);
+    }
+    if pendulum.forbids_depth(rule, -pendulum.energy(start)) {
+        return Outcome::without_time(Status::Forbidden);
+    }
+    first_flip(Orbit::new(*pendulum, *start), rule, budget)
+}
+
+fn first_flip<T: Scalar>(mut orbit: Orbit<T>, rule: Rule, budget: T) -> Outcome<T> {
     while orbit.time() <= budget {
         let step = orbit.step();
         if !orbit.state().speed[1].is_finite() {

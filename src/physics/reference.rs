@@ -55,10 +55,14 @@ fn limbs_for(bits: u32) -> usize {
     1 + bits.div_ceil(64).clamp(1, 7) as usize
 }
 
-/// Computes the trajectory of a pendulum in reduced units, released from rest at `angle` (rad),
-/// with errors of about 2^−`bits`.
-pub fn reference(pendulum: &Pendulum<Theta>, angle: [Theta; 2], bits: u32) -> Box<dyn Reference> {
-    from(pendulum, &State::rest(angle), bits)
+/// Computes the trajectory of a pendulum from a start, both in reduced units, with errors of about
+/// 2^−`bits`.
+pub fn reference(
+    pendulum: &Pendulum<Theta>,
+    start: &State<Theta>,
+    bits: u32,
+) -> Box<dyn Reference> {
+    from(pendulum, start, bits)
 }
 
 /// Drops the digits that a reference no longer needs where neighbours are `spread` away from it.

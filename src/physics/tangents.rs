@@ -56,7 +56,7 @@ pub fn released<T: Real>(pendulum: &Pendulum<T>, phase: &Phase<T>) -> Tangents<T
 }
 
 /// The product of the tangent maps along an orbit, one after another.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentMap {
     /// Columns of the map, made smaller so that none overflows.
     columns: [[f64; 4]; 4],
@@ -78,13 +78,35 @@ impl TangentMap {
         let dual = pendulum.map(Dual::<4>::new);
         let start = released(pendulum, phase);
         let state = transported_as(&dual, scale, &start, by, |number| number.value);
-        let step = map_to(pendulum, &state);
+        let step = nudges(pendulum, &state);
         let columns = self.columns.map(|column| {
             std::array::from_fn(|i| (0..4).map(|k| step[k][i] * column[k]).sum::<f64>())
         });
         let largest = columns.as_flattened().iter().fold(1.0, |most: f64, x| most.max(x.abs()));
         let columns = columns.map(|column| column.map(|x| x / largest));
         TangentMap { columns, log_scale: self.log_scale + largest.ln() }
+    }
+
+    /// The map of a neighbour, to first order in the share by which the two maps differ: a nudge that
+    /// grows faster than all others leads this orbit `here` and the neighbour `there`.
+    #[must_use]
+    pub fn of_neighbour(&self, here: [f64; 4], there: [f64; 4]) -> Self {
+        let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
+        let square = dot(&here, &here);
+        let columns = self.columns.map(|column| {
+            let share = dot(&here, &column) / square;
+            std::array::from_fn(|i| column[i] + share * (there[i] - here[i]))
+        });
+        TangentMap { columns, ..*self }
+    }
+
+    /// The derivatives of the state `phase` to which the map leads by the four numbers of the start,
+    /// and the natural logarithm of the factor by which they were made smaller.
+    pub fn slopes(&self, pendulum: &Pendulum<f64>, phase: &Phase<f64>) -> (Phase<[f64; 4]>, f64) {
+        let through = |own: [f64; 4]| {
+            self.columns.map(|column| (0..4).map(|j| own[j] * column[j]).sum::<f64>())
+        };
+        (released(pendulum, phase).map(|number| through(number.slope)), self.log_scale)
     }
 
     /// Natural logarithm of the largest singular value.
@@ -96,15 +118,19 @@ impl TangentMap {
 /// Natural logarithm of the largest singular value of the tangent map, from the start to a state
 /// with its tangents; `pendulum` is in reduced units.
 pub fn log_growth(pendulum: &Pendulum<f64>, state: &Tangents<f64>) -> f64 {
-    largest_singular_value(map_to(pendulum, state)).ln()
+    largest_singular_value(nudges(pendulum, state)).ln()
 }
 
-/// The columns of the tangent map from the start to a state with its tangents.
-fn map_to(pendulum: &Pendulum<f64>, state: &Tangents<f64>) -> [[f64; 4]; 4] {
+/// The derivatives of a state's own four numbers, θ1, θ2 and the reduced speeds, from those of its
+/// unit vectors and momenta; one row for each.
+pub(super) fn nudges<const N: usize>(
+    pendulum: &Pendulum<f64>,
+    state: &Phase<Dual<N>>,
+) -> [[f64; 4]; N] {
     let [x1, y1, x2, y2, ..] = state;
-    let turned = |x: &Dual<4>, y: &Dual<4>, k: usize| x.value * y.slope[k] - y.value * x.slope[k];
+    let turned = |x: &Dual<N>, y: &Dual<N>, k: usize| x.value * y.slope[k] - y.value * x.slope[k];
     let [w1, w2] = pendulum.map(Dual::new).speeds(state);
-    [0, 1, 2, 3].map(|k| [turned(x1, y1, k), turned(x2, y2, k), w1.slope[k], w2.slope[k]])
+    std::array::from_fn(|k| [turned(x1, y1, k), turned(x2, y2, k), w1.slope[k], w2.slope[k]])
 }
 
 /// The largest singular value of a matrix, from its columns: one-sided Jacobi rotations make them

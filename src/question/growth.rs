@@ -21,7 +21,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     is_even: true,
     painted: Painted::First,
     tint: None,
-    follows_cells: false,
+    follows_cells: true,
     needs: Needs::Growth,
     read,
 };

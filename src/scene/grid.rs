@@ -2,7 +2,7 @@
 
 use super::leaf_grid::{Grouped, LeafGrid};
 use super::plane::wrapped;
-use super::{Axis, Plane, Scene};
+use super::{Axis, ExactPlane, Plane, Scene};
 use crate::physics::opening::{Begin, Opening, from_top};
 use crate::physics::{Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
 
@@ -17,7 +17,8 @@ pub struct Grid {
     right: [Dd; 2],
     up: [Dd; 2],
     plane: Plane,
-    has_cells: bool,
+    /// The plane of cells that can be followed; none where none can.
+    cell_plane: Option<ExactPlane>,
     passes: u32,
     pendulum: Pendulum<f64>,
     exact: Pendulum<Dd>,
@@ -77,15 +78,20 @@ impl Grid {
         size: [u32; 2],
     ) -> Self {
         let pendulum = scene.build.pendulum();
+        let cell_plane = Self::cell_plane_of(scene, center, [right, up], size);
+        let spots = match &cell_plane {
+            Some(plane) => LeafGrid::new(plane, center, [right, up]),
+            None => LeafGrid::new(&ExactPlane::AT_REST, center, [right, up]),
+        };
         Grid {
             size,
             center: center.map(Theta::to_dd),
             exact_center: center,
-            spots: LeafGrid::new(center, right, up),
+            spots,
             right,
             up,
             plane: scene.plane.clone(),
-            has_cells: scene.has_cells(),
+            cell_plane,
             passes: scene.question.passes(),
             pendulum,
             exact: scene.build.pendulum_in(),
@@ -219,10 +225,23 @@ impl Grid {
         Fate::Thrown(launch)
     }
 
-    /// Returns true if cells of starts can be followed, which takes starts at rest and a question
-    /// that a cell's polynomials answer.
-    pub fn has_cells(&self) -> bool {
-        self.has_cells
+    fn cell_plane_of(
+        scene: &Scene,
+        center: [Theta; 2],
+        [right, up]: [[Dd; 2]; 2],
+        size: [u32; 2],
+    ) -> Option<ExactPlane> {
+        let plane = ExactPlane::new(&scene.plane, &scene.build).filter(|_| scene.has_cells())?;
+        let [width, height] = size.map(f64::from);
+        let half = [0, 1].map(|i| 0.5 * (width * right[i].hi.abs() + height * up[i].hi.abs()));
+        plane.reaches(center.map(Theta::to_f64), half).then_some(plane)
+    }
+
+    /// The plane of the cells of starts that can be followed; none where the starts lie on no flat
+    /// plane, move faster than the lattice reaches, or a cell's polynomials do not answer the
+    /// question.
+    pub fn cell_plane(&self) -> Option<ExactPlane> {
+        self.cell_plane
     }
 
     /// The outcome of a pixel that passes the top in its first moments; `None` for any other.
@@ -231,8 +250,9 @@ impl Grid {
     }
 
     fn opening_near(&self, angle: [Dd; 2], column: u32, row: u32) -> Option<Outcome> {
-        // Later passes are not known from the first moments.
-        if self.passes != 1 || !self.opening.concerns(angle.map(|theta| theta.hi)) {
+        // Later passes are not known from the first moments, nor are those of thrown pendulums.
+        let begins = self.passes == 1 && self.plane.is_at_rest();
+        if !begins || !self.opening.concerns(angle.map(|theta| theta.hi)) {
             return None;
         }
         match self.opening.begin(self.exact_angle_from_pixel(column, row)) {

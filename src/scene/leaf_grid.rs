@@ -3,32 +3,34 @@
 //! Start maps belong to cells of the lattice, never to a picture, a tile or a shard. A pixel is
 //! therefore a leaf of the lattice and a point in it.
 
+use super::ExactPlane;
 use super::lattice::Cell;
 use super::turn::Turn;
-use crate::physics::{Dd, Theta};
+use crate::physics::{Dd, Scalar, Theta};
 
 /// Pixels by the leaf in which they lie: for each its place among all and its point in [−1, 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
 
-/// The pixels of a grid as places on the torus.
+/// The pixels of a grid as places in the lattice.
 #[derive(Clone, Debug)]
 pub(super) struct LeafGrid {
     middle: [Turn; 2],
     right: [Turn; 2],
     up: [Turn; 2],
-    /// Distance between the pixels that decide the level of the leaves, rad.
+    /// Distance between the pixels that decide the level of the leaves, in rad of the lattice.
     pixel: f64,
 }
 
 impl LeafGrid {
-    /// The places of the grid around `center` with steps `right` and `up` per pixel, rad.
-    pub(super) fn new(center: [Theta; 2], right: [Dd; 2], up: [Dd; 2]) -> Self {
-        let from_zero =
-            |by: Dd| Turn::from_theta(Theta::from_dd(by)) - Turn::from_theta(Theta::ZERO);
-        let length = |by: [Dd; 2]| by[0].hi.hypot(by[1].hi);
+    /// The places of a plane's grid around `center`, with the steps to the right and upwards per
+    /// pixel; all in the units of the plane's axes.
+    pub(super) fn new(plane: &ExactPlane, center: [Theta; 2], steps: [[Dd; 2]; 2]) -> Self {
+        let from_zero = |by: Theta| Turn::from_theta(by) - Turn::from_theta(Theta::ZERO);
+        let [right, up] = steps.map(|step| plane.to_lattice(step.map(Theta::from_dd)));
+        let length = |by: [Theta; 2]| by[0].to_f64().hypot(by[1].to_f64());
         let pixel = (length(right) * length(up)).sqrt();
         LeafGrid {
-            middle: center.map(Turn::from_theta),
+            middle: plane.to_lattice(center).map(Turn::from_theta),
             right: right.map(from_zero),
             up: up.map(from_zero),
             pixel,

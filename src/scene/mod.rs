@@ -7,6 +7,7 @@
 mod budget;
 mod built_in;
 mod document;
+mod exact_plane;
 pub mod film;
 mod grid;
 pub mod keys;
@@ -23,6 +24,7 @@ mod words;
 pub use budget::Budget;
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use document::{Document, DocumentError, RunTable};
+pub use exact_plane::ExactPlane;
 pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
 pub use picture::{PictureTable, Scale, Shown};
@@ -308,10 +310,10 @@ impl Scene {
         self.question.ask == Ask::Flip && self.question.count == 1 && self.plane.is_at_rest()
     }
 
-    /// Returns true if cells of starts can be followed: they begin at rest, and their polynomials
+    /// Returns true if cells of starts can be followed: the plane is flat, and their polynomials
     /// answer the question.
     pub fn has_cells(&self) -> bool {
-        self.plane.is_at_rest() && self.question.follows_cells()
+        self.plane.kind != PlaneKind::Section && self.question.follows_cells()
     }
 
     /// Refuses another question or plane where only flips from rest can be shown or computed.

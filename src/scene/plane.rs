@@ -98,7 +98,7 @@ impl Axis {
     }
 
     /// Index of the quantity among (θ1, θ2, ω1, ω2); the momentum takes the place of ω2.
-    fn place(self) -> usize {
+    pub(super) fn place(self) -> usize {
         match self {
             Axis::Theta1 => 0,
             Axis::Theta2 => 1,

@@ -5,7 +5,7 @@ use super::saved_pixels::SavedPixel;
 use crate::engine::{Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust};
 use crate::physics::Outcome;
 use crate::scene::lattice::Cell;
-use crate::scene::{Fate, Grid, Grouped, Scene};
+use crate::scene::{ExactPlane, Fate, Grid, Grouped, Scene};
 
 /// A pixel of an earlier run, and the trust of its outcome.
 pub(super) type Known = (SavedPixel, Trust);
@@ -30,8 +30,9 @@ impl OpenTile {
         known: impl Fn([u32; 2]) -> Option<Known>,
     ) -> Self {
         let pixel = |place: u32| (grid, pixels[place as usize], known(pixels[place as usize]));
-        let follows = grid.has_cells() && cells.are_followed(&config, grid.pixel_rad());
-        let groups = follows.then(|| grid.grouped(config.leaf_pixels(), pixels.iter().copied()));
+        let plane = grid.cell_plane().filter(|_| cells.are_followed(&config, grid.pixel_rad()));
+        let groups =
+            plane.map(|plane| (plane, grid.grouped(config.leaf_pixels(), pixels.iter().copied())));
         OpenTile::sorted(pixels.len() as u32, groups, pixel)
     }
 
@@ -50,23 +51,25 @@ impl OpenTile {
             let (k, place) = ((place / in_cell) as usize, place % in_cell);
             (&grids[k], [place % side, place / side], known(k, place))
         };
-        let follows = |grid: &Grid| grid.has_cells() && config.is_deep(grid.pixel_rad());
-        let is_deep = grids.first().is_some_and(follows);
-        let groups = is_deep.then(|| leaves_of(cells, side, config.leaf_pixels()));
+        let deep = grids.first().filter(|grid| config.is_deep(grid.pixel_rad()));
+        let plane = deep.and_then(Grid::cell_plane);
+        let groups = plane.map(|plane| (plane, leaves_of(cells, side, config.leaf_pixels())));
         OpenTile::sorted(cells.len() as u32 * in_cell, groups, pixel)
     }
 
     /// Sorts `count` pixels into known samples and starts. `pixel` returns the grid of a pixel, its
-    /// column and row, and what is known of it; deep pixels come with their `groups` by leaf.
+    /// column and row, and what is known of it; deep pixels come with their `groups` by leaf and the plane of these.
     fn sorted<'a>(
         count: u32,
-        groups: Option<Grouped>,
+        groups: Option<(ExactPlane, Grouped)>,
         pixel: impl Fn(u32) -> (&'a Grid, [u32; 2], Option<Known>),
     ) -> Self {
         let samples = Samples::unflipped(count as usize);
         let mut tile = OpenTile { samples, places: Vec::new(), starts: Starts::Rest(Vec::new()) };
         match groups {
-            Some(groups) => tile.fill_deep(groups, |place| known_deep(pixel(place))),
+            Some((plane, groups)) => {
+                tile.fill_deep(plane, groups, |place| known_deep(pixel(place)));
+            }
             None => tile.fill((0..count).map(|place| {
                 let (grid, [x, y], known) = pixel(place);
                 (place, grid.fate(x, y), known)
@@ -114,7 +117,12 @@ impl OpenTile {
     }
 
     /// Sorts deep pixels, grouped by leaf, into known samples and starts.
-    fn fill_deep(&mut self, groups: Grouped, known: impl Fn(u32) -> Option<(Outcome, Trust)>) {
+    fn fill_deep(
+        &mut self,
+        plane: ExactPlane,
+        groups: Grouped,
+        known: impl Fn(u32) -> Option<(Outcome, Trust)>,
+    ) {
         let mut leaves = Vec::new();
         for (cell, pixels) in groups {
             let mut points = Vec::with_capacity(pixels.len());
@@ -130,7 +138,7 @@ impl OpenTile {
                 leaves.push(Leaf { cell, points });
             }
         }
-        self.starts = Starts::Deep(Deep { leaves, strict: false });
+        self.starts = Starts::Deep(Deep { leaves, plane: Box::new(plane), strict: false });
     }
 
     fn set(&mut self, place: u32, outcome: Outcome, trust: Trust) {

@@ -1,4 +1,4 @@
-//! States in deep views, read from polynomials of the flow or integrated after them.
+//! States and growth in deep views, read from polynomials of the flow or integrated after them.
 
 use std::f64::consts::TAU;
 
@@ -6,6 +6,7 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{IntegratorConfig, Trust};
+use flipmap::physics::tangents::TangentMap;
 use flipmap::physics::taylor::Orbit;
 use flipmap::physics::{Fixed, Scalar, State, Theta};
 use flipmap::question::Ask;
@@ -43,17 +44,41 @@ fn rendered(scene: &Scene, config: IntegratorConfig, verify: bool) -> Samples {
 /// The states of a pixel at two times, with unwrapped angles, each integrated on its own in long
 /// numbers.
 fn truth(scene: &Scene, k: u32, times_secs: [f64; 2]) -> [State<f64>; 2] {
+    let mut orbit = orbit_of(scene, k);
+    times_secs.map(|secs| {
+        let state = orbit.state_at(Fixed::<4>::from_f64(secs));
+        State { angle: state.angle.map(Scalar::to_f64), speed: state.speed.map(Scalar::to_f64) }
+    })
+}
+
+/// The motion of a pixel's pendulum in long numbers.
+fn orbit_of(scene: &Scene, k: u32) -> Orbit<Fixed<4>> {
     let pixel = scene.view.width_rad().to_f64() / f64::from(SIDE);
     let half = f64::from(SIDE) / 2.0;
     let [x, y] = [k % SIDE, k / SIDE].map(|at| f64::from(at) + 0.5);
     let by = [x - half, half - y].map(|by| Theta::from_f64(by * pixel));
     let center = scene.view.center_rad();
     let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<4>());
-    let mut orbit = Orbit::new(scene.build.pendulum_in(), State::rest(angle));
-    times_secs.map(|secs| {
-        let state = orbit.state_at(Fixed::<4>::from_f64(secs));
-        State { angle: state.angle.map(Scalar::to_f64), speed: state.speed.map(Scalar::to_f64) }
-    })
+    Orbit::new(scene.build.pendulum_in(), State::rest(angle))
+}
+
+/// The exponent of a pixel over the budget, from tangent maps of short stretches of its motion, which
+/// is integrated on its own in long numbers.
+fn exponent(scene: &Scene, k: u32) -> f64 {
+    let secs = scene.question.budget.secs;
+    let (pendulum, unit_secs) = scene.build.pendulum().reduced();
+    let mut orbit = orbit_of(scene, k);
+    let stretches = (4.0 * secs).ceil() as u32;
+    let stretch = secs / f64::from(stretches);
+    let mut map = TangentMap::identity();
+    for i in 0..stretches {
+        let state = orbit.state_at(Fixed::<4>::from_f64(f64::from(i) * stretch));
+        let angle = state.angle.map(|angle| angle.wrapped().to_f64());
+        let speed = state.speed.map(|speed| speed.to_f64() * unit_secs);
+        let phase = pendulum.phase(&State { angle, speed });
+        map = map.followed_by(&pendulum, &phase, stretch / unit_secs);
+    }
+    map.log_growth() / secs
 }
 
 /// For each pixel, whether its state is right within 1e-3 rad, with its turns.
@@ -101,6 +126,42 @@ fn deep_states_are_those_of_pendulums_integrated_in_long_numbers() {
             let sure = |k: &usize| checked.trust(*k) != Trust::Uncertain;
             assert!((0..COUNT).filter(sure).all(|k| right[k]), "what is sure is right");
             assert!((0..COUNT).filter(sure).count() > COUNT / 2, "most are sure");
+        }
+    }
+}
+
+#[test]
+fn deep_growth_is_that_of_tangents_along_motions_in_long_numbers() {
+    let mut scene = scene();
+    scene.question.ask = Ask::Growth;
+    let last = scene.question.budget.secs;
+    let some: Vec<usize> = (0..COUNT).step_by(5).collect();
+    // While all swing together, and when they no longer do.
+    for (part, least_apart, least_by_f32) in [(0.6, 0.0, 1.0), (1.0, 0.02, 0.3)] {
+        scene.question.budget = Budget { secs: part * last, ..Budget::default() };
+        let truths: Vec<f64> = some.par_iter().map(|k| exponent(&scene, *k as u32)).collect();
+        let [least, most] =
+            [f64::min, f64::max].map(|of| truths.iter().copied().reduce(of).unwrap());
+        assert!(least > 0.5 && most - least >= least_apart, "{least} to {most}");
+        let is_right = |samples: &Samples, i: usize| {
+            (samples.values(some[i])[0] / truths[i] - 1.0).abs() < 1e-2
+        };
+        let share = |samples: &Samples| {
+            let right = (0..some.len()).filter(|i| is_right(samples, *i));
+            right.count() as f64 / some.len() as f64
+        };
+        let balanced = share(&rendered(&scene, BALANCED, false));
+        assert!(balanced >= 0.99, "{balanced} after {part}");
+        let fast = share(&rendered(&scene, FAST, false));
+        assert!(fast >= least_by_f32, "{fast} after {part}");
+        if least_apart > 0.0 {
+            let mut other = scene.clone();
+            other.view.center[0] = "1.2320059770".to_string();
+            let other = share(&rendered(&other, BALANCED, false));
+            assert!(other < 0.9, "the comparison can fail: {other}");
+            let checked = rendered(&scene, BALANCED, true);
+            let sure = |i: &usize| checked.trust(some[*i]) != Trust::Uncertain;
+            assert!((0..some.len()).filter(sure).all(|i| is_right(&checked, i)), "sure is right");
         }
     }
 }

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod deep;
+mod deep_planes;
 mod flips;
 mod orbits;
 mod states;

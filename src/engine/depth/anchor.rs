@@ -10,7 +10,7 @@ use super::part::{Branch, PlacedStart, SplitNode, SplitPart, Way};
 use crate::physics::flow_patch::{FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, bits_for, digits_for, reference};
-use crate::physics::{Angle, Pendulum, Scalar, Theta};
+use crate::physics::{Pendulum, Scalar, State, Theta};
 use crate::scene::lattice::{Cell, side_rad};
 
 /// Number of levels from one level with anchors to the next.
@@ -59,7 +59,7 @@ impl DomainSplitting {
         let Some(end) = end? else { return Some(Err(starts)) };
         let part = SplitPart::whole(cell, wanted.level, self.strict);
         let way = Way::Ended(Arc::new(FinishedPatch::new(
-            &part,
+            (&self.plane, &part),
             anchor.node.clone(),
             end,
             wanted.budget,
@@ -75,33 +75,44 @@ impl DomainSplitting {
         anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.anchored(cell)))).clone()
     }
 
-    /// An anchor at rest, with the digits that the differences of its cells from it need.
+    /// An anchor at its start, with the digits that the differences of its cells from it need.
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
         let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW as i32));
-        let reference = holds
-            .then(|| reference(&self.build.reduced_in().0, cell.center(), bits_for(cell.level)));
+        let begin = || {
+            let (pendulum, start) = self.reduced_middle(cell);
+            reference(&pendulum, &start, bits_for(cell.level))
+        };
+        let reference = holds.then(begin);
         let end = (!holds).then_some(PatchEnd::Spread);
         Anchor { node, reference, end }
     }
 
-    /// A cell at rest.
-    pub(super) fn released(&self, cell: Cell) -> SplitNode {
-        let exact = cell.center().map(Angle::sin_cos);
-        let sin_cos = exact.map(|(sin, cos)| (sin.to_f64(), cos.to_f64()));
-        let patch = FlowPatch::release(sin_cos, side_rad(cell.level + 1));
-        let edge = self.edge(&patch, exact.map(|(_, cos)| cos));
-        SplitNode { patch, edge: Some(edge) }
+    /// The pendulum and the middle of a cell at its start, in reduced units.
+    fn reduced_middle(&self, cell: Cell) -> (Pendulum<Theta>, State<Theta>) {
+        let (pendulum, unit_secs) = self.build.reduced_in::<Theta>();
+        let start = self.plane.start(&cell, [0.0; 2]);
+        (pendulum, State { speed: start.speed.map(|speed| speed * unit_secs), ..start })
     }
 
-    /// Depth of starts at rest in the forbidden region, in reduced units.
-    fn edge(&self, patch: &FlowPatch, cos: [Theta; 2]) -> Jet {
-        let (exact, _) = self.build.reduced_in::<Theta>();
-        let middle = exact.depth(cos) - exact.least_depth(self.rule);
-        let [x1, _, x2, ..] = patch.phase;
-        let Pendulum { p, q, .. } = self.dynamics.pendulum;
-        let depth = x1 * Jet::constant(p) + x2 * Jet::constant(q);
-        depth.with_middle(middle.to_f64())
+    /// A cell at its start.
+    pub(super) fn released(&self, cell: Cell) -> SplitNode {
+        let (exact, start) = self.reduced_middle(cell);
+        let phase = exact.phase(&start);
+        let [x1, y1, x2, y2, p1, p2] = phase.map(Theta::to_f64);
+        let patch = if self.plane.is_at_rest() {
+            FlowPatch::release([(y1, x1), (y2, x2)], side_rad(cell.level + 1))
+        } else {
+            let unit_secs = Jet::constant(self.build.unit_secs());
+            let [by1, by2, faster1, faster2] = self.plane.differences(cell.level);
+            let by = [by1, by2, faster1 * unit_secs, faster2 * unit_secs];
+            FlowPatch::thrown(&self.dynamics, &[x1, y1, x2, y2, p1, p2], by)
+        };
+        let patch = if self.nudges { patch.with_nudges() } else { patch };
+        // Beyond the edge of the forbidden region, in reduced units.
+        let beyond = -exact.energy_of(&phase) - exact.least_depth(self.rule);
+        let edge = (-patch.energy(&self.dynamics)).with_middle(beyond.to_f64());
+        SplitNode { patch, edge: Some(edge) }
     }
 
     /// Follows an anchor up to the requested budget. Returns its end there, or `Some(None)` where

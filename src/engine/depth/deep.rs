@@ -1,8 +1,7 @@
-//! Selections of deep starts, and their angles.
+//! Selections of deep starts, and their exact states.
 
-use crate::engine::{Deep, Leaf};
-use crate::physics::{Scalar, Theta};
-use crate::scene::lattice::side_rad;
+use crate::engine::{Deep, Leaf, Starts};
+use crate::physics::{Launch, State, Theta};
 
 impl Deep {
     /// Selects some of the starts, by their indices among all, in order, and moves them by a share
@@ -22,21 +21,29 @@ impl Deep {
             }
             first = end;
         }
-        Deep { leaves, strict }
+        Deep { leaves, plane: self.plane.clone(), strict }
     }
 
-    /// Half the side of the leaves in rad.
-    pub fn half_rad(&self) -> f64 {
-        self.leaves.first().map_or(0.0, |leaf| side_rad(leaf.cell.level + 1))
+    /// Half the side of the leaves in the units of the plane's axes.
+    pub fn half_side(&self) -> f64 {
+        self.leaves.first().map_or(0.0, |leaf| self.plane.half_side(leaf.cell.level))
     }
 
-    /// The angles of the starts in rad.
-    pub fn exact_angles(&self) -> Vec<[Theta; 2]> {
-        let half = Theta::from_f64(self.half_rad());
-        let angle = |leaf: &Leaf, at: &[f64; 2]| {
-            let center = leaf.cell.center();
-            [0, 1].map(|i| (center[i] + Theta::from_f64(at[i]) * half).wrapped())
+    /// The starts, angles in (−π, π] rad and speeds in rad/s.
+    pub fn exact(&self) -> impl Iterator<Item = State<Theta>> {
+        let all = self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| (&leaf.cell, at)));
+        all.map(|(cell, at)| self.plane.start(cell, *at))
+    }
+
+    /// The starts to the precision of double-double.
+    pub fn rounded(&self) -> Starts {
+        let rounded = |state: State<Theta>| Launch {
+            angle: state.angle.map(Theta::to_dd),
+            speed: state.speed.map(Theta::to_dd),
         };
-        self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| angle(leaf, at))).collect()
+        if self.plane.is_at_rest() {
+            return Starts::Rest(self.exact().map(|state| rounded(state).angle).collect());
+        }
+        Starts::Thrown(self.exact().map(rounded).collect())
     }
 }

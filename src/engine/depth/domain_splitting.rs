@@ -36,8 +36,8 @@ use crate::engine::{Deep, Leaf, Question};
 use crate::physics::Rule;
 use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use crate::physics::frame::Frame;
-use crate::scene::Build;
 use crate::scene::lattice::Cell;
+use crate::scene::{Build, ExactPlane};
 
 /// Largest part of a leaf's states that its polynomials may leave out. Further up, what is left out
 /// grows with the cells that are cut, so the tolerance is halved with every level above the leaves.
@@ -57,12 +57,15 @@ const LEAST_AREA: i32 = -3;
 /// Number of starts from which on a job's parts are followed on several threads.
 const MANY_STARTS: usize = 1 << 16;
 
-/// The domain splitting of one pendulum and rule.
+/// The domain splitting of one pendulum, rule and plane.
 pub(super) struct DomainSplitting {
     pub dynamics: Dynamics,
     pub build: Build,
     pub rule: Rule,
+    pub plane: ExactPlane,
     pub strict: bool,
+    /// True if the growth of nudges is followed.
+    pub nudges: bool,
     pub anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
     finished: Mutex<HashMap<PartKey, Arc<FinishedPatch>>>,
 }
@@ -88,19 +91,28 @@ pub(super) struct Distribution {
 }
 
 impl DomainSplitting {
-    pub(super) fn new(question: &Question, strict: bool) -> Self {
+    pub(super) fn new(question: &Question, deep: &Deep, nudges: bool) -> Self {
+        let mut dynamics = Dynamics::new(question.reduced().0, question.rule);
+        if !deep.plane.is_at_rest() {
+            // What is thrown can pass the top at once.
+            dynamics.opening = 0.0;
+        }
         DomainSplitting {
-            dynamics: Dynamics::new(question.reduced().0, question.rule),
+            dynamics,
             build: question.build,
             rule: question.rule,
-            strict,
+            plane: *deep.plane,
+            strict: deep.strict,
+            nudges,
             anchors: Mutex::default(),
             finished: Mutex::default(),
         }
     }
 
-    pub(super) fn is_of(&self, question: &Question, strict: bool) -> bool {
-        self.build == question.build && self.rule == question.rule && self.strict == strict
+    pub(super) fn is_of(&self, question: &Question, deep: &Deep, nudges: bool) -> bool {
+        let alike = self.build == question.build && self.rule == question.rule;
+        let together = self.plane == *deep.plane && self.strict == deep.strict;
+        alike && together && self.nudges == nudges
     }
 
     /// Finds the patches of a job's starts; none if cancelled.
@@ -173,7 +185,7 @@ impl DomainSplitting {
         all: &mut Distribution,
     ) -> Arc<FinishedPatch> {
         all.followed = (all.followed.0 + 1, all.followed.1 + node.patch.steps);
-        let patch = Arc::new(FinishedPatch::new(part, node, end, wanted.budget));
+        let patch = Arc::new(FinishedPatch::new((&self.plane, part), node, end, wanted.budget));
         if !wanted.cancelled.load(Ordering::Relaxed) {
             let mut kept = self.finished.lock().unwrap_or_else(|broken| broken.into_inner());
             if kept.len() >= MOST_FINISHED {
@@ -201,7 +213,7 @@ impl DomainSplitting {
             all.patches.push((finished, starts.into_iter().map(inside).collect()));
             return Vec::new();
         };
-        let framed = LazyCell::new(|| finished.node().part(&cut.frame));
+        let framed = LazyCell::new(|| finished.node().part(&self.dynamics, &cut.frame));
         let mut branches = Vec::new();
         let groups = part.distribute(&cut, &starts);
         for ((frame, part), starts) in part.parts(&cut).into_iter().zip(groups) {
@@ -216,7 +228,7 @@ impl DomainSplitting {
                 // Too wide for its polynomials even at rest: there is nothing to take a part of.
                 self.released(part.cell)
             } else {
-                framed.part(&frame)
+                framed.part(&self.dynamics, &frame)
             };
             if node.settle_edge() {
                 branches.push(Branch { part, starts, way: Way::Open(Box::new(node)) });
@@ -240,7 +252,7 @@ impl DomainSplitting {
         }
         if finished.patch.time.0 > 0.0 {
             let frame = Frame::turned(finished.patch.growing_angle(&self.dynamics));
-            if !self.is_long(&finished.patch.part(&frame)) {
+            if !self.is_long(&finished.patch.part(&self.dynamics, &frame)) {
                 return Some(Cut { frame, axes: [true, false], strips: true });
             }
         }

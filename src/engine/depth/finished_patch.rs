@@ -10,6 +10,7 @@ use crate::physics::flow_patch::{Curve, Dynamics, FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::phase::Phase;
 use crate::physics::{Accumulators, Outcome, Status};
+use crate::scene::ExactPlane;
 use crate::scene::lattice::Cell;
 
 /// The name of a part of an anchor: the same name means the same patch.
@@ -35,8 +36,8 @@ pub(super) struct FinishedPatch {
     pub ending: PatchEnd,
     /// Depth of its starts in the forbidden region, if the region's edge crosses it.
     pub edge: Option<Jet>,
-    /// Half its side across the bands in rad.
-    pub half_rad: f64,
+    /// Half its side across the bands in the units of the plane's axes.
+    pub half_side: f64,
     /// Binary logarithm of its area in leaves.
     pub area: i32,
     /// Reduced time up to which it was to be followed.
@@ -46,7 +47,7 @@ pub(super) struct FinishedPatch {
 }
 
 /// A start as far as polynomials determine it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum MappedStart {
     /// The outcome is known, and the end.
     Known(Outcome, End),
@@ -59,11 +60,16 @@ pub(super) enum MappedStart {
 const MOST_ASIDE: f64 = 1e-4;
 
 impl FinishedPatch {
-    /// A part that was to be followed to a budget, with the reason why it ended.
-    pub(super) fn new(part: &SplitPart, node: SplitNode, ending: PatchEnd, budget: f64) -> Self {
+    /// A part of a plane that was to be followed to a budget, with the reason why it ended.
+    pub(super) fn new(
+        (plane, part): (&ExactPlane, &SplitPart),
+        node: SplitNode,
+        ending: PatchEnd,
+        budget: f64,
+    ) -> Self {
         let SplitNode { patch, edge } = node;
-        let (key, half_rad, area) = (part.key, part.half_rad(), part.above.iter().sum());
-        FinishedPatch { key, patch, ending, edge, half_rad, area, budget, curve: OnceLock::new() }
+        let (key, half_side, area) = (part.key, part.half_side(plane), part.above.iter().sum());
+        FinishedPatch { key, patch, ending, edge, half_side, area, budget, curve: OnceLock::new() }
     }
 
     /// The patch with the forbidden region's edge.
@@ -83,7 +89,7 @@ impl FinishedPatch {
 
     /// Mean rate at which neighbours moved apart, in decades per second; 0 where they did not.
     fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
-        let decades = (self.patch.spread(dynamics) / self.half_rad).log10();
+        let decades = (self.patch.spread(dynamics) / self.half_side).log10();
         // A path not much longer than the opening tells nothing.
         if self.patch.time.0 > 10.0 * dynamics.opening { decades.max(0.0) / secs } else { 0.0 }
     }
@@ -102,9 +108,10 @@ impl FinishedPatch {
     /// The pendulum that is in a state when the patch ends.
     pub(super) fn moving(&self, dynamics: &Dynamics, phase: Phase<f64>, clearance: f64) -> Moving {
         let (high, low) = self.patch.time;
-        let grown = self.patch.spread(dynamics) / self.half_rad;
+        let grown = self.patch.spread(dynamics) / self.half_side;
         let turns = self.patch.turns_at(&phase);
-        Moving { time: [high, low], phase, step: self.patch.step, clearance, grown, turns }
+        let (time, step) = ([high, low], self.patch.step);
+        Moving { time, phase, step, clearance, grown, turns, nudges: None }
     }
 
     /// The curve on which the states of all starts lie, if they lie on one. Those of starts that are
@@ -135,20 +142,26 @@ impl FinishedPatch {
         let clearance = self.patch.clearance(at);
         let (high, low) = self.patch.time;
         let phase = self.patch.phase.map(|jet| jet.at(at));
+        let nudges = self.patch.nudges_at(dynamics, at);
         match (grazed.chain(passed).reduce(first), self.is_open()) {
             (Some((time, phase)), _) => {
                 let end = End { time, phase, clearance, grown: f64::INFINITY, ..End::NOWHERE };
                 MappedStart::Known(question.flipped_at(time * unit_secs), end)
             }
-            (None, true) => MappedStart::Moving(self.moving(dynamics, phase, clearance)),
+            (None, true) => {
+                let nudges = nudges.map(Box::new);
+                let moving = self.moving(dynamics, phase, clearance);
+                MappedStart::Moving(Moving { nudges, ..moving })
+            }
             (None, false) => {
                 let turns = self.patch.turns_at(&phase);
+                let log_growth = nudges.map_or(0.0, |map| map.log_growth());
                 let end = End {
                     time: high + low,
                     phase,
                     clearance,
                     grown: f64::INFINITY,
-                    gathered: Accumulators { turns, ..Accumulators::NONE },
+                    gathered: Accumulators { turns, log_growth, ..Accumulators::NONE },
                 };
                 MappedStart::Known(Outcome::without_time(Status::Unflipped), end)
             }

@@ -12,12 +12,12 @@ use super::lines::Lines;
 use super::part::PlacedStart;
 use super::stats::DepthStats;
 use crate::engine::{
-    Effort, End, Ends, IntegratorState, Job, JobResult, Method, Moving, MovingStarts, Precision,
-    Question, Starts,
+    Deep, Effort, End, Ends, IntegratorState, Job, JobResult, Method, Moving, MovingStarts,
+    Precision, Question, Starts,
 };
 use crate::physics::{Outcome, Status};
 
-/// The domain splittings of the pendulums and rules met so far, the latest last.
+/// The domain splittings of the pendulums, rules and planes met so far, the latest last.
 pub(super) type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
 
 /// Largest number of splittings that are kept.
@@ -40,20 +40,23 @@ pub(super) struct Awaited {
     pub effort: Effort,
 }
 
-/// Returns the domain splitting of a question, made if there is none yet.
+/// Returns the domain splitting of a question in the plane of some starts, with nudges if their growth is asked for; made if
+/// there is none yet.
 pub(super) fn splitting_of(
     splittings: &Splittings,
     question: &Question,
-    strict: bool,
+    deep: &Deep,
+    nudges: bool,
 ) -> Arc<DomainSplitting> {
     let mut splittings = splittings.lock().unwrap_or_else(|broken| broken.into_inner());
-    if let Some(splitting) = splittings.iter().find(|splitting| splitting.is_of(question, strict)) {
+    let of = |splitting: &&Arc<DomainSplitting>| splitting.is_of(question, deep, nudges);
+    if let Some(splitting) = splittings.iter().find(of) {
         return splitting.clone();
     }
     if splittings.len() == MOST_SPLITTINGS {
         splittings.remove(0);
     }
-    splittings.push(Arc::new(DomainSplitting::new(question, strict)));
+    splittings.push(Arc::new(DomainSplitting::new(question, deep, nudges)));
     splittings[splittings.len() - 1].clone()
 }
 
@@ -151,7 +154,7 @@ impl Awaited {
     pub(super) fn result(self) -> JobResult {
         let Awaited { job: Job { id, keep, .. }, outcomes, ends, mut unfinished, effort, .. } =
             self;
-        let ends = if keep.ends == Ends::Plain { ends } else { Vec::new() };
+        let ends = if keep.ends == Ends::None { Vec::new() } else { ends };
         unfinished.sort_unstable_by_key(|(index, _)| *index);
         JobResult { id, outcomes, ends, unfinished, effort, ..JobResult::default() }
     }
@@ -174,5 +177,5 @@ impl Awaited {
 /// alone, of a method whose errors are far below what neighbours differ by.
 fn may_use_lines(job: &Job) -> bool {
     let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
-    adaptive && job.config.precision != Precision::F32 && job.keep.ends != Ends::Plain
+    adaptive && job.config.precision != Precision::F32 && job.keep.ends == Ends::None
 }

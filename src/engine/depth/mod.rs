@@ -57,7 +57,8 @@ use self::lines::{LineSamples, Need, samples_of};
 pub use self::stats::DepthStats;
 use self::takeoff::{Load, Takeoff, by_time};
 use super::{
-    Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Moving, Starts, Wait,
+    Ends, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Moving, Starts,
+    Wait,
 };
 
 /// An engine that follows deep starts for the engine that it wraps.
@@ -132,7 +133,8 @@ impl<'a> DepthEngine<'a> {
 
     fn follow(&mut self, job: Job) {
         let Starts::Deep(deep) = &job.starts else { return };
-        let splitting = splitting_of(&self.splittings, &job.question, deep.strict);
+        let nudges = job.keep.ends == Ends::Growth;
+        let splitting = splitting_of(&self.splittings, &job.question, deep, nudges);
         let (sender, cancelled) = (self.sender.clone(), self.cancelled.clone());
         let (lines, told) = (self.lines, self.told.clone());
         self.deep.insert(job.id, None);
@@ -164,7 +166,7 @@ impl<'a> DepthEngine<'a> {
         }
         if awaited.lines.is_none() {
             for (since, starts) in by_time(std::mem::take(&mut awaited.moving)) {
-                let states = starts.iter().map(|(_, state)| *state).collect();
+                let states = starts.iter().map(|(_, state)| state.clone()).collect();
                 let keep = awaited.job.keep;
                 self.depart(&mut awaited, keep, Load::Starts(starts), since, states);
             }

@@ -4,10 +4,11 @@
 use std::sync::Arc;
 
 use super::finished_patch::{FinishedPatch, PartKey};
-use crate::physics::flow_patch::FlowPatch;
+use crate::physics::flow_patch::{Dynamics, FlowPatch};
 use crate::physics::frame::Frame;
 use crate::physics::jet::Jet;
-use crate::scene::lattice::{Cell, side_rad};
+use crate::scene::ExactPlane;
+use crate::scene::lattice::Cell;
 
 /// A start of a job.
 #[derive(Clone, Copy, Debug)]
@@ -73,9 +74,9 @@ impl SplitPart {
         SplitPart { key, cell: anchor, frame: Frame::WHOLE, above, is_strip: false }
     }
 
-    /// Half its side across the bands in rad.
-    pub(super) fn half_rad(&self) -> f64 {
-        self.frame.half_sides()[0] * side_rad(self.key.anchor.level + 1)
+    /// Half its side across the bands in the units of the plane's axes.
+    pub(super) fn half_side(&self, plane: &ExactPlane) -> f64 {
+        self.frame.half_sides()[0] * plane.half_side(self.key.anchor.level)
     }
 
     /// The parts into which it is cut, each with its frame in the coordinates of `cut`'s frame.
@@ -104,9 +105,9 @@ impl SplitPart {
 
 impl SplitNode {
     /// The part of the patch in a frame.
-    pub(super) fn part(&self, frame: &Frame) -> Self {
+    pub(super) fn part(&self, dynamics: &Dynamics, frame: &Frame) -> Self {
         let edge = self.edge.map(|edge| edge.part(frame));
-        SplitNode { patch: self.patch.part(frame), edge }
+        SplitNode { patch: self.patch.part(dynamics, frame), edge }
     }
 
     /// Drops the forbidden region's edge where it does not cross the patch; returns false where all

@@ -6,7 +6,7 @@ use super::Trust;
 use super::judge::{Answer, Judge};
 use super::ladder::{Origin, Run, Rung, rungs};
 use crate::engine::{Effort, End, Ends, Job, JobResult, Keep, Starts};
-use crate::physics::{Dd, Outcome, Status, Theta};
+use crate::physics::{Dd, Outcome, Status};
 
 /// A job whose starts climb the ladder until they are sure.
 pub(super) struct CheckedJob {
@@ -48,7 +48,7 @@ impl CheckedJob {
     pub(super) fn new(job: Job) -> (Self, Vec<Job>) {
         let count = job.starts.len();
         let leaf_half_rad = match &job.starts {
-            Starts::Deep(deep) => Some(deep.half_rad()),
+            Starts::Deep(deep) => Some(deep.half_side()),
             _ => None,
         };
         let case = CheckedJob {
@@ -102,12 +102,7 @@ impl CheckedJob {
             Starts::Deep(deep) => {
                 let strict = run.from == Origin::StrictMap;
                 let some = deep.some(&self.open, strict, run.nudge);
-                if run.from == Origin::Rest {
-                    let near = |angle: [Theta; 2]| angle.map(Theta::to_dd);
-                    Starts::Rest(some.exact_angles().into_iter().map(near).collect())
-                } else {
-                    Starts::Deep(some)
-                }
+                if run.from == Origin::Rest { some.rounded() } else { Starts::Deep(some) }
             }
             Starts::Resumed(_) | Starts::Moving(_) => unreachable!("refused when submitted"),
         }

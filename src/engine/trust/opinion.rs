@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::Trust;
 use crate::engine::{Deep, Engine, EngineError, IntegratorConfig, Keep, Question, Starts, run_job};
 use crate::physics::flip::right_secs;
-use crate::physics::{Fixed, Outcome, Scalar, Status, Theta, oracle};
+use crate::physics::{Fixed, Outcome, Scalar, State, Status, Theta, oracle};
 
 /// The result of integrating some starts of a view directly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,9 +41,9 @@ impl Opinion {
             let trust = answer.trusts.get(*k).copied().unwrap_or(Trust::Uncertain);
             trust != Trust::Uncertain && answer.outcomes[*k].status != Status::Forbidden
         };
-        let angles = deep.exact_angles();
-        let sure: Vec<usize> = (0..angles.len()).filter(is_sure).take(most).collect();
-        let wrong = |k: &usize| go_on() && differs(&question, angles[*k], &answer.outcomes[*k]);
+        let starts: Vec<State<Theta>> = deep.exact().collect();
+        let sure: Vec<usize> = (0..starts.len()).filter(is_sure).take(most).collect();
+        let wrong = |k: &usize| go_on() && differs(&question, &starts[*k], &answer.outcomes[*k]);
         let contradicted = sure.par_iter().filter(|k| wrong(k)).count();
         Ok(go_on().then_some(Opinion { asked: sure.len(), contradicted }))
     }
@@ -60,26 +60,30 @@ impl Opinion {
     }
 }
 
-fn differs(question: &Question, angle: [Theta; 2], given: &Outcome) -> bool {
+fn differs(question: &Question, start: &State<Theta>, given: &Outcome) -> bool {
     let (_, unit_secs) = question.reduced();
     let decades = DIGITS_AT_END + DECADES_A_UNIT * question.budget_secs / unit_secs;
     let limbs = 1 + (decades * std::f64::consts::LOG2_10 / 64.0).ceil() as usize;
     let truth = match limbs {
-        0..=3 => direct::<3>(question, angle),
-        4 => direct::<4>(question, angle),
-        5 => direct::<5>(question, angle),
-        6 => direct::<6>(question, angle),
-        7 => direct::<7>(question, angle),
-        _ => direct::<8>(question, angle),
+        0..=3 => direct::<3>(question, start),
+        4 => direct::<4>(question, start),
+        5 => direct::<5>(question, start),
+        6 => direct::<6>(question, start),
+        7 => direct::<7>(question, start),
+        _ => direct::<8>(question, start),
     };
     truth.status != given.status || (truth.time - given.time).abs() > right_secs(unit_secs)
 }
 
 /// The outcome of a start, integrated in numbers of `N` limbs.
-fn direct<const N: usize>(question: &Question, angle: [Theta; 2]) -> Outcome {
+fn direct<const N: usize>(question: &Question, start: &State<Theta>) -> Outcome {
     let (pendulum, unit_secs) = question.reduced_in::<Fixed<N>>();
     let budget = Fixed::from_f64(question.budget_secs) / unit_secs;
-    let outcome = oracle::outcome(&pendulum, angle.map(Fixed::from_theta), question.rule, budget);
+    let start = State {
+        angle: start.angle.map(Fixed::from_theta),
+        speed: start.speed.map(|speed| Fixed::from_theta(speed) * unit_secs),
+    };
+    let outcome = oracle::outcome_from(&pendulum, &start, question.rule, budget);
     Outcome { status: outcome.status, time: (outcome.time * unit_secs).to_f64() }
 }
 
@@ -93,15 +97,22 @@ mod tests {
     use crate::engine::trust::TrustEngine;
     use crate::engine::{EngineKind, Job, JobResult, Leaf, Wait};
     use crate::physics::Rule;
-    use crate::scene::Build;
     use crate::scene::lattice::Cell;
+    use crate::scene::{Build, ExactPlane};
 
     fn starts() -> (Question, Deep) {
         let question =
             Question { build: Build::default(), rule: Rule::Second, budget_secs: 8.0, passes: 1 };
         let cell = Cell::around([2.2, -1.9].map(Theta::from_f64), 80);
         let points = (0..4).map(|k| [0.2 * f64::from(k), -0.3]).collect();
-        (question, Deep { leaves: vec![Leaf { cell, points }], strict: false })
+        (
+            question,
+            Deep {
+                leaves: vec![Leaf { cell, points }],
+                plane: Box::new(ExactPlane::AT_REST),
+                strict: false,
+            },
+        )
     }
 
     #[test]

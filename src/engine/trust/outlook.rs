@@ -38,7 +38,7 @@ impl Outlook {
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<Outlook>, EngineError> {
         let (from, nudge, leaf_half_rad) = match starts {
-            Starts::Deep(deep) => (Origin::Map, DEEP_NUDGE, deep.half_rad()),
+            Starts::Deep(deep) => (Origin::Map, DEEP_NUDGE, deep.half_side()),
             _ => (Origin::Rest, NUDGE * Run::new(config, Origin::Rest).scale_from_rest(), 0.0),
         };
         let run = Run::new(config, from);

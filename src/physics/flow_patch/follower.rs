@@ -106,7 +106,7 @@ impl Follower {
                 patch.grazes.extend(graze.concerns_any().then_some(*graze));
             }
         }
-        patch.take(patch_step, reference);
+        patch.take(dynamics, patch_step, reference);
         None
     }
 

@@ -1,6 +1,6 @@
 //! Flow patches: cells of starts carried by the flow as polynomials, for a deep zoom's start maps.
 //!
-//! Released from rest, the pendulums of a small cell stay together for a long time. Their states at
+//! The pendulums of a small cell of starts stay together for a long time. Their states at
 //! any time are polynomials in the position of the start within the cell ([`Jet`]), and those obey
 //! the equations of motion: the same right-hand sides and steps that move one pendulum move all. A
 //! patch is followed until its polynomials no longer describe the whole cell; there it is
@@ -14,6 +14,7 @@ mod curve;
 mod event;
 mod follower;
 mod graze;
+mod nudges;
 
 pub use curve::{Curve, CurvePoint};
 pub use follower::{Follower, StepPlan, carry};
@@ -29,6 +30,7 @@ use super::jet::Jet;
 use super::opening;
 use super::phase::Phase;
 use super::reference::{Reference, drop_digits};
+use super::tangents::TangentMap;
 use super::transport::turns_between;
 use super::{Pendulum, Real};
 
@@ -64,6 +66,8 @@ pub struct FlowPatch {
     pub grazes: Vec<Graze>,
     /// True for a bob with which the middle is beyond the top in a graze; never at the patch's end.
     beyond: [bool; 2],
+    /// Tangent map of the middle from its release, where nudges are followed.
+    nudges: Option<TangentMap>,
 }
 
 /// The reason for the end of a patch.
@@ -159,9 +163,28 @@ fn middle(phase: &Phase<Jet>) -> Phase<f64> {
 impl FlowPatch {
     /// A cell released from rest, `half` rad around the angles of `sin_cos` (as precise as can be).
     pub fn release(sin_cos: [(f64, f64); 2], half: f64) -> Self {
-        let [(y1, x1), (y2, x2)] = [0, 1].map(|axis| turned(sin_cos[axis], axis, half));
+        let [(y1, x1), (y2, x2)] =
+            [0, 1].map(|axis| turned(sin_cos[axis], Jet::coordinate(axis, half)));
         let zero = Jet::constant(0.0);
-        let phase = [x1, y1, x2, y2, zero, zero];
+        FlowPatch::begun([x1, y1, x2, y2, zero, zero])
+    }
+
+    /// A cell of starts thrown with speeds, around the state `middle` (as precise as can be); `by`
+    /// are the differences of the others from it in both angles (rad) and both reduced speeds.
+    pub fn thrown(dynamics: &Dynamics, middle: &Phase<f64>, by: [Jet; 4]) -> Self {
+        let [x1, y1, x2, y2, p1, p2] = *middle;
+        let [by1, by2, faster1, faster2] = by;
+        let speeds = dynamics.pendulum.speeds(middle).map(Jet::constant);
+        let [w1, w2] = [speeds[0] + faster1, speeds[1] + faster2];
+        let ([y1, x1], [y2, x2]) = (turned((y1, x1), by1).into(), turned((y2, x2), by2).into());
+        let Pendulum { a, b, c, .. } = dynamics.jets;
+        let coupling = c * (x1 * x2 + y1 * y2);
+        let momenta = [a * w1 + coupling * w2, coupling * w1 + b * w2];
+        // The middle's are known to more digits than its speeds give.
+        FlowPatch::begun([x1, y1, x2, y2, momenta[0].with_middle(p1), momenta[1].with_middle(p2)])
+    }
+
+    fn begun(phase: Phase<Jet>) -> Self {
         FlowPatch {
             time: (0.0, 0.0),
             phase,
@@ -171,6 +194,7 @@ impl FlowPatch {
             far_turns: FAR,
             grazes: Vec::new(),
             beyond: [false; 2],
+            nudges: None,
         }
     }
 
@@ -178,6 +202,14 @@ impl FlowPatch {
     pub fn spread(&self, dynamics: &Dynamics) -> f64 {
         let weight = dynamics.weights();
         (0..6).map(|i| self.phase[i].spread() * weight[i]).fold(0.0, f64::max)
+    }
+
+    /// Energy of its states, reduced; zero if both rods are level and at rest.
+    pub fn energy(&self, dynamics: &Dynamics) -> Jet {
+        let [x1, _, x2, _, p1, p2] = self.phase;
+        let [w1, w2] = dynamics.jets.speeds(&self.phase);
+        let Pendulum { p, q, .. } = dynamics.jets;
+        Jet::constant(0.5) * (p1 * w1 + p2 * w2) - (x1 * p + x2 * q)
     }
 
     /// Bounds on the distance of its states from the middle one, on the two axes of its frame.
@@ -188,7 +220,7 @@ impl FlowPatch {
     }
 
     /// A part of the patch, for which [`FlowPatch::settled`] may be true.
-    pub fn part(&self, frame: &Frame) -> Self {
+    pub fn part(&self, dynamics: &Dynamics, frame: &Frame) -> Self {
         let graze = |graze: &Graze| Graze {
             shift: graze.shift.part(frame),
             height: graze.height.part(frame),
@@ -198,7 +230,8 @@ impl FlowPatch {
         let grazes = self.grazes.iter().map(graze).filter(Graze::concerns_any).collect();
         let phase = self.phase.map(|jet| jet.part(frame));
         let turns = self.turns_at(&middle(&phase));
-        FlowPatch { phase, turns, grazes, steps: 0, ..*self }
+        let nudges = self.nudges_at(dynamics, frame.middle);
+        FlowPatch { phase, turns, grazes, nudges, steps: 0, ..*self }
     }
 
     /// Whole turns of each bob since the release of the start that is in a state now.
@@ -301,11 +334,17 @@ impl FlowPatch {
         StepPlan { length, next }
     }
 
-    fn take(&mut self, patch_step: PatchStep, reference: Option<&mut (dyn Reference + 'static)>) {
+    fn take(
+        &mut self,
+        dynamics: &Dynamics,
+        patch_step: PatchStep,
+        reference: Option<&mut (dyn Reference + 'static)>,
+    ) {
         if let Some(reference) = reference {
             reference.advance(patch_step.plan.length);
         }
         self.turns = self.turns_at(&middle(&patch_step.after));
+        self.nudges = self.nudges_after(dynamics, patch_step.plan.length);
         self.phase = patch_step.after;
         self.time = self.time.0.fast_two_sum(self.time.1 + patch_step.plan.length);
         self.step = patch_step.plan.next;
@@ -319,9 +358,8 @@ struct PatchStep {
     after: Phase<Jet>,
 }
 
-/// Sine and cosine of an angle that varies along an axis of the cell, from those at its middle.
-fn turned((sin, cos): (f64, f64), axis: usize, half: f64) -> (Jet, Jet) {
-    let by = Jet::coordinate(axis, half);
+/// Sine and cosine of an angle that varies over the cell by `by`, from those at its middle.
+fn turned((sin, cos): (f64, f64), by: Jet) -> (Jet, Jet) {
     let one = Jet::constant(1.0);
     // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and likewise for the sine, to the degree that is kept.
     let square = by * by;

@@ -1,0 +1,127 @@
+//! Planes of starts in exact numbers, and neighbourhoods of their points as polynomials.
+//!
+//! The lattice is a square from −π to π. It covers a plane that is no torus enlarged by a power of
+//! two, in the units of the plane's axes ([`Plane::lattice_doublings`]).
+
+use super::lattice::{Cell, side_rad};
+use super::{Axis, Build, Plane};
+use crate::physics::jet::Jet;
+use crate::physics::{Scalar, State, Theta};
+
+/// A plane of which two quantities of a start vary, in exact numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExactPlane {
+    /// Index of the quantities across and up among θ1, θ2, ω1 and ω2.
+    places: [usize; 2],
+    /// The quantities that do not vary, rad and rad/s.
+    origin: [Theta; 4],
+    /// Number of doublings of the lattice.
+    doublings: u32,
+}
+
+impl ExactPlane {
+    /// The torus of both angles, with pendulums released from rest.
+    pub const AT_REST: ExactPlane =
+        ExactPlane { places: [0, 1], origin: [Theta::ZERO; 4], doublings: 0 };
+
+    /// The exact plane of a checked one; none for a section, whose starts follow from its energy.
+    pub fn new(plane: &Plane, build: &Build) -> Option<Self> {
+        let axes = plane.axes();
+        if axes.contains(&Axis::Momentum2) {
+            return None;
+        }
+        let origin = [0, 1, 2, 3].map(|i| Theta::parse(&plane.origin[i]).unwrap_or(Theta::ZERO));
+        let doublings = plane.lattice_doublings(build);
+        Some(ExactPlane { places: axes.map(Axis::place), origin, doublings })
+    }
+
+    /// Returns true if its starts are at rest.
+    pub fn is_at_rest(&self) -> bool {
+        let is_still =
+            |place: usize| !self.places.contains(&place) && self.origin[place] == Theta::ZERO;
+        is_still(2) && is_still(3)
+    }
+
+    /// Returns true if the lattice reaches all positions up to `half` from a centre along each axis,
+    /// in the units of the axes. Angles repeat in it.
+    pub fn reaches(&self, center: [f64; 2], half: [f64; 2]) -> bool {
+        let most = self.half_side(0);
+        (0..2).all(|i| self.places[i] < 2 || center[i].abs() + half[i] < most)
+    }
+
+    /// A position in the units of the axes as one in the lattice.
+    pub fn to_lattice(&self, at: [Theta; 2]) -> [Theta; 2] {
+        at.map(|x| x.halved(self.doublings))
+    }
+
+    /// Half the side of a level's cells in the units of the axes.
+    pub fn half_side(&self, level: u32) -> f64 {
+        side_rad(level + 1) * 2f64.powi(self.doublings as i32)
+    }
+
+    /// The start at a point of a cell, in [−1, 1]²; angles in (−π, π] rad, speeds in rad/s.
+    pub fn start(&self, cell: &Cell, at: [f64; 2]) -> State<Theta> {
+        let half = Theta::from_f64(self.half_side(cell.level));
+        let mut start = self.origin;
+        for (i, place) in self.places.into_iter().enumerate() {
+            let middle = cell.center()[i].doubled(self.doublings);
+            start[place] = middle + Theta::from_f64(at[i]) * half;
+        }
+        let [theta1, theta2, omega1, omega2] = start;
+        State { angle: [theta1, theta2].map(Theta::wrapped), speed: [omega1, omega2] }
+    }
+
+    /// The differences of a cell's starts from its middle: both angles in rad, both speeds in rad/s.
+    pub fn differences(&self, level: u32) -> [Jet; 4] {
+        let mut jets = [Jet::constant(0.0); 4];
+        for (i, place) in self.places.into_iter().enumerate() {
+            jets[place] = Jet::coordinate(i, self.half_side(level));
+        }
+        jets
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Dd;
+    use crate::scene::{PlaneKind, Turn};
+
+    #[test]
+    fn starts_of_a_cell_are_those_of_the_plane() {
+        let build = Build::default();
+        let origin = ["0.5", "-1.25", "3", "-0.5"].map(str::to_string);
+        for kind in ["angles", "speeds", "first", "omega2,theta1"] {
+            let kind: PlaneKind = kind.parse().unwrap();
+            let plane = Plane { kind, origin: origin.clone(), ..Plane::default() };
+            let exact = ExactPlane::new(&plane, &build).unwrap();
+            assert!(!exact.is_at_rest());
+            let place = [0.75, -0.5].map(Theta::from_f64);
+            let turns = exact.to_lattice(place).map(Turn::from_theta);
+            let cell = Cell::at(turns, 40);
+            let at = cell.point(turns);
+            let start = exact.start(&cell, at);
+            let want = plane.launch(&build.pendulum_in(), place.map(Theta::to_dd)).unwrap();
+            let near = |a: Theta, b: Dd| (a.to_dd() - b).abs().to_f64() < 1e-22;
+            assert!((0..2).all(|i| near(start.angle[i], want.angle[i])), "{kind}");
+            assert!((0..2).all(|i| near(start.speed[i], want.speed[i])), "{kind}");
+            let middle = exact.start(&cell, [0.0; 2]);
+            let [a1, a2, w1, w2] = exact.differences(40).map(|jet| jet.at(at));
+            let by = |now: Theta, then: Theta| (now - then).to_f64();
+            let moved = [
+                by(start.angle[0], middle.angle[0]) - a1,
+                by(start.angle[1], middle.angle[1]) - a2,
+                by(start.speed[0], middle.speed[0]) - w1,
+                by(start.speed[1], middle.speed[1]) - w2,
+            ];
+            assert!(moved.iter().all(|by| by.abs() < 1e-25), "{moved:?}");
+        }
+        assert_eq!(ExactPlane::new(&Plane::default(), &build), Some(ExactPlane::AT_REST));
+        assert!(ExactPlane::AT_REST.reaches([1e6; 2], [1.0; 2]), "angles repeat");
+        let plane = Plane { kind: "first".parse().unwrap(), ..Plane::default() };
+        let exact = ExactPlane::new(&plane, &build).unwrap();
+        assert!(exact.reaches([1e6, 49.0], [1.0; 2]) && !exact.reaches([0.0, 5000.0], [1.0; 2]));
+        let section = Plane { kind: PlaneKind::Section, ..Plane::default() };
+        assert_eq!(ExactPlane::new(&section, &build), None);
+    }
+}

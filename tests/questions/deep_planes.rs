@@ -1,0 +1,162 @@
+//! Deep views of planes of thrown pendulums.
+
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::depth::DepthEngine;
+use flipmap::engine::level::{BALANCED, FAST, LESSON};
+use flipmap::engine::{IntegratorConfig, Trust};
+use flipmap::physics::taylor::Orbit;
+use flipmap::physics::{Fixed, Outcome, Scalar, State, Status, oracle};
+use flipmap::question::Ask;
+use flipmap::scene::{Axis, Budget, Plane, Scene, View};
+use flipmap::tiles::{Renderer, Samples};
+use rayon::prelude::*;
+
+use crate::truth::apart;
+
+type Long = Fixed<4>;
+
+const SIDE: u32 = 10;
+const COUNT: usize = (SIDE * SIDE) as usize;
+/// Width of the views: far below the resolution of f64.
+const WIDTH: f64 = 1e-18;
+
+fn plane(kind: &str, origin: [&str; 4]) -> Plane {
+    Plane { kind: kind.parse().unwrap(), origin: origin.map(str::to_string), ..Plane::default() }
+}
+
+fn scene(plane: Plane, center: [Long; 2], secs: f64) -> Scene {
+    let center = center.map(|x| x.to_string());
+    let view = View { center, width: WIDTH.to_string(), ..View::default() };
+    let mut scene = Scene { view, plane, ..Scene::default() };
+    scene.question.budget = Budget::secs(secs);
+    scene.checked().unwrap()
+}
+
+fn rendered(scene: &Scene, config: IntegratorConfig, verify: bool) -> Samples {
+    let inner = Box::new(CpuEngine::new(Some(2)).unwrap());
+    let engine = Box::new(DepthEngine::new(inner, Some(2)).unwrap());
+    let mut renderer = Renderer::of(engine, config, verify, Some(2)).unwrap();
+    renderer.render(scene, [SIDE; 2]).unwrap()
+}
+
+/// The start at a position in a plane, rad and rad/s.
+fn start(plane: &Plane, at: [Long; 2]) -> State<Long> {
+    let mut all = [0, 1, 2, 3].map(|i| Long::parse(&plane.origin[i]).unwrap());
+    for (axis, value) in plane.axes().into_iter().zip(at) {
+        let place = Axis::OF_STARTS.iter().position(|other| *other == axis).unwrap();
+        all[place] = value;
+    }
+    State { angle: [all[0], all[1]].map(Long::wrapped), speed: [all[2], all[3]] }
+}
+
+/// The start of a pixel.
+fn start_of(scene: &Scene, k: usize) -> State<Long> {
+    let half = f64::from(SIDE) / 2.0;
+    let [x, y] = [k as u32 % SIDE, k as u32 / SIDE].map(|at| f64::from(at) + 0.5);
+    let by = [x - half, half - y].map(|by| Long::from_f64(by * WIDTH / f64::from(SIDE)));
+    let center = [0, 1].map(|i| Long::parse(&scene.view.center[i]).unwrap());
+    start(&scene.plane, [0, 1].map(|i| center[i] + by[i]))
+}
+
+fn outcome(scene: &Scene, start: &State<Long>, secs: f64) -> Outcome<Long> {
+    let (pendulum, rule) = (scene.build.pendulum_in(), scene.question.rule);
+    oracle::outcome_from(&pendulum, start, rule, Long::from_f64(secs))
+}
+
+/// A place on the way from one place to another, at which the flip's time jumps.
+fn jump(plane: &Plane, ends: [[f64; 2]; 2], secs: f64) -> [Long; 2] {
+    let scene = Scene { plane: plane.clone(), ..Scene::default() };
+    let time = |at: &[Long; 2]| match outcome(&scene, &start(plane, *at), secs) {
+        Outcome { status: Status::Flipped, time } => time.to_f64(),
+        _ => secs,
+    };
+    let on_the_way = |k: u32| {
+        let share = f64::from(k) / 64.0;
+        [0, 1].map(|i| Long::from_f64(ends[0][i] + share * (ends[1][i] - ends[0][i])))
+    };
+    let row: Vec<_> = (0..=64).map(on_the_way).map(|at| (at, time(&at))).collect();
+    let apart = |pair: &&[([Long; 2], f64)]| (pair[1].1 - pair[0].1).abs();
+    let widest = row.windows(2).max_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+    let (mut a, mut b) = (widest[0], widest[1]);
+    for _ in 0..64 {
+        let middle = [0, 1].map(|i| (a.0[i] + b.0[i]).halved(1));
+        let middle = (middle, time(&middle));
+        if (middle.1 - a.1).abs() > (b.1 - middle.1).abs() { b = middle } else { a = middle }
+    }
+    assert!((a.1 - b.1).abs() > 0.05, "the time jumps between {a:?} and {b:?}");
+    a.0
+}
+
+/// Planes with places around which flips jump, in the first 8 s.
+fn places() -> [(Plane, [[f64; 2]; 2]); 3] {
+    [
+        (plane("speeds", ["0.4", "-0.3", "0", "0"]), [[6.0, 4.0], [8.0, -6.0]]),
+        (plane("first", ["0", "0.5", "0", "-2"]), [[0.2, 7.0], [2.0, 5.0]]),
+        (plane("theta2,omega1", ["1", "0", "0", "3"]), [[-3.0, 4.0], [3.0, 7.0]]),
+    ]
+}
+
+/// Share of pixels whose flips are right within 1 ms.
+fn share(samples: &Samples, truths: &[Outcome<Long>]) -> f64 {
+    let is_right = |k: &usize| {
+        let (given, truth) = (samples.get(*k), &truths[*k]);
+        given.status == truth.status && (given.time - truth.time.to_f64()).abs() < 1e-3
+    };
+    (0..COUNT).filter(is_right).count() as f64 / COUNT as f64
+}
+
+#[test]
+fn deep_flips_of_thrown_pendulums_are_right_on_both_sides_of_a_jump() {
+    for (plane, ends) in places() {
+        let scene = scene(plane.clone(), jump(&plane, ends, 8.0), 8.0);
+        let starts: Vec<State<Long>> = (0..COUNT).map(|k| start_of(&scene, k)).collect();
+        let truths: Vec<Outcome<Long>> =
+            starts.par_iter().map(|start| outcome(&scene, start, 8.0)).collect();
+        let times = truths.iter().map(|truth| truth.time.to_f64());
+        let [least, most] = [f64::min, f64::max].map(|of| times.clone().reduce(of).unwrap());
+        assert!(most - least > 0.05, "both sides of the jump are in view");
+        for config in [BALANCED, FAST] {
+            let share = share(&rendered(&scene, config, false), &truths);
+            assert!(share >= 0.99, "{share} by {config:?} on {plane:?}");
+        }
+        assert!(share(&rendered(&scene, LESSON, false), &truths) >= 0.9);
+        let checked = rendered(&scene, BALANCED, true);
+        let sure = (0..COUNT).filter(|k| checked.trust(*k) != Trust::Uncertain).count();
+        assert!(sure > COUNT / 2 && share(&checked, &truths) >= 0.99, "{sure} are sure");
+        let mut other = scene.clone();
+        other.plane.origin = ["0.4", "-0.29", "0", "0.1"].map(str::to_string);
+        assert!(share(&rendered(&other, BALANCED, false), &truths) < 0.5, "it can fail");
+    }
+}
+
+#[test]
+fn deep_states_of_thrown_pendulums_are_right() {
+    let places = places();
+    let (plane, _) = &places[0];
+    let mut scene = scene(plane.clone(), [6.0, 4.0].map(Long::from_f64), 20.0);
+    scene.question.ask = Ask::State;
+    let samples = rendered(&scene, BALANCED, false);
+    let truth = |k: usize| {
+        let mut orbit = Orbit::new(scene.build.pendulum_in(), start_of(&scene, k));
+        orbit.state_at(Long::from_f64(20.0)).angle.map(Scalar::to_f64)
+    };
+    for k in [0, 9, 44, 99] {
+        let (angles, values) = (truth(k), samples.values(k));
+        let is_right = |i: usize| {
+            let whole = values[i] + std::f64::consts::TAU * values[4 + i];
+            apart(values[i], angles[i]) < 1e-3 && (whole - angles[i]).abs() < 1e-2
+        };
+        assert!(is_right(0) && is_right(1), "{values:?} for {angles:?}");
+    }
+}
+
+#[test]
+fn starts_faster_than_the_lattice_reaches_are_integrated_from_their_throw() {
+    let mut scene = scene(places()[0].0.clone(), [2000.0, 3.0].map(Long::from_f64), 0.01);
+    scene.view.width = "1e-9".to_string();
+    let share = rendered(&scene, BALANCED, false);
+    let truths: Vec<Outcome<Long>> =
+        (0..COUNT).map(|_| outcome(&scene, &start_of(&scene, 0), 0.01)).collect();
+    let is_right = |k: usize| (share.get(k).time - truths[k].time.to_f64()).abs() < 1e-6;
+    assert!((0..COUNT).all(is_right));
+}
