@@ -24,27 +24,45 @@ pub struct EngineRequest {
     pub threads: Option<usize>,
     /// The accuracy level or the configuration to compute with.
     pub setting: IntegrationSetting,
+    /// The ends that the configuration has to compute, where any of the level's does.
+    pub ends: Ends,
     /// Longest time that a slice may run on an adapter.
     pub pace: Duration,
 }
 
 impl EngineRequest {
-    /// The same request for an engine that answers a question: unless another is named, the processor
-    /// for growth and returns, for which engines are not compared.
+    /// The same request for an engine that answers a question, in a precision that can: unless another
+    /// is named, the processor for growth and returns, for which engines are not compared.
     #[must_use]
     pub fn answering(self, question: &QuestionTable) -> Self {
+        let ends = Ends::from(question.ask.kind().needs);
         let is_named = self.kind.is_some() || self.adapter.is_some();
-        if !is_named && Ends::from(question.ask.kind().needs).are_carried() {
-            return EngineRequest { kind: Some(EngineKind::Cpu), ..self };
+        let kind = if ends.are_carried() && !is_named { Some(EngineKind::Cpu) } else { self.kind };
+        EngineRequest { kind, ends, ..self }
+    }
+
+    /// The configurations that satisfy the setting and compute the ends, the preferred one first;
+    /// all that satisfy the setting if none computes the ends.
+    fn configs(&self) -> Vec<IntegratorConfig> {
+        let mut configs = self.setting.configs();
+        if configs.iter().any(|config| self.ends.check(config).is_ok()) {
+            configs.retain(|config| self.ends.check(config).is_ok());
         }
-        self
+        configs
     }
 }
 
 impl Default for EngineRequest {
     fn default() -> Self {
         let setting = IntegrationSetting::Accuracy(Accuracy::default());
-        EngineRequest { kind: None, adapter: None, threads: None, setting, pace: HEADLESS_PACE }
+        EngineRequest {
+            kind: None,
+            adapter: None,
+            threads: None,
+            setting,
+            ends: Ends::None,
+            pace: HEADLESS_PACE,
+        }
     }
 }
 
@@ -124,7 +142,7 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
 /// Chooses the fastest engine of the profile. Adapters are not even opened where only the processor
 /// has the method.
 fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
-    let configs = request.setting.configs();
+    let configs = request.configs();
     let on_cpu = configs.iter().any(CpuEngine::offers);
     if on_cpu && !configs.iter().any(GpuEngine::has) {
         return cpu(request, "only the processor has this method and precision".to_string());
@@ -175,7 +193,7 @@ fn fastest(profile: &Profile, setting: IntegrationSetting) -> Option<&ProfileRow
 }
 
 fn cpu(request: &EngineRequest, why: String) -> Result<Chosen, ChoiceError> {
-    let configs = request.setting.configs();
+    let configs = request.configs();
     let config = configs.iter().find(|config| CpuEngine::offers(config)).unwrap_or(&configs[0]);
     CpuEngine::require(config)?;
     let engine = Box::new(CpuEngine::new(request.threads)?);
@@ -202,7 +220,7 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
     let profile = Profile::kept(request.threads);
     let mut failures = Vec::new();
     for adapter in fitting {
-        match sound(&adapter, configs_on(&adapter, request.setting, profile.as_ref())) {
+        match sound(&adapter, configs_on(&adapter, request, profile.as_ref())) {
             Ok((mut engine, config)) => {
                 engine.set_pace(request.pace);
                 let why = format!("{} passed the self-check", engine.adapter());
@@ -215,20 +233,22 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
     Ok(Err(failures.join("; ")))
 }
 
-/// The configurations that satisfy a setting; the one that is fastest on the adapter comes first if
+/// The configurations that satisfy a request; the one that is fastest on the adapter comes first if
 /// it is known.
 fn configs_on(
     adapter: &wgpu::Adapter,
-    setting: IntegrationSetting,
+    request: &EngineRequest,
     profile: Option<&Profile>,
 ) -> Vec<IntegratorConfig> {
-    let mut configs = setting.configs();
-    if let (IntegrationSetting::Accuracy(accuracy), Some(profile)) = (setting, profile) {
+    let mut configs = request.configs();
+    if let (IntegrationSetting::Accuracy(accuracy), Some(profile)) = (request.setting, profile) {
         let name = describe(adapter);
         let fastest = profile.fastest(accuracy, |row| row.adapter == name);
-        if let Some(config) = fastest.and_then(ProfileRow::config) {
-            configs.retain(|other| *other != config);
-            configs.insert(0, config);
+        let place = fastest
+            .and_then(ProfileRow::config)
+            .and_then(|config| configs.iter().position(|other| *other == config));
+        if let Some(place) = place {
+            configs[..=place].rotate_right(1);
         }
     }
     configs
@@ -264,4 +284,28 @@ pub fn open_checked(adapter: wgpu::Adapter) -> Result<GpuEngine, EngineError> {
     let orbits = selfcheck::orbits(&mut engine, &[Precision::F32, Precision::F64])?;
     engine.judge_by(orbits);
     Ok(engine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::question::Ask;
+
+    #[test]
+    fn a_card_answers_in_a_precision_that_can() {
+        let request = |ask| {
+            let question = QuestionTable { ask, ..QuestionTable::default() };
+            let kind = Some(EngineKind::Gpu);
+            EngineRequest { kind, ..EngineRequest::default() }.answering(&question)
+        };
+        assert_eq!(request(Ask::Flip).configs(), Accuracy::Balanced.configs());
+        for ask in [Ask::Growth, Ask::Return] {
+            assert_eq!(request(ask).configs(), [Accuracy::Balanced.configs()[0]], "{ask}");
+            assert_eq!(request(ask).kind, Some(EngineKind::Gpu));
+        }
+        // No level but balanced finds returns: what cannot is refused later, by its name.
+        let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
+        let fast = EngineRequest { setting, ..request(Ask::Return) };
+        assert_eq!(fast.configs(), Accuracy::Fast.configs());
+    }
 }
