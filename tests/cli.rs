@@ -175,6 +175,48 @@ fn impossible_sizes_are_refused() {
 }
 
 #[test]
+fn what_is_read_is_never_replaced() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("s.toml"), "[view]\nwidth = \"1\"").unwrap();
+    assert!(render(&folder, &["-o", "a.png", "--raw", "a.npy"]).status.success());
+    let copies = [("a.npy", "b.npy"), ("a.png", "b.png")];
+    for (from, to) in copies {
+        fs::copy(at(from), at(to)).unwrap();
+    }
+    assert!(
+        flipmap(&folder, &["plan", "s.toml", "--shards", "2", "--engine", "cpu", "-o", "p.toml"])
+            .status
+            .success()
+    );
+    let before: Vec<Vec<u8>> =
+        ["s.toml", "a.png", "a.npy", "p.toml"].map(|name| fs::read(at(name)).unwrap()).into();
+    let cases: [&[&str]; 10] = [
+        &["render", "s.toml", "-o", "./s.toml"],
+        &["render", "a.png", "--raw", "a.png"],
+        &["render", "s.toml", "--state", "s.toml", "-o", "c.png"],
+        &["render", "--state", "c.png", "-o", "c.png"],
+        &["render", "-o", "c.png", "--raw", "./c.png"],
+        &["merge", "p.toml", "-o", "p.toml"],
+        &["lab", "double", "-o", "L", "--csv", "L"],
+        &["compare", "a.npy", "b.npy", "-o", "a.npy"],
+        &["trace", "s.toml", "--start", "2,2", "-o", "s.toml"],
+        &["deeper", "s.toml", "-o", "s.toml"],
+    ];
+    for words in cases {
+        let output = flipmap(&folder, words);
+        let said = error_of(&output);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {said}");
+        assert!(said.contains("name the same file"), "{words:?}: {said}");
+    }
+    let plan = flipmap(&folder, &["plan", "s.toml", "--shards", "2", "-o", "a.png"]);
+    assert!(error_of(&plan).contains("already exists and is not a plan"), "{}", error_of(&plan));
+    let after: Vec<Vec<u8>> =
+        ["s.toml", "a.png", "a.npy", "p.toml"].map(|name| fs::read(at(name)).unwrap()).into();
+    assert!(before == after && !at("c.png").exists() && !at("L").exists());
+}
+
+#[test]
 fn outputs_that_cannot_be_written_are_named() {
     let folder = folder();
     let none = flipmap(&folder, &["render", "--engine", "cpu"]);

@@ -54,6 +54,49 @@ fn frames_are_what_render_draws_there() {
 }
 
 #[test]
+fn what_others_wrote_is_never_replaced() {
+    let how = ["--vary", "time=0..2", "--frames", "3", "--size", "24x16", "-o", "f"];
+    for name in ["000003.png", "000001.json", "manifest.json"] {
+        let folder = folder();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("f")).unwrap();
+        fs::write(at("f").join(name), "{}").unwrap();
+        let output = flipmap(&folder, &[&["video"], &CPU[..], &how].concat());
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        assert!(error_of(&output).contains(name), "{name}: {}", error_of(&output));
+        assert!(!at("f.samples").exists(), "refused before anything is computed");
+        assert_eq!(fs::read_to_string(at("f").join(name)).unwrap(), "{}");
+    }
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("c")).unwrap();
+    fs::write(at("c/plan.toml"), "[project]\nname = \"theirs\"").unwrap();
+    let cached = [&["video"], &CPU[..], &how, &["--cache", "c"]].concat();
+    let output = flipmap(&folder, &cached);
+    assert!(error_of(&output).contains("is not a plan"), "{}", error_of(&output));
+    fs::remove_file(at("c/plan.toml")).unwrap();
+    fs::write(at("c/download.part"), "half a file").unwrap();
+    fs::write(at("f.txt"), "no frame").unwrap();
+    done(&folder, &cached);
+    assert_eq!(fs::read_to_string(at("c/download.part")).unwrap(), "half a file");
+    // A longer film's frames and the notes of others beside them.
+    fs::write(at("f/000007.txt"), "mine").unwrap();
+    let longer = ["--vary", "time=0..2", "--frames", "5", "--size", "24x16", "-o", "f"];
+    video(&folder, &longer);
+    video(&folder, &how);
+    let mut names: Vec<String> = fs::read_dir(at("f"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    let frames = (0..3).flat_map(|k| ["json", "png"].map(|ending| format!("{k:06}.{ending}")));
+    let mut expected: Vec<String> =
+        frames.chain(["000007.txt", "manifest.json"].map(str::to_string)).collect();
+    expected.sort();
+    assert_eq!(names, expected);
+}
+
+#[test]
 fn films_of_other_questions_are_stills_one_after_another() {
     let growth = ["--ask", "growth", "--budget", "2", "--vary", "masses=1,1..1,2"];
     let state = ["--ask", "state", "--at", "2", "--zoom-to", "filigree"];

@@ -12,7 +12,8 @@ use crate::engine::method::Pace;
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
 use crate::engine::{Engine, Question};
 use crate::output::{
-    Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, render_pass, sentence,
+    Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, read_text,
+    render_pass, sentence,
 };
 use crate::scene::keys::{Easing, Keys};
 use crate::scene::{Document, RunTable};
@@ -242,8 +243,7 @@ pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String>
         format!("The film keys were not changed: {} {why}.", path.display())
     };
     let mut keys = if path.is_file() {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| refuse(&format!("cannot be read: {error}")))?;
+        let text = read_text(path).map_err(|error| refuse(&format!("cannot be read: {error}")))?;
         Keys::parse(&text).map_err(|error| refuse(&format!("has no film keys: {error}")))?
     } else {
         Keys::default()

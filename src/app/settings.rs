@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::folders::Folders;
-use crate::output::{Destination, SafeFile};
+use crate::output::{Destination, SafeFile, read_text};
 use crate::scene::Document;
 
 /// The appearance of the window.
@@ -168,7 +168,7 @@ impl Store {
     pub fn load(&mut self) -> Loaded {
         let fresh = |notice| Loaded { settings: Settings::default(), notice };
         let Some(path) = self.path.clone() else { return fresh(None) };
-        let text = match std::fs::read_to_string(&path) {
+        let text = match read_text(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return fresh(None),
             Err(error) if error.kind() == io::ErrorKind::InvalidData => {

@@ -9,6 +9,7 @@ use flipmap::output::{PictureFile, SafeFile};
 
 use super::exit::Exit;
 use super::options::number;
+use super::same_file::keep_apart;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -35,6 +36,9 @@ pub(super) struct Options {
 const TOLERANCE_SECS: f64 = 1e-3;
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
+    let results = [("the first result", options.a.as_path()), ("the second", &options.b)];
+    let picture = options.output.as_deref().map(|path| ("-o", path));
+    keep_apart(&results, picture.as_slice())?;
     let (a, b) = (ResultRows::open(&options.a)?, ResultRows::open(&options.b)?);
     let times = a.has_times();
     let tolerance = match &options.tolerance {

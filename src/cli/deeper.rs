@@ -10,6 +10,7 @@ use flipmap::tiles::descent::{Descent, DescentStep};
 use super::exit::Exit;
 use super::options::{SceneOptions, number};
 use super::run_options::{RunOptions, start};
+use super::same_file::keep_apart;
 use super::stop;
 
 #[derive(Args, Debug)]
@@ -28,6 +29,8 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.run.engine.check()?;
+    let output = options.output.as_deref().map(|path| ("-o", path));
+    keep_apart(options.scene.file().as_slice(), output.as_slice())?;
     let to = number(&options.to).filter(|width| (LEAST_WIDTH..=1.0).contains(width));
     let to = to.ok_or_else(|| {
         let text = &options.to;

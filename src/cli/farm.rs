@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use flipmap::engine::choice::{Chosen, EngineRequest};
 use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, run};
+use flipmap::output::read_text;
 use flipmap::scene::Document;
 use flipmap::scene::film::Film;
 use flipmap::scene::palette::Palette;
@@ -19,8 +20,7 @@ use super::stop;
 /// Reads a plan and derives its task.
 pub(super) fn open(path: &Path) -> Result<Task, Exit> {
     let refuse = |why: String| Exit::Usage(format!("{} {why}", path.display()));
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| refuse(format!("cannot be read: {error}")))?;
+    let text = read_text(path).map_err(|error| refuse(format!("cannot be read: {error}")))?;
     let plan = Plan::parse(&text).map_err(|why| refuse(why.to_string()))?;
     Task::new(plan, path).map_err(|why| refuse(why.to_string()))
 }

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use flipmap::engine::run_settings::RunSpec;
+use flipmap::output::read_text;
 use flipmap::physics::Decimal;
 use flipmap::question::Ask;
 use flipmap::scene::film::Film;
@@ -182,13 +183,13 @@ fn is_toml(name: &str) -> bool {
 
 /// Returns true if a file holds keys and not a scene.
 fn is_keys(name: &str) -> bool {
-    is_toml(name) && std::fs::read_to_string(name).is_ok_and(|text| text.contains("[[key]]"))
+    is_toml(name) && read_text(Path::new(name)).is_ok_and(|text| text.contains("[[key]]"))
 }
 
 fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {
     let refuse = |why: &dyn std::fmt::Display| Exit::Usage(format!("{name}: {why}"));
-    let text = std::fs::read_to_string(name)
-        .map_err(|error| refuse(&format!("cannot be read: {error}")))?;
+    let text =
+        read_text(Path::new(name)).map_err(|error| refuse(&format!("cannot be read: {error}")))?;
     if !text.contains("[[key]]") {
         return Err(refuse(
             &"there are no keys in it (each begins with a line [[key]]); a film of one scene \

@@ -13,6 +13,7 @@ use flipmap::scene::Build;
 use super::exit::Exit;
 use super::options::number;
 use super::run_options::sides;
+use super::same_file::keep_apart;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -49,6 +50,10 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         let message = "nothing to write: give -o STILL.png, --csv DATA.csv or both";
         return Err(Exit::Usage(message.to_string()).into());
     }
+    let named = [("-o", options.output.as_deref()), ("--csv", options.csv.as_deref())];
+    let outputs: Vec<_> =
+        named.into_iter().filter_map(|(option, path)| Some((option, path?))).collect();
+    keep_apart(&[], &outputs)?;
     if figure == Figure::Map {
         return map(options, size);
     }

@@ -22,6 +22,7 @@ mod progress;
 mod render;
 mod report;
 mod run_options;
+mod same_file;
 mod spread;
 mod stop;
 mod trace;

@@ -7,6 +7,7 @@ use flipmap::output::{ReadError, read_document};
 use flipmap::scene::{BuiltIn, Document, SceneError, Word};
 
 use super::exit::Exit;
+use super::same_file::Named;
 
 /// Options that name and change a scene.
 #[derive(Args, Debug, Default)]
@@ -81,6 +82,12 @@ impl SceneOptions {
     /// Returns true if a scene was named or any of the options was given.
     pub(super) fn says_something(&self) -> bool {
         self.scene.is_some() || self.words.said().iter().any(|(_, said)| said.is_some())
+    }
+
+    /// The file of the scene, if it is named by its path.
+    pub(super) fn file(&self) -> Option<Named<'_>> {
+        let path = Path::new(self.scene.as_deref()?);
+        path.exists().then_some(("the scene", path))
     }
 
     /// Loads the named scene, applies the options, and checks the result.

@@ -7,6 +7,7 @@ use clap::Args;
 use flipmap::output::Paths;
 
 use super::exit::Exit;
+use super::same_file::{Named, keep_apart};
 
 /// Options that name the output files.
 #[derive(Args, Debug)]
@@ -40,13 +41,14 @@ impl OutputOptions {
         }
     }
 
-    /// Rejects outputs that cannot be written; `json` uses standard output too, and `state` is one
-    /// more file.
+    /// Rejects outputs that cannot be written, or that would replace what is read from `inputs`;
+    /// `json` uses standard output too, and `state` is one more file.
     pub(super) fn check(
         &self,
         json: bool,
         verified: bool,
         state: Option<&Path>,
+        inputs: &[Named],
     ) -> Result<(), Exit> {
         let usage = |message: String| Err(Exit::Usage(message));
         let paths = self.paths();
@@ -66,13 +68,9 @@ impl OutputOptions {
                 "{stream} - would write to a terminal: redirect it, or name a file"
             ));
         }
-        for (k, (option, path)) in named.iter().enumerate() {
-            if let Some((other, _)) = named[..k].iter().find(|(_, earlier)| earlier == path) {
-                return usage(format!(
-                    "{other} and {option} name the same file; give each its own"
-                ));
-            }
-        }
+        let state_named = state.map(|path| ("--state", path));
+        let files: Vec<Named> = named.iter().copied().chain(state_named).collect();
+        keep_apart(inputs, &files)?;
         if self.trust.is_some() && !verified {
             let message = "--trust shows the results of checks: add --verify or --accuracy exact";
             return usage(message.to_string());

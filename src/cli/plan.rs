@@ -8,6 +8,7 @@ use flipmap::engine::choice::IntegrationSetting;
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::farm::merge::{self, MergeError};
 use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
+use flipmap::output::read_text;
 use flipmap::scene::Document;
 use flipmap::scene::film::FilmKind;
 
@@ -75,7 +76,7 @@ pub(super) struct MergeOptions {
 pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (mut what, spec) = what(options)?;
-    spares_others(&options.output)?;
+    spares_others("-o", &options.output)?;
     let scene = match &what {
         PlannedOutput::Still(document) => document.scene(),
         PlannedOutput::Film(film) => film.keys[0].scene.scene(),
@@ -103,13 +104,17 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
 }
 
 /// Refuses to overwrite a file that is not a plan: keys and scenes are TOML too.
-fn spares_others(path: &Path) -> Result<(), Exit> {
-    let Ok(text) = std::fs::read_to_string(path) else { return Ok(()) };
-    match Plan::parse(&text) {
-        Err(PlanError::Syntax(_)) => {
-            Err(Exit::Usage(format!("-o {} already exists and is not a plan", path.display())))
+pub(super) fn spares_others(option: &str, path: &Path) -> Result<(), Exit> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    let text = read_text(path).ok();
+    match text.map(|text| Plan::parse(&text)) {
+        None | Some(Err(PlanError::Syntax(_))) => {
+            let file = path.display();
+            Err(Exit::Usage(format!("{option} {file} already exists and is not a plan")))
         }
-        _ => Ok(()),
+        Some(_) => Ok(()),
     }
 }
 
@@ -206,7 +211,8 @@ fn merge_still(
     let samples = document.picture.samples;
     options.picture.apply(&mut document)?;
     document.picture.check()?;
-    options.outputs.check(false, task.plan.verify, None)?;
+    let inputs = [("the plan", options.plan.as_path())];
+    options.outputs.check(false, task.plan.verify, None, &inputs)?;
     let paths = options.outputs.paths();
     farm::check_samples(samples, &document)?;
     if options.picture.says_of_view() {

@@ -212,7 +212,8 @@ fn decimals(text: &str) -> usize {
 /// Rejects outputs that cannot be written, before anything is computed.
 fn check_outputs(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
     let state = options.state.as_deref();
-    options.outputs.check(options.json, spec.verify, state)?;
+    let inputs: Vec<_> = options.scene.file().into_iter().collect();
+    options.outputs.check(options.json, spec.verify, state, &inputs)?;
     check_state(options, document, spec)?;
     check_picture(document, spec.size())
 }

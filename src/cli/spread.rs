@@ -33,9 +33,14 @@ pub(super) fn spread(
     let flipped = samples.iter().filter(|outcome| outcome.status == Status::Flipped);
     let times = equalised(flipped.map(|outcome| outcome.time), PictureTable::SPREAD_STEPS);
     if let [first, .., last] = times[..] {
+        let ask = scene.question.ask;
+        let (what, unit) = match ask.is_time() {
+            true => ("times", "s"),
+            false => ("values", ask.kind().channels[0].unit),
+        };
         super::tell(&format!(
-            "flipmap: colours are spread over the view's own times, {first:.4} to {last:.4} s; \
-             --times budget spreads them over the whole budget"
+            "flipmap: colours are spread over the view's own {what}, {first:.4} to {last:.4} \
+             {unit}; --times budget spreads them over the whole budget"
         ));
         document.picture.times = times;
     }

@@ -12,6 +12,7 @@ use flipmap::physics::{Dd, Launch, Pendulum, Scalar, State, oracle};
 
 use super::exit::Exit;
 use super::options::SceneOptions;
+use super::same_file::keep_apart;
 use super::stop;
 use super::trace_columns::{Pass, QuestionColumns};
 
@@ -39,6 +40,8 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let scene = options.scene.document()?.scene();
+    let output = options.output.as_deref().map(|path| ("-o", path));
+    keep_apart(options.scene.file().as_slice(), output.as_slice())?;
     let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
     let Launch { angle, speed } = parse_start(&options.start)?;
     let until = seconds("--until", &options.until, 1e-9..=1e6)?;

@@ -6,10 +6,12 @@ use clap::Args;
 use flipmap::engine::choice::Chosen;
 use flipmap::farm::{Plan, PlannedOutput, Task};
 use flipmap::film::ffmpeg::{Codec, arguments};
+use flipmap::output::read_text;
 use flipmap::scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
+use super::plan::spares_others;
 use super::progress::Mode;
 use super::run_options::{check_steps, start};
 use super::{farm, frames, stop};
@@ -51,6 +53,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     std::fs::create_dir_all(&cache)
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
     let path = cache.join("plan.toml");
+    spares_others("--cache", &path)?;
     stop::listen()?;
     let mut request = options.film.run.engine.request(spec.setting);
     // Another engine would differ from the existing samples in the last digits.
@@ -77,7 +80,7 @@ fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Re
 }
 
 fn earlier(path: &Path) -> Option<Plan> {
-    Plan::parse(&std::fs::read_to_string(path).ok()?).ok()
+    Plan::parse(&read_text(path).ok()?).ok()
 }
 
 /// Chooses the codec by the file name's extension; a folder has none.

@@ -93,8 +93,7 @@ impl FilmSink {
         if Codec::of(path).is_some() {
             return SafeFile::create(&Destination::from(path)).map(drop);
         }
-        std::fs::create_dir_all(path)?;
-        tempfile::tempfile_in(path).map(drop)
+        Frames::check(path)
     }
 
     /// Opens a destination by its name: a file with a known extension, or else a folder. The

@@ -13,8 +13,8 @@
 //! tell files apart; [`Parts::scan`] reads what there is from the bodies. So it does not matter who
 //! computed a part, or in which order; parts may overlap, and two that hold the same are equal.
 //!
-//! - A part is valid if its first line, checksum and encoding are right. Any other `.part` file is
-//!   damaged: its samples count as missing, and it is removed before they are computed again.
+//! - A part is valid if its first line, checksum and encoding are right. Any other file with the name
+//!   of a part is damaged: its samples count as missing, and it is removed before they are computed again.
 //! - A part is written under a temporary name and then renamed ([`SafeFile`]), so it is whole or
 //!   not there. A process that is killed leaves at most a temporary file, which the scan ignores.
 //! - Writing does not wait for the disk (no fsync). A part that lost bytes in a power failure, or
@@ -155,10 +155,14 @@ impl Parts {
         };
         for entry in entries {
             let path = entry.map_err(failed("read", folder))?.path();
-            if path.extension().is_some_and(|ending| ending == "part") {
+            // A pipe would be waited for.
+            if path.extension().is_some_and(|ending| ending == "part") && path.is_file() {
                 match read(&path) {
                     Ok(part) => parts.add(path, &part),
-                    Err(PartError::Damaged(path)) => parts.damaged.push(path),
+                    Err(PartError::Damaged(path)) if is_named_by_us(&path) => {
+                        parts.damaged.push(path);
+                    }
+                    Err(PartError::Damaged(_)) => {}
                     Err(error) => return Err(error),
                 }
             }
@@ -274,6 +278,12 @@ fn read(path: &Path) -> Result<Part, PartError> {
         return Err(damaged());
     }
     postcard::from_bytes(body).map_err(|_| damaged())
+}
+
+/// Returns true if a file has the name of a part; files of others are left alone.
+fn is_named_by_us(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    name.starts_with("rows-") || name.starts_with("patches-")
 }
 
 fn failed(verb: &'static str, path: &Path) -> impl FnOnce(io::Error) -> PartError {

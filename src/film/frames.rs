@@ -1,5 +1,8 @@
 //! Frames as numbered pictures: each a PNG that carries its scene, with a JSON file beside it, and
 //! a manifest once all are there.
+//!
+//! A frame's JSON file is written first, so a numbered picture without one was written by others:
+//! such a folder is refused before anything is computed.
 
 use std::fs;
 use std::io;
@@ -37,15 +40,18 @@ struct Beside {
     png_sha256: String,
 }
 
-#[derive(Serialize)]
-struct Manifest<'a> {
+#[derive(Serialize, Deserialize)]
+struct Manifest {
     format: u32,
     frames: u32,
     fps: f64,
     size: [u32; 2],
     /// The numbered pictures, in order.
-    pictures: &'a [Beside],
+    pictures: Vec<Beside>,
 }
+
+/// Name of the manifest's file.
+const MANIFEST: &str = "manifest.json";
 
 /// A folder of frames.
 pub struct Frames {
@@ -60,14 +66,8 @@ pub struct Frames {
 impl Frames {
     /// Opens a folder, creating it if necessary. The document says how all frames are painted.
     pub fn open(folder: &Path, film: &Film, document: &Document) -> Result<Self, FrameError> {
-        let refused =
-            |source: io::Error| FrameError { path: folder.to_path_buf(), source: source.into() };
-        fs::create_dir_all(folder).map_err(refused)?;
-        let foreign = folder.join("000000.png").exists() && !folder.join("000000.json").exists();
-        if foreign {
-            let why = "it holds numbered pictures that are no film of flipmap's: name another";
-            return Err(refused(io::Error::other(why)));
-        }
+        Self::check(folder)
+            .map_err(|source| FrameError { path: folder.to_path_buf(), source: source.into() })?;
         Ok(Frames {
             folder: folder.to_path_buf(),
             size: film.size,
@@ -77,11 +77,27 @@ impl Frames {
         })
     }
 
+    /// Creates a folder if necessary. Refuses one that cannot be written, and one with files of
+    /// others under the names of frames or of the manifest.
+    pub fn check(folder: &Path) -> io::Result<()> {
+        fs::create_dir_all(folder)?;
+        tempfile::tempfile_in(folder)?;
+        for entry in fs::read_dir(folder)? {
+            let path = entry?.path();
+            if is_foreign(&path) {
+                let name = path.file_name().unwrap_or_default().display();
+                let why =
+                    format!("it holds {name}, which is not of a film of flipmap's: name another");
+                return Err(io::Error::other(why));
+            }
+        }
+        Ok(())
+    }
+
     /// Returns true if a frame is there, whole and as it should be.
     pub fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         let [png, json] = self.paths(frame);
-        let Ok(text) = fs::read_to_string(json) else { return false };
-        let Ok(beside) = serde_json::from_str::<Beside>(&text) else { return false };
+        let Some(beside) = Beside::read(&json) else { return false };
         let Ok(picture) = fs::read(png) else { return false };
         let same = beside == self.beside(frame, shot, &picture);
         if same {
@@ -106,8 +122,10 @@ impl Frames {
         let picture = encoded().map_err(failed(&png))?;
         let beside = self.beside(frame, shot, &picture);
         let text = serde_json::to_string_pretty(&beside).expect("plain fields are JSON") + "\n";
-        put(&png, &picture).map_err(failed(&png))?;
+        // An earlier film's manifest does not describe this one.
+        remove(&self.folder.join(MANIFEST))?;
         put(&json, text.as_bytes()).map_err(failed(&json))?;
+        put(&png, &picture).map_err(failed(&png))?;
         self.done.push(beside);
         Ok(())
     }
@@ -116,10 +134,10 @@ impl Frames {
     pub fn finish(self) -> Result<(), FrameError> {
         let Frames { folder, size, fps, done, .. } = self;
         let frames = done.len() as u32;
-        let manifest = Manifest { format: 1, frames, fps, size, pictures: &done };
+        let manifest = Manifest { format: 1, frames, fps, size, pictures: done };
         let text = serde_json::to_string_pretty(&manifest).expect("plain fields are JSON") + "\n";
         remove_from(&folder, frames)?;
-        let path = folder.join("manifest.json");
+        let path = folder.join(MANIFEST);
         put(&path, text.as_bytes()).map_err(|source| FrameError { path, source })
     }
 
@@ -143,20 +161,76 @@ impl Frames {
     }
 }
 
+impl Beside {
+    /// The contents of a frame's JSON file; none if it is no such file.
+    fn read(json: &Path) -> Option<Beside> {
+        serde_json::from_str(&fs::read_to_string(json).ok()?).ok()
+    }
+}
+
+/// Returns true for a file that has the name of a frame or of the manifest and was written by
+/// others.
+fn is_foreign(path: &Path) -> bool {
+    let (Some(stem), Some(ending)) = (path.file_stem(), path.extension()) else { return false };
+    if path.file_name().is_some_and(|name| name == MANIFEST) {
+        let text = fs::read_to_string(path).unwrap_or_default();
+        return serde_json::from_str::<Manifest>(&text).is_err();
+    }
+    let is_number = |name: &str| name.len() >= 6 && name.bytes().all(|byte| byte.is_ascii_digit());
+    let is_frame = stem.to_str().is_some_and(is_number) && (ending == "png" || ending == "json");
+    is_frame && Beside::read(&path.with_extension("json")).is_none()
+}
+
 /// Removes frames of an earlier, longer film, so that players find only this one in the folder.
 fn remove_from(folder: &Path, frames: u32) -> Result<(), FrameError> {
     for frame in frames.. {
         let [png, json] = ["png", "json"].map(|ending| folder.join(format!("{frame:06}.{ending}")));
-        if !(png.exists() && json.exists()) {
+        if Beside::read(&json).is_none() {
             return Ok(());
         }
-        for path in [png, json] {
-            fs::remove_file(&path).map_err(|source| FrameError { path, source: source.into() })?;
-        }
+        remove(&png)?;
+        remove(&json)?;
     }
     Ok(())
 }
 
+/// Removes a file if it is there.
+fn remove(path: &Path) -> Result<(), FrameError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(FrameError { path: path.to_path_buf(), source: source.into() })
+        }
+        _ => Ok(()),
+    }
+}
+
 fn put(path: &Path, bytes: &[u8]) -> Result<(), PngError> {
     Ok(SafeFile::write_whole(&Destination::from(path), bytes)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::keys::Keys;
+
+    #[test]
+    fn a_manifest_describes_the_frames_that_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let keys = Keys::parse("[[key]]\nsecs = 0\n[[key]]\nsecs = 1\n").unwrap();
+        let film = Film { size: [4, 3], fps: 1.0, frames: 1, keys: keys.keys };
+        let open = || Frames::open(folder.path(), &film, &Document::default()).unwrap();
+        let (rgb, shot) = ([7; 36], film.shot(0));
+        let mut frames = open();
+        frames.write(0, &shot, &rgb).unwrap();
+        frames.finish().unwrap();
+        assert!(folder.path().join(MANIFEST).exists());
+        let mut again = open();
+        assert!(again.has(0, &shot), "what is there is not made again");
+        again.write(0, &shot, &[9; 36]).unwrap();
+        assert!(!folder.path().join(MANIFEST).exists(), "it says how the frames were");
+        drop(again);
+        fs::remove_file(folder.path().join("000000.json")).unwrap();
+        let refused = Frames::open(folder.path(), &film, &Document::default());
+        assert!(refused.is_err_and(|error| error.to_string().contains("cannot write")));
+    }
 }

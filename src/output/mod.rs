@@ -21,6 +21,7 @@ mod safe;
 mod sinks;
 mod spool;
 mod state;
+mod text_file;
 mod trust;
 
 pub use digest::sha256;
@@ -38,4 +39,5 @@ pub use safe::{Destination, SafeFile};
 pub use sinks::{Paths, SinkPass, Sinks};
 pub use spool::Spool;
 pub use state::{RenderState, RunRecord, StateError};
+pub use text_file::read_text;
 pub use trust::trust_colours;

@@ -158,9 +158,14 @@ pub fn picture_in_png(file: impl BufRead + Seek, longest_side: u32) -> Result<Pi
     Ok(Picture { document: document_of(reader.info())?, size, rgb })
 }
 
+/// Largest size in bytes of a document inside a PNG: far above that of any that was written.
+const MOST_TEXT: usize = 1 << 20;
+
 fn document_of(info: &png::Info<'_>) -> Result<Document, PngError> {
     let mut texts = info.utf8_text.iter();
     let chunk = texts.find(|chunk| chunk.keyword == KEYWORD).ok_or(PngError::Foreign)?;
+    let mut chunk = chunk.clone();
+    chunk.decompress_text_with_limit(MOST_TEXT)?;
     Ok(Document::parse(&chunk.get_text()?)?)
 }
 
@@ -174,6 +179,21 @@ mod tests {
         writer.write(&[7; 9]).unwrap();
         writer.write(&[200; 9]).unwrap();
         writer.finish().unwrap()
+    }
+
+    #[test]
+    fn a_document_that_unpacks_without_end_is_refused() {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+        encoder.set_color(png::ColorType::Rgb);
+        let mut writer = encoder.write_header().unwrap();
+        let mut chunk = png::text_metadata::ITXtChunk::new(KEYWORD, "#".repeat(MOST_TEXT + 1));
+        chunk.compressed = true;
+        writer.write_text_chunk(&chunk).unwrap();
+        writer.write_image_data(&[0; 3]).unwrap();
+        writer.finish().unwrap();
+        assert!(bytes.len() < MOST_TEXT / 10, "it is packed");
+        assert!(document_in_png(Cursor::new(bytes)).is_err());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 use super::png::{PngError, document_in_png};
+use super::text_file::read_text;
 use crate::scene::{Document, DocumentError};
 
 /// Reasons why a file has no scene.
@@ -60,7 +61,7 @@ pub fn read_document(path: &Path) -> Result<Document, ReadError> {
             .map_err(|source| ReadError::Picture { path: named(), source });
     }
     if is("toml") {
-        let text = std::fs::read_to_string(path).map_err(unreadable)?;
+        let text = read_text(path).map_err(unreadable)?;
         return Document::parse(&text).map_err(|source| ReadError::Scene { path: named(), source });
     }
     if image::ImageFormat::from_path(path).is_ok() {
