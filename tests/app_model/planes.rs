@@ -58,9 +58,9 @@ fn what_only_the_processor_answers_is_computed_there_at_a_level_that_can() {
 }
 
 #[test]
-fn a_view_of_speeds_stays_as_wide_as_numbers_can_tell_starts_apart() {
+fn a_view_of_counts_stays_as_wide_as_numbers_can_tell_starts_apart() {
     let mut desktop = home();
-    let deep = "flipmap:center=3,4;width=1e-30;budget=0.1;plane=speeds";
+    let deep = "flipmap:center=3,4;width=1e-30;budget=0.1;plane=speeds;ask=flips";
     desktop.event(Event::Paste(deep.to_string()));
     settle(&mut desktop);
     assert!(notices(&desktop).contains("The view stays wider"), "{}", notices(&desktop));
