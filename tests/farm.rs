@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use program::*;
 use tempfile::TempDir;
@@ -161,7 +161,13 @@ fn a_stop_keeps_what_is_done_and_says_so() {
     plan(&folder, "p.toml", "2", &["filigree", "--size", "640x480", "--budget", "60"]);
     let mut command = program(&folder, &["run", "p.toml"]);
     let child = command.stderr(Stdio::piped()).spawn().unwrap();
-    sleep(Duration::from_millis(1500));
+    // A loaded machine takes its time for the first part.
+    let begun = Instant::now();
+    let is_there =
+        || folder.path().join("p.parts").exists() && !parts(&folder, "p.parts").is_empty();
+    while !is_there() && begun.elapsed() < Duration::from_secs(300) {
+        sleep(Duration::from_millis(20));
+    }
     let id = child.id().to_string();
     assert!(std::process::Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
