@@ -167,6 +167,28 @@ impl Jet {
         }
     }
 
+    /// The square root, by Newton's method from that of the middle, which must be positive: each
+    /// iteration doubles the number of degrees that are right.
+    pub fn sqrt(self) -> Self {
+        let half = Jet::constant(0.5);
+        let better = |root: Jet, _| half * (root + self / root);
+        (0..3).fold(Jet::constant(self.c[0].sqrt()), better)
+    }
+
+    /// Sine and cosine of an angle that varies over the cell by `by`, from those in its middle.
+    pub fn sin_cos_around((sin, cos): (f64, f64), by: Jet) -> (Jet, Jet) {
+        let one = Jet::constant(1.0);
+        // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and likewise for the sine, to the degree that is kept.
+        let square = by * by;
+        let nested = |divisors: &[f64]| {
+            let less = |sum, divisor: &f64| one - square * Jet::constant(1.0 / divisor) * sum;
+            divisors.iter().rev().fold(one, less)
+        };
+        let (cos_by, sin_by) = (nested(&[2.0, 12.0, 30.0]), by * nested(&[6.0, 20.0]));
+        let (s, c) = (Jet::constant(sin), Jet::constant(cos));
+        (s * cos_by + c * sin_by, c * cos_by - s * sin_by)
+    }
+
     fn scaled(mut self, by: f64) -> Self {
         self.c.iter_mut().for_each(|c| *c *= by);
         self
@@ -315,6 +337,7 @@ mod tests {
             let three = Jet::constant(3.0);
             prop_assert!(near(a * three, 3.0 * at(a)) && near(three * a, 3.0 * at(a)));
             prop_assert!(near(three / a, 3.0 / at(a)));
+            prop_assert!(near(a.sqrt(), at(a).sqrt()));
         }
 
         #[test]

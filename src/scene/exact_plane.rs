@@ -4,42 +4,63 @@
 //! two, in the units of the plane's axes ([`Plane::lattice_doublings`]).
 
 use super::lattice::{Cell, side_rad};
+use super::plane::{omega2_beside, speeds_on_section, square_of_omega1};
 use super::{Axis, Build, Plane};
 use crate::physics::jet::Jet;
-use crate::physics::{Scalar, State, Theta};
+use crate::physics::{Angle, Pendulum, Scalar, State, Theta};
 
-/// A plane of which two quantities of a start vary, in exact numbers.
+/// A plane of starts in exact numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExactPlane {
-    /// Index of the quantities across and up among θ1, θ2, ω1 and ω2.
+    /// Index of the quantities across and up among θ1, θ2, ω1 and ω2; on a section, p2 takes the
+    /// place of ω2.
     places: [usize; 2],
     /// The quantities that do not vary, rad and rad/s.
     origin: [Theta; 4],
     /// Number of doublings of the lattice.
     doublings: u32,
+    /// The energy from which both speeds follow, if it is a section.
+    section: Option<Section>,
+}
+
+/// The energy of a section in J, and the pendulum in SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Section {
+    energy: Theta,
+    pendulum: Pendulum<Theta>,
 }
 
 impl ExactPlane {
     /// The torus of both angles, with pendulums released from rest.
     pub const AT_REST: ExactPlane =
-        ExactPlane { places: [0, 1], origin: [Theta::ZERO; 4], doublings: 0 };
+        ExactPlane { places: [0, 1], origin: [Theta::ZERO; 4], doublings: 0, section: None };
 
-    /// The exact plane of a checked one; none for a section, whose starts follow from its energy.
-    pub fn new(plane: &Plane, build: &Build) -> Option<Self> {
+    /// The exact plane of a checked one.
+    pub fn new(plane: &Plane, build: &Build) -> Self {
         let axes = plane.axes();
-        if axes.contains(&Axis::Momentum2) {
-            return None;
-        }
-        let origin = [0, 1, 2, 3].map(|i| Theta::parse(&plane.origin[i]).unwrap_or(Theta::ZERO));
+        let section = axes.contains(&Axis::Momentum2).then(|| Section {
+            energy: Theta::from_f64(plane.energy),
+            pendulum: build.pendulum_in(),
+        });
+        let origin = match section {
+            Some(_) => [Theta::ZERO; 4],
+            None => [0, 1, 2, 3].map(|i| Theta::parse(&plane.origin[i]).unwrap_or(Theta::ZERO)),
+        };
         let doublings = plane.lattice_doublings(build);
-        Some(ExactPlane { places: axes.map(Axis::place), origin, doublings })
+        ExactPlane { places: axes.map(Axis::place), origin, doublings, section }
+    }
+
+    /// Returns true if every position has a start, whose quantities change evenly from place to
+    /// place.
+    pub fn is_flat(&self) -> bool {
+        self.section.is_none()
     }
 
     /// Returns true if its starts are at rest.
     pub fn is_at_rest(&self) -> bool {
         let is_still =
             |place: usize| !self.places.contains(&place) && self.origin[place] == Theta::ZERO;
-        is_still(2) && is_still(3)
+        self.is_flat() && is_still(2) && is_still(3)
     }
 
     /// Returns true if the lattice reaches all positions up to `half` from a centre along each axis,
@@ -59,25 +80,50 @@ impl ExactPlane {
         side_rad(level + 1) * 2f64.powi(self.doublings as i32)
     }
 
-    /// The start at a point of a cell, in [−1, 1]²; angles in (−π, π] rad, speeds in rad/s.
-    pub fn start(&self, cell: &Cell, at: [f64; 2]) -> State<Theta> {
+    /// The start at a point of a cell, in [−1, 1]²; angles in (−π, π] rad, speeds in rad/s. None
+    /// where a section has no real solution.
+    pub fn start(&self, cell: &Cell, at: [f64; 2]) -> Option<State<Theta>> {
         let half = Theta::from_f64(self.half_side(cell.level));
         let mut start = self.origin;
         for (i, place) in self.places.into_iter().enumerate() {
             let middle = cell.center()[i].doubled(self.doublings);
             start[place] = middle + Theta::from_f64(at[i]) * half;
         }
-        let [theta1, theta2, omega1, omega2] = start;
-        State { angle: [theta1, theta2].map(Theta::wrapped), speed: [omega1, omega2] }
+        let [theta1, theta2, omega1, last] = start;
+        let angle = [theta1, theta2].map(Theta::wrapped);
+        let speed = match &self.section {
+            None => [omega1, last],
+            Some(Section { energy, pendulum }) => {
+                speeds_on_section(pendulum, *energy, angle[1], last)?
+            }
+        };
+        Some(State { angle, speed })
     }
 
     /// The differences of a cell's starts from its middle: both angles in rad, both speeds in rad/s.
-    pub fn differences(&self, level: u32) -> [Jet; 4] {
+    /// None where a section's cell has starts without a real solution.
+    pub fn differences(&self, cell: &Cell) -> Option<[Jet; 4]> {
         let mut jets = [Jet::constant(0.0); 4];
         for (i, place) in self.places.into_iter().enumerate() {
-            jets[place] = Jet::coordinate(i, self.half_side(level));
+            jets[place] = Jet::coordinate(i, self.half_side(cell.level));
         }
-        jets
+        let Some(Section { energy, pendulum }) = &self.section else { return Some(jets) };
+        let [theta2, p2] = cell.center().map(|middle| middle.doubled(self.doublings));
+        let direction = theta2.wrapped().sin_cos();
+        // Near the section's end nearly all of it cancels.
+        let middle = square_of_omega1(pendulum, *energy, direction, p2).to_f64();
+        let (sin, cos) = direction;
+        let direction = Jet::sin_cos_around((sin.to_f64(), cos.to_f64()), jets[1]);
+        let p2 = Jet::constant(p2.to_f64()) + jets[3];
+        let pendulum = pendulum.to_f64().map(Jet::constant);
+        let energy = Jet::constant(energy.to_f64());
+        let square = square_of_omega1(&pendulum, energy, direction, p2).with_middle(middle);
+        if square.middle() <= square.spread() {
+            return None;
+        }
+        let omega1 = square.sqrt();
+        let omega2 = omega2_beside(&pendulum, omega1, direction.1, p2);
+        Some([jets[0], jets[1], omega1.with_middle(0.0), omega2.with_middle(0.0)])
     }
 }
 
@@ -91,22 +137,22 @@ mod tests {
     fn starts_of_a_cell_are_those_of_the_plane() {
         let build = Build::default();
         let origin = ["0.5", "-1.25", "3", "-0.5"].map(str::to_string);
-        for kind in ["angles", "speeds", "first", "omega2,theta1"] {
+        for kind in ["angles", "speeds", "first", "omega2,theta1", "section"] {
             let kind: PlaneKind = kind.parse().unwrap();
-            let plane = Plane { kind, origin: origin.clone(), ..Plane::default() };
-            let exact = ExactPlane::new(&plane, &build).unwrap();
+            let plane = Plane { kind, origin: origin.clone(), energy: 3.0 };
+            let exact = ExactPlane::new(&plane, &build);
             assert!(!exact.is_at_rest());
             let place = [0.75, -0.5].map(Theta::from_f64);
             let turns = exact.to_lattice(place).map(Turn::from_theta);
             let cell = Cell::at(turns, 40);
             let at = cell.point(turns);
-            let start = exact.start(&cell, at);
+            let start = exact.start(&cell, at).unwrap();
             let want = plane.launch(&build.pendulum_in(), place.map(Theta::to_dd)).unwrap();
             let near = |a: Theta, b: Dd| (a.to_dd() - b).abs().to_f64() < 1e-22;
             assert!((0..2).all(|i| near(start.angle[i], want.angle[i])), "{kind}");
             assert!((0..2).all(|i| near(start.speed[i], want.speed[i])), "{kind}");
-            let middle = exact.start(&cell, [0.0; 2]);
-            let [a1, a2, w1, w2] = exact.differences(40).map(|jet| jet.at(at));
+            let middle = exact.start(&cell, [0.0; 2]).unwrap();
+            let [a1, a2, w1, w2] = exact.differences(&cell).unwrap().map(|jet| jet.at(at));
             let by = |now: Theta, then: Theta| (now - then).to_f64();
             let moved = [
                 by(start.angle[0], middle.angle[0]) - a1,
@@ -116,12 +162,24 @@ mod tests {
             ];
             assert!(moved.iter().all(|by| by.abs() < 1e-25), "{moved:?}");
         }
-        assert_eq!(ExactPlane::new(&Plane::default(), &build), Some(ExactPlane::AT_REST));
+        assert_eq!(ExactPlane::new(&Plane::default(), &build), ExactPlane::AT_REST);
         assert!(ExactPlane::AT_REST.reaches([1e6; 2], [1.0; 2]), "angles repeat");
         let plane = Plane { kind: "first".parse().unwrap(), ..Plane::default() };
-        let exact = ExactPlane::new(&plane, &build).unwrap();
+        let exact = ExactPlane::new(&plane, &build);
         assert!(exact.reaches([1e6, 49.0], [1.0; 2]) && !exact.reaches([0.0, 5000.0], [1.0; 2]));
-        let section = Plane { kind: PlaneKind::Section, ..Plane::default() };
-        assert_eq!(ExactPlane::new(&section, &build), None);
+    }
+
+    #[test]
+    fn a_section_ends_where_its_energy_does() {
+        let build = Build::default();
+        let plane = Plane { kind: PlaneKind::Section, energy: 0.0, ..Plane::default() };
+        let exact = ExactPlane::new(&plane, &build);
+        let cell = |p2: f64| {
+            let place = exact.to_lattice([0.5, p2].map(Theta::from_f64));
+            Cell::around(place, 60)
+        };
+        assert!(exact.start(&cell(3.0), [0.0; 2]).is_some());
+        assert!(exact.start(&cell(9.0), [0.0; 2]).is_none());
+        assert!(exact.differences(&cell(3.0)).is_some() && exact.differences(&cell(9.0)).is_none());
     }
 }

@@ -231,15 +231,14 @@ impl Grid {
         [right, up]: [[Dd; 2]; 2],
         size: [u32; 2],
     ) -> Option<ExactPlane> {
-        let plane = ExactPlane::new(&scene.plane, &scene.build).filter(|_| scene.has_cells())?;
+        let plane = scene.has_cells().then(|| ExactPlane::new(&scene.plane, &scene.build))?;
         let [width, height] = size.map(f64::from);
         let half = [0, 1].map(|i| 0.5 * (width * right[i].hi.abs() + height * up[i].hi.abs()));
         plane.reaches(center.map(Theta::to_f64), half).then_some(plane)
     }
 
-    /// The plane of the cells of starts that can be followed; none where the starts lie on no flat
-    /// plane, move faster than the lattice reaches, or a cell's polynomials do not answer the
-    /// question.
+    /// The plane of the cells of starts that can be followed; none where the starts move faster than
+    /// the lattice reaches, or a cell's polynomials do not answer the question.
     pub fn cell_plane(&self) -> Option<ExactPlane> {
         self.cell_plane
     }

@@ -310,10 +310,9 @@ impl Scene {
         self.question.ask == Ask::Flip && self.question.count == 1 && self.plane.is_at_rest()
     }
 
-    /// Returns true if cells of starts can be followed: the plane is flat, and their polynomials
-    /// answer the question.
+    /// Returns true if cells of starts can be followed: their polynomials answer the question.
     pub fn has_cells(&self) -> bool {
-        self.plane.kind != PlaneKind::Section && self.question.follows_cells()
+        self.question.follows_cells()
     }
 
     /// Refuses another question or plane where only flips from rest can be shown or computed.

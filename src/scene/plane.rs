@@ -8,7 +8,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Build, SceneError};
-use crate::physics::{Angle, Dd, Launch, Pendulum, Scalar};
+use crate::physics::{Dd, Launch, Pendulum, Real, Scalar};
 
 /// A plane of starts. Its coordinates are those of [`super::View::center`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -205,20 +205,45 @@ impl Plane {
         Some(Launch { angle: [theta1, theta2].map(wrapped), speed: [omega1, omega2] })
     }
 
-    /// The start where θ1 = 0 and ω1 > 0 with the section's energy: of ½A ω1² + ½B ω2² + C c ω1 ω2 =
-    /// K and p2 = C c ω1 + B ω2 follow ω1² = (2BK − p2²) / (AB − C² c²) and ω2.
+    /// The start where θ1 = 0 and ω1 > 0 with the section's energy.
     fn on_section(&self, pendulum: &Pendulum<Dd>, [theta2, p2]: [Dd; 2]) -> Option<Launch> {
-        let Pendulum { b, c, p, q, least_det, .. } = *pendulum;
-        let (sin, cos) = theta2.sin_cos();
-        let kinetic = Dd::new(self.energy) + p + q * cos;
-        let square = (b * kinetic + b * kinetic - p2 * p2) / (least_det + c * c * sin * sin);
-        if square < Dd::new(0.0) {
-            return None;
-        }
-        let omega1 = square.sqrt();
-        let omega2 = (p2 - c * cos * omega1) / b;
-        Some(Launch { angle: [Dd::new(0.0), wrapped(theta2)], speed: [omega1, omega2] })
+        let speed = speeds_on_section(pendulum, Dd::new(self.energy), theta2, p2)?;
+        Some(Launch { angle: [Dd::new(0.0), wrapped(theta2)], speed })
     }
+}
+
+/// Both speeds where θ1 = 0 and ω1 > 0 at an energy, if there is a real solution.
+pub(super) fn speeds_on_section<T: Scalar>(
+    pendulum: &Pendulum<T>,
+    energy: T,
+    theta2: T,
+    p2: T,
+) -> Option<[T; 2]> {
+    let direction = theta2.sin_cos();
+    let square = square_of_omega1(pendulum, energy, direction, p2);
+    if square < T::zero() {
+        return None;
+    }
+    let omega1 = square.sqrt();
+    Some([omega1, omega2_beside(pendulum, omega1, direction.1, p2)])
+}
+
+/// The square of ω1 where θ1 = 0: of ½A ω1² + ½B ω2² + C c ω1 ω2 = K and p2 = C c ω1 + B ω2 follows
+/// ω1² = (2BK − p2²) / (AB − C² c²). The direction of θ2 is its sine and cosine.
+pub(super) fn square_of_omega1<T: Real>(
+    pendulum: &Pendulum<T>,
+    energy: T,
+    (sin, cos): (T, T),
+    p2: T,
+) -> T {
+    let Pendulum { b, c, p, q, least_det, .. } = *pendulum;
+    let kinetic = energy + p + q * cos;
+    (b * kinetic + b * kinetic - p2 * p2) / (least_det + c * c * sin * sin)
+}
+
+/// The speed of the second bob beside that of the first, where θ1 = 0; `cos` is that of θ2.
+pub(super) fn omega2_beside<T: Real>(pendulum: &Pendulum<T>, omega1: T, cos: T, p2: T) -> T {
+    (p2 - pendulum.c * cos * omega1) / pendulum.b
 }
 
 /// Angular velocity in turns of the natural clock, 1/√(l1/g), up to which the lattice reaches.

@@ -79,32 +79,39 @@ impl DomainSplitting {
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
         let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW as i32));
-        let begin = || {
-            let (pendulum, start) = self.reduced_middle(cell);
-            reference(&pendulum, &start, bits_for(cell.level))
-        };
-        let reference = holds.then(begin);
+        let middle = holds.then(|| self.reduced(cell, [0.0; 2])).flatten();
+        let reference =
+            middle.map(|(pendulum, start)| reference(&pendulum, &start, bits_for(cell.level)));
         let end = (!holds).then_some(PatchEnd::Spread);
         Anchor { node, reference, end }
     }
 
-    /// The pendulum and the middle of a cell at its start, in reduced units.
-    fn reduced_middle(&self, cell: Cell) -> (Pendulum<Theta>, State<Theta>) {
+    /// The pendulum and a start at a point of a cell, in reduced units; none where a section has no
+    /// real solution.
+    pub(super) fn reduced(
+        &self,
+        cell: Cell,
+        at: [f64; 2],
+    ) -> Option<(Pendulum<Theta>, State<Theta>)> {
         let (pendulum, unit_secs) = self.build.reduced_in::<Theta>();
-        let start = self.plane.start(&cell, [0.0; 2]);
-        (pendulum, State { speed: start.speed.map(|speed| speed * unit_secs), ..start })
+        let start = self.plane.start(&cell, at)?;
+        Some((pendulum, State { speed: start.speed.map(|speed| speed * unit_secs), ..start }))
     }
 
     /// A cell at its start.
     pub(super) fn released(&self, cell: Cell) -> SplitNode {
-        let (exact, start) = self.reduced_middle(cell);
+        let (Some((exact, start)), Some(by)) =
+            (self.reduced(cell, [0.0; 2]), self.plane.differences(&cell))
+        else {
+            return SplitNode { patch: FlowPatch::undescribed(), edge: None };
+        };
         let phase = exact.phase(&start);
         let [x1, y1, x2, y2, p1, p2] = phase.map(Theta::to_f64);
         let patch = if self.plane.is_at_rest() {
             FlowPatch::release([(y1, x1), (y2, x2)], side_rad(cell.level + 1))
         } else {
             let unit_secs = Jet::constant(self.build.unit_secs());
-            let [by1, by2, faster1, faster2] = self.plane.differences(cell.level);
+            let [by1, by2, faster1, faster2] = by;
             let by = [by1, by2, faster1 * unit_secs, faster2 * unit_secs];
             FlowPatch::thrown(&self.dynamics, &[x1, y1, x2, y2, p1, p2], by)
         };

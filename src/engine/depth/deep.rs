@@ -1,7 +1,7 @@
 //! Selections of deep starts, and their exact states.
 
 use crate::engine::{Deep, Leaf, Starts};
-use crate::physics::{Launch, State, Theta};
+use crate::physics::{Dd, Launch, State, Theta};
 
 impl Deep {
     /// Selects some of the starts, by their indices among all, in order, and moves them by a share
@@ -29,17 +29,22 @@ impl Deep {
         self.leaves.first().map_or(0.0, |leaf| self.plane.half_side(leaf.cell.level))
     }
 
-    /// The starts, angles in (−π, π] rad and speeds in rad/s.
-    pub fn exact(&self) -> impl Iterator<Item = State<Theta>> {
+    /// The starts, angles in (−π, π] rad and speeds in rad/s; none where a section has no real
+    /// solution.
+    pub fn exact(&self) -> impl Iterator<Item = Option<State<Theta>>> {
         let all = self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| (&leaf.cell, at)));
         all.map(|(cell, at)| self.plane.start(cell, *at))
     }
 
     /// The starts to the precision of double-double.
     pub fn rounded(&self) -> Starts {
-        let rounded = |state: State<Theta>| Launch {
-            angle: state.angle.map(Theta::to_dd),
-            speed: state.speed.map(Theta::to_dd),
+        // What does not exist is forbidden on every start map, so it never gets here.
+        let nowhere = Launch { angle: [Dd::new(f64::NAN); 2], speed: [Dd::new(f64::NAN); 2] };
+        let rounded = |state: Option<State<Theta>>| {
+            state.map_or(nowhere, |state| Launch {
+                angle: state.angle.map(Theta::to_dd),
+                speed: state.speed.map(Theta::to_dd),
+            })
         };
         if self.plane.is_at_rest() {
             return Starts::Rest(self.exact().map(|state| rounded(state).angle).collect());

@@ -28,14 +28,16 @@ use std::sync::{Arc, Mutex};
 use rayon::prelude::*;
 
 use super::anchor::{Anchor, anchor_level};
-use super::finished_patch::{FinishedPatch, PartKey};
+use super::finished_patch::{FinishedPatch, MappedStart, PartKey};
 use super::following::Following;
 use super::part::{Branch, Cut, PlacedStart, SplitNode, SplitPart, Way};
 use super::split_lanes::SplitLanes;
-use crate::engine::{Deep, Leaf, Question};
-use crate::physics::Rule;
+use crate::engine::{Deep, Leaf, Moving, Question};
+use crate::physics::crossing::FAR;
 use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use crate::physics::frame::Frame;
+use crate::physics::tangents::TangentMap;
+use crate::physics::{Rule, Scalar, Theta, control};
 use crate::scene::lattice::Cell;
 use crate::scene::{Build, ExactPlane};
 
@@ -237,6 +239,24 @@ impl DomainSplitting {
             }
         }
         branches
+    }
+
+    /// A start of a section in a cell that no polynomials describe, near the section's end.
+    pub(super) fn start_alone(&self, cell: Cell, at: [f64; 2]) -> MappedStart {
+        let Some((pendulum, start)) = self.reduced(cell, at) else { return MappedStart::FORBIDDEN };
+        let phase = pendulum.phase(&start);
+        if pendulum.forbids_depth(self.rule, -pendulum.energy_of(&phase)) {
+            return MappedStart::FORBIDDEN;
+        }
+        MappedStart::Moving(Moving {
+            time: [0.0; 2],
+            phase: phase.map(Theta::to_f64),
+            step: control::FIRST,
+            clearance: FAR,
+            grown: 1.0,
+            turns: [0; 2],
+            nudges: self.nudges.then(|| Box::new(TangentMap::identity())),
+        })
     }
 
     fn known(&self, key: &PartKey, budget: f64) -> Option<Arc<FinishedPatch>> {

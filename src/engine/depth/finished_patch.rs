@@ -30,6 +30,8 @@ pub(super) struct PartKey {
 #[derive(Debug)]
 pub(super) struct FinishedPatch {
     pub key: PartKey,
+    /// The cell that it is, or for a strip, that it was cut from.
+    pub cell: Cell,
     /// The patch in its last state.
     pub patch: FlowPatch,
     /// The reason why it ended.
@@ -69,7 +71,17 @@ impl FinishedPatch {
     ) -> Self {
         let SplitNode { patch, edge } = node;
         let (key, half_side, area) = (part.key, part.half_side(plane), part.above.iter().sum());
-        FinishedPatch { key, patch, ending, edge, half_side, area, budget, curve: OnceLock::new() }
+        FinishedPatch {
+            key,
+            cell: part.cell,
+            patch,
+            ending,
+            edge,
+            half_side,
+            area,
+            budget,
+            curve: OnceLock::new(),
+        }
     }
 
     /// The patch with the forbidden region's edge.

@@ -90,7 +90,11 @@ pub(super) fn followed(
     for (patch, starts) in &distribution.patches {
         let before = awaited.moving.len();
         for PlacedStart { index, at } in starts {
-            let start = patch.start(dynamics, &question, unit_secs, *at);
+            let start = if patch.patch.time.0 == 0.0 && !splitting.plane.is_flat() {
+                splitting.start_alone(patch.cell, *at)
+            } else {
+                patch.start(dynamics, &question, unit_secs, *at)
+            };
             awaited.take(*index, start);
         }
         let moving = &awaited.moving[before..];

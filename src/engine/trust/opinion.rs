@@ -41,9 +41,12 @@ impl Opinion {
             let trust = answer.trusts.get(*k).copied().unwrap_or(Trust::Uncertain);
             trust != Trust::Uncertain && answer.outcomes[*k].status != Status::Forbidden
         };
-        let starts: Vec<State<Theta>> = deep.exact().collect();
+        let starts: Vec<Option<State<Theta>>> = deep.exact().collect();
         let sure: Vec<usize> = (0..starts.len()).filter(is_sure).take(most).collect();
-        let wrong = |k: &usize| go_on() && differs(&question, &starts[*k], &answer.outcomes[*k]);
+        let wrong = |k: &usize| {
+            let differs = |start| differs(&question, start, &answer.outcomes[*k]);
+            go_on() && starts[*k].as_ref().is_none_or(differs)
+        };
         let contradicted = sure.par_iter().filter(|k| wrong(k)).count();
         Ok(go_on().then_some(Opinion { asked: sure.len(), contradicted }))
     }

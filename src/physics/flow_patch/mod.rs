@@ -164,7 +164,7 @@ impl FlowPatch {
     /// A cell released from rest, `half` rad around the angles of `sin_cos` (as precise as can be).
     pub fn release(sin_cos: [(f64, f64); 2], half: f64) -> Self {
         let [(y1, x1), (y2, x2)] =
-            [0, 1].map(|axis| turned(sin_cos[axis], Jet::coordinate(axis, half)));
+            [0, 1].map(|axis| Jet::sin_cos_around(sin_cos[axis], Jet::coordinate(axis, half)));
         let zero = Jet::constant(0.0);
         FlowPatch::begun([x1, y1, x2, y2, zero, zero])
     }
@@ -176,12 +176,18 @@ impl FlowPatch {
         let [by1, by2, faster1, faster2] = by;
         let speeds = dynamics.pendulum.speeds(middle).map(Jet::constant);
         let [w1, w2] = [speeds[0] + faster1, speeds[1] + faster2];
-        let ([y1, x1], [y2, x2]) = (turned((y1, x1), by1).into(), turned((y2, x2), by2).into());
+        let (y1, x1) = Jet::sin_cos_around((y1, x1), by1);
+        let (y2, x2) = Jet::sin_cos_around((y2, x2), by2);
         let Pendulum { a, b, c, .. } = dynamics.jets;
         let coupling = c * (x1 * x2 + y1 * y2);
         let momenta = [a * w1 + coupling * w2, coupling * w1 + b * w2];
         // The middle's are known to more digits than its speeds give.
         FlowPatch::begun([x1, y1, x2, y2, momenta[0].with_middle(p1), momenta[1].with_middle(p2)])
+    }
+
+    /// A cell whose starts no polynomials describe.
+    pub fn undescribed() -> Self {
+        FlowPatch::begun([Jet::constant(f64::NAN); 6])
     }
 
     fn begun(phase: Phase<Jet>) -> Self {
@@ -257,7 +263,8 @@ impl FlowPatch {
 
     /// Returns true if the polynomials describe the patch well enough at its present time.
     pub fn holds(&self, dynamics: &Dynamics, tolerance: f64) -> bool {
-        dynamics.tail(&self.phase) <= tolerance
+        let is_described = self.phase.iter().all(|jet| jet.middle().is_finite());
+        is_described && dynamics.tail(&self.phase) <= tolerance
     }
 
     /// Follows the flow until the patch ends, at most to `budget`, as long as its polynomials leave
@@ -356,18 +363,4 @@ impl FlowPatch {
 struct PatchStep {
     plan: StepPlan,
     after: Phase<Jet>,
-}
-
-/// Sine and cosine of an angle that varies over the cell by `by`, from those at its middle.
-fn turned((sin, cos): (f64, f64), by: Jet) -> (Jet, Jet) {
-    let one = Jet::constant(1.0);
-    // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and likewise for the sine, to the degree that is kept.
-    let square = by * by;
-    let nested = |divisors: &[f64]| {
-        let less = |sum, divisor: &f64| one - square * Jet::constant(1.0 / divisor) * sum;
-        divisors.iter().rev().fold(one, less)
-    };
-    let (cos_by, sin_by) = (nested(&[2.0, 12.0, 30.0]), by * nested(&[6.0, 20.0]));
-    let (s, c) = (Jet::constant(sin), Jet::constant(cos));
-    (s * cos_by + c * sin_by, c * cos_by - s * sin_by)
 }
