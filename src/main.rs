@@ -5,11 +5,16 @@ mod cli;
 
 use std::process::ExitCode;
 
+use flipmap::engine::threads::default_threads;
+
 fn main() -> ExitCode {
     env_logger::Builder::from_env(
         env_logger::Env::default().default_filter_or("error,wgpu_hal=off"),
     )
     .init();
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(default_threads());
+    // Without the pool, its work is done on the threads that ask for it.
+    let _ = threads.build_global();
     match cli::run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => cli::exit::report(&error),

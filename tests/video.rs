@@ -3,6 +3,8 @@
 #[path = "common/program.rs"]
 mod program;
 
+use image::AnimationDecoder;
+use image::codecs::webp::WebPDecoder;
 use std::fs;
 use std::path::Path;
 
@@ -194,7 +196,7 @@ fn films_have_the_frames_that_were_asked_for() {
     fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
     let film = ["keys.toml", "--frames", "24", "--fps", "12", "--size", "64x48"];
     let cache = ["--cache", "samples"];
-    for output in ["f.mp4", "f.mkv", "f"] {
+    for output in ["f.mp4", "f.mkv", "f.gif", "f.webp", "f"] {
         video(&folder, &[&film[..], &cache[..], &["-o", output]].concat());
     }
     for film in ["f.mp4", "f.mkv"] {
@@ -203,6 +205,13 @@ fn films_have_the_frames_that_were_asked_for() {
         let probed = tool(&folder, "ffprobe", &words);
         assert_eq!(String::from_utf8_lossy(&probed).trim(), "stream,64,48,12/1,24", "{film}");
     }
+    let count = "-v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 f.gif";
+    let counted = tool(&folder, "ffprobe", &count.split(' ').collect::<Vec<_>>());
+    assert_eq!(String::from_utf8_lossy(&counted).trim(), "24");
+    let file = std::io::BufReader::new(fs::File::open(folder.path().join("f.webp")).unwrap());
+    let frames = WebPDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
+    let [width, height] = [frames[0].buffer().width(), frames[0].buffer().height()];
+    assert_eq!((frames.len(), width, height), (24, 64, 48));
     // A frame of the lossless film is identical to the picture.
     let decode = "-v error -i f.mkv -f rawvideo -pix_fmt rgb24 -";
     let raw = tool(&folder, "ffmpeg", &decode.split(' ').collect::<Vec<_>>());
@@ -213,7 +222,7 @@ fn films_have_the_frames_that_were_asked_for() {
         assert!(raw[frame * bytes..(frame + 1) * bytes] == picture.as_raw()[..], "frame {frame}");
     }
     // Equal frames give equal files.
-    for name in ["mp4", "mkv"] {
+    for name in ["mp4", "mkv", "gif", "webp"] {
         video(&folder, &[&film[..], &cache[..], &["-o", &format!("g.{name}")]].concat());
         let [f, g] = ["f", "g"].map(|film| fs::read(folder.path().join(format!("{film}.{name}"))));
         assert!(f.unwrap() == g.unwrap(), "{name}");

@@ -1,13 +1,14 @@
 //! Bookmarks: places that the user wants to find again. Each is a small picture in a folder and
 //! contains its scene, as every picture written by this program does.
 
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::folders::Folders;
-use crate::output::{Destination, Picture, PngError, PngWriter, SafeFile, picture_in_png};
+use crate::output::{
+    Destination, Picture, PngError, PngWriter, SafeFile, open_plain, picture_in_png,
+};
 
 /// A place with a name and a small picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,7 +167,7 @@ fn name_of(path: &Path) -> Option<String> {
 }
 
 fn read(path: &Path) -> Result<Picture, PngError> {
-    picture_in_png(BufReader::new(File::open(path)?), LONGEST_SIDE)
+    picture_in_png(BufReader::new(open_plain(path)?), LONGEST_SIDE)
 }
 
 fn write(path: &Path, picture: &Picture) -> Result<(), PngError> {

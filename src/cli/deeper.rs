@@ -1,7 +1,9 @@
 //! `flipmap deeper`: descends from a scene along a filament, as far as there is structure.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use clap::Args;
 use flipmap::scene::keys::{Easing, Keys};
 use flipmap::scene::{LEAST_WIDTH, Scene, location};
@@ -15,16 +17,16 @@ use super::stop;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    #[command(flatten)]
-    scene: SceneOptions,
-    #[command(flatten)]
-    run: RunOptions,
     /// Width of the view in rad at which to stop, 1e-100 to 1
     #[arg(long, value_name = "RAD", default_value = "1e-20")]
     to: String,
     /// File for the views on the way, as keys of a film (- for standard output)
     #[arg(short, long, value_name = "KEYS.toml")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneOptions,
+    #[command(flatten)]
+    run: RunOptions,
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
@@ -36,6 +38,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         let text = &options.to;
         Exit::Usage(format!("--to is '{text}'; it must be a width between 1e-100 and 1 rad"))
     })?;
+    let file = options.output.as_deref().map(|path| super::create(path, "-o")).transpose()?;
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;
     let scene = document.scene();
@@ -60,13 +63,14 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             }
         }
     }
-    if let Some(file) = &options.output {
+    if let Some(mut file) = file {
         let mut keys = Keys::default();
         for scene in &path {
             // Linear, so that the film does not stop at each view on the way.
             keys.append(document.clone().with_scene(scene.clone()), Easing::Linear);
         }
-        super::write_whole(file, "-o", keys.text().as_bytes())?;
+        let written = file.write_all(keys.text().as_bytes()).and_then(|()| file.finish());
+        written.context("-o: cannot write the keys")?;
     }
     if options.output.as_deref() != Some(Path::new("-")) {
         super::say(&location::text(&path[path.len() - 1]))?;

@@ -37,8 +37,29 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     // If standard error is closed too, there is nowhere left to report to.
-    let _ = writeln!(io::stderr(), "flipmap: {}", sentence(error));
+    let _ = writeln!(io::stderr(), "flipmap: {}", printable(&sentence(error)));
     ExitCode::from(code_of(error))
+}
+
+/// Largest number of characters of a message; what is longer quotes a very long input.
+const MOST_CHARACTERS: usize = 2000;
+
+/// A message as a terminal may show it: what is quoted from a file or an option can hold control
+/// characters, which a terminal would obey, and be endless.
+pub(super) fn printable(message: &str) -> String {
+    let mut text = String::new();
+    for (k, character) in message.chars().enumerate() {
+        if k == MOST_CHARACTERS {
+            text.push('…');
+            break;
+        }
+        match character {
+            '\n' => text.push('\n'),
+            other if other.is_control() => text.extend(other.escape_default()),
+            other => text.push(other),
+        }
+    }
+    text
 }
 
 /// Describes an error and its causes; for a stop, only the stop.
@@ -73,4 +94,15 @@ fn code_of(error: &anyhow::Error) -> u8 {
         }
     }
     1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_hold_nothing_that_a_terminal_obeys_and_have_an_end() {
+        assert_eq!(printable("the name \u{1b}[31m\nθ1"), "the name \\u{1b}[31m\nθ1");
+        assert_eq!(printable(&"9".repeat(1_000_000)).chars().count(), MOST_CHARACTERS + 1);
+    }
 }

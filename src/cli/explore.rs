@@ -14,16 +14,16 @@ use super::stop;
 
 #[derive(Args, Debug, Default)]
 pub(super) struct Options {
+    /// Do not read or write settings and bookmarks
+    #[arg(hide_short_help = true, long)]
+    no_config: bool,
+    /// Write the window's own measurements as JSON whenever the view is complete, and on exit
+    #[arg(hide_short_help = true, long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
     #[command(flatten)]
     scene: SceneOptions,
     #[command(flatten)]
     run: RunOptions,
-    /// Do not read or write settings and bookmarks
-    #[arg(long)]
-    no_config: bool,
-    /// Write the window's own measurements as JSON whenever the view is complete, and on exit
-    #[arg(long, value_name = "FILE.json")]
-    stats: Option<PathBuf>,
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {

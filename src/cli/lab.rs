@@ -12,8 +12,8 @@ use flipmap::scene::Build;
 
 use super::exit::Exit;
 use super::options::number;
-use super::run_options::sides;
 use super::same_file::keep_apart;
+use super::size;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -90,8 +90,9 @@ const MAP_SIDE: u32 = 512;
 
 fn size(text: &str) -> Result<[u32; 2], Exit> {
     let fits = |size: &[u32; 2]| size.iter().all(|side| (320..=8192).contains(side));
-    sides(text).filter(fits).ok_or_else(|| {
-        Exit::Usage(format!("--size is '{text}'; it must be WxH, each between 320 and 8192 pixels"))
+    size::parse(text).filter(fits).ok_or_else(|| {
+        let ways = size::WAYS;
+        Exit::Usage(format!("--size is '{text}'; it must be {ways}, each side 320 to 8192 pixels"))
     })
 }
 

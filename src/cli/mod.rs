@@ -5,6 +5,7 @@ mod continued;
 mod deeper;
 mod depth;
 mod doctor;
+mod examples;
 pub(crate) mod exit;
 #[cfg(feature = "window")]
 mod explore;
@@ -14,6 +15,7 @@ mod frames;
 mod hunt;
 #[cfg(feature = "window")]
 mod lab;
+mod manual;
 mod options;
 mod outputs;
 mod picture_options;
@@ -23,6 +25,7 @@ mod render;
 mod report;
 mod run_options;
 mod same_file;
+mod size;
 mod spread;
 mod stop;
 mod trace;
@@ -33,14 +36,14 @@ use std::path::Path;
 
 use anyhow::Context;
 #[cfg(not(feature = "window"))]
-use clap::{CommandFactory, error::ErrorKind};
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
 use flipmap::output::{Destination, SafeFile};
 
 /// Draw every possible double pendulum at once: each pixel is a pendulum released from rest at
 /// (θ1, θ2), coloured by the time until its second bob flips over the top.
 #[derive(Parser)]
-#[command(version, max_term_width = 100)]
+#[command(version, max_term_width = 100, after_long_help = examples::FLIPMAP)]
 struct Cli {
     #[command(subcommand)]
     verb: Option<Verb>,
@@ -52,10 +55,12 @@ enum Verb {
     #[cfg(feature = "window")]
     Explore(Box<explore::Options>),
     /// Render a map as a picture, an array of flip times, or both.
+    #[command(after_long_help = examples::RENDER)]
     Render(Box<render::Options>),
     /// Find a deeper scene that still has structure by zooming in along a filament.
     Deeper(Box<deeper::Options>),
     /// Make a film: a zoom, a tour of several scenes, or one view in which a parameter changes.
+    #[command(after_long_help = examples::VIDEO)]
     Video(Box<video::Options>),
     /// Plan a large still or a film as shards that can be computed independently.
     Plan(Box<plan::PlanOptions>),
@@ -66,6 +71,7 @@ enum Verb {
     /// Merge a plan's complete shards into a still's files or a film (-o FILM.mp4 or -o FOLDER).
     Merge(Box<plan::MergeOptions>),
     /// Trace one pendulum with the gold standard: time, angles, speeds, energy error and flips.
+    #[command(after_long_help = examples::TRACE)]
     Trace(Box<trace::Options>),
     /// Compare two results of the same size; exits with 3 if they differ too much.
     Compare(compare::Options),
@@ -76,6 +82,10 @@ enum Verb {
     Report(report::Options),
     /// List the graphics adapters, check their arithmetic, and show what would be used and why.
     Doctor(doctor::Options),
+    /// Print the completions of a shell, to be kept where it looks for them.
+    Completions(manual::CompletionOptions),
+    /// Print a page of the manual, as in flipmap man render | man -l -
+    Man(manual::ManOptions),
 }
 
 /// Parses the command line and runs the subcommand.
@@ -96,6 +106,8 @@ pub(crate) fn run() -> anyhow::Result<()> {
         Verb::Lab(options) => lab::run(&options),
         Verb::Report(options) => report::run(&options),
         Verb::Doctor(options) => doctor::run(&options),
+        Verb::Completions(options) => manual::completions(Cli::command(), &options),
+        Verb::Man(options) => manual::man(Cli::command(), &options),
     }
 }
 
@@ -114,7 +126,7 @@ fn default_verb() -> Verb {
 /// Prints a line to standard error; a failure is ignored, as there is nowhere left to report it.
 fn tell(text: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", exit::printable(text));
 }
 
 /// Prints a line to standard output; a closed pipe is an ordinary error.
@@ -129,6 +141,12 @@ fn say_if_heard(text: &str) -> anyhow::Result<()> {
         true => Ok(()),
         false => Err(error),
     })
+}
+
+/// Opens an output (- for standard output); the error names the option that asked for it.
+fn create(path: &Path, option: &str) -> anyhow::Result<SafeFile> {
+    let destination = Destination::from(path);
+    SafeFile::create(&destination).with_context(|| format!("{option}: cannot write {destination}"))
 }
 
 /// Writes a whole file (- for standard output); the error names the option that asked for it.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
+use clap::builder::Resettable;
 use flipmap::output::{ReadError, read_document};
 use flipmap::scene::{BuiltIn, Document, SceneError, Word};
 
@@ -13,7 +14,7 @@ use super::same_file::Named;
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Scene")]
 pub(super) struct SceneOptions {
-    #[arg(help = scene_help())]
+    #[arg(help = scene_help(), help_heading = Resettable::Reset)]
     pub scene: Option<String>,
     #[command(flatten)]
     pub words: SceneWords,
@@ -23,7 +24,8 @@ pub(super) struct SceneOptions {
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Scene")]
 pub(super) struct SceneWords {
-    /// Centre of the view in the units of the plane, rad by default, with any number of digits
+    /// Centre of the view in the units of the plane, rad by default, with any number of digits;
+    /// angles also as in -95deg,0.5pi
     #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
     center: Option<String>,
     /// Width of the view in those units
@@ -36,44 +38,44 @@ pub(super) struct SceneWords {
     #[arg(long)]
     rule: Option<String>,
     /// Masses in kg
-    #[arg(long, value_name = "m1,m2", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "m1,m2", allow_hyphen_values = true)]
     masses: Option<String>,
     /// Lengths in m
-    #[arg(long, value_name = "l1,l2", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "l1,l2", allow_hyphen_values = true)]
     lengths: Option<String>,
     /// Gravitational acceleration in m/s²
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, allow_hyphen_values = true)]
     gravity: Option<String>,
     /// Friction at the two pivots in N m s
-    #[arg(long, value_name = "b1,b2", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "b1,b2", allow_hyphen_values = true)]
     friction: Option<String>,
     /// Kind of pendulum: points (bobs on massless rods) or rods (uniform bars)
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     kind: Option<String>,
     /// Rotate the picture anticlockwise in the plane, by -360 to 360 degrees
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "DEGREES", allow_hyphen_values = true)]
     rotate: Option<String>,
     /// Question asked about every start: flip, first, flips, state, growth or return
     #[arg(long, value_name = "NAME")]
     ask: Option<String>,
     /// Time of the answer in s, for the question state (default: the whole budget)
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "SECONDS", allow_hyphen_values = true)]
     at: Option<String>,
     /// Number of the flip whose time is asked for, from 1
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "N", allow_hyphen_values = true)]
     count: Option<String>,
     /// Plane of starts: angles, speeds, first, second, section, or two of theta1, theta2, omega1,
     /// omega2 with a comma between them
     #[arg(long, value_name = "NAME")]
     plane: Option<String>,
     /// Start in rad and rad/s that gives the quantities which are not on the plane's axes
-    #[arg(long, value_name = "θ1,θ2,ω1,ω2", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "θ1,θ2,ω1,ω2", allow_hyphen_values = true)]
     origin: Option<String>,
     /// Total energy of the plane section in J, 0 where both rods are level and at rest
-    #[arg(long, value_name = "J", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "J", allow_hyphen_values = true)]
     energy: Option<String>,
     /// Stretch the picture vertically by this factor, 1e-6 to 1e6
-    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "FACTOR", allow_hyphen_values = true)]
     stretch: Option<String>,
 }
 
@@ -164,11 +166,16 @@ pub(super) fn load(scene: &str) -> anyhow::Result<Document> {
     }
     match read_document(Path::new(scene)) {
         Ok(document) => Ok(document),
-        Err(ReadError::Kind { .. }) => Err(Exit::Usage(format!(
-            "no scene '{scene}': give a .toml file, a .png written by flipmap, or one of {}",
-            BuiltIn::names()
-        ))
-        .into()),
+        Err(ReadError::Kind { .. }) => {
+            let meant = BuiltIn::like(scene)
+                .map_or(String::new(), |near| format!(" (did you mean {}?)", near.name));
+            Err(Exit::Usage(format!(
+                "no scene '{scene}'{meant}: give a .toml file, a .png written by flipmap, or one \
+                 of {}",
+                BuiltIn::names()
+            ))
+            .into())
+        }
         Err(error) => Err(Exit::Usage(error.to_string()).into()),
     }
 }

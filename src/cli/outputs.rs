@@ -10,22 +10,24 @@ use super::exit::Exit;
 use super::same_file::{Named, keep_apart};
 
 /// Options that name the output files.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Output")]
 pub(super) struct OutputOptions {
-    /// Picture to write (- for standard output)
+    /// Picture to write (- for standard output); render names it after the scene if nothing is
+    /// named
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
     /// Folder for the picture as tiles, with a page that shows them
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(hide_short_help = true, long, value_name = "FOLDER")]
     pyramid: Option<PathBuf>,
     /// NumPy array of flip times to write (- for standard output)
     #[arg(long, value_name = "FILE.npy")]
     raw: Option<PathBuf>,
     /// OpenEXR image of flip times, statuses and doubts to write
-    #[arg(long, value_name = "FILE.exr")]
+    #[arg(hide_short_help = true, long, value_name = "FILE.exr")]
     exr: Option<PathBuf>,
     /// Picture of how certain each pixel is, if pixels are checked
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(hide_short_help = true, long, value_name = "FILE.png")]
     trust: Option<PathBuf>,
 }
 
@@ -39,6 +41,20 @@ impl OutputOptions {
             exr: self.exr.clone(),
             trust: self.trust.clone(),
         }
+    }
+
+    /// The outputs, or if none is named, a new picture with the name of the scene, if it has one.
+    pub(super) fn or_picture_of(&self, scene: Option<&str>) -> Result<Self, Exit> {
+        let name = scene.and_then(|scene| Path::new(scene).file_stem());
+        let Some(name) = name.filter(|_| self.paths().named().is_empty()) else {
+            return Ok(self.clone());
+        };
+        let picture = Path::new(name).with_added_extension("png");
+        if picture.exists() {
+            let file = picture.display();
+            return Err(Exit::Usage(format!("{file} is there already: name the picture with -o")));
+        }
+        Ok(OutputOptions { output: Some(picture), ..self.clone() })
     }
 
     /// Rejects outputs that cannot be written, or that would replace what is read from `inputs`;

@@ -19,27 +19,32 @@ pub(super) struct PictureOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     pub samples: Option<u32>,
     /// Reverse the palette: early flips get its last colour and late ones its first
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     reverse: bool,
     /// Number of times to run through the palette, 1 to 100
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "N", allow_hyphen_values = true)]
     cycles: Option<String>,
     /// Colour scale: equal steps of colour for equal ratios (log) or differences (linear) of time, or
     /// one colour for all that lies between two of --times (steps)
-    #[arg(long, value_name = "log|linear|steps")]
+    #[arg(hide_short_help = true, long, value_name = "log|linear|steps")]
     scale: Option<String>,
     /// Two or more times in seconds that divide the palette into equal steps; view: times of the
     /// view itself (the default for views narrower than 1e-6 rad); budget: the whole budget
-    #[arg(long, value_name = "t1,t2,...|view|budget", allow_hyphen_values = true)]
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "t1,t2,...|view|budget",
+        allow_hyphen_values = true
+    )]
     times: Option<String>,
     /// Channel of the question to paint, and to write to --raw (default: all of them)
-    #[arg(long, value_name = "NAME")]
+    #[arg(hide_short_help = true, long, value_name = "NAME")]
     channel: Option<String>,
     /// Draw a legend in the lower left corner: the values of the colours, with units
     #[arg(long)]
     legend: bool,
     /// Leave out the energy curve
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     no_curve: bool,
 }
 

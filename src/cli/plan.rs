@@ -25,18 +25,18 @@ use super::{farm, stop};
 
 #[derive(Args, Debug)]
 pub(super) struct PlanOptions {
-    #[command(flatten)]
-    film: FilmOptions,
     /// Number of shards
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shards: u32,
     /// Plan one more sample at each pixel's centre, as --raw, --exr and --trust need when --samples
     /// is above 1
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     numbers: bool,
     /// Plan file to write; the computed parts are stored next to it
     #[arg(short, long, value_name = "PLAN.toml")]
     output: PathBuf,
+    #[command(flatten)]
+    film: FilmOptions,
 }
 
 #[derive(Args, Debug)]
@@ -46,11 +46,11 @@ pub(super) struct RunShards {
     /// Shard to compute, counted from 1, or a range such as 2-5 (default: all)
     #[arg(long, value_name = "N|A-B")]
     shard: Option<String>,
-    #[command(flatten)]
-    engine: EngineOptions,
     /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     progress: Mode,
+    #[command(flatten)]
+    engine: EngineOptions,
 }
 
 #[derive(Args, Debug)]
@@ -63,13 +63,13 @@ pub(super) struct VerifyOptions {
 pub(super) struct MergeOptions {
     /// Plan file
     plan: PathBuf,
+    /// Progress display on standard error
+    #[arg(long, value_enum, default_value_t = Mode::Auto)]
+    progress: Mode,
     #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
     outputs: OutputOptions,
-    /// Progress display on standard error
-    #[arg(long, value_enum, default_value_t = Mode::Auto)]
-    progress: Mode,
 }
 
 /// Runs `flipmap plan`.
@@ -77,6 +77,11 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (mut what, spec) = what(options)?;
     spares_others("-o", &options.output)?;
+    if options.output.extension().is_some_and(|ending| ending == "parts") {
+        let message =
+            "-o names a plan, and .parts is the ending of the folder beside it: name a .toml";
+        return Err(Exit::Usage(message.to_string()).into());
+    }
     let scene = match &what {
         PlannedOutput::Still(document) => document.scene(),
         PlannedOutput::Film(film) => film.keys[0].scene.scene(),

@@ -26,6 +26,18 @@ use super::stop;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
+    /// Follow pixels as cells first (for measurements): auto where that saves time, never, or always
+    #[arg(hide_short_help = true, long, value_name = "WHEN", default_value_t)]
+    cells: Cells,
+    /// Save pixels that can go on to this file, and resume from it with a larger --budget or --at
+    #[arg(hide_short_help = true, long, value_name = "FILE")]
+    state: Option<PathBuf>,
+    /// Print the settings that ran, the counts and the timings as one JSON object
+    #[arg(hide_short_help = true, long)]
+    json: bool,
+    /// Progress display on standard error
+    #[arg(hide_short_help = true, long, value_enum, default_value_t = Mode::Auto)]
+    progress: Mode,
     #[command(flatten)]
     scene: SceneOptions,
     #[command(flatten)]
@@ -34,25 +46,13 @@ pub(super) struct Options {
     picture: PictureOptions,
     #[command(flatten)]
     outputs: OutputOptions,
-    /// Follow pixels as cells first (for measurements): auto where that saves time, never, or always
-    #[arg(long, value_name = "WHEN", default_value_t)]
-    cells: Cells,
-    /// Save pixels that can go on to this file, and resume from it with a larger --budget or --at
-    #[arg(long, value_name = "FILE")]
-    state: Option<PathBuf>,
-    /// Print the settings that ran, the counts and the timings as one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Progress display on standard error
-    #[arg(long, value_enum, default_value_t = Mode::Auto)]
-    progress: Mode,
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
-    let (mut document, spec) = prepare(options)?;
-    let scene = document.scene();
-    let paths = options.outputs.paths();
+    let outputs = options.outputs.or_picture_of(options.scene.scene.as_deref())?;
+    let (mut document, spec) = prepare(options, &outputs)?;
+    let (scene, paths) = (document.scene(), outputs.paths());
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check()?;
@@ -107,12 +107,15 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 }
 
 /// Resolves the options, and rejects what could not be done before anything is computed.
-fn prepare(options: &Options) -> anyhow::Result<(Document, RunSpec)> {
+fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Document, RunSpec)> {
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;
     options.picture.apply(&mut document)?;
-    check_outputs(options, &document, &spec)?;
+    let inputs: Vec<_> = options.scene.file().into_iter().collect();
+    outputs.check(options.json, spec.verify, options.state.as_deref(), &inputs)?;
+    check_state(options, &document, &spec)?;
+    check_picture(&document, spec.size())?;
     Ok((document.settled(), spec))
 }
 
@@ -207,15 +210,6 @@ fn decimals(text: &str) -> usize {
     let (digits, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
     let after = digits.trim().split_once('.').map_or(0, |(_, after)| after.len() as i64);
     (after - exponent.trim().parse::<i64>().unwrap_or(0)).max(0) as usize
-}
-
-/// Rejects outputs that cannot be written, before anything is computed.
-fn check_outputs(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
-    let state = options.state.as_deref();
-    let inputs: Vec<_> = options.scene.file().into_iter().collect();
-    options.outputs.check(options.json, spec.verify, state, &inputs)?;
-    check_state(options, document, spec)?;
-    check_picture(document, spec.size())
 }
 
 fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {

@@ -9,12 +9,13 @@ use flipmap::scene::{Document, PictureTable, RunTable, Scene};
 
 use super::exit::Exit;
 use super::options::set;
+use super::size;
 
 /// Options that control how a scene is computed.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Run")]
 pub(super) struct RunOptions {
-    /// Width and height of the picture in pixels
+    /// Width and height of the picture in pixels, or 720p, 1080p, 1440p, 4k or 8k
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<String>,
     /// Accuracy level: lesson (RK4 in f32 at 120 steps per second), fast (as accurate as f32
@@ -23,16 +24,16 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "LEVEL")]
     accuracy: Option<String>,
     /// Integration method instead of an accuracy level: rk4, dopri5, dop853 or taylor
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     method: Option<String>,
     /// Step of rk4 in seconds, as a number or a fraction
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "SECONDS", allow_hyphen_values = true)]
     step: Option<String>,
     /// Error tolerance per step of the other methods
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, allow_hyphen_values = true)]
     tolerance: Option<String>,
     /// Precision of the arithmetic: f32, df32, f64 or dd
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     precision: Option<String>,
     /// Check every pixel, whatever the accuracy level
     #[arg(long)]
@@ -49,10 +50,10 @@ pub(super) struct EngineOptions {
     #[arg(long, value_enum, default_value_t = EngineOption::Auto)]
     engine: EngineOption,
     /// Use the graphics adapter whose name contains this text
-    #[arg(long, value_name = "NAME")]
+    #[arg(hide_short_help = true, long, value_name = "NAME")]
     adapter: Option<String>,
     /// Number of threads of the CPU engine (default: one per core)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(hide_short_help = true, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
 }
 
@@ -120,7 +121,7 @@ impl RunOptions {
         set(&mut size, "--size", &self.size, parse_size)?;
         if size.iter().any(|side| !(1..=PictureTable::LONGEST_SIDE).contains(side)) {
             let text = format!("{}x{}", size[0], size[1]);
-            return Err(Exit::Usage(format!("--size is '{text}'; {SIZE}")));
+            return Err(Exit::Usage(format!("--size is '{text}'; {}", range_of_size())));
         }
         let words = RunTable { size: Some(size), ..self.words_over(&document.run) };
         let spec = RunSpec::resolve(words).map_err(|error| Exit::Usage(error.to_string()))?;
@@ -177,16 +178,12 @@ pub(super) fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(),
     Ok(())
 }
 
-const SIZE: &str = "it must be WIDTHxHEIGHT with both between 1 and 1000000 pixels";
-
-/// Parses two side lengths separated by an x.
-pub(super) fn sides(text: &str) -> Option<[u32; 2]> {
-    let (width, height) = text.split_once('x')?;
-    Some([width.parse().ok()?, height.parse().ok()?])
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    size::parse(text).ok_or_else(range_of_size)
 }
 
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    sides(text).ok_or(SIZE.to_string())
+fn range_of_size() -> String {
+    format!("it must be {}, each side between 1 and 1000000 pixels", size::WAYS)
 }
 
 #[cfg(test)]

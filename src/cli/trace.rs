@@ -9,6 +9,7 @@ use flipmap::output::{Destination, SafeFile};
 use flipmap::physics::opening::settled;
 use flipmap::physics::taylor::{Orbit, TaylorStep};
 use flipmap::physics::{Dd, Launch, Pendulum, Scalar, State, oracle};
+use flipmap::scene::in_rad;
 
 use super::exit::Exit;
 use super::options::SceneOptions;
@@ -18,10 +19,8 @@ use super::trace_columns::{Pass, QuestionColumns};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    #[command(flatten)]
-    scene: SceneOptions,
-    /// Angles in rad at which the pendulum is released from rest, with any number of digits; or
-    /// these and the speeds in rad/s with which it is thrown
+    /// Angles in rad at which the pendulum is released from rest, with any number of digits, or as
+    /// in -95deg,0.5pi; or these and the speeds in rad/s with which it is thrown
     #[arg(long, value_name = "θ1,θ2[,ω1,ω2]", allow_hyphen_values = true)]
     start: String,
     /// Simulated seconds to trace
@@ -36,6 +35,8 @@ pub(super) struct Options {
     /// Print the flips as one JSON object on standard output; requires -o
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    scene: SceneOptions,
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
@@ -174,7 +175,7 @@ fn tell(options: &Options, passages: &[Pass]) -> anyhow::Result<()> {
 }
 
 fn parse_start(text: &str) -> Result<Launch, Exit> {
-    let numbers: Option<Vec<Dd>> = text.split(',').map(Dd::parse).collect();
+    let numbers: Option<Vec<Dd>> = text.split(',').map(|part| Dd::parse(&in_rad(part))).collect();
     let numbers = numbers.filter(|all| all.iter().all(|number| number.hi.abs() <= 1e6));
     let (angle, speed) = match numbers.as_deref() {
         Some(&[theta1, theta2]) => ([theta1, theta2], [Dd::new(0.0); 2]),

@@ -18,21 +18,22 @@ use super::{farm, frames, stop};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    #[command(flatten)]
-    pub film: FilmOptions,
-    /// Film to write: .mp4 or .mkv (lossless) through ffmpeg, or a folder of numbered pictures
+    /// Film to write: .mp4, .mkv (lossless), .gif or .webp through ffmpeg, or a folder of numbered
+    /// pictures
     #[arg(short, long, value_name = "FILM")]
     pub output: PathBuf,
     /// Folder that keeps the samples, to resume after a stop or to change colours (default:
     /// FILM.samples)
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(hide_short_help = true, long, value_name = "FOLDER")]
     pub cache: Option<PathBuf>,
     /// Print the ffmpeg command line and exit
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     print_ffmpeg: bool,
     /// Progress display on standard error
-    #[arg(long, value_enum, default_value_t = Mode::Auto)]
+    #[arg(hide_short_help = true, long, value_enum, default_value_t = Mode::Auto)]
     pub progress: Mode,
+    #[command(flatten)]
+    pub film: FilmOptions,
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
@@ -91,7 +92,8 @@ pub(super) fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
     let nameless = output.file_name().is_none();
     if codec.is_none() && (ending || nameless || output.as_os_str() == "-") {
         return Err(Exit::Usage(format!(
-            "-o {}: a film is an .mp4, an .mkv (lossless), or a folder of numbered pictures",
+            "-o {}: a film is an .mp4, an .mkv (lossless), a .gif, a .webp, or a folder of numbered \
+             pictures",
             output.display()
         )));
     }
@@ -100,7 +102,8 @@ pub(super) fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
 
 fn print(codec: Option<Codec>, film: &Film, output: &Path) -> anyhow::Result<()> {
     let Some(codec) = codec else {
-        let message = "--print-ffmpeg is for an .mp4 or .mkv; a folder needs no ffmpeg";
+        let message =
+            "--print-ffmpeg is for an .mp4, .mkv, .gif or .webp; a folder needs no ffmpeg";
         return Err(Exit::Usage(message.to_string()).into());
     };
     let words = arguments(codec, film, output);

@@ -36,6 +36,7 @@ pub mod shared;
 pub mod start;
 mod starts;
 pub mod symbol;
+pub mod threads;
 pub mod trust;
 
 use std::time::Instant;

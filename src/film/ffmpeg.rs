@@ -19,6 +19,10 @@ pub enum Codec {
     H264,
     /// FFV1 in an `.mkv`, without loss.
     Ffv1,
+    /// A `.gif` that repeats, with 256 colours for each frame.
+    Gif,
+    /// An animated `.webp` that repeats.
+    WebP,
 }
 
 /// Reasons why there is no film.
@@ -62,6 +66,8 @@ impl Codec {
         match ending.as_str() {
             "mp4" => Some(Codec::H264),
             "mkv" => Some(Codec::Ffv1),
+            "gif" => Some(Codec::Gif),
+            "webp" => Some(Codec::WebP),
             _ => None,
         }
     }
@@ -70,13 +76,15 @@ impl Codec {
         match self {
             Codec::H264 => "libx264",
             Codec::Ffv1 => "ffv1",
+            Codec::Gif => "gif",
+            Codec::WebP => "libwebp_anim",
         }
     }
 
     fn instead(self) -> &'static str {
         match self {
             Codec::H264 => "an .mkv or a folder of numbered pictures",
-            Codec::Ffv1 => "an .mp4 or a folder of numbered pictures",
+            Codec::Ffv1 | Codec::Gif | Codec::WebP => "an .mp4 or a folder of numbered pictures",
         }
     }
 
@@ -85,6 +93,8 @@ impl Codec {
         match self {
             Codec::H264 => "mp4",
             Codec::Ffv1 => "matroska",
+            Codec::Gif => "gif",
+            Codec::WebP => "webp",
         }
     }
 
@@ -96,6 +106,12 @@ impl Codec {
                  -color_primaries bt709 -color_trc bt709 -movflags +faststart"
             }
             Codec::Ffv1 => "-c:v ffv1 -pix_fmt bgr0 -level 3 -g 1 -slices 4 -slicecrc 1",
+            // A palette for each frame: one for all of them would keep the whole film in memory.
+            Codec::Gif => {
+                "-vf split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1 \
+                 -c:v gif -loop 0"
+            }
+            Codec::WebP => "-c:v libwebp_anim -pix_fmt yuv420p -quality 90 -loop 0",
         }
     }
 

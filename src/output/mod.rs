@@ -5,6 +5,7 @@
 //! come, and only a few rows are held: pictures can be larger than memory.
 
 pub mod compare;
+mod device;
 mod digest;
 mod exr;
 mod failure;
@@ -24,6 +25,7 @@ mod state;
 mod text_file;
 mod trust;
 
+pub use device::open_plain;
 pub use digest::sha256;
 pub use exr::ExrWriter;
 pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};

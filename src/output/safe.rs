@@ -1,13 +1,15 @@
 //! Files that appear only when they are complete.
 
 use std::fmt;
+use std::fs::File;
 #[cfg(unix)]
 use std::fs::Permissions;
-use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::TempPath;
+
+use super::device::open_device;
 
 /// Destination of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,9 +64,9 @@ impl SafeFile {
             return Err(io::Error::other("is a folder: name a file in it"));
         }
         if path.exists() && !path.is_file() {
-            let device = OpenOptions::new().write(true).open(path)?;
-            return Ok(SafeFile::Device(BufWriter::new(device)));
+            return Ok(SafeFile::Device(BufWriter::new(open_device(path)?)));
         }
+        refuse_what_fails_at_the_end(path)?;
         // The target of a link is replaced, not the link.
         let path = path.canonicalize().unwrap_or_else(|_| path.clone());
         let folder = existing_folder_of(&path)?;
@@ -99,6 +101,8 @@ impl SafeFile {
             SafeFile::Device(mut out) => out.flush(),
             SafeFile::Beside(mut out, beside, path) => {
                 out.flush()?;
+                // Whole on the disk before it has its name, so that no power cut leaves half of it.
+                out.get_ref().sync_all()?;
                 beside.persist(path).map_err(|error| error.error)
             }
         }
@@ -107,6 +111,17 @@ impl SafeFile {
 
 /// Prefix of the names of unfinished files.
 pub(super) const UNFINISHED: &str = ".flipmap-";
+
+/// Refuses a name that no file can have, and a file that is protected from being written to.
+fn refuse_what_fails_at_the_end(path: &Path) -> io::Result<()> {
+    match path.metadata() {
+        Ok(found) if found.permissions().readonly() => {
+            Err(io::Error::other("is write-protected: remove it, or name another file"))
+        }
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
 
 /// The folder in which a path lies; an error if it does not exist.
 pub(super) fn existing_folder_of(path: &Path) -> io::Result<&Path> {
@@ -149,6 +164,19 @@ impl Write for SafeFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_would_fail_at_the_end_is_refused_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let refused = |path: PathBuf| SafeFile::create(&Destination::File(path)).err();
+        assert!(refused(folder.path().join("n".repeat(300))).is_some());
+        let path = folder.path().join("kept.png");
+        std::fs::write(&path, "mine").unwrap();
+        let mut permissions = path.metadata().unwrap().permissions();
+        permissions.set_readonly(true);
+        std::fs::set_permissions(&path, permissions).unwrap();
+        assert!(refused(path).unwrap().to_string().contains("write-protected"));
+    }
 
     #[test]
     fn an_unfinished_file_leaves_what_was_there() {

@@ -26,10 +26,20 @@ pub const BUILT_IN: [BuiltIn; 22] = scenes! {
     "heavy" "heyl" "moment" "islands" "turns" "section" "thrown" "damped"
 };
 
+/// Likeness (Jaro and Winkler's) from which on a name is taken for a mistyped one.
+const LEAST_LIKENESS: f64 = 0.8;
+
 impl BuiltIn {
     /// Finds the scene called `name`.
     pub fn named(name: &str) -> Option<Self> {
         BUILT_IN.into_iter().find(|scene| scene.name == name)
+    }
+
+    /// The scene whose name is most like a mistyped one, if any is.
+    pub fn like(name: &str) -> Option<Self> {
+        let likeness = |scene: &BuiltIn| strsim::jaro_winkler(scene.name, &name.to_lowercase());
+        let all = BUILT_IN.into_iter().filter(|scene| likeness(scene) > LEAST_LIKENESS);
+        all.max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
     }
 
     /// The names of all built-in scenes, separated by commas.
@@ -68,6 +78,10 @@ mod tests {
         }
         assert_eq!(BuiltIn::named("home").unwrap().document(), Document::default());
         assert_eq!(BuiltIn::named("elsewhere"), None);
+        for mistyped in ["filigre", "Filigree", "fligree", "filgiree"] {
+            assert_eq!(BuiltIn::like(mistyped), BuiltIn::named("filigree"), "{mistyped}");
+        }
+        assert_eq!(BuiltIn::like("elsewhere"), None);
     }
 
     #[test]

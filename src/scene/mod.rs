@@ -4,6 +4,7 @@
 //! their pendulums and questions are equal; the view only selects the starts. [`Document`] is a
 //! scene as people keep it: a TOML file, or the text inside a PNG.
 
+mod angle_text;
 mod budget;
 mod built_in;
 mod document;
@@ -21,6 +22,7 @@ mod turn;
 mod view;
 mod words;
 
+pub use angle_text::in_rad;
 pub use budget::Budget;
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use document::{Document, DocumentError, RunTable};

@@ -1,5 +1,6 @@
 //! The numbers of a scene as words: `--rule either` as an option, `rule=either` in a location.
 
+use super::angle_text::in_rad;
 use super::{Kind, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
 use crate::question::Ask;
@@ -92,9 +93,9 @@ impl Word {
                 let pair = text.split_once(',');
                 let (theta1, theta2) =
                     pair.ok_or("it must be two numbers with a comma between them")?;
-                view.center = [theta1, theta2].map(|theta| theta.trim().to_string());
+                view.center = [theta1, theta2].map(in_rad);
             }
-            Word::Width => view.width = text.to_string(),
+            Word::Width => view.width = in_rad(text),
             Word::Rotate => {
                 view.rotate = number("it must be a number of degrees between -360 and 360")?;
             }
@@ -132,7 +133,7 @@ impl Word {
             }
             Word::Plane => plane.kind = text.parse()?,
             Word::Origin => {
-                let parts: Vec<String> = text.split(',').map(|x| x.trim().to_string()).collect();
+                let parts: Vec<String> = text.split(',').map(in_rad).collect();
                 plane.origin =
                     parts.try_into().map_err(|_| "it must be four numbers θ1,θ2,ω1,ω2")?;
             }

@@ -33,6 +33,7 @@ use self::lanes::{F32Lanes, F64Lanes};
 use self::number::{Compensated, Two};
 use self::pair::{Midpoints, OnCubic, OnQuartic};
 use super::method::{Adaptive, Pace, Steps};
+use super::threads::default_threads;
 use super::{
     End, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,
     Precision, Wait, start,
@@ -74,7 +75,7 @@ impl CpuEngine {
     /// An engine on `threads` threads, or on one for every core.
     pub fn new(threads: Option<usize>) -> Result<Self, EngineError> {
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.unwrap_or(0))
+            .num_threads(threads.unwrap_or_else(default_threads))
             .thread_name(|index| format!("engine-{index}"))
             .build()
             .map_err(|error| EngineError::Unsupported(format!("cannot start threads: {error}")))?;

@@ -56,6 +56,7 @@ pub use self::following::Following;
 use self::lines::{LineSamples, Need, samples_of};
 pub use self::stats::DepthStats;
 use self::takeoff::{Load, Takeoff, by_time};
+use super::threads::default_threads;
 use super::{
     Ends, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Moving, Starts,
     Wait,
@@ -95,7 +96,7 @@ impl<'a> DepthEngine<'a> {
     /// Follows deep starts for `inner` on `threads` threads, or on one for every core.
     pub fn new(inner: Box<dyn Engine + 'a>, threads: Option<usize>) -> Result<Self, EngineError> {
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.unwrap_or(0))
+            .num_threads(threads.unwrap_or_else(default_threads))
             .thread_name(|index| format!("depth-{index}"))
             .build()
             .map_err(|error| EngineError::Unsupported(format!("cannot start threads: {error}")))?;

@@ -1,5 +1,7 @@
 //! The program through the command line: files, exit codes, one clear sentence for each mistake.
 
+mod words;
+
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -162,16 +164,6 @@ fn every_mistake_gets_a_sentence_a_code_and_leaves_files_alone() {
         assert_eq!(fs::read_to_string(folder.path().join("map.png")).unwrap(), "mine");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a stray file was left");
-}
-
-#[test]
-fn impossible_sizes_are_refused() {
-    let folder = folder();
-    for size in ["0x5", "5x0", "1000001x1", "x", "5", "-1x5", "99999999999x2"] {
-        let output = flipmap(&folder, &["render", "-o", "a.png", "--size", size]);
-        assert_eq!(output.status.code(), Some(2), "{size}");
-        assert!(error_of(&output).contains("--size"), "{size}: {}", error_of(&output));
-    }
 }
 
 #[test]

@@ -1,0 +1,47 @@
+//! `flipmap man` and `flipmap completions`: the manual's pages and the completions of shells, made
+//! from the options themselves.
+
+use clap::{Args, Command};
+use clap_complete::Shell;
+use clap_mangen::Man;
+
+use super::exit::Exit;
+
+#[derive(Args, Debug)]
+pub(super) struct ManOptions {
+    /// Subcommand whose page is printed (default: the page of flipmap itself)
+    subcommand: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub(super) struct CompletionOptions {
+    /// Shell that is to complete words: bash, zsh, fish, elvish or powershell
+    shell: Shell,
+}
+
+/// Prints a page of the manual, for `man -l -` or a file in `share/man/man1`.
+pub(super) fn man(mut program: Command, options: &ManOptions) -> anyhow::Result<()> {
+    program.build();
+    let page = match &options.subcommand {
+        None => program,
+        Some(name) => {
+            let found = program.get_subcommands().find(|verb| verb.get_name() == name).cloned();
+            let known = || program.get_subcommands().map(Command::get_name).collect::<Vec<_>>();
+            found.ok_or_else(|| {
+                let known = known().join(", ");
+                Exit::Usage(format!("no subcommand '{name}'; the subcommands are {known}"))
+            })?
+        }
+    };
+    let name = page.get_display_name().unwrap_or("flipmap").to_string();
+    let mut text = Vec::new();
+    Man::new(page).title(name).render(&mut text)?;
+    super::say(String::from_utf8_lossy(&text).trim_end())
+}
+
+/// Prints the completions of a shell.
+pub(super) fn completions(mut program: Command, options: &CompletionOptions) -> anyhow::Result<()> {
+    let mut text = Vec::new();
+    clap_complete::generate(options.shell, &mut program, "flipmap", &mut text);
+    super::say(String::from_utf8_lossy(&text).trim_end())
+}

@@ -1,0 +1,50 @@
+//! Angles as people write them: in rad, in degrees (`-95deg`, `-95°`) or in parts of π (`0.5pi`).
+
+use crate::physics::{Scalar, Theta};
+
+/// Number of digits after the point of angles that are converted.
+const DIGITS: usize = 110;
+
+/// The text in rad of an angle that is given in degrees or in parts of π; any other text as it is.
+pub fn in_rad(text: &str) -> String {
+    let text = text.trim();
+    let in_degrees = || {
+        let degrees = text.strip_suffix("deg").or_else(|| text.strip_suffix('°'))?;
+        Some(Theta::parse(degrees.trim_end())? * Theta::pi() / Theta::from_f64(180.0))
+    };
+    let in_parts_of_pi = || {
+        let parts = text.strip_suffix("pi").or_else(|| text.strip_suffix('π'))?;
+        match parts.trim_end() {
+            "" | "+" => Some(Theta::pi()),
+            "-" => Some(-Theta::pi()),
+            parts => Some(Theta::parse(parts)? * Theta::pi()),
+        }
+    };
+    let rad = in_degrees().or_else(in_parts_of_pi);
+    rad.map_or_else(|| text.to_string(), |rad| rad.decimal(DIGITS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rad(text: &str) -> f64 {
+        in_rad(text).parse().unwrap()
+    }
+
+    #[test]
+    fn degrees_and_parts_of_pi_are_read() {
+        use std::f64::consts::{FRAC_PI_2, PI};
+        for (text, want) in [("90deg", FRAC_PI_2), ("-90°", -FRAC_PI_2), ("0.5pi", FRAC_PI_2)] {
+            assert_eq!(rad(text), want, "{text}");
+        }
+        assert_eq!([rad("pi"), rad("-π"), rad(" 180 deg ")], [PI, -PI, PI]);
+        assert!(
+            in_rad("180deg").starts_with("3.14159265358979323846264338327950288419716939937510")
+        );
+        // What is already in rad keeps every character of its own, and what is wrong is told as typed.
+        for as_it_is in ["0.100", "1e-30", "deg", "fivedeg", "pipi", ""] {
+            assert_eq!(in_rad(as_it_is), as_it_is);
+        }
+    }
+}
