@@ -91,7 +91,8 @@ fn pictures_of(page: &Path) -> Vec<String> {
     let text = fs::read_to_string(page).unwrap();
     let folder = page.parent().unwrap();
     let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-    let pictures = links.filter(|link| link.ends_with(".png") && !link.starts_with("http"));
+    let is_picture = |link: &&str| [".png", ".webp"].iter().any(|ending| link.ends_with(ending));
+    let pictures = links.filter(is_picture).filter(|link| !link.starts_with("http"));
     pictures.map(|link| folder.join(link).display().to_string()).collect()
 }
 

@@ -77,7 +77,7 @@ impl Codec {
             Codec::H264 => "libx264",
             Codec::Ffv1 => "ffv1",
             Codec::Gif => "gif",
-            Codec::WebP => "libwebp_anim",
+            Codec::WebP => "libwebp",
         }
     }
 
@@ -111,7 +111,8 @@ impl Codec {
                 "-vf split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1 \
                  -c:v gif -loop 0"
             }
-            Codec::WebP => "-c:v libwebp_anim -pix_fmt yuv420p -quality 90 -loop 0",
+            // Every frame is whole: differences between frames leave blocks behind in smooth areas.
+            Codec::WebP => "-c:v libwebp -pix_fmt yuv420p -quality 90 -loop 0",
         }
     }
 
