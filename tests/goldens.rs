@@ -16,7 +16,7 @@ use flipmap::engine::{Engine, Precision};
 use flipmap::output::compare::{Comparison, Difference, ResultRows, compare};
 use flipmap::output::{RowOrder, RowPainter};
 use flipmap::physics::Rule;
-use flipmap::scene::{Budget, Build, Kind, PictureTable, QuestionTable, Scene, View};
+use flipmap::scene::{Budget, Build, BuiltIn, Kind, PictureTable, QuestionTable, Scene, View};
 use flipmap::tiles::Work;
 use image::{Rgb, RgbImage};
 
@@ -42,10 +42,16 @@ fn goldens() -> Vec<Golden> {
         width: "1.6".into(),
         rotate: 30.0,
         stretch: 2.0,
+        ..View::default()
     };
     let plain = PictureTable::default();
+    let mut home = BuiltIn::home().document().scene();
+    home.view = home.view.fitted(SIZE.map(f64::from));
+    // The default of the first versions, whose pictures must open as they were.
+    let first = PictureTable { palette: "batlow".into(), ..plain.clone() };
     vec![
-        Golden { name: "home", scene: Scene::default(), picture: plain.clone(), wrong: 0.05 },
+        Golden { name: "home", scene: home, picture: plain.clone(), wrong: 0.05 },
+        Golden { name: "lesson", scene: Scene::default(), picture: first, wrong: 0.05 },
         Golden {
             name: "rods-either",
             scene: Scene { build: rods, question: question(Rule::Either, 8.0), ..Scene::default() },

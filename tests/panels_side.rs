@@ -62,7 +62,7 @@ fn scene() -> Harness<'static, Shown<Scene, Scene>> {
 
 fn colours(picture: PictureTable) -> Harness<'static, Shown<PictureTable, ColourAction>> {
     harness(
-        [320.0, 420.0],
+        [320.0, 450.0],
         picture,
         |ui, picture| colours_panel(ui, picture, &Scene::default(), true).into_iter().collect(),
         |state, action| {
@@ -240,9 +240,21 @@ fn colours_follow_what_is_pressed_and_typed() {
 fn the_legend_is_told_in_words() {
     let picture = PictureTable { times: vec![0.5, 2.0, 20.0], ..PictureTable::default() };
     let harness = colours(picture);
-    harness.get_by_label("Legend: batlow from 0.5 s to 20 s");
-    harness.get_by_label("Spread in 2 steps");
+    harness.get_by_label("Legend: iris from 0.5 s to 20 s");
+    harness.get_by_label("Stretched over 2 intervals of time");
     harness.get_by_label("not within the budget");
+}
+
+#[test]
+fn colours_beside_the_palette_are_picked() {
+    let mut harness = colours(PictureTable::default());
+    for name in ["Unflipped", "Forbidden", "Curve"] {
+        harness.get_by_role_and_label(Role::ColorWell, name);
+    }
+    harness.state_mut().state.colours.curve = Some("#ff0000".to_string());
+    harness.run_steps(2);
+    press(&mut harness, "Back to the default");
+    assert_eq!(harness.state().state, PictureTable::default());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use glam::{DMat2, DVec2};
 use super::reach::Reach;
 use crate::physics::{Scalar, Theta};
 use crate::scene::lattice::{DEEPEST, Region, pitch_rad};
-use crate::scene::{LEAST_WIDTH, View};
+use crate::scene::{BuiltIn, LEAST_WIDTH, View};
 
 /// A view as numbers, in the radians of the lattice; on the torus these are those of the angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,9 +44,18 @@ impl Camera {
         .within_reach()
     }
 
-    /// Returns the view of a plane that is shown first: the whole torus, or the middle of a plane
-    /// that has no end.
-    pub fn home(reach: Reach) -> Self {
+    /// Returns the view of a plane that is shown first on a canvas of this size: the whole torus,
+    /// as the home scene shows it, or the middle of a plane that has no end.
+    pub fn home(reach: Reach, canvas: DVec2) -> Self {
+        if reach != Reach::TORUS {
+            return Camera::whole(reach);
+        }
+        let view = BuiltIn::home().document().view;
+        Camera::from_view(&view.fitted(canvas.to_array()), reach)
+    }
+
+    /// Returns the view of as much of a plane as makes a picture, around its origin.
+    pub fn whole(reach: Reach) -> Self {
         let home = Camera::from_view(&View::default(), reach);
         let share = if reach.repeats { 1.0 } else { HOME_SHARE };
         Camera { width_rad: share * std::f64::consts::TAU, ..home }
@@ -54,13 +63,19 @@ impl Camera {
 
     /// Returns the view as people write it, with as many digits as its width can show.
     pub fn view(&self) -> View {
-        // Six digits below the width are far below a pixel of any screen.
-        let decimals = (6.0 - self.width().log10()).ceil().max(6.0) as usize;
+        // Six digits below the width are far below a pixel of any screen; so many that they are read
+        // as π keep the symmetry around π.
+        let decimals = |coordinate: Theta| {
+            let is_pi = self.reach.repeats && coordinate.abs() == Theta::pi();
+            let below = if is_pi { 16.0 } else { 6.0 };
+            (below - self.width().log10()).ceil().max(below) as usize
+        };
         View {
-            center: self.reach.coordinates(self.center).map(|x| x.decimal(decimals)),
+            center: self.reach.coordinates(self.center).map(|x| x.decimal(decimals(x))),
             width: format!("{:?}", self.width()),
             rotate: self.rotate_deg,
             stretch: self.stretch,
+            fit: false,
         }
     }
 
@@ -186,6 +201,8 @@ impl Move {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use proptest::prelude::*;
 
@@ -194,7 +211,7 @@ mod tests {
     }
 
     fn home() -> Camera {
-        Camera::home(Reach::TORUS)
+        Camera::whole(Reach::TORUS)
     }
 
     proptest! {
@@ -242,6 +259,23 @@ mod tests {
         assert_eq!(back.width_rad, camera.width_rad);
         assert_eq!(Camera::from_view(&View::default(), Reach::TORUS), home());
         assert_eq!(home().view(), View::default());
+    }
+
+    #[test]
+    fn a_view_around_pi_stays_there() {
+        for width_rad in [TAU, 1.0, 1e-9] {
+            let camera = Camera { center: [Theta::pi(), Theta::ZERO], width_rad, ..home() };
+            assert_eq!(Camera::from_view(&camera.view(), Reach::TORUS), camera);
+        }
+    }
+
+    #[test]
+    fn home_fits_into_every_canvas() {
+        for (canvas, width_rad) in [([1280.0, 800.0], 1.6 * TAU), ([600.0, 900.0], TAU)] {
+            let camera = Camera::home(Reach::TORUS, DVec2::from_array(canvas));
+            assert_eq!(camera.center, [Theta::pi(), Theta::ZERO]);
+            assert!((camera.width_rad - width_rad).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -180,8 +180,9 @@ fn run(
     let words = RunTable { size: Some(request.size), ..request.document.run.clone() };
     let RunSpec { setting, verify, table } = RunSpec::resolve(words)?;
     let engine_request = &EngineRequest { setting, ..engine_request.clone() };
-    let document = Document { run: table, ..request.document.clone() };
+    let mut document = Document { run: table, ..request.document.clone() };
     document.check()?;
+    document.view = document.view.fitted(request.size.map(f64::from));
     document.picture.check_size(request.size).map_err(crate::scene::DocumentError::from)?;
     let scene = document.scene();
     let mut sinks =

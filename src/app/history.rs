@@ -31,6 +31,11 @@ impl History {
         self.current = self.views.len() - 1;
     }
 
+    /// Replaces one view by another wherever it was visited.
+    pub fn replace(&mut self, view: Camera, by: Camera) {
+        self.views.iter_mut().filter(|visited| **visited == view).for_each(|visited| *visited = by);
+    }
+
     /// Goes back to the previous view and returns it, if there is one.
     pub fn back(&mut self) -> Option<Camera> {
         self.current = self.current.checked_sub(1)?;
@@ -62,7 +67,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn view(width_rad: f64) -> Camera {
-        Camera { width_rad, ..Camera::home(Reach::TORUS) }
+        Camera { width_rad, ..Camera::whole(Reach::TORUS) }
     }
 
     proptest! {

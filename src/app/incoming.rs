@@ -17,7 +17,7 @@ impl AppState {
         self.ask(&Scene { question, ..scene.clone() });
         self.picture = document.picture.clone();
         self.layers.curve = document.picture.curve;
-        self.go(Camera::from_view(&scene.view, self.camera.reach));
+        self.go(Camera::from_view(&scene.view.fitted(self.canvas.to_array()), self.camera.reach));
         if self.compute_as(&document.run) {
             return Some(Effect::Reopen);
         }
@@ -43,8 +43,11 @@ impl AppState {
         }
         let view = self.target().view();
         self.moving = None;
-        self.camera =
-            if is_same_kind { Camera::from_view(&view, reach) } else { Camera::home(reach) };
+        self.camera = if is_same_kind {
+            Camera::from_view(&view, reach)
+        } else {
+            Camera::home(reach, self.canvas)
+        };
         self.history = History::new(self.camera);
     }
 

@@ -109,7 +109,7 @@ impl AppModel {
             let scene = Scene { plane, ..self.state.scene() };
             self.act(vec![Action::Scene(Box::new(scene))]);
         }
-        let home = Camera::home(Reach::TORUS);
+        let home = Camera::whole(Reach::TORUS);
         let width_rad = home.width_rad * PART;
         let center = start.angle.map(|angle| Theta::from_f64(angle).wrapped());
         let camera = Camera { center, width_rad, ..home };

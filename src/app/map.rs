@@ -6,11 +6,13 @@ use glam::DVec2;
 use super::action::Action;
 use super::canvas::pipeline::MapFrame;
 use super::captions::{place_words, words_of};
+use super::energy_curve;
 use super::gesture::Gesture;
 use super::hover::Answer;
 use super::overlay::{self, position};
 use super::state::AppState;
 use crate::physics::Theta;
+use crate::scene::palette::Ground;
 
 /// The sample of the map under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,8 +149,9 @@ fn draw_layers(painter: &egui::Painter, rect: Rect, state: &AppState) {
         overlay::draw_axes(painter, rect, state.plane.axes());
     }
     if state.has_energy_curve() {
-        let lines = overlay::energy_curve(&screen, &state.build, state.question.watched());
-        overlay::draw_curve(painter, rect, &lines);
+        let lines = energy_curve::energy_curve(&screen, &state.build, state.question.watched());
+        let ground = Ground::of(&state.picture).unwrap_or(Ground::LIGHT);
+        energy_curve::draw_curve(painter, rect, &lines, ground.curve);
     }
 }
 

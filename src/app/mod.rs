@@ -18,6 +18,7 @@ pub mod descent;
 pub mod dialog;
 mod effects;
 pub mod egui_host;
+pub mod energy_curve;
 pub mod export;
 pub mod flight;
 pub mod folders;

@@ -33,7 +33,7 @@ use crate::engine::choice::EngineRequest;
 use crate::engine::run_settings::RunSpec;
 use crate::lab::{Figure, Lab};
 use crate::scene::palette::equalised;
-use crate::scene::{Document, PictureTable, RunTable};
+use crate::scene::{BuiltIn, Document, PictureTable, RunTable};
 use crate::tiles::explorer::ViewProgress;
 
 /// Options for opening a window.
@@ -109,7 +109,8 @@ impl AppModel {
         let mut store = Store::new(&options.folders);
         let Loaded { settings, notice } = store.load();
         let last = settings.last_scene.clone().filter(|_| settings.restore);
-        let mut document = options.document.clone().or(last).unwrap_or_default();
+        let document = options.document.clone().or(last);
+        let mut document = document.unwrap_or_else(|| BuiltIn::home().document());
         let words = options.run.as_ref().unwrap_or(&document.run).clone();
         let resolved = RunSpec::resolve(words);
         let problem = resolved.as_ref().err().map(ToString::to_string);
@@ -295,9 +296,8 @@ impl AppModel {
 
     fn canvas(&mut self, ui: &mut Ui) -> Vec<Action> {
         let size = ui.available_size_before_wrap();
-        self.state.canvas =
-            glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
-        self.state.pixels_per_point = f64::from(ui.ctx().pixels_per_point());
+        let canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
+        self.state.resize(canvas, f64::from(ui.ctx().pixels_per_point()));
         let screen = self.state.screen();
         let scene = self.state.scene();
         let AppState { picture, layers, .. } = &self.state;

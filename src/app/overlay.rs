@@ -1,106 +1,20 @@
-//! The overlays on the colours: the energy curve, the grid of angles, borders of tiles.
+//! The overlays on the colours: the grid of angles, borders of tiles.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
 
 use super::camera::Screen;
-use crate::physics::{Angle, Rule, Scalar, Theta};
+use crate::physics::{Scalar, Theta};
+use crate::scene::Axis;
 use crate::scene::lattice::side_rad;
-use crate::scene::{Axis, Build};
 use crate::tiles::explorer::MOST_CELLS;
 
 /// Least distance in points between grid lines.
 const POINTS_APART: f64 = 130.0;
-/// Distance in points between the nodes at which the energy is evaluated.
-const CURVE_NODE: f64 = 8.0;
 
 /// Returns the position in the canvas' rectangle of a point relative to its middle.
 pub fn position(rect: Rect, point: DVec2) -> Pos2 {
     rect.center() + egui::vec2(point.x as f32, point.y as f32)
-}
-
-/// The depth (the negated potential energy) of starts near a centre, minus the bound above which
-/// they can never flip. Differences from the centre are computed separately from its own depth, so
-/// that no digit is lost however small the view.
-struct EnergyDepth {
-    /// Value at the centre in J.
-    center: f64,
-    /// P and Q in J, and sine and cosine of the centre's angles.
-    weights: [f64; 2],
-    sines: [[f64; 2]; 2],
-}
-
-impl EnergyDepth {
-    fn new(build: &Build, rule: Rule, center: [Theta; 2]) -> Self {
-        let pendulum = build.pendulum_in::<Theta>();
-        let sines = center.map(|theta| theta.sin_cos());
-        let depth = pendulum.depth(sines.map(|(_, cos)| cos)) - pendulum.least_depth(rule);
-        let weights = [pendulum.p, pendulum.q].map(Theta::to_f64);
-        let sines = sines.map(|(sin, cos)| [sin.to_f64(), cos.to_f64()]);
-        EnergyDepth { center: depth.to_f64(), weights, sines }
-    }
-
-    /// Returns the value at an offset from the centre, in J.
-    fn at(&self, offset: DVec2) -> f64 {
-        let rise = |i: usize, by: f64| {
-            let half = (by / 2.0).sin();
-            let [sin, cos] = self.sines[i];
-            self.weights[i] * (-2.0 * cos * half * half - sin * by.sin())
-        };
-        self.center + rise(0, offset.x) + rise(1, offset.y)
-    }
-}
-
-/// Returns the energy curve as short lines, in points from the middle of the canvas.
-pub fn energy_curve(screen: &Screen, build: &Build, rule: Rule) -> Vec<[DVec2; 2]> {
-    let depth = EnergyDepth::new(build, rule, screen.camera.center);
-    let columns = (screen.size.x / CURVE_NODE).ceil() as usize;
-    let rows = (screen.size.y / CURVE_NODE).ceil() as usize;
-    let node = |column: usize, row: usize| {
-        DVec2::new(column as f64, row as f64) * CURVE_NODE - screen.size / 2.0
-    };
-    let row_of = |row: usize| -> Vec<f64> {
-        (0..=columns).map(|column| depth.at(screen.offset_at(node(column, row)))).collect()
-    };
-    let mut lines = Vec::new();
-    let mut above = row_of(0);
-    for row in 0..rows {
-        let below = row_of(row + 1);
-        for column in 0..columns {
-            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| {
-                let depths = if y == 0 { &above } else { &below };
-                (node(column + x, row + y), depths[column + x])
-            });
-            lines.extend(crossing(corners));
-        }
-        above = below;
-    }
-    lines
-}
-
-/// Returns the curve's lines in a square, interpolated along its sides (marching squares).
-fn crossing(corners: [(DVec2, f64); 4]) -> impl Iterator<Item = [DVec2; 2]> {
-    let mut points = Vec::new();
-    for side in 0..4 {
-        let ((a, depth_a), (b, depth_b)) = (corners[side], corners[(side + 1) % 4]);
-        if (depth_a > 0.0) != (depth_b > 0.0) {
-            points.push(a + (b - a) * (depth_a / (depth_a - depth_b)));
-        }
-    }
-    let pairs = points.len() / 2;
-    (0..pairs).map(move |pair| [points[2 * pair], points[2 * pair + 1]])
-}
-
-/// Draws the energy curve: dark, with a light rim, so that it is visible on every colour.
-pub fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]]) {
-    for stroke in
-        [Stroke::new(3.0, Color32::from_white_alpha(90)), Stroke::new(1.5, Color32::BLACK)]
-    {
-        let segment = |line: &[DVec2; 2]| {
-            Shape::line_segment(line.map(|point| position(rect, point)), stroke)
-        };
-        painter.extend(lines.iter().map(segment));
-    }
 }
 
 /// A line of the grid: the angle it marks, its value as people write it, and its distance from the
@@ -308,37 +222,8 @@ mod tests {
 
     fn screen(center: [&str; 2], width_rad: f64) -> Screen {
         let center = center.map(|text| Theta::parse(text).unwrap());
-        let camera = Camera { center, width_rad, ..Camera::home(Reach::TORUS) };
+        let camera = Camera { center, width_rad, ..Camera::whole(Reach::TORUS) };
         Screen { camera, size: DVec2::new(640.0, 480.0), pixels_per_point: 1.0 }
-    }
-
-    #[test]
-    fn the_curve_is_where_the_energy_is_that_of_its_bound() {
-        let screen = screen(["0", "0"], std::f64::consts::TAU);
-        let lines = energy_curve(&screen, &Build::default(), Rule::Second);
-        assert!(lines.len() > 50);
-        for point in lines.iter().flatten() {
-            let [theta1, theta2] = screen.angle_at(*point).map(Theta::to_f64);
-            let depth = 2.0 * theta1.cos() + theta2.cos() - 1.0;
-            assert!(depth.abs() < 2e-3, "{depth} at {theta1}, {theta2}");
-        }
-    }
-
-    #[test]
-    fn the_curve_stays_a_line_at_any_depth() {
-        // cos θ2 = 1 − 2 cos θ1 at θ1 = 1.3.
-        let lit = Theta::from_f64;
-        let wanted = lit(1.0) - lit(2.0) * Theta::parse("1.3").unwrap().sin_cos().1;
-        // Newton steps from the f64 arc cosine.
-        let exact = (0..4).fold(lit(wanted.to_f64().acos()), |theta, _| {
-            let (sin, cos) = theta.sin_cos();
-            theta + (cos - wanted) / sin
-        });
-        let center = ["1.3".to_string(), exact.to_string()];
-        let screen = screen([&center[0], &center[1]], 1e-90);
-        let lines = energy_curve(&screen, &Build::default(), Rule::Second);
-        let nearest = lines.iter().flatten().map(|p| p.length()).fold(f64::MAX, f64::min);
-        assert!(lines.len() > 30 && nearest < 8.0, "{} lines, {nearest}", lines.len());
     }
 
     #[test]
@@ -365,7 +250,7 @@ mod tests {
         let camera = Camera {
             center: [0.5, 0.0].map(Theta::from_f64),
             width_rad: 1.0,
-            ..Camera::home(reach)
+            ..Camera::whole(reach)
         };
         let screen = Screen { camera, ..screen(["0", "0"], 1.0) };
         let lines = round_lines(&screen, 0);

@@ -135,7 +135,8 @@ impl AppState {
     /// Creates the state of a document with its resolved settings.
     pub fn new(document: &Document, spec: RunSpec) -> Self {
         let scene = document.scene();
-        let camera = Camera::from_view(&scene.view, Reach::of(&scene));
+        let canvas = DVec2::new(1280.0, 800.0);
+        let camera = Camera::from_view(&scene.view.fitted(canvas.to_array()), Reach::of(&scene));
         AppState {
             build: scene.build,
             question: following(&scene),
@@ -147,7 +148,7 @@ impl AppState {
             moving: None,
             dragging: false,
             history: History::new(camera),
-            canvas: DVec2::new(1280.0, 800.0),
+            canvas,
             pixels_per_point: 1.0,
             pointer: None,
             drawing: None,
@@ -196,6 +197,18 @@ impl AppState {
     /// Returns the current camera, or the one at the end of a move in progress.
     pub fn target(&self) -> Camera {
         self.moving.map_or(self.camera, |moving| moving.to)
+    }
+
+    /// Sets the size of the canvas; the home view fits into it again.
+    pub fn resize(&mut self, canvas: DVec2, pixels_per_point: f64) {
+        let [was, now] = [self.canvas, canvas].map(|size| Camera::home(self.camera.reach, size));
+        (self.canvas, self.pixels_per_point) = (canvas, pixels_per_point);
+        self.history.replace(was, now);
+        match &mut self.moving {
+            Some(moving) if moving.to == was => moving.to = now,
+            None if self.camera == was => self.camera = now,
+            _ => {}
+        }
     }
 
     /// Returns the canvas as it will look at the end of a move.
@@ -317,7 +330,7 @@ impl AppState {
                 let target = self.through(self.target());
                 self.go(target.camera.moved(target.offset_at(share * self.canvas)));
             }
-            Look::Home => self.go(Camera::home(self.camera.reach)),
+            Look::Home => self.go(Camera::home(self.camera.reach, self.canvas)),
             Look::Back => {
                 if let Some(camera) = self.history.back() {
                     self.go(camera);
@@ -430,7 +443,7 @@ pub(super) mod tests {
         assert!(state.history.has_back());
         look(&mut state, Look::Back);
         state.tick(2.0);
-        assert_eq!(state.camera, Camera::home(Reach::TORUS));
+        assert_eq!(state.camera, Camera::whole(Reach::TORUS));
         look(&mut state, Look::Forward);
         state.tick(3.0);
         assert!((state.camera.width_rad - std::f64::consts::TAU / 16.0).abs() < 1e-12);
@@ -519,7 +532,7 @@ pub(super) mod tests {
         ask(&mut state, |scene| scene.question.ask = Ask::Flip);
         assert_eq!(state.picture.channel, None, "flips have no speeds");
         ask(&mut state, |scene| scene.plane.kind = "speeds".parse().unwrap());
-        assert_eq!(state.camera, Camera::home(state.camera.reach));
+        assert_eq!(state.camera, Camera::whole(state.camera.reach));
         assert!(!state.camera.reach.repeats && !state.history.has_back());
         assert!(!state.has_energy_curve());
         // A faster pendulum has a larger lattice; the view shows the same ones.

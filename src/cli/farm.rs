@@ -200,7 +200,7 @@ fn spread(
     picture.times = times;
     if !options.says_cycles() && picture.cycles == 1.0 {
         picture.cycles = (decades / DECADES_A_CYCLE).clamp(1.0, 100.0).round();
-        if options.says_no_palette() && picture.palette == Palette::DEFAULT {
+        if options.says_no_palette() && Palette::is_unchosen(&picture.palette) {
             picture.palette = Palette::CYCLIC.to_string();
         }
     }

@@ -67,8 +67,8 @@ impl FilmOptions {
     }
 
     /// Name of the scene of a still, if one was given.
-    pub(super) fn scene(&self) -> Option<String> {
-        self.scenes.first().cloned()
+    pub(super) fn scene(&self) -> Option<&str> {
+        self.scenes.first().map(String::as_str)
     }
 
     /// Returns the checked film and its run settings; all keys get the picture and run tables of
@@ -91,6 +91,7 @@ impl FilmOptions {
         let spec = self.run.settle(&mut first.scene)?;
         let how = (first.scene.picture.clone(), first.scene.run.clone());
         for key in &mut keys {
+            key.scene.view = key.scene.view.fitted(spec.size().map(f64::from));
             (key.scene.picture, key.scene.run) = how.clone();
         }
         let mut film = self.timed(keys, spec.size())?;
@@ -107,7 +108,7 @@ impl FilmOptions {
         match (&self.scenes[..], &self.zoom_to, &self.vary) {
             (_, Some(_), Some(_)) => usage("--zoom-to and --vary exclude each other; give one"),
             ([] | [_], Some(to), None) => self.zoom(to),
-            ([] | [_], None, Some(vary)) => varied(self.from()?.settled(), vary),
+            ([] | [_], None, Some(vary)) => varied(self.words.base(self.scene())?.settled(), vary),
             ([keys], None, None) if is_toml(keys) => Ok(read_keys(keys)?),
             ([_, _, ..], None, None) => {
                 let scenes: anyhow::Result<Vec<Document>> =
@@ -121,10 +122,6 @@ impl FilmOptions {
         }
     }
 
-    fn from(&self) -> anyhow::Result<Document> {
-        self.scenes.first().map_or_else(|| Ok(Document::default()), |name| load(name))
-    }
-
     /// Keys of a zoom to a scene, from the named one or from home with the target's own question.
     fn zoom(&self, to: &str) -> anyhow::Result<Vec<Key>> {
         let mut to = load(to)?;
@@ -132,7 +129,7 @@ impl FilmOptions {
         to.picture.times.clear();
         let from = match self.scenes.first() {
             Some(name) => load(name)?,
-            None => to.clone().with_scene(Scene { view: View::default(), ..to.scene() }),
+            None => to.clone().with_scene(Scene { view: View::home_of(&to.plane), ..to.scene() }),
         };
         Ok(spaced(vec![from, to]))
     }

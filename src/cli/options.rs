@@ -94,15 +94,21 @@ impl SceneOptions {
 
     /// Loads the named scene, applies the options, and checks the result.
     pub(super) fn document(&self) -> anyhow::Result<Document> {
-        let document = match &self.scene {
-            Some(scene) => load(scene)?,
-            None => Document::default(),
-        };
-        Ok(self.words.apply(document)?)
+        Ok(self.words.apply(self.words.base(self.scene.as_deref())?)?)
     }
 }
 
 impl SceneWords {
+    /// Loads the scene to which the options apply: the named one, or the home scene. On another
+    /// plane that is the middle.
+    pub(super) fn base(&self, scene: Option<&str>) -> anyhow::Result<Document> {
+        match scene {
+            Some(scene) => load(scene),
+            None if self.plane.is_some() => Ok(Document::default()),
+            None => Ok(BuiltIn::home().document()),
+        }
+    }
+
     /// Applies the options to a document and checks the result.
     pub(super) fn apply(&self, document: Document) -> Result<Document, SceneError> {
         let mut scene = document.scene();

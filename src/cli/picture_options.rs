@@ -12,7 +12,7 @@ use super::options::{number, set};
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Picture")]
 pub(super) struct PictureOptions {
-    /// Colour palette: batlow, viridis, magma, cividis or romao (cyclic)
+    /// Colour palette: iris, batlow, viridis, magma, cividis or romao (cyclic)
     #[arg(long, value_name = "NAME")]
     palette: Option<String>,
     /// Average the colours of N × N samples per pixel, N from 1 to 8
@@ -43,6 +43,10 @@ pub(super) struct PictureOptions {
     /// Draw a legend in the lower left corner: the values of the colours, with units
     #[arg(long)]
     legend: bool,
+    /// Colours of starts without an answer, of the forbidden region and of the energy curve, as in
+    /// unflipped=#101018,forbidden=#303038,curve=#ffffff (default: what suits the palette)
+    #[arg(hide_short_help = true, long, value_name = "NAME=#rrggbb,...")]
+    colours: Option<String>,
     /// Leave out the energy curve
     #[arg(hide_short_help = true, long)]
     no_curve: bool,
@@ -102,6 +106,10 @@ impl PictureOptions {
         picture.curve &= !self.no_curve;
         picture.legend |= self.legend;
         picture.reverse |= self.reverse;
+        if let Some(text) = &self.colours {
+            let refuse = |why| Exit::Usage(format!("--colours is '{text}'; {why}"));
+            picture.colours.set(text).map_err(refuse)?;
+        }
         set(&mut picture.scale, "--scale", &self.scale, Scale::from_str)?;
         set(&mut picture.cycles, "--cycles", &self.cycles, |text| {
             number(text).ok_or("it must be a number between 1 and 100")

@@ -14,7 +14,6 @@ use flipmap::scene::film::FilmKind;
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
-use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
@@ -132,10 +131,11 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
         }
         return Ok((PlannedOutput::Film(film), spec));
     }
-    let scene = SceneOptions { scene: options.film.scene(), ..SceneOptions::default() };
-    let mut document = options.film.words.apply(scene.document()?)?;
+    let words = &options.film.words;
+    let mut document = words.apply(words.base(options.film.scene())?)?;
     options.film.picture.apply(&mut document)?;
     let spec = options.film.run.settle(&mut document)?;
+    document.view = document.view.fitted(spec.size().map(f64::from));
     document.picture.check()?;
     document.picture.check_size(spec.size())?;
     Ok((PlannedOutput::Still(Box::new(document.settled())), spec))

@@ -112,6 +112,7 @@ fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Docume
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;
     options.picture.apply(&mut document)?;
+    document.view = document.view.fitted(spec.size().map(f64::from));
     let inputs: Vec<_> = options.scene.file().into_iter().collect();
     outputs.check(options.json, spec.verify, options.state.as_deref(), &inputs)?;
     check_state(options, &document, &spec)?;

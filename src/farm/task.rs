@@ -10,7 +10,7 @@ use crate::film::{FrameGroup, frame_groups};
 use crate::output::sha256;
 use crate::scene::film::Film;
 use crate::scene::lattice::Cell;
-use crate::scene::{Build, Document, QuestionTable, Scene};
+use crate::scene::{Build, Document, QuestionTable, Scene, View};
 use crate::tiles::patches::{PATCH_SAMPLES, canonical};
 
 /// Largest number of patches in a hand, which is dealt to one shard.
@@ -220,7 +220,11 @@ fn what_of(scene: &Scene) -> String {
     let build = format!(
         "Build {{ kind: {kind:?}, masses: {masses:?}, lengths: {lengths:?}, gravity: {gravity:?} }}"
     );
-    let plain = format!("{build} {} {} {view:?}", question.rule, question.budget.secs);
+    let View { center, width, rotate, stretch, fit: _ } = view;
+    let view = format!(
+        "View {{ center: {center:?}, width: {width:?}, rotate: {rotate:?}, stretch: {stretch:?} }}"
+    );
+    let plain = format!("{build} {} {} {view}", question.rule, question.budget.secs);
     if scene.is_flip_from_rest() && !scene.build.has_friction() {
         return plain;
     }

@@ -4,22 +4,23 @@ use super::WAITING;
 use super::mip::Light;
 use crate::physics::{Outcome, Status};
 use crate::scene::film::Shot;
-use crate::scene::palette::{Rgb, Tones, UNFLIPPED, light_table};
+use crate::scene::palette::{Rgb, Tones, light_table};
 use crate::tiles::Samples;
 
-/// The flips that a frame shows, and the colour of starts that have not flipped by then.
+/// The flips that a frame shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlipWindow {
     secs: f64,
-    others: Rgb,
+    /// True if the others are still waiting for theirs.
+    waits: bool,
 }
 
 impl FlipWindow {
     /// The flips that a shot shows: all within its budget, or those within its clock.
     pub fn of(shot: &Shot) -> Self {
         match shot.clock_secs {
-            Some(secs) => FlipWindow { secs, others: WAITING },
-            None => FlipWindow { secs: shot.scene.question.budget.secs, others: UNFLIPPED },
+            Some(secs) => FlipWindow { secs, waits: true },
+            None => FlipWindow { secs: shot.scene.question.budget.secs, waits: false },
         }
     }
 }
@@ -43,9 +44,10 @@ impl Colours {
     }
 
     fn colour(&self, outcome: &Outcome, shown: &FlipWindow) -> Rgb {
+        let others = if shown.waits { WAITING } else { self.tones.ground().unflipped };
         match outcome.status {
-            Status::Flipped if outcome.time > shown.secs => shown.others,
-            Status::Unflipped => shown.others,
+            Status::Flipped if outcome.time > shown.secs => others,
+            Status::Unflipped => others,
             _ => self.tones.colour(outcome),
         }
     }

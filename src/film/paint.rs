@@ -12,13 +12,13 @@ use rayon::prelude::*;
 
 use super::Mip;
 use super::mip::Light;
-use crate::output::curve_cover;
+use crate::output::{blended, curve_cover};
 use crate::scene::palette::encoded;
 
 use crate::scene::Turn;
 use crate::scene::film::Shot;
 use crate::scene::lattice::Cell;
-use crate::scene::palette::Rgb;
+use crate::scene::palette::{Ground, Rgb};
 use crate::scene::{Grid, PictureTable, Scene};
 use crate::tiles::patches::{PATCH_SIDE, SLACK, Sight, offset_rad, patch_pitch_rad};
 
@@ -29,7 +29,8 @@ pub const WAITING: Rgb = [0x16, 0x18, 0x1d];
 pub struct FramePainter {
     size: [u32; 2],
     samples: u32,
-    curve: bool,
+    /// The colour of the energy curve, if it is drawn.
+    curve: Option<Rgb>,
     /// The sRGB value of every linear light.
     encode: Vec<u8>,
     /// Light of the cells that the previous frame used.
@@ -56,8 +57,8 @@ impl FramePainter {
     /// A painter of frames of this size.
     pub fn new(size: [u32; 2], picture: &PictureTable) -> Self {
         let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
-        let PictureTable { samples, curve, .. } = *picture;
-        FramePainter { size, samples, curve, encode, used: HashMap::new() }
+        let curve = Ground::of(picture).ok().filter(|_| picture.curve).map(|ground| ground.curve);
+        FramePainter { size, samples: picture.samples, curve, encode, used: HashMap::new() }
     }
 
     /// Forgets the previous frame's colours, because other colours follow.
@@ -76,15 +77,14 @@ impl FramePainter {
         let (coarse, fine) = (coarse?, fine?);
         self.used = now;
         let grid = Grid::new(&shot.scene, self.size);
-        let curve = self.curve && shot.scene.build.pendulum().q > 0.0;
+        let curve = self.curve.filter(|_| shot.scene.build.pendulum().q > 0.0);
         let mut bytes = vec![0; 3 * self.size[0] as usize * self.size[1] as usize];
         bytes.par_chunks_mut(3 * self.size[0] as usize).enumerate().for_each(|(row, bytes)| {
             for (column, rgb) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 let light = self.light([column, row], &grid, [&coarse, &fine], fine_share);
                 *rgb = light.map(|light| self.encode[(light + 0.5) as usize]);
-                if curve {
-                    let bright = 1.0 - curve_cover(&grid, column as u32, row as u32);
-                    *rgb = rgb.map(|channel| (f64::from(channel) * bright).round() as u8);
+                if let Some(curve) = curve {
+                    *rgb = blended(*rgb, curve, curve_cover(&grid, column as u32, row as u32));
                 }
             }
         });

@@ -30,7 +30,7 @@ pub use digest::sha256;
 pub use exr::ExrWriter;
 pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};
 pub use npy::NpyWriter;
-pub use paint::{RowPainter, curve_cover};
+pub use paint::{RowPainter, blended, curve_cover};
 pub use picture_file::PictureFile;
 pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
 pub use pyramid::{Pyramid, PyramidFolder, TILE_SIDE};

@@ -67,11 +67,16 @@ impl RowPainter {
         }
     }
 
-    /// Darkens `colour` towards black where the energy curve passes.
     fn with_curve(&self, colour: Rgb, column: u32) -> Rgb {
         let cover = curve_cover(&self.grid, column, self.next_row);
-        colour.map(|channel| (f64::from(channel) * (1.0 - cover)).round() as u8)
+        blended(colour, self.colours.ground().curve, cover)
     }
+}
+
+/// The colour of which `above` covers a share.
+pub fn blended(below: Rgb, above: Rgb, cover: f64) -> Rgb {
+    let mix = |i: usize| f64::from(below[i]) * (1.0 - cover) + f64::from(above[i]) * cover;
+    [0, 1, 2].map(|i| mix(i).round() as u8)
 }
 
 /// Share of a pixel that the energy curve covers, from its distance to the pixel's middle.
@@ -100,7 +105,7 @@ fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
 mod tests {
     use super::*;
     use crate::physics::{Outcome, Status};
-    use crate::scene::palette::{FORBIDDEN, UNFLIPPED};
+    use crate::scene::palette::Ground;
 
     fn painter(size: [u32; 2], samples: u32, curve: bool) -> RowPainter {
         let picture = PictureTable { samples, curve, ..PictureTable::default() };
@@ -112,7 +117,8 @@ mod tests {
         let mut samples = Samples::unflipped(4);
         samples.set(1, Outcome::without_time(Status::Forbidden));
         let bytes = painter([2, 2], 1, false).paint(&samples);
-        assert_eq!(bytes, [UNFLIPPED, FORBIDDEN, UNFLIPPED, UNFLIPPED].concat());
+        let Ground { unflipped, forbidden, .. } = Ground::DARK;
+        assert_eq!(bytes, [unflipped, forbidden, unflipped, unflipped].concat());
     }
 
     #[test]
@@ -122,7 +128,8 @@ mod tests {
         samples.set(0, Outcome::without_time(Status::Forbidden));
         assert!(painter.paint(&samples).is_empty());
         let mixed = painter.paint(&samples);
-        let mean = (light(255) + light(FORBIDDEN[0])) / 2.0;
+        let Ground { unflipped, forbidden, .. } = Ground::DARK;
+        let mean = (light(unflipped[0]) + light(forbidden[0])) / 2.0;
         assert_eq!(mixed[0], encoded(mean));
     }
 
@@ -134,14 +141,15 @@ mod tests {
     }
 
     #[test]
-    fn the_energy_curve_is_a_thin_dark_ring() {
+    fn the_energy_curve_is_a_thin_ring() {
         let size = [64, 64];
         let bytes = painter(size, 1, true).paint(&Samples::unflipped(64 * 64));
-        let dark = bytes.chunks(3).filter(|rgb| rgb[0] < 64).count();
-        assert!((60..400).contains(&dark), "{dark}");
+        let [ground, curve] = [Ground::DARK.unflipped[0], Ground::DARK.curve[0]];
+        let ring = bytes.chunks(3).filter(|rgb| rgb[0] > curve / 2).count();
+        assert!((60..400).contains(&ring), "{ring}");
         // The curve is 2 cos θ1 + cos θ2 = 1: at θ1 = 0 only θ2 = π, and at θ2 = 0 it is θ1 = ±π/2.
         let at = |x: usize, y: usize| bytes[3 * (y * 64 + x)];
-        assert!(at(48, 32) < 64 || at(47, 32) < 64);
-        assert_eq!(at(32, 32), 255);
+        assert!(at(48, 32) > curve / 2 || at(47, 32) > curve / 2);
+        assert_eq!(at(32, 32), ground);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::engine::Trust;
 use crate::physics::Status;
-use crate::scene::palette::{FORBIDDEN, Rgb};
+use crate::scene::palette::{Ground, Rgb};
 use crate::tiles::Samples;
 
 /// Colours by trust: dark for what a cheap check confirmed, brighter for what took more, red for
@@ -18,7 +18,7 @@ const COLOURS: [(Trust, Rgb); 5] = [
 /// RGB bytes of samples by their trust; forbidden samples are coloured as in any picture.
 pub fn trust_colours(samples: &Samples) -> Vec<u8> {
     let colour = |(index, status): (usize, Status)| match status {
-        Status::Forbidden => FORBIDDEN,
+        Status::Forbidden => Ground::LIGHT.forbidden,
         _ => COLOURS[samples.trust(index) as usize].1,
     };
     samples.iter().map(|outcome| outcome.status).enumerate().flat_map(colour).collect()

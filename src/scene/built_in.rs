@@ -21,8 +21,8 @@ macro_rules! scenes {
 }
 
 /// All built-in scenes as they are shown: from the whole map inwards, then the others.
-pub const BUILT_IN: [BuiltIn; 22] = scenes! {
-    "home" "filigree" "threads" "deep" "abyss" "trench" "seabed" "shore" "tip" "upright" "island" "either" "first" "rods"
+pub const BUILT_IN: [BuiltIn; 23] = scenes! {
+    "home" "lesson" "filigree" "threads" "deep" "abyss" "trench" "seabed" "shore" "tip" "upright" "island" "either" "first" "rods"
     "heavy" "heyl" "moment" "islands" "turns" "section" "thrown" "damped"
 };
 
@@ -33,6 +33,11 @@ impl BuiltIn {
     /// Finds the scene called `name`.
     pub fn named(name: &str) -> Option<Self> {
         BUILT_IN.into_iter().find(|scene| scene.name == name)
+    }
+
+    /// The scene that is shown where none is named.
+    pub fn home() -> Self {
+        BUILT_IN[0]
     }
 
     /// The scene whose name is most like a mistyped one, if any is.
@@ -76,7 +81,10 @@ mod tests {
             assert!(BUILT_IN.iter().filter(|other| other.sentence() == sentence).count() == 1);
             assert!(!Grid::new(&scene.document().scene(), [8, 8]).pixel_rad().is_nan());
         }
-        assert_eq!(BuiltIn::named("home").unwrap().document(), Document::default());
+        assert_eq!(BuiltIn::named("lesson").unwrap().document(), Document::default());
+        let home = BuiltIn::home().document();
+        assert_eq!((BuiltIn::home().name, home.view.fit), ("home", true));
+        assert!(home.scene().is_symmetric(), "half of it is enough");
         assert_eq!(BuiltIn::named("elsewhere"), None);
         for mistyped in ["filigre", "Filigree", "fligree", "filgiree"] {
             assert_eq!(BuiltIn::like(mistyped), BuiltIn::named("filigree"), "{mistyped}");

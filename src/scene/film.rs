@@ -260,6 +260,7 @@ fn between_views(a: &View, b: &View, share: f64, wraps: [bool; 2]) -> View {
         width: format!("{width:e}"),
         rotate: a.rotate + (b.rotate - a.rotate) * share,
         stretch: a.stretch * (b.stretch / a.stretch).powf(share),
+        fit: false,
     }
 }
 

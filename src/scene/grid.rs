@@ -40,6 +40,18 @@ pub enum Fate {
     Thrown(Launch),
 }
 
+/// The angle at an offset from π. Opposite offsets have exactly opposite angles; at π itself, which
+/// is its own opposite, the other coordinate's offset decides the sign.
+fn beside_pi(by: Dd, other: Dd) -> Dd {
+    let zero = Dd::new(0.0);
+    if by > zero || by == zero && other < zero {
+        let angle = by - Dd::PI;
+        return if angle <= Dd::PI { angle } else { angle.wrapped() };
+    }
+    let angle = by + Dd::PI;
+    if angle >= -Dd::PI { angle } else { angle.wrapped() }
+}
+
 /// Distance from the top below which double-double does not tell its two sides apart, rad.
 const INDISTINCT_RAD: f64 = 1e-29;
 
@@ -131,13 +143,15 @@ impl Grid {
     }
 
     /// The coordinates of pixel (`column`, `row`), row 0 at the top, in the units of the plane's
-    /// axes; angles lie in (−π, π].
+    /// axes; angles lie in [−π, π].
     pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
         let [x, y] = self.pixels_from_center(column, row).map(Dd::new);
         let wraps = self.plane.axes().map(Axis::wraps);
-        [0, 1].map(|i| {
-            let angle = self.center[i] + (x * self.right[i] + y * self.up[i]);
-            if wraps[i] { wrapped(angle) } else { angle }
+        let by = [0, 1].map(|i| x * self.right[i] + y * self.up[i]);
+        [0, 1].map(|i| match wraps[i] {
+            true if self.center[i].abs() == Dd::PI => beside_pi(by[i], by[1 - i]),
+            true => wrapped(self.center[i] + by[i]),
+            false => self.center[i] + by[i],
         })
     }
 
@@ -349,7 +363,7 @@ mod tests {
         let fate = |center: [&str; 2], rule| {
             let view = View {
                 center: center.map(str::to_string),
-                width: "1e-3".into(),
+                width: "1e-30".into(),
                 ..View::default()
             };
             let question = QuestionTable { rule, ..QuestionTable::default() };

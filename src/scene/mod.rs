@@ -340,7 +340,10 @@ impl Scene {
     /// Returns true if the pixels of a picture on both sides of the view's centre are mirror images
     /// with equal answers.
     pub fn is_symmetric(&self) -> bool {
-        self.view.is_symmetric() && self.plane.is_symmetric() && self.question.ask.kind().is_even
+        let wraps = self.plane.axes().map(Axis::wraps);
+        self.view.is_symmetric(wraps)
+            && self.plane.is_symmetric()
+            && self.question.ask.kind().is_even
     }
 
     /// The checked scene with its automatic budget, which takes seconds at great depths

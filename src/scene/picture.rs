@@ -5,7 +5,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::SceneError;
-use super::palette::{Palette, rise};
+use super::palette::{Ground, GroundTable, Palette, rise};
 use crate::question::{Ask, Painted};
 
 /// The table `[picture]` of a scene's file. Keys added after the first release are written only
@@ -39,6 +39,9 @@ pub struct PictureTable {
     /// True if a legend is drawn in the corner.
     #[serde(skip_serializing_if = "is_default")]
     pub legend: bool,
+    /// Colours of pixels without an answer and of the energy curve.
+    #[serde(skip_serializing_if = "is_default")]
+    pub colours: GroundTable,
 }
 
 impl Default for PictureTable {
@@ -53,6 +56,7 @@ impl Default for PictureTable {
             times: Vec::new(),
             channel: None,
             legend: false,
+            colours: GroundTable::default(),
         }
     }
 }
@@ -156,7 +160,7 @@ impl PictureTable {
 
     /// Checks that every setting can be used.
     pub fn check(&self) -> Result<(), SceneError> {
-        Palette::named(&self.palette)?;
+        Ground::of(self)?;
         let refuse = |option, value, range| Err(SceneError { option, value, range });
         if !Self::SAMPLES.contains(&self.samples) {
             return refuse("--samples", self.samples.to_string(), "it must lie between 1 and 8");
@@ -182,7 +186,7 @@ mod tests {
     fn what_cannot_be_painted_is_refused_by_name() {
         type Change = fn(&mut PictureTable);
         let changes: [(&str, Change); 9] = [
-            ("--palette is 'rainbow'; the palettes are batlow", |p| p.palette = "rainbow".into()),
+            ("--palette is 'rainbow'; the palettes are iris", |p| p.palette = "rainbow".into()),
             ("--samples is 9; it must lie between 1 and 8", |p| p.samples = 9),
             ("--cycles is 0; it must", |p| p.cycles = 0.0),
             ("--cycles is NaN; it must", |p| p.cycles = f64::NAN),
@@ -214,7 +218,7 @@ mod tests {
     #[test]
     fn a_plain_picture_writes_no_newer_keys() {
         let text = toml::to_string(&PictureTable::default()).unwrap();
-        assert_eq!(text, "palette = \"batlow\"\ncurve = true\nsamples = 1\n");
+        assert_eq!(text, "palette = \"iris\"\ncurve = true\nsamples = 1\n");
         let rich = PictureTable {
             reverse: true,
             cycles: 2.5,

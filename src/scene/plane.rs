@@ -65,7 +65,7 @@ impl PlaneKind {
         ("section", PlaneKind::Section),
     ];
     /// The plane of both angles.
-    const ANGLES: PlaneKind = PlaneKind::NAMED[0].1;
+    pub(super) const ANGLES: PlaneKind = PlaneKind::NAMED[0].1;
 }
 
 impl Axis {

@@ -2,11 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::SceneError;
+use super::{BuiltIn, Plane, PlaneKind, SceneError};
 use crate::physics::{Dd, Scalar, Theta};
 
 /// Smallest width of a view in rad.
 pub const LEAST_WIDTH: f64 = 1e-100;
+
+/// Largest error of a centre that stands for π, as a share of the view's width.
+const MOST_ERROR_OF_PI: f64 = 1e-15;
 
 /// A centre, a width, and the way the picture lies on the plane. Coordinates are decimal strings,
 /// so that no digit is lost between a file and the arithmetic.
@@ -21,6 +24,9 @@ pub struct View {
     pub rotate: f64,
     /// Factor by which the vertical axis shows fewer radians than square pixels would.
     pub stretch: f64,
+    /// True if `width` is to fit into pictures of any shape: it is the length of both axes at least.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub fit: bool,
 }
 
 impl Default for View {
@@ -30,6 +36,7 @@ impl Default for View {
             width: "6.283185307179586".to_string(),
             rotate: 0.0,
             stretch: 1.0,
+            fit: false,
         }
     }
 }
@@ -47,6 +54,14 @@ fn shortened(text: &str) -> String {
 const SHOWN: usize = 60;
 
 impl View {
+    /// The view of a plane that is shown first: the home scene's, or the middle of another plane.
+    pub fn home_of(plane: &Plane) -> Self {
+        match plane.kind {
+            PlaneKind::ANGLES => BuiltIn::home().document().view,
+            _ => View::default(),
+        }
+    }
+
     /// Checks that every number can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         for coordinate in &self.center {
@@ -66,9 +81,15 @@ impl View {
         refuse_unless(stretch, "--stretch", &self.stretch.to_string(), range)
     }
 
-    /// The centre in rad; call [`View::check`] first.
+    /// The centre in rad; call [`View::check`] first. A coordinate that is ±π but for its last
+    /// digits, far below a pixel, is exactly that, so that symmetry is seen.
     pub fn center_rad(&self) -> [Theta; 2] {
-        [0, 1].map(|i| Theta::parse(&self.center[i]).unwrap_or_default())
+        let error_rad = MOST_ERROR_OF_PI * self.width_rad().hi;
+        self.center.each_ref().map(|text| {
+            let theta = Theta::parse(text).unwrap_or_default();
+            let pi = if theta < Theta::ZERO { -Theta::pi() } else { Theta::pi() };
+            if (theta - pi).to_f64().abs() <= error_rad { pi } else { theta }
+        })
     }
 
     /// The width in rad; call [`View::check`] first.
@@ -76,9 +97,28 @@ impl View {
         Dd::parse(&self.width).unwrap_or(Dd::TAU)
     }
 
-    /// True if the picture maps onto itself under (θ1, θ2) → (−θ1, −θ2), pixel by pixel.
-    pub fn is_symmetric(&self) -> bool {
-        self.center_rad().iter().all(|theta| *theta == Theta::ZERO)
+    /// The same view in a picture of this width and height, no longer one that fits into any: where
+    /// `width` would not fit into the height, the picture is as much wider. The width stays the text
+    /// that it was wherever it can.
+    #[must_use]
+    pub fn fitted(&self, [width, height]: [f64; 2]) -> Self {
+        let wider = width * self.stretch / height;
+        let view = View { fit: false, ..self.clone() };
+        if !self.fit || wider <= 1.0 {
+            return view;
+        }
+        let fitted = self.width_rad() * Dd::new(wider);
+        // More digits than any pixel needs.
+        let decimals = (25.0 - fitted.hi.log10()).ceil().max(0.0) as usize;
+        View { width: fitted.decimal(decimals), ..view }
+    }
+
+    /// True if the picture maps onto itself under (θ1, θ2) → (−θ1, −θ2), pixel by pixel: it is
+    /// centred on a fixed point, 0 or, for coordinates that repeat, π.
+    pub fn is_symmetric(&self, wraps: [bool; 2]) -> bool {
+        let fixed =
+            |theta: Theta, wraps| theta == Theta::ZERO || wraps && theta.abs() == Theta::pi();
+        self.center_rad().into_iter().zip(wraps).all(|(theta, wraps)| fixed(theta, wraps))
     }
 }
 
@@ -92,4 +132,42 @@ fn refuse_unless(
         return Ok(());
     }
     Err(SceneError { option, value: format!("'{value}'"), range })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn home() -> View {
+        BuiltIn::home().document().view
+    }
+
+    #[test]
+    fn a_fitted_view_shows_both_axes_in_any_shape() {
+        for (size, wider) in [([1920.0, 1080.0], 1920.0 / 1080.0), ([600.0, 900.0], 1.0)] {
+            let fitted = home().fitted(size);
+            assert!(!fitted.fit && fitted.check().is_ok());
+            assert!((fitted.width_rad() - Dd::TAU * Dd::new(wider)).abs().hi < 1e-15);
+            let height_rad = fitted.width_rad().hi * size[1] / size[0];
+            assert!(height_rad >= std::f64::consts::TAU - 1e-12);
+        }
+        let plain = View { fit: false, ..home() };
+        assert_eq!(plain.fitted([1920.0, 1080.0]), plain, "what is not asked to fit stays");
+        assert_eq!(home().fitted([10.0, 10.0]).width, home().width, "to its last digit");
+    }
+
+    #[test]
+    fn only_centres_that_are_their_own_images_are_symmetric() {
+        let at = |center: [&str; 2]| View { center: center.map(str::to_string), ..View::default() };
+        let pi = "-3.141592653589793";
+        for (center, wraps, symmetric) in [
+            (["0", "0"], [false; 2], true),
+            ([pi, "0"], [true; 2], true),
+            ([pi, "0"], [false, true], false),
+            (["3.14159265", "0"], [true; 2], false),
+            (["0", "1e-30"], [true; 2], false),
+        ] {
+            assert_eq!(at(center).is_symmetric(wraps), symmetric, "{center:?}");
+        }
+    }
 }

@@ -95,7 +95,7 @@ impl Word {
                     pair.ok_or("it must be two numbers with a comma between them")?;
                 view.center = [theta1, theta2].map(in_rad);
             }
-            Word::Width => view.width = in_rad(text),
+            Word::Width => (view.width, view.fit) = (in_rad(text), false),
             Word::Rotate => {
                 view.rotate = number("it must be a number of degrees between -360 and 360")?;
             }

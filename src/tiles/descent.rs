@@ -73,6 +73,7 @@ impl Descent {
         let view = &mut self.scene.view;
         view.center = [0, 1].map(|i| (center[i] + by[i]).wrapped().decimal(digits));
         view.width = format!("{width:.3e}");
+        view.fit = false;
         self.wish = [0.0; 2];
         let Scene { build, question, view, .. } = &mut self.scene;
         question.budget = question.budget.for_view(build, view);

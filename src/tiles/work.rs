@@ -313,9 +313,14 @@ mod tests {
 
     #[test]
     fn forbidden_pixels_cost_nothing_and_a_mirror_halves_the_rest() {
-        for size in [[40, 30], [31, 31], [5, 1]] {
+        const PI: &str = "3.14159265358979323846264338327950288";
+        let centers = [["0", "0"], [PI, "0"], [PI, PI]];
+        let sizes = [[40, 30], [31, 31], [5, 1]];
+        for (center, size) in centers.into_iter().flat_map(|c| sizes.map(|size| (c, size))) {
             let mut engine = MockEngine::default();
-            let (samples, counts) = picture(&scene(["0", "0"]), size, &mut engine);
+            let scene = scene(center);
+            let (samples, counts) = picture(&scene, size, &mut engine);
+            assert_eq!(samples, expected(&scene, size), "{center:?} {size:?}");
             let open = counts.pixels - counts.forbidden;
             let middle_row = if size[1] % 2 == 1 { u64::from(size[0]) } else { 0 };
             assert!(engine.answered as u64 <= open / 2 + middle_row, "{size:?}");

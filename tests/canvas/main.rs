@@ -17,7 +17,7 @@ use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Method, Precision, Question};
 use flipmap::physics::{Dd, Decimal, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
-use flipmap::scene::palette::{FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
+use flipmap::scene::palette::{FAILED, Ground, Rgb, Tones, light};
 use flipmap::scene::{
     Budget, Build, Fate, Grid, PictureTable, QuestionTable as Asked, Scale, Scene,
 };
@@ -63,7 +63,7 @@ fn middle() -> [Theta; 2] {
 fn screen(center: [Theta; 2], level: u32) -> Screen {
     let width_rad = f64::from(SIZE[0]) * pitch_rad(level);
     Screen {
-        camera: Camera { center, width_rad, ..Camera::home(Reach::TORUS) },
+        camera: Camera { center, width_rad, ..Camera::whole(Reach::TORUS) },
         size: DVec2::from(SIZE.map(f64::from)),
         pixels_per_point: 1.0,
     }
@@ -158,7 +158,7 @@ mod checks {
             let truth = painted(&screen, &scene, picture);
             let [inexact, wrong] = [0, 4].map(|least| beyond(least, &pixels, &truth));
             assert!(wrong <= 0.001 && inexact <= 0.12, "{inexact}, {wrong} of {picture:?}");
-            for status in [FORBIDDEN, FAILED] {
+            for status in [Ground::of(picture).unwrap().forbidden, FAILED] {
                 assert!(share_of(status, &truth) > 0.02, "{status:?} is to be seen");
             }
             last = pixels;
@@ -289,9 +289,11 @@ mod checks {
         let paint = Paint { picture, scene: &less, trust: false };
         let pixels = Studio::new(PLAIN).draw(&screen, &mut explorer, &paint);
         let truth = painted(&screen, &less, picture);
-        let unflipped = share_of(UNFLIPPED, &truth);
+        let unflipped = share_of(Ground::DARK.unflipped, &truth);
         assert!(
-            unflipped > 0.1 && share_of(UNFLIPPED, &painted(&screen, &scene(60.0), picture)) < 0.01
+            unflipped > 0.1
+                && share_of(Ground::DARK.unflipped, &painted(&screen, &scene(60.0), picture))
+                    < 0.01
         );
         assert!(wrong(&pixels, &truth) <= 0.001, "{} {unflipped}", wrong(&pixels, &truth));
     }

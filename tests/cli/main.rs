@@ -125,7 +125,7 @@ const MISTAKES: [(&[&str], i32, &[&str]); 45] = [
     (&["--center", "1,x"], 2, &["--center", "decimal"]),
     (&["--rule", "third"], 2, &["--rule", "second, first, either"]),
     (&["--kind", "springs"], 2, &["--kind", "points or rods"]),
-    (&["--palette", "rainbow"], 2, &["--palette", "batlow"]),
+    (&["--palette", "rainbow"], 2, &["--palette", "iris"]),
     (&["--method", "leapfrog"], 2, &["--method", "rk4"]),
     (&["--precision", "f16"], 2, &["--precision", "f32, df32, f64, dd"]),
     (&["--samples", "9"], 2, &["--samples"]),

@@ -4,7 +4,7 @@
 
 use super::pipeline::{TABLE_ENTRIES, Uniforms};
 use super::sample::WordKind;
-use crate::scene::palette::{AnswerColours, FAILED, FORBIDDEN, Rgb, Tones, UNFLIPPED, light};
+use crate::scene::palette::{AnswerColours, FAILED, Rgb, Tones, light};
 use crate::scene::{PictureTable, Scene, SceneError};
 
 /// A picture's colours in the form that the card takes.
@@ -41,8 +41,8 @@ pub fn colours(
         trust: u32::from(trust),
         coloured: u32::from(words != WordKind::Times),
         padding: [0; 3],
-        unflipped: linear(UNFLIPPED),
-        forbidden: linear(FORBIDDEN),
+        unflipped: linear(tones.ground().unflipped),
+        forbidden: linear(tones.ground().forbidden),
         failed: linear(FAILED),
     };
     let table = lookup.colours.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();

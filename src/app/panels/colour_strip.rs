@@ -1,10 +1,10 @@
 //! Bands of colours, and the legend of a map.
 
-use egui::{Color32, Mesh, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, Mesh, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::field::plain;
 use crate::question::Ask;
-use crate::scene::palette::{AnswerColours, FAILED, FORBIDDEN, Rgb, UNFLIPPED};
+use crate::scene::palette::{AnswerColours, BarLabels, FAILED, Ground, Rgb};
 
 /// Shows all colours with values under them, and those of pixels without an answer.
 pub(super) fn legend(ui: &mut Ui, colours: &AnswerColours, ask: Ask, palette: &str) {
@@ -21,9 +21,11 @@ pub(super) fn legend(ui: &mut Ui, colours: &AnswerColours, ask: Ask, palette: &s
     let [_, without] = ask.kind().counted;
     let without = if ask.is_time() { "not within the budget" } else { without };
     ui.horizontal_wrapped(|ui| {
-        for (colour, what) in [(UNFLIPPED, without), (FORBIDDEN, "forbidden"), (FAILED, "failed")] {
+        let Ground { unflipped, forbidden, .. } = colours.ground();
+        for (colour, what) in [(unflipped, without), (forbidden, "forbidden"), (FAILED, "failed")] {
             let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
-            ui.painter().rect_filled(rect, 2.0, rgb(colour));
+            ui.painter().rect_filled(rect, 2.0, Color32::GRAY);
+            ui.painter().rect_filled(rect.shrink(1.0), 2.0, rgb(colour));
             ui.label(what);
         }
     });
@@ -54,30 +56,26 @@ fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
     let (rect, _) = ui.allocate_exact_size(vec2(strip.width(), 16.0), Sense::hover());
     let font = egui::TextStyle::Small.resolve(ui.style());
     let ink = ui.visuals().text_color();
-    for (quarter, align) in (0..=4u8).zip([
-        egui::Align2::LEFT_TOP,
-        egui::Align2::CENTER_TOP,
-        egui::Align2::CENTER_TOP,
-        egui::Align2::CENTER_TOP,
-        egui::Align2::RIGHT_TOP,
-    ]) {
-        let share = f64::from(quarter) / 4.0;
-        let x = rect.left() + rect.width() * share as f32;
+    let BarLabels { from, values } = colours.bar_labels();
+    let long = values.iter().any(|value| value.chars().count() > LONG);
+    for (quarter, value) in (0..=4u8).zip(values).step_by(if long { 2 } else { 1 }) {
+        let align = match quarter {
+            0 => Align2::LEFT_TOP,
+            4 => Align2::RIGHT_TOP,
+            _ => Align2::CENTER_TOP,
+        };
+        let x = rect.left() + rect.width() * f32::from(quarter) / 4.0;
         ui.painter().vline(x, rect.top() - 3.0..=rect.top(), (1.0, ink));
-        let value = three_digits(colours.value_along(share));
         let text = format!("{value} {unit}").trim_end().to_string();
         ui.painter().text(pos2(x, rect.top() + 1.0), align, text, font.clone(), ink);
     }
+    if let Some(from) = from {
+        ui.small(format!("later than {from} {unit}"));
+    }
 }
 
-/// Formats a value to three significant digits, enough beside a colour.
-fn three_digits(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_string();
-    }
-    let unit = 10f64.powf(value.abs().log10().floor() - 2.0);
-    plain((value / unit).round() * unit)
-}
+/// Letters of a value beside which there is no room for those of the quarters.
+const LONG: usize = 6;
 
 /// Draws a band of colours from left to right.
 pub(super) fn strip(ui: &mut Ui, height: f32, colour: impl Fn(f64) -> Rgb) -> Response {

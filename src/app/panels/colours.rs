@@ -4,6 +4,7 @@ use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
 
 use super::colour_strip::{legend, strip};
 use super::field::number;
+use super::ground::grounds;
 use crate::question::Ask;
 use crate::scene::palette::{AnswerColours, Palette, Tones};
 use crate::scene::{PictureTable, Scale, Scene};
@@ -38,6 +39,7 @@ pub fn colours_panel(
     }
     ui.separator();
     palettes(ui, &mut new);
+    grounds(ui, &mut new.colours, colours.ground());
     if question.ask.is_time() {
         ui.separator();
         range(ui, &mut new, &tones);
@@ -125,7 +127,7 @@ fn range(ui: &mut Ui, picture: &mut PictureTable, tones: &Tones) {
         ui.end_row();
     });
     if picture.times.len() > 2 {
-        ui.label(format!("Spread in {} steps", picture.times.len() - 1));
+        ui.label(format!("Stretched over {} intervals of time", picture.times.len() - 1));
     }
 }
 

@@ -6,6 +6,7 @@ pub mod colours;
 pub mod descent;
 pub mod export;
 mod field;
+mod ground;
 pub mod help;
 pub mod layers;
 pub mod notices;

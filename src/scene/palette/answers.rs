@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{FAILED, FORBIDDEN, Palette, Rgb, Tones, UNFLIPPED};
+use super::{FAILED, Ground, Palette, Rgb, Tones};
 use crate::physics::{Pendulum, State, Status};
 use crate::question::{ChannelScale, Painted};
 use crate::scene::{PictureTable, Scene, SceneError, Shown};
@@ -11,6 +11,7 @@ use crate::scene::{PictureTable, Scene, SceneError, Shown};
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnswerColours {
     pub(super) way: Way,
+    ground: Ground,
 }
 
 /// Number of passes in each natural unit of time from which on colours stay the same.
@@ -55,7 +56,7 @@ impl AnswerColours {
                 Way::EnergySplit(scene.build.pendulum(), palette)
             }
         };
-        Ok(AnswerColours { way })
+        Ok(AnswerColours { way, ground: Ground::of(picture)? })
     }
 
     /// The colours of one channel.
@@ -80,15 +81,20 @@ impl AnswerColours {
                 Way::Between(channel, [from, to], Palette::named(&picture.palette)?)
             }
         };
-        Ok(AnswerColours { way })
+        Ok(AnswerColours { way, ground: Ground::of(picture)? })
+    }
+
+    /// The colours beside those of answers.
+    pub fn ground(&self) -> Ground {
+        self.ground
     }
 
     /// The colour of a sample.
     pub fn colour(&self, status: Status, values: &[f64]) -> Rgb {
         match status {
             Status::Flipped => self.of_values(values),
-            Status::Unflipped => UNFLIPPED,
-            Status::Forbidden => FORBIDDEN,
+            Status::Unflipped => self.ground.unflipped,
+            Status::Forbidden => self.ground.forbidden,
             Status::Failed => FAILED,
         }
     }
@@ -118,8 +124,8 @@ fn kinetic_share(pendulum: &Pendulum<f64>, values: &[f64]) -> f64 {
 
 /// The picture's palette, or another one where it has the default.
 fn palette_or(picture: &PictureTable, other: &str) -> Result<Palette, SceneError> {
-    let is_default = picture.palette == Palette::DEFAULT;
-    Palette::named(if is_default { other } else { &picture.palette })
+    let is_unchosen = Palette::is_unchosen(&picture.palette);
+    Palette::named(if is_unchosen { other } else { &picture.palette })
 }
 
 /// The colour of two angles: θ1 goes once round the hues, and θ2 round a circle of lightness and
@@ -186,7 +192,7 @@ mod tests {
         let speed = colours(Ask::State, Some("omega1")).unwrap();
         let fast = |w| speed.colour(Status::Flipped, &[0.0, 0.0, w, 0.0, 0.0, 0.0]);
         assert_eq!(fast(99.0), fast(10.0), "beyond its scale");
-        assert_eq!(speed.colour(Status::Forbidden, &[0.0; 6]), FORBIDDEN);
+        assert_eq!(speed.colour(Status::Forbidden, &[0.0; 6]), Ground::DARK.forbidden);
         let refused = colours(Ask::Flip, Some("theta2")).unwrap_err().to_string();
         assert_eq!(refused, "--channel is 'theta2'; the question flip has time");
         assert!(colours(Ask::Growth, Some("energy")).is_err());

@@ -1,11 +1,13 @@
 //! Colours of samples. The tables are data in `assets/palettes`; nothing here computes flips.
 
 mod answers;
+mod ground;
 mod legend;
 mod tones;
 
 pub use answers::AnswerColours;
-pub use legend::LegendTitle;
+pub use ground::{Ground, GroundTable, colour_text};
+pub use legend::{BarLabels, LegendTitle};
 pub use tones::{Lookup, Tones, equalised, rise};
 
 use super::SceneError;
@@ -18,10 +20,13 @@ pub type Rgb = [u8; 3];
 pub struct Palette {
     /// Name of the palette.
     pub name: &'static str,
+    /// Colours that suit it.
+    pub ground: Ground,
     table: Vec<Rgb>,
 }
 
-const FILES: [(&str, &str); 5] = [
+const FILES: [(&str, &str); 6] = [
+    ("iris", include_str!("../../../assets/palettes/iris.txt")),
     ("batlow", include_str!("../../../assets/palettes/batlow.txt")),
     ("viridis", include_str!("../../../assets/palettes/viridis.txt")),
     ("magma", include_str!("../../../assets/palettes/magma.txt")),
@@ -29,16 +34,14 @@ const FILES: [(&str, &str); 5] = [
     ("romao", include_str!("../../../assets/palettes/romao.txt")),
 ];
 
-/// Colour of starts that can never flip: a grey that no palette has.
-pub const FORBIDDEN: Rgb = [0xb8, 0xbc, 0xc0];
-/// Colour of starts that did not flip within the budget.
-pub const UNFLIPPED: Rgb = [0xff, 0xff, 0xff];
 /// Colour of starts whose integration failed.
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
 
 impl Palette {
     /// Name of the palette that is used where none is chosen.
-    pub const DEFAULT: &str = "batlow";
+    pub const DEFAULT: &str = "iris";
+    /// Name of the palette that pictures of the first versions record where none was chosen.
+    const FIRST_DEFAULT: &str = "batlow";
     /// Name of a palette whose end is its beginning.
     pub const CYCLIC: &str = "romao";
 
@@ -51,10 +54,17 @@ impl Palette {
         let (name, text) = found.ok_or_else(|| SceneError {
             option: "--palette",
             value: format!("'{name}'"),
-            range: "the palettes are batlow, viridis, magma, cividis, romao",
+            range: "the palettes are iris, batlow, viridis, magma, cividis, romao",
         })?;
         let table = text.lines().filter_map(parse_colour).collect();
-        Ok(Palette { name, table })
+        let ground = if *name == Self::DEFAULT { Ground::DARK } else { Ground::LIGHT };
+        Ok(Palette { name, ground, table })
+    }
+
+    /// Returns true if a picture's palette need not have been chosen by anyone, so that answers with
+    /// natural colours of their own have these.
+    pub fn is_unchosen(name: &str) -> bool {
+        [Self::DEFAULT, Self::FIRST_DEFAULT].contains(&name)
     }
 
     /// The names of all palettes.
@@ -90,6 +100,9 @@ pub fn light_table() -> [u16; 256] {
 /// Reads a line `#rrggbb`; other lines are comments.
 fn parse_colour(line: &str) -> Option<Rgb> {
     let digits = line.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return None;
+    }
     let channel = |i: usize| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok();
     Some([channel(0)?, channel(1)?, channel(2)?])
 }
@@ -110,8 +123,8 @@ mod tests {
     #[test]
     fn the_statuses_have_colours_of_their_own() {
         for name in Palette::names() {
-            let table = Palette::named(name).unwrap().table;
-            for own in [FORBIDDEN, UNFLIPPED, FAILED] {
+            let Palette { table, ground, .. } = Palette::named(name).unwrap();
+            for own in [ground.forbidden, ground.unflipped, FAILED] {
                 assert!(!table.contains(&own), "{name} {own:?}");
             }
         }

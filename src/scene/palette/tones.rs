@@ -1,7 +1,7 @@
 //! The colours of times. They run between fixed times, so that a colour means the same in every
 //! tile of a picture, whatever else is in it.
 
-use super::{FAILED, FORBIDDEN, Palette, Rgb, UNFLIPPED};
+use super::{FAILED, Ground, Palette, Rgb};
 use crate::physics::{Outcome, Status};
 use crate::scene::{PictureTable, Scale, SceneError};
 
@@ -9,6 +9,7 @@ use crate::scene::{PictureTable, Scale, SceneError};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tones {
     palette: Palette,
+    ground: Ground,
     reverse: bool,
     cycles: f64,
     scale: Scale,
@@ -44,6 +45,7 @@ impl Tones {
         }
         Ok(Tones {
             palette: Palette::named(&picture.palette)?,
+            ground: Ground::of(picture)?,
             reverse: picture.reverse,
             cycles: picture.cycles,
             scale: picture.scale,
@@ -89,6 +91,11 @@ impl Tones {
         }
     }
 
+    /// The colours beside those of times.
+    pub fn ground(&self) -> Ground {
+        self.ground
+    }
+
     /// The colour of a time in s.
     pub fn colour_at(&self, secs: f64) -> Rgb {
         self.palette.colour(self.position(secs))
@@ -98,8 +105,8 @@ impl Tones {
     pub fn colour(&self, outcome: &Outcome) -> Rgb {
         match outcome.status {
             Status::Flipped => self.colour_at(outcome.time),
-            Status::Unflipped => UNFLIPPED,
-            Status::Forbidden => FORBIDDEN,
+            Status::Unflipped => self.ground.unflipped,
+            Status::Forbidden => self.ground.forbidden,
             Status::Failed => FAILED,
         }
     }
@@ -158,13 +165,13 @@ mod tests {
     #[test]
     fn times_run_from_the_first_colour_to_the_last() {
         let tones = tones(|_| {});
-        let palette = Palette::named("batlow").unwrap();
+        let palette = Palette::named(Palette::DEFAULT).unwrap();
         let colour = |time| tones.colour(&Outcome::flipped(time));
         assert_eq!(tones.range_secs(), [0.3, 30.0]);
         assert_eq!(colour(0.1), palette.colour(0.0));
         assert_eq!(colour(30.0), palette.colour(1.0));
         assert_eq!(colour(3.0), palette.colour(0.5));
-        assert_eq!(tones.colour(&Outcome::without_time(Status::Unflipped)), UNFLIPPED);
+        assert_eq!(tones.colour(&Outcome::without_time(Status::Unflipped)), tones.ground.unflipped);
     }
 
     #[test]
