@@ -50,7 +50,7 @@ override ENCODE: bool = true;
 const SIDE: i32 = 128;
 // Slots along a side of a layer of the atlas.
 const SLOTS_ALONG: u32 = 8u;
-const TABLE_ENTRIES: f32 = 1024.0;
+const TABLE_ENTRIES: f32 = 2048.0;
 const UNCERTAIN: u32 = 4u;
 // Logarithms are counted from 2^-32 s, in steps of 2^-21.
 const LOG_BIAS: f32 = 32.0;

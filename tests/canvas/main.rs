@@ -17,7 +17,7 @@ use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Method, Precision, Question};
 use flipmap::physics::{Dd, Decimal, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
-use flipmap::scene::palette::{FAILED, Ground, Rgb, Tones, light};
+use flipmap::scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
 use flipmap::scene::{
     Budget, Build, Fate, Grid, PictureTable, QuestionTable as Asked, Scale, Scene,
 };
@@ -37,6 +37,7 @@ needs_adapter! {
     a_coarser_tile_stands_in_smoothly
     a_smaller_budget_hides_late_flips
     doubts_are_hatched_only_when_asked
+    times_that_lie_close_together_have_smooth_colours
     a_changed_pendulum_leaves_the_picture_until_it_is_known
     no_pixel_is_left_out
 }
@@ -54,9 +55,13 @@ fn scene(budget: f64) -> Scene {
 /// A common corner of four cells, around which some starts are forbidden, some flip, and some flip
 /// late.
 fn middle() -> [Theta; 2] {
-    let cell = Cell::around([1.2, 1.0].map(Theta::from_f64), LEVEL);
-    let half = Theta::from_f64(side_rad(LEVEL) / 2.0);
-    cell.center().map(|theta| theta + half)
+    corner_beside([1.2, 1.0], LEVEL)
+}
+
+/// A corner of the level's cell around these angles.
+fn corner_beside(angle: [f64; 2], level: u32) -> [Theta; 2] {
+    let half = Theta::from_f64(side_rad(level) / 2.0);
+    Cell::around(angle.map(Theta::from_f64), level).center().map(|theta| theta + half)
 }
 
 /// A screen on which each pixel is one sample of the level.
@@ -146,6 +151,22 @@ fn pictures() -> [PictureTable; 3] {
 
 mod checks {
     use super::*;
+
+    pub(crate) fn times_that_lie_close_together_have_smooth_colours() {
+        let level = 2 * LEVEL;
+        let (screen, scene) = (screen(corner_beside([1.8, 0.5], level), level), scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let grid = grid(&screen, &scene);
+        let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+        let times = pixels.map(|(x, y)| outcome(grid.fate(x, y), &scene).time);
+        let times = equalised(times, 16);
+        assert!(times.len() == 17 && times[16] / times[0] < 1.01, "{times:?}");
+        let picture = &PictureTable { times, ..PictureTable::default() };
+        let paint = Paint { picture, scene: &scene, trust: false };
+        let pixels = Studio::new(PLAIN).draw(&screen, &mut explorer, &paint);
+        let truth = painted(&screen, &scene, picture);
+        assert_eq!(beyond(1, &pixels, &truth), 0.0);
+    }
 
     pub(crate) fn a_sample_is_a_pixel_of_its_colour() {
         let (screen, scene) = (screen(middle(), LEVEL), scene(60.0));

@@ -18,6 +18,11 @@ pub struct CardColours {
     pub words: WordKind,
 }
 
+/// Most of the palette between two entries of the table: half a colour, which no eye sees.
+const MOST_APART: f64 = 1.0 / 512.0;
+/// Least octaves of a table, whose entries are as many steps of the card's logarithms.
+const LEAST_OCTAVES: f64 = TABLE_ENTRIES as f64 / (1 << 17) as f64;
+
 /// Returns the colours of a scene's picture; `trust` hatches uncertain pixels. Fails if the picture
 /// cannot be painted.
 pub fn colours(
@@ -26,14 +31,17 @@ pub fn colours(
     trust: bool,
 ) -> Result<CardColours, SceneError> {
     let question = &scene.question;
-    let words = if question.ask.is_time() {
-        WordKind::Times
-    } else {
-        WordKind::Colours(Box::new(AnswerColours::new(scene, picture)?))
-    };
     let tones = Tones::new(picture, scene.build.unit_secs(), question.budget.secs)?;
     let lookup = tones.lookup(TABLE_ENTRIES);
     let octaves = (lookup.last_secs / lookup.first_secs).log2();
+    let is_time = question.ask.is_time();
+    let in_table = is_time && octaves > LEAST_OCTAVES && lookup.most_apart <= MOST_APART;
+    let words = if in_table {
+        WordKind::Times
+    } else {
+        let until_secs = if is_time { question.budget.secs } else { f64::INFINITY };
+        WordKind::Colours { colours: Box::new(AnswerColours::new(scene, picture)?), until_secs }
+    };
     let uniforms = Uniforms {
         first_log2: lookup.first_secs.log2() as f32,
         entries_per_octave: ((TABLE_ENTRIES - 1) as f64 / octaves) as f32,
@@ -58,6 +66,7 @@ fn linear(colour: Rgb) -> [f32; 4] {
 mod tests {
     use super::*;
     use crate::physics::Outcome;
+    use crate::scene::Scale;
 
     /// Index of the table entry that the shader takes for a time.
     fn entry(uniforms: &Uniforms, secs: f64) -> usize {
@@ -71,7 +80,7 @@ mod tests {
         let scene = Scene::default();
         let plain = PictureTable::default();
         let stretched =
-            PictureTable { times: vec![0.5, 3.0, 4.0, 40.0], reverse: true, ..plain.clone() };
+            PictureTable { times: vec![0.5, 3.0, 40.0], reverse: true, ..plain.clone() };
         for picture in [plain, stretched] {
             let budget_secs = scene.question.budget.secs;
             let tones = Tones::new(&picture, scene.build.unit_secs(), budget_secs).unwrap();
@@ -85,6 +94,22 @@ mod tests {
                     assert!(shown.abs_diff(wanted) <= 4, "{secs}: {:?} {expected:?}", &table[at..]);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn colours_finer_than_the_table_are_painted_here() {
+        let times =
+            |times: &[f64]| PictureTable { times: times.to_vec(), ..PictureTable::default() };
+        let steps = PictureTable { scale: Scale::Steps, ..times(&[1.0, 2.0, 9.0]) };
+        for (picture, in_table) in [
+            (times(&[0.5, 20.0]), true),
+            (times(&[0.5, 10.0, 10.1, 20.0]), false),
+            (times(&[10.0, 10.001]), false),
+            (steps, false),
+        ] {
+            let words = colours(&picture, &Scene::default(), false).unwrap().words;
+            assert_eq!(words == WordKind::Times, in_table, "{picture:?}");
         }
     }
 

@@ -61,7 +61,7 @@ pub struct Uniforms {
 }
 
 /// Number of entries of the colour table.
-pub const TABLE_ENTRIES: usize = 1024;
+pub const TABLE_ENTRIES: usize = 2048;
 
 /// One frame of the map.
 pub struct MapFrame {

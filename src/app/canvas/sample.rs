@@ -1,7 +1,7 @@
 //! A sample packed into one word, as the atlas holds it (counterpart: shaders/picture.wgsl).
 
 use crate::engine::Trust;
-use crate::physics::Outcome;
+use crate::physics::{Outcome, Status};
 use crate::scene::palette::AnswerColours;
 use crate::tiles::Samples;
 
@@ -15,8 +15,13 @@ pub const LOG_STEPS: f64 = (1 << 21) as f64;
 pub enum WordKind {
     /// The time, which the card turns into a colour.
     Times,
-    /// The colour of an answer that is no flip time.
-    Colours(Box<AnswerColours>),
+    /// The colour, of answers that are no flip times or need finer colours than the card's table has.
+    Colours {
+        /// Colours of all answers.
+        colours: Box<AnswerColours>,
+        /// Time in s after which an answer is none yet.
+        until_secs: f64,
+    },
 }
 
 impl WordKind {
@@ -24,8 +29,10 @@ impl WordKind {
     pub fn words(&self, samples: &Samples) -> Vec<u32> {
         let word = |place: usize| match self {
             WordKind::Times => word_of(&samples.get(place), samples.trust(place)),
-            WordKind::Colours(colours) => {
-                let status = samples.get(place).status;
+            WordKind::Colours { colours, until_secs } => {
+                let Outcome { status, time } = samples.get(place);
+                let is_late = status == Status::Flipped && time > *until_secs;
+                let status = if is_late { Status::Unflipped } else { status };
                 let [r, g, b] = colours.colour(status, samples.values(place)).map(u32::from);
                 let trust = samples.trust(place) as u32;
                 (((r << 16) | (g << 8) | b) << 5) | (trust << 2) | status as u32
@@ -46,7 +53,6 @@ pub fn word_of(outcome: &Outcome, trust: Trust) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Status;
     use crate::question::Ask;
     use crate::scene::{PictureTable, QuestionTable, Scene};
 
@@ -59,10 +65,23 @@ mod tests {
         samples.set_values(0, Status::Flipped, &[0.5, -1.0, 2.0, 3.0, 0.0, 0.0]);
         samples.set_trust(0, Trust::Uncertain);
         let [r, g, b] = colours.colour(Status::Flipped, samples.values(0)).map(u32::from);
-        let words = WordKind::Colours(Box::new(colours)).words(&samples);
+        let colours = Box::new(colours);
+        let words = WordKind::Colours { colours, until_secs: f64::INFINITY }.words(&samples);
         assert_eq!(words[0] >> 5, (r << 16) | (g << 8) | b);
         assert_eq!((words[0] & 3, (words[0] >> 2) & 7), (1, Trust::Uncertain as u32));
         assert_eq!(words[1] & 3, Status::Unflipped as u32);
+    }
+
+    #[test]
+    fn a_flip_after_the_budget_is_none() {
+        let colours = AnswerColours::new(&Scene::default(), &PictureTable::default()).unwrap();
+        let mut samples = Samples::unflipped(2);
+        samples.set(0, Outcome::flipped(9.0));
+        samples.set(1, Outcome::flipped(11.0));
+        let words = WordKind::Colours { colours: Box::new(colours), until_secs: 10.0 };
+        let statuses = words.words(&samples).into_iter().map(|word| word & 3);
+        let expected = [Status::Flipped, Status::Unflipped].map(|status| status as u32);
+        assert_eq!(statuses.collect::<Vec<_>>(), expected);
     }
 
     #[test]

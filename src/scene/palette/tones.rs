@@ -26,6 +26,8 @@ pub struct Lookup {
     pub last_secs: f64,
     /// Entry `k` of `n` is the colour at `first_secs · (last_secs / first_secs)^(k / (n − 1))`.
     pub colours: Vec<Rgb>,
+    /// Largest part of the palette between two entries, in its length.
+    pub most_apart: f64,
 }
 
 impl Tones {
@@ -116,8 +118,10 @@ impl Tones {
         let [first_secs, last_secs] = self.range_secs();
         let last = entries.max(2) - 1;
         let secs = |k: usize| first_secs * (last_secs / first_secs).powf(k as f64 / last as f64);
-        let colour = |k| self.palette.colour(self.position(secs(k)));
-        Lookup { first_secs, last_secs, colours: (0..=last).map(colour).collect() }
+        let colours = (0..=last).map(|k| self.colour_at(secs(k))).collect();
+        let shares: Vec<f64> = (0..=last).map(|k| self.share(secs(k))).collect();
+        let most = shares.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        Lookup { first_secs, last_secs, colours, most_apart: most * self.cycles }
     }
 }
 
