@@ -167,9 +167,9 @@ fn the_map_is_held_against_the_flight() {
     let truth = pins.get(ids[0]).unwrap().flight.outcome().unwrap();
     assert_eq!(truth.status, Status::Flipped);
     for (told, words) in [
-        (Outcome::flipped(truth.time.hi + 1e-4), "same within 1 ms"),
-        (Outcome::flipped(truth.time.hi + 0.0123), "different by 12.3 ms!"),
-        (Outcome::without_time(Status::Unflipped), "different!"),
+        (Outcome::flipped(truth.time.hi + 1e-4), "agree within 1 ms"),
+        (Outcome::flipped(truth.time.hi + 0.0123), "differ by 12.3 ms!"),
+        (Outcome::without_time(Status::Unflipped), "differ!"),
     ] {
         pins.tell(ids[0], (told, Trust::Agreed));
         let shown = harness(pins, Theme::Dark);

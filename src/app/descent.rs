@@ -51,7 +51,7 @@ impl BackgroundDescent {
             // The pictures are small: opening a graphics card would take longer.
             let engine = EngineRequest { kind: Some(EngineKind::Cpu), adapter: None, ..engine };
             let why = match descent(scene, towards, &engine, &stop, (&sender, &wake)) {
-                Ok(()) => "Nothing near is left to see: the way down ends here.".to_string(),
+                Ok(()) => "There is no structure nearby, so the zoom ends here.".to_string(),
                 Err(error) => format!("The way down ended: {error}."),
             };
             // Sending fails if the descent was stopped: its receiver is gone.

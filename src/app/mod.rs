@@ -39,6 +39,7 @@ pub mod pin_start;
 pub mod pins;
 pub mod places;
 pub mod reach;
+mod resize;
 pub mod settings;
 mod side_panel;
 pub mod state;

@@ -199,18 +199,6 @@ impl AppState {
         self.moving.map_or(self.camera, |moving| moving.to)
     }
 
-    /// Sets the size of the canvas; the home view fits into it again.
-    pub fn resize(&mut self, canvas: DVec2, pixels_per_point: f64) {
-        let [was, now] = [self.canvas, canvas].map(|size| Camera::home(self.camera.reach, size));
-        (self.canvas, self.pixels_per_point) = (canvas, pixels_per_point);
-        self.history.replace(was, now);
-        match &mut self.moving {
-            Some(moving) if moving.to == was => moving.to = now,
-            None if self.camera == was => self.camera = now,
-            _ => {}
-        }
-    }
-
     /// Returns the canvas as it will look at the end of a move.
     pub fn aimed_screen(&self) -> Screen {
         self.through(self.target())

@@ -176,7 +176,7 @@ impl LiveFigure for Twenty {
                     let more = 1000f64.ln() / rate_per_sec;
                     row(ui, "λ", format!("{rate_per_sec:.2} ± {uncertainty_per_sec:.2} 1/s"));
                     row(ui, "horizon", format!("{:.1} s", self.horizon_secs(rate_per_sec)));
-                    row(ui, "1000 × finer buys", format!("{more:.1} s"));
+                    row(ui, "for 1000 × precision", format!("+{more:.1} s"));
                 }
                 None => row(ui, "λ", "not to be told yet"),
             }

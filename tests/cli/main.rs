@@ -102,7 +102,7 @@ fn standard_output_carries_the_picture() {
 }
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
-const MISTAKES: [(&[&str], i32, &[&str]); 45] = [
+const MISTAKES: [(&[&str], i32, &[&str]); 47] = [
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -126,6 +126,8 @@ const MISTAKES: [(&[&str], i32, &[&str]); 45] = [
     (&["--rule", "third"], 2, &["--rule", "second, first, either"]),
     (&["--kind", "springs"], 2, &["--kind", "points or rods"]),
     (&["--palette", "rainbow"], 2, &["--palette", "iris"]),
+    (&["--colours", "unflipped=black"], 2, &["--colours", "unflipped=#101018"]),
+    (&["--colours", "sky=#000000"], 2, &["--colours", "unflipped, forbidden or curve"]),
     (&["--method", "leapfrog"], 2, &["--method", "rk4"]),
     (&["--precision", "f16"], 2, &["--precision", "f32, df32, f64, dd"]),
     (&["--samples", "9"], 2, &["--samples"]),

@@ -11,7 +11,7 @@ pub fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Settings) -> V
     let mut actions = Vec::new();
     ui.horizontal(|ui| {
         for (theme, word) in
-            [(Theme::System, "as the system"), (Theme::Dark, "dark"), (Theme::Light, "light")]
+            [(Theme::System, "follow the system"), (Theme::Dark, "dark"), (Theme::Light, "light")]
         {
             if ui.radio(state.look.theme == theme, word).clicked() {
                 actions.push(Action::Theme(theme));

@@ -39,7 +39,7 @@ pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
             let agreement = Agreement::of(&told, &flown);
             let words = RichText::new(agreement_words(agreement));
             let same = agreement == Agreement::Same;
-            row("Together", TOGETHER, if same { words } else { words.strong() });
+            row("Both", BOTH, if same { words } else { words.strong() });
         }
         row("Flip, one pixel away", BESIDE, flown_words(flight, flight.ghost_outcome()).into());
         row("Energy error", ENERGY, energy_words(pin).into());
@@ -51,7 +51,7 @@ pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
 
 const FLOWN: &str = "When the pendulum drawn above flips, in numbers of 32 digits";
 const TOLD: &str = "What the picture says about this pixel, and how well that was checked";
-const TOGETHER: &str = "Whether the map and the gold standard agree";
+const BOTH: &str = "Whether the map and the gold standard agree";
 const BESIDE: &str = "When the dashed pendulum flips";
 const ENERGY: &str = "How far the energy has drifted by now, as a share of P + Q, the weights of \
                       the two angles; without friction it should not drift at all";
@@ -90,10 +90,10 @@ fn outcome_words(outcome: &Outcome, flight: &Flight) -> String {
 
 fn agreement_words(agreement: Agreement) -> String {
     match agreement {
-        Agreement::Same => "same within 1 ms".into(),
-        Agreement::Apart(secs) if secs < 1.0 => format!("different by {:.1} ms!", secs * 1e3),
-        Agreement::Apart(secs) => format!("different by {secs:.3} s!"),
-        Agreement::OtherStatus => "different!".into(),
+        Agreement::Same => "agree within 1 ms".into(),
+        Agreement::Apart(secs) if secs < 1.0 => format!("differ by {:.1} ms!", secs * 1e3),
+        Agreement::Apart(secs) => format!("differ by {secs:.3} s!"),
+        Agreement::OtherStatus => "differ!".into(),
     }
 }
 

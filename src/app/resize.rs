@@ -1,0 +1,49 @@
+//! A canvas of another size: the home view fits into it again.
+
+use glam::DVec2;
+
+use super::camera::Camera;
+use super::state::AppState;
+
+impl AppState {
+    /// Sets the size of the canvas in points; the home view, wherever it is shown, on the way or in
+    /// the history, becomes that of the new size.
+    pub fn resize(&mut self, canvas: DVec2, pixels_per_point: f64) {
+        self.pixels_per_point = pixels_per_point;
+        if self.canvas == canvas {
+            return;
+        }
+        let [was, now] = [self.canvas, canvas].map(|size| Camera::home(self.camera.reach, size));
+        self.canvas = canvas;
+        self.history.replace(was, now);
+        match &mut self.moving {
+            Some(moving) if moving.to == was => moving.to = now,
+            None if self.camera == was => self.camera = now,
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::run_settings::RunSpec;
+    use crate::scene::BuiltIn;
+
+    fn state(scene: &str) -> AppState {
+        let document = BuiltIn::named(scene).unwrap().document();
+        AppState::new(&document, RunSpec::resolve(document.run.clone()).unwrap())
+    }
+
+    #[test]
+    fn only_the_home_view_fits_into_another_canvas() {
+        let size = DVec2::new(500.0, 900.0);
+        let mut home = state("home");
+        home.resize(size, 1.0);
+        assert_eq!(home.camera, Camera::home(home.camera.reach, size));
+        let mut filigree = state("filigree");
+        let before = filigree.camera;
+        filigree.resize(size, 2.0);
+        assert_eq!((filigree.camera, filigree.canvas), (before, size));
+    }
+}
