@@ -85,6 +85,8 @@ pub enum Action {
     TryAgain,
     /// Shows or hides layers.
     Layers(Layers),
+    /// Opens a panel at the side.
+    Panel(&'static str),
     /// Opens or closes a dialog.
     Toggle(Dialog),
     /// Closes whatever is open.

@@ -1,19 +1,24 @@
 //! The commands, each with a name and most with a key: one list serves the keyboard, the list of
 //! keys and the command palette.
 
+use std::borrow::Cow;
+
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec2;
 
 use super::action::{Action, Look};
 use super::settings::{Layers, Theme};
+use super::side_panel::PANELS;
 use super::state::{AppState, Dialog};
 use crate::engine::Accuracy;
 use crate::lab::Figure;
+use crate::scene::palette::Palette;
+use crate::scene::{BUILT_IN, PictureTable};
 
 /// An action with a name.
 pub struct Command {
     /// Short description of the command.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Shortcuts that trigger it.
     pub keys: Vec<KeyboardShortcut>,
     /// Action that it triggers.
@@ -40,10 +45,11 @@ pub fn commands(state: &AppState) -> Vec<Command> {
 }
 
 fn command(
-    name: &'static str,
+    name: impl Into<Cow<'static, str>>,
     keys: impl IntoIterator<Item = KeyboardShortcut>,
     action: Action,
 ) -> Command {
+    let name = name.into();
     Command { name, keys: keys.into_iter().collect(), action }
 }
 
@@ -127,6 +133,21 @@ fn doing(state: &AppState) -> Vec<Command> {
     commands
 }
 
+/// Returns what can be chosen by name but has no key: panels, places and palettes. For the command
+/// palette alone, since it reads the scenes.
+pub fn choices(picture: &PictureTable) -> Vec<Command> {
+    let panels = PANELS.map(|name| command(format!("Panel: {name}"), [], Action::Panel(name)));
+    let places = BUILT_IN.iter().map(|place| {
+        let show = Action::Show(Box::new(place.document()));
+        command(format!("Place: {}", place.name), [], show)
+    });
+    let palettes = Palette::names().map(|name| {
+        let picture = PictureTable { palette: name.to_string(), ..picture.clone() };
+        command(format!("Palette: {name}"), [], Action::Picture(picture))
+    });
+    panels.into_iter().chain(places).chain(palettes).collect()
+}
+
 /// Takes the shortcuts of commands out of the input and returns their actions. While `typing`,
 /// takes only those that no text field needs.
 pub fn pressed(input: &mut egui::InputState, state: &AppState, typing: bool) -> Vec<Action> {
@@ -181,8 +202,9 @@ mod tests {
     #[test]
     fn every_name_and_every_key_is_used_once() {
         let state = state();
-        let commands = commands(&state);
-        let mut names: Vec<_> = commands.iter().map(|command| command.name).collect();
+        let mut commands = commands(&state);
+        commands.extend(choices(&state.picture));
+        let mut names: Vec<_> = commands.iter().map(|command| command.name.clone()).collect();
         let mut keys: Vec<String> =
             commands.iter().flat_map(|c| &c.keys).map(shortcut_text).collect();
         let (all_names, all_keys) = (names.len(), keys.len());

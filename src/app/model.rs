@@ -11,7 +11,7 @@ use super::action::Action;
 use super::camera::Camera;
 use super::canvas::MapRenderer;
 use super::canvas::colours::colours;
-use super::commands::{commands, pressed};
+use super::commands::{choices, commands, pressed};
 use super::compute_service::{ComputeService, Wake};
 use super::descent::DescentPath;
 use super::dialog::FileDialog;
@@ -240,8 +240,9 @@ impl AppModel {
     pub fn show(&mut self, ui: &mut Ui) -> Vec<Effect> {
         let ctx = ui.ctx().clone();
         let mut actions = self.keys(&ctx);
-        let commands = commands(&self.state);
+        let mut commands = commands(&self.state);
         if self.state.shown.commands {
+            commands.extend(choices(&self.state.picture));
             actions.extend(help::palette(&ctx, &commands));
         } else {
             help::close_palette(&ctx);

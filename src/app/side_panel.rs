@@ -1,6 +1,6 @@
 //! The panels at the side, one below the other.
 
-use egui::{CollapsingHeader, ScrollArea, Ui};
+use egui::{Align, CollapsingHeader, ScrollArea, Ui};
 
 use super::action::Action;
 use super::descent::DescentPath;
@@ -17,55 +17,87 @@ use super::panels::window::window_panel;
 use crate::lab::Figure;
 use crate::physics::{Scalar, State};
 
+/// The panels, by their headings.
+pub(super) const PANELS: [&str; 9] = [
+    "Pendulum of a pixel",
+    "Places",
+    "Deeper",
+    "Scene",
+    "Accuracy",
+    "Colours",
+    "Layers",
+    "Export",
+    "Window",
+];
+
+/// Panels below one another, one of which may be asked for by its heading.
+struct Sections<'a> {
+    ui: &'a mut Ui,
+    wanted: Option<&'static str>,
+}
+
+impl Sections<'_> {
+    fn show(&mut self, heading: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
+        let wanted = self.wanted == Some(heading);
+        let header = CollapsingHeader::new(heading).default_open(open);
+        let shown = header.open(wanted.then_some(true)).show(self.ui, contents);
+        if wanted {
+            shown.header_response.scroll_to_me(Some(Align::TOP));
+        }
+    }
+}
+
 impl AppModel {
     /// Shows the panels and returns the user's actions in them.
     pub(super) fn side_panel(&mut self, ui: &mut Ui) -> Vec<Action> {
         self.take_answer();
         let mut actions = Vec::new();
+        let wanted = self.state.shown.panel.take();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            let mut panels = Sections { ui, wanted };
             let open = !self.state.pins.is_empty();
-            CollapsingHeader::new("Pendulum of a pixel").default_open(true).show(ui, |ui| {
+            panels.show("Pendulum of a pixel", true, |ui| {
                 actions.extend(pendulum_panel(ui, &self.state.pins).into_iter().map(Action::Pins));
                 actions.extend(self.lab_buttons(ui));
             });
-            CollapsingHeader::new("Places").default_open(!open).show(ui, |ui| {
+            panels.show("Places", !open, |ui| {
                 let done = places_panel(ui, &self.places, &self.place_form, &mut self.thumbnails);
                 actions.extend(done.into_iter().filter_map(|action| self.place(action)));
                 self.recent(ui, &mut actions);
             });
-            CollapsingHeader::new("Deeper").show(ui, |ui| {
+            panels.show("Deeper", false, |ui| {
                 let DescentPath { running: descent, scenes, path } = &self.descent;
                 let way = descent::DescentView { going: descent.is_some(), scenes, path };
                 let done = descent_panel(ui, &way);
                 actions.extend(done.into_iter().filter_map(|action| self.deeper(action)));
             });
-            CollapsingHeader::new("Scene").show(ui, |ui| {
+            panels.show("Scene", false, |ui| {
                 let changed = scene_panel(ui, &self.state.scene());
                 actions.extend(changed.map(|scene| Action::Scene(Box::new(scene))));
             });
-            CollapsingHeader::new("Accuracy").show(ui, |ui| {
+            panels.show("Accuracy", false, |ui| {
                 actions.extend(accuracy_panel(ui, &self.computing()));
             });
-            CollapsingHeader::new("Colours").show(ui, |ui| {
+            panels.show("Colours", false, |ui| {
                 let state = &self.state;
                 let any = self.compute.explorer.progress().done > 0;
                 let done = colours_panel(ui, &state.picture, &state.scene(), any);
                 actions.extend(done.and_then(|action| self.colour(action)));
             });
-            CollapsingHeader::new("Layers").show(ui, |ui| {
+            panels.show("Layers", false, |ui| {
                 actions.extend(layers_panel(ui, &self.state.layers));
             });
-            CollapsingHeader::new("Export").show(ui, |ui| {
+            panels.show("Export", false, |ui| {
                 let statuses = self.export_statuses();
                 for action in export_panel(ui, &self.export_form, &statuses) {
                     self.export(action);
                 }
             });
-            CollapsingHeader::new("Window").show(ui, |ui| {
+            panels.show("Window", false, |ui| {
                 actions.extend(window_panel(ui, &self.state, &mut self.settings));
             });
             if self.state.shown.debug {
-                CollapsingHeader::new("Measured").default_open(true).show(ui, |ui| {
+                panels.show("Measured", true, |ui| {
                     self.measured.iter().for_each(|line| {
                         ui.monospace(line);
                     });

@@ -37,6 +37,8 @@ pub enum Dialog {
 pub struct OpenDialogs {
     /// True if the panels at the side are shown.
     pub side: bool,
+    /// Panel at the side that is to be opened and scrolled to.
+    pub panel: Option<&'static str>,
     /// True if the list of keys is shown.
     pub help: bool,
     /// True if the command palette is shown.
@@ -155,6 +157,7 @@ impl AppState {
             layers: Layers { curve: document.picture.curve, ..Layers::default() },
             shown: OpenDialogs {
                 side: true,
+                panel: None,
                 help: false,
                 commands: false,
                 debug: false,
@@ -276,6 +279,7 @@ impl AppState {
             }
             Action::TryAgain => return Some(Effect::Reopen),
             Action::Layers(layers) => self.layers = layers,
+            Action::Panel(name) => (self.shown.side, self.shown.panel) = (true, Some(name)),
             Action::Toggle(dialog) => self.toggle(dialog),
             Action::Escape => self.escape(),
             Action::Show(document) => return self.show(&document),
@@ -378,6 +382,9 @@ impl AppState {
             Dialog::Debug => &mut self.shown.debug,
         };
         *shown = !*shown;
+        if dialog == Dialog::Debug && self.shown.debug {
+            (self.shown.side, self.shown.panel) = (true, Some("Measured"));
+        }
     }
 
     fn escape(&mut self) {

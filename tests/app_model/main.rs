@@ -291,6 +291,36 @@ fn commands_are_found_and_run_by_the_keyboard() {
     assert!(!desktop.state().state.layers.grid);
 }
 
+/// Finds a command by a word, and runs it.
+fn run(desktop: &mut Desktop, word: &str) {
+    press(desktop, Modifiers::COMMAND, Key::K);
+    desktop.event(Event::Text(word.to_string()));
+    desktop.run_steps(2);
+    press(desktop, Modifiers::NONE, Key::Enter);
+    desktop.run_steps(20);
+}
+
+#[test]
+fn panels_places_and_palettes_are_found_by_name() {
+    let mut desktop = home();
+    // A control of each panel, which is seen only while the panel is open.
+    for (panel, control) in
+        [("panel scene", "Gravity g"), ("colours", "Equalise to this view"), ("export", "Browse…")]
+    {
+        assert!(desktop.query_by_label(control).is_none(), "{panel}");
+        run(&mut desktop, panel);
+        assert!(desktop.query_by_label(control).is_some(), "{panel}");
+    }
+    run(&mut desktop, "magma");
+    assert_eq!(desktop.state().state.picture.palette, "magma");
+    run(&mut desktop, "threads");
+    assert!(place(&desktop).contains("width=0.0"), "{}", place(&desktop));
+    press(&mut desktop, Modifiers::NONE, Key::F9);
+    assert!(!desktop.state().state.shown.side);
+    press(&mut desktop, Modifiers::NONE, Key::F12);
+    assert!(desktop.query_by_label("Lose the graphics device").is_some(), "it shows itself");
+}
+
 /// An app model with one of everything: a pin, a bookmark, a notice, and all panels open.
 fn crowded(folder: &Path) -> Desktop {
     let mut desktop = model(Folders::under(folder), None);

@@ -40,7 +40,7 @@ pub fn help(ctx: &egui::Context, commands: &[Command]) -> Option<Action> {
                             row(ui, what, does);
                         }
                         for command in commands.iter().filter(|command| !command.keys.is_empty()) {
-                            row(ui, &keys(command), command.name);
+                            row(ui, &keys(command), &command.name);
                         }
                     });
                 },
@@ -102,7 +102,7 @@ pub fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> {
         ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
             for (place, command) in found.iter().enumerate() {
                 let chosen = place == search.chosen;
-                let button = egui::Button::new(command.name).shortcut_text(keys(command));
+                let button = egui::Button::new(&*command.name).shortcut_text(keys(command));
                 let button =
                     button.min_size(egui::vec2(ui.available_width(), 0.0)).selected(chosen);
                 let response = ui.add(button);
