@@ -91,7 +91,8 @@ fn pictures_of(page: &Path) -> Vec<String> {
     let text = fs::read_to_string(page).unwrap();
     let folder = page.parent().unwrap();
     let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-    let is_picture = |link: &&str| [".png", ".webp"].iter().any(|ending| link.ends_with(ending));
+    let is_picture =
+        |link: &&str| [".png", ".webp", ".jpg"].iter().any(|ending| link.ends_with(ending));
     let pictures = links.filter(is_picture).filter(|link| !link.starts_with("http"));
     pictures.map(|link| folder.join(link).display().to_string()).collect()
 }
@@ -118,7 +119,9 @@ fn every_picture_of_the_pages_is_there_and_made_by_the_gallery() {
     assert!(pictures.len() > 8, "{pictures:?}");
     for picture in pictures {
         assert!(Path::new(&picture).exists(), "{picture} is missing");
-        assert!(made(&picture), "{picture} is not made by scripts/gallery");
+        // The contact sheet shows palettes that were not chosen, too, and are not there any more.
+        let is_record = picture == "docs/palettes.jpg";
+        assert!(made(&picture) || is_record, "{picture} is not made by scripts/gallery");
     }
     assert!(!made("docs/other.png") && !made("docs/lab/other.png"), "the test can fail");
 }

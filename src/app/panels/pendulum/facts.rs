@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn differences_are_told_in_the_unit_that_fits() {
-        assert_eq!(agreement_words(Agreement::Apart(0.0123)), "different by 12.3 ms!");
-        assert_eq!(agreement_words(Agreement::Apart(3.2)), "different by 3.200 s!");
+        assert_eq!(agreement_words(Agreement::Apart(0.0123)), "differ by 12.3 ms!");
+        assert_eq!(agreement_words(Agreement::Apart(3.2)), "differ by 3.200 s!");
     }
 }
