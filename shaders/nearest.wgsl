@@ -8,23 +8,41 @@ const HALVINGS = 30u;
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% include "running.wgsl" %}
+    let zero = job.zero;
     var steps = outcomes[pixel].steps;
-    let stop = min(steps + job.slice_steps, job.most_steps);
+    // The last fixed step may be cut in two by rounding, and f32 rounds long times.
+    let most_steps = job.most_steps + 2u + job.most_steps / 256u;
+{% if not adaptive %}
+    let first = steps;
+    let begun = time;
+{% endif %}
+    let stop = min(steps + job.slice_steps, most_steps);
     var suspect = false;
     while !suspect && steps < stop && rough(time) < job.budget {
-        let step = min(h, real(job.budget) - time);
+{% if not adaptive %}
+        // A product: the sum of so many steps would drift.
+        time = begun + real(f32(steps - first)) * h;
+{% endif %}
+        let step = length_within(h, time, zero);
 {{ maths.step }}
+{% if adaptive %}
         let excess = excess_of(rough(error_squared), rough(time));
         let accepted = excess < 0;
-        suspect = accepted && has_left > 0 && receding < 0 && receding_next >= 0;
+{% else %}
+        let accepted = true;
+{% endif %}
+        let turns = rough(receding) < 0 && rough(receding_next) >= 0;
+        suspect = accepted && rough(has_left) > 0 && turns;
         let taken = accepted && !suspect;
         // The distance falls for the first time.
-        let leaves = taken && receding > 0 && receding_next < 0;
+        let leaves = taken && rough(receding) > 0 && rough(receding_next) < 0;
         has_left = select(has_left, real(1.0), leaves);
 {% for name in moving %}
         {{ name }} = select({{ name }}, {{ name }}_next, taken);
 {% endfor %}
+{% if adaptive %}
         h = select(real(next_length(rough(step), excess)), h, suspect);
+{% endif %}
         steps += select(1u, 0u, suspect);
     }
 {% for name in state %}
@@ -32,7 +50,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endfor %}
     outcomes[pixel].steps = steps;
     let over = rough(time) >= job.budget;
-    let sound = finite(x1) && (over || steps < job.most_steps);
+    let sound = finite(x1) && (over || steps < most_steps);
     if !sound {
         outcomes[pixel].status = FAILED;
     }
@@ -43,7 +61,8 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(WORKGROUP)
 fn look(@builtin(global_invocation_id) id: vec3<u32>) {
 {% include "suspect.wgsl" %}
-    let whole = min(h, real(job.budget) - time);
+    let zero = job.zero;
+    let whole = length_within(h, time, zero);
     // The state at the end of the whole step.
 {% for name in state %}
     var {{ name }}_after = {{ name }};
@@ -52,7 +71,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     var high = whole;
     // First the whole step, then the halvings, and last the distance at the minimum.
     for (var trial = 0u; trial < HALVINGS + 2u; trial++) {
-        var length = select(real(0.5) * (low + high), whole, trial == 0u);
+        var length = select(scaled(sum_of(low, high, zero), 0.5), whole, trial == 0u);
         length = select(length, high, trial > HALVINGS);
         let step = length;
 {{ maths.step }}
@@ -60,14 +79,16 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
 {% for name in moving %}
             {{ name }}_after = {{ name }}_next;
 {% endfor %}
+{% if adaptive %}
             h_after = real(next_length(rough(whole), excess_of(rough(error_squared), rough(time))));
+{% endif %}
         } else if trial <= HALVINGS {
-            low = select(low, step, receding_next < 0);
-            high = select(step, high, receding_next < 0);
+            low = select(low, step, rough(receding_next) < 0);
+            high = select(step, high, rough(receding_next) < 0);
         } else {
-            let distance = sqrt(distance_squared_next);
-            let nearer = distance < nearest;
-            nearest_time_after = select(nearest_time, time + high, nearer);
+            let distance = root_of(distance_squared_next);
+            let nearer = is_less(distance, nearest);
+            nearest_time_after = select(nearest_time, sum_of(time, high, zero), nearer);
             nearest_after = select(nearest, distance, nearer);
         }
     }

@@ -9,12 +9,21 @@ const LOG_LARGE = {{ log_large }};
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% include "running.wgsl" %}
+    let zero = job.zero;
     var steps = outcomes[pixel].steps;
-    // The last fixed step may be cut in two by rounding.
-    let most_steps = job.most_steps + 2u;
+    // The last fixed step may be cut in two by rounding, and f32 rounds long times.
+    let most_steps = job.most_steps + 2u + job.most_steps / 256u;
+{% if not adaptive %}
+    let first = steps;
+    let begun = time;
+{% endif %}
     let stop = min(steps + job.slice_steps, most_steps);
     while steps < stop && rough(time) < job.budget {
-        let step = min(h, real(job.budget) - time);
+{% if not adaptive %}
+        // A product: the sum of so many steps would drift.
+        time = begun + real(f32(steps - first)) * h;
+{% endif %}
+        let step = length_within(h, time, zero);
 {{ maths.step }}
 {% if adaptive %}
         let excess = excess_of(rough(error_squared), rough(time));
@@ -32,9 +41,9 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endfor %}
         if most > LARGE {
 {% for name in slopes %}
-            {{ name }} *= real(SMALLER);
+            {{ name }} = scaled({{ name }}, SMALLER);
 {% endfor %}
-            log_scale += real(LOG_LARGE);
+            log_scale = sum_of(log_scale, real(LOG_LARGE), zero);
         }
         steps += 1u;
     }

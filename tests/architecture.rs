@@ -168,14 +168,10 @@ fn designs() -> Vec<Design> {
                         general.specialised(&question, &Pace::new(&question, &config).unwrap())
                     };
                     designs.extend(builds.map(made));
-                    if rule == Rule::Neither && precision != Precision::Df32 {
-                        designs.extend(builds.map(|build| made(build).computing(Ends::Growth)));
-                    }
-                    if rule == Rule::Neither
-                        && precision == Precision::F64
-                        && method != Method::LESSON
-                    {
-                        designs.extend(builds.map(|build| made(build).computing(Ends::Return)));
+                    if rule == Rule::Neither {
+                        for ends in [Ends::Growth, Ends::Return] {
+                            designs.extend(builds.map(|build| made(build).computing(ends)));
+                        }
                     }
                 }
             }

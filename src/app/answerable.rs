@@ -9,7 +9,8 @@ use crate::engine::{Accuracy, Cells, Ends, EngineKind, IntegratorConfig, Precisi
 use crate::scene::lattice::pitch_rad;
 
 impl AppModel {
-    /// The kind of engine to open: the processor for growth and returns where the card has no f64.
+    /// The kind of engine to open: the processor for growth and returns where the card has no f64, because
+    /// their kernels in pairs of f32 take minutes to compile.
     pub(super) fn engine_kind(&self) -> Option<EngineKind> {
         let question = &self.state.question;
         let is_carried = Ends::from(question.ask.kind().needs).are_carried();

@@ -300,12 +300,9 @@ mod tests {
         };
         assert_eq!(request(Ask::Flip).configs(), Accuracy::Balanced.configs());
         for ask in [Ask::Growth, Ask::Return] {
-            assert_eq!(request(ask).configs(), [Accuracy::Balanced.configs()[0]], "{ask}");
             assert_eq!(request(ask).kind, Some(EngineKind::Gpu));
         }
-        // No level but balanced finds returns: what cannot is refused later, by its name.
-        let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
-        let fast = EngineRequest { setting, ..request(Ask::Return) };
-        assert_eq!(fast.configs(), Accuracy::Fast.configs());
+        assert_eq!(request(Ask::Return).configs(), Accuracy::Balanced.configs());
+        assert_eq!(request(Ask::Growth).configs(), [Accuracy::Balanced.configs()[0]]);
     }
 }

@@ -242,6 +242,15 @@ impl Pace {
             Pace::Adaptive(adaptive) => adaptive.most_steps,
         }
     }
+
+    /// The same for pendulums that are followed to the very end of the budget: of fixed steps, the
+    /// last one is short, and may be cut in two by rounding.
+    pub fn most_steps_to_end(&self) -> u32 {
+        match self {
+            Pace::Fixed(steps) => steps.count + 2,
+            Pace::Adaptive(adaptive) => adaptive.most_steps,
+        }
+    }
 }
 
 /// Adaptive steps over a budget.

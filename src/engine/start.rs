@@ -136,16 +136,22 @@ pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
         (Some(_), _) => state,
         (None, Ends::Growth) => with_tangents(&reduced, &pace, &state),
-        (None, _) => with_start(state),
+        (None, _) => with_start(&reduced, &pace, state),
     };
     Ok(states.into_iter().map(begun).collect())
 }
 
-/// A start, as unit vectors and momenta, that looks for its nearest return.
-fn with_start(state: IntegratorState) -> IntegratorState {
-    let (start, nearest) = (phase_of(&state.numbers), Accumulators::NONE.nearest);
+/// A start that looks for its nearest return, as unit vectors and momenta at every pace.
+fn with_start(reduced: &Pendulum<f64>, pace: &Pace, state: IntegratorState) -> IntegratorState {
+    let (start, nearest) = (phase_at(reduced, pace, &state), Accumulators::NONE.nearest);
     let carried = Some(Box::new(Carried::Return { start, has_left: false, nearest }));
-    IntegratorState { carried, ..state }
+    let mut numbers = state.numbers;
+    if let Pace::Fixed(steps) = pace {
+        numbers = [0.0; NUMBERS];
+        numbers[..6].copy_from_slice(&start);
+        numbers[STEP] = steps.length;
+    }
+    IntegratorState { numbers, carried, ..state }
 }
 
 /// A start with the tangents of itself, as unit vectors and momenta at every pace.
@@ -276,12 +282,13 @@ pub fn angles_of(numbers: &[f64]) -> [f64; 2] {
     [numbers[0] + numbers[4], numbers[1] + numbers[5]]
 }
 
-/// The unit vectors and momenta of a state at this pace; with tangents, states of all paces have
-/// them.
+/// The unit vectors and momenta of a state at this pace; with tangents or a start to return to,
+/// states of all paces have them.
 pub fn phase_at(reduced: &Pendulum<f64>, pace: &Pace, state: &IntegratorState) -> Phase<f64> {
     let IntegratorState { numbers, carried, .. } = state;
     match (pace, carried.as_deref()) {
-        (Pace::Adaptive(_), _) | (_, Some(Carried::Tangents { .. })) => phase_of(numbers),
+        (Pace::Adaptive(_), _) => phase_of(numbers),
+        (_, Some(Carried::Tangents { .. } | Carried::Return { .. })) => phase_of(numbers),
         (Pace::Fixed(_), _) => {
             let speed = [numbers[2], numbers[3]];
             reduced.phase(&State { angle: angles_of(numbers), speed })

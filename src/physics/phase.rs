@@ -51,6 +51,21 @@ impl<T: Real> Pendulum<T> {
     }
 }
 
+/// The phase after a step of the classical Runge–Kutta method.
+#[inline(always)]
+pub fn rk4<T: Real>(pendulum: &Pendulum<T>, before: &Phase<T>, length: T) -> Phase<T> {
+    let half = length * length.lit(0.5);
+    let from = |slope: &Phase<T>, by: T| -> Phase<T> {
+        std::array::from_fn(|i| before[i] + slope[i] * by)
+    };
+    let k1 = pendulum.derivative(before);
+    let k2 = pendulum.derivative(&from(&k1, half));
+    let k3 = pendulum.derivative(&from(&k2, half));
+    let k4 = pendulum.derivative(&from(&k3, length));
+    let (two, sixth) = (length.lit(2.0), length * length.lit(1.0 / 6.0));
+    std::array::from_fn(|i| before[i] + (k1[i] + two * (k2[i] + k3[i]) + k4[i]) * sixth)
+}
+
 impl<T: Scalar> Pendulum<T> {
     /// Converts `state` to unit vectors and momenta. An angle of exactly ±π in the number type
     /// stands for the top itself.
@@ -79,10 +94,12 @@ impl<T: Scalar> Pendulum<T> {
 
 /// Distance of two states, as unit vectors and scaled momenta; `inverse_scale` is 1 over the scale of
 /// each momentum.
-pub fn distance(a: &Phase<f64>, b: &Phase<f64>, inverse_scale: [f64; 2]) -> f64 {
+pub fn distance<T: Scalar>(a: &Phase<T>, b: &Phase<T>, inverse_scale: [T; 2]) -> T {
+    let one = T::from_f64(1.0);
     let [p1, p2] = inverse_scale;
-    let units = [1.0, 1.0, 1.0, 1.0, p1, p2];
-    (0..6).map(|i| ((a[i] - b[i]) * units[i]).powi(2)).sum::<f64>().sqrt()
+    let units = [one, one, one, one, p1, p2];
+    let apart = |i: usize| (a[i] - b[i]) * units[i];
+    (0..6).fold(T::zero(), |sum, i| sum + apart(i) * apart(i)).sqrt()
 }
 
 #[cfg(test)]

@@ -14,25 +14,6 @@ pub type Tangents<T> = Phase<Dual<4, T>>;
 /// within a stretch of steps; it rounds nothing.
 pub const LARGE: f64 = (1u64 << 40) as f64;
 
-/// A step of the classical Runge–Kutta method.
-#[inline(always)]
-pub fn rk4<T: Real>(
-    pendulum: &Pendulum<Dual<4, T>>,
-    before: &Tangents<T>,
-    length: Dual<4, T>,
-) -> Tangents<T> {
-    let half = length * length.lit(0.5);
-    let from = |slope: &Tangents<T>, by: Dual<4, T>| -> Tangents<T> {
-        std::array::from_fn(|i| before[i] + slope[i] * by)
-    };
-    let k1 = pendulum.derivative(before);
-    let k2 = pendulum.derivative(&from(&k1, half));
-    let k3 = pendulum.derivative(&from(&k2, half));
-    let k4 = pendulum.derivative(&from(&k3, length));
-    let (two, sixth) = (length.lit(2.0), length * length.lit(1.0 / 6.0));
-    std::array::from_fn(|i| before[i] + (k1[i] + two * (k2[i] + k3[i]) + k4[i]) * sixth)
-}
-
 /// A state with the tangents of a start: the derivatives by its own numbers. `pendulum` is in
 /// reduced units.
 #[inline(always)]

@@ -36,7 +36,11 @@ fn options(folders: Folders, document: Option<Document>) -> WindowOptions {
 
 /// An app model of fixed size with a complete map.
 fn model(folders: Folders, document: Option<Document>) -> Desktop {
-    let model = AppModel::new(&options(folders, document), Arc::new(|| ()));
+    model_of(&options(folders, document))
+}
+
+fn model_of(options: &WindowOptions) -> Desktop {
+    let model = AppModel::new(options, Arc::new(|| ()));
     let show = |ui: &mut egui::Ui, model: &mut AppModel| {
         model.state.tick(ui.input(|input| input.time));
         model.work();

@@ -3,11 +3,11 @@
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use flipmap::app::folders::Folders;
-use flipmap::engine::Accuracy;
 use flipmap::engine::choice::IntegrationSetting;
-use flipmap::scene::{Document, location};
+use flipmap::engine::{Accuracy, IntegratorConfig, Method, Precision};
+use flipmap::scene::{Document, RunTable, location};
 
-use crate::{counts, home, model, notices, place, press, settle, until};
+use crate::{counts, home, model, model_of, notices, options, place, press, settle, until};
 
 #[test]
 fn another_question_on_another_plane_is_shown_flown_and_left_again() {
@@ -42,10 +42,14 @@ fn another_question_on_another_plane_is_shown_flown_and_left_again() {
 }
 
 #[test]
-fn what_only_the_processor_answers_is_computed_there_at_a_level_that_can() {
+fn a_method_that_cannot_answer_gives_way_to_a_level_that_can() {
     let asked = location::parse("flipmap:center=0,0;width=6;budget=0.5;ask=return").unwrap();
-    let document = Document::default().with_scene(asked);
-    let mut desktop = model(Folders::none(), Some(document));
+    let mut options = options(Folders::none(), Some(Document::default().with_scene(asked)));
+    let method = Method::Taylor { tolerance: 1e-15 };
+    let taylor = IntegratorConfig { method, precision: Precision::F64 };
+    options.request.setting = IntegrationSetting::Explicit(taylor);
+    options.run = Some(RunTable { method: Some("taylor".to_string()), ..RunTable::default() });
+    let mut desktop = model_of(&options);
     until(&mut desktop, "a level that finds returns", |desktop| {
         let spec = &desktop.state().state.integration.spec;
         spec.setting == IntegrationSetting::Accuracy(Accuracy::Balanced)
@@ -55,6 +59,13 @@ fn what_only_the_processor_answers_is_computed_there_at_a_level_that_can() {
     let counts = counts(&desktop);
     assert_eq!(counts.forbidden, 0, "every pendulum may return: {counts:?}");
     assert!(counts.simulated > 100_000);
+
+    // The level that the window is at answers by itself.
+    let asked = location::parse("flipmap:center=0,0;width=6;budget=0.5;ask=return").unwrap();
+    let desktop = model(Folders::none(), Some(Document::default().with_scene(asked)));
+    let spec = &desktop.state().state.integration.spec;
+    assert_eq!(spec.setting, IntegrationSetting::Accuracy(Accuracy::Fast));
+    assert!(!notices(&desktop).contains("Computed at balanced"), "{}", notices(&desktop));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::{IntegratorConfig, Precision, Trust};
+use flipmap::engine::{IntegratorConfig, Method, Precision, Trust};
 use flipmap::physics::taylor::Orbit;
 use flipmap::physics::{Dd, Scalar, State, Status};
 use flipmap::question::Ask;
@@ -41,7 +41,7 @@ fn growth_is_the_gold_standards_by_every_method() {
 fn the_card_computes_the_growth_that_the_processor_does() {
     for plane in [Plane::default(), plane("speeds", ["1", "-1", "0", "0"])] {
         let scene = scene(Ask::Growth, plane, "6", 8.0);
-        for config in [BALANCED, FAST, lesson(Precision::F64)] {
+        for config in [BALANCED, FAST, lesson(Precision::F64), lesson(Precision::F32)] {
             let by_card = rendered(&scene, 12, config, Box::new(gpu_engine()));
             let by_cpu = by_cpu(&scene, 12, config);
             let allowed = if config.precision == Precision::F32 { 0.05 } else { 1e-3 };
@@ -60,17 +60,43 @@ fn the_card_computes_the_growth_that_the_processor_does() {
 fn the_card_finds_the_returns_that_the_processor_does() {
     for plane in [Plane::default(), plane("speeds", ["1", "-1", "0", "0"])] {
         let scene = scene(Ask::Return, plane, "6", 5.0);
-        let (by_card, by_cpu) =
-            (rendered(&scene, 12, BALANCED, Box::new(gpu_engine())), by_cpu(&scene, 12, BALANCED));
+        for config in [BALANCED, FAST, lesson(Precision::F64), lesson(Precision::F32)] {
+            let by_card = rendered(&scene, 12, config, Box::new(gpu_engine()));
+            let by_cpu = by_cpu(&scene, 12, config);
+            // Lanes and cards round f32 differently, and chaos enlarges that.
+            let [near, soon] =
+                if config.precision == Precision::F32 { [1e-3, 1e-3] } else { [1e-6, 1e-4] };
+            let is_same = |k: &usize| {
+                let (a, b) = (by_card.values(*k), by_cpu.values(*k));
+                let alike = by_card.get(*k).status == by_cpu.get(*k).status;
+                alike && (a == b || ((a[0] - b[0]).abs() < near && (a[1] - b[1]).abs() < soon))
+            };
+            let same = (0..144).filter(is_same).count();
+            let seen = (0..144).filter(|k| by_cpu.values(*k)[0].is_finite()).count();
+            assert!(same >= 134 && seen > 72, "{config:?}: {same} of 144, {seen} return");
+        }
+    }
+}
+
+/// Pairs of f32 keep far more than f32, so they agree with f64; the kernel takes long to compile.
+#[test]
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+fn pairs_of_floats_find_the_returns_of_f64() {
+    let scene = scene(Ask::Return, plane("speeds", ["1", "-1", "0", "0"]), "6", 3.0);
+    let method = Method::Dopri5 { tolerance: 1e-10 };
+    let by_pairs = IntegratorConfig { method, precision: Precision::Df32 };
+    let by_card = rendered(&scene, 8, by_pairs, Box::new(gpu_engine()));
+    let by_cpu = by_cpu(&scene, 8, BALANCED);
+    let share_within = |most: f64| {
         let is_same = |k: &usize| {
             let (a, b) = (by_card.values(*k), by_cpu.values(*k));
             let alike = by_card.get(*k).status == by_cpu.get(*k).status;
-            alike && (a == b || ((a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() < 1e-4))
+            alike && (a == b || (0..2).all(|i| (a[i] - b[i]).abs() < most))
         };
-        let same = (0..144).filter(is_same).count();
-        let seen = (0..144).filter(|k| by_cpu.values(*k)[0].is_finite()).count();
-        assert!(same >= 140 && seen > 72, "{same} of 144, {seen} return");
-    }
+        (0..64).filter(is_same).count() as f64 / 64.0
+    };
+    assert!(share_within(1e-5) >= 0.95, "{}", share_within(1e-5));
+    assert!(share_within(1e-12) < 0.9, "the test can fail");
 }
 
 #[test]
@@ -164,7 +190,10 @@ fn a_periodic_orbit_returns_to_its_start_and_others_do_not() {
 #[test]
 fn the_nearest_return_is_the_least_distance_along_the_orbit() {
     let scene = scene(Ask::Return, plane("speeds", ["2", "1", "0", "0"]), "10", 5.0);
-    let samples = by_cpu(&scene, 8, BALANCED);
+    let coarse = [FAST, lesson(Precision::F64), lesson(Precision::F32)];
+    let mut by_config: Vec<(Samples, f64)> =
+        coarse.iter().map(|config| (by_cpu(&scene, 8, *config), 5e-3)).collect();
+    by_config.push((by_cpu(&scene, 8, BALANCED), 1e-3));
     let pendulum = scene.build.pendulum();
     let weight = pendulum.momentum_scale().map(|scale| 1.0 / scale);
     for k in (0..64).step_by(5) {
@@ -189,9 +218,11 @@ fn the_nearest_return_is_the_least_distance_along_the_orbit() {
             }
             before = distance;
         }
-        let found = samples.values(k as usize)[0];
-        let is_right = (found - least).abs() < 1e-3
-            || (least.is_infinite() && samples.get(k as usize).status != Status::Flipped);
-        assert!(is_right, "{k}: {found} {least}");
+        for (samples, allowed) in &by_config {
+            let found = samples.values(k as usize)[0];
+            let is_right = (found - least).abs() < *allowed
+                || (least.is_infinite() && samples.get(k as usize).status != Status::Flipped);
+            assert!(is_right, "{k}: {found} {least}");
+        }
     }
 }

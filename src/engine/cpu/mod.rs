@@ -293,9 +293,12 @@ impl ChunkInFlight<'_> {
     }
 
     fn nearest(self) -> Option<ChunkResult> {
-        match self.chunk.config.method {
-            Method::Dopri5 { .. } => nearest::run::<Dopri5>(self.chunk),
-            _ => nearest::run::<Dop853>(self.chunk),
+        let IntegratorConfig { method, precision } = self.chunk.config;
+        match (method, precision) {
+            (Method::Dopri5 { .. }, Precision::F32) => nearest::run::<f32, Dopri5>(self.chunk),
+            (Method::Dopri5 { .. }, _) => nearest::run::<f64, Dopri5>(self.chunk),
+            (_, Precision::F32) => nearest::run::<f32, Dop853>(self.chunk),
+            _ => nearest::run::<f64, Dop853>(self.chunk),
         }
     }
 

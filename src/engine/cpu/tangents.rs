@@ -11,7 +11,8 @@ use crate::engine::{Carried, IntegratorState, NUMBERS};
 use crate::physics::control::LONGEST;
 use crate::physics::dual::Dual;
 use crate::physics::embedded::plus;
-use crate::physics::tangents::{LARGE, Tangents, rk4};
+use crate::physics::phase::rk4;
+use crate::physics::tangents::{LARGE, Tangents};
 use crate::physics::{Outcome, Pendulum, Status};
 
 /// Pendulums in the lanes of a register with their tangents.
@@ -44,7 +45,7 @@ pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Opti
         let mut steps = 0;
         for cuts in [false, true] {
             lanes.cuts = cuts;
-            while lanes.is_busy() && steps < most_steps(&chunk.pace) {
+            while lanes.is_busy() && steps < chunk.pace.most_steps_to_end() {
                 match chunk.pace {
                     Pace::Adaptive(adaptive) => lanes.step_adaptively::<P>(&adaptive),
                     Pace::Fixed(_) => lanes.step_fixed(),
@@ -72,14 +73,6 @@ pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Opti
 
 /// Number of steps after which slopes are looked at.
 const STRETCH: u32 = 32;
-
-fn most_steps(pace: &Pace) -> u32 {
-    match pace {
-        Pace::Adaptive(adaptive) => adaptive.most_steps,
-        // The last step is short, and may be cut in two by rounding.
-        Pace::Fixed(steps) => steps.count + 2,
-    }
-}
 
 impl<L: Lanes> TangentLanes<L> {
     #[inline(always)]

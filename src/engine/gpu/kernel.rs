@@ -20,7 +20,7 @@ use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// All shader files by name.
-pub const FILES: [(&str, &str); 19] = [
+pub const FILES: [(&str, &str); 20] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
@@ -33,6 +33,7 @@ pub const FILES: [(&str, &str); 19] = [
     ("fixed_look.wgsl", include_str!("../../../shaders/fixed_look.wgsl")),
     ("fixed_passes.wgsl", include_str!("../../../shaders/fixed_passes.wgsl")),
     ("control.wgsl", include_str!("../../../shaders/control.wgsl")),
+    ("carried.wgsl", include_str!("../../../shaders/carried.wgsl")),
     ("tangents.wgsl", include_str!("../../../shaders/tangents.wgsl")),
     ("nearest.wgsl", include_str!("../../../shaders/nearest.wgsl")),
     ("adaptive.wgsl", include_str!("../../../shaders/adaptive.wgsl")),
@@ -152,7 +153,7 @@ impl Design {
         let mut maths = BTreeMap::from([("step".to_string(), self.step())]);
         if self.ends.are_carried() {
             let file = if self.ends == Ends::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
-            let files = ["shared.wgsl", number, "control.wgsl", file, "turn.wgsl"];
+            let files = ["shared.wgsl", number, "carried.wgsl", "control.wgsl", file, "turn.wgsl"];
             return glue(&files, &self.values(maths, String::new()));
         }
         if self.is_adaptive() {
@@ -190,7 +191,7 @@ impl Design {
             compensated: self.compensated,
             subgroups: self.subgroups,
             moving: self.moving(),
-            tangents: TangentValues::default(),
+            carried: CarriedValues::new(self.precision),
             state: self.state(),
             watched: self.watched(),
             bobs: self.watched().len(),
@@ -288,7 +289,7 @@ struct Values {
     state: Vec<&'static str>,
     moving: Vec<&'static str>,
     #[serde(flatten)]
-    tangents: TangentValues,
+    carried: CarriedValues,
     watched: Vec<usize>,
     bobs: usize,
     #[serde(flatten)]
@@ -318,18 +319,21 @@ struct CountValues {
     flip_length: &'static str,
 }
 
-/// Values of kernels that carry tangents.
+/// Values of kernels whose pendulums take numbers along.
 #[derive(Serialize)]
-struct TangentValues {
+struct CarriedValues {
+    /// True if the number type is a pair of f32.
+    pairs: bool,
     slopes: &'static [&'static str],
     large: String,
     smaller: String,
     log_large: String,
 }
 
-impl Default for TangentValues {
-    fn default() -> Self {
-        TangentValues {
+impl CarriedValues {
+    fn new(precision: Precision) -> Self {
+        CarriedValues {
+            pairs: precision == Precision::Df32,
             slopes: SLOPES.as_flattened(),
             large: format!("{LARGE:?}"),
             smaller: format!("{:?}", 1.0 / LARGE),

@@ -7,9 +7,9 @@ use crate::engine::symbol::{Dialect, Symbol, literal, variable, write_maths};
 use crate::engine::{Ends, Precision};
 use crate::physics::dual::Dual;
 use crate::physics::embedded::{Trial, dop853, dopri5, plus};
-use crate::physics::phase::Phase;
+use crate::physics::phase::{Phase, rk4};
 use crate::physics::polynomial::quintic_hermite;
-use crate::physics::tangents::{Tangents, rk4};
+use crate::physics::tangents::Tangents;
 use crate::physics::trig::Turning;
 use crate::physics::{Angle, Pendulum, Real, State, integrator};
 
@@ -128,10 +128,11 @@ impl Design {
             let step = variable("step");
             let length = Dual::new(step);
             let (next, error) = match self.scheme {
-                Scheme::Fixed(_) => (rk4(&pendulum, &before, length), literal(0.0)),
+                Scheme::Fixed(_) => (rk4(&pendulum, &before, length), Dual::new(literal(0.0))),
                 Scheme::Fifth => tried(&before, dopri5(&pendulum, scale, &before, length)),
                 Scheme::Eighth => tried(&before, dop853(&pendulum, scale, &before, length)),
             };
+            let error = error.value;
             let mut results = vec![("time_next".to_string(), variable("time") + step)];
             for (i, number) in next.iter().enumerate() {
                 results.push((format!("{}_next", PHASE[i]), number.value));
@@ -150,11 +151,11 @@ impl Design {
             let (pendulum, scale) = (self.pendulum(), self.inverse_scale());
             let before: Phase<Symbol> = std::array::from_fn(|i| variable(PHASE[i]));
             let step = variable("step");
-            let trial = match self.scheme {
-                Scheme::Eighth => dop853(&pendulum, scale, &before, step),
-                _ => dopri5(&pendulum, scale, &before, step),
+            let (after, error) = match self.scheme {
+                Scheme::Fixed(_) => (rk4(&pendulum, &before, step), literal(0.0)),
+                Scheme::Fifth => tried(&before, dopri5(&pendulum, scale, &before, step)),
+                Scheme::Eighth => tried(&before, dop853(&pendulum, scale, &before, step)),
             };
-            let after = plus(&before, &trial.change);
             let unit = |i: usize| if i < 4 { literal(1.0) } else { scale[i - 4] };
             let apart =
                 |phase: &Phase<Symbol>, i: usize| (phase[i] - variable(STARTS[i])) * unit(i);
@@ -170,7 +171,7 @@ impl Design {
                 results.push((format!("{name}_next"), value));
             }
             let squared = sum(&|i| apart(&after, i) * apart(&after, i));
-            results.push(("error_squared".to_string(), trial.error_squared));
+            results.push(("error_squared".to_string(), error));
             results.push(("receding".to_string(), receding(&before)));
             results.push(("receding_next".to_string(), receding(&after)));
             results.push(("distance_squared_next".to_string(), squared));
@@ -224,8 +225,8 @@ impl Design {
 }
 
 /// The state after a trial step, and the square of its error.
-fn tried(before: &Tangents<Symbol>, trial: Trial<Dual<4, Symbol>>) -> (Tangents<Symbol>, Symbol) {
-    (plus(before, &trial.change), trial.error_squared.value)
+fn tried<T: Real>(before: &Phase<T>, trial: Trial<T>) -> (Phase<T>, T) {
+    (plus(before, &trial.change), trial.error_squared)
 }
 
 fn state(names: [&'static str; 4]) -> State<Symbol> {

@@ -174,7 +174,7 @@ impl Slot {
                 match self.job.config.precision {
                     Precision::F32 => bytes.extend((part(high, p) as f32).to_le_bytes()),
                     Precision::Df32 => {
-                        let parts = [high, low].map(|place| part(place, p) as f32);
+                        let parts = two_floats(part(high, p), part(low, p));
                         bytes.extend(parts.into_iter().flat_map(f32::to_le_bytes));
                     }
                     _ => bytes.extend(part(high, p).to_le_bytes()),
@@ -291,6 +291,13 @@ impl Slot {
         self.submit_answer(gpu);
         SlotEvent::Complete(ran)
     }
+}
+
+/// A number and its remainder, where it has one of its own, as two f32.
+fn two_floats(value: f64, remainder: f64) -> [f32; 2] {
+    let high = value as f32;
+    let below = if high.is_finite() { value - f64::from(high) } else { 0.0 };
+    [high, (below + remainder) as f32]
 }
 
 fn head(job: &Job, pace: &Pace) -> JobHead {

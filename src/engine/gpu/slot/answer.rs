@@ -137,10 +137,11 @@ impl Slot {
         let paused = |i: usize| {
             let mut all = [0.0; NUMBERS + MOST_CARRIED];
             for (k, places) in self.places.iter().enumerate() {
-                for (place, value) in places.iter().zip(states[k * raw.len() + i]) {
-                    if let Some(place) = place {
-                        all[*place] = value;
-                    }
+                let [high, low] = states[k * raw.len() + i];
+                match *places {
+                    [Some(value), Some(remainder)] => (all[value], all[remainder]) = (high, low),
+                    [Some(value), None] => all[value] = high + low,
+                    [None, _] => {}
                 }
             }
             IntegratorState::from_numbers(raw[i].steps, &all[..count], ends)

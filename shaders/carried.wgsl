@@ -1,0 +1,53 @@
+// The few operations outside the printed maths on numbers that pendulums take along, which may be
+// pairs of f32.
+
+{% if pairs %}
+// The rest of the budget from a time, if it is less than `h`; else that.
+fn length_within(h: Real, time: Real, zero: u32) -> Real {
+    return real(min(h.x, rough(subtract(real(job.budget), time, zero))));
+}
+
+fn sum_of(a: Real, b: Real, zero: u32) -> Real {
+    return add(a, b, zero);
+}
+
+// A number times a power of two.
+fn scaled(x: Real, by: f32) -> Real {
+    return x * by;
+}
+
+// To the precision of f32, like a distance that it is the root of.
+fn root_of(x: Real) -> Real {
+    return real(sqrt(max(x.x, 0.0)));
+}
+
+fn finite(x: Real) -> bool {
+    return (bitcast<u32>(x.x) & 0x7f800000u) != 0x7f800000u;
+}
+
+fn is_less(a: Real, b: Real) -> bool {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
+{% else %}
+// The rest of the budget from a time, if it is less than `h`; else that.
+fn length_within(h: Real, time: Real, zero: u32) -> Real {
+    return min(h, real(job.budget) - time);
+}
+
+fn sum_of(a: Real, b: Real, zero: u32) -> Real {
+    return a + b;
+}
+
+// A number times a power of two.
+fn scaled(x: Real, by: f32) -> Real {
+    return x * real(by);
+}
+
+fn root_of(x: Real) -> Real {
+    return sqrt(x);
+}
+
+fn is_less(a: Real, b: Real) -> bool {
+    return a < b;
+}
+{% endif %}
