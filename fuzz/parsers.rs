@@ -1,0 +1,102 @@
+//! Every parser of what others may have written or damaged, as functions of bytes. None may panic, and
+//! what one reads it reads again from what it writes. libFuzzer calls them (`fuzz_targets`), and so does
+//! a test of the program, on the inputs kept in `corpus`.
+
+use std::io::Cursor;
+
+use flipmap::farm::{Parts, Plan};
+use flipmap::output::compare::ResultRows;
+use flipmap::output::{RenderState, document_in_png};
+use flipmap::physics::{Scalar, Theta};
+use flipmap::scene::keys::Keys;
+use flipmap::scene::{Document, in_rad, location};
+
+/// A parser of bytes.
+pub(crate) type Parser = fn(&[u8]);
+
+/// All of them, by the names of their corpora.
+pub(crate) const PARSERS: [(&str, Parser); 9] = [
+    ("scene", scene),
+    ("location", place),
+    ("coordinate", coordinate),
+    ("keys", keys),
+    ("plan", plan),
+    ("state", state),
+    ("png", png),
+    ("result", result),
+    ("part", part),
+];
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap_or_default()
+}
+
+/// A scene file.
+pub(crate) fn scene(bytes: &[u8]) {
+    if let Ok(document) = Document::parse(text(bytes)) {
+        let again = Document::parse(&document.text()).expect("what is written is read");
+        assert_eq!(document, again);
+        let _ = document.settled();
+    }
+}
+
+/// A location line.
+pub(crate) fn place(bytes: &[u8]) {
+    if let Ok(scene) = location::parse(text(bytes)) {
+        let line = location::text(&scene);
+        let again = location::parse(&line).expect("what is written is read");
+        assert_eq!(location::text(&again), line);
+    }
+}
+
+/// A coordinate, in rad, in degrees or as a part of π.
+pub(crate) fn coordinate(bytes: &[u8]) {
+    let rad = in_rad(text(bytes));
+    if let Some(theta) = Theta::parse(&rad) {
+        let again = Theta::parse(&theta.decimal(40)).expect("what is written is read");
+        assert!((theta - again).to_f64().abs() < 1e-39);
+    }
+}
+
+/// The keys of a film.
+pub(crate) fn keys(bytes: &[u8]) {
+    if let Ok(keys) = Keys::parse(text(bytes)) {
+        assert_eq!(Keys::parse(&keys.text()).expect("what is written is read").text(), keys.text());
+    }
+}
+
+/// The plan of a farm.
+pub(crate) fn plan(bytes: &[u8]) {
+    if let Ok(plan) = Plan::parse(text(bytes)) {
+        assert_eq!(Plan::parse(&plan.text()).expect("what is written is read").text(), plan.text());
+    }
+}
+
+/// A state file: as it is, and as the body of the first format, which had no checksum.
+pub(crate) fn state(bytes: &[u8]) {
+    let _ = RenderState::parse(bytes);
+    let _ = RenderState::parse(&[b"flipmap state 1\n", bytes].concat());
+}
+
+/// A picture with a scene in it.
+pub(crate) fn png(bytes: &[u8]) {
+    let _ = document_in_png(Cursor::new(bytes));
+}
+
+/// An array or a picture to be compared.
+pub(crate) fn result(bytes: &[u8]) {
+    let folder = tempfile::tempdir().expect("a folder for the file");
+    for name in ["a.npy", "a.png"] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("room for the file");
+        let _ = ResultRows::open(&path).map(|rows| rows.size());
+    }
+}
+
+/// A part of a plan's samples.
+pub(crate) fn part(bytes: &[u8]) {
+    let folder = tempfile::tempdir().expect("a folder for the file");
+    let path = folder.path().join("rows-00000000-0000000-1.part");
+    std::fs::write(path, bytes).expect("room for the file");
+    let _ = Parts::scan(folder.path()).map(|parts| parts.damaged().len());
+}
