@@ -30,6 +30,7 @@ mod spread;
 mod stop;
 mod trace;
 mod trace_columns;
+mod version;
 mod video;
 
 use std::path::Path;
@@ -43,8 +44,16 @@ use flipmap::output::{Destination, SafeFile};
 /// Draw every possible double pendulum at once: each pixel is a pendulum released from rest at
 /// (θ1, θ2), coloured by the time until its second bob flips over the top.
 #[derive(Parser)]
-#[command(version, max_term_width = 100, after_long_help = examples::FLIPMAP)]
+#[command(version, disable_version_flag = true, max_term_width = 100, after_long_help = examples::FLIPMAP)]
 struct Cli {
+    /// Print version
+    #[arg(short = 'V', long)]
+    version: bool,
+
+    /// Print licences and sources, too (with --version)
+    #[arg(long, requires = "version")]
+    verbose: bool,
+
     #[command(subcommand)]
     verb: Option<Verb>,
 }
@@ -90,7 +99,11 @@ enum Verb {
 
 /// Parses the command line and runs the subcommand.
 pub(crate) fn run() -> anyhow::Result<()> {
-    match Cli::parse().verb.unwrap_or_else(default_verb) {
+    let Cli { version, verbose, verb } = Cli::parse();
+    if version {
+        return version::say(verbose);
+    }
+    match verb.unwrap_or_else(default_verb) {
         #[cfg(feature = "window")]
         Verb::Explore(options) => explore::run(&options),
         Verb::Render(options) => render::run(&options),

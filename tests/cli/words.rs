@@ -110,3 +110,22 @@ fn what_is_quoted_reaches_no_terminal_as_a_command() {
     let endless = error_of(&render(&folder, &["--width", &"x".repeat(100_000), "-o", "a.png"]));
     assert!(endless.len() < 10_000, "{}", endless.len());
 }
+
+#[test]
+fn the_version_is_told_and_whose_the_colour_tables_are() {
+    let folder = folder();
+    let said = |arguments: &[&str]| {
+        let output = flipmap(&folder, arguments);
+        assert!(output.status.success(), "{}", error_of(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let line = concat!("flipmap ", env!("CARGO_PKG_VERSION"), "\n");
+    assert_eq!((said(&["--version"]), said(&["-V"])), (line.to_string(), line.to_string()));
+    let more = said(&["--version", "--verbose"]);
+    for words in [line, "licence: MIT OR Apache-2.0", "batlow", "Crameri", "viridis", "(CC0)"] {
+        assert!(more.contains(words), "{words}: {more}");
+    }
+    let alone = flipmap(&folder, &["--verbose"]);
+    assert_eq!(alone.status.code(), Some(2));
+    assert!(error_of(&alone).contains("--version"), "{}", error_of(&alone));
+}

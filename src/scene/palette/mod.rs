@@ -38,6 +38,14 @@ const FILES: [(&str, &str); 6] = [
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
 
 impl Palette {
+    /// Each palette's own words about itself: its name, where it is from, and its licence.
+    pub fn notes() -> impl Iterator<Item = String> {
+        FILES.iter().map(|(_, text)| {
+            let lines = text.lines().map_while(|line| line.strip_prefix("# "));
+            lines.collect::<Vec<_>>().join(" ")
+        })
+    }
+
     /// Name of the palette that is used where none is chosen.
     pub const DEFAULT: &str = "iris";
     /// Name of the palette that pictures of the first versions record where none was chosen.

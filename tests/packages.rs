@@ -1,0 +1,71 @@
+//! What packages are made of: templates, archives and the names that these agree on.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use sha2::{Digest, Sha256};
+use tempfile::TempDir;
+
+const TARGETS: [(&str, &str); 4] = [
+    ("x86_64-unknown-linux-gnu", "tar.gz"),
+    ("aarch64-unknown-linux-gnu", "tar.gz"),
+    ("aarch64-apple-darwin", "tar.gz"),
+    ("x86_64-pc-windows-msvc", "zip"),
+];
+
+/// A folder with an archive of version 1.2.3 for each of the targets.
+fn archives(targets: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (target, ending) in targets {
+        let name = format!("flipmap-1.2.3-{target}.{ending}");
+        fs::write(folder.path().join(name), format!("the archive for {target}")).unwrap();
+    }
+    folder
+}
+
+fn filled(folder: &Path) -> Output {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/fill-templates");
+    Command::new(script).arg("1.2.3").arg(folder).output().unwrap()
+}
+
+#[test]
+fn templates_are_filled_with_the_sums_of_their_archives() {
+    let folder = archives(&TARGETS);
+    let output = filled(folder.path());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let both = [read("flipmap.rb"), read("flipmap.yaml")].concat();
+    for (target, ending) in TARGETS {
+        let sum = Sha256::digest(format!("the archive for {target}"));
+        let sum: String = sum.iter().map(|byte| format!("{byte:02x}")).collect();
+        assert!(both.contains(&sum), "{target}");
+        assert!(both.contains(&format!("v1.2.3/flipmap-1.2.3-{target}.{ending}")), "{target}");
+    }
+    assert!(!both.contains('@'), "{both}");
+}
+
+#[test]
+fn a_missing_archive_is_named() {
+    let folder = archives(&TARGETS[1..]);
+    let output = filled(folder.path());
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("no archive flipmap-1.2.3-x86_64-unknown-linux-gnu"), "{said}");
+    assert!(!folder.path().join("flipmap.rb").exists());
+}
+
+#[test]
+fn a_release_builds_what_packages_name() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |path: &str| fs::read_to_string(root.join(path)).unwrap();
+    let workflow = read(".github/workflows/release.yml");
+    for (target, _) in TARGETS {
+        assert!(workflow.contains(&format!("target: {target} }}")), "{target}");
+    }
+    for script in ["scripts/archive", "scripts/fill-templates", "scripts/package"] {
+        assert!(workflow.contains(script) && root.join(script).exists(), "{script}");
+    }
+    assert!(!workflow.contains("target: riscv64gc-unknown-linux-gnu }"), "the test can fail");
+}
