@@ -68,7 +68,7 @@ fn backends() -> Vec<Contender> {
     let mut rows: Vec<Contender> = Vec::new();
     let gpu = |specialised: bool| {
         let adapter = device::adapters().into_iter().next()?;
-        let mut engine = open_checked(adapter).expect("the adapter opens");
+        let mut engine = open_checked(adapter, &[]).expect("the adapter opens");
         engine.set_specialised(specialised);
         Some(Box::new(engine) as Box<dyn Engine>)
     };

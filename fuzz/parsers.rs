@@ -36,7 +36,6 @@ pub(crate) fn scene(bytes: &[u8]) {
     if let Ok(document) = Document::parse(text(bytes)) {
         let again = Document::parse(&document.text()).expect("what is written is read");
         assert_eq!(document, again);
-        let _ = document.settled();
     }
 }
 

@@ -148,10 +148,11 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     outcomes[pixel].turns = bitcast<u32>(insertBits(turns.x, turns.y, 16u, 16u));
 {% endif %}
     let sound = steps < job.most_steps;
-    if !sound {
-        outcomes[pixel].status = FAILED;
+    let over = !(rough(time) < budget);
+    if !sound || (over && !suspect) {
+        end(pixel, select(FAILED, UNFLIPPED, sound));
     }
     put_on(SUSPECTS, pixel, sound && suspect);
-    put_on(1u - queue.turn, pixel, sound && !suspect && rough(time) < budget);
+    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
 }
 

@@ -40,9 +40,10 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endfor %}
     outcomes[pixel].steps = steps;
     let sound = finite(w1_kept) && finite(w2_kept);
-    if !sound {
-        outcomes[pixel].status = FAILED;
+    let over = steps >= job.most_steps;
+    if !sound || (over && !suspect) {
+        end(pixel, select(FAILED, UNFLIPPED, sound));
     }
     put_on(SUSPECTS, pixel, sound && suspect);
-    put_on(1u - queue.turn, pixel, sound && !suspect && steps < job.most_steps);
+    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
 }

@@ -22,18 +22,21 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
 {% endfor %}
-    let looks = (outcomes[pixel].status & ~255u) + LOOK;
+    outcomes[pixel].status += LOOK;
     let flipped = fraction >= 0;
     let broken = !finite(w1_next) || !finite(w2_next);
+    let over = steps >= job.most_steps;
     if flipped {
-        outcomes[pixel].status = looks | FLIPPED;
+        end(pixel, FLIPPED);
         outcomes[pixel].moment = to_parts(fraction);
     } else {
 {% for name in state %}
         states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_next;
 {% endfor %}
-        outcomes[pixel].status = looks | select(UNFLIPPED, FAILED, broken);
         outcomes[pixel].steps = steps;
+        if broken || over {
+            end(pixel, select(UNFLIPPED, FAILED, broken));
+        }
     }
-    put_on(1u - queue.turn, pixel, !flipped && !broken && steps < job.most_steps);
+    put_on(1u - queue.turn, pixel, !flipped && !broken && !over);
 }

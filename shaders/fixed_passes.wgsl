@@ -80,18 +80,21 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
         }
 {% endfor %}
     }
-    outcomes[pixel].status = (outcomes[pixel].status & ~255u) + LOOK;
+    outcomes[pixel].status += LOOK;
+    let over = steps >= job.most_steps;
     if broken {
-        outcomes[pixel].status |= FAILED;
+        end(pixel, FAILED);
     } else if done {
-        outcomes[pixel].status |= FLIPPED;
+        end(pixel, FLIPPED);
         outcomes[pixel].moment = to_parts(begun);
     } else {
 {% for name in state %}
         states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_to;
 {% endfor %}
-        outcomes[pixel].status |= UNFLIPPED;
         outcomes[pixel].steps = steps;
+        if over {
+            end(pixel, UNFLIPPED);
+        }
     }
-    put_on(1u - queue.turn, pixel, !done && !broken && steps < job.most_steps);
+    put_on(1u - queue.turn, pixel, !done && !broken && !over);
 }

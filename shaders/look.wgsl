@@ -244,8 +244,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let flipped = flip + flip_rest <= whole;
 {% endif %}
     outcomes[pixel].clearance = clearance;
-    let looks = (outcomes[pixel].status & ~255u) + trials * LOOK;
-    outcomes[pixel].status = looks | select(UNFLIPPED, FLIPPED, flipped);
+    outcomes[pixel].status += trials * LOOK;
     if flipped {
         outcomes[pixel].moment = {{ moment }};
     } else {
@@ -253,6 +252,12 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
         states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_after;
 {% endfor %}
     }
-    let over = rough(time_after) >= job.budget || outcomes[pixel].steps >= job.most_steps;
+    let sound = outcomes[pixel].steps < job.most_steps;
+    let over = !sound || !(rough(time_after) < job.budget);
+    if flipped {
+        end(pixel, FLIPPED);
+    } else if over {
+        end(pixel, select(FAILED, UNFLIPPED, sound));
+    }
     put_on(1u - queue.turn, pixel, !flipped && !over);
 }

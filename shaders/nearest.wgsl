@@ -51,8 +51,8 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     outcomes[pixel].steps = steps;
     let over = rough(time) >= job.budget;
     let sound = finite(x1) && (over || steps < most_steps);
-    if !sound {
-        outcomes[pixel].status = FAILED;
+    if !sound || (over && !suspect) {
+        end(pixel, select(FAILED, UNFLIPPED, sound));
     }
     put_on(SUSPECTS, pixel, sound && suspect);
     put_on(1u - queue.turn, pixel, sound && !suspect && !over);
@@ -97,5 +97,9 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endfor %}
     outcomes[pixel].steps += 1u;
     outcomes[pixel].status += (HALVINGS + 2u) * LOOK;
-    put_on(1u - queue.turn, pixel, rough(time_after) < job.budget);
+    let over = !(rough(time_after) < job.budget);
+    if over {
+        end(pixel, UNFLIPPED);
+    }
+    put_on(1u - queue.turn, pixel, !over);
 }

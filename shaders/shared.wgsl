@@ -86,6 +86,12 @@ fn passes_of(pixel: u32) -> u32 {
 }
 
 {% endif %}
+// Gives a pendulum that has ended its status; one that has not keeps the one that the host set, and
+// the host accepts no answer of it.
+fn end(pixel: u32, status: u32) {
+    outcomes[pixel].status = (outcomes[pixel].status & ~255u) | status;
+}
+
 // Puts a pendulum on a list if `wanted`.
 {% if subgroups %}
 // One atomic for a whole subgroup: one for each invocation costs as much as ten steps on software

@@ -53,8 +53,8 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     outcomes[pixel].steps = steps;
     let over = rough(time) >= job.budget;
     let sound = finite(x1) && (over || steps < most_steps);
-    if !sound {
-        outcomes[pixel].status = FAILED;
+    if !sound || over {
+        end(pixel, select(FAILED, UNFLIPPED, sound));
     }
     put_on(1u - queue.turn, pixel, sound && !over);
 }

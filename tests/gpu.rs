@@ -9,10 +9,13 @@ use std::time::Duration;
 
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::gpu::GpuEngine;
 use flipmap::engine::gpu::device::Gpu;
+use flipmap::engine::level::FAST_TO_COMPILE;
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
-    Accuracy, Engine, EngineError, IntegratorConfig, Job, Keep, Precision, Question, Starts, Wait,
+    Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,
+    Precision, Question, Starts, Wait,
 };
 use flipmap::physics::Rule;
 use flipmap::scene::Scene;
@@ -31,9 +34,46 @@ needs_adapter! {
     two_f32_are_nearly_as_right_as_f64
     a_lost_device_is_replaced_and_its_jobs_done_again
     the_selfcheck_passes_here_and_its_answers_are_judged
+    orbits_pass_by_every_scheme_and_arithmetic_of_another_precision_does_not
     an_untrusted_precision_is_refused_by_name
     f32_without_compensation_still_works
     buffers_beyond_the_limits_are_refused_in_words
+}
+
+/// An engine that computes everything in f32, whatever it is asked for.
+struct Pretender(GpuEngine);
+
+impl Engine for Pretender {
+    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
+        let config = IntegratorConfig { precision: Precision::F32, ..job.config };
+        let config = match config.method {
+            // The kernels have no f32 for order 8.
+            Method::Dop853 { .. } => Accuracy::Fast.configs()[0],
+            _ => config,
+        };
+        self.0.submit(Job { config, ..job })
+    }
+    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
+        self.0.poll(wait)
+    }
+    fn cancel(&mut self) {
+        self.0.cancel();
+    }
+    fn slots(&self) -> usize {
+        self.0.slots()
+    }
+    fn job_size(&self) -> usize {
+        self.0.job_size()
+    }
+    fn kind(&self) -> EngineKind {
+        self.0.kind()
+    }
+    fn adapter(&self) -> String {
+        self.0.adapter()
+    }
+    fn offers(&self, config: &IntegratorConfig) -> bool {
+        self.0.offers(config)
+    }
 }
 
 mod checks {
@@ -88,7 +128,7 @@ mod checks {
         let df32 = Accuracy::Balanced.configs()[1];
         assert_eq!(df32.precision, Precision::Df32);
         let mut engine = gpu_engine();
-        let orbits = selfcheck::orbits(&mut engine, &[Precision::Df32]).unwrap();
+        let orbits = selfcheck::orbits(&mut engine, &[df32]).unwrap();
         assert!(orbits[0].passed, "{orbits:?}");
         let answers = answers(&mut engine, &question, df32, &starts);
         let right = share_within(1e-3, &answers, &truth(&question, &starts));
@@ -130,13 +170,27 @@ mod checks {
         assert!(!bare.compensated && !bare.f32 && !bare.df32, "{:?}", bare.checks);
     }
 
+    pub(crate) fn orbits_pass_by_every_scheme_and_arithmetic_of_another_precision_does_not() {
+        let mut engine = gpu_engine();
+        let more = Accuracy::Fast.configs()[0];
+        let more = IntegratorConfig { precision: Precision::F64, ..more };
+        let configs: Vec<_> = FAST_TO_COMPILE.into_iter().chain([more]).collect();
+        let checks = selfcheck::orbits(&mut engine, &configs).unwrap();
+        assert_eq!(checks.len(), configs.len());
+        assert!(checks.iter().all(|check| check.passed), "{checks:?}");
+        // f32 in the place of f64 is what a check of f64 must notice.
+        let mut pretender = Pretender(gpu_engine());
+        let checks = selfcheck::orbits(&mut pretender, &configs[1..]).unwrap();
+        assert!(checks.iter().filter(|c| c.precision == Precision::F64).all(|c| !c.passed));
+    }
+
     pub(crate) fn an_untrusted_precision_is_refused_by_name() {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let mut checks = selfcheck::run(&gpu).unwrap().checks;
         for check in checks.iter_mut().filter(|check| check.precision == Precision::F64) {
             check.passed = check.name != "sines";
         }
-        let mut engine = flipmap::engine::gpu::GpuEngine::new(gpu, selfcheck::verdict(checks));
+        let mut engine = GpuEngine::new(gpu, selfcheck::verdict(checks));
         let error = engine.submit(Job {
             id: 0,
             question: question(&Scene::default()),
@@ -151,7 +205,7 @@ mod checks {
     pub(crate) fn f32_without_compensation_still_works() {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let verdict = Verdict { compensated: false, ..selfcheck::run(&gpu).unwrap() };
-        let mut engine = flipmap::engine::gpu::GpuEngine::new(gpu, verdict);
+        let mut engine = GpuEngine::new(gpu, verdict);
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 64, 1);
         let answers = answers(&mut engine, &question, lesson(Precision::F32), &starts);

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use clap::Args;
 use flipmap::engine::choice::{EngineRequest, INSTALL_HINT, choose, open_checked};
 use flipmap::engine::gpu::device::{adapters, describe};
+use flipmap::engine::level::FAST_TO_COMPILE;
 use flipmap::engine::profile::Profile;
 use flipmap::engine::selfcheck::Verdict;
 use serde_json::{Value, json};
@@ -29,7 +30,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let findings: Vec<AdapterFinding> = adapters()
         .into_iter()
         .map(|adapter| AdapterFinding {
-            verdict: open_checked(adapter.clone())
+            verdict: open_checked(adapter.clone(), &FAST_TO_COMPILE)
                 .map(|engine| engine.verdict().clone())
                 .map_err(|error| error.to_string()),
             adapter,

@@ -259,14 +259,12 @@ fn sound(
     adapter: &wgpu::Adapter,
     configs: Vec<IntegratorConfig>,
 ) -> Result<(GpuEngine, IntegratorConfig), String> {
-    let mut engine = open_checked(adapter.clone()).map_err(|error| error.to_string())?;
+    let mut engine = open_checked(adapter.clone(), &[]).map_err(|error| error.to_string())?;
     let mut refusals = Vec::new();
     for config in configs {
-        if config.precision == Precision::Df32 {
-            // Orbits in df32 are run only where they are needed: the kernel takes long to compile.
-            let checks = selfcheck::orbits(&mut engine, &[Precision::Df32]);
-            engine.judge_by(checks.map_err(|error| error.to_string())?);
-        }
+        // Only orbits that are needed: some kernels take long to compile.
+        let checks = selfcheck::orbits(&mut engine, &[config]);
+        engine.judge_by(checks.map_err(|error| error.to_string())?);
         match engine.require(&config) {
             Ok(()) => return Ok((engine, config)),
             Err(why) => refusals.push(why.to_string()),
@@ -275,13 +273,15 @@ fn sound(
     Err(refusals.join("; "))
 }
 
-/// Opens an engine on an adapter, its arithmetic judged by sums and, in f32 and f64, by short
-/// orbits.
-pub fn open_checked(adapter: wgpu::Adapter) -> Result<GpuEngine, EngineError> {
+/// Opens an engine on an adapter, its arithmetic judged by sums and by orbits in each of `configs`.
+pub fn open_checked(
+    adapter: wgpu::Adapter,
+    configs: &[IntegratorConfig],
+) -> Result<GpuEngine, EngineError> {
     let gpu = Gpu::open(adapter)?;
     let verdict = selfcheck::run(&gpu)?;
     let mut engine = GpuEngine::new(gpu, verdict);
-    let orbits = selfcheck::orbits(&mut engine, &[Precision::F32, Precision::F64])?;
+    let orbits = selfcheck::orbits(&mut engine, configs)?;
     engine.judge_by(orbits);
     Ok(engine)
 }

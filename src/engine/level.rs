@@ -35,6 +35,10 @@ pub const BALANCED: IntegratorConfig =
 pub const BALANCED_DF32: IntegratorConfig =
     IntegratorConfig { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
 
+/// The levels' configurations whose kernels compile fast, and the lesson's in f64.
+pub const FAST_TO_COMPILE: [IntegratorConfig; 4] =
+    [LESSON, IntegratorConfig { precision: Precision::F64, ..LESSON }, FAST, BALANCED];
+
 impl Accuracy {
     /// Every level with its name.
     pub const ALL: [(&'static str, Accuracy); 4] = [
@@ -51,6 +55,16 @@ impl Accuracy {
             Accuracy::Lesson => vec![LESSON],
             Accuracy::Fast => vec![FAST],
             Accuracy::Balanced | Accuracy::Exact => vec![BALANCED, BALANCED_DF32],
+        }
+    }
+
+    /// Least share of the simulated pixels of the whole map that the level promises to be right
+    /// within 1 ms (docs/accuracy.md).
+    pub fn promised_share(self) -> f64 {
+        match self {
+            Accuracy::Lesson => 0.89,
+            Accuracy::Fast => 0.925,
+            Accuracy::Balanced | Accuracy::Exact => 0.999,
         }
     }
 

@@ -237,6 +237,17 @@ pub enum EngineError {
     /// The device was lost and could not be opened again.
     #[error("the graphics device was lost and could not be recreated: {0}")]
     DeviceLost(String),
+    /// A device finished a job without ending all its pendulums.
+    #[error(
+        "the graphics device lost {lost} of {count} pendulums of a job; its answers cannot be \
+         trusted; use --engine cpu"
+    )]
+    LostPendulums {
+        /// Number of pendulums without an answer.
+        lost: usize,
+        /// Number of pendulums of the job.
+        count: usize,
+    },
     /// The driver refused something that it should have accepted.
     #[error("the graphics driver reported: {0}")]
     Driver(String),

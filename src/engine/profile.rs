@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::choice::open_checked;
 use super::cpu::{CpuEngine, instruction_set};
 use super::gpu::device::{adapters, describe, is_software};
+use super::level::{BALANCED_DF32, FAST_TO_COMPILE};
 use super::{
     Accuracy, Engine, EngineKind, IntegratorConfig, Job, JobResult, Keep, Precision, Question,
     Starts, Wait, selfcheck,
@@ -59,6 +60,9 @@ const SIDE: u32 = 160;
 const FEW: usize = 512;
 /// One start in so many is compared with the gold standard.
 const JUDGED_SHARE: usize = 41;
+/// Amount by which a share of so few judged starts may fall below that of the whole map: two
+/// standard deviations at a share of 0.9.
+const SAMPLING_ERROR: f64 = 0.03;
 /// Microseconds per pixel from which on a configuration is timed on a few starts only.
 const SLOW_US: f64 = 50.0;
 
@@ -100,12 +104,11 @@ impl Profile {
         }
         for adapter in adapters() {
             let (name, hardware) = (describe(&adapter), !is_software(&adapter));
-            match open_checked(adapter) {
+            match open_checked(adapter, &FAST_TO_COMPILE) {
                 Ok(mut engine) => {
                     // In software, pairs of f32 are far slower than f64, and slow to compile.
                     let pairs = hardware || engine.verdict().require(Precision::F64).is_err();
-                    if pairs && let Ok(checks) = selfcheck::orbits(&mut engine, &[Precision::Df32])
-                    {
+                    if pairs && let Ok(checks) = selfcheck::orbits(&mut engine, &[BALANCED_DF32]) {
                         engine.judge_by(checks);
                     }
                     profile.add(&mut engine, &name, pairs, &sample);
@@ -141,8 +144,9 @@ impl Profile {
         }
     }
 
-    /// Returns the fastest row for a level among those that `allows` accepts. An exact picture
-    /// begins as a balanced one, so the rows of that level count for it.
+    /// Returns the fastest row for a level among those that `allows` accepts and whose answers are as
+    /// right as the level promises. An exact picture begins as a balanced one, so the rows of that
+    /// level count for it.
     pub fn fastest(
         &self,
         accuracy: Accuracy,
@@ -151,12 +155,17 @@ impl Profile {
         let measured = if accuracy == Accuracy::Exact { Accuracy::Balanced } else { accuracy };
         self.rows
             .iter()
-            .filter(|row| row.accuracy == measured && allows(row))
+            .filter(|row| row.accuracy == measured && row.keeps_promise() && allows(row))
             .min_by(|a, b| a.us_per_pixel.total_cmp(&b.us_per_pixel))
     }
 }
 
 impl ProfileRow {
+    /// Returns true if the answers were as right as the level promises, as far as so few tell.
+    fn keeps_promise(&self) -> bool {
+        self.right >= self.accuracy.promised_share() - SAMPLING_ERROR
+    }
+
     /// Returns the configuration of its level that this row measured.
     pub fn config(&self) -> Option<IntegratorConfig> {
         let is = |config: &IntegratorConfig| {
@@ -304,6 +313,10 @@ mod tests {
         let on_gpu = fastest(Accuracy::Exact, Some(EngineKind::Gpu)).unwrap();
         assert_eq!(on_gpu.us_per_pixel, 5.0);
         assert_eq!(fastest(Accuracy::Fast, None), None);
+        let mut hasty = profile.clone();
+        hasty.rows[2].right = 0.96;
+        let fastest = hasty.fastest(Accuracy::Balanced, |_| true).unwrap();
+        assert_eq!(fastest.engine, EngineKind::Gpu, "less right than promised");
         for row in &profile.rows {
             assert!(row.accuracy.configs().contains(&row.config().unwrap()));
         }

@@ -98,50 +98,101 @@ pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, E
     Ok(verdict(checks))
 }
 
-/// Checks short orbits: compares the kernels' answers to a few starts with the gold standard, in
-/// each of `precisions` that is offered so far.
+/// Checks orbits: runs the scheme and precision of each of `configs` through the kernel of an
+/// ordinary picture and compares its answers with the gold standard. Many pendulums start at the
+/// same few places in a scattered order, so that the packing of those that still run is checked,
+/// too. A precision that is refused already is not run.
 pub fn orbits(
     engine: &mut dyn Engine,
-    precisions: &[Precision],
+    configs: &[IntegratorConfig],
 ) -> Result<Vec<Check>, EngineError> {
-    let question =
-        Question { build: Build::default(), rule: Rule::Second, budget_secs: 1.0, passes: 1 };
+    let budget_secs = ORBIT_BUDGET_SECS;
+    let question = Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 };
     let pendulum = question.build.pendulum();
-    let angles = ORBITS.map(|angle| angle.map(Dd::new));
-    let truth = ORBITS.map(|angle| oracle::outcome(&pendulum, angle, Rule::Second, 1.0));
+    let truth = ORBITS.map(|angle| oracle::outcome(&pendulum, angle, Rule::Second, budget_secs));
+    let starts: Vec<[Dd; 2]> = scattered().map(|k| ORBITS[k].map(Dd::new)).collect();
     let mut checks = Vec::new();
-    for &precision in precisions {
-        let starts = Starts::Rest(angles.to_vec());
-        let method = match precision {
-            Precision::Df32 => Method::Dop853 { tolerance: 1e-10 },
-            _ => Method::LESSON,
-        };
-        let config = IntegratorConfig { method, precision };
+    for config in configs {
+        let Some((config, allowed_secs)) = orbit_config(config) else { continue };
+        let starts = Starts::Rest(starts.clone());
         let job = Job { id: 0, question, config, starts, keep: Keep::NOTHING };
         // A refused precision has its failed checks already.
         let Ok(()) = engine.submit(job) else { continue };
         let finished = engine.poll(Wait::UntilFinished)?;
         let answers = finished.first().map_or(&[][..], |finished| &finished.outcomes);
-        checks.push(judge_orbits(precision, answers, &truth));
+        let truth: Vec<Outcome> = scattered().map(|k| truth[k]).collect();
+        checks.push(judge_orbits(&config, allowed_secs, answers, &truth));
     }
     Ok(checks)
 }
 
-/// Starts that flip within a second, and one that does not.
-const ORBITS: [[f64; 2]; 5] = [[3.0, 3.0], [-2.0, 3.0], [1.75, -2.5], [-3.0, -2.8], [1.2, 1.6]];
+/// Seconds for which the orbits of the check run.
+const ORBIT_BUDGET_SECS: f64 = 5.0;
 
-/// Compares orbits with the truth, of which RK4 at 120 steps a second is within 0.1 ms here.
-pub fn judge_orbits(precision: Precision, answers: &[Outcome], truth: &[Outcome]) -> Check {
+/// Number of pendulums in the check of orbits.
+const ORBIT_COUNT: usize = 10_000;
+
+/// Starts of the check of orbits, in rad: two that flip within a second, ten whose flips at 3.0 to
+/// 4.4 s move by more than 1000 s per rad of their starts, and one that does not flip.
+const ORBITS: [[f64; 2]; 13] = [
+    [3.0, 3.0],
+    [1.75, -2.5],
+    [2.98, -2.1],
+    [3.05, -2.33],
+    [3.09, 2.14],
+    [2.31, -1.89],
+    [-3.09, -2.16],
+    [3.07, 1.93],
+    [3.08, 2.24],
+    [-2.89, 1.3],
+    [3.05, 1.69],
+    [-2.93, 2.11],
+    [1.2, 1.6],
+];
+
+/// Indices of the starts in [`ORBITS`], in an order in which neighbours end at different times.
+fn scattered() -> impl Iterator<Item = usize> {
+    // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4).
+    (0..ORBIT_COUNT as u32).map(|k| (k.wrapping_mul(2_654_435_769) >> 8) as usize % ORBITS.len())
+}
+
+/// The configuration by which a scheme is checked in a precision, and the largest error of a flip
+/// time that is allowed, s: far below what arithmetic of the next lower precision does to these
+/// orbits. Fixed steps are bounded by the method's own error.
+fn orbit_config(config: &IntegratorConfig) -> Option<(IntegratorConfig, f64)> {
+    let (method, allowed_secs) = match (config.method, config.precision) {
+        (Method::Rk4 { .. }, Precision::F32) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-3),
+        (Method::Rk4 { .. }, _) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-6),
+        (Method::Dopri5 { .. }, Precision::F32) => (Method::Dopri5 { tolerance: 1e-7 }, 5e-3),
+        (Method::Dopri5 { .. }, _) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-8),
+        (Method::Dop853 { .. }, Precision::F32) => (Method::Dop853 { tolerance: 1e-7 }, 5e-3),
+        (Method::Dop853 { .. }, _) => (Method::Dop853 { tolerance: 1e-13 }, 1e-8),
+        (Method::Taylor { .. } | Method::Extrapolation { .. }, _) => return None,
+    };
+    Some((IntegratorConfig { method, ..*config }, allowed_secs))
+}
+
+/// Compares orbits with the truth. A pendulum that has no answer, or not a number for one, fails.
+pub fn judge_orbits(
+    config: &IntegratorConfig,
+    allowed_secs: f64,
+    answers: &[Outcome],
+    truth: &[Outcome],
+) -> Check {
     let off = |(a, t): (&Outcome, &Outcome)| {
         if a.status == t.status { (a.time - t.time).abs() } else { f64::INFINITY }
     };
     let complete = answers.len() == truth.len();
     let error = worst_of(answers.iter().zip(truth).map(off));
     Check {
-        precision,
-        name: "short orbits",
-        passed: complete && error <= 1e-4,
-        detail: format!("worst error {error:.1e} s, allowed 1.0e-4 s"),
+        precision: config.precision,
+        name: match config.method {
+            Method::Rk4 { .. } => "orbits by rk4",
+            Method::Dopri5 { .. } => "orbits by dopri5",
+            _ => "orbits by dop853",
+        },
+        passed: complete && error <= allowed_secs,
+        detail: format!("worst error {error:.1e} s, allowed {allowed_secs:.1e} s"),
     }
 }
 
@@ -330,6 +381,7 @@ fn ask<T: bytemuck::Pod>(gpu: &Gpu, text: String, operands: &[T]) -> Result<Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::level::BALANCED;
     use crate::physics::Status;
 
     /// The answers of a sound device.
@@ -376,12 +428,29 @@ mod tests {
     #[test]
     fn a_wrong_orbit_fails() {
         let truth = [Outcome::flipped(0.5), Outcome::without_time(Status::Unflipped)];
-        let passed = |answers: &[Outcome]| judge_orbits(Precision::F64, answers, &truth).passed;
+        let passed = |answers: &[Outcome]| judge_orbits(&BALANCED, 1e-8, answers, &truth).passed;
         assert!(passed(&truth));
-        assert!(!passed(&[Outcome::flipped(0.5002), truth[1]]));
+        assert!(!passed(&[Outcome::flipped(0.5 + 2e-8), truth[1]]));
         assert!(!passed(&[truth[0], Outcome::flipped(0.9)]));
         assert!(!passed(&[Outcome::flipped(f64::NAN), truth[1]]));
         assert!(!passed(&truth[..1]));
+    }
+
+    #[test]
+    fn orbits_amplify_errors_a_thousand_times_and_end_at_scattered_times() {
+        let pendulum = Build::default().pendulum();
+        let time = |angle| oracle::outcome(&pendulum, angle, Rule::Second, ORBIT_BUDGET_SECS).time;
+        let nudge = 1e-9;
+        for angle @ [first, second] in ORBITS[2..12].iter().copied() {
+            let moved = [[first + nudge, second], [first, second + nudge]];
+            let slope = moved.map(|moved| (time(moved) - time(angle)) / nudge);
+            assert!(slope[0].hypot(slope[1]) > 1e3, "{angle:?}: {slope:?} s per rad");
+        }
+        let order: Vec<usize> = scattered().collect();
+        let counts = (0..ORBITS.len()).map(|k| order.iter().filter(|&&at| at == k).count());
+        assert!(counts.min().unwrap() > ORBIT_COUNT / ORBITS.len() / 2);
+        let alike = order.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        assert!(alike < ORBIT_COUNT / 5, "{alike} neighbours start alike");
     }
 
     #[test]

@@ -15,6 +15,17 @@ pub fn status_constants() -> String {
     all.map(line).concat()
 }
 
+/// The status in the device's memory of a pendulum that has not ended. No [`Status`] has this code,
+/// so a pendulum that a device lost on the way is not taken for one that did not flip.
+pub const RUNNING: u32 = 255;
+
+/// The status in the low byte of an outcome's word; none for a pendulum that has not ended.
+pub fn status_of(word: u32) -> Option<Status> {
+    [Status::Unflipped, Status::Flipped, Status::Failed]
+        .into_iter()
+        .find(|status| *status as u32 == word & 255)
+}
+
 /// The head of a job: all that a kernel made for its scene reads of it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

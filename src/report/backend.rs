@@ -5,6 +5,7 @@ use crate::engine::choice::{ChoiceError, INSTALL_HINT, open_checked};
 use crate::engine::cpu::CpuEngine;
 use crate::engine::gpu::GpuEngine;
 use crate::engine::gpu::device::{adapters, describe};
+use crate::engine::level::FAST_TO_COMPILE;
 use crate::engine::{Engine, EngineError, EngineKind};
 
 /// An engine that a report measures.
@@ -90,7 +91,7 @@ pub fn discover(
         if stop() {
             return Err(ReportError::Stopped);
         }
-        match open_checked(adapter.clone()) {
+        match open_checked(adapter.clone(), &FAST_TO_COMPILE) {
             Ok(engine) => backends.push(Backend::Gpu(Box::new(engine))),
             Err(error) => refusals.push(Refusal {
                 engine: format!("gpu: {}", describe(&adapter)),

@@ -28,7 +28,7 @@ pub(crate) fn gpu_engine() -> GpuEngine {
         )
     });
     eprintln!("adapter: {}", device::describe(&adapter));
-    open_checked(adapter).expect("the adapter opens")
+    open_checked(adapter, &[]).expect("the adapter opens")
 }
 
 /// The question that a scene asks.

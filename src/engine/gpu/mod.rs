@@ -137,7 +137,7 @@ impl GpuEngine {
     }
 
     /// Takes everything that has been read back and submits what follows from it.
-    fn land(&mut self) -> Vec<JobResult> {
+    fn land(&mut self) -> Result<Vec<JobResult>, EngineError> {
         let mut finished = Vec::new();
         for mut slot in std::mem::take(&mut self.slots) {
             match slot.land(&self.gpu) {
@@ -151,13 +151,13 @@ impl GpuEngine {
                 // The device may not have reported its loss yet; it is of no use either way.
                 SlotEvent::Failed => self.gpu.give_up(),
                 SlotEvent::Answer(answer) => {
-                    finished.push(answer);
+                    finished.push(answer?);
                     continue;
                 }
             }
             self.slots.push_back(slot);
         }
-        finished
+        Ok(finished)
     }
 
     /// Measures the time of a step by that of a slice: since its submission, or since the slice
@@ -222,7 +222,7 @@ impl Engine for GpuEngine {
     fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
         loop {
             let _ = self.gpu.device.poll(wgpu::PollType::Poll);
-            let finished = self.land();
+            let finished = self.land()?;
             if self.gpu.is_lost() {
                 self.recover()?;
             }

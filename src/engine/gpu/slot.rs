@@ -39,7 +39,9 @@ use wgpu::BufferUsages as Usage;
 use super::device::Gpu;
 use super::pipeline::Kernel;
 use crate::engine::method::Pace;
-use crate::engine::shared::{CountedOutcome, JobHead, JobScene, Queue, RawOutcome, to_parts};
+use crate::engine::shared::{
+    CountedOutcome, JobHead, JobScene, Queue, RUNNING, RawOutcome, to_parts,
+};
 use crate::engine::start::{self, places};
 use crate::engine::{EngineError, IntegratorState, Job, JobResult, Keep, Precision, Starts};
 use crate::physics::crossing::FAR;
@@ -101,8 +103,8 @@ pub(super) enum SlotEvent {
     Slice(FinishedSlice),
     /// All pendulums are done, and the answer has been requested.
     Complete(FinishedSlice),
-    /// The answer has been read back.
-    Answer(JobResult),
+    /// The answer has been read back; an error if pendulums are missing from it.
+    Answer(Result<JobResult, EngineError>),
     /// The read-back failed.
     Failed,
 }
@@ -332,7 +334,7 @@ fn outcome_size(job: &Job) -> u64 {
 
 /// The outcome of a pendulum that has not begun.
 const UNBEGUN: RawOutcome =
-    RawOutcome { status: 0, steps: 0, moment: [0.0; 2], clearance: FAR as f32, turns: 0 };
+    RawOutcome { status: RUNNING, steps: 0, moment: [0.0; 2], clearance: FAR as f32, turns: 0 };
 
 // Stages of a read-back.
 const PENDING: u8 = 0;

@@ -6,29 +6,44 @@ use rayon::prelude::*;
 use super::Slot;
 use crate::engine::integrator_state::{MOST_CARRIED, carried_names};
 use crate::engine::method::Pace;
-use crate::engine::shared::{CountedOutcome, RawOutcome, from_parts};
+use crate::engine::shared::{CountedOutcome, RawOutcome, from_parts, status_of};
 use crate::engine::{
-    Carried, Effort, End, Ends, IntegratorState, Job, JobResult, Keep, NUMBERS, Precision, Starts,
-    start,
+    Carried, Effort, End, Ends, EngineError, IntegratorState, Job, JobResult, Keep, NUMBERS,
+    Precision, Starts, start,
 };
 use crate::physics::{Accumulators, Outcome, Status};
 
 impl Slot {
-    /// The answer, once it has been mapped; none if the device was lost after that.
-    pub(super) fn read_answer(&self) -> Option<JobResult> {
+    /// The answer, once it has been mapped; none if the device was lost after that, an error if it
+    /// lost pendulums.
+    pub(super) fn read_answer(&self) -> Option<Result<JobResult, EngineError>> {
         let count = self.head.count as usize;
         let counted = self.read_outcomes(count)?;
         let raw: Vec<RawOutcome> = counted.iter().map(|counted| counted.raw).collect();
-        let outcomes: Vec<Outcome> = raw.iter().map(|raw| self.outcome(raw)).collect();
+        match statuses(&raw) {
+            Ok(statuses) => self.answer(&counted, &raw, &statuses).map(Ok),
+            Err(lost) => Some(Err(lost)),
+        }
+    }
+
+    fn answer(
+        &self,
+        counted: &[CountedOutcome],
+        raw: &[RawOutcome],
+        statuses: &[Status],
+    ) -> Option<JobResult> {
+        let ended = statuses.iter().zip(raw);
+        let outcomes: Vec<Outcome> =
+            ended.map(|(status, raw)| self.outcome(*status, raw)).collect();
         let mut finished =
-            JobResult { id: self.job.id, effort: self.effort(&raw), ..Default::default() };
+            JobResult { id: self.job.id, effort: self.effort(raw), ..Default::default() };
         if self.job.keep != Keep::NOTHING {
-            let mut states = self.read_states(&raw)?;
+            let mut states = self.read_states(raw)?;
             if self.job.keep.ends != Ends::None {
-                finished.ends = self.ends(&counted, &states);
+                finished.ends = self.ends(counted, &states);
             }
             if self.job.keep.states {
-                self.add_counts(&counted, &mut states);
+                self.add_counts(counted, &mut states);
                 let states = states.into_iter().enumerate();
                 let left = states.filter(|(i, _)| outcomes[*i].status == Status::Unflipped);
                 finished.unfinished = left.collect();
@@ -60,7 +75,8 @@ impl Slot {
             Ends::None | Ends::Plain => {}
         }
         let one = |(CountedOutcome { raw, passes }, state): (&CountedOutcome, &IntegratorState)| {
-            let flipped = (raw.status & 255 == 1).then(|| from_parts(raw.moment));
+            let flipped =
+                (status_of(raw.status) == Some(Status::Flipped)).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
             let mut end = start::end(&reduced, &self.pace, state, flipped, clearance);
             if let Pace::Adaptive(_) = self.pace {
@@ -108,13 +124,12 @@ impl Slot {
         }
     }
 
-    fn outcome(&self, raw: &RawOutcome) -> Outcome {
+    fn outcome(&self, status: Status, raw: &RawOutcome) -> Outcome {
         let moment = from_parts(raw.moment);
-        match (raw.status & 255, self.pace) {
-            (1, Pace::Fixed(steps)) => steps.outcome_of_pass(raw.steps, moment),
-            (1, Pace::Adaptive(adaptive)) => adaptive.outcome_of_pass(moment),
-            (3, _) => Outcome::without_time(Status::Failed),
-            _ => Outcome::without_time(Status::Unflipped),
+        match (status, self.pace) {
+            (Status::Flipped, Pace::Fixed(steps)) => steps.outcome_of_pass(raw.steps, moment),
+            (Status::Flipped, Pace::Adaptive(adaptive)) => adaptive.outcome_of_pass(moment),
+            _ => Outcome::without_time(status),
         }
     }
 
@@ -150,6 +165,16 @@ impl Slot {
     }
 }
 
+/// The statuses of pendulums that have all ended; an error if a device gave some of them back as
+/// they were.
+fn statuses(raw: &[RawOutcome]) -> Result<Vec<Status>, EngineError> {
+    let ended: Vec<Status> = raw.iter().filter_map(|raw| status_of(raw.status)).collect();
+    if ended.len() == raw.len() {
+        return Ok(ended);
+    }
+    Err(EngineError::LostPendulums { lost: raw.len() - ended.len(), count: raw.len() })
+}
+
 /// Whole turns of both bobs.
 fn turns_of(raw: &RawOutcome) -> [i32; 2] {
     [raw.turns as i16, (raw.turns >> 16) as i16].map(i32::from)
@@ -160,4 +185,23 @@ pub(super) fn read<T: Pod>(buffer: &wgpu::Buffer, offset: u64, count: usize) -> 
     let bytes = offset..offset + (count * size_of::<T>()) as u64;
     let view = buffer.slice(bytes).get_mapped_range().ok()?;
     Some(bytemuck::pod_collect_to_vec(&view))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::shared::RUNNING;
+
+    #[test]
+    fn pendulums_that_a_device_lost_are_not_taken_for_unflipped_ones() {
+        let raw = |status| RawOutcome { status, ..RawOutcome::default() };
+        // The number of looks above the low byte says nothing about the end.
+        let [unflipped, flipped, failed] = [raw(0), raw(1 | 7 << 8), raw(3 | 1 << 8)];
+        let ended = [Status::Unflipped, Status::Flipped, Status::Failed];
+        assert_eq!(statuses(&[unflipped, flipped, failed]).unwrap(), ended);
+        for lost in [RUNNING, RUNNING | 3 << 8, Status::Forbidden as u32, 77] {
+            let error = statuses(&[unflipped, raw(lost), flipped]).unwrap_err().to_string();
+            assert!(error.contains("1 of 3 pendulums"), "{error}");
+        }
+    }
 }
