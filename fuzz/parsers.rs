@@ -9,13 +9,14 @@ use flipmap::output::compare::ResultRows;
 use flipmap::output::{RenderState, document_in_png};
 use flipmap::physics::{Scalar, Theta};
 use flipmap::scene::keys::Keys;
+use flipmap::scene::palette::gradient::{ENDINGS, list_text, parse_file, parse_list};
 use flipmap::scene::{Document, in_rad, location};
 
 /// A parser of bytes.
 pub(crate) type Parser = fn(&[u8]);
 
 /// All of them, by the names of their corpora.
-pub(crate) const PARSERS: [(&str, Parser); 9] = [
+pub(crate) const PARSERS: [(&str, Parser); 10] = [
     ("scene", scene),
     ("location", place),
     ("coordinate", coordinate),
@@ -25,6 +26,7 @@ pub(crate) const PARSERS: [(&str, Parser); 9] = [
     ("png", png),
     ("result", result),
     ("part", part),
+    ("gradient", gradient),
 ];
 
 fn text(bytes: &[u8]) -> &str {
@@ -98,4 +100,13 @@ pub(crate) fn part(bytes: &[u8]) {
     let path = folder.path().join("rows-00000000-0000000-1.part");
     std::fs::write(path, bytes).expect("room for the file");
     let _ = Parts::scan(folder.path()).map(|parts| parts.damaged().len());
+}
+
+/// A gradient file: the first letter says which kind.
+pub(crate) fn gradient(bytes: &[u8]) {
+    let Some((kind, rest)) = bytes.split_first() else { return };
+    let ending = ENDINGS[usize::from(*kind) % ENDINGS.len()];
+    if let Ok(stops) = parse_file(ending, text(rest)) {
+        assert_eq!(parse_list(&list_text(&stops)), Some(stops), "what is written is read");
+    }
 }

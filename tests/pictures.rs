@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Output;
 
 use image::ImageFormat;
-use program::{error_of, flipmap};
+use program::{error_of, flipmap, refused};
 use tempfile::TempDir;
 
 /// Runs `flipmap render` on the processor, so that these tests need no adapter.
@@ -145,5 +145,36 @@ fn pictures_have_the_format_of_their_name() {
         let output = render(&folder, &["-o", refused]);
         assert!(error_of(&output).contains(".png, .jpg, .webp or .tiff"), "{refused}");
         assert!(!folder.path().join(refused).exists());
+    }
+}
+
+#[test]
+fn gradients_of_others_paint_and_stay_in_the_picture() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("ember.gpl"), "GIMP Palette\n 6 8 15 night\n194 71 28\n255 233 196\n").unwrap();
+    let small = ["render", "--engine", "cpu", "--size", "24x24", "--accuracy", "fast"];
+    let painted = |palette: &str, name: &str| {
+        let output = flipmap(&folder, &[&small[..], &["--palette", palette, "-o", name]].concat());
+        assert!(output.status.success(), "{}", error_of(&output));
+        fs::read(at(name)).unwrap()
+    };
+    let listed = painted("#06080f,#c2471c,#ffe9c4", "list.png");
+    assert_eq!(painted("ember.gpl", "file.png"), listed, "the picture holds the colours");
+    assert_ne!(painted("#06080f,#c2471c,#ffe9c5", "other.png"), listed);
+    // The picture is a scene whose gradient needs no file.
+    fs::remove_file(at("ember.gpl")).unwrap();
+    let again = flipmap(&folder, &["render", "file.png", "--engine", "cpu", "-o", "again.png"]);
+    assert!(again.status.success(), "{}", error_of(&again));
+    assert_eq!(fs::read(at("again.png")).unwrap(), listed);
+    fs::write(at("no.map"), "nothing\n").unwrap();
+    for (palette, words) in [
+        ("no.map", "--palette: no.map is no gradient: it holds fewer than two colours"),
+        ("nowhere.ugr", "--palette: cannot read the gradient nowhere.ugr"),
+        ("#12,#34", "a list is 2 to 256 colours"),
+    ] {
+        let error =
+            refused(&folder, 2, &[&small[..], &["--palette", palette, "-o", "x.png"]].concat());
+        assert!(error.contains(words), "{error}");
     }
 }

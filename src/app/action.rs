@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::camera::Camera;
+use super::flight::playback::Playback;
 use super::pins::PinAction;
 use super::settings::{Layers, Theme};
 use super::state::Dialog;
@@ -29,6 +30,10 @@ pub enum Look {
     },
     /// Zooms so that the rectangle between two corners fills the canvas.
     Box([DVec2; 2]),
+    /// Turns the map about the middle of the canvas, from one point to another.
+    Turn([DVec2; 2]),
+    /// Stretches the map: by this factor fewer radians than before from top to bottom.
+    Stretch(f64),
     /// Moves by a share of the canvas.
     Step(DVec2),
     /// Shows the whole torus.
@@ -77,6 +82,8 @@ pub enum Action {
     Scene(Box<Scene>),
     /// Changes the colours.
     Picture(PictureTable),
+    /// Opens, changes or closes the clock by which the map is shown.
+    Timeline(Option<Playback>),
     /// Changes the accuracy level.
     Accuracy(Accuracy),
     /// Changes the kind of engine.

@@ -1,11 +1,10 @@
 //! The limits within which a window can answer another question or show another plane: an engine
-//! that computes it, an accuracy level that allows it, and pixels that numbers can tell apart.
+//! that computes it, and pixels that numbers can tell apart.
 
-use super::action::Action;
 use super::camera::Camera;
 use super::model::AppModel;
 use crate::engine::choice::EngineRequest;
-use crate::engine::{Accuracy, Cells, Ends, EngineKind, IntegratorConfig, Precision};
+use crate::engine::{Cells, Ends, EngineKind, IntegratorConfig, Precision};
 use crate::scene::lattice::pitch_rad;
 
 impl AppModel {
@@ -22,25 +21,10 @@ impl AppModel {
         EngineRequest { kind, ..self.request.clone() }.answering(question).kind
     }
 
-    /// Changes what cannot be computed, and says so: an accuracy level at which the question has no
-    /// answer, and a view in which neighbouring pixels are one number. Returns true if it did.
+    /// Changes a view in which neighbouring pixels are one number, and says so. Returns true if it
+    /// did.
     pub(super) fn make_answerable(&mut self) -> bool {
-        let Some(config) = self.compute.config() else { return false };
-        self.make_level_fit(config) || self.make_view_fit(config)
-    }
-
-    fn make_level_fit(&mut self, config: IntegratorConfig) -> bool {
-        if config.precision == Precision::Df32 {
-            // The processor's engine takes over.
-            return false;
-        }
-        let ends = Ends::from(self.state.question.ask.kind().needs);
-        let Err(why) = ends.check(&config) else { return false };
-        self.state.notices.tell(format!("Computed at balanced: {why}."));
-        if let Some(effect) = self.state.apply(Action::Accuracy(Accuracy::Balanced)) {
-            self.affect(effect);
-        }
-        true
+        self.compute.config().is_some_and(|config| self.make_view_fit(config))
     }
 
     fn make_view_fit(&mut self, config: IntegratorConfig) -> bool {

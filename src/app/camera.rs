@@ -26,6 +26,9 @@ pub struct Camera {
 /// Smallest and largest width that the window zooms to, in rad.
 const LEAST_WIDTH_RAD: f64 = LEAST_WIDTH;
 const LARGEST_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
+/// Largest factor by which the window stretches a map, either way: beyond it, the samples of a
+/// screen are too many, because they are square.
+const MOST_STRETCH: f64 = 16.0;
 /// Share of a bounded plane's square that its home view shows.
 const HOME_SHARE: f64 = 0.25;
 /// Largest width of a sample in physical pixels before the next level is drawn.
@@ -97,6 +100,13 @@ impl Camera {
         zoomed.moved(about_rad * (1.0 - zoomed.width_rad / self.width_rad))
     }
 
+    /// Returns the camera stretched by a factor, as far as the window stretches.
+    pub fn stretched(&self, factor: f64) -> Self {
+        // A view that was opened may be stretched more.
+        let (least, most) = (self.stretch.min(1.0 / MOST_STRETCH), self.stretch.max(MOST_STRETCH));
+        Camera { stretch: (self.stretch * factor).clamp(least, most), ..*self }
+    }
+
     fn within_reach(self) -> Self {
         let width_rad = self.width_rad.clamp(LEAST_WIDTH_RAD, LARGEST_WIDTH_RAD);
         Camera { width_rad, ..self }
@@ -134,6 +144,19 @@ impl Screen {
     /// Returns the point on the screen at an offset from the centre in rad.
     pub fn point_of(&self, offset_rad: DVec2) -> DVec2 {
         self.plane_from_screen().inverse() * offset_rad
+    }
+
+    /// Returns the camera with the map turned about the middle of the canvas, as if it had been
+    /// dragged there from one point to another.
+    pub fn turned(&self, from: DVec2, to: DVec2) -> Camera {
+        let shown = DVec2::new(1.0, -1.0 / self.camera.stretch);
+        let by = (shown * to).angle_to(shown * from).to_degrees();
+        if by.is_nan() {
+            // A point is the middle itself.
+            return self.camera;
+        }
+        let turned = self.camera.rotate_deg + by;
+        Camera { rotate_deg: turned - 360.0 * (turned / 360.0).round(), ..self.camera }
     }
 
     /// Returns the matrix that turns points into radians.
@@ -234,6 +257,18 @@ mod tests {
             let view = screen(Camera { rotate_deg: rotate, stretch, ..home() });
             let point = DVec2::new(123.0, -45.0);
             prop_assert!((view.point_of(view.offset_at(point)) - point).length() < 1e-9);
+        }
+
+        #[test]
+        fn a_turned_map_follows_the_pointer(
+            x in 50.0..600.0f64, y in -390.0..390.0f64, angle in -3.0..3.0f64, rotate in -180.0..180.0f64,
+        ) {
+            let view = screen(Camera { rotate_deg: rotate, ..home() });
+            let from = DVec2::new(x, y);
+            let to = DMat2::from_angle(angle) * from;
+            let after = screen(view.turned(from, to));
+            prop_assert!((after.offset_at(to) - view.offset_at(from)).length() < 1e-9);
+            prop_assert!(after.camera.rotate_deg.abs() <= 180.0 + 1e-9);
         }
 
         #[test]

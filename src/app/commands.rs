@@ -7,6 +7,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec2;
 
 use super::action::{Action, Look};
+use super::flight::playback::Playback;
 use super::settings::{Layers, Theme};
 use super::side_panel::PANELS;
 use super::state::{AppState, Dialog};
@@ -89,6 +90,7 @@ fn showing(layers: &Layers) -> Vec<Command> {
         command("Doubts, hatched", keyed(Key::T), layer(|layers| layers.trust ^= true)),
         command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
         command("Borders of tiles", keyed(Key::B), layer(|layers| layers.borders ^= true)),
+        command("Pendulum at the pointer", keyed(Key::H), layer(|layers| layers.swing ^= true)),
         command("Panels at the side", keyed(Key::F9), Action::Toggle(Dialog::Side)),
         command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
         command(
@@ -109,7 +111,12 @@ fn doing(state: &AppState) -> Vec<Command> {
         command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
         command("Leave the lab", [], Action::Lab(None)),
         command("Go deeper here, or stop", [key(PLAIN, Key::D)], Action::GoDeeper),
-        command("Play or pause the pendulum", [key(PLAIN, Key::Space)], Action::PlayPause),
+        command("Play or pause", [key(PLAIN, Key::Space)], Action::PlayPause),
+        command(
+            "Time on the map, or the whole map",
+            [key(PLAIN, Key::M)],
+            Action::Timeline(state.shown.timeline.xor(Some(Playback::default()))),
+        ),
         command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
         command("Copy the location", ctrl(Key::L), Action::CopyLocation),
         command("Accuracy: lesson", [], accuracy(Accuracy::Lesson)),

@@ -98,7 +98,7 @@ impl AppModel {
         match (self.asking.take(), answer) {
             (Some(Asking::Open(_)), Some(path)) => self.open(&path),
             (Some(Asking::Export(_)), Some(path)) => {
-                self.export_form.path = path.display().to_string();
+                self.forms.export.path = path.display().to_string();
             }
             _ => {}
         }
@@ -124,7 +124,7 @@ impl AppModel {
     pub(super) fn place(&mut self, action: PlaceAction) -> Option<Action> {
         let changed = match action {
             PlaceAction::Change(form) => {
-                self.place_form = form;
+                self.forms.place = form;
                 return None;
             }
             PlaceAction::Open(document) => return Some(Action::Show(document)),
@@ -133,7 +133,7 @@ impl AppModel {
             PlaceAction::Delete(name) => self.places.delete(&name),
         };
         match changed {
-            Ok(()) => self.place_form.name = self.places.free_name(),
+            Ok(()) => self.forms.place.name = self.places.free_name(),
             Err(error) => self.state.notices.fail(format!("{error}.")),
         }
         None
@@ -152,9 +152,9 @@ impl AppModel {
 
     pub(super) fn export(&mut self, action: ExportAction) {
         match action {
-            ExportAction::Change(form) => self.export_form = form,
+            ExportAction::Change(form) => self.forms.export = form,
             ExportAction::Browse => {
-                let (ending, path) = (self.export_form.what.ending(), &self.export_form.path);
+                let (ending, path) = (self.forms.export.what.ending(), &self.forms.export.path);
                 let wake = Arc::clone(&self.wake);
                 let dialog = FileDialog::save(ending, path.as_ref(), move || wake());
                 self.asking = Some(Asking::Export(dialog));
@@ -187,7 +187,7 @@ impl AppModel {
     }
 
     fn start_export(&mut self) {
-        let form = self.export_form.clone();
+        let form = self.forms.export.clone();
         let (document, path) = (self.state.document(), std::path::PathBuf::from(&form.path));
         let kind = match form.what {
             ExportSubject::Png => ExportKind::Png,

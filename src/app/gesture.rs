@@ -21,6 +21,10 @@ pub struct Gesture {
     pub double_clicked: bool,
     /// True if Shift is held.
     pub shift: bool,
+    /// True if the drag turns the map: with Alt held, or with the secondary button.
+    pub turning: bool,
+    /// True if the wheel stretches the map: with Alt held.
+    pub stretching: bool,
     /// Notches that the wheel has turned, positive away from the user.
     pub notches: f64,
     /// Magnification by a pinch, or by Ctrl and the wheel.
@@ -37,7 +41,9 @@ impl Gesture {
         let about = self.pointer.unwrap_or(DVec2::ZERO);
         let zoom = |factor| Action::Look(Look::Zoom { factor, about });
         let factor = self.pinch.max(f64::MIN_POSITIVE) * (self.notches / NOTCHES_FOR_TWICE).exp2();
-        if factor != 1.0 {
+        if factor != 1.0 && self.stretching {
+            actions.push(Action::Look(Look::Stretch(factor)));
+        } else if factor != 1.0 {
             actions.push(zoom(factor));
         }
         actions.extend(self.drag(drawing));
@@ -56,6 +62,12 @@ impl Gesture {
                 let corners = [began, self.pointer.unwrap_or(to)];
                 vec![Action::Drawing(None), Action::Look(Look::Box(corners))]
             }
+            (Some(_), None) if self.turning && self.dragged != DVec2::ZERO => {
+                let to = self.pointer.unwrap_or_default();
+                vec![Action::Look(Look::Turn([to - self.dragged, to]))]
+            }
+            (_, None) if self.turning && self.released => vec![Action::Look(Look::Release)],
+            (_, None) if self.turning => Vec::new(),
             (_, None) if self.released => {
                 vec![Action::Look(Look::Drag(self.dragged)), Action::Look(Look::Release)]
             }
@@ -97,6 +109,19 @@ mod tests {
         assert_eq!(wheel, [Action::Look(Look::Zoom { factor: 2.0, about: HERE })]);
         let pinch = looks(Gesture { pinch: 0.5, ..still() }, None);
         assert_eq!(pinch, [Action::Look(Look::Zoom { factor: 0.5, about: HERE })]);
+    }
+
+    #[test]
+    fn a_turning_drag_turns_and_alt_with_the_wheel_stretches() {
+        let by = DVec2::new(3.0, -1.0);
+        let drag = Gesture { dragged: by, drag_began: Some(DVec2::ZERO), turning: true, ..still() };
+        assert_eq!(looks(drag, None), [Action::Look(Look::Turn([HERE - by, HERE]))]);
+        let shifted = Gesture { shift: true, ..drag };
+        assert_eq!(looks(shifted, None), looks(drag, None), "no rectangle");
+        let released = Gesture { released: true, drag_began: None, dragged: DVec2::ZERO, ..drag };
+        assert_eq!(looks(released, None), [Action::Look(Look::Release)]);
+        let wheel = Gesture { notches: 3.0, stretching: true, ..still() };
+        assert_eq!(looks(wheel, None), [Action::Look(Look::Stretch(2.0))]);
     }
 
     #[test]

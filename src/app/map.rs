@@ -68,7 +68,9 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
         DVec2::new(f64::from(by.x), f64::from(by.y))
     };
     let over = response.hovered() || response.dragged();
-    let dragged = response.dragged_by(egui::PointerButton::Primary);
+    use egui::PointerButton::{Primary, Secondary};
+    let by_secondary = response.dragged_by(Secondary) || response.drag_stopped_by(Secondary);
+    let dragged = response.dragged_by(Primary) || response.dragged_by(Secondary);
     let drag = dragged_points(ui, response, dragged);
     // Responses read the input themselves, which must not happen while it is locked below.
     let (clicked, double_clicked) = (response.clicked(), response.double_clicked());
@@ -81,6 +83,8 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
         clicked,
         double_clicked,
         shift: input.modifiers.shift,
+        turning: by_secondary || input.modifiers.alt,
+        stretching: input.modifiers.alt,
         notches: if over { notches(input) } else { 0.0 },
         pinch: if over { pinch(input) } else { 1.0 },
     })

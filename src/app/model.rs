@@ -10,24 +10,24 @@ use egui::Ui;
 use super::action::Action;
 use super::camera::Camera;
 use super::canvas::MapRenderer;
-use super::canvas::colours::colours;
 use super::commands::{choices, commands, pressed};
 use super::compute_service::{ComputeService, Wake};
 use super::descent::DescentPath;
 use super::dialog::FileDialog;
 use super::export::Export;
 use super::folders::Folders;
-use super::hover;
-use super::map::{Hovered, map};
 use super::meter::Meter;
 use super::outlook::Estimates;
 use super::panels::export::ExportForm;
 use super::panels::places::{PlaceForm, Thumbnails};
 use super::panels::status::{StatusLine, depth_words, status_line};
+use super::panels::timeline::timeline;
+use super::panels::view::ViewForm;
 use super::panels::{accuracy, help, notices};
 use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
 use super::state::{AppState, Effect};
+use super::swing::Swing;
 use super::view_samples;
 use crate::engine::choice::EngineRequest;
 use crate::engine::run_settings::RunSpec;
@@ -57,6 +57,14 @@ pub(super) enum Asking {
     Export(FileDialog),
 }
 
+/// The forms that the user has begun to fill in.
+#[derive(Default)]
+pub(super) struct Forms {
+    pub(super) place: PlaceForm,
+    pub(super) view: ViewForm,
+    pub(super) export: ExportForm,
+}
+
 /// The app model behind a window.
 pub struct AppModel {
     /// Plain state that is shown.
@@ -64,15 +72,15 @@ pub struct AppModel {
     /// Service that computes it.
     pub compute: ComputeService,
     pub(super) map_renderer: MapRenderer,
+    pub(super) swing: Swing,
     pub(super) meter: Meter,
     pub(super) store: Store,
     /// Settings kept between runs.
     pub settings: Settings,
     pub(super) places: Places,
-    pub(super) place_form: PlaceForm,
+    pub(super) forms: Forms,
     pub(super) thumbnails: Thumbnails,
     pub(super) exports: Vec<Export>,
-    pub(super) export_form: ExportForm,
     pub(super) asking: Option<Asking>,
     pub(super) descent: DescentPath,
     pub(super) estimates: Estimates,
@@ -136,14 +144,14 @@ impl AppModel {
             state,
             compute,
             map_renderer: MapRenderer::default(),
+            swing: Swing::default(),
             meter: Meter::default(),
             store,
             settings,
-            place_form: PlaceForm { name: places.free_name(), ..PlaceForm::default() },
+            forms: Forms { place: PlaceForm::named(places.free_name()), ..Forms::default() },
             places,
             thumbnails: Thumbnails::default(),
             exports: Vec::new(),
-            export_form: ExportForm::default(),
             asking: None,
             descent: DescentPath::default(),
             estimates: Estimates::default(),
@@ -273,6 +281,11 @@ impl AppModel {
             let side = egui::Panel::right("side").default_size(310.0).size_range(240.0..=480.0);
             side.show(ui, |ui| actions.extend(self.side_panel(ui)));
         }
+        if let Some(clock) = &self.state.shown.timeline {
+            let budget_secs = self.state.question.budget.secs;
+            egui::Panel::bottom("timeline")
+                .show(ui, |ui| actions.extend(timeline(ui, clock, budget_secs)));
+        }
         egui::CentralPanel::no_frame().show(ui, |ui| actions.extend(self.canvas(ui)));
         self.act(actions)
     }
@@ -293,29 +306,6 @@ impl AppModel {
             actions.extend(dropped.map(|file| Action::Open(file.path().to_path_buf())));
             actions
         })
-    }
-
-    fn canvas(&mut self, ui: &mut Ui) -> Vec<Action> {
-        let size = ui.available_size_before_wrap();
-        let canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
-        self.state.resize(canvas, f64::from(ui.ctx().pixels_per_point()));
-        let screen = self.state.screen();
-        let scene = self.state.scene();
-        let AppState { picture, layers, .. } = &self.state;
-        let colours = match colours(picture, &scene, layers.trust) {
-            Ok(colours) => colours,
-            // A picture table is checked before it gets here.
-            Err(error) => {
-                ui.label(error.to_string());
-                return Vec::new();
-            }
-        };
-        let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
-        let hovered = self.state.pointer.map(|point| {
-            let [place, _] = hover::sample_at(screen.angle_at(point), screen.level());
-            Hovered { place, answer: self.answer_at(place) }
-        });
-        map(ui, &self.state, frame, hovered)
     }
 
     fn status(&self) -> StatusLine {
@@ -367,6 +357,15 @@ impl AppModel {
 
     /// Shows a file: a picture written by this program, or a scene.
     pub(super) fn open(&mut self, path: &Path) {
+        if let Some(gradient) = crate::output::read_gradient(path) {
+            match gradient {
+                Ok(palette) => {
+                    self.state.picture = PictureTable { palette, ..self.state.picture.clone() };
+                }
+                Err(error) => self.state.notices.fail(format!("{error}.")),
+            }
+            return;
+        }
         match crate::output::read_document(path) {
             Ok(document) => {
                 self.settings.remember(path);

@@ -69,11 +69,13 @@ pub struct Layers {
     pub grid: bool,
     /// Borders of the tiles.
     pub borders: bool,
+    /// A pendulum that swings at the pointer.
+    pub swing: bool,
 }
 
 impl Default for Layers {
     fn default() -> Self {
-        Layers { curve: true, trust: true, grid: false, borders: false }
+        Layers { curve: true, trust: true, grid: false, borders: false, swing: true }
     }
 }
 
@@ -108,10 +110,15 @@ impl Settings {
         self.recent.truncate(Self::MOST_RECENT);
     }
 
+    /// Returns the nearest scale of the interface that is in range.
+    pub fn within_ui_scales(scale: f32) -> f32 {
+        scale.clamp(*Self::UI_SCALES.start(), *Self::UI_SCALES.end())
+    }
+
     /// Returns the settings with every number clamped to its range.
     fn sound(mut self) -> Self {
         let scale = if self.ui_scale.is_nan() { 1.0 } else { self.ui_scale };
-        self.ui_scale = scale.clamp(*Self::UI_SCALES.start(), *Self::UI_SCALES.end());
+        self.ui_scale = Self::within_ui_scales(scale);
         self.cache_mib = self.cache_mib.clamp(*Self::CACHE_MIB.start(), *Self::CACHE_MIB.end());
         self.recent.truncate(Self::MOST_RECENT);
         self

@@ -13,13 +13,15 @@ use super::panels::layers::layers_panel;
 use super::panels::pendulum::pendulum_panel;
 use super::panels::places::places_panel;
 use super::panels::scene::scene_panel;
+use super::panels::view::view_panel;
 use super::panels::window::window_panel;
 use crate::lab::Figure;
 use crate::physics::{Scalar, State};
 
 /// The panels, by their headings.
-pub(super) const PANELS: [&str; 9] = [
+pub(super) const PANELS: [&str; 10] = [
     "Pendulum of a pixel",
+    "View",
     "Places",
     "Deeper",
     "Scene",
@@ -60,8 +62,12 @@ impl AppModel {
                 actions.extend(pendulum_panel(ui, &self.state.pins).into_iter().map(Action::Pins));
                 actions.extend(self.lab_buttons(ui));
             });
+            panels.show("View", false, |ui| {
+                let (camera, axes) = (self.state.target(), self.state.plane.axes());
+                actions.extend(view_panel(ui, &mut self.forms.view, &camera, axes));
+            });
             panels.show("Places", !open, |ui| {
-                let done = places_panel(ui, &self.places, &self.place_form, &mut self.thumbnails);
+                let done = places_panel(ui, &self.places, &self.forms.place, &mut self.thumbnails);
                 actions.extend(done.into_iter().filter_map(|action| self.place(action)));
                 self.recent(ui, &mut actions);
             });
@@ -89,7 +95,7 @@ impl AppModel {
             });
             panels.show("Export", false, |ui| {
                 let statuses = self.export_statuses();
-                for action in export_panel(ui, &self.export_form, &statuses) {
+                for action in export_panel(ui, &self.forms.export, &statuses) {
                     self.export(action);
                 }
             });
@@ -97,17 +103,18 @@ impl AppModel {
                 actions.extend(window_panel(ui, &self.state, &mut self.settings));
             });
             if self.state.shown.debug {
-                panels.show("Measured", true, |ui| {
-                    self.measured.iter().for_each(|line| {
-                        ui.monospace(line);
-                    });
-                    if ui.button("Lose the graphics device").clicked() {
-                        actions.push(Action::LoseDevice);
-                    }
-                });
+                panels.show("Measured", true, |ui| actions.extend(self.measurements(ui)));
             }
         });
         actions
+    }
+
+    /// Shows the window's measurements of itself.
+    fn measurements(&self, ui: &mut Ui) -> Option<Action> {
+        self.measured.iter().for_each(|line| {
+            ui.monospace(line);
+        });
+        ui.button("Lose the graphics device").clicked().then_some(Action::LoseDevice)
     }
 
     /// Shows buttons that open the selected pin's start in a figure of the laboratory.

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use glam::DVec2;
 
-use super::action::{Action, Look};
+use super::action::Action;
 use super::camera::{Camera, Move, Screen};
+use super::flight::playback::Playback;
 use super::history::History;
 use super::integration::Integration;
 use super::notices::Notices;
@@ -33,7 +34,7 @@ pub enum Dialog {
 }
 
 /// The dialogs that are open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenDialogs {
     /// True if the panels at the side are shown.
     pub side: bool,
@@ -47,6 +48,8 @@ pub struct OpenDialogs {
     pub debug: bool,
     /// True if the laboratory is shown.
     pub lab: bool,
+    /// Clock by which the map is shown, if any: later flips are not drawn.
+    pub timeline: Option<Playback>,
 }
 
 /// An effect of an action that has to be carried out outside the plain state.
@@ -162,6 +165,7 @@ impl AppState {
                 commands: false,
                 debug: false,
                 lab: false,
+                timeline: None,
             },
             notices: Notices::default(),
             pins: Pins::new(&scene),
@@ -240,7 +244,14 @@ impl AppState {
             self.history.visit(self.camera);
         }
         self.pins.advance(elapsed_secs);
-        self.moving.is_some() || self.pins.is_playing()
+        let budget_secs = self.question.budget.secs;
+        // The question may have changed to one without times.
+        self.shown.timeline = self.shown.timeline.filter(|_| self.question.ask.is_time());
+        if let Some(clock) = &mut self.shown.timeline {
+            clock.advance(elapsed_secs, budget_secs, true);
+        }
+        let plays = self.shown.timeline.is_some_and(|clock| clock.is_playing());
+        self.moving.is_some() || self.pins.is_playing() || plays
     }
 
     /// Applies an action of the user and returns the effect that remains to be carried out.
@@ -269,6 +280,7 @@ impl AppState {
                 self.spreads &= picture.times == self.picture.times;
                 self.picture = picture;
             }
+            Action::Timeline(clock) => self.show_by(clock),
             Action::Accuracy(accuracy) => {
                 self.set_accuracy(accuracy);
                 return Some(Effect::Reopen);
@@ -292,10 +304,7 @@ impl AppState {
             }
             Action::Find(angle) => self.go(Camera { center: angle, ..self.target() }),
             Action::Dismiss(id) => self.notices.dismiss(id),
-            Action::UiScale(scale) => {
-                self.look.ui_scale =
-                    scale.clamp(*Settings::UI_SCALES.start(), *Settings::UI_SCALES.end())
-            }
+            Action::UiScale(scale) => self.look.ui_scale = Settings::within_ui_scales(scale),
             Action::Theme(theme) => self.look.theme = theme,
             Action::Animate(animate) => self.look.animate = animate,
             Action::FullScreen => return Some(Effect::FullScreen),
@@ -305,66 +314,35 @@ impl AppState {
         None
     }
 
-    fn look(&mut self, look: Look) {
-        match look {
-            Look::Drag(by) => {
-                self.moving = None;
-                self.dragging = true;
-                self.camera = self.camera.moved(-self.screen().offset_at(by));
-            }
-            Look::Release => self.dragging = false,
-            Look::Zoom { factor, about } => {
-                let target = self.through(self.target());
-                self.go(target.camera.zoomed(factor, target.offset_at(about)));
-            }
-            Look::Box(corners) => self.zoom_to_box(corners),
-            Look::Step(share) => {
-                let target = self.through(self.target());
-                self.go(target.camera.moved(target.offset_at(share * self.canvas)));
-            }
-            Look::Home => self.go(Camera::home(self.camera.reach, self.canvas)),
-            Look::Back => {
-                if let Some(camera) = self.history.back() {
-                    self.go(camera);
-                }
-            }
-            Look::Forward => {
-                if let Some(camera) = self.history.forward() {
-                    self.go(camera);
-                }
-            }
-            Look::To(camera) => self.go(camera),
-        }
-    }
-
-    /// Moves to a camera: smoothly, or with a jump if the user prefers it.
-    pub(super) fn go(&mut self, to: Camera) {
-        if self.look.animate {
-            self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs });
-        } else {
-            (self.camera, self.moving) = (to, None);
-        }
-    }
-
-    fn zoom_to_box(&mut self, [a, b]: [DVec2; 2]) {
-        let size = (a - b).abs();
-        // A box of a few points is an unsteady click.
-        if size.max_element() < 4.0 {
-            return;
-        }
-        let screen = self.screen();
-        let factor = (self.canvas / size.max(DVec2::ONE)).min_element();
-        let there = self.camera.moved(screen.offset_at((a + b) / 2.0));
-        self.go(there.zoomed(factor, DVec2::ZERO));
-    }
-
     /// Returns the starts of the sample drawn at a point, and of its neighbour to the right.
     fn pixel_at(&self, point: DVec2) -> [[Theta; 2]; 2] {
         let screen = self.screen();
         super::hover::sample_at(screen.angle_at(point), screen.level())
     }
 
+    /// Shows the map by a clock, or whole again. Answers other than times have no moments.
+    fn show_by(&mut self, clock: Option<Playback>) {
+        if clock.is_some() && !self.question.ask.is_time() {
+            self.notices.tell("Only flip times can be played; this question asks for no time.");
+            return;
+        }
+        self.shown.timeline = clock;
+    }
+
+    /// Last moment of the flips that are drawn, s.
+    pub fn shown_until_secs(&self) -> f64 {
+        let budget_secs = self.question.budget.secs;
+        self.shown.timeline.map_or(budget_secs, |clock| clock.time_secs().min(budget_secs))
+    }
+
     fn play_or_pause(&mut self) {
+        if let Some(clock) = &mut self.shown.timeline {
+            match clock.is_playing() {
+                true => clock.pause(),
+                false => clock.play(self.question.budget.secs),
+            }
+            return;
+        }
         let Some(pin) = self.pins.selected() else { return };
         let (id, playing) = (pin.id, pin.playback.is_playing());
         self.pins.apply(if playing { PinAction::Pause(id) } else { PinAction::Play(id) });
@@ -398,6 +376,7 @@ impl AppState {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::app::action::Look;
     use crate::engine::choice::IntegrationSetting;
     use crate::engine::{Method, Precision};
     use crate::physics::Scalar;

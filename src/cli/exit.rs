@@ -14,6 +14,12 @@ pub(crate) enum Exit {
     /// Exit code 2: the command line or one of its files cannot be used.
     #[error("{0}")]
     Usage(String),
+    /// Exit code 1: the machine or its files do not allow it.
+    #[error("{0}")]
+    Failed(String),
+    /// Exit code 69: nothing here can do it.
+    #[error("{0}")]
+    Unavailable(String),
     /// Exit code 3: results differ too much.
     #[error("{0}")]
     Differs(String),
@@ -74,6 +80,8 @@ fn code_of(error: &anyhow::Error) -> u8 {
     for cause in error.chain() {
         if let Some(exit) = cause.downcast_ref() {
             return match exit {
+                Exit::Failed(_) => 1,
+                Exit::Unavailable(_) => 69,
                 Exit::Usage(_) => 2,
                 Exit::Differs(_) => 3,
                 Exit::Missing(_) => 4,

@@ -6,8 +6,9 @@ use std::time::Instant;
 use clap::Args;
 use flipmap::app::folders::Folders;
 use flipmap::app::model;
-use flipmap::app::window;
+use flipmap::app::window::{self, WindowError};
 
+use super::exit::Exit;
 use super::options::SceneOptions;
 use super::run_options::RunOptions;
 use super::stop;
@@ -39,10 +40,14 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         folders,
         stats: options.stats.clone(),
     };
-    window::run(options, begun, |close| {
+    let shown = window::run(options, begun, |close| {
         if let Err(error) = stop::listen_and(close) {
             log::warn!("signals will close the window without saving: {error}");
         }
-    })?;
-    Ok(stop::check()?)
+    });
+    match shown {
+        Err(why @ WindowError::Host(_)) => Err(Exit::Unavailable(why.to_string()).into()),
+        Err(why) => Err(why.into()),
+        Ok(()) => Ok(stop::check()?),
+    }
 }

@@ -215,7 +215,7 @@ fn spread(
 /// Rejects a film that could not be written.
 pub(super) fn check_output(output: &Path) -> Result<(), Exit> {
     FilmSink::check(output)
-        .map_err(|error| Exit::Usage(format!("-o: cannot write {}: {error}", output.display())))
+        .map_err(|error| Exit::Failed(format!("-o: cannot write {}: {error}", output.display())))
 }
 
 /// Default folder for the samples of a film.

@@ -1,8 +1,10 @@
 //! The options that control how samples are painted.
 
+use std::path::Path;
 use std::str::FromStr;
 
 use clap::Args;
+use flipmap::output::read_gradient;
 use flipmap::scene::{Document, PictureTable, Scale};
 
 use super::exit::Exit;
@@ -12,7 +14,8 @@ use super::options::{number, set};
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Picture")]
 pub(super) struct PictureOptions {
-    /// Colour palette: iris, batlow, viridis, magma, cividis or romao (cyclic)
+    /// Colour palette: iris, batlow, viridis, magma, cividis or romao (cyclic); colours from early to
+    /// late (#000000,#ff8000,#ffffff); or a gradient file (.map, .ugr, .gpl)
     #[arg(long, value_name = "NAME")]
     palette: Option<String>,
     /// Average the colours of N × N samples per pixel, N from 1 to 8
@@ -97,7 +100,7 @@ impl PictureOptions {
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Exit> {
         let picture = &mut document.picture;
         if let Some(palette) = &self.palette {
-            picture.palette.clone_from(palette);
+            picture.palette = palette_of(palette)?;
         }
         if self.channel.is_some() {
             picture.channel.clone_from(&self.channel);
@@ -121,5 +124,13 @@ impl PictureOptions {
             let times: Option<Vec<f64>> = text.split(',').map(number).collect();
             times.ok_or("it must be times in seconds separated by commas, view or budget")
         })
+    }
+}
+
+/// The palette that a scene names: a gradient file becomes its colours.
+fn palette_of(text: &str) -> Result<String, Exit> {
+    match read_gradient(Path::new(text)) {
+        Some(colours) => colours.map_err(|why| Exit::Usage(format!("--palette: {why}"))),
+        None => Ok(text.to_string()),
     }
 }

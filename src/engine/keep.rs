@@ -36,6 +36,16 @@ impl Keep {
     pub const STATES: Keep = Keep { ends: Ends::None, states: true };
     /// The end of each pendulum.
     pub const ENDS: Keep = Keep { ends: Ends::Plain, states: false };
+
+    /// Returns an error if an integrator config cannot compute what is kept.
+    pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
+        if self.states && self.ends.are_carried() && config.precision == Precision::Dd {
+            // What they take along is kept in f64.
+            let why = "growth and returns in dd cannot be continued: omit --state";
+            return Err(EngineError::Unsupported(why.to_string()));
+        }
+        self.ends.check(config)
+    }
 }
 
 impl Ends {
@@ -46,14 +56,10 @@ impl Ends {
 
     /// Returns an error if an integrator config cannot compute them.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
-        let carries = matches!(
-            config.method,
-            Method::Rk4 { .. } | Method::Dopri5 { .. } | Method::Dop853 { .. }
-        );
-        let is_eighth = matches!(config.method, Method::Dop853 { .. });
-        let why = if self.are_carried() && !carries {
-            "growth and returns are computed by --method rk4, dopri5 or dop853: use --accuracy \
-             balanced"
+        let method = config.method;
+        let is_eighth = matches!(method, Method::Dop853 { .. });
+        let why = if self.are_carried() && matches!(method, Method::Extrapolation { .. }) {
+            "growth and returns are not computed by midpoint rules"
         } else if self == Ends::Growth && is_eighth && config.precision == Precision::Df32 {
             // Its kernel takes more than ten minutes to compile.
             "growth in df32 is computed by --method dopri5"

@@ -225,6 +225,17 @@ impl Pace {
         }
     }
 
+    /// The same pace in steps of one tolerance at all times, whose error falls with this order.
+    pub(super) fn steady(self, method: Method, order: u32) -> Self {
+        match (self, method) {
+            (Pace::Adaptive(adaptive), Method::Taylor { tolerance }) => {
+                let control = Control::new(tolerance, order).steady();
+                Pace::Adaptive(Adaptive { control, ..adaptive })
+            }
+            (pace, _) => pace,
+        }
+    }
+
     /// Approximate number of steps of a pendulum that does not flip.
     pub fn typical_steps(&self) -> f64 {
         match self {

@@ -135,7 +135,7 @@ pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let pace = Pace::new(&job.question, &job.config)?;
     let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
         (Some(_), _) => state,
-        (None, Ends::Growth) => with_tangents(&reduced, &pace, &state),
+        (None, Ends::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
         (None, _) => with_start(&reduced, &pace, state),
     };
     Ok(states.into_iter().map(begun).collect())
@@ -155,10 +155,19 @@ fn with_start(reduced: &Pendulum<f64>, pace: &Pace, state: IntegratorState) -> I
 }
 
 /// A start with the tangents of itself, as unit vectors and momenta at every pace.
-fn with_tangents(reduced: &Pendulum<f64>, pace: &Pace, start: &IntegratorState) -> IntegratorState {
+fn with_tangents(
+    reduced: &Pendulum<f64>,
+    (config, pace): (&IntegratorConfig, &Pace),
+    start: &IntegratorState,
+) -> IntegratorState {
     let phase = phase_at(reduced, pace, start);
     let mut numbers = [0.0; NUMBERS];
-    numbers[..6].copy_from_slice(&phase);
+    if config.precision == Precision::Dd {
+        // All digits of the start; the tangents need no more than f64.
+        numbers = start.numbers;
+    } else {
+        numbers[..6].copy_from_slice(&phase);
+    }
     numbers[STEP] = match pace {
         Pace::Fixed(steps) => steps.length,
         Pace::Adaptive(_) => control::FIRST,

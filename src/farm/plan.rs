@@ -116,11 +116,21 @@ impl Plan {
         plan.checked()
     }
 
+    /// Largest number of shards.
+    pub const MOST_SHARDS: u32 = 100_000;
+
     fn checked(mut self) -> Result<Self, PlanError> {
+        if !(1..=Self::MOST_SHARDS).contains(&self.shards) {
+            let most = Self::MOST_SHARDS;
+            return Err(PlanError::Inside(format!("{} shards, not 1 to {most}", self.shards)));
+        }
         let scene = |error: DocumentError| PlanError::Inside(error.to_string());
         match (&mut self.still, &mut self.film) {
             (Some(document), None) => {
-                *document = take(document).checked().map_err(scene)?.settled()
+                *document = take(document).checked().map_err(scene)?.settled();
+                let size = document.run.size.unwrap_or([1, 1]);
+                let fits = document.picture.check_size(size);
+                fits.map_err(|error| PlanError::Inside(error.to_string()))?;
             }
             (None, Some(film)) => {
                 for key in &mut film.keys {
@@ -186,6 +196,27 @@ mod tests {
         assert_eq!(again.what(), PlannedOutput::Still(Box::default()));
         assert_eq!(again.config().unwrap().method, Method::LESSON);
         assert!(plan.text().contains("[recipe]\n"), "plans of the first versions are read");
+    }
+
+    #[test]
+    fn a_plan_whose_checksum_was_made_to_fit_is_still_checked() {
+        let forged = |change: fn(&mut Plan)| {
+            let mut plan = plan();
+            change(&mut plan);
+            plan.sha256 = plan.digest();
+            Plan::parse(&plan.text()).unwrap_err().to_string()
+        };
+        for shards in [0, u32::MAX] {
+            let error = match shards {
+                0 => forged(|plan| plan.shards = 0),
+                _ => forged(|plan| plan.shards = u32::MAX),
+            };
+            assert!(error.contains(&format!("{shards} shards, not 1 to 100000")), "{error}");
+        }
+        let large = forged(|plan| {
+            plan.still.as_mut().unwrap().run.size = Some([u32::MAX; 2]);
+        });
+        assert!(large.contains("--size is 4294967295x4294967295"), "{large}");
     }
 
     #[test]

@@ -1,11 +1,14 @@
 //! Files that appear only when they are complete.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::fs::File;
 #[cfg(unix)]
 use std::fs::Permissions;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Duration;
 
 use tempfile::TempPath;
 
@@ -74,7 +77,10 @@ impl SafeFile {
         builder.prefix(UNFINISHED);
         #[cfg(unix)]
         builder.permissions(permissions(&path));
+        remove_orphans(folder);
         let file = builder.tempfile_in(folder)?;
+        #[cfg(unix)]
+        hold(file.as_file());
         let (file, beside) = file.into_parts();
         Ok(SafeFile::Beside(BufWriter::new(file), beside, path))
     }
@@ -111,6 +117,45 @@ impl SafeFile {
 
 /// Prefix of the names of unfinished files.
 pub(super) const UNFINISHED: &str = ".flipmap-";
+
+/// Age of an unfinished file from which on it can be an orphan; a younger one may not be held yet.
+const ORPHAN_AGE: Duration = Duration::from_secs(60);
+
+/// Holds an unfinished file as long as it is open. File systems without locks do without.
+#[cfg(unix)]
+fn hold(file: &File) {
+    let _ = file.try_lock();
+}
+
+/// Removes the unfinished files of runs that were killed: those that no process holds. Looks into each
+/// folder once a run, since films write thousands of files into one. What cannot be removed stays.
+fn remove_orphans(folder: &Path) {
+    static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let is_new = SEEN.lock().is_ok_and(|mut seen| seen.insert(folder.to_path_buf()));
+    let Some(files) = is_new.then(|| folder.read_dir().ok()).flatten() else { return };
+    for file in files.flatten() {
+        let ours = file.file_name().to_string_lossy().starts_with(UNFINISHED);
+        if ours && is_orphan(&file.path()) {
+            let _ = std::fs::remove_file(file.path());
+        }
+    }
+}
+
+/// Returns true if an unfinished file is old and no process holds it.
+#[cfg(unix)]
+fn is_orphan(path: &Path) -> bool {
+    let Ok(found) = path.symlink_metadata() else { return false };
+    let age = found.modified().ok().and_then(|since| since.elapsed().ok());
+    let is_old = found.is_file() && age.is_some_and(|age| age > ORPHAN_AGE);
+    // Opened for writing, as some network file systems lock nothing else.
+    is_old && File::options().write(true).open(path).is_ok_and(|file| file.try_lock().is_ok())
+}
+
+/// Locks of other systems would keep ffmpeg from writing to a file that is held.
+#[cfg(not(unix))]
+fn is_orphan(_: &Path) -> bool {
+    false
+}
 
 /// Refuses a name that no file can have, and a file that is protected from being written to.
 fn refuse_what_fails_at_the_end(path: &Path) -> io::Result<()> {
@@ -176,6 +221,28 @@ mod tests {
         permissions.set_readonly(true);
         std::fs::set_permissions(&path, permissions).unwrap();
         assert!(refused(path).unwrap().to_string().contains("write-protected"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn files_of_killed_runs_are_removed_and_those_of_running_ones_are_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let long_ago = std::time::SystemTime::now() - 2 * ORPHAN_AGE;
+        let unfinished = |name: &str, modified| {
+            let file = File::create(at(name)).unwrap();
+            file.set_modified(modified).unwrap();
+            file
+        };
+        drop(unfinished(".flipmap-killed", long_ago));
+        let running = unfinished(".flipmap-running", long_ago);
+        hold(&running);
+        drop(unfinished(".flipmap-young", std::time::SystemTime::now()));
+        drop(unfinished("mine", long_ago));
+        SafeFile::write_whole(&Destination::File(at("map.png")), b"new").unwrap();
+        let left = |name: &str| at(name).exists();
+        assert!(!left(".flipmap-killed"));
+        assert!([".flipmap-running", ".flipmap-young", "mine", "map.png"].into_iter().all(left));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 mod commands;
 mod planes;
+mod view;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -7,7 +7,7 @@ use flipmap::engine::choice::IntegrationSetting;
 use flipmap::engine::{Accuracy, IntegratorConfig, Method, Precision};
 use flipmap::scene::{Document, RunTable, location};
 
-use crate::{counts, home, model, model_of, notices, options, place, press, settle, until};
+use crate::{counts, home, model, model_of, notices, options, place, press, settle};
 
 #[test]
 fn another_question_on_another_plane_is_shown_flown_and_left_again() {
@@ -42,30 +42,24 @@ fn another_question_on_another_plane_is_shown_flown_and_left_again() {
 }
 
 #[test]
-fn a_method_that_cannot_answer_gives_way_to_a_level_that_can() {
+fn every_method_answers_every_question() {
     let asked = location::parse("flipmap:center=0,0;width=6;budget=0.5;ask=return").unwrap();
-    let mut options = options(Folders::none(), Some(Document::default().with_scene(asked)));
+    let document = Document::default().with_scene(asked);
+    let mut options = options(Folders::none(), Some(document.clone()));
     let method = Method::Taylor { tolerance: 1e-15 };
-    let taylor = IntegratorConfig { method, precision: Precision::F64 };
-    options.request.setting = IntegrationSetting::Explicit(taylor);
+    let taylor =
+        IntegrationSetting::Explicit(IntegratorConfig { method, precision: Precision::F64 });
+    options.request.setting = taylor;
     options.run = Some(RunTable { method: Some("taylor".to_string()), ..RunTable::default() });
-    let mut desktop = model_of(&options);
-    until(&mut desktop, "a level that finds returns", |desktop| {
-        let spec = &desktop.state().state.integration.spec;
-        spec.setting == IntegrationSetting::Accuracy(Accuracy::Balanced)
-    });
-    settle(&mut desktop);
-    assert!(notices(&desktop).contains("Computed at balanced"), "{}", notices(&desktop));
-    let counts = counts(&desktop);
-    assert_eq!(counts.forbidden, 0, "every pendulum may return: {counts:?}");
-    assert!(counts.simulated > 100_000);
-
-    // The level that the window is at answers by itself.
-    let asked = location::parse("flipmap:center=0,0;width=6;budget=0.5;ask=return").unwrap();
-    let desktop = model(Folders::none(), Some(Document::default().with_scene(asked)));
-    let spec = &desktop.state().state.integration.spec;
-    assert_eq!(spec.setting, IntegrationSetting::Accuracy(Accuracy::Fast));
-    assert!(!notices(&desktop).contains("Computed at balanced"), "{}", notices(&desktop));
+    let fast = IntegrationSetting::Accuracy(Accuracy::Fast);
+    for (desktop, setting) in
+        [(model_of(&options), taylor), (model(Folders::none(), Some(document)), fast)]
+    {
+        assert_eq!(desktop.state().state.integration.spec.setting, setting);
+        let counts = counts(&desktop);
+        assert_eq!(counts.forbidden, 0, "every pendulum may return: {counts:?}");
+        assert!(counts.simulated > 100_000);
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod adapter;
 #[path = "../common/mod.rs"]
 mod common;
 mod doubtful;
+mod moments;
 mod offscreen;
 
 use doubtful::{Doubtful, fails, is_uncertain};

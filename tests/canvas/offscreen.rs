@@ -1,7 +1,7 @@
 //! The canvas drawn into a texture and read back.
 
 use flipmap::app::camera::Screen;
-use flipmap::app::canvas::colours::colours;
+use flipmap::app::canvas::colours::{CardColours, colours};
 use flipmap::app::canvas::pipeline::Canvas;
 use flipmap::app::canvas::{LAYERS, MapRenderer};
 use flipmap::engine::gpu::device::Gpu;
@@ -26,6 +26,8 @@ pub(crate) struct Studio {
     canvas: Canvas,
     map_renderer: MapRenderer,
     format: wgpu::TextureFormat,
+    /// Last moment of the flips that are drawn, if not the budget.
+    pub until_secs: Option<f64>,
     /// Number of tiles that the last picture uploaded to the card.
     pub uploads: usize,
 }
@@ -34,12 +36,18 @@ impl Studio {
     pub(crate) fn new(format: wgpu::TextureFormat) -> Self {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let canvas = Canvas::new(&gpu.device, format, LAYERS);
-        Studio { gpu, canvas, map_renderer: MapRenderer::default(), format, uploads: 0 }
+        let map_renderer = MapRenderer::default();
+        Studio { gpu, canvas, map_renderer, format, until_secs: None, uploads: 0 }
+    }
+
+    fn colours(&self, Paint { picture, scene, trust }: &Paint) -> CardColours {
+        let until_secs = self.until_secs.unwrap_or(scene.question.budget.secs);
+        colours(picture, scene, until_secs, *trust).unwrap()
     }
 
     /// Makes a frame and throws it away, as egui does with a pass that it runs again.
     pub(crate) fn throw_away(&mut self, screen: &Screen, explorer: &mut Explorer, paint: &Paint) {
-        let colours = colours(paint.picture, paint.scene, paint.trust).unwrap();
+        let colours = self.colours(paint);
         drop(self.map_renderer.frame(screen, explorer, colours));
     }
 
@@ -50,8 +58,7 @@ impl Studio {
         explorer: &mut Explorer,
         paint: &Paint,
     ) -> Vec<u8> {
-        let Paint { picture, scene, trust } = paint;
-        let colours = colours(picture, scene, *trust).unwrap();
+        let colours = self.colours(paint);
         let frame = self.map_renderer.frame(screen, explorer, colours);
         self.uploads = frame.uploads.len();
         let Gpu { device, queue, .. } = &self.gpu;

@@ -2,7 +2,9 @@
 
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::{IntegratorConfig, Method, Precision, Trust};
+use flipmap::engine::{
+    Ends, Engine, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Trust,
+};
 use flipmap::physics::taylor::Orbit;
 use flipmap::physics::{Dd, Scalar, State, Status};
 use flipmap::question::Ask;
@@ -34,7 +36,45 @@ fn growth_is_the_gold_standards_by_every_method() {
     let coarse = share_within(lesson(Precision::F64), 0.01);
     assert!(coarse >= 0.8, "RK4: {coarse}");
     assert!(share_within(BALANCED, 1e-14) < 0.5, "the test can fail");
+    let finest = share_within(ALL_METHODS[2], 1e-7);
+    assert!(finest >= 0.99, "Taylor in f64: {finest}");
 }
+
+#[test]
+fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
+    let throw = plane("speeds", ["2", "-1", "0", "0"]);
+    let growth = scene(Ask::Growth, throw.clone(), "8", 12.0);
+    let by_dd = by_cpu(&growth, 3, DD);
+    let by_f64 = by_cpu(&growth, 3, ALL_METHODS[2]);
+    let error = |samples: &Samples, k: u32| {
+        let truth = true_exponent(&growth, start(&growth, 3, k).unwrap(), 12.0);
+        (samples.values(k as usize)[0] / truth - 1.0).abs()
+    };
+    let worst = |samples: &Samples| (0..9).map(|k| error(samples, k)).fold(0.0, f64::max);
+    assert!(worst(&by_dd) < 1e-9, "{:e}", worst(&by_dd));
+    assert!(worst(&by_f64) > worst(&by_dd), "f64 has fewer digits: {:e}", worst(&by_f64));
+    let returns = scene(Ask::Return, throw, "8", 6.0);
+    let (fine, rough) = (by_cpu(&returns, 4, DD), by_cpu(&returns, 4, ALL_METHODS[2]));
+    for k in 0..16 {
+        let (a, b) = (fine.values(k), rough.values(k));
+        assert_eq!(fine.get(k).status, rough.get(k).status, "{k}");
+        assert!(a == b || (0..2).all(|i| (a[i] - b[i]).abs() < 1e-6), "{k}: {a:?} {b:?}");
+    }
+    let engine = CpuEngine::new(Some(2)).unwrap();
+    let job = Job {
+        id: 0,
+        question: Question::from(&returns),
+        config: DD,
+        starts: Starts::Rest(vec![[Dd::new(1.0); 2]]),
+        keep: Keep { ends: Ends::Return, states: true },
+    };
+    let refused = { engine }.submit(job).unwrap_err().to_string();
+    assert!(refused.contains("omit --state"), "{refused}");
+}
+
+/// The finest configuration of all.
+const DD: IntegratorConfig =
+    IntegratorConfig { method: Method::Taylor { tolerance: 1e-25 }, precision: Precision::Dd };
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
@@ -194,6 +234,7 @@ fn the_nearest_return_is_the_least_distance_along_the_orbit() {
     let mut by_config: Vec<(Samples, f64)> =
         coarse.iter().map(|config| (by_cpu(&scene, 8, *config), 5e-3)).collect();
     by_config.push((by_cpu(&scene, 8, BALANCED), 1e-3));
+    by_config.push((by_cpu(&scene, 8, ALL_METHODS[2]), 1e-3));
     let pendulum = scene.build.pendulum();
     let weight = pendulum.momentum_scale().map(|scale| 1.0 / scale);
     for k in (0..64).step_by(5) {

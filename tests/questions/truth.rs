@@ -116,7 +116,8 @@ pub(crate) fn share_of_right_flips(scene: &Scene, side: u32, samples: &Samples) 
 /// The growth of the largest of all nudges by the gold standard: central differences of orbits in
 /// double-double.
 pub(crate) fn true_exponent(scene: &Scene, start: State<Dd>, secs: f64) -> f64 {
-    const NUDGE: f64 = 1e-11;
+    // Far above the errors of orbits in double-double, and far below the inverse of any growth here.
+    const NUDGE: f64 = 1e-16;
     let unit = scene.build.unit_secs();
     let column = |k: usize| {
         let ends = [-NUDGE, NUDGE].map(|by| {

@@ -23,11 +23,12 @@ const MOST_APART: f64 = 1.0 / 512.0;
 /// Least octaves of a table, whose entries are as many steps of the card's logarithms.
 const LEAST_OCTAVES: f64 = TABLE_ENTRIES as f64 / (1 << 17) as f64;
 
-/// Returns the colours of a scene's picture; `trust` hatches uncertain pixels. Fails if the picture
-/// cannot be painted.
+/// Returns the colours of a scene's picture; `trust` hatches uncertain pixels, and flips after
+/// `until_secs` are not shown. Fails if the picture cannot be painted.
 pub fn colours(
     picture: &PictureTable,
     scene: &Scene,
+    until_secs: f64,
     trust: bool,
 ) -> Result<CardColours, SceneError> {
     let question = &scene.question;
@@ -39,13 +40,13 @@ pub fn colours(
     let words = if in_table {
         WordKind::Times
     } else {
-        let until_secs = if is_time { question.budget.secs } else { f64::INFINITY };
+        let until_secs = if is_time { until_secs } else { f64::INFINITY };
         WordKind::Colours { colours: Box::new(AnswerColours::new(scene, picture)?), until_secs }
     };
     let uniforms = Uniforms {
         first_log2: lookup.first_secs.log2() as f32,
         entries_per_octave: ((TABLE_ENTRIES - 1) as f64 / octaves) as f32,
-        budget_log2: question.budget.secs.log2() as f32,
+        budget_log2: until_secs.log2() as f32,
         trust: u32::from(trust),
         coloured: u32::from(words != WordKind::Times),
         padding: [0; 3],
@@ -84,7 +85,8 @@ mod tests {
         for picture in [plain, stretched] {
             let budget_secs = scene.question.budget.secs;
             let tones = Tones::new(&picture, scene.build.unit_secs(), budget_secs).unwrap();
-            let CardColours { uniforms, table, words } = colours(&picture, &scene, false).unwrap();
+            let CardColours { uniforms, table, words } =
+                colours(&picture, &scene, budget_secs, false).unwrap();
             assert_eq!((words, uniforms.coloured), (WordKind::Times, 0));
             assert_eq!(table.len(), 4 * TABLE_ENTRIES);
             for secs in [1e-3, 0.31, 0.77, 2.0, 3.5, 17.0, 29.9, 30.0, 1e3] {
@@ -108,7 +110,7 @@ mod tests {
             (times(&[10.0, 10.001]), false),
             (steps, false),
         ] {
-            let words = colours(&picture, &Scene::default(), false).unwrap().words;
+            let words = colours(&picture, &Scene::default(), 30.0, false).unwrap().words;
             assert_eq!(words == WordKind::Times, in_table, "{picture:?}");
         }
     }
@@ -116,7 +118,7 @@ mod tests {
     #[test]
     fn a_picture_that_cannot_be_painted_is_refused() {
         let picture = PictureTable { palette: "rainbow".into(), ..PictureTable::default() };
-        let refused = colours(&picture, &Scene::default(), true);
+        let refused = colours(&picture, &Scene::default(), 30.0, true);
         assert!(refused.unwrap_err().to_string().contains("batlow"));
     }
 }

@@ -85,18 +85,20 @@ fn channels(ui: &mut Ui, picture: &mut PictureTable, ask: Ask) {
 
 fn palettes(ui: &mut Ui, picture: &mut PictureTable) {
     Grid::new("palettes").num_columns(2).show(ui, |ui| {
-        for name in Palette::names() {
-            ui.radio_value(&mut picture.palette, name.to_string(), name);
-            if let Ok(palette) = Palette::named(name) {
-                let colour = |share| palette.colour(share);
-                let response = strip(ui, 14.0, colour);
-                response.widget_info(|| {
-                    WidgetInfo::labeled(Role::Image, true, format!("Colours of {name}"))
-                });
-            }
+        // The user's own gradient, while it is in use.
+        let own = picture.palette.starts_with('#').then(|| picture.palette.clone());
+        let named = Palette::names().map(str::to_string);
+        for text in named.chain(own) {
+            let Ok(palette) = Palette::named(&text) else { continue };
+            ui.radio_value(&mut picture.palette, text, palette.name);
+            let response = strip(ui, 14.0, |share| palette.colour(share));
+            response.widget_info(|| {
+                WidgetInfo::labeled(Role::Image, true, format!("Colours of {}", palette.name))
+            });
             ui.end_row();
         }
     });
+    ui.label("Drop a gradient on the window: .map, .ugr or .gpl.");
     ui.checkbox(&mut picture.reverse, "Reverse the palette");
 }
 

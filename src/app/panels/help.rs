@@ -7,12 +7,14 @@ use crate::app::commands::{Command, shortcut_text};
 use crate::app::state::Dialog;
 
 /// Actions of the pointer, for the list of keys.
-pub const POINTER: [(&str, &str); 8] = [
+pub const POINTER: [(&str, &str); 10] = [
     ("Drag", "Move the map"),
     ("Wheel, pinch, Ctrl+wheel", "Zoom about the pointer"),
     ("Click", "Pin the pixel and fly its pendulum"),
     ("Double click", "Zoom in; with Shift out"),
     ("Shift+drag", "Zoom to a rectangle"),
+    ("Alt+drag, drag with the right button", "Turn the map"),
+    ("Alt+wheel", "Stretch the map"),
     ("Drop a picture or scene", "Show it"),
     ("Ctrl+V", "Go to a location that was copied"),
     ("Tab, Shift+Tab", "Go through all controls"),

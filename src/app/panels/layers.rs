@@ -21,6 +21,11 @@ pub fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
         ),
         (&mut changed.grid, "Grid of angles", "Lines at round parts of π"),
         (&mut changed.borders, "Borders of tiles", "What is computed as one piece"),
+        (
+            &mut changed.swing,
+            "Pendulum at the pointer",
+            "Swings once the map is complete and the pointer rests",
+        ),
     ] {
         ui.checkbox(layer, name).on_hover_text(sentence);
     }

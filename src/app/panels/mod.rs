@@ -15,4 +15,6 @@ pub mod places;
 mod plane_diagram;
 pub mod scene;
 pub mod status;
+pub mod timeline;
+pub mod view;
 pub mod window;

@@ -10,6 +10,8 @@ use crate::app::flight::playback::SPEEDS;
 use crate::app::pins::{Pin, PinAction, Pins};
 use crate::lab::drawing::{CANVAS, FAINT, INK};
 
+pub use drawing::miniature;
+
 /// Shows the pins and the selected one's pendulum; returns the user's actions on them. Requests
 /// another frame only while that pendulum plays.
 pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {

@@ -22,6 +22,13 @@ pub struct PlaceForm {
     pub renaming: Option<(String, String)>,
 }
 
+impl PlaceForm {
+    /// A form with a name for the next bookmark.
+    pub fn named(name: String) -> Self {
+        PlaceForm { name, ..PlaceForm::default() }
+    }
+}
+
 /// An action of the user in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlaceAction {

@@ -7,14 +7,17 @@
 mod adaptive;
 mod custom;
 mod fixed;
+mod growing;
 mod lane_scheduler;
 mod lanes;
 mod nearest;
 mod number;
+mod one_by_one;
 mod pair;
 mod step_control;
 mod tangents;
 mod taylor;
+mod taylor_pair;
 mod turns;
 
 pub use custom::outcomes;
@@ -32,6 +35,7 @@ use self::lane_scheduler::{Chunk, ChunkResult};
 use self::lanes::{F32Lanes, F64Lanes};
 use self::number::{Compensated, Two};
 use self::pair::{Midpoints, OnCubic, OnQuartic};
+use self::taylor_pair::TaylorPair;
 use super::method::{Adaptive, Pace, Steps};
 use super::threads::default_threads;
 use super::{
@@ -102,7 +106,7 @@ impl CpuEngine {
 
     /// Returns an error if the growth or the returns of a job's pendulums cannot be computed.
     fn require_keep(job: &Job) -> Result<(), EngineError> {
-        job.keep.ends.check(&job.config)?;
+        job.keep.check(&job.config)?;
         start::check_carried(job)
     }
 
@@ -261,6 +265,7 @@ impl WithSimd for ChunkInFlight<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
         match self.chunk.keep.ends {
+            ends if ends.are_carried() && self.is_taylor() => return self.in_taylor_steps(),
             Ends::Growth => return self.growth(set),
             Ends::Return => return self.nearest(),
             _ => {}
@@ -289,6 +294,26 @@ impl ChunkInFlight<'_> {
         match config.precision {
             Precision::F32 => lanes!(F32Lanes),
             _ => lanes!(F64Lanes),
+        }
+    }
+
+    fn is_taylor(&self) -> bool {
+        matches!(self.chunk.config.method, Method::Taylor { .. })
+    }
+
+    /// Growth or returns in Taylor steps, whose errors all stay as small as the first.
+    fn in_taylor_steps(self) -> Option<ChunkResult> {
+        const N: usize = ORDER_F64 + 1;
+        const M: usize = ORDER_DD + 1;
+        let is_dd = self.chunk.config.precision == Precision::Dd;
+        let order = if is_dd { TaylorPair::<M>::ORDER } else { TaylorPair::<N>::ORDER };
+        let pace = self.chunk.pace.steady(self.chunk.config.method, order);
+        let chunk = Chunk { pace, ..*self.chunk };
+        match (chunk.keep.ends, is_dd) {
+            (Ends::Growth, false) => growing::run::<f64, TaylorPair<N>>(&chunk),
+            (Ends::Growth, true) => growing::run::<Dd, TaylorPair<M>>(&chunk),
+            (_, false) => nearest::run::<f64, TaylorPair<N>>(&chunk),
+            (_, true) => nearest::run::<Dd, TaylorPair<M>>(&chunk),
         }
     }
 

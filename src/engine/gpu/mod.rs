@@ -104,7 +104,7 @@ impl GpuEngine {
 
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
-        job.keep.ends.check(&job.config)?;
+        job.keep.check(&job.config)?;
         let general =
             Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
         // The general kernel counts nothing, carries nothing along and knows no friction.

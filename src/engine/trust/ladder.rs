@@ -7,7 +7,7 @@
 
 use super::Trust;
 use crate::engine::level::{BALANCED, FAST};
-use crate::engine::{End, IntegratorConfig, Keep, Method, Precision};
+use crate::engine::{End, Ends, IntegratorConfig, Keep, Method, Precision};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,10 +147,17 @@ pub(super) fn rungs(
         None => rungs_from_rest(config),
     };
     for rung in &mut rungs {
-        rung.runs.retain(|run| keep.ends.check(&run.config).is_ok());
+        rung.runs.retain(|run| can_keep(keep.ends, &run.config));
     }
     rungs.retain(|rung| !rung.runs.is_empty());
     rungs
+}
+
+/// Returns true if a run returns such ends, and not in a scalar loop that takes a hundred times as
+/// long as the others.
+fn can_keep(ends: Ends, config: &IntegratorConfig) -> bool {
+    let is_scalar = ends.are_carried() && matches!(config.method, Method::Taylor { .. });
+    !is_scalar && ends.check(config).is_ok()
 }
 
 fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {

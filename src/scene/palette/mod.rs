@@ -1,6 +1,7 @@
 //! Colours of samples. The tables are data in `assets/palettes`; nothing here computes flips.
 
 mod answers;
+pub mod gradient;
 mod ground;
 mod legend;
 mod tones;
@@ -56,17 +57,30 @@ impl Palette {
     /// Name of a palette from dark to bright.
     pub const DARK_TO_BRIGHT: &str = "magma";
 
-    /// The palette called `name`.
+    /// The palette called `name`, or that of a list of colours (see [`gradient::parse_list`]).
     pub fn named(name: &str) -> Result<Self, SceneError> {
+        if name.starts_with('#') {
+            return Self::of_list(name);
+        }
         let found = FILES.iter().find(|(known, _)| *known == name);
         let (name, text) = found.ok_or_else(|| SceneError {
             option: "--palette",
             value: format!("'{name}'"),
-            range: "the palettes are iris, batlow, viridis, magma, cividis, romao",
+            range: "the palettes are iris, batlow, viridis, magma, cividis, romao, lists of colours \
+                    (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl",
         })?;
         let table = text.lines().filter_map(parse_colour).collect();
         let ground = if *name == Self::DEFAULT { Ground::DARK } else { Ground::LIGHT };
         Ok(Palette { name, ground, table })
+    }
+
+    fn of_list(text: &str) -> Result<Self, SceneError> {
+        let stops = gradient::parse_list(text).ok_or_else(|| SceneError {
+            option: "--palette",
+            value: format!("'{text}'"),
+            range: "a list is 2 to 256 colours such as #ff8000, separated by commas",
+        })?;
+        Ok(Palette { name: "custom", ground: Ground::DARK, table: gradient::table(&stops) })
     }
 
     /// Returns true if a picture's palette need not have been chosen by anyone, so that answers with
@@ -126,6 +140,9 @@ mod tests {
         }
         let refused = Palette::named("rainbow").unwrap_err().to_string();
         assert!(refused.contains(&Palette::names().collect::<Vec<_>>().join(", ")), "{refused}");
+        assert!(Palette::named("#000000").unwrap_err().to_string().contains("2 to 256"));
+        let own = Palette::named("#000000,#ffffff").unwrap();
+        assert_eq!((own.name, own.colour(0.5)), ("custom", [128; 3]));
     }
 
     #[test]

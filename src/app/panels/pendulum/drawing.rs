@@ -46,6 +46,21 @@ pub(super) fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
     painter.text(corner, Align2::LEFT_BOTTOM, legend, FontId::proportional(10.0), FAINT);
 }
 
+/// Radius of a miniature in points.
+const MINIATURE: f32 = 44.0;
+
+/// Draws a small pendulum on a disc beside a point, with its angles in rad from the downward
+/// vertical.
+pub fn miniature(painter: &Painter, beside: Pos2, build: &Build, angle: [f64; 2]) {
+    let side = vec2(MINIATURE, MINIATURE);
+    let corner = beside + vec2(16.0, -16.0 - 2.0 * MINIATURE);
+    let middle = corner_inside(painter.clip_rect().shrink(4.0), 2.0 * side, corner) + side;
+    painter.circle(middle, MINIATURE, CANVAS.gamma_multiply(0.9), Stroke::new(1.0, FAINT));
+    let stage = PendulumCanvas::new(middle, MINIATURE, build);
+    let state = State { angle, speed: [0.0; 2] };
+    stage.pendulum(painter, &state, Color32::from_rgb(230, 85, 60));
+}
+
 /// Greatest side of the drawing in points; a larger one would show no more.
 const MOST_SIDE: f32 = 300.0;
 

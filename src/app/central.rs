@@ -1,0 +1,68 @@
+//! The middle of the window: the map, and the pendulum at the pointer.
+
+use std::time::Duration;
+
+use egui::Ui;
+
+use super::action::Action;
+use super::canvas::colours::colours;
+use super::map::{Hovered, map};
+use super::model::AppModel;
+use super::panels::pendulum;
+use super::state::AppState;
+use super::{hover, overlay};
+use crate::scene::Scene;
+
+impl AppModel {
+    /// Shows the map in what is left of the window.
+    pub(super) fn canvas(&mut self, ui: &mut Ui) -> Vec<Action> {
+        let size = ui.available_size_before_wrap();
+        let canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
+        self.state.resize(canvas, f64::from(ui.ctx().pixels_per_point()));
+        let screen = self.state.screen();
+        let scene = self.state.scene();
+        let AppState { picture, layers, .. } = &self.state;
+        let until_secs = self.state.shown_until_secs();
+        let colours = match colours(picture, &scene, until_secs, layers.trust) {
+            Ok(colours) => colours,
+            // A picture table is checked before it gets here.
+            Err(error) => {
+                ui.label(error.to_string());
+                return Vec::new();
+            }
+        };
+        let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
+        let hovered = self.state.pointer.map(|point| {
+            let [place, _] = hover::sample_at(screen.angle_at(point), screen.level());
+            Hovered { place, answer: self.answer_at(place) }
+        });
+        let rect = ui.available_rect_before_wrap();
+        let actions = map(ui, &self.state, frame, hovered);
+        self.swing_at_pointer(ui, rect, &scene, hovered);
+        actions
+    }
+
+    /// Draws the pendulum at the pointer, once nothing else moves.
+    fn swing_at_pointer(
+        &mut self,
+        ui: &Ui,
+        rect: egui::Rect,
+        scene: &Scene,
+        hovered: Option<Hovered>,
+    ) {
+        let (state, progress) = (&self.state, self.progress());
+        let moves = state.dragging || state.moving.is_some() || state.drawing.is_some();
+        let calm =
+            state.layers.swing && !moves && progress.wanted > 0 && progress.done == progress.wanted;
+        let place = hovered.filter(|_| calm).map(|hovered| hovered.place);
+        let now_secs = ui.input(|input| input.time);
+        let angle = self.swing.follow(scene, place, now_secs);
+        if let (Some(angle), Some(pointer)) = (angle, self.state.pointer) {
+            let at = overlay::position(rect, pointer);
+            pendulum::miniature(&ui.painter_at(rect), at, &scene.build, angle);
+        }
+        if let Some(secs) = self.swing.next_secs(now_secs) {
+            ui.ctx().request_repaint_after(Duration::from_secs_f64(secs));
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Movements of the view: how each changes the camera.
+
+use glam::DVec2;
+
+use super::action::Look;
+use super::camera::{Camera, Move};
+use super::state::AppState;
+
+impl AppState {
+    /// Carries out a movement of the view.
+    pub(super) fn look(&mut self, look: Look) {
+        match look {
+            Look::Drag(by) => {
+                self.moving = None;
+                self.dragging = true;
+                self.camera = self.camera.moved(-self.screen().offset_at(by));
+            }
+            Look::Release => self.dragging = false,
+            Look::Zoom { factor, about } => {
+                let target = self.aimed_screen();
+                self.go(target.camera.zoomed(factor, target.offset_at(about)));
+            }
+            Look::Box(corners) => self.zoom_to_box(corners),
+            Look::Turn([from, to]) => {
+                self.moving = None;
+                self.dragging = true;
+                self.camera = self.screen().turned(from, to);
+            }
+            Look::Stretch(factor) => self.go(self.target().stretched(factor)),
+            Look::Step(share) => {
+                let target = self.aimed_screen();
+                self.go(target.camera.moved(target.offset_at(share * self.canvas)));
+            }
+            Look::Home => self.go(Camera::home(self.camera.reach, self.canvas)),
+            Look::Back => {
+                if let Some(camera) = self.history.back() {
+                    self.go(camera);
+                }
+            }
+            Look::Forward => {
+                if let Some(camera) = self.history.forward() {
+                    self.go(camera);
+                }
+            }
+            Look::To(camera) => self.go(camera),
+        }
+    }
+
+    /// Moves to a camera: smoothly, or with a jump if the user prefers it.
+    pub(super) fn go(&mut self, to: Camera) {
+        if self.look.animate {
+            self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs });
+        } else {
+            (self.camera, self.moving) = (to, None);
+        }
+    }
+
+    fn zoom_to_box(&mut self, [a, b]: [DVec2; 2]) {
+        let size = (a - b).abs();
+        // A box of a few points is an unsteady click.
+        if size.max_element() < 4.0 {
+            return;
+        }
+        let screen = self.screen();
+        let factor = (self.canvas / size.max(DVec2::ONE)).min_element();
+        let there = self.camera.moved(screen.offset_at((a + b) / 2.0));
+        self.go(there.zoomed(factor, DVec2::ZERO));
+    }
+}

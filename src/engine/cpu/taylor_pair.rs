@@ -1,0 +1,38 @@
+//! Taylor steps for what pendulums take along: the terms of the last two orders are the error.
+
+use super::pair::EmbeddedPair;
+use crate::physics::embedded::Trial;
+use crate::physics::phase::Phase;
+use crate::physics::series::MotionSeries;
+use crate::physics::{Pendulum, Real};
+
+/// Taylor steps with `N` coefficients.
+pub(super) struct TaylorPair<const N: usize>;
+
+impl<const N: usize> EmbeddedPair for TaylorPair<N> {
+    const ORDER: u32 = N as u32 - 2;
+
+    fn trial<T: Real>(
+        pendulum: &Pendulum<T>,
+        inverse_scale: [T; 2],
+        phase: &Phase<T>,
+        step: T,
+    ) -> Trial<T> {
+        let series = MotionSeries::<T, N>::expand(pendulum, phase);
+        let power = (0..N - 2).fold(step.lit(1.0), |power, _| power * step);
+        // One of the two can vanish for reasons of symmetry.
+        let error = series.phase.map(|terms| {
+            let [last, before] = [terms[N - 1] * step, terms[N - 2]];
+            (last * last + before * before) * (power * power)
+        });
+        let scale = |i: usize| if i < 4 { step.lit(1.0) } else { inverse_scale[i - 4] };
+        let square = |i: usize| error[i] * (scale(i) * scale(i));
+        let sum = (1..6).fold(square(0), |sum, i| sum + square(i));
+        let none = step.lit(0.0);
+        Trial {
+            change: series.change(step),
+            error_squared: sum * step.lit(1.0 / 6.0),
+            bow: [none; 2],
+        }
+    }
+}

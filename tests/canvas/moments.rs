@@ -1,0 +1,65 @@
+//! The map by a clock: flips up to a moment.
+
+use flipmap::physics::{Outcome, Status};
+use flipmap::scene::palette::{Ground, Rgb, Tones};
+use flipmap::scene::{PictureTable, Scene};
+
+use crate::offscreen::{Paint, SIZE, Studio};
+use crate::{LEVEL, PLAIN, corner_beside, explored, outcome, painted, pictures, share_of, wrong};
+
+needs_adapter! {
+    checks:
+    a_moment_shows_the_flips_before_it_and_computes_nothing
+}
+
+/// The colours of the flips up to a moment; later ones are not there yet.
+fn painted_until(
+    screen: &flipmap::app::camera::Screen,
+    scene: &Scene,
+    picture: &PictureTable,
+    until_secs: f64,
+) -> Vec<Rgb> {
+    let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget.secs).unwrap();
+    let grid = crate::grid(screen, scene);
+    let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+    let seen = |outcome: Outcome| match outcome.status {
+        Status::Flipped if outcome.time > until_secs => Outcome::without_time(Status::Unflipped),
+        _ => outcome,
+    };
+    pixels.map(|(x, y)| tones.colour(&seen(outcome(grid.fate(x, y), scene)))).collect()
+}
+
+mod checks {
+    use super::*;
+
+    pub(crate) fn a_moment_shows_the_flips_before_it_and_computes_nothing() {
+        // Some flip at about 12.2 s, and the others from 40 s on.
+        let (screen, scene) =
+            (crate::screen(corner_beside([2.0, 0.9], LEVEL), LEVEL), crate::scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let simulated = explorer.counts().simulated;
+        // Colours in a table, and such as are painted on the way to the card.
+        let fine = PictureTable { times: vec![10.0, 12.0, 12.01, 60.0], ..pictures()[0].clone() };
+        for picture in [&pictures()[0], &fine] {
+            let mut studio = Studio::new(PLAIN);
+            let paint = Paint { picture, scene: &scene, trust: false };
+            let whole = studio.draw(&screen, &mut explorer, &paint);
+            assert!(wrong(&whole, &painted(&screen, &scene, picture)) <= 0.001);
+            let mut last = -1.0;
+            for until_secs in [0.0, 12.25, 45.0] {
+                studio.until_secs = Some(until_secs);
+                let pixels = studio.draw(&screen, &mut explorer, &paint);
+                let truth = painted_until(&screen, &scene, picture, until_secs);
+                assert!(
+                    wrong(&pixels, &truth) <= 0.002,
+                    "{until_secs}: {}",
+                    wrong(&pixels, &truth)
+                );
+                let lit = 1.0 - share_of(Ground::DARK.unflipped, &truth);
+                assert!(lit > last, "{until_secs} s: {lit}");
+                last = lit;
+            }
+            assert_eq!(explorer.counts().simulated, simulated);
+        }
+    }
+}
