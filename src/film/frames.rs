@@ -132,7 +132,9 @@ impl Frames {
 
     /// Writes the manifest, which says that all frames are there.
     pub fn finish(self) -> Result<(), FrameError> {
-        let Frames { folder, size, fps, done, .. } = self;
+        let Frames { folder, size, fps, mut done, .. } = self;
+        // Frames that were there already came first.
+        done.sort_by_key(|beside| beside.frame);
         let frames = done.len() as u32;
         let manifest = Manifest { format: 1, frames, fps, size, pictures: done };
         let text = serde_json::to_string_pretty(&manifest).expect("plain fields are JSON") + "\n";
@@ -212,6 +214,35 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), PngError> {
 mod tests {
     use super::*;
     use crate::scene::keys::Keys;
+
+    #[test]
+    fn a_film_made_again_makes_no_frame_and_has_the_same_manifest() {
+        let folder = tempfile::tempdir().unwrap();
+        let keys = Keys::parse("[[key]]\nsecs = 0\n[[key]]\nsecs = 1\n").unwrap();
+        // Moments of this rate need all digits that a JSON file has.
+        let film = Film { size: [2, 2], fps: 30.0, frames: 31, keys: keys.keys };
+        let made = |missing: Option<u32>| {
+            let mut frames = Frames::open(folder.path(), &film, &Document::default()).unwrap();
+            let mut new = Vec::new();
+            // Frames that are there are found before any other is made.
+            let (known, unknown): (Vec<u32>, Vec<u32>) =
+                (0..film.frames).partition(|frame| Some(*frame) != missing);
+            for frame in known.into_iter().chain(unknown) {
+                let shot = film.shot(frame);
+                if !frames.has(frame, &shot) {
+                    frames.write(frame, &shot, &[frame as u8; 12]).unwrap();
+                    new.push(frame);
+                }
+            }
+            frames.finish().unwrap();
+            (new, fs::read_to_string(folder.path().join(MANIFEST)).unwrap())
+        };
+        let (new, manifest) = made(None);
+        assert_eq!(new.len(), 31);
+        assert_eq!(made(None), (Vec::new(), manifest.clone()));
+        fs::remove_file(folder.path().join("000007.png")).unwrap();
+        assert_eq!(made(Some(7)), (vec![7], manifest));
+    }
 
     #[test]
     fn a_manifest_describes_the_frames_that_are_there() {

@@ -27,12 +27,20 @@ fn the_map_is_played_paused_scrubbed_and_shown_whole_again() {
         clock(desktop).is_some_and(|clock| clock.time_secs() > 0.1)
     });
     assert!(desktop.query_all_by_label("Flipped by").count() > 0);
+    // Beyond the first frames, in which the clock stands at a round number.
+    desktop.run_steps(7);
     press(&mut desktop, Modifiers::NONE, Key::Space);
+    desktop.run_steps(3);
     assert!(!clock(&desktop).unwrap().is_playing());
     let at_secs = clock(&desktop).unwrap().time_secs();
     assert!(desktop.state().state.shown_until_secs() == at_secs && at_secs < 30.0);
     click(&mut desktop, "Play");
     assert!(clock(&desktop).unwrap().is_playing());
+    desktop.run_steps(7);
+    press(&mut desktop, Modifiers::NONE, Key::M);
+    assert_eq!(clock(&desktop), None, "the key that opens it closes it");
+    press(&mut desktop, Modifiers::NONE, Key::M);
+    desktop.run_steps(7);
     click(&mut desktop, "Close");
     assert_eq!(clock(&desktop), None);
     assert_eq!(desktop.state().state.shown_until_secs(), 30.0);

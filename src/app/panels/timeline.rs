@@ -26,12 +26,14 @@ pub fn timeline(ui: &mut Ui, playback: &Playback, budget_secs: f64) -> Option<Ac
         }
         let name = ui.label("Flipped by");
         let mut secs = playback.time_secs();
-        // The rail takes what the number and the last button leave.
+        // The rail takes what the number and the last button leave. A slider that shows the number
+        // would round it, and so change the clock by itself.
         ui.spacing_mut().slider_width = (ui.available_width() - 130.0).max(40.0);
-        let slider = Slider::new(&mut secs, 0.0..=budget_secs).suffix(" s").fixed_decimals(2);
+        let slider = Slider::new(&mut secs, 0.0..=budget_secs).show_value(false);
         if ui.add(slider).labelled_by(name.id).changed() {
             new.scrub(secs);
         }
+        ui.label(format!("{secs:.2} s"));
         open = !ui.button("Close").on_hover_text("Show the whole map again").clicked();
     });
     if new.is_playing() {
