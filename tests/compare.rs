@@ -23,7 +23,11 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
     map("fine", &["--accuracy", "balanced"], "48x48");
     map("coarse", &["--accuracy", "lesson"], "48x48");
     map("small", &["--accuracy", "lesson"], "40x48");
+    map("grown", &["--ask", "growth", "--budget", "1"], "48x48");
     let compared = |arguments: &[&str]| flipmap(&folder, &[&["compare"], arguments].concat());
+    let questions = compared(&[&at("fine.png"), &at("grown.png")]);
+    assert_eq!(questions.status.code(), Some(2), "{questions:?}");
+    assert!(error_of(&questions).contains("answers the question flip and"), "{questions:?}");
     for ending in ["npy", "png"] {
         let [fine, coarse, small] =
             ["fine", "coarse", "small"].map(|name| at(&format!("{name}.{ending}")));

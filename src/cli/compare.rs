@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use flipmap::output::compare::{Comparison, Difference, ResultRows, compare};
-use flipmap::output::{PictureFile, SafeFile};
+use flipmap::output::{PictureFile, SafeFile, read_document};
 
 use super::exit::Exit;
 use super::options::number;
@@ -39,6 +39,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let results = [("the first result", options.a.as_path()), ("the second", &options.b)];
     let picture = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(&results, picture.as_slice())?;
+    one_question(&options.a, &options.b)?;
     let (a, b) = (ResultRows::open(&options.a)?, ResultRows::open(&options.b)?);
     let times = a.has_times();
     let tolerance = match &options.tolerance {
@@ -67,6 +68,25 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         return Err(Exit::Differs(why).into());
     }
     Ok(())
+}
+
+/// Refuses two pictures of flipmap's that answer different questions. Other files do not tell.
+fn one_question(a: &Path, b: &Path) -> Result<(), Exit> {
+    let ask = |path: &Path| {
+        let is_file =
+            path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        let document = is_file.then(|| read_document(path).ok()).flatten()?;
+        Some(document.question.ask)
+    };
+    match (ask(a), ask(b)) {
+        (Some(first), Some(second)) if first != second => Err(Exit::Usage(format!(
+            "{} answers the question {first} and {} {second}: only answers to one question can be \
+             compared",
+            a.display(),
+            b.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Compares two results and draws their differences row by row.

@@ -5,7 +5,8 @@ use std::path::Path;
 use clap::Args;
 use clap::builder::Resettable;
 use flipmap::output::{ReadError, read_document};
-use flipmap::scene::{BuiltIn, Document, SceneError, Word};
+use flipmap::question::Watches;
+use flipmap::scene::{BuiltIn, Document, Scene, SceneError, Word};
 
 use super::exit::Exit;
 use super::same_file::Named;
@@ -117,7 +118,20 @@ impl SceneWords {
                 word.set(&mut scene, text)?;
             }
         }
+        self.check_rule(&scene)?;
         Ok(document.with_scene(scene.checked()?))
+    }
+
+    /// Refuses a rule for a question that has none.
+    fn check_rule(&self, scene: &Scene) -> Result<(), SceneError> {
+        match (&self.rule, scene.question.ask.kind().watches) {
+            (Some(text), Watches::Always(_)) => Err(SceneError {
+                option: Word::Rule.option(),
+                value: format!("'{text}'"),
+                range: "only the question flip has a rule: omit --rule, or use --ask flip",
+            }),
+            _ => Ok(()),
+        }
     }
 
     fn said(&self) -> [(Word, &Option<String>); 17] {

@@ -102,7 +102,7 @@ fn standard_output_carries_the_picture() {
 }
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
-const MISTAKES: [(&[&str], i32, &[&str]); 47] = [
+const MISTAKES: [(&[&str], i32, &[&str]); 48] = [
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -149,6 +149,7 @@ const MISTAKES: [(&[&str], i32, &[&str]); 47] = [
     (&["--trust", "t.png"], 2, &["--trust", "--verify"]),
     (&["--state", "s", "--verify"], 2, &["--state", "--verify"]),
     (&["--state", "s", "--samples", "2"], 2, &["--state", "--samples"]),
+    (&["--ask", "state", "--rule", "either"], 2, &["--rule is 'either'", "only the question flip"]),
     (&["--exr", "map.png"], 2, &["-o", "--exr", "same file"]),
 ];
 
