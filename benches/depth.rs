@@ -42,6 +42,6 @@ fn measured(name: &str, scene: &Scene, base: f64) -> f64 {
 fn secs(scene: &Scene, side: u32, engine: &mut dyn Engine) -> f64 {
     let begun = Instant::now();
     let mut work = Work::new(scene, [side; 2], BALANCED, engine.job_size());
-    preview(&mut work, [side; 2], engine, &|| true).expect("the engine works");
+    preview(&mut work, [side; 2], engine, &|_| true).expect("the engine works");
     begun.elapsed().as_secs_f64()
 }

@@ -83,6 +83,6 @@ fn rendered(film: &Film, frame: u32) -> f64 {
     let mut engine = engine();
     let begun = Instant::now();
     let mut work = Work::new(&scene, size, BALANCED, engine.job_size());
-    preview(&mut work, size, &mut engine, &|| true).expect("the engine works");
+    preview(&mut work, size, &mut engine, &|_| true).expect("the engine works");
     begun.elapsed().as_secs_f64()
 }

@@ -52,6 +52,6 @@ fn us_per_pixel(center: [&str; 2], width: &str) -> f64 {
     let mut engine = DepthEngine::new(processor, None).expect("threads");
     let begun = Instant::now();
     let mut work = Work::new(&scene, [SIDE; 2], BALANCED, engine.job_size());
-    preview(&mut work, [SIDE; 2], &mut engine, &|| true).expect("the engine works");
+    preview(&mut work, [SIDE; 2], &mut engine, &|_| true).expect("the engine works");
     begun.elapsed().as_secs_f64() * 1e6 / f64::from(SIDE * SIDE)
 }

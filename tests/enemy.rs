@@ -48,7 +48,7 @@ fn checked_by(
     let inner = DepthEngine::new(engine, None).unwrap();
     let mut engine = TrustEngine::new(Box::new(inner), None).unwrap();
     let mut work = Work::new(scene, [side; 2], config, 512);
-    preview(&mut work, [side; 2], &mut engine, &|| true).unwrap().unwrap()
+    preview(&mut work, [side; 2], &mut engine, &|_| true).unwrap().unwrap()
 }
 
 fn checked(scene: &Scene, side: u32, config: IntegratorConfig) -> Samples {

@@ -50,7 +50,7 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
                 painter.paint(samples.ok_or(Exit::Again)?)
             }
             None => {
-                let samples = renderer.render_while(&shot.scene, size, &|| !stop::asked())?;
+                let samples = renderer.render_while(&shot.scene, size, &|_| !stop::asked())?;
                 painter.paint(&samples.ok_or(Exit::Again)?)
             }
         };

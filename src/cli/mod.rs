@@ -29,7 +29,6 @@ mod size;
 mod spread;
 mod stop;
 mod trace;
-mod trace_columns;
 mod version;
 mod video;
 

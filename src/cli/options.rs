@@ -4,9 +4,8 @@ use std::path::Path;
 
 use clap::Args;
 use clap::builder::Resettable;
-use flipmap::output::{ReadError, read_document};
-use flipmap::question::Watches;
-use flipmap::scene::{BuiltIn, Document, Scene, SceneError, Word};
+use flipmap::output::named_document;
+use flipmap::scene::{BuiltIn, Document, SceneError, Word};
 
 use super::exit::Exit;
 use super::same_file::Named;
@@ -112,26 +111,10 @@ impl SceneWords {
 
     /// Applies the options to a document and checks the result.
     pub(super) fn apply(&self, document: Document) -> Result<Document, SceneError> {
-        let mut scene = document.scene();
-        for (word, said) in self.said() {
-            if let Some(text) = said {
-                word.set(&mut scene, text)?;
-            }
-        }
-        self.check_rule(&scene)?;
-        Ok(document.with_scene(scene.checked()?))
-    }
-
-    /// Refuses a rule for a question that has none.
-    fn check_rule(&self, scene: &Scene) -> Result<(), SceneError> {
-        match (&self.rule, scene.question.ask.kind().watches) {
-            (Some(text), Watches::Always(_)) => Err(SceneError {
-                option: Word::Rule.option(),
-                value: format!("'{text}'"),
-                range: "only the question flip has a rule: omit --rule, or use --ask flip",
-            }),
-            _ => Ok(()),
-        }
+        let said = self.said().into_iter();
+        let words = said.filter_map(|(word, said)| Some((word, said.as_deref()?)));
+        let scene = document.scene().with_words(words)?;
+        Ok(document.with_scene(scene))
     }
 
     fn said(&self) -> [(Word, &Option<String>); 17] {
@@ -181,21 +164,5 @@ pub(super) fn number(text: &str) -> Option<f64> {
 
 /// Loads a scene from a file, or a built-in one by its name.
 pub(super) fn load(scene: &str) -> anyhow::Result<Document> {
-    if let Some(built_in) = BuiltIn::named(scene) {
-        return Ok(built_in.document());
-    }
-    match read_document(Path::new(scene)) {
-        Ok(document) => Ok(document),
-        Err(ReadError::Kind { .. }) => {
-            let meant = BuiltIn::like(scene)
-                .map_or(String::new(), |near| format!(" (did you mean {}?)", near.name));
-            Err(Exit::Usage(format!(
-                "no scene '{scene}'{meant}: give a .toml file, a .png written by flipmap, or one \
-                 of {}",
-                BuiltIn::names()
-            ))
-            .into())
-        }
-        Err(error) => Err(Exit::Usage(error.to_string()).into()),
-    }
+    Ok(named_document(scene).map_err(|error| Exit::Usage(error.to_string()))?)
 }

@@ -20,7 +20,7 @@ use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
-use super::run_options::{RunOptions, check_steps, start};
+use super::run_options::{RunOptions, start};
 use super::spread::spread;
 use super::stop;
 
@@ -182,15 +182,9 @@ pub(super) fn check_numbers(
     config: IntegratorConfig,
     cells: Cells,
 ) -> Result<(), Exit> {
-    check_steps(scene, config)?;
-    let grid = Grid::new(scene, size);
-    let pixel = grid.pixel_rad();
-    let (cells, why) = if grid.cell_plane().is_some() {
-        (cells, "--cells is never")
-    } else {
-        (Cells::Never, "--width is too small for this plane or question")
-    };
-    cells.check(&config, pixel).map_err(|error| Exit::Usage(format!("{why}; {error}")))?;
+    tiles::check_feasible(scene, size, &config, cells)
+        .map_err(|error| Exit::Usage(error.to_string()))?;
+    let pixel = Grid::new(scene, size).pixel_rad();
     let needed = (-pixel.log10()).ceil() as usize;
     let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);
     if pixel < TOO_SMALL_FOR_ROUND_CENTRES && given < needed {

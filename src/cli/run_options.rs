@@ -2,10 +2,10 @@
 
 use clap::{Args, ValueEnum};
 use flipmap::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
-use flipmap::engine::method::Pace;
 use flipmap::engine::run_settings::RunSpec;
-use flipmap::engine::{EngineKind, IntegratorConfig, Question};
+use flipmap::engine::{EngineKind, IntegratorConfig};
 use flipmap::scene::{Document, PictureTable, RunTable, Scene};
+use flipmap::tiles;
 
 use super::exit::Exit;
 use super::options::set;
@@ -115,6 +115,18 @@ impl RunOptions {
         self.verify || words.into_iter().any(Option::is_some)
     }
 
+    fn words(&self) -> RunTable {
+        RunTable {
+            size: None,
+            accuracy: self.accuracy.clone(),
+            method: self.method.clone(),
+            step: self.step.clone(),
+            tolerance: self.tolerance.clone(),
+            precision: self.precision.clone(),
+            verify: self.verify,
+        }
+    }
+
     /// Fills in the document's run table, so that it records what ran, and returns the settings.
     pub(super) fn settle(&self, document: &mut Document) -> Result<RunSpec, Exit> {
         let mut size = document.run.size.unwrap_or(RunSpec::DEFAULT_SIZE);
@@ -123,28 +135,10 @@ impl RunOptions {
             let text = format!("{}x{}", size[0], size[1]);
             return Err(Exit::Usage(format!("--size is '{text}'; {}", range_of_size())));
         }
-        let words = RunTable { size: Some(size), ..self.words_over(&document.run) };
+        let words = RunTable { size: Some(size), ..document.run.overlaid(self.words()) };
         let spec = RunSpec::resolve(words).map_err(|error| Exit::Usage(error.to_string()))?;
         document.run = spec.table.clone();
         Ok(spec)
-    }
-
-    /// Overlays the command line on the run table kept in the scene's file: a level replaces any
-    /// config in the file, and a different method replaces the file's step or tolerance.
-    fn words_over(&self, kept: &RunTable) -> RunTable {
-        let kept = if self.accuracy.is_some() { RunTable::default() } else { kept.clone() };
-        let method = self.method.clone().or(kept.method.clone());
-        let same_method = self.method.is_none() || self.method == kept.method;
-        let of_kept = |text: Option<String>| text.filter(|_| same_method);
-        RunTable {
-            size: None,
-            accuracy: self.accuracy.clone().or(kept.accuracy),
-            step: self.step.clone().or(of_kept(kept.step)),
-            tolerance: self.tolerance.clone().or(of_kept(kept.tolerance)),
-            precision: self.precision.clone().or(of_kept(kept.precision)),
-            method,
-            verify: kept.verify || self.verify,
-        }
     }
 }
 
@@ -171,11 +165,7 @@ pub(super) fn prefer_engine(
 
 /// Rejects a configuration that needs too many steps for the budget.
 pub(super) fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> {
-    let question = Question::from(scene);
-    if question.build.gravity.value() > 0.0 {
-        Pace::new(&question, &config).map_err(|error| Exit::Usage(error.to_string()))?;
-    }
-    Ok(())
+    tiles::check_steps(scene, &config).map_err(|error| Exit::Usage(error.to_string()))
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

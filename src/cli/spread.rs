@@ -28,7 +28,7 @@ pub(super) fn spread(
     let scene = document.scene();
     let count = (few[0] * few[1]) as usize;
     let mut work = Work::new(&scene, few, config, count).before(&scene, size);
-    let samples = preview(&mut work, few, engine, &|| !stop::asked())?;
+    let samples = preview(&mut work, few, engine, &|_| !stop::asked())?;
     let samples = samples.ok_or(Exit::Interrupted)?;
     let flipped = samples.iter().filter(|outcome| outcome.status == Status::Flipped);
     let times = equalised(flipped.map(|outcome| outcome.time), PictureTable::SPREAD_STEPS);

@@ -5,17 +5,13 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::output::{Destination, SafeFile};
-use flipmap::physics::opening::settled;
-use flipmap::physics::taylor::{Orbit, TaylorStep};
-use flipmap::physics::{Dd, Launch, Pendulum, Scalar, State, oracle};
-use flipmap::scene::in_rad;
+use flipmap::output::{Advance, Destination, Pass, SafeFile, Trace, launch_from_text};
+use flipmap::physics::{Dd, Scalar};
 
 use super::exit::Exit;
 use super::options::SceneOptions;
 use super::same_file::keep_apart;
 use super::stop;
-use super::trace_columns::{Pass, QuestionColumns};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -43,8 +39,13 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let scene = options.scene.document()?.scene();
     let output = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(options.scene.file().as_slice(), output.as_slice())?;
-    let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
-    let Launch { angle, speed } = parse_start(&options.start)?;
+    let start = launch_from_text(&options.start).ok_or_else(|| {
+        Exit::Usage(format!(
+            "--start is '{}'; it must be two angles between -1e6 and 1e6 rad, separated by a comma, \
+             or these and two speeds between -1e6 and 1e6 rad/s",
+            options.start
+        ))
+    })?;
     let until = seconds("--until", &options.until, 1e-9..=1e6)?;
     let every = seconds("--every", &options.every, 1e-9..=1e6)?;
     if (until / every).hi > MOST_ROWS {
@@ -69,85 +70,43 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         None => SafeFile::Stdout(std::io::BufWriter::new(std::io::stdout())),
     };
     stop::listen()?;
-    let at_rest = speed == [Dd::new(0.0); 2];
-    let angle = if at_rest { settled(&pendulum, angle) } else { angle };
-    let start = State { angle, speed };
-    let columns = QuestionColumns::new(&scene, &start);
-    let flips = follow(&pendulum, start, columns, [until, every], &mut out).map_err(|error| {
-        match error.is::<std::io::Error>() {
-            true => error.context(format!("cannot write {destination}")),
-            false => error,
-        }
+    let mut trace = Trace::new(&scene, start, [until, every]);
+    write_table(&mut trace, &mut out).map_err(|error| match error.is::<std::io::Error>() {
+        true => error.context(format!("cannot write {destination}")),
+        false => error,
     })?;
     out.finish().with_context(|| format!("cannot write {destination}"))?;
-    tell(options, &flips)
+    tell(options, trace.passes())
 }
 
 /// Maximum number of rows that a table may reasonably have.
 const MOST_ROWS: f64 = 1e8;
 
-/// Writes the rows and returns all crossings of the top in order of time.
-fn follow(
-    pendulum: &Pendulum<Dd>,
-    start: State<Dd>,
-    mut columns: QuestionColumns,
-    [until, every]: [Dd; 2],
-    out: &mut SafeFile,
-) -> anyhow::Result<Vec<Pass>> {
-    writeln!(out, "t,theta1,theta2,omega1,omega2,energy_error{}", columns.head())?;
-    let energy = pendulum.energy(&start);
-    let scale = pendulum.p + pendulum.q;
-    let mut orbit = Orbit::new(*pendulum, start);
-    let (mut passages, mut row) = (Vec::new(), 0u64);
-    while orbit.time() < until {
+/// Writes the head and all rows.
+fn write_table(trace: &mut Trace, out: &mut SafeFile) -> anyhow::Result<()> {
+    writeln!(out, "{}", trace.columns().join(","))?;
+    loop {
         stop::check()?;
-        let step = orbit.step();
-        anyhow::ensure!(orbit.state().speed[1].is_finite(), "the motion is no longer finite");
-        let first = passages.len();
-        passages.extend(passages_in(&step).into_iter().filter(|p| p.time <= until));
-        columns.add(&passages[first..]);
-        loop {
-            let time = every * Dd::new(row as f64);
-            if time > step.end() || time > until {
-                break;
-            }
-            stop::check()?;
-            let state = step.state(time - step.start);
-            let rise = pendulum.energy(&state) - energy;
-            let error = if scale.hi > 0.0 { (rise / scale).hi } else { 0.0 };
-            write_row(out, time, &state, error, &columns.row(time, &state))?;
-            row += 1;
+        match trace.advance()? {
+            Advance::Row(row) => write_row(out, &row)?,
+            Advance::Step => {}
+            Advance::End => return Ok(()),
         }
     }
-    Ok(passages)
 }
 
-fn write_row(
-    out: &mut SafeFile,
-    time: Dd,
-    state: &State<Dd>,
-    error: f64,
-    more: &str,
-) -> std::io::Result<()> {
-    let [theta1, theta2] = state.angle.map(|x| x.hi);
-    let [omega1, omega2] = state.speed.map(|x| x.hi);
-    writeln!(out, "{},{theta1},{theta2},{omega1},{omega2},{error:e}{more}", time.hi)
+/// Writes a row; the error of the energy is a very small number, and what is not there is empty.
+fn write_row(out: &mut SafeFile, row: &[f64]) -> std::io::Result<()> {
+    let words = row.iter().enumerate().map(|(column, number)| match (column, number.is_nan()) {
+        (_, true) => String::new(),
+        (ENERGY_ERROR, false) => format!("{number:e}"),
+        (_, false) => number.to_string(),
+    });
+    writeln!(out, "{}", words.collect::<Vec<_>>().join(","))
 }
 
-fn passages_in(step: &TaylorStep<Dd>) -> Vec<Pass> {
-    let mut passages: Vec<Pass> = (0..2)
-        .flat_map(|bob| {
-            oracle::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau))
-        })
-        .map(|(bob, tau)| Pass {
-            bob: bob + 1,
-            time: step.start + tau,
-            anticlockwise: step.state(tau).speed[bob].hi > 0.0,
-        })
-        .collect();
-    passages.sort_by(|a, b| a.time.hi.total_cmp(&b.time.hi));
-    passages
-}
+/// Place of the error of the energy among the columns.
+const ENERGY_ERROR: usize = 5;
 
 /// Prints the crossings; the first of each bob is its flip.
 fn tell(options: &Options, passages: &[Pass]) -> anyhow::Result<()> {
@@ -172,23 +131,6 @@ fn tell(options: &Options, passages: &[Pass]) -> anyhow::Result<()> {
         super::tell(&format!("flipmap: bob {bob} passes the top at {:.12} s", time.hi));
     }
     Ok(())
-}
-
-fn parse_start(text: &str) -> Result<Launch, Exit> {
-    let numbers: Option<Vec<Dd>> = text.split(',').map(|part| Dd::parse(&in_rad(part))).collect();
-    let numbers = numbers.filter(|all| all.iter().all(|number| number.hi.abs() <= 1e6));
-    let (angle, speed) = match numbers.as_deref() {
-        Some(&[theta1, theta2]) => ([theta1, theta2], [Dd::new(0.0); 2]),
-        Some(&[theta1, theta2, omega1, omega2]) => ([theta1, theta2], [omega1, omega2]),
-        _ => {
-            return Err(Exit::Usage(format!(
-                "--start is '{text}'; it must be two angles between -1e6 and 1e6 rad, separated by \
-                 a comma, or these and two speeds between -1e6 and 1e6 rad/s"
-            )));
-        }
-    };
-    let near = |theta: Dd| if theta.abs() <= Dd::PI { theta } else { theta.wrapped() };
-    Ok(Launch { angle: angle.map(near), speed })
 }
 
 fn seconds(option: &str, text: &str, range: std::ops::RangeInclusive<f64>) -> Result<Dd, Exit> {

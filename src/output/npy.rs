@@ -47,8 +47,9 @@ impl<W: Write> NpyWriter<W> {
     }
 }
 
-/// The number that stands for a channel of a sample with this status.
-pub(super) fn number_of(status: Status, value: f64) -> f64 {
+/// The number that stands in an array for a channel of a sample with this status: its value, `+inf`
+/// for unflipped and failed, NaN for forbidden.
+pub fn number_of(status: Status, value: f64) -> f64 {
     match status {
         Status::Flipped => value,
         Status::Unflipped | Status::Failed => f64::INFINITY,

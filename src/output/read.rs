@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::png::{PngError, document_in_png};
 use super::text_file::read_text;
-use crate::scene::{Document, DocumentError};
+use crate::scene::{BuiltIn, Document, DocumentError};
 
 /// Reasons why a file has no scene.
 #[derive(Debug, thiserror::Error)]
@@ -41,12 +41,38 @@ pub enum ReadError {
         /// Path of the file.
         path: PathBuf,
     },
+    /// Neither a file with a scene nor the name of one.
+    #[error(
+        "no scene '{name}'{meant}: give a .toml file, a .png written by flipmap, or one of {}",
+        BuiltIn::names()
+    )]
+    Unknown {
+        /// The name.
+        name: String,
+        /// A question about a name that is like it, or nothing.
+        meant: String,
+    },
     /// A file of neither kind.
     #[error("{path} is neither a .png that flipmap wrote nor a .toml scene")]
     Kind {
         /// Path of the file.
         path: PathBuf,
     },
+}
+
+/// Returns the document of a built-in scene, or that in a file.
+pub fn named_document(name: &str) -> Result<Document, ReadError> {
+    if let Some(built_in) = BuiltIn::named(name) {
+        return Ok(built_in.document());
+    }
+    read_document(Path::new(name)).map_err(|error| match error {
+        ReadError::Kind { .. } => {
+            let meant = BuiltIn::like(name)
+                .map_or(String::new(), |near| format!(" (did you mean {}?)", near.name));
+            ReadError::Unknown { name: name.to_string(), meant }
+        }
+        error => error,
+    })
 }
 
 /// Reads the document in a picture that flipmap wrote, or in a scene file.

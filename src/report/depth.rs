@@ -286,7 +286,7 @@ impl Bench<'_> {
         engine: &mut dyn Engine,
     ) -> Result<(Samples, Effort), ReportError> {
         let mut work = Work::new(scene, [side; 2], config, engine.job_size()).with_cells(cells);
-        let samples = preview(&mut work, [side; 2], engine, &|| !(self.stop)())?;
+        let samples = preview(&mut work, [side; 2], engine, &|_| !(self.stop)())?;
         Ok((samples.ok_or(ReportError::Stopped)?, work.counts().effort))
     }
 }

@@ -68,7 +68,7 @@ impl Bench<'_> {
         let engine = backend.engine();
         let begun = Instant::now();
         let mut work = Work::new(&scene, [SIDE; 2], config, engine.job_size());
-        let samples = preview(&mut work, [SIDE; 2], engine, &|| !(self.stop)())?;
+        let samples = preview(&mut work, [SIDE; 2], engine, &|_| !(self.stop)())?;
         let samples = samples.ok_or(ReportError::Stopped)?;
         let us = begun.elapsed().as_secs_f64() * 1e6;
         let most = COMPARED[usize::from(self.care.quick)];

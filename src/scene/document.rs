@@ -55,6 +55,26 @@ pub struct RunTable {
     pub verify: bool,
 }
 
+impl RunTable {
+    /// Returns this table, kept in a scene's file, with what is said now over it: a level replaces any
+    /// method, and another method replaces the step or tolerance. The size is that of `said`.
+    #[must_use]
+    pub fn overlaid(&self, said: RunTable) -> RunTable {
+        let kept = if said.accuracy.is_some() { RunTable::default() } else { self.clone() };
+        let same_method = said.method.is_none() || said.method == kept.method;
+        let of_kept = |text: Option<String>| text.filter(|_| same_method);
+        RunTable {
+            size: said.size,
+            accuracy: said.accuracy.or(kept.accuracy),
+            step: said.step.or(of_kept(kept.step)),
+            tolerance: said.tolerance.or(of_kept(kept.tolerance)),
+            precision: said.precision.or(of_kept(kept.precision)),
+            method: said.method.or(kept.method),
+            verify: kept.verify || said.verify,
+        }
+    }
+}
+
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
 fn is_false(value: &bool) -> bool {
     !value

@@ -3,7 +3,7 @@
 use super::angle_text::in_rad;
 use super::{Kind, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
-use crate::question::Ask;
+use crate::question::{Ask, Watches};
 
 /// One number of a scene, or a pair of numbers, that has an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +42,28 @@ pub enum Word {
     Origin,
     /// Energy of a section.
     Energy,
+}
+
+impl Scene {
+    /// Sets words of the scene and checks the result. A rule for a question that has none is refused.
+    pub fn with_words<'a>(
+        mut self,
+        words: impl IntoIterator<Item = (Word, &'a str)>,
+    ) -> Result<Self, SceneError> {
+        let mut rule = None;
+        for (word, text) in words {
+            word.set(&mut self, text)?;
+            rule = rule.or((word == Word::Rule).then_some(text));
+        }
+        match (rule, self.question.ask.kind().watches) {
+            (Some(rule), Watches::Always(_)) => Err(SceneError {
+                option: Word::Rule.option(),
+                value: format!("'{rule}'"),
+                range: "only the question flip has a rule: omit --rule, or use --ask flip",
+            }),
+            _ => self.checked(),
+        }
+    }
 }
 
 /// Value of `--at` for the end of the budget.

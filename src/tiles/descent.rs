@@ -57,7 +57,7 @@ impl Descent {
         go_on: &dyn Fn() -> bool,
     ) -> Result<DescentStep, EngineError> {
         let mut work = Work::new(&self.scene, [SIDE; 2], self.config, (SIDE * SIDE) as usize);
-        let samples = preview(&mut work, [SIDE; 2], engine, go_on)?;
+        let samples = preview(&mut work, [SIDE; 2], engine, &|_| go_on())?;
         let Some(samples) = samples else { return Ok(DescentStep::Stopped) };
         let Some([across, above]) = self.liveliest(&samples) else { return Ok(DescentStep::End) };
         let width = self.scene.view.width_rad().to_f64();

@@ -17,6 +17,7 @@
 pub mod cache;
 pub mod descent;
 pub mod explorer;
+mod feasible;
 mod in_flight;
 pub mod moments;
 mod open_tile;
@@ -34,6 +35,7 @@ mod saved_pixels;
 pub mod view_target;
 mod work;
 
+pub use feasible::{check_feasible, check_steps};
 pub use opinion::opinion;
 pub use outlook::outlook;
 pub use plan::{Tile, plan};

@@ -1,10 +1,10 @@
 //! The library's front door: a scene in, samples out.
 
 use super::preview::preview;
-use super::{Counts, Samples, Work, opinion};
+use super::{Counts, Samples, Work, check_feasible, opinion};
 use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use crate::engine::trust::{Opinion, TrustEngine};
-use crate::engine::{Accuracy, Engine, EngineError, IntegratorConfig};
+use crate::engine::{Accuracy, Cells, Engine, EngineError, IntegratorConfig};
 use crate::scene::Scene;
 
 /// Renders scenes to arrays of samples, one engine for all of them.
@@ -101,21 +101,23 @@ impl Renderer {
         Work::new(&scene.clone().settled(), size, self.config, tile_pixels)
     }
 
-    /// The samples of a checked scene in `size` pixels, by rows from the top.
+    /// The samples of a checked scene in `size` pixels, by rows from the top; an error if the pixels lie
+    /// too close together for the question or the plane.
     pub fn render(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Samples, EngineError> {
-        let samples = self.render_while(scene, size, &|| true)?;
+        let samples = self.render_while(scene, size, &|_| true)?;
         Ok(samples.expect("it is never stopped"))
     }
 
-    /// The samples of a checked scene; `None` once `go_on` says no.
+    /// The samples of a checked scene; `None` once `go_on`, which takes the counts so far, says no.
     pub fn render_while(
         &mut self,
         scene: &Scene,
         size: [u32; 2],
-        go_on: &(dyn Fn() -> bool + Sync),
+        go_on: &(dyn Fn(&Counts) -> bool + Sync),
     ) -> Result<Option<Samples>, EngineError> {
         let scene = &scene.clone().settled();
-        self.second_opinion(scene, size, go_on)?;
+        check_feasible(scene, size, &self.config, Cells::Auto)?;
+        self.second_opinion(scene, size, &|| go_on(&Counts::default()))?;
         let mut work = self.work(scene, size);
         let samples = preview(&mut work, size, self.engine(), go_on)?;
         self.counts = work.counts();

@@ -98,7 +98,7 @@ impl Hunt {
             log::debug!("{lure:?}: {}", command(&scene));
             let begun = Instant::now();
             let in_time = || go_on() && begun.elapsed() < RENDER_PATIENCE;
-            let Some(samples) = exact.render_while(&scene, [SIDE; 2], &in_time)? else {
+            let Some(samples) = exact.render_while(&scene, [SIDE; 2], &|_| in_time())? else {
                 hunt.too_slow += 1;
                 continue;
             };
@@ -192,7 +192,7 @@ fn edge(
 ) -> Result<Option<Scene>, EngineError> {
     const ALONG: u32 = 16;
     let mut work = Work::new(scene, [ALONG, 1], config, ALONG as usize);
-    let Some(row) = preview(&mut work, [ALONG, 1], engine, &|| true)? else { return Ok(None) };
+    let Some(row) = preview(&mut work, [ALONG, 1], engine, &|_| true)? else { return Ok(None) };
     let differ = |k: usize| match (row.get(k), row.get(k + 1)) {
         (a, b) if a.status == Status::Forbidden || b.status == Status::Forbidden => 0.0,
         (a, b) if a.status != b.status => 1e9,

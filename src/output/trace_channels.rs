@@ -1,25 +1,15 @@
 //! The columns that a question adds to a trace: its channels so far, at the time of each row.
 
-use flipmap::engine::start::whole_turns;
-use flipmap::physics::phase::{Phase, distance};
-use flipmap::physics::tangents::TangentMap;
-use flipmap::physics::{Dd, Pendulum, State};
-use flipmap::question::Ask;
-use flipmap::scene::Scene;
-
-/// A pass of the top by a bob.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pass {
-    /// Number of the bob, 1 or 2.
-    pub bob: usize,
-    /// Simulated seconds since the release.
-    pub time: Dd,
-    /// True if it goes over the top towards the left.
-    pub anticlockwise: bool,
-}
+use super::trace::Pass;
+use crate::engine::start::whole_turns;
+use crate::physics::phase::{Phase, distance};
+use crate::physics::tangents::TangentMap;
+use crate::physics::{Dd, Pendulum, State};
+use crate::question::Ask;
+use crate::scene::Scene;
 
 /// A question's findings about a pendulum so far.
-pub(super) struct QuestionColumns {
+pub(super) struct TraceChannels {
     ask: Ask,
     /// The pendulum in reduced units, and its unit of time in s.
     pendulum: Pendulum<f64>,
@@ -31,13 +21,13 @@ pub(super) struct QuestionColumns {
     map: TangentMap,
 }
 
-impl QuestionColumns {
+impl TraceChannels {
     /// The columns of a scene's question, for a pendulum at its start.
     pub(super) fn new(scene: &Scene, start: &State<Dd>) -> Self {
         let (pendulum, unit_secs) = scene.build.reduced_in::<Dd>();
         let (pendulum, unit_secs) = (pendulum.to_f64(), unit_secs.hi);
         let start = reduced_phase(&pendulum, unit_secs, start);
-        QuestionColumns {
+        TraceChannels {
             ask: scene.question.ask,
             pendulum,
             unit_secs,
@@ -48,8 +38,8 @@ impl QuestionColumns {
         }
     }
 
-    /// The head of the columns, each after a comma.
-    pub(super) fn head(&self) -> String {
+    /// Names of the columns.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         let channels = self.ask.kind().channels;
         let added = match self.ask {
             Ask::Flip => &[][..],
@@ -58,7 +48,7 @@ impl QuestionColumns {
             Ask::State => &channels[4..],
             Ask::Return => &channels[..1],
         };
-        added.iter().map(|channel| format!(",{}", channel.name)).collect()
+        added.iter().map(|channel| channel.name)
     }
 
     /// Takes the passes of a step, before its rows.
@@ -66,21 +56,21 @@ impl QuestionColumns {
         self.passes.extend(passes);
     }
 
-    /// The values at a time; those that are not there yet are empty.
-    pub(super) fn row(&mut self, time: Dd, state: &State<Dd>) -> String {
+    /// The values at a time; NaN for those that are not there yet.
+    pub(super) fn values(&mut self, time: Dd, state: &State<Dd>) -> Vec<f64> {
         let phase = || reduced_phase(&self.pendulum, self.unit_secs, state);
         match self.ask {
-            Ask::Flip => String::new(),
+            Ask::Flip => Vec::new(),
             Ask::First => match self.passed(time).first() {
-                Some(Pass { bob, time, .. }) => format!(",{bob},{}", time.hi),
-                None => ",,".to_string(),
+                Some(Pass { bob, time, .. }) => vec![*bob as f64, time.hi],
+                None => vec![f64::NAN; 2],
             },
-            Ask::Flips => self.counts(time).map(|count| format!(",{count}")).concat(),
-            Ask::State => state.angle.map(|angle| format!(",{}", whole_turns(angle.hi))).concat(),
-            Ask::Growth => self.exponent(time.hi, phase()),
+            Ask::Flips => self.counts(time).map(|count| count as f64).to_vec(),
+            Ask::State => state.angle.map(|angle| f64::from(whole_turns(angle.hi))).to_vec(),
+            Ask::Growth => vec![self.exponent(time.hi, phase())],
             Ask::Return => {
                 let inverse_scale = self.pendulum.momentum_scale().map(|scale| 1.0 / scale);
-                format!(",{}", distance(&phase(), &self.start, inverse_scale))
+                vec![distance(&phase(), &self.start, inverse_scale)]
             }
         }
     }
@@ -99,10 +89,10 @@ impl QuestionColumns {
     }
 
     /// The growth from the start so far: the last row's, and that of the way since.
-    fn exponent(&mut self, secs: f64, phase: Phase<f64>) -> String {
+    fn exponent(&mut self, secs: f64, phase: Phase<f64>) -> f64 {
         let (since, from) = std::mem::replace(&mut self.last, (secs, phase));
         self.map = self.map.followed_by(&self.pendulum, &from, (secs - since) / self.unit_secs);
-        if secs > 0.0 { format!(",{}", self.map.log_growth() / secs) } else { ",".to_string() }
+        if secs > 0.0 { self.map.log_growth() / secs } else { f64::NAN }
     }
 }
 

@@ -1,0 +1,96 @@
+import os
+from collections.abc import Callable, Sequence
+from decimal import Decimal
+from enum import IntEnum
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+__version__: str
+SCENES: tuple[str, ...]
+
+_Number = int | float | str | Decimal
+_Numbers = str | Sequence[_Number]
+_Scene = str | os.PathLike[str] | None
+
+class Status(IntEnum):
+    UNFLIPPED = 0
+    FLIPPED = 1
+    FORBIDDEN = 2
+    FAILED = 3
+
+class Trust(IntEnum):
+    UNCHECKED = 0
+    AGREED = 1
+    CONFIRMED = 2
+    SETTLED = 3
+    UNCERTAIN = 4
+
+class Pass(NamedTuple):
+    bob: int
+    time: float
+    anticlockwise: bool
+
+class Map(np.ndarray[Any, Any]):
+    seconds: float
+    units: dict[str, str]
+    engine: str
+    scene: str
+    @property
+    def uncertain(self) -> npt.NDArray[np.bool_]: ...
+    @property
+    def channels(self) -> npt.NDArray[np.float64]: ...
+
+class Trace(np.ndarray[Any, Any]):
+    passes: list[Pass]
+
+def render(
+    scene: _Scene = None,
+    size: int | tuple[int, int] = (512, 512),
+    accuracy: Literal["lesson", "fast", "balanced", "exact"] | None = None,
+    *,
+    method: str | None = None,
+    step: _Number | None = None,
+    tolerance: _Number | None = None,
+    precision: Literal["f32", "df32", "f64", "dd"] | None = None,
+    verify: bool = False,
+    engine: Literal["cpu", "gpu"] | None = None,
+    adapter: str | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    center: _Numbers | None = None,
+    width: _Number | None = None,
+    rotate: _Number | None = None,
+    stretch: _Number | None = None,
+    budget: _Number | None = None,
+    rule: str | None = None,
+    kind: str | None = None,
+    masses: _Numbers | None = None,
+    lengths: _Numbers | None = None,
+    gravity: _Number | None = None,
+    friction: _Numbers | None = None,
+    ask: str | None = None,
+    at: _Number | None = None,
+    count: int | None = None,
+    plane: str | None = None,
+    origin: _Numbers | None = None,
+    energy: _Number | None = None,
+) -> Map: ...
+def trace(
+    start: _Numbers,
+    until: _Number = 30.0,
+    every: _Number = 0.01,
+    scene: _Scene = None,
+    *,
+    rule: str | None = None,
+    kind: str | None = None,
+    masses: _Numbers | None = None,
+    lengths: _Numbers | None = None,
+    gravity: _Number | None = None,
+    friction: _Numbers | None = None,
+    ask: str | None = None,
+    budget: _Number | None = None,
+    at: _Number | None = None,
+    count: int | None = None,
+) -> Trace: ...

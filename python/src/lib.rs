@@ -1,0 +1,36 @@
+//! The compiled half of the Python package: maps and traces as plain bytes, which the other half,
+//! `flipmap/__init__.py`, turns into NumPy arrays.
+
+mod clock;
+mod map;
+mod scene;
+mod trace;
+
+/// The functions that `flipmap/__init__.py` calls.
+#[pyo3::pymodule]
+mod _flipmap {
+    use flipmap::engine::Trust;
+    use flipmap::physics::Status;
+    use flipmap::scene::{BuiltIn, Word};
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::map::render;
+    #[pymodule_export]
+    use crate::trace::trace;
+
+    /// Adds the words and codes that Python needs, so that they are written once.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let words = Word::ALL.map(|(option, _)| option.trim_start_matches("--"));
+        module.add("WORDS", words.to_vec())?;
+        let scenes: Vec<_> = BuiltIn::names().split(", ").map(str::to_string).collect();
+        module.add("SCENES", scenes)?;
+        let statuses = [Status::Unflipped, Status::Flipped, Status::Forbidden, Status::Failed];
+        let statuses = statuses.map(|status| (format!("{status:?}").to_uppercase(), status as u8));
+        module.add("STATUSES", statuses.to_vec())?;
+        let trusts = Trust::ALL.map(|(name, trust)| (name.to_uppercase(), trust as u8));
+        module.add("TRUSTS", trusts.to_vec())?;
+        module.add("VERSION", env!("CARGO_PKG_VERSION"))
+    }
+}

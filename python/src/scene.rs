@@ -1,0 +1,30 @@
+//! A scene from what Python says: a name, a file or a text, and words.
+
+use flipmap::output::named_document;
+use flipmap::scene::{BuiltIn, Document, Word};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// An error in what was asked for, as Python's `ValueError`.
+pub(crate) fn value_error(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Loads a scene, by default home, or the middle of another plane, and sets words of it. A text with
+/// several lines is TOML.
+pub(crate) fn document(scene: Option<&str>, words: &[(String, String)]) -> PyResult<Document> {
+    let document = match scene {
+        Some(text) if text.contains('\n') => Document::parse(text).map_err(value_error)?,
+        Some(name) => named_document(name).map_err(value_error)?,
+        None if words.iter().any(|(name, _)| name == "plane") => Document::default(),
+        None => BuiltIn::home().document(),
+    };
+    let words = words.iter().map(|(name, text)| {
+        let word = Word::ALL.iter().find(|(option, _)| option.strip_prefix("--") == Some(name));
+        let (_, word) = word.ok_or_else(|| value_error(format!("there is no word {name}")))?;
+        Ok((*word, text.as_str()))
+    });
+    let words = words.collect::<PyResult<Vec<_>>>()?;
+    let scene = document.scene().with_words(words).map_err(value_error)?;
+    Ok(document.with_scene(scene))
+}

@@ -1,0 +1,170 @@
+//! The motion of one pendulum as a table: rows of numbers at even times, by the gold standard in
+//! double-double.
+
+use super::trace_channels::TraceChannels;
+use crate::physics::opening::settled;
+use crate::physics::taylor::{Orbit, TaylorStep};
+use crate::physics::{Dd, Launch, Pendulum, Scalar, State, oracle};
+use crate::scene::{Scene, in_rad};
+
+/// A pass of the top by a bob.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass {
+    /// Number of the bob, 1 or 2.
+    pub bob: usize,
+    /// Simulated seconds since the release.
+    pub time: Dd,
+    /// True if it goes over the top towards the left.
+    pub anticlockwise: bool,
+}
+
+/// The motion left the numbers: it is too fast for its pendulum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the motion is no longer finite")]
+pub struct NotFinite;
+
+/// A part of the way, from [`Trace::advance`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Advance {
+    /// The next row, in the order of [`Trace::columns`]; NaN where a channel has no value yet.
+    Row(Vec<f64>),
+    /// A step of the integration, without a row.
+    Step,
+    /// The end: every row was brought.
+    End,
+}
+
+/// A pendulum on its way, and the rows of its table.
+///
+/// ```
+/// use flipmap::output::{Advance, Trace, launch_from_text};
+/// use flipmap::physics::Scalar;
+/// use flipmap::scene::Scene;
+///
+/// let start = launch_from_text("3,3").unwrap();
+/// let mut trace = Trace::new(&Scene::default(), start, [2.0, 0.5].map(Scalar::new));
+/// let mut rows = Vec::new();
+/// loop {
+///     match trace.advance()? {
+///         Advance::Row(row) => rows.push(row),
+///         Advance::Step => {}
+///         Advance::End => break,
+///     }
+/// }
+/// assert_eq!(rows.len(), 5);
+/// assert!((trace.passes()[0].time.hi - 1.767_916_558_420_626_6).abs() < 1e-12);
+/// # Ok::<(), flipmap::output::NotFinite>(())
+/// ```
+pub struct Trace {
+    pendulum: Pendulum<Dd>,
+    orbit: Orbit<Dd>,
+    /// The last step, while it still has rows.
+    step: Option<TaylorStep<Dd>>,
+    channels: TraceChannels,
+    passes: Vec<Pass>,
+    until: Dd,
+    every: Dd,
+    /// Number of the next row.
+    row: u64,
+    /// Energy at the start, in units of the pendulum.
+    energy: Dd,
+}
+
+impl Trace {
+    /// Releases a scene's pendulum, for rows from 0 to `until` with `every` between them, in s.
+    pub fn new(scene: &Scene, start: Launch, [until, every]: [Dd; 2]) -> Self {
+        let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
+        let Launch { angle, speed } = start;
+        let at_rest = speed == [Dd::new(0.0); 2];
+        let angle = if at_rest { settled(&pendulum, angle) } else { angle };
+        let start = State { angle, speed };
+        Trace {
+            channels: TraceChannels::new(scene, &start),
+            energy: pendulum.energy(&start),
+            orbit: Orbit::new(pendulum, start),
+            step: None,
+            passes: Vec::new(),
+            row: 0,
+            pendulum,
+            until,
+            every,
+        }
+    }
+
+    /// Names of the columns: time, angles, speeds, error of the energy, and the question's channels.
+    pub fn columns(&self) -> Vec<&'static str> {
+        let mut names = vec!["t", "theta1", "theta2", "omega1", "omega2", "energy_error"];
+        names.extend(self.channels.names());
+        names
+    }
+
+    /// The passes of the top so far, in order of time.
+    pub fn passes(&self) -> &[Pass] {
+        &self.passes
+    }
+
+    /// Goes on by a row or by a step.
+    pub fn advance(&mut self) -> Result<Advance, NotFinite> {
+        let time = self.every * Dd::new(self.row as f64);
+        if let Some(step) = &self.step
+            && time <= step.end()
+            && time <= self.until
+        {
+            let state = step.state(time - step.start);
+            self.row += 1;
+            return Ok(Advance::Row(self.row_at(time, &state)));
+        }
+        if self.orbit.time() >= self.until {
+            return Ok(Advance::End);
+        }
+        let step = self.orbit.step();
+        if !self.orbit.state().speed[1].is_finite() {
+            return Err(NotFinite);
+        }
+        let first = self.passes.len();
+        self.passes.extend(passes_in(&step).into_iter().filter(|pass| pass.time <= self.until));
+        self.channels.add(&self.passes[first..]);
+        self.step = Some(step);
+        Ok(Advance::Step)
+    }
+
+    fn row_at(&mut self, time: Dd, state: &State<Dd>) -> Vec<f64> {
+        let rise = self.pendulum.energy(state) - self.energy;
+        let scale = self.pendulum.p + self.pendulum.q;
+        let error = if scale.hi > 0.0 { (rise / scale).hi } else { 0.0 };
+        let [theta1, theta2] = state.angle.map(|x| x.hi);
+        let [omega1, omega2] = state.speed.map(|x| x.hi);
+        let mut row = vec![time.hi, theta1, theta2, omega1, omega2, error];
+        row.extend(self.channels.values(time, state));
+        row
+    }
+}
+
+fn passes_in(step: &TaylorStep<Dd>) -> Vec<Pass> {
+    let mut passes: Vec<Pass> = (0..2)
+        .flat_map(|bob| {
+            oracle::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau))
+        })
+        .map(|(bob, tau)| Pass {
+            bob: bob + 1,
+            time: step.start + tau,
+            anticlockwise: step.state(tau).speed[bob].hi > 0.0,
+        })
+        .collect();
+    passes.sort_by(|a, b| a.time.hi.total_cmp(&b.time.hi));
+    passes
+}
+
+/// Reads a start, `θ1,θ2` or `θ1,θ2,ω1,ω2` in rad and rad/s, angles also as in `-95deg,0.5pi`; `None`
+/// unless these are numbers between -1e6 and 1e6.
+pub fn launch_from_text(text: &str) -> Option<Launch> {
+    let numbers: Option<Vec<Dd>> = text.split(',').map(|part| Dd::parse(&in_rad(part))).collect();
+    let numbers = numbers.filter(|all| all.iter().all(|number| number.hi.abs() <= 1e6))?;
+    let (angle, speed) = match numbers[..] {
+        [theta1, theta2] => ([theta1, theta2], [Dd::new(0.0); 2]),
+        [theta1, theta2, omega1, omega2] => ([theta1, theta2], [omega1, omega2]),
+        _ => return None,
+    };
+    let near = |theta: Dd| if theta.abs() <= Dd::PI { theta } else { theta.wrapped() };
+    Some(Launch { angle: angle.map(near), speed })
+}

@@ -1,0 +1,34 @@
+//! Refusal of pictures that no engine can compute.
+
+use crate::engine::method::Pace;
+use crate::engine::{Cells, EngineError, IntegratorConfig, Question};
+use crate::scene::{Grid, Scene};
+
+/// Returns an error if a picture of `size` pixels needs too many steps for its budget, or if its
+/// starts would be one number and cannot be followed as cells.
+pub fn check_feasible(
+    scene: &Scene,
+    size: [u32; 2],
+    config: &IntegratorConfig,
+    cells: Cells,
+) -> Result<(), EngineError> {
+    check_steps(scene, config)?;
+    let grid = Grid::new(scene, size);
+    let (cells, why) = if grid.cell_plane().is_some() {
+        (cells, "--cells is never")
+    } else {
+        (Cells::Never, "--width is too small for this plane or question")
+    };
+    let checked = cells.check(config, grid.pixel_rad());
+    checked.map_err(|error| EngineError::Unsupported(format!("{why}; {error}")))
+}
+
+/// Returns an error if a configuration needs too many steps for a scene's budget.
+pub fn check_steps(scene: &Scene, config: &IntegratorConfig) -> Result<(), EngineError> {
+    let question = Question::from(scene);
+    if question.build.gravity.value() > 0.0 {
+        let pace = Pace::new(&question, config);
+        pace.map_err(|error| EngineError::Unsupported(error.to_string()))?;
+    }
+    Ok(())
+}
