@@ -38,11 +38,11 @@ pub enum Advance {
 ///
 /// ```
 /// use flipmap::output::{Advance, Trace, launch_from_text};
-/// use flipmap::physics::Scalar;
+/// use flipmap::physics::Dd;
 /// use flipmap::scene::Scene;
 ///
 /// let start = launch_from_text("3,3").unwrap();
-/// let mut trace = Trace::new(&Scene::default(), start, [2.0, 0.5].map(Scalar::new));
+/// let mut trace = Trace::new(&Scene::default(), start, [2.0, 0.5].map(Dd::new));
 /// let mut rows = Vec::new();
 /// loop {
 ///     match trace.advance()? {
@@ -52,7 +52,7 @@ pub enum Advance {
 ///     }
 /// }
 /// assert_eq!(rows.len(), 5);
-/// assert!((trace.passes()[0].time.hi - 1.767_916_558_420_626_6).abs() < 1e-12);
+/// assert!((trace.passes()[0].time.hi - 0.564_452_316_577_663_8).abs() < 1e-12);
 /// # Ok::<(), flipmap::output::NotFinite>(())
 /// ```
 pub struct Trace {
