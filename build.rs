@@ -1,6 +1,6 @@
 //! Lets tests declare, in the environment, that there is no graphics adapter, no display to open
 //! windows on, or no ffmpeg: they then show as ignored with that reason, instead of failing. Job
-//! engines are the other way round, for few machines have them.
+//! engines and clean roots are the other way round, for few machines have them.
 
 fn main() {
     for (variable, cfg) in [
@@ -8,6 +8,7 @@ fn main() {
         ("FLIPMAP_NO_WINDOW", "no_window"),
         ("FLIPMAP_NO_FFMPEG", "no_ffmpeg"),
         ("FLIPMAP_FARM", "farm"),
+        ("FLIPMAP_PACKAGE", "package"),
     ] {
         println!("cargo:rerun-if-env-changed={variable}");
         println!("cargo:rustc-check-cfg=cfg({cfg})");

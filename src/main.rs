@@ -12,6 +12,8 @@ fn main() -> ExitCode {
         env_logger::Env::default().default_filter_or("error,wgpu_hal=off"),
     )
     .init();
+    #[cfg(unix)]
+    cli::driver_cache::do_without_on_a_full_disk();
     let threads = rayon::ThreadPoolBuilder::new().num_threads(default_threads());
     // Without the pool, its work is done on the threads that ask for it.
     let _ = threads.build_global();

@@ -69,3 +69,11 @@ fn a_release_builds_what_packages_name() {
     }
     assert!(!workflow.contains("target: riscv64gc-unknown-linux-gnu }"), "the test can fail");
 }
+
+#[test]
+#[cfg_attr(not(package), ignore = "builds for minutes and needs root: scripts/test --package")]
+fn the_debian_package_leaves_no_trace() {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/package");
+    let status = Command::new(script).arg("--try").status().unwrap();
+    assert!(status.success(), "{status}");
+}

@@ -13,7 +13,7 @@ use super::panels::places::PlaceAction;
 use super::pin_start::PinStart;
 use super::state::Effect;
 use super::view_samples;
-use crate::output::Picture;
+use crate::output::{Picture, shell_word};
 use crate::physics::Theta;
 use crate::scene::palette::{AnswerColours, equalised};
 use crate::scene::{Document, PictureTable, Scale};
@@ -177,9 +177,9 @@ impl AppModel {
     pub(super) fn add_keys(&mut self, path: &Path, documents: &[Document]) {
         match append_keys(path, documents) {
             Ok(keys) => {
-                let name = path.display();
+                let (name, word) = (path.display(), shell_word(path));
                 self.state.notices.tell(format!(
-                    "{name} has {keys} film keys now; flipmap video {name} -o film.mp4 films them."
+                    "{name} has {keys} film keys now; flipmap video {word} -o film.mp4 films them."
                 ));
             }
             Err(error) => self.state.notices.fail(error),
@@ -189,6 +189,10 @@ impl AppModel {
     fn start_export(&mut self) {
         let form = self.forms.export.clone();
         let (document, path) = (self.state.document(), std::path::PathBuf::from(&form.path));
+        if self.exports.iter().any(|export| export.will_write(&path)) {
+            let busy = "is being exported already; wait for it, or choose another name";
+            return self.state.notices.fail(format!("{} {busy}.", path.display()));
+        }
         let kind = match form.what {
             ExportSubject::Png => ExportKind::Png,
             ExportSubject::Raw => ExportKind::Raw,

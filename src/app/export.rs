@@ -12,8 +12,8 @@ use crate::engine::method::Pace;
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
 use crate::engine::{Engine, Question};
 use crate::output::{
-    Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, read_text,
-    render_pass, sentence,
+    Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, is_one_file,
+    read_text, render_pass, sentence,
 };
 use crate::scene::keys::{Easing, Keys};
 use crate::scene::{Document, RunTable};
@@ -120,6 +120,12 @@ impl Export {
     /// Returns the current stage.
     pub fn stage(&self) -> ExportStage {
         self.shared.stage().clone()
+    }
+
+    /// Returns true until the export has ended if a path leads to its file.
+    pub fn will_write(&self, path: &Path) -> bool {
+        matches!(self.stage(), ExportStage::Starting(_) | ExportStage::Running { .. })
+            && is_one_file(&self.path, path)
     }
 
     /// Asks the export to stop, which takes a moment.
@@ -331,7 +337,12 @@ mod tests {
         let mut request = request(folder.path().join("map.png"));
         request.size = [8000, 8000];
         let export = Export::start(request.clone(), fast(), || ());
+        let under_another_name = folder.path().join("./map.png");
+        assert!(export.will_write(&under_another_name) && !export.will_write(folder.path()));
         export.cancel();
+        while export.will_write(&under_another_name) {
+            std::thread::yield_now();
+        }
         assert_eq!(export.wait(), ExportStage::Cancelled);
         drop(Export::start(request, fast(), || ()));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use flipmap::engine::choice::{Chosen, EngineRequest};
 use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, run};
-use flipmap::output::read_text;
+use flipmap::output::{read_text, shell_word};
 use flipmap::scene::Document;
 use flipmap::scene::film::Film;
 use flipmap::scene::palette::Palette;
@@ -117,7 +117,7 @@ pub(super) fn lacks(missing: &[u32], task: &Task, plan: &Path) -> Exit {
         missing.len(),
         task.plan.shards,
         some.join(", "),
-        plan.display()
+        shell_word(plan)
     ))
 }
 

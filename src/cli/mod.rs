@@ -5,6 +5,8 @@ mod continued;
 mod deeper;
 mod depth;
 mod doctor;
+#[cfg(unix)]
+pub(crate) mod driver_cache;
 mod examples;
 pub(crate) mod exit;
 #[cfg(feature = "window")]

@@ -8,7 +8,7 @@ use flipmap::engine::choice::IntegrationSetting;
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::farm::merge::{self, MergeError};
 use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
-use flipmap::output::read_text;
+use flipmap::output::{read_text, shell_word};
 use flipmap::scene::Document;
 use flipmap::scene::film::FilmKind;
 
@@ -101,7 +101,7 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         "flipmap: {} samples in {} shards; to compute: flipmap run {} --shard N, N from 1 to {}",
         task.samples(),
         options.shards,
-        options.output.display(),
+        shell_word(&options.output),
         options.shards
     ));
     Ok(())

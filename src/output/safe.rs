@@ -79,7 +79,6 @@ impl SafeFile {
         builder.permissions(permissions(&path));
         remove_orphans(folder);
         let file = builder.tempfile_in(folder)?;
-        #[cfg(unix)]
         hold(file.as_file());
         let (file, beside) = file.into_parts();
         Ok(SafeFile::Beside(BufWriter::new(file), beside, path))
@@ -118,25 +117,34 @@ impl SafeFile {
 /// Prefix of the names of unfinished files.
 pub(super) const UNFINISHED: &str = ".flipmap-";
 
+/// File in an unfinished folder that its process holds; a folder without it is worth keeping.
+pub(super) const HELD: &str = "held";
+
 /// Age of an unfinished file from which on it can be an orphan; a younger one may not be held yet.
 const ORPHAN_AGE: Duration = Duration::from_secs(60);
 
 /// Holds an unfinished file as long as it is open. File systems without locks do without.
 #[cfg(unix)]
-fn hold(file: &File) {
+pub(super) fn hold(file: &File) {
     let _ = file.try_lock();
 }
 
-/// Removes the unfinished files of runs that were killed: those that no process holds. Looks into each
+#[cfg(not(unix))]
+pub(super) fn hold(_: &File) {}
+
+/// Removes the unfinished files and folders of runs that were killed: those that no process holds. Looks into each
 /// folder once a run, since films write thousands of files into one. What cannot be removed stays.
-fn remove_orphans(folder: &Path) {
+pub(super) fn remove_orphans(folder: &Path) {
     static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let is_new = SEEN.lock().is_ok_and(|mut seen| seen.insert(folder.to_path_buf()));
     let Some(files) = is_new.then(|| folder.read_dir().ok()).flatten() else { return };
     for file in files.flatten() {
         let ours = file.file_name().to_string_lossy().starts_with(UNFINISHED);
-        if ours && is_orphan(&file.path()) {
-            let _ = std::fs::remove_file(file.path());
+        let path = file.path();
+        if ours && is_orphan(&path) {
+            let _ = std::fs::remove_file(&path);
+        } else if ours && is_orphan(&path.join(HELD)) {
+            let _ = std::fs::remove_dir_all(&path);
         }
     }
 }
@@ -239,10 +247,17 @@ mod tests {
         hold(&running);
         drop(unfinished(".flipmap-young", std::time::SystemTime::now()));
         drop(unfinished("mine", long_ago));
+        for folder in [".flipmap-killed-map", ".flipmap-running-map", ".flipmap-kept-map"] {
+            std::fs::create_dir_all(at(folder).join("new")).unwrap();
+        }
+        drop(unfinished(".flipmap-killed-map/held", long_ago));
+        let running_map = unfinished(".flipmap-running-map/held", long_ago);
+        hold(&running_map);
         SafeFile::write_whole(&Destination::File(at("map.png")), b"new").unwrap();
         let left = |name: &str| at(name).exists();
-        assert!(!left(".flipmap-killed"));
+        assert!(!left(".flipmap-killed") && !left(".flipmap-killed-map"));
         assert!([".flipmap-running", ".flipmap-young", "mine", "map.png"].into_iter().all(left));
+        assert!([".flipmap-running-map", ".flipmap-kept-map"].into_iter().all(left));
     }
 
     #[test]

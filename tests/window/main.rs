@@ -6,6 +6,7 @@ mod display;
 mod likeness;
 mod session;
 mod soak;
+mod vitals;
 
 use std::fs;
 use std::thread::sleep;

@@ -209,9 +209,14 @@ impl Session {
         fs::read_to_string(self.path("log")).unwrap()
     }
 
+    /// Number of the program's process.
+    pub(crate) fn id(&self) -> u32 {
+        self.child.borrow().id()
+    }
+
     /// Seconds of processor time used so far.
     pub(crate) fn processor_secs(&self) -> f64 {
-        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.borrow().id())).unwrap();
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.id())).unwrap();
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
         // User and system time, in hundredths of a second on every common Linux system.
         let ticks = |place: usize| fields[place].parse::<f64>().unwrap();
@@ -220,7 +225,7 @@ impl Session {
 
     /// Sends the program a signal.
     pub(crate) fn signal(&self, signal: Signal) {
-        let id = Pid::from_raw(self.child.borrow().id() as i32).unwrap();
+        let id = Pid::from_raw(self.id() as i32).unwrap();
         kill_process(id, signal).unwrap();
     }
 

@@ -1,5 +1,6 @@
 //! Random input for an arbitrarily long time: whatever a user does to the window, it keeps running,
-//! stays within its memory limit, and logs no unexpected warnings.
+//! stays within its limit of memory, keeps no handle or thread that it does not need, and logs no
+//! unexpected warnings.
 //!
 //! `FLIPMAP_SOAK_SECS` sets the duration (default 30), `FLIPMAP_SOAK_SEED` the seed (default 1).
 
@@ -11,6 +12,7 @@ use flipmap::app::settings::Settings;
 
 use super::display::{Display, LEFT};
 use super::session::{Session, WINDOW};
+use super::vitals::Watch;
 
 /// Memory that the process may use in addition to its tile cache, MiB.
 const BESIDE_MIB: f64 = 300.0;
@@ -144,6 +146,7 @@ pub(crate) fn soak() {
     session.display.key("F12");
     let (mut chance, mut size, mut done) = (Chance(seed), WINDOW, 0u32);
     let begun = Instant::now();
+    let mut watch = Watch::new(session.id(), Duration::from_secs(secs));
     while begun.elapsed() < Duration::from_secs(secs) {
         size = act(&session, &mut chance, size);
         done += 1;
@@ -151,6 +154,7 @@ pub(crate) fn soak() {
             command(&session.display, "lose the graphics");
         }
         session.check_alive();
+        watch.look();
         sleep(Duration::from_millis(chance.below(60) as u64));
     }
     session.shot("end");
@@ -166,6 +170,7 @@ pub(crate) fn soak() {
         mib("cache_bytes"),
         mib("peak_bytes"),
     );
+    watch.check();
     assert!(mib("cache_bytes") <= f64::from(kept_mib), "more tiles than allowed");
     assert!(mib("peak_bytes") <= f64::from(kept_mib) + BESIDE_MIB, "too much memory");
     let unexpected: Vec<&str> = ended

@@ -1,13 +1,13 @@
 //! The folder of a pyramid, which appears only when it is complete.
 
 use std::ffi::OsStr;
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use crate::output::safe::{UNFINISHED, existing_folder_of};
+use crate::output::safe::{HELD, UNFINISHED, existing_folder_of, hold, remove_orphans};
 
 /// File with the sizes of the picture and of its tiles, for viewers.
 pub(super) const IMAGE: &str = "map.dzi";
@@ -24,6 +24,8 @@ const OLD: &str = "old";
 
 /// A pyramid's folder, written beside its destination.
 pub struct PyramidFolder {
+    /// Tells other runs that this one is alive.
+    _held: File,
     /// Temporary folder, removed with everything in it.
     beside: TempDir,
     path: PathBuf,
@@ -40,9 +42,12 @@ impl PyramidFolder {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         let folder = existing_folder_of(&path)?;
         check_same_disk(&path, folder)?;
+        remove_orphans(folder);
         let beside = tempfile::Builder::new().prefix(UNFINISHED).tempdir_in(folder)?;
         fs::create_dir(beside.path().join(NEW))?;
-        Ok(PyramidFolder { beside, path })
+        let held = File::create(beside.path().join(HELD))?;
+        hold(&held);
+        Ok(PyramidFolder { _held: held, beside, path })
     }
 
     /// Path of the folder to write into.
@@ -53,7 +58,9 @@ impl PyramidFolder {
     /// Puts the pyramid in its place. If that fails, it is kept, since it may have taken hours, and
     /// the error says where.
     pub fn finish(self) -> io::Result<()> {
-        let Err(error) = self.replace() else { return Ok(()) };
+        // Another run would remove a folder that nobody holds; from here on it may be all there is.
+        let unheld = fs::remove_file(self.beside.path().join(HELD));
+        let Err(error) = unheld.and_then(|()| self.replace()) else { return Ok(()) };
         let kept = self.beside.keep().join(NEW);
         let text = format!("{error}; the pyramid is complete in {}", kept.display());
         Err(io::Error::new(error.kind(), text))
@@ -168,6 +175,8 @@ mod tests {
         let error = new.finish().unwrap_err().to_string();
         let (why, kept) = error.split_once("; the pyramid is complete in ").unwrap();
         assert_eq!(why, "is a file: name a folder");
+        let held = Path::new(kept).with_file_name(HELD);
+        assert!(!held.exists(), "or the next run would remove it");
         assert_eq!(fs::read_to_string(Path::new(kept).join(PAGE)).unwrap(), "hours");
         assert_eq!(fs::read_to_string(&path).unwrap(), "taken meanwhile");
     }
