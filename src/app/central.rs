@@ -19,6 +19,9 @@ impl AppModel {
         let size = ui.available_size_before_wrap();
         let canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
         self.state.resize(canvas, f64::from(ui.ctx().pixels_per_point()));
+        // What follows may be drawn before the work's next turn.
+        let state = &self.state;
+        self.compute.aim(|config| state.view_target(config));
         let screen = self.state.screen();
         let scene = self.state.scene();
         let AppState { picture, layers, .. } = &self.state;

@@ -47,6 +47,8 @@ pub struct ComputeService {
     request: EngineRequest,
     verify: bool,
     stage: ServiceState,
+    /// Integrator config of the latest engine; none before the first has opened.
+    config: Option<IntegratorConfig>,
     failures: u32,
     failed_at: Option<Instant>,
     /// Message on the slow part of opening the engine; empty if there is none.
@@ -73,6 +75,7 @@ impl ComputeService {
             request,
             verify,
             stage,
+            config: None,
             failures: 0,
             failed_at: None,
             said: Arc::default(),
@@ -141,6 +144,11 @@ impl ComputeService {
         matches!(self.stage, ServiceState::Opening(_)).then(said)
     }
 
+    /// Returns true if work waits that a turn would begin.
+    pub fn is_waiting(&self) -> bool {
+        matches!(self.stage, ServiceState::Ready(_)) && self.explorer.is_waiting()
+    }
+
     /// Returns true if there is no engine and none is being opened.
     pub fn has_failed(&self) -> bool {
         matches!(self.stage, ServiceState::Failed)
@@ -154,17 +162,26 @@ impl ComputeService {
         }
     }
 
+    /// Sets the view target. While an engine is being opened, the target has the config of the one
+    /// before, so that nothing is shown, or told, that answers another question than the view's.
+    pub fn aim(&mut self, target: impl FnOnce(IntegratorConfig) -> ViewTarget) {
+        if let Some(config) = self.config {
+            self.explorer.target(&target(config));
+        }
+    }
+
     /// Sets the view target and advances the work, without waiting for the engine.
     pub fn turn(
         &mut self,
         target: impl FnOnce(IntegratorConfig) -> ViewTarget,
         deadline: Instant,
     ) -> ServiceUpdate {
-        self.take_opened().unwrap_or_else(|| {
+        let opened = self.take_opened();
+        self.aim(target);
+        opened.unwrap_or_else(|| {
             let ServiceState::Ready(engine) = &mut self.stage else {
                 return ServiceUpdate::default();
             };
-            self.explorer.target(&target(engine.config));
             match self.explorer.work(engine.as_mut(), Some(deadline)) {
                 Ok(news) => ServiceUpdate { news, failure: None },
                 Err(error) => self.fail(&error.to_string()),
@@ -177,6 +194,7 @@ impl ComputeService {
         let ServiceState::Opening(opening) = &self.stage else { return None };
         match opening.poll()? {
             Ok(engine) => {
+                self.config = Some(engine.config);
                 self.stage = ServiceState::Ready(Box::new(engine));
                 None
             }

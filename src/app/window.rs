@@ -163,8 +163,7 @@ impl Runner {
         // The view of this frame is known only now.
         let news = if model.work() { NEWS } else { Duration::MAX };
         let moving = moving || model.state.moving.is_some();
-        let again =
-            if moving || model.compute.explorer.is_waiting() { Duration::ZERO } else { again };
+        let again = if moving || model.compute.is_waiting() { Duration::ZERO } else { again };
         let again = again.min(news);
         if again < Duration::from_secs(3600) {
             self.draw_at(Instant::now() + again);

@@ -68,7 +68,7 @@ pub struct Explorer {
     target: Option<ViewTarget>,
     /// Key of the target's physics.
     key: usize,
-    /// Key of the latest earlier physics that was known all over the view.
+    /// Key of the latest earlier physics that was known all over the view and answers the same question.
     before: Option<usize>,
     /// Cells of the target that are still to be computed, canonical, in order.
     waiting: VecDeque<Cell>,
@@ -106,6 +106,9 @@ impl Explorer {
         if key != self.key && self.progress().covered {
             self.before = Some(self.key);
         }
+        // Samples with other channels have no colour in this question's picture.
+        let ask = |key: usize| self.physics[key].physics.question.ask;
+        self.before = self.before.filter(|&before| ask(before) == ask(key));
         self.key = key;
         self.target = Some(target.clone());
         self.plan();

@@ -3,8 +3,10 @@
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use flipmap::app::folders::Folders;
+use flipmap::app::model::AppModel;
 use flipmap::engine::choice::IntegrationSetting;
-use flipmap::engine::{Accuracy, IntegratorConfig, Method, Precision};
+use flipmap::engine::{Accuracy, EngineKind, IntegratorConfig, Method, Precision};
+use flipmap::scene::lattice::Cell;
 use flipmap::scene::{Document, RunTable, location};
 
 use crate::{counts, home, model, model_of, notices, options, place, press, settle};
@@ -39,6 +41,32 @@ fn another_question_on_another_plane_is_shown_flown_and_left_again() {
     settle(&mut desktop);
     let pin = desktop.state().state.pins.selected().unwrap();
     assert_eq!((pin.start.place, pin.start.launches[0]), (None, start), "it flies on, off the map");
+}
+
+#[test]
+fn no_answer_to_another_question_is_shown_while_an_engine_opens() {
+    let mut desktop = home();
+    for (ask, accuracy) in [("state", Accuracy::Balanced), ("flip", Accuracy::Fast)] {
+        let view = format!("flipmap:center=0,0;width=6;budget=0.5;ask={ask}");
+        desktop.event(Event::Paste(view));
+        desktop.step();
+        let channels = desktop.state().state.question.ask.kind().channels.len();
+        let shown = |model: &mut AppModel| {
+            let explorer = &mut model.compute.explorer;
+            let before =
+                explorer.known_before(Cell::WHOLE).map(|(known, _)| known.samples.channels());
+            let now = explorer.known(Cell::WHOLE).map(|(known, _)| known.samples.channels());
+            [before, now].into_iter().flatten().collect::<Vec<_>>()
+        };
+        let model = desktop.state_mut();
+        assert!(!shown(model).is_empty(), "the question has just changed");
+        let setting = IntegrationSetting::Accuracy(accuracy);
+        model.compute.reopen(Some(EngineKind::Cpu), setting, false);
+        model.work();
+        assert!(shown(model).iter().all(|known| *known == channels), "{ask}: {:?}", shown(model));
+        settle(&mut desktop);
+        assert!(shown(desktop.state_mut()).contains(&channels), "{ask}");
+    }
 }
 
 #[test]
