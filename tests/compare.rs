@@ -27,7 +27,20 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
     let compared = |arguments: &[&str]| flipmap(&folder, &[&["compare"], arguments].concat());
     let questions = compared(&[&at("fine.png"), &at("grown.png")]);
     assert_eq!(questions.status.code(), Some(2), "{questions:?}");
-    assert!(error_of(&questions).contains("answers the question flip and"), "{questions:?}");
+    assert!(error_of(&questions).contains("answers the question flip on"), "{questions:?}");
+    map("third", &["--count", "3"], "48x48");
+    map("thrown", &["--plane", "speeds", "--width", "20"], "48x48");
+    for other in ["third.png", "thrown.png"] {
+        assert_eq!(compared(&[&at("fine.png"), &at(other)]).status.code(), Some(2), "{other}");
+    }
+    map("soon", &["--ask", "state", "--at", "1"], "48x48");
+    map("later", &["--ask", "state", "--at", "1.00001"], "48x48");
+    let states = compared(&[&at("soon.npy"), &at("later.npy"), "--ask", "state", "--json"]);
+    let told: serde_json::Value = serde_json::from_slice(&states.stdout).unwrap();
+    assert!(told["differing"] == 0 && told["max"].as_f64().unwrap() > 0.0, "{told}");
+    assert_eq!(told["unit"], "times what counts as right");
+    let other = compared(&[&at("soon.npy"), &at("later.npy"), "--ask", "growth"]);
+    assert!(error_of(&other).contains("has 6 channels, and the question growth 1"), "{other:?}");
     for ending in ["npy", "png"] {
         let [fine, coarse, small] =
             ["fine", "coarse", "small"].map(|name| at(&format!("{name}.{ending}")));

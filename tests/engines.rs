@@ -209,7 +209,7 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
             evaluations += part.effort.rhs_evaluations;
             let (left, states): (Vec<usize>, Vec<_>) = part.unfinished.into_iter().unzip();
             open = left.into_iter().map(|index| open[index]).collect();
-            next = Starts::Resumed(states);
+            next = Starts::Resumed { states, thrown: false };
         }
         let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
         assert_eq!(outcomes, whole.outcomes, "{config:?}");

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{Engine, Precision};
-use flipmap::output::compare::{Comparison, Difference, ResultRows, compare};
+use flipmap::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
 use flipmap::output::{RowOrder, RowPainter};
 use flipmap::physics::Rule;
 use flipmap::scene::{Budget, Build, BuiltIn, Kind, PictureTable, QuestionTable, Scene, View};
@@ -101,7 +101,7 @@ fn compared(expected: &Path, actual: &Path) -> Comparison {
     let [a, b] = [expected, actual].map(|path| ResultRows::open(path).unwrap());
     let mut difference = RgbImage::new(SIZE[0], SIZE[1]);
     let mut y = 0;
-    let comparison = compare(a, b, CHANNEL, &mut |row| {
+    let comparison = compare(a, b, (&Yardstick::Plain, CHANNEL), &mut |row| {
         for (x, by) in (0..).zip(row) {
             let Difference::By(by) = by else { unreachable!("colours have no classes") };
             difference.put_pixel(x, y, Rgb([*by as u8; 3]));

@@ -8,11 +8,16 @@ use assert_cmd::Command;
 use tempfile::TempDir;
 
 fn render(folder: &TempDir, arguments: &[&str]) -> Output {
+    let view = ["--size", "40x40", "--center", "1.2,0.7", "--width", "3"];
+    render_view(folder, &[&view[..], arguments].concat())
+}
+
+fn render_view(folder: &TempDir, arguments: &[&str]) -> Output {
     Command::cargo_bin("flipmap")
         .unwrap()
         .current_dir(folder)
         .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"))
-        .args(["render", "--size", "40x40", "--center", "1.2,0.7", "--width", "3", "--json"])
+        .args(["render", "--json"])
         .args(arguments)
         .output()
         .unwrap()
@@ -115,6 +120,37 @@ fn every_question_goes_on(engine: &str, accuracy: &str, questions: &[usize]) {
 fn on_the_processor_every_question_goes_on() {
     every_question_goes_on("cpu", "balanced", &[0, 1, 2, 3, 4, 5]);
     every_question_goes_on("cpu", "lesson", &[0, 1, 2, 3, 4]);
+}
+
+/// Compares a view continued from `first` to `later` options with one run to the later ones.
+fn the_view_goes_on(view: &[&str], first: [&str; 2], later: [&str; 2]) {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        object(&render_view(&folder, &[&["--engine", "cpu"], view, arguments].concat()))
+    };
+    run(&[&first[..], &["--raw", "a.npy", "--state", "s"]].concat());
+    run(&[&later[..], &["--raw", "b.npy", "--state", "s"]].concat());
+    run(&[&later[..], &["--raw", "c.npy"]].concat());
+    assert!(same(&folder, "b.npy", "c.npy"), "{view:?}");
+    assert!(!same(&folder, "a.npy", "c.npy"), "{view:?}: the budget changes nothing");
+}
+
+#[test]
+fn thrown_pendulums_go_on() {
+    for scene in ["thrown", "section"] {
+        for accuracy in ["lesson", "balanced"] {
+            let view = [scene, "--size", "32x32", "--accuracy", accuracy];
+            let asked = |ask| [&view[..], &["--ask", ask]].concat();
+            the_view_goes_on(&asked("state"), ["--at", "2"], ["--at", "6"]);
+            the_view_goes_on(&asked("flip"), ["--budget", "2"], ["--budget", "6"]);
+        }
+    }
+}
+
+#[test]
+fn deep_views_go_on() {
+    let view = ["trench", "--size", "120x68"];
+    the_view_goes_on(&view, ["--budget", "50"], ["--budget", "60"]);
 }
 
 #[test]

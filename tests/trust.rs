@@ -114,7 +114,7 @@ fn a_paused_pendulum_cannot_be_checked() {
         id: 1,
         question,
         config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },
-        starts: Starts::Resumed(Vec::new()),
+        starts: Starts::Resumed { states: Vec::new(), thrown: false },
         keep: Keep::NOTHING,
     };
     assert!(engine.submit(job).unwrap_err().to_string().contains("release"));

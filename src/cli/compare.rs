@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::output::compare::{Comparison, Difference, ResultRows, compare};
+use flipmap::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
 use flipmap::output::{PictureFile, SafeFile, read_document};
+use flipmap::question::Ask;
+use flipmap::scene::QuestionTable;
 
 use super::exit::Exit;
 use super::options::number;
@@ -17,8 +19,13 @@ pub(super) struct Options {
     a: PathBuf,
     /// Second result, of the same kind and size
     b: PathBuf,
-    /// Largest difference that does not count, in seconds (default: 0.001), or for pictures in
-    /// levels of 255 (default: 0)
+    /// Question that two arrays answer; it decides units, and angles are compared on the circle
+    /// (default: flip where they have one channel)
+    #[arg(long, value_name = "NAME")]
+    ask: Option<String>,
+    /// Largest difference that does not count: in seconds (default: 0.001), in the unit of the
+    /// question's channel or, with several channels, in multiples of what counts as right
+    /// (default: that); for pictures in levels of 255 (default: 0)
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tolerance: Option<String>,
     /// Share of pixels that may differ by more, 0 to 1
@@ -32,21 +39,19 @@ pub(super) struct Options {
     json: bool,
 }
 
-/// Default tolerance of flip times in s.
-const TOLERANCE_SECS: f64 = 1e-3;
-
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let results = [("the first result", options.a.as_path()), ("the second", &options.b)];
     let picture = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(&results, picture.as_slice())?;
     one_question(&options.a, &options.b)?;
     let (a, b) = (ResultRows::open(&options.a)?, ResultRows::open(&options.b)?);
-    let times = a.has_times();
+    let yardstick = yardstick(options, &a, &b)?;
+    let unit = if a.has_times() { yardstick.unit() } else { "levels" };
     let tolerance = match &options.tolerance {
         Some(text) => number(text).filter(|t| (0.0..=1e6).contains(t)).ok_or_else(|| {
             Exit::Usage(format!("--tolerance is '{text}'; it must be between 0 and 1e6"))
         })?,
-        None if times => TOLERANCE_SECS,
+        None if a.has_times() => yardstick.tolerance(),
         None => 0.0,
     };
     let allowed = number(&options.share).filter(|share| (0.0..=1.0).contains(share));
@@ -54,31 +59,46 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         Exit::Usage(format!("--share is '{}'; it must be between 0 and 1", options.share))
     })?;
     let comparison = match &options.output {
-        Some(path) => pictured(a, b, tolerance, path)?,
-        None => compare(a, b, tolerance, &mut |_| Ok(()))?,
+        Some(path) => pictured(a, b, (&yardstick, tolerance), path)?,
+        None => compare(a, b, (&yardstick, tolerance), &mut |_| Ok(()))?,
     };
-    tell(options, &comparison, times)?;
+    tell(options, &comparison, unit)?;
     if comparison.share() > allowed {
         let why = format!(
-            "{} of {} pixels differ by more than {tolerance}{}; the allowed share is {allowed}",
+            "{} of {} pixels differ by more than {}; the allowed share is {allowed}",
             comparison.differing,
             comparison.pixels,
-            if times { " s" } else { " levels" }
+            format!("{tolerance} {unit}").trim_end()
         );
         return Err(Exit::Differs(why).into());
     }
     Ok(())
 }
 
-/// Refuses two pictures of flipmap's that answer different questions. Other files do not tell.
+/// The yardstick of the question that the arrays answer.
+fn yardstick(options: &Options, a: &ResultRows, b: &ResultRows) -> anyhow::Result<Yardstick> {
+    let Some(name) = &options.ask else {
+        return Ok(a.suggested_ask().map_or(Yardstick::Plain, Yardstick::of));
+    };
+    let ask: Ask =
+        name.parse().map_err(|names| Exit::Usage(format!("--ask is '{name}'; {names}")))?;
+    a.require(ask)?;
+    b.require(ask)?;
+    Ok(Yardstick::of(ask))
+}
+
+/// Refuses two pictures of flipmap's that answer different questions about different planes. Other
+/// files do not tell.
 fn one_question(a: &Path, b: &Path) -> Result<(), Exit> {
-    let ask = |path: &Path| {
+    let asked = |path: &Path| {
         let is_file =
             path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         let document = is_file.then(|| read_document(path).ok()).flatten()?;
-        Some(document.question.ask)
+        let QuestionTable { ask, count, .. } = document.question;
+        let which = if count > 1 { format!(" --count {count}") } else { String::new() };
+        Some(format!("{ask}{which} on the plane {}", document.plane.kind))
     };
-    match (ask(a), ask(b)) {
+    match (asked(a), asked(b)) {
         (Some(first), Some(second)) if first != second => Err(Exit::Usage(format!(
             "{} answers the question {first} and {} {second}: only answers to one question can be \
              compared",
@@ -90,10 +110,15 @@ fn one_question(a: &Path, b: &Path) -> Result<(), Exit> {
 }
 
 /// Compares two results and draws their differences row by row.
-fn pictured(a: ResultRows, b: ResultRows, tolerance: f64, to: &Path) -> anyhow::Result<Comparison> {
+fn pictured(
+    a: ResultRows,
+    b: ResultRows,
+    (yardstick, tolerance): (&Yardstick, f64),
+    to: &Path,
+) -> anyhow::Result<Comparison> {
     let cannot = || format!("-o: cannot write {}", to.display());
     let mut picture = PictureFile::create(to, a.size(), None).with_context(cannot)?;
-    let comparison = compare(a, b, tolerance, &mut |row| {
+    let comparison = compare(a, b, (yardstick, tolerance), &mut |row| {
         let bytes: Vec<u8> = row.iter().flat_map(|by| colour(*by, tolerance)).collect();
         picture.write(&bytes)
     })?;
@@ -115,7 +140,7 @@ fn colour(difference: Difference, tolerance: f64) -> [u8; 3] {
     }
 }
 
-fn tell(options: &Options, comparison: &Comparison, times: bool) -> anyhow::Result<()> {
+fn tell(options: &Options, comparison: &Comparison, unit: &str) -> anyhow::Result<()> {
     let Comparison { pixels, differing, classes, largest, .. } = *comparison;
     let quantiles = [0.5, 0.9, 0.99].map(|share| comparison.quantile(share));
     if options.json {
@@ -124,7 +149,7 @@ fn tell(options: &Options, comparison: &Comparison, times: bool) -> anyhow::Resu
             "differing": differing,
             "share": comparison.share(),
             "classes": classes,
-            "unit": if times { "s" } else { "levels" },
+            "unit": unit,
             "median": quantiles[0],
             "p90": quantiles[1],
             "p99": quantiles[2],
@@ -132,13 +157,13 @@ fn tell(options: &Options, comparison: &Comparison, times: bool) -> anyhow::Resu
         });
         return super::say_if_heard(&serde_json::to_string_pretty(&object)?);
     }
-    let unit = if times { "s" } else { "levels" };
     super::say_if_heard(&format!(
         "{differing} of {pixels} pixels differ ({:.4} %), {classes} of them in class; median \
-         {:.1e}, p90 {:.1e}, p99 {:.1e}, largest {largest:.1e} {unit}",
+         {:.1e}, p90 {:.1e}, p99 {:.1e}, largest {}",
         100.0 * comparison.share(),
         quantiles[0],
         quantiles[1],
-        quantiles[2]
+        quantiles[2],
+        format!("{largest:.1e} {unit}").trim_end()
     ))
 }

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::output::{Advance, Destination, Pass, SafeFile, Trace, launch_from_text};
+use flipmap::output::{Advance, Destination, SafeFile, Trace, launch_from_text};
+use flipmap::physics::passes::Pass;
 use flipmap::physics::{Dd, Scalar};
 
 use super::exit::Exit;

@@ -119,7 +119,7 @@ impl Engine for MockEngine {
         let angles = match starts {
             Starts::Rest(angles) => angles,
             Starts::Thrown(launches) => launches.iter().map(|launch| launch.angle).collect(),
-            Starts::Resumed(states) => states
+            Starts::Resumed { states, .. } => states
                 .iter()
                 .map(|state| Self::resumed(&question, state))
                 .collect::<Result<_, _>>()?,

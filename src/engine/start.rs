@@ -103,7 +103,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     };
     let is_possible = match &job.starts {
         Starts::Rest(_) | Starts::Thrown(_) => true,
-        Starts::Resumed(states) => states.iter().all(carries),
+        Starts::Resumed { states, .. } => states.iter().all(carries),
         Starts::Moving(moving) => match job.keep.ends {
             Ends::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
             ends => !ends.are_carried(),
@@ -199,7 +199,7 @@ fn nudged_on_its_way(
 fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let Job { question, config, .. } = job;
     match &job.starts {
-        Starts::Resumed(paused) => Ok(paused.clone()),
+        Starts::Resumed { states, .. } => Ok(states.clone()),
         Starts::Rest(angles) => Ok(angles.iter().map(|angle| at_rest(config, *angle)).collect()),
         Starts::Thrown(launches) => {
             let reduced = question.reduced_in();
@@ -217,12 +217,12 @@ fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     }
 }
 
-/// Share by which a resumed pendulum's energy may lie above that of the highest release from rest
-/// before it counts as thrown: errors of coarse steps change the energy, too.
+/// Share by which the energy of a pendulum in motion may lie above that of the highest release from
+/// rest before it counts as thrown: errors of coarse steps change the energy, too.
 const ABOVE_REST: f64 = 0.05;
 
 /// The greatest reduced angular velocity of starts that may move faster than after any release from
-/// rest; none where none does. Paused pendulums do not tell how they began, but their energy does.
+/// rest; none where none does. The energy of those that come from cells tells how they began.
 pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Option<f64> {
     let (reduced, unit_secs) = question.reduced();
     let greatest = |speed: [f64; 2]| speed[0].abs().max(speed[1].abs());
@@ -235,14 +235,15 @@ pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Opti
             let speeds = launches.iter().map(|launch| launch.speed.map(|w| w.hi * unit_secs));
             Some(speeds.map(greatest).fold(0.0, f64::max))
         }
-        Starts::Resumed(states) => {
+        Starts::Resumed { states, thrown: true } => {
             let phases = states.iter().map(|state| phase_at(&reduced, pace, state));
-            phases.filter_map(thrown).reduce(f64::max)
+            let speeds = phases.map(|phase| greatest(reduced.speeds(&phase)));
+            Some(speeds.fold(0.0, f64::max))
         }
         Starts::Moving(moving) => {
             moving.states.iter().filter_map(|moving| thrown(moving.phase)).reduce(f64::max)
         }
-        Starts::Rest(_) | Starts::Deep(_) => None,
+        Starts::Rest(_) | Starts::Resumed { .. } | Starts::Deep(_) => None,
     }
 }
 

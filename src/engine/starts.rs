@@ -16,7 +16,12 @@ pub enum Starts {
     Thrown(Vec<Launch>),
     /// Resumed from the states in which an earlier job left them; its question may differ in the
     /// budget only.
-    Resumed(Vec<IntegratorState>),
+    Resumed {
+        /// Their states.
+        states: Vec<IntegratorState>,
+        /// True if they were thrown, not released from rest.
+        thrown: bool,
+    },
     /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
     Moving(MovingStarts),
     /// Begun at places too close together for the number types of engines; only
@@ -78,10 +83,15 @@ impl Starts {
         match self {
             Starts::Rest(angles) => angles.len(),
             Starts::Thrown(launches) => launches.len(),
-            Starts::Resumed(states) => states.len(),
+            Starts::Resumed { states, .. } => states.len(),
             Starts::Moving(moving) => moving.states.len(),
             Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
         }
+    }
+
+    /// Returns true if the pendulums had speeds when they set out.
+    pub fn are_thrown(&self) -> bool {
+        matches!(self, Starts::Thrown(_) | Starts::Resumed { thrown: true, .. })
     }
 
     /// Returns true if there are no pendulums.

@@ -6,6 +6,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
+use crate::question::{Ask, Channel, ChannelScale};
+
 /// A result that is read row by row, from the top.
 pub struct ResultRows {
     path: PathBuf,
@@ -28,7 +30,7 @@ enum ResultRow {
 /// The difference between two pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Difference {
-    /// A difference in seconds, or in levels out of 255 in the channel that differs most.
+    /// A difference by the [`Yardstick`], or in levels out of 255 in the channel that differs most.
     By(f64),
     /// A time in one and none in the other, or none in both for different reasons.
     Class,
@@ -106,6 +108,21 @@ pub enum CompareError {
         /// Numbers of channels.
         channels: [usize; 2],
     },
+    /// Arrays that do not answer the named question.
+    #[error(
+        "{path} has {found} channels, and the question {} {}: --ask names the question that both \
+         answer",
+        ask.kind().name,
+        ask.kind().channels.len()
+    )]
+    Ask {
+        /// Path of the result.
+        path: PathBuf,
+        /// The named question.
+        ask: Ask,
+        /// Number of its channels.
+        found: usize,
+    },
     /// Results of different sizes.
     #[error(
         "{a} is {} and {b} {} pixels: only results of one size can be compared",
@@ -166,6 +183,21 @@ impl ResultRows {
     /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// Refuses an array that does not have the channels of a question.
+    pub fn require(&self, ask: Ask) -> Result<(), CompareError> {
+        match self.kind {
+            ResultKind::Times(_, found) if found != ask.kind().channels.len() => {
+                Err(CompareError::Ask { path: self.path.clone(), ask, found })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the question that an array's number of channels suggests: the flip where it has one.
+    pub fn suggested_ask(&self) -> Option<Ask> {
+        (self.channels() == 1).then_some(Ask::Flip)
     }
 
     /// Returns true if it holds flip times.
@@ -229,6 +261,75 @@ fn npy_shape(file: &mut impl Read) -> Option<([u32; 2], usize)> {
     (fits && !shape.0.contains(&0)).then_some(shape)
 }
 
+/// The way in which the values of two pixels are compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Yardstick {
+    /// By the greatest difference of any value.
+    Plain,
+    /// By one channel, in its unit.
+    Channel(&'static Channel),
+    /// By several channels, each in multiples of the error within which it counts as right.
+    Channels(&'static [Channel]),
+}
+
+impl Yardstick {
+    /// The yardstick of a question.
+    pub fn of(ask: Ask) -> Self {
+        match ask.kind().channels {
+            [channel] => Yardstick::Channel(channel),
+            channels => Yardstick::Channels(channels),
+        }
+    }
+
+    /// Unit of the differences; empty if there is none.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Yardstick::Plain => "",
+            Yardstick::Channel(channel) => channel.unit,
+            Yardstick::Channels(_) => "times what counts as right",
+        }
+    }
+
+    /// Largest difference that does not count unless another is given.
+    pub fn tolerance(&self) -> f64 {
+        match self {
+            Yardstick::Plain => 1e-3,
+            Yardstick::Channel(channel) => channel.right,
+            Yardstick::Channels(_) => 1.0,
+        }
+    }
+
+    /// The difference of two pixels' values.
+    fn between(&self, a: &[f64], b: &[f64]) -> Difference {
+        match self {
+            Yardstick::Plain => Difference::of_values(a, b),
+            Yardstick::Channel(channel) => apart(channel, a[0], b[0]),
+            Yardstick::Channels(channels) => {
+                let each = channels.iter().zip(a.iter().zip(b));
+                let each = each.map(|(channel, (a, b))| match apart(channel, *a, *b) {
+                    Difference::By(by) if by == 0.0 => Difference::By(0.0),
+                    // A count is right or wrong.
+                    Difference::By(_) if channel.right == 0.0 => Difference::Class,
+                    Difference::By(by) => Difference::By(by / channel.right),
+                    Difference::Class => Difference::Class,
+                });
+                each.reduce(Difference::or_larger).unwrap_or(Difference::By(0.0))
+            }
+        }
+    }
+}
+
+/// The difference of two values of a channel; angles are compared on the circle.
+fn apart(channel: &Channel, a: f64, b: f64) -> Difference {
+    match Difference::of_times(a, b) {
+        Difference::By(by) if channel.scale == ChannelScale::Cyclic => {
+            let by = by % std::f64::consts::TAU;
+            Difference::By(by.min(std::f64::consts::TAU - by))
+        }
+        by => by,
+    }
+}
+
 impl Difference {
     /// The difference of two flip times: finite, +inf without a flip, NaN where there can be none.
     pub fn of_times(a: f64, b: f64) -> Self {
@@ -244,11 +345,14 @@ impl Difference {
     /// The difference of two pixels with several values: that of the values that differ most.
     fn of_values(a: &[f64], b: &[f64]) -> Self {
         let each = a.iter().zip(b).map(|(a, b)| Difference::of_times(*a, *b));
-        let larger = |a, b| match (a, b) {
+        each.reduce(Difference::or_larger).unwrap_or(Difference::By(0.0))
+    }
+
+    fn or_larger(self, other: Self) -> Self {
+        match (self, other) {
             (Difference::By(a), Difference::By(b)) => Difference::By(a.max(b)),
             _ => Difference::Class,
-        };
-        each.reduce(larger).unwrap_or(Difference::By(0.0))
+        }
     }
 
     /// The difference of two colours.
@@ -262,7 +366,7 @@ impl Difference {
 pub fn compare(
     mut a: ResultRows,
     mut b: ResultRows,
-    tolerance: f64,
+    (yardstick, tolerance): (&Yardstick, f64),
     row: &mut dyn FnMut(&[Difference]) -> io::Result<()>,
 ) -> Result<Comparison, CompareError> {
     if a.has_times() != b.has_times() {
@@ -282,7 +386,7 @@ pub fn compare(
         let differences: Vec<Difference> = match (a.next()?, b.next()?) {
             (ResultRow::Times(a), ResultRow::Times(b)) => {
                 let pixels = a.chunks(channels).zip(b.chunks(channels));
-                pixels.map(|(a, b)| Difference::of_values(a, b)).collect()
+                pixels.map(|(a, b)| yardstick.between(a, b)).collect()
             }
             (ResultRow::Colours(a), ResultRow::Colours(b)) => {
                 a.chunks(3).zip(b.chunks(3)).map(|(a, b)| Difference::of_colours(a, b)).collect()
@@ -374,6 +478,22 @@ mod tests {
         ] {
             assert_eq!(Difference::of_times(a, b), expected, "{a} and {b}");
         }
+    }
+
+    #[test]
+    fn each_channel_is_compared_by_its_own_measure() {
+        use std::f64::consts::PI;
+        let growth = Yardstick::of(Ask::Growth);
+        assert_eq!((growth.unit(), growth.tolerance()), ("1/s", 1e-2));
+        assert_eq!(growth.between(&[0.5], &[0.25]), Difference::By(0.25));
+        let state = Yardstick::of(Ask::State);
+        let a = [PI - 1e-3, 0.0, 1.0, 0.0, 2.0, 0.0];
+        let across = [1e-3 - PI, 0.0, 1.0, 0.0, 2.0, 0.0];
+        let Difference::By(by) = state.between(&a, &across) else { panic!("no turns differ") };
+        assert!((by - 2.0).abs() < 1e-9, "2e-3 rad across ±π are twice what is right: {by}");
+        let turned = [PI - 1e-3, 0.0, 1.0, 0.0, 3.0, 0.0];
+        assert_eq!(state.between(&a, &turned), Difference::Class);
+        assert_eq!(state.between(&a, &a), Difference::By(0.0));
     }
 
     #[test]

@@ -50,5 +50,5 @@ pub use sinks::{Paths, SinkPass, Sinks};
 pub use spool::Spool;
 pub use state::{RenderState, RunRecord, StateError};
 pub use text_file::read_text;
-pub use trace::{Advance, NotFinite, Pass, Trace, launch_from_text};
+pub use trace::{Advance, NotFinite, Trace, launch_from_text};
 pub use trust::trust_colours;

@@ -3,20 +3,10 @@
 
 use super::trace_channels::TraceChannels;
 use crate::physics::opening::settled;
+use crate::physics::passes::{Pass, passes_in};
 use crate::physics::taylor::{Orbit, TaylorStep};
-use crate::physics::{Dd, Launch, Pendulum, Scalar, State, oracle};
+use crate::physics::{Dd, Launch, Pendulum, Scalar, State};
 use crate::scene::{Scene, in_rad};
-
-/// A pass of the top by a bob.
-#[derive(Clone, Copy, Debug)]
-pub struct Pass {
-    /// Number of the bob, 1 or 2.
-    pub bob: usize,
-    /// Simulated seconds since the release.
-    pub time: Dd,
-    /// True if it goes over the top towards the left.
-    pub anticlockwise: bool,
-}
 
 /// The motion left the numbers: it is too fast for its pendulum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -138,21 +128,6 @@ impl Trace {
         row.extend(self.channels.values(time, state));
         row
     }
-}
-
-fn passes_in(step: &TaylorStep<Dd>) -> Vec<Pass> {
-    let mut passes: Vec<Pass> = (0..2)
-        .flat_map(|bob| {
-            oracle::passages(&step.angle[bob], step.length).into_iter().map(move |tau| (bob, tau))
-        })
-        .map(|(bob, tau)| Pass {
-            bob: bob + 1,
-            time: step.start + tau,
-            anticlockwise: step.state(tau).speed[bob].hi > 0.0,
-        })
-        .collect();
-    passes.sort_by(|a, b| a.time.hi.total_cmp(&b.time.hi));
-    passes
 }
 
 /// Reads a start, `θ1,θ2` or `θ1,θ2,ω1,ω2` in rad and rad/s, angles also as in `-95deg,0.5pi`; `None`

@@ -1,7 +1,7 @@
 //! The columns that a question adds to a trace: its channels so far, at the time of each row.
 
-use super::trace::Pass;
 use crate::engine::start::whole_turns;
+use crate::physics::passes::Pass;
 use crate::physics::phase::{Phase, distance};
 use crate::physics::tangents::TangentMap;
 use crate::physics::{Dd, Pendulum, State};

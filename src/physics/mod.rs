@@ -9,6 +9,7 @@
 //! * [`integrator`] holds the fixed-step methods, [`embedded`] and [`series`] those that choose
 //!   their steps, [`control`] their step size control;
 //! * [`taylor`] and [`oracle`] are the *gold standard* by which every engine is judged;
+//! * [`passes`] lists the passes of the top along an orbit, and returns to the section θ1 = 0;
 //! * [`transport`] brings a state to another time;
 //! * [`simple`] is the single pendulum, [`separation`] measures how fast two pendulums diverge;
 //! * [`flip`] and [`crossing`] find the moment at which a bob passes the top.
@@ -31,6 +32,7 @@ pub mod jet;
 mod jet_lanes;
 pub mod opening;
 pub mod oracle;
+pub mod passes;
 pub mod pendulum;
 pub mod phase;
 pub mod polynomial;

@@ -10,7 +10,8 @@ use super::backend::Backend;
 use super::measure::Bench;
 use super::{ReportError, StopTest, as_words};
 use crate::engine::IntegratorConfig;
-use crate::physics::oracle::passages;
+use crate::physics::passes::{Pass, passes_until};
+use crate::physics::phase::distance;
 use crate::physics::taylor::Orbit;
 use crate::physics::{Dd, State, Status, tangents};
 use crate::question::Ask;
@@ -143,14 +144,14 @@ fn is_right(scene: &Scene, start: State<Dd>, answer: Option<&[f64]>) -> bool {
             }
         }
         (ask, answer) => {
-            let all = passes(orbit(), secs);
+            let all = passes_until(orbit(), secs);
             match (ask, answer) {
                 (Ask::Flips, Some(values)) => {
-                    let count = |way: usize| all.iter().filter(|pass| pass.1 == way).count();
-                    (0..4).all(|way| values[way] == count(way) as f64)
+                    let count = |k: usize| all.iter().filter(|pass| channel_of(pass) == k).count();
+                    (0..4).all(|k| values[k] == count(k) as f64)
                 }
-                (Ask::First, Some(values)) => all.first().is_some_and(|(time, way)| {
-                    values[0] == (way / 2 + 1) as f64 && (values[1] - time).abs() < 1e-3
+                (Ask::First, Some(values)) => all.first().is_some_and(|pass| {
+                    values[0] == pass.bob as f64 && (values[1] - pass.time.hi).abs() < 1e-3
                 }),
                 (_, None) => all.is_empty(),
                 _ => false,
@@ -159,22 +160,9 @@ fn is_right(scene: &Scene, start: State<Dd>, answer: Option<&[f64]>) -> bool {
     }
 }
 
-/// All passes of the top up to a time, in order: their times in s, and for each the bob and the
-/// direction as the index of a channel of the question `flips`.
-fn passes(mut orbit: Orbit<Dd>, secs: f64) -> Vec<(f64, usize)> {
-    let mut all = Vec::new();
-    while orbit.time().hi <= secs {
-        let step = orbit.step();
-        for bob in 0..2 {
-            all.extend(passages(&step.angle[bob], step.length).into_iter().map(|tau| {
-                let clockwise = step.state(tau).speed[bob].hi < 0.0;
-                ((step.start + tau).hi, 2 * bob + usize::from(clockwise))
-            }));
-        }
-    }
-    all.retain(|(time, _)| *time <= secs);
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    all
+/// Number of a pass's channel of the question `flips`.
+fn channel_of(pass: &Pass) -> usize {
+    2 * (pass.bob - 1) + usize::from(!pass.anticlockwise)
 }
 
 /// The exponent of the largest of all nudges by central differences of orbits.
@@ -202,7 +190,7 @@ fn exponent(scene: &Scene, start: State<Dd>, secs: f64) -> f64 {
 fn nearest(scene: &Scene, mut orbit: Orbit<Dd>, secs: f64) -> f64 {
     const STATES: u32 = 10_000;
     let pendulum = scene.build.pendulum();
-    let scale = pendulum.momentum_scale();
+    let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
     let near = |state: State<Dd>| {
         let state = State { angle: state.angle.map(|x| x.hi), speed: state.speed.map(|x| x.hi) };
         pendulum.phase(&state)
@@ -211,16 +199,12 @@ fn nearest(scene: &Scene, mut orbit: Orbit<Dd>, secs: f64) -> f64 {
     let (mut before, mut has_left, mut least) = (0.0, false, f64::INFINITY);
     for k in 1..=STATES {
         let phase = near(orbit.state_at(Dd::new(secs * f64::from(k) / f64::from(STATES))));
-        let part = |i: usize| {
-            let unit = if i < 4 { 1.0 } else { scale[i - 4] };
-            ((phase[i] - from[i]) / unit).powi(2)
-        };
-        let distance = (0..6).map(part).sum::<f64>().sqrt();
-        has_left |= distance < before;
-        if has_left && distance > before {
+        let apart = distance(&phase, &from, inverse_scale);
+        has_left |= apart < before;
+        if has_left && apart > before {
             least = least.min(before);
         }
-        before = distance;
+        before = apart;
     }
     least
 }

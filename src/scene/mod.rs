@@ -38,7 +38,7 @@ pub use words::Word;
 use serde::{Deserialize, Serialize};
 
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
-use crate::question::Ask;
+use crate::question::{Ask, Needs};
 
 /// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -234,8 +234,12 @@ impl QuestionTable {
             return refuse(
                 "--at",
                 at.to_string(),
-                "only the questions state and growth last until a given time",
+                "only the questions flips, state, growth and return last until a given time",
             );
+        }
+        if at == 0.0 && self.ask.kind().needs == Needs::Growth {
+            let range = "growth takes time: it must lie above 0 and within --budget, in s";
+            return refuse("--at", format!("{at} s"), range);
         }
         if !(at >= 0.0 && at <= self.budget.secs) {
             let range = "it must lie within the budget: between 0 and --budget, in s";

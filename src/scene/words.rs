@@ -1,7 +1,7 @@
 //! The numbers of a scene as words: `--rule either` as an option, `rule=either` in a location.
 
 use super::angle_text::in_rad;
-use super::{Kind, Scene, SceneError};
+use super::{Kind, PlaneKind, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
 use crate::question::{Ask, Watches};
 
@@ -45,24 +45,34 @@ pub enum Word {
 }
 
 impl Scene {
-    /// Sets words of the scene and checks the result. A rule for a question that has none is refused.
+    /// Sets words of the scene and checks the result. A rule for a question that has none is refused,
+    /// and so is an energy for a plane that has none.
     pub fn with_words<'a>(
         mut self,
         words: impl IntoIterator<Item = (Word, &'a str)>,
     ) -> Result<Self, SceneError> {
-        let mut rule = None;
+        let (mut rule, mut energy) = (None, None);
         for (word, text) in words {
             word.set(&mut self, text)?;
-            rule = rule.or((word == Word::Rule).then_some(text));
+            match word {
+                Word::Rule => rule = Some(text),
+                Word::Energy => energy = Some(text),
+                _ => {}
+            }
         }
-        match (rule, self.question.ask.kind().watches) {
-            (Some(rule), Watches::Always(_)) => Err(SceneError {
-                option: Word::Rule.option(),
-                value: format!("'{rule}'"),
-                range: "only the question flip has a rule: omit --rule, or use --ask flip",
-            }),
-            _ => self.checked(),
+        let refuse = |word: Word, text: &str, range| {
+            Err(SceneError { option: word.option(), value: format!("'{text}'"), range })
+        };
+        if let (Some(rule), Watches::Always(_)) = (rule, self.question.ask.kind().watches) {
+            let range = "only the question flip has a rule: omit --rule, or use --ask flip";
+            return refuse(Word::Rule, rule, range);
         }
+        if let (Some(energy), false) = (energy, self.plane.kind == PlaneKind::Section) {
+            let range =
+                "only the plane section has an energy: omit --energy, or use --plane section";
+            return refuse(Word::Energy, energy, range);
+        }
+        self.checked()
     }
 }
 

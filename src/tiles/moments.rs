@@ -75,6 +75,7 @@ impl Moments {
         let pace = Pace::new(&self.question, &self.config)?;
         for batch in &mut self.batches {
             let starts = std::mem::replace(&mut batch.starts, Starts::Rest(Vec::new()));
+            let thrown = starts.are_thrown();
             let (question, config, keep) = (self.question, self.config, Keep::STATES);
             let Some(result) = run_job(engine, question, config, starts, keep, go_on)? else {
                 return Ok(None);
@@ -87,7 +88,7 @@ impl Moments {
             let (places, states): (Vec<u32>, Vec<_>) =
                 result.unfinished.into_iter().map(place).unzip();
             self.reader.fill_states(&pace, &states, &places, &mut self.samples);
-            (batch.places, batch.starts) = (places, Starts::Resumed(states));
+            (batch.places, batch.starts) = (places, Starts::Resumed { states, thrown });
         }
         Ok(Some(&self.samples))
     }

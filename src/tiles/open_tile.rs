@@ -86,15 +86,16 @@ impl OpenTile {
     /// Sorts pixels into known samples and starts. Resumed and new starts never share a job.
     fn fill(&mut self, pixels: impl Iterator<Item = (u32, Fate, Option<Known>)>) {
         let (mut angles, mut launches) = (Vec::new(), Vec::new());
-        let mut resumed = Vec::<IntegratorState>::new();
+        let (mut resumed, mut thrown) = (Vec::<IntegratorState>::new(), false);
         for (place, fate, known) in pixels {
             match (fate, known) {
                 (Fate::Known(outcome), _) => self.set(place, outcome, Trust::of_proved(&outcome)),
                 (_, Some((SavedPixel::Over(outcome), trust))) => {
                     self.set(place, outcome, trust);
                 }
-                (_, Some((SavedPixel::Unfinished(state), _))) => {
+                (fate, Some((SavedPixel::Unfinished(state), _))) => {
                     self.places.push(place);
+                    thrown = matches!(fate, Fate::Thrown(_));
                     resumed.push(state);
                 }
                 (Fate::Open(angle), None) => {
@@ -108,7 +109,7 @@ impl OpenTile {
             }
         }
         self.starts = if !resumed.is_empty() {
-            Starts::Resumed(resumed)
+            Starts::Resumed { states: resumed, thrown }
         } else if !launches.is_empty() {
             Starts::Thrown(launches)
         } else {

@@ -155,8 +155,16 @@ impl Work {
         self.counts
     }
 
+    /// Returns the pixels of an earlier run that need not be computed again. Those of deep views do:
+    /// what a line of samples tells depends on the budget, in the last digits.
+    fn saved(&self) -> Option<&SavedPixels> {
+        let is_deep = self.grid.cell_plane().is_some()
+            && self.cells.are_followed(&self.config, self.grid.pixel_rad());
+        self.kept.as_ref().filter(|_| !is_deep)
+    }
+
     fn known(&self, pixel: [u32; 2]) -> Option<SavedPixel> {
-        self.kept.as_ref().and_then(|kept| kept.known(self.index(pixel)))
+        self.saved().and_then(|saved| saved.known(self.index(pixel)))
     }
 
     /// Index of a pixel in the picture, row by row from the top.
@@ -227,7 +235,7 @@ impl TileSource for Work {
             self.grid.angle_from_pixel(x, y)
         };
         open.samples = Reader::new(ask, &question).complete(open.samples, start);
-        if let Some(kept) = &self.kept {
+        if let Some(kept) = self.saved() {
             for (place, pixel) in pixels.iter().enumerate() {
                 if let Some(values) = kept.values(self.index(*pixel)) {
                     open.samples.set_values(place, Status::Flipped, values);

@@ -102,7 +102,7 @@ fn standard_output_carries_the_picture() {
 }
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
-const MISTAKES: [(&[&str], i32, &[&str]); 48] = [
+const MISTAKES: [(&[&str], i32, &[&str]); 60] = [
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -151,6 +151,18 @@ const MISTAKES: [(&[&str], i32, &[&str]); 48] = [
     (&["--state", "s", "--samples", "2"], 2, &["--state", "--samples"]),
     (&["--ask", "state", "--rule", "either"], 2, &["--rule is 'either'", "only the question flip"]),
     (&["--exr", "map.png"], 2, &["-o", "--exr", "same file"]),
+    (&["--ask", "why"], 2, &["--ask is 'why'", "flip, first, flips, state"]),
+    (&["--plane", "flat"], 2, &["--plane is 'flat'", "section"]),
+    (&["--plane", "omega1,omega1"], 2, &["--plane is 'omega1,omega1'", "two"]),
+    (&["--count", "0"], 2, &["--count", "between 1 and 1000000"]),
+    (&["--count", "2", "--ask", "growth"], 2, &["--count", "only the question flip"]),
+    (&["--ask", "state", "--at", "31"], 2, &["--at", "within the budget"]),
+    (&["--at", "3"], 2, &["--at", "flips, state, growth and return"]),
+    (&["--ask", "growth", "--at", "0"], 2, &["--at", "above 0"]),
+    (&["--plane", "section", "--energy", "-40"], 2, &["--energy", "least"]),
+    (&["--energy", "3"], 2, &["--energy is '3'", "--plane section"]),
+    (&["--friction", "-1,0"], 2, &["--friction", "between 0 and"]),
+    (&["--origin", "1,2,3"], 2, &["--origin", "four numbers"]),
 ];
 
 #[test]

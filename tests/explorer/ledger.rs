@@ -55,7 +55,7 @@ fn spans(job: &Job) -> Vec<Span> {
     };
     let mut spans: Vec<Span> = match &job.starts {
         Starts::Rest(angles) => angles.iter().map(|angle| span(*angle, 0.0)).collect(),
-        Starts::Resumed(states) => states.iter().map(|state| resumed(state, span)).collect(),
+        Starts::Resumed { states, .. } => states.iter().map(|state| resumed(state, span)).collect(),
         _ => panic!("no depth and no plane with speeds is aimed at here"),
     };
     spans.retain(|span| {
@@ -95,10 +95,13 @@ impl Engine for Ledger {
         let (id, spans) = (job.id, spans(&job));
         let first = match &job.starts {
             Starts::Rest(angles) => Starts::Rest(angles.iter().take(1).copied().collect()),
-            Starts::Resumed(states) => Starts::Resumed(states.iter().take(1).cloned().collect()),
+            Starts::Resumed { states, thrown } => Starts::Resumed {
+                states: states.iter().take(1).cloned().collect(),
+                thrown: *thrown,
+            },
             _ => panic!("no depth and no plane with speeds is aimed at here"),
         };
-        let index = usize::from(matches!(job.starts, Starts::Resumed(_)));
+        let index = usize::from(matches!(job.starts, Starts::Resumed { .. }));
         let (count, light) = (job.starts.len(), Job { starts: first, ..job.clone() });
         assert!(count > 0, "an empty job");
         self.mock.submit(job)?;

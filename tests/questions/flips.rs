@@ -96,8 +96,8 @@ fn every_flip_is_counted_by_every_method() {
         .into_par_iter()
         .map(|k| {
             let mut counts = [0.0; 4];
-            for (_, bob, left) in true_passes(&scene, start(&scene, side, k).unwrap()) {
-                counts[2 * bob + usize::from(!left)] += 1.0;
+            for pass in true_passes(&scene, start(&scene, side, k).unwrap()) {
+                counts[2 * (pass.bob - 1) + usize::from(!pass.anticlockwise)] += 1.0;
             }
             counts
         })
@@ -119,7 +119,7 @@ fn the_third_flip_is_found_by_every_method() {
         .into_par_iter()
         .map(|k| {
             let passes = true_passes(&scene, start(&scene, side, k)?);
-            passes.iter().filter(|(_, bob, _)| *bob == 1).map(|(secs, ..)| *secs).nth(2)
+            passes.iter().filter(|pass| pass.bob == 2).map(|pass| pass.time.hi).nth(2)
         })
         .collect();
     let seen = truth.iter().flatten().count();

@@ -6,9 +6,10 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{Engine, IntegratorConfig, Method, Precision};
-use flipmap::physics::oracle::{flip_within, passages};
+use flipmap::physics::oracle::flip_within;
+use flipmap::physics::passes::{Pass, passes_until};
 use flipmap::physics::taylor::Orbit;
-use flipmap::physics::{Angle, Dd, Launch, Outcome, Pendulum, Scalar, State, Status};
+use flipmap::physics::{Dd, Launch, Outcome, Scalar, State, Status};
 use flipmap::question::Ask;
 use flipmap::scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
 use flipmap::tiles::{Renderer, Samples};
@@ -149,49 +150,9 @@ pub(crate) fn true_exponent(scene: &Scene, start: State<Dd>, secs: f64) -> f64 {
     growth.ln() / secs
 }
 
-/// A step of the Poincaré map: from a start on the section θ1 = 0 to the next passage of θ1 = 0 with
-/// dθ1/dt > 0, as its duration in units of time with θ2, and p2 there.
-pub(crate) fn returned(pendulum: &Pendulum<Dd>, start: State<Dd>) -> [Dd; 3] {
-    let mut orbit = Orbit::new(*pendulum, start);
-    let mut left = false;
-    loop {
-        let step = orbit.step();
-        let [from, to] = [Dd::new(0.0), step.end() - step.start].map(|tau| step.state(tau));
-        left |= to.angle[0].abs().hi > 1e-3;
-        if !(left && from.angle[0].hi < 0.0 && to.angle[0].hi >= 0.0) {
-            continue;
-        }
-        // Newton's method, which the direction of the passage makes converge.
-        let mut tau = step.end() - step.start;
-        for _ in 0..60 {
-            let state = step.state(tau);
-            tau = tau - state.angle[0] / state.speed[0];
-        }
-        let State { angle, speed } = step.state(tau);
-        let cos = (angle[0] - angle[1]).sin_cos().1;
-        let p2 = pendulum.b * speed[1] + pendulum.c * cos * speed[0];
-        return [step.start + tau, angle[1], p2];
-    }
-}
-
-/// All passes of the top by both bobs up to the end of the budget by the gold standard, in order: the
-/// time in s, the bob, and true if it is anticlockwise.
-pub(crate) fn true_passes(scene: &Scene, start: State<Dd>) -> Vec<(f64, usize, bool)> {
-    let budget = scene.question.end_secs();
-    let mut orbit = Orbit::new(scene.build.pendulum_in::<Dd>(), start);
-    let mut passes = Vec::new();
-    while orbit.time().hi <= budget {
-        let step = orbit.step();
-        for bob in 0..2 {
-            for tau in passages(&step.angle[bob], step.length) {
-                let speed = step.state(tau).speed[bob];
-                passes.push(((step.start + tau).hi, bob, speed.hi > 0.0));
-            }
-        }
-    }
-    passes.retain(|(secs, ..)| *secs <= budget);
-    passes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    passes
+/// All passes of the top by both bobs up to the end of the budget by the gold standard, in order.
+pub(crate) fn true_passes(scene: &Scene, start: State<Dd>) -> Vec<Pass> {
+    passes_until(Orbit::new(scene.build.pendulum_in::<Dd>(), start), scene.question.end_secs())
 }
 
 pub(crate) const ALL_METHODS: [IntegratorConfig; 5] = [

@@ -5,6 +5,7 @@ use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::pair::{EmbeddedPair, LaneStep, TopTest};
+use super::slowed::finish_slowed;
 use super::{step_control, turns};
 use crate::engine::method::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
@@ -12,7 +13,7 @@ use crate::engine::{End, NUMBERS, Question};
 use crate::physics::control::LONGEST;
 use crate::physics::crossing::{FAR, StepState, beyond_top, height_beyond};
 use crate::physics::phase::Phase;
-use crate::physics::{Dd, Outcome, Pendulum, Real, Rule, Status};
+use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
 
 /// Runs a chunk in lanes of `N`.
 #[inline(always)]
@@ -67,9 +68,7 @@ pub(super) fn run<N: Number, P: TopTest>(
                 break;
             }
         }
-        if reduced.friction.is_some() {
-            finish_those_slowed(&mut lanes.scheduler, &reduced);
-        }
+        finish_slowed(&mut lanes.scheduler, &reduced);
         finish_those_over(&mut lanes.scheduler, &adaptive);
     }
     Some(lanes.scheduler.answer)
@@ -258,22 +257,6 @@ fn first_pass<P: TopTest>(
         }
     }
     first
-}
-
-/// Frees the lanes whose pendulums friction has left too little energy ever to pass the top.
-fn finish_those_slowed(scheduler: &mut LaneScheduler, reduced: &Pendulum<f64>) {
-    let rule = scheduler.chunk.question.rule;
-    if rule == Rule::Neither || scheduler.chunk.question.passes == u32::MAX {
-        return;
-    }
-    // More than any error of the energy.
-    let least = reduced.least_depth(rule) + 1e-3 * (reduced.p + reduced.q);
-    for lane in scheduler.running() {
-        if -reduced.energy_of(&start::phase_of(&scheduler.numbers(lane))) > least {
-            let end = scheduler.end_of_phase(lane);
-            scheduler.finish(lane, Outcome::without_time(Status::Unflipped), end);
-        }
-    }
 }
 
 /// Frees the lanes whose budget is used up, until every lane has work or none is left.

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
+use super::slowed::slowed_lanes;
 use crate::engine::method::Steps;
 use crate::engine::start::{angles_of, whole_turns};
 use crate::engine::{End, NUMBERS, Precision, Question};
@@ -56,6 +57,7 @@ pub(super) fn run<L: Lanes, const TERMS: usize>(
         if taken != u32::MAX {
             fixed.store([&state, &rest], taken);
         }
+        fixed.finish_slowed();
         fixed.finish_those_over();
     }
     Some(fixed.scheduler.answer)
@@ -216,6 +218,16 @@ impl FixedStepLanes<'_> {
             if !finished {
                 return;
             }
+        }
+    }
+
+    /// Frees the lanes whose pendulums friction has left too little energy ever to pass the top.
+    fn finish_slowed(&mut self) {
+        let phase = |numbers: &[f64; NUMBERS]| self.reduced.phase(&exact_state(numbers));
+        for lane in slowed_lanes(&self.scheduler, &self.reduced, phase) {
+            let state = exact_state(&self.scheduler.numbers(lane));
+            let end = self.end(lane, f64::from(self.scheduler.taken[lane]), &state);
+            self.scheduler.finish(lane, Outcome::without_time(Status::Unflipped), end);
         }
     }
 

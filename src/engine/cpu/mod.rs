@@ -14,6 +14,7 @@ mod nearest;
 mod number;
 mod one_by_one;
 mod pair;
+mod slowed;
 mod step_control;
 mod tangents;
 mod taylor;

@@ -6,6 +6,7 @@ use super::adaptive::{finish_those_over, idle};
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
+use super::slowed::finish_slowed;
 use super::turns;
 use crate::engine::End;
 use crate::engine::method::Adaptive;
@@ -68,6 +69,7 @@ pub(super) fn run<N: Number, T: Scalar, const M: usize>(
                 break;
             }
         }
+        finish_slowed(&mut scheduler, &near);
         finish_those_over(&mut scheduler, &adaptive);
     }
     Some(scheduler.answer)

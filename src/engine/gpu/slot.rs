@@ -161,7 +161,7 @@ impl Slot {
         let list: Vec<u32> = (0..self.head.count).collect();
         gpu.queue.write_buffer(&self.buffers.lists, 0, cast_slice(&list));
         match &self.job.starts {
-            Starts::Resumed(paused) => self.write_states(gpu, paused),
+            Starts::Resumed { states: paused, .. } => self.write_states(gpu, paused),
             // Starts that cannot be begun have been refused on submission.
             _ => self.write_states(gpu, &start::states(&self.job).unwrap_or_default()),
         }

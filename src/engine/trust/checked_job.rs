@@ -104,7 +104,7 @@ impl CheckedJob {
                 let some = deep.some(&self.open, strict, run.nudge);
                 if run.from == Origin::Rest { some.rounded() } else { Starts::Deep(some) }
             }
-            Starts::Resumed(_) | Starts::Moving(_) => unreachable!("refused when submitted"),
+            Starts::Resumed { .. } | Starts::Moving(_) => unreachable!("refused when submitted"),
         }
     }
 

@@ -184,7 +184,7 @@ impl<'a> TrustEngine<'a> {
 
 impl Engine for TrustEngine<'_> {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        if let Starts::Resumed(_) | Starts::Moving(_) = job.starts {
+        if let Starts::Resumed { .. } | Starts::Moving(_) = job.starts {
             let why = "checking begins at the release: a paused pendulum cannot be checked";
             return Err(EngineError::Unsupported(why.to_string()));
         }

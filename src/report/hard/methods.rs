@@ -103,8 +103,9 @@ fn there_and_back(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         [("dop853", BALANCED, 1e-9), ("taylor", TAYLOR, 1e-12), ("taylor in dd", in_dd, 1e-25)]
     {
         let there = bench.finished(&question, config, Starts::Rest(starts.to_vec()))?.unfinished;
-        let turned = there.iter().map(|(_, paused)| turned_round(paused)).collect();
-        let back = bench.finished(&question, config, Starts::Resumed(turned))?.unfinished;
+        let states = there.iter().map(|(_, paused)| turned_round(paused)).collect();
+        let turned = Starts::Resumed { states, thrown: false };
+        let back = bench.finished(&question, config, turned)?.unfinished;
         held &= back.len() == starts.len();
         let mut worst = 0f64;
         for (((_, there), (_, back)), start) in there.iter().zip(&back).zip(&starts) {

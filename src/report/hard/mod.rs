@@ -9,6 +9,7 @@ mod balance;
 mod builds;
 mod chaos;
 mod methods;
+mod orbits;
 pub mod tangent;
 mod top;
 mod views;
@@ -108,7 +109,16 @@ impl HardCase {
 
 /// All cases, in the order of the report.
 pub fn cases() -> Vec<HardCase> {
-    [top::CASES, balance::CASES, builds::CASES, views::CASES, methods::CASES, chaos::CASES].concat()
+    [
+        top::CASES,
+        balance::CASES,
+        builds::CASES,
+        views::CASES,
+        methods::CASES,
+        chaos::CASES,
+        orbits::CASES,
+    ]
+    .concat()
 }
 
 /// The config that checks the others by another method.

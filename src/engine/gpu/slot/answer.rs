@@ -103,7 +103,7 @@ impl Slot {
 
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
         let before: u64 = match &self.job.starts {
-            Starts::Resumed(paused) => paused.iter().map(|p| u64::from(p.steps)).sum(),
+            Starts::Resumed { states, .. } => states.iter().map(|p| u64::from(p.steps)).sum(),
             Starts::Rest(_) | Starts::Thrown(_) => 0,
             _ => start::states(&self.job).iter().flatten().map(|p| u64::from(p.steps)).sum(),
         };
