@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// What each example prints, and the file that it writes.
+/// Each example with some of the words that it prints, and the file that it writes.
 const EXAMPLES: [(&str, &str, &str); 5] = [
     ("map_to_array", "pixels flip within the budget", "map.npy"),
     ("one_pendulum", "the second bob flips after", ""),

@@ -1,4 +1,4 @@
-//! What fuzzing has found, run again without a fuzzer: each parser on each input kept for it.
+//! Each parser on each input of the fuzzers' corpora, without a fuzzer.
 
 #[path = "../fuzz/parsers.rs"]
 mod parsers;

@@ -1,4 +1,4 @@
-//! What packages are made of: templates, archives and the names that these agree on.
+//! Parts of packages: templates, archives and the names that these agree on.
 #![cfg(target_os = "linux")]
 
 use std::fs;

@@ -23,10 +23,13 @@ const HEADLESS: &str = "What Which Whether Where How Who Whose Why When If Becau
     But More Less Larger Smaller Also Only Even Everything Nothing There They It Its These Those \
     This Is Are Has Have Likewise";
 
+/// Marks of the doc comments of items and of modules.
+const MARKS: [&str; 2] = ["///", "//!"];
+
 /// The first lines of doc comments that are headless clauses or single words, with their numbers.
-fn headless_docs(text: &str) -> Vec<(usize, &str)> {
+fn headless_docs<'a>(text: &'a str, mark: &str) -> Vec<(usize, &'a str)> {
     let docs: Vec<Option<&str>> =
-        text.lines().map(|line| line.trim_start().strip_prefix("///").map(str::trim)).collect();
+        text.lines().map(|line| line.trim_start().strip_prefix(mark).map(str::trim)).collect();
     let is_headless = |k: usize, doc: &str| {
         let first = doc.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
         let alone = !doc.contains(' ') && !docs.get(k + 1).is_some_and(Option::is_some);
@@ -40,13 +43,19 @@ fn headless_docs(text: &str) -> Vec<(usize, &str)> {
 
 #[test]
 fn doc_comments_say_what_an_item_is_or_does() {
-    for (file, text) in sources(Path::new("src")) {
-        let found = headless_docs(&text);
-        assert!(found.is_empty(), "{}: {found:?}", file.display());
+    let folders = ["src", "tests", "examples", "benches"].map(Path::new);
+    for (file, text) in folders.into_iter().flat_map(sources) {
+        for mark in MARKS {
+            let found = headless_docs(&text, mark);
+            assert!(found.is_empty(), "{}: {found:?}", file.display());
+        }
     }
-    let bad = "/// Which.\nx\n/// Whether it is.\ny\n/// Mass in kg.\nz\n/// kg.\nw";
-    let found: Vec<usize> = headless_docs(bad).into_iter().map(|(line, _)| line).collect();
-    assert_eq!(found, [1, 3, 7], "the test can fail");
+    for mark in MARKS {
+        let bad = "/// Which.\nx\n/// Whether it is.\ny\n/// Mass in kg.\nz\n/// kg.\nw";
+        let bad = bad.replace("///", mark);
+        let found: Vec<usize> = headless_docs(&bad, mark).iter().map(|(line, _)| *line).collect();
+        assert_eq!(found, [1, 3, 7], "the test can fail");
+    }
 }
 
 /// The types in the glossary of ARCHITECTURE.md.
@@ -73,6 +82,29 @@ fn defined_type(line: &str) -> Option<&str> {
     let kinds = ["struct ", "enum ", "trait ", "type "];
     let name = kinds.iter().find_map(|kind| private(line).strip_prefix(kind))?;
     name.split(|c: char| !c.is_alphanumeric()).next()
+}
+
+/// The name that a line defines as a type that other modules see.
+fn shared_type(line: &str) -> Option<&str> {
+    let is_shared = line.trim_start().starts_with("pub") && !line.contains("type ");
+    defined_type(line).filter(|_| is_shared)
+}
+
+#[test]
+fn a_name_that_modules_share_names_one_type() {
+    let all = sources(Path::new("src"));
+    let mut homes = std::collections::BTreeMap::<&str, Vec<&Path>>::new();
+    for (file, text) in &all {
+        // Every verb of the command line has options of its own.
+        for name in text.lines().filter_map(shared_type).filter(|name| *name != "Options") {
+            homes.entry(name).or_default().push(file);
+        }
+    }
+    assert!(homes.len() > 300, "{}", homes.len());
+    let shared: Vec<_> = homes.into_iter().filter(|(_, files)| files.len() > 1).collect();
+    assert!(shared.is_empty(), "{shared:?}");
+    assert_eq!(shared_type("    pub(super) struct Cell {"), Some("Cell"));
+    assert_eq!(shared_type("    struct Cell {"), None);
 }
 
 #[test]

@@ -36,7 +36,8 @@ fn a_trace_has_the_columns_of_its_question() {
     let last = |ask: &str| {
         let arguments =
             ["trace", "--start", "3,3", "--gravity", "1", "--until", "8", "--every", "1"];
-        let output = flipmap(&folder, &[&arguments[..], &["--ask", ask]].concat());
+        let (option, ask) = ask.split_once('=').unwrap_or(("--ask", ask));
+        let output = flipmap(&folder, &[&arguments[..], &[option, ask]].concat());
         assert!(output.status.success(), "{}", error_of(&output));
         let table = String::from_utf8(output.stdout).unwrap();
         let named =
@@ -60,20 +61,28 @@ fn a_trace_has_the_columns_of_its_question() {
     // What goes over to the left and not back is a turn.
     assert_eq!(numbers(&end), [counts[0] - counts[1], counts[2] - counts[3]]);
     let (named, _, end) = last("growth");
-    let exponent = ["--ask", "growth", "--gravity", "1", "--budget", "8", "--size", "1x1"];
-    let exponent = [&exponent[..], &["--center", "3,3", "--width", "1e-6", "--raw", "g.npy"]];
-    // A cell's tangents are known to about 1e-3, so the start is followed alone.
-    let exponent = [&exponent.concat()[..], &["--cells", "never"]];
-    let output =
-        flipmap(&folder, &[&["render", "--engine", "cpu"], &exponent.concat()[..]].concat());
-    assert!(output.status.success(), "{}", error_of(&output));
-    let bytes = fs::read(folder.path().join("g.npy")).unwrap();
-    let value = f64::from_le_bytes(bytes[bytes.len() - 8..].try_into().unwrap());
+    // The last `count` values of the same start's pixel.
+    let pixel = |ask: &str, count: usize| {
+        let asked = ["--ask", ask, "--gravity", "1", "--budget", "8", "--size", "1x1"];
+        let view = ["--center", "3,3", "--width", "1e-6", "--raw", "g.npy"];
+        // A cell's tangents are known to about 1e-3, so the start is followed alone.
+        let how = ["render", "--engine", "cpu", "--cells", "never"];
+        let output = flipmap(&folder, &[&how[..], &asked, &view].concat());
+        assert!(output.status.success(), "{}", error_of(&output));
+        let bytes = fs::read(folder.path().join("g.npy")).unwrap();
+        let values = bytes[bytes.len() - 8 * count..].as_chunks::<8>().0.iter();
+        values.map(|bytes| f64::from_le_bytes(*bytes)).collect::<Vec<f64>>()
+    };
+    let value = pixel("growth", 1)[0];
     assert_eq!(named, "exponent");
     assert!((numbers(&end)[0] / value - 1.0).abs() < 1e-5, "{end:?} {value}");
     let (named, begin, end) = last("return");
-    assert_eq!((named.as_str(), numbers(&begin)[0]), ("distance", 0.0));
-    assert!((0.01..6.0).contains(&numbers(&end)[0]), "{end:?}");
+    assert_eq!((named.as_str(), begin), ("distance,time", vec![String::new(); 2]));
+    let (found, value) = (numbers(&end), pixel("return", 2));
+    assert!((0..2).all(|k| (found[k] - value[k]).abs() < 1e-6), "{found:?} {value:?}");
+    let (named, begin, end) = last("--count=2");
+    assert_eq!((named.as_str(), begin), ("time", vec![String::new()]));
+    assert!(numbers(&end)[0] > 1.8, "the first flip is at 1.77 s: {end:?}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ use super::{farm, stop, video};
 
 /// Computes and writes a film frame by frame; frames that are there already are not made again.
 pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyhow::Result<()> {
-    check(options, film, spec)?;
+    check(options, film)?;
     farm::check_output(&options.output)?;
     let mut document = film.keys[0].scene.clone();
     options.film.picture.apply(&mut document)?;
@@ -32,7 +32,12 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     let threads = options.film.run.engine.threads();
     let mut renderer = Renderer::of(chosen.engine, chosen.config, spec.verify, threads)?;
     let mut sink = FilmSink::open(&options.output, film, &document)?;
-    let mut moments = (film.kind() == FilmKind::Moments).then(|| {
+    // Checks, and numbers that cannot be carried on, begin every frame anew.
+    let first = &film.keys[0].scene.scene();
+    let goes_on = film.kind() == FilmKind::Moments
+        && !spec.verify
+        && Moments::are_possible(first, &chosen.config);
+    let mut moments = goes_on.then(|| {
         let job_size = renderer.engine().job_size();
         Moments::new(&film.shot(0).scene, size, chosen.config, job_size)
     });
@@ -70,17 +75,13 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
 }
 
 /// Rejects what such a film does not have.
-fn check(options: &video::Options, film: &Film, spec: &RunSpec) -> Result<(), Exit> {
-    let question = &film.keys[0].scene.question;
-    let why = if options.cache.is_some() {
-        "it keeps no samples, only its frames: omit --cache"
-    } else if spec.verify && film.kind() == FilmKind::Moments {
-        "states that go on are not checked: omit --verify and --accuracy exact"
-    } else {
+fn check(options: &video::Options, film: &Film) -> Result<(), Exit> {
+    if options.cache.is_none() {
         return Ok(());
-    };
+    }
     Err(Exit::Usage(format!(
-        "a film of the question {} cannot be made like this: {why}",
-        question.ask
+        "a film of the question {} cannot be made like this: it keeps no samples, only its frames: \
+         omit --cache",
+        film.keys[0].scene.question.ask
     )))
 }

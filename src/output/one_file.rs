@@ -1,4 +1,5 @@
-//! Whether two paths lead to one file: what is read must not be replaced, nor written twice at once.
+//! Tests for two paths to one file: nothing that is read is replaced, and nothing is written twice at
+//! once.
 
 use std::path::{Path, PathBuf};
 

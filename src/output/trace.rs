@@ -113,7 +113,7 @@ impl Trace {
         }
         let first = self.passes.len();
         self.passes.extend(passes_in(&step).into_iter().filter(|pass| pass.time <= self.until));
-        self.channels.add(&self.passes[first..]);
+        self.channels.add(&step, &self.passes[first..]);
         self.step = Some(step);
         Ok(Advance::Step)
     }

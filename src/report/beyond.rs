@@ -56,9 +56,9 @@ pub struct LateRow {
     /// Results of the checks.
     pub checks: Checks,
     /// Number of starts that the gold standard answered as well.
-    pub gold_asked: usize,
+    pub oracle_asked: usize,
     /// Number of those on which it disagrees with the truth used here.
-    pub gold_disagrees: usize,
+    pub oracle_disagrees: usize,
 }
 
 /// Statistics of the true flip times.
@@ -136,7 +136,7 @@ impl Bench<'_> {
         let pairs: Vec<([Dd; 2], Outcome)> =
             starts.into_iter().zip(truth.iter().copied()).collect();
         let (asked, truth_of_them): (Vec<_>, Vec<_>) =
-            spread(&pairs, self.care.gold_starts).into_iter().unzip();
+            spread(&pairs, self.care.oracle_starts).into_iter().unzip();
         let gold = oracle_dd(&question, &asked);
         Ok(LateRow {
             window: window.name.to_string(),
@@ -144,8 +144,8 @@ impl Bench<'_> {
             engine: backend.short_name(),
             flips: Flips::of(&truth),
             checks: Checks::of(&pixels),
-            gold_asked: asked.len(),
-            gold_disagrees: disagreements(&gold, &truth_of_them),
+            oracle_asked: asked.len(),
+            oracle_disagrees: disagreements(&gold, &truth_of_them),
         })
     }
 }
@@ -162,8 +162,12 @@ mod tests {
     use crate::report::windows::{LATE, WINDOWS};
     use crate::report::{TestSet, Thoroughness, plan};
 
-    const FEW: Thoroughness =
-        Thoroughness { window_starts: 100, late_starts: 60, gold_starts: 2, ..Thoroughness::QUICK };
+    const FEW: Thoroughness = Thoroughness {
+        window_starts: 100,
+        late_starts: 60,
+        oracle_starts: 2,
+        ..Thoroughness::QUICK
+    };
 
     fn with_bench<T>(measure: impl Fn(&Bench, &mut Backend) -> T) -> T {
         let test_set = TestSet::home(0, &|| false).unwrap();
@@ -189,7 +193,7 @@ mod tests {
     fn late_flips_are_right_or_marked() {
         let row = with_bench(|bench, backend| bench.late(&LATE[0], backend).unwrap());
         assert_eq!((row.checks.pixels, row.checks.unmarked_wrong), (60, 0));
-        assert_eq!((row.gold_asked, row.gold_disagrees), (2, 0));
+        assert_eq!((row.oracle_asked, row.oracle_disagrees), (2, 0));
         assert!(row.flips.median_secs.unwrap() > 3.0);
     }
 

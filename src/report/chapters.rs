@@ -181,7 +181,7 @@ fn late(report: &Report) -> Option<Section> {
         .iter()
         .map(|row| {
             let rest =
-                [row.gold_asked.to_string(), row.gold_disagrees.to_string(), row.place.clone()];
+                [row.oracle_asked.to_string(), row.oracle_disagrees.to_string(), row.place.clone()];
             line(&row.window, flip_cells(&row.flips), &row.checks, rest)
         })
         .collect();
@@ -189,7 +189,7 @@ fn late(report: &Report) -> Option<Section> {
     let sum = |count: fn(&super::LateRow) -> usize| {
         report.late.iter().map(count).sum::<usize>().to_string()
     };
-    let rest = [sum(|row| row.gold_asked), sum(|row| row.gold_disagrees), String::new()];
+    let rest = [sum(|row| row.oracle_asked), sum(|row| row.oracle_disagrees), String::new()];
     let dash = || "–".to_string();
     rows.push(line("all", [dash(), dash()], &total, rest));
     let blocks =

@@ -102,8 +102,8 @@ fn late() -> LateRow {
         engine: "cpu".to_string(),
         flips: FLIPS,
         checks: Checks { pixels: 10, confirmed: 9, settled: 1, ..Checks::default() },
-        gold_asked: 2,
-        gold_disagrees: 0,
+        oracle_asked: 2,
+        oracle_disagrees: 0,
     }
 }
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{ReportError, StopTest, as_words};
 use crate::engine::{IntegratorConfig, Method, Precision};
-use crate::physics::control::{Control, FIRST, GROW, LONGEST, SHRINK};
+use crate::physics::control::{Control, FIRST, LONGEST};
 use crate::physics::embedded::{Trial, dop853, dopri5};
 use crate::physics::phase::Phase;
 use crate::physics::series::{MotionSeries, ORDER_F64};
@@ -239,8 +239,7 @@ impl<T: Scalar> ControlledPair<T> {
             let trial = (self.trial)(pendulum, scale, phase, length);
             let error = trial.error_squared.to_f64().max(f64::MIN_POSITIVE);
             let excess = error.log2() - self.control.limit(time);
-            let factor = (excess * self.control.exponent + self.control.safety).exp2();
-            step = (step * factor.clamp(SHRINK, GROW)).min(LONGEST);
+            step = (step * self.control.factor(excess)).min(LONGEST);
             if excess < 0.0 {
                 return (length, trial.change);
             }

@@ -23,7 +23,7 @@ pub struct Thoroughness {
     /// Number of starts of each late window in which `exact` is measured.
     pub late_starts: usize,
     /// Number of those that the gold standard answers too, in double-double.
-    pub gold_starts: usize,
+    pub oracle_starts: usize,
     /// Number of pixels of each deep place that are compared, in numbers as long as it needs.
     pub depth_starts: usize,
     /// The same for each place deeper than 1e-24 rad, where each pixel takes seconds.
@@ -41,7 +41,7 @@ impl Thoroughness {
         scalar_starts: 1000,
         window_starts: 1000,
         late_starts: 2000,
-        gold_starts: 10,
+        oracle_starts: 10,
         depth_starts: 192,
         deepest_starts: 24,
     };
@@ -55,7 +55,7 @@ impl Thoroughness {
         scalar_starts: 500,
         window_starts: 100,
         late_starts: 60,
-        gold_starts: 2,
+        oracle_starts: 2,
         depth_starts: 12,
         deepest_starts: 0,
     };

@@ -31,7 +31,7 @@ pub(super) struct Window {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ComparedWith {
     /// The gold standard in f64.
-    Gold,
+    Oracle,
     /// Taylor expansions in double-double, where flips are late or starts close together.
     Finest,
 }
@@ -44,7 +44,7 @@ const WHOLE: Window = Window {
     width: "6.283185307179586",
     build: Build::default,
     rule: Rule::Second,
-    judge: ComparedWith::Gold,
+    judge: ComparedWith::Oracle,
 };
 
 const fn deep(name: &'static str, center: [&'static str; 2], width: &'static str) -> Window {
@@ -130,7 +130,7 @@ impl Window {
         stop: StopTest,
     ) -> Result<Vec<Outcome>, ReportError> {
         match self.judge {
-            ComparedWith::Gold => Ok(oracle_f64(&self.question(), starts)),
+            ComparedWith::Oracle => Ok(oracle_f64(&self.question(), starts)),
             ComparedWith::Finest => finest(&self.question(), starts, threads, stop),
         }
     }
@@ -140,7 +140,7 @@ impl ComparedWith {
     /// Describes the kind of truth.
     pub(super) fn words(self) -> &'static str {
         match self {
-            ComparedWith::Gold => "gold, f64",
+            ComparedWith::Oracle => "gold, f64",
             ComparedWith::Finest => "taylor 1e-28, dd",
         }
     }

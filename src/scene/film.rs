@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use super::keys::Key;
 use super::{Axis, Budget, Build, Plane, QuestionTable, Scene, SceneError, View};
 use crate::physics::{Decimal, Scalar, Theta};
-use crate::question::Ask;
 
 /// Frames of one size along a path of keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,7 +30,7 @@ pub struct Film {
 pub enum FilmKind {
     /// Painted from samples of first flips from rest, which are computed once for all frames.
     Flips,
-    /// States of one view as its time goes on: every trajectory is computed once.
+    /// Answers of one view as its time goes on: every trajectory is computed once.
     Moments,
     /// Each frame is a still of its own.
     Stills,
@@ -166,12 +165,13 @@ impl Film {
         let scenes: Vec<Scene> = self.keys.iter().map(|key| key.scene.scene()).collect();
         let goes_on = |pair: &[Scene]| {
             let [a, b] = pair else { return false };
-            let same = (a.build, &a.view, &a.plane) == (b.build, &b.view, &b.plane);
+            let same = (a.build, &a.view, &a.plane, a.question.ask)
+                == (b.build, &b.view, &b.plane, b.question.ask);
             same && b.question.end_secs() >= a.question.end_secs()
         };
         if scenes.iter().all(Scene::is_flip_from_rest) {
             FilmKind::Flips
-        } else if scenes.iter().all(|scene| scene.question.ask == Ask::State)
+        } else if scenes.iter().all(|scene| scene.question.ask.kind().at_a_time)
             && scenes.windows(2).all(goes_on)
         {
             FilmKind::Moments

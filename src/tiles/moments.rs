@@ -1,12 +1,10 @@
-//! The states of a view's pendulums at later and later times: each trajectory is computed once,
-//! and goes on from where the time before found it.
+//! The answers of a view's pendulums at later and later times: each trajectory is computed once, and
+//! goes on from where the time before found it.
 
 use super::plan::plan;
 use super::reader::Reader;
 use super::samples::Samples;
-use crate::engine::method::Pace;
 use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Starts, run_job};
-use crate::physics::Status;
 use crate::scene::{Fate, Grid, Scene};
 
 /// The pendulums of a view in motion.
@@ -29,8 +27,8 @@ struct Batch {
 }
 
 impl Moments {
-    /// The pendulums of a checked scene with the question `state` at their starts, in a picture of
-    /// `size` pixels.
+    /// The pendulums of a checked scene, whose question asks for a time, at their starts, in a picture
+    /// of `size` pixels.
     pub fn new(scene: &Scene, size: [u32; 2], config: IntegratorConfig, job_size: usize) -> Self {
         let grid = Grid::new(scene, size);
         let question = Question::from(scene);
@@ -60,8 +58,20 @@ impl Moments {
         Moments { question, config, reader, samples, batches, reached_secs: 0.0 }
     }
 
+    /// The states and ends that jobs return.
+    fn keep(&self) -> Keep {
+        Keep { ends: self.reader.ends(), states: true }
+    }
+
+    /// Returns true if an integrator config can let pendulums go on with all that a checked scene's
+    /// question needs.
+    pub fn are_possible(scene: &Scene, config: &IntegratorConfig) -> bool {
+        let ends = scene.question.ask.kind().needs.into();
+        Keep { ends, states: true }.check(config).is_ok()
+    }
+
     /// Lets all pendulums go on until `at_secs`, which must not lie before the time they have
-    /// reached, and returns their states there; none once `go_on` returns false.
+    /// reached, and returns the answers there; none once `go_on` returns false.
     pub fn at(
         &mut self,
         engine: &mut dyn Engine,
@@ -72,22 +82,18 @@ impl Moments {
         self.reached_secs = at_secs;
         self.question.budget_secs = at_secs;
         self.reader = self.reader.at(&self.question);
-        let pace = Pace::new(&self.question, &self.config)?;
+        let keep = self.keep();
         for batch in &mut self.batches {
             let starts = std::mem::replace(&mut batch.starts, Starts::Rest(Vec::new()));
-            let thrown = starts.are_thrown();
-            let (question, config, keep) = (self.question, self.config, Keep::STATES);
+            let (question, config, thrown) = (self.question, self.config, starts.are_thrown());
             let Some(result) = run_job(engine, question, config, starts, keep, go_on)? else {
                 return Ok(None);
             };
+            self.reader.fill(&result, &batch.places, &mut self.samples);
             // Those that are not among the unfinished ones have failed.
-            for &place in &batch.places {
-                self.samples.set_values(place as usize, Status::Failed, &[]);
-            }
             let place = |(k, state): (usize, _)| (batch.places[k], state);
             let (places, states): (Vec<u32>, Vec<_>) =
                 result.unfinished.into_iter().map(place).unzip();
-            self.reader.fill_states(&pace, &states, &places, &mut self.samples);
             (batch.places, batch.starts) = (places, Starts::Resumed { states, thrown });
         }
         Ok(Some(&self.samples))

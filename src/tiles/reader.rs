@@ -1,11 +1,9 @@
-//! From the results of jobs to the channels of a question.
+//! The reading of a question's channels from the results of jobs.
 
 use rayon::prelude::*;
 
 use super::Samples;
-use crate::engine::method::Pace;
-use crate::engine::{End, Ends, IntegratorState, JobResult, Question, start};
-use crate::physics::crossing::FAR;
+use crate::engine::{End, Ends, JobResult, Question};
 use crate::physics::transport::{transported, turns_between};
 use crate::physics::{Dd, Outcome, Pendulum, State, Status};
 use crate::question::{Ask, Ending, MOST_CHANNELS, Needs};
@@ -52,27 +50,6 @@ impl Reader {
     /// The same reader for answers at the end of another budget.
     pub(super) fn at(self, question: &Question) -> Self {
         Reader { at: question.budget_secs / self.unit_secs, ..self }
-    }
-
-    /// Writes the answers of pendulums that have not flipped, from the states in which a job left
-    /// them, into the samples at `places`.
-    pub(super) fn fill_states(
-        &self,
-        pace: &Pace,
-        states: &[IntegratorState],
-        places: &[u32],
-        samples: &mut Samples,
-    ) {
-        let unflipped = Outcome::without_time(Status::Unflipped);
-        let read = |state: &IntegratorState| {
-            let end = start::end(&self.pendulum, pace, state, None, FAR);
-            self.read(&unflipped, &end)
-        };
-        let answers: Vec<_> = states.par_iter().map(read).collect();
-        let channels = self.ask.kind().channels.len();
-        for (&place, (status, values)) in places.iter().zip(answers) {
-            samples.set_values(place as usize, status, &values[..channels]);
-        }
     }
 
     /// The status of an answer and its channels.

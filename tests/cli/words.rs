@@ -1,4 +1,4 @@
-//! What is typed: names of sizes and scenes, angles, help, the manual, and names of outputs.
+//! Typed words: names of sizes and scenes, angles, help, the manual, and names of outputs.
 
 use std::fs;
 

@@ -81,7 +81,7 @@ fn exponent(scene: &Scene, k: u32) -> f64 {
     map.log_growth() / secs
 }
 
-/// For each pixel, whether its state is right within 1e-3 rad, with its turns.
+/// True for each pixel whose state is right within 1e-3 rad, with its turns.
 fn right(samples: &Samples, truths: &[State<f64>]) -> Vec<bool> {
     let is_right = |(k, truth): (usize, &State<f64>)| {
         let values = samples.values(k);

@@ -105,6 +105,31 @@ fn a_film_of_states_passes_through_the_states_of_stills() {
 }
 
 #[test]
+fn a_film_of_any_question_about_a_time_passes_through_its_stills() {
+    for ask in [Ask::Flips, Ask::Growth, Ask::Return] {
+        for config in [BALANCED, FAST, lesson(Precision::F64)] {
+            let mut scene = scene(ask, plane("speeds", ["2", "-1", "0", "0"]), "20", 30.0);
+            let mut engine = CpuEngine::new(Some(2)).unwrap();
+            let mut moments = Moments::new(&scene, [11, 9], config, 40);
+            for at in [0.5, 1.25, 3.0] {
+                let samples = moments.at(&mut engine, at, &|| true).unwrap().unwrap().clone();
+                scene.question.at = Some(at);
+                let still = {
+                    let engine = Box::new(CpuEngine::new(Some(2)).unwrap());
+                    let mut renderer = Renderer::of(engine, config, false, Some(2)).unwrap();
+                    renderer.render(&scene, [11, 9]).unwrap()
+                };
+                for k in 0..99 {
+                    assert_eq!(samples.get(k).status, still.get(k).status, "{ask} {k}");
+                    let same = samples.values(k).iter().zip(still.values(k));
+                    assert!(same.clone().all(|(a, b)| a == b), "{ask} {config:?} {at} {k}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn friction_slows_every_method_alike() {
     let mut scene = scene(Ask::State, plane("speeds", ["2.5", "-1", "0", "0"]), "20", 6.0);
     scene.build.friction = [0.2, 0.1].map(Decimal::from);

@@ -1,4 +1,4 @@
-//! What a process holds while it runs: memory, file handles and threads.
+//! Memory, file handles and threads of a running process.
 
 use std::fs;
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! Growth in scalar Taylor steps: a pendulum with its tangents, in f64 or double-double.
 
 use super::lane_scheduler::{Chunk, ChunkResult};
-use super::one_by_one::{self, Progress, Walker, dynamics, phase_in};
+use super::one_by_one::{self, WalkProgress, Walker, dynamics, phase_in};
 use super::pair::EmbeddedPair;
 use crate::engine::method::Pace;
 use crate::engine::start::{STEP, TIME, end_with_growth};
@@ -18,7 +18,7 @@ struct Growing<'a, R, P> {
     state: Tangents<R>,
     /// Natural logarithm of the factor by which the slopes were made smaller.
     log_scale: f64,
-    progress: Progress,
+    progress: WalkProgress,
     pair: PhantomData<P>,
 }
 
@@ -53,7 +53,7 @@ impl<'a, R: Scalar, P: EmbeddedPair> Growing<'a, R, P> {
                 slope: slopes[i].map(R::from_f64),
             }),
             log_scale: state.log_scale(),
-            progress: Progress { time, length, steps: state.steps },
+            progress: WalkProgress { time, length, steps: state.steps },
             pair: PhantomData,
         }
     }
@@ -62,7 +62,7 @@ impl<'a, R: Scalar, P: EmbeddedPair> Growing<'a, R, P> {
 impl<R: Scalar, P: EmbeddedPair> Walker for Growing<'_, R, P> {
     type After = Tangents<R>;
 
-    fn progress(&mut self) -> &mut Progress {
+    fn progress(&mut self) -> &mut WalkProgress {
         &mut self.progress
     }
 

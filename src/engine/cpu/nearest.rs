@@ -5,7 +5,7 @@
 //! the same beginning, as passes of the top are.
 
 use super::lane_scheduler::{Chunk, ChunkResult};
-use super::one_by_one::{self, Progress, Walker, dynamics, phase_in};
+use super::one_by_one::{self, WalkProgress, Walker, dynamics, phase_in};
 use super::pair::EmbeddedPair;
 use crate::engine::method::Pace;
 use crate::engine::start::{STEP, TIME, end_with_return};
@@ -23,7 +23,7 @@ struct Returning<'a, R, P> {
     inverse_scale: [R; 2],
     start: Phase<R>,
     phase: Phase<R>,
-    progress: Progress,
+    progress: WalkProgress,
     /// True once the distance has fallen for the first time: the pendulum has left its start.
     has_left: bool,
     /// Least distance since then, and its reduced time.
@@ -56,7 +56,7 @@ impl<'a, R: Scalar, P: EmbeddedPair> Returning<'a, R, P> {
             inverse_scale: pendulum.momentum_scale().map(|scale| R::from_f64(1.0) / scale),
             start,
             phase,
-            progress: Progress { time, length, steps: state.steps },
+            progress: WalkProgress { time, length, steps: state.steps },
             has_left,
             nearest,
             pair: PhantomData,
@@ -100,7 +100,7 @@ impl<'a, R: Scalar, P: EmbeddedPair> Returning<'a, R, P> {
 impl<R: Scalar, P: EmbeddedPair> Walker for Returning<'_, R, P> {
     type After = Phase<R>;
 
-    fn progress(&mut self) -> &mut Progress {
+    fn progress(&mut self) -> &mut WalkProgress {
         &mut self.progress
     }
 

@@ -18,7 +18,7 @@ const PATIENCE: u32 = 4096;
 
 /// The times of a pendulum on its way through the budget.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Progress {
+pub(super) struct WalkProgress {
     /// Reduced time.
     pub time: f64,
     /// Length of the next step.
@@ -30,7 +30,7 @@ pub(super) struct Progress {
 /// A pendulum that is followed to the end of the budget.
 pub(super) trait Walker {
     /// Returns the times and the steps so far.
-    fn progress(&mut self) -> &mut Progress;
+    fn progress(&mut self) -> &mut WalkProgress;
     /// Computes a step of this length: the squared error, and the state after it.
     fn trial(&self, pace: &Pace, length: f64) -> (f64, Self::After);
     /// A state after a step.
@@ -55,7 +55,7 @@ pub(super) fn run<W: Walker>(
     for start in chunk.starts {
         let mut walker = begin(start);
         walk(&mut walker, chunk, until, &mut result)?;
-        let Progress { time, steps, .. } = *walker.progress();
+        let WalkProgress { time, steps, .. } = *walker.progress();
         let steps = u64::from(steps - start.steps);
         result.effort.steps += steps;
         result.effort.lane_steps += steps;
@@ -80,7 +80,7 @@ fn walk<W: Walker>(
     let most_steps = chunk.pace.most_steps_to_end();
     for is_cut in [false, true] {
         loop {
-            let Progress { time, length, steps } = *walker.progress();
+            let WalkProgress { time, length, steps } = *walker.progress();
             let left = until - time;
             let has_room = if is_cut { left > 0.0 } else { length <= left };
             if !has_room || steps >= most_steps {
@@ -100,7 +100,7 @@ fn walk<W: Walker>(
 
 /// Tries a step, at most to `until`, and takes it if its error is allowed.
 fn step<W: Walker>(walker: &mut W, pace: &Pace, until: f64) {
-    let Progress { time, length, .. } = *walker.progress();
+    let WalkProgress { time, length, .. } = *walker.progress();
     let left = until - time;
     let by = length.min(left);
     let (error_squared, after) = walker.trial(pace, by);

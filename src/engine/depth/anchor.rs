@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use super::domain_splitting::{DomainSplitting, SplitRequest};
 use super::finished_patch::FinishedPatch;
-use super::part::{Branch, PlacedStart, SplitNode, SplitPart, Way};
+use super::part::{Branch, BranchState, PlacedStart, SplitNode, SplitPart};
 use crate::physics::flow_patch::{FlowPatch, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::reference::{Reference, bits_for, digits_for, reference};
@@ -58,7 +58,7 @@ impl DomainSplitting {
         wanted.told.clear();
         let Some(end) = end? else { return Some(Err(starts)) };
         let part = SplitPart::whole(cell, wanted.level, self.strict);
-        let way = Way::Ended(Arc::new(FinishedPatch::new(
+        let way = BranchState::Ended(Arc::new(FinishedPatch::new(
             (&self.plane, &part),
             anchor.node.clone(),
             end,

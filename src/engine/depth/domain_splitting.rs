@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use super::anchor::{Anchor, anchor_level};
 use super::finished_patch::{FinishedPatch, MappedStart, PartKey};
 use super::following::Following;
-use super::part::{Branch, Cut, PlacedStart, SplitNode, SplitPart, Way};
+use super::part::{Branch, BranchState, Cut, PlacedStart, SplitNode, SplitPart};
 use super::split_lanes::SplitLanes;
 use crate::engine::{Deep, Leaf, Moving, Question};
 use crate::physics::crossing::FAR;
@@ -146,8 +146,8 @@ impl DomainSplitting {
             let mut all = Distribution::default();
             let Branch { part, starts, way } = branch;
             let finished = match way {
-                Way::Ended(finished) => finished,
-                Way::Open(mut node) => {
+                BranchState::Ended(finished) => finished,
+                BranchState::Open(mut node) => {
                     let end = self.follow(&mut node, &part, wanted.budget);
                     self.finish(&part, *node, end, wanted, &mut all)
                 }
@@ -223,7 +223,7 @@ impl DomainSplitting {
                 continue;
             }
             if let Some(known) = self.known(&part.key, wanted.budget) {
-                branches.push(Branch { part, starts, way: Way::Ended(known) });
+                branches.push(Branch { part, starts, way: BranchState::Ended(known) });
                 continue;
             }
             let mut node = if finished.patch.time.0 == 0.0 {
@@ -233,7 +233,7 @@ impl DomainSplitting {
                 framed.part(&self.dynamics, &frame)
             };
             if node.settle_edge() {
-                branches.push(Branch { part, starts, way: Way::Open(Box::new(node)) });
+                branches.push(Branch { part, starts, way: BranchState::Open(Box::new(node)) });
             } else {
                 all.forbidden.extend(starts.iter().map(|start| start.index));
             }

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use super::part::{SplitNode, SplitPart};
 use super::stats::DepthStats;
 use crate::engine::{End, Moving, Question};
-use crate::physics::flow_patch::{Curve, Dynamics, FlowPatch, PatchEnd};
+use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchCurve, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::phase::Phase;
 use crate::physics::{Accumulators, Outcome, Status};
@@ -45,7 +45,7 @@ pub(super) struct FinishedPatch {
     /// Reduced time up to which it was to be followed.
     pub budget: f64,
     /// The curve on which its states lie, if they lie on one.
-    pub curve: OnceLock<Option<Curve>>,
+    pub curve: OnceLock<Option<PatchCurve>>,
 }
 
 /// A start as far as polynomials determine it.
@@ -128,7 +128,7 @@ impl FinishedPatch {
 
     /// The curve on which the states of all starts lie, if they lie on one. Those of starts that are
     /// forbidden or flipped in a graze are continued as if they were not.
-    pub(super) fn curve(&self, dynamics: &Dynamics) -> Option<&Curve> {
+    pub(super) fn curve(&self, dynamics: &Dynamics) -> Option<&PatchCurve> {
         let find = || self.is_open().then(|| self.patch.curve(dynamics, MOST_ASIDE)).flatten();
         self.curve.get_or_init(find).as_ref()
     }

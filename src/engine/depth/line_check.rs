@@ -14,7 +14,7 @@
 use super::line_interval::Sample;
 use crate::physics::Status;
 use crate::physics::flip::right_secs;
-use crate::physics::flow_patch::{Curve, CurvePoint, Dynamics, FlowPatch};
+use crate::physics::flow_patch::{CurvePoint, Dynamics, FlowPatch, PatchCurve};
 use crate::physics::phase::Phase;
 
 /// The corners, in coordinates of the patch.
@@ -54,7 +54,7 @@ impl Role {
 pub(super) struct LineCheck<'a> {
     pub dynamics: &'a Dynamics,
     pub patch: &'a FlowPatch,
-    pub curve: &'a Curve,
+    pub curve: &'a PatchCurve,
     /// The reduced unit of time in s.
     pub unit_secs: f64,
 }

@@ -46,7 +46,7 @@ pub(super) struct Sample {
 
 /// The judgement of an interval by its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Verdict {
+pub(super) enum IntervalVerdict {
     /// All flip, at times (s) that are a polynomial: its values at the five samples.
     Flips([f64; SAMPLES]),
     /// None flips.
@@ -91,13 +91,13 @@ impl Interval {
     /// be integrated `alone`.
     pub(super) fn settle(
         &self,
-        verdict: &Verdict,
+        verdict: &IntervalVerdict,
         unit_secs: f64,
         known: &mut Vec<(usize, Outcome)>,
         alone: &mut Vec<usize>,
     ) {
         for (index, point) in &self.starts {
-            let Verdict::Flips(secs) = verdict else {
+            let IntervalVerdict::Flips(secs) = verdict else {
                 known.push((*index, Outcome::without_time(Status::Unflipped)));
                 continue;
             };
@@ -131,34 +131,34 @@ fn quartic(values: &[f64; SAMPLES], x: f64) -> (f64, f64) {
     (value, rate)
 }
 
-impl Verdict {
+impl IntervalVerdict {
     /// Judges an interval by its samples, from one end to the other.
     pub(super) fn on(samples: [&Sample; SAMPLES], unit_secs: f64) -> Self {
         let jumps = samples.windows(2).filter(|pair| !pair[0].belongs_to(pair[1])).count();
         let status = samples[0].outcome.status;
         if !matches!(status, Status::Flipped | Status::Unflipped) {
-            return Verdict::Rough(SAMPLES);
+            return IntervalVerdict::Rough(SAMPLES);
         }
         if jumps > 0 {
-            return Verdict::Rough(jumps);
+            return IntervalVerdict::Rough(jumps);
         }
         let ends = samples.map(Sample::place);
         let bent = |e: &[[f64; 5]]| size(|i| e[0][i] - 2.0 * e[1][i] + e[2][i]);
         let bend = ends.windows(3).map(bent).fold(0.0, f64::max);
         let clearance = samples.iter().map(|sample| sample.end.clearance).fold(f64::MAX, f64::min);
         if clearance < CLEAR * bend {
-            return Verdict::Rough(jumps);
+            return IntervalVerdict::Rough(jumps);
         }
         if status == Status::Unflipped {
-            return Verdict::Unflipped;
+            return IntervalVerdict::Unflipped;
         }
         let secs = samples.map(|sample| sample.outcome.time);
-        // How far the middle is from the cubic through the others.
+        // Distance of the middle from the cubic through the others.
         let off = (secs[0] - 4.0 * secs[1] + 6.0 * secs[2] - 4.0 * secs[3] + secs[4]) / 6.0;
         if off.abs() <= SHARE * right_secs(unit_secs) {
-            Verdict::Flips(secs)
+            IntervalVerdict::Flips(secs)
         } else {
-            Verdict::Rough(jumps)
+            IntervalVerdict::Rough(jumps)
         }
     }
 }
@@ -204,18 +204,24 @@ mod tests {
     #[test]
     fn smooth_times_are_interpolated_and_others_are_not() {
         let smooth = |x: f64| 7.0 + 0.1 * x - 0.02 * x * x + 0.003 * x.powi(3);
-        let verdict = Verdict::on(samples(smooth, FAR).each_ref(), 1.0);
-        let Verdict::Flips(secs) = verdict else { panic!("{verdict:?}") };
+        let verdict = IntervalVerdict::on(samples(smooth, FAR).each_ref(), 1.0);
+        let IntervalVerdict::Flips(secs) = verdict else { panic!("{verdict:?}") };
         let (value, rate) = quartic(&secs, 0.7);
         assert!((value - smooth(0.7)).abs() < 1e-12);
         assert!((rate - (0.1 - 0.04 * 0.7 + 0.009 * 0.49)).abs() < 1e-12);
         let rough = |x: f64| if x < 0.5 { 7.0 } else { 7.1 };
-        assert_eq!(Verdict::on(samples(rough, FAR).each_ref(), 1.0), Verdict::Rough(0));
+        assert_eq!(
+            IntervalVerdict::on(samples(rough, FAR).each_ref(), 1.0),
+            IntervalVerdict::Rough(0)
+        );
         // A bob came so near the top that a start in between may have flipped there.
-        assert_eq!(Verdict::on(samples(smooth, 0.01).each_ref(), 1.0), Verdict::Rough(0));
+        assert_eq!(
+            IntervalVerdict::on(samples(smooth, 0.01).each_ref(), 1.0),
+            IntervalVerdict::Rough(0)
+        );
         let mut mixed = samples(smooth, FAR);
         mixed[3].outcome = Outcome::without_time(Status::Unflipped);
-        assert_eq!(Verdict::on(mixed.each_ref(), 1.0), Verdict::Rough(2));
+        assert_eq!(IntervalVerdict::on(mixed.each_ref(), 1.0), IntervalVerdict::Rough(2));
     }
 
     #[test]
@@ -233,7 +239,7 @@ mod tests {
         let start = |index, aside| (index, CurvePoint { s: 0.25, ahead: 0.5, aside });
         let interval =
             Interval { level: 0, place: 0, starts: vec![start(0, 1e-6), start(1, 1e-2)] };
-        let verdict = Verdict::Flips([5.0, 5.1, 5.2, 5.3, 5.4]);
+        let verdict = IntervalVerdict::Flips([5.0, 5.1, 5.2, 5.3, 5.4]);
         interval.settle(&verdict, 0.32, &mut known, &mut alone);
         assert!(known.len() == 1 && known[0].0 == 0 && alone == [1]);
         assert!((known[0].1.time - (5.1 - 0.16)).abs() < 1e-12);

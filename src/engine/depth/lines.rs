@@ -32,7 +32,7 @@ use std::sync::Arc;
 
 use super::finished_patch::{FinishedPatch, PartKey};
 use super::line_check::{CheckPlace, LineCheck};
-use super::line_interval::{COARSEST, FINEST, Interval, SAMPLES, Sample, Verdict};
+use super::line_interval::{COARSEST, FINEST, Interval, IntervalVerdict, SAMPLES, Sample};
 use super::stats::DepthStats;
 use crate::engine::{IntegratorConfig, Job, JobResult, Moving, Question};
 use crate::physics::Outcome;
@@ -260,11 +260,13 @@ impl Line {
             }
             let samples: [&Sample; SAMPLES] =
                 samples.map(|sample| sample.expect("none is missing"));
-            match Verdict::on(samples, unit_secs) {
-                Verdict::Rough(jumps) if interval.can_be_halved(jumps, self.patch.area) => {
+            match IntervalVerdict::on(samples, unit_secs) {
+                IntervalVerdict::Rough(jumps) if interval.can_be_halved(jumps, self.patch.area) => {
                     waiting.extend(interval.halves());
                 }
-                Verdict::Rough(_) => alone.extend(interval.starts.iter().map(|(index, _)| index)),
+                IntervalVerdict::Rough(_) => {
+                    alone.extend(interval.starts.iter().map(|(index, _)| index))
+                }
                 smooth => interval.settle(&smooth, unit_secs, known, alone),
             }
         }

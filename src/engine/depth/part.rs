@@ -48,11 +48,11 @@ pub(super) struct Cut {
 pub(super) struct Branch {
     pub part: SplitPart,
     pub starts: Vec<PlacedStart>,
-    pub way: Way,
+    pub way: BranchState,
 }
 
 /// The progress of following the starts of a part.
-pub(super) enum Way {
+pub(super) enum BranchState {
     /// Followed to the time at which it was cut from a larger one.
     Open(Box<SplitNode>),
     /// Followed to the end.

@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use super::domain_splitting::{Distribution, DomainSplitting, SplitRequest};
-use super::part::{Branch, PlacedStart, SplitNode, SplitPart, Way};
+use super::part::{Branch, BranchState, PlacedStart, SplitNode, SplitPart};
 use crate::physics::flow_patch::{Follower, JET_LANES, PatchEnd, carry};
 use crate::physics::jet::Jet;
 
@@ -49,18 +49,18 @@ impl<'a> SplitLanes<'a> {
         while self.lanes.len() < JET_LANES {
             let Some(Branch { part, starts, way }) = self.waiting.pop() else { return };
             match way {
-                Way::Ended(finished) => {
+                BranchState::Ended(finished) => {
                     let parts =
                         self.splitting.cut(part, starts, finished, self.wanted, &mut self.all);
                     self.waiting.extend(parts);
                 }
-                Way::Open(node) if self.splitting.holds(&node, &part) => {
+                BranchState::Open(node) if self.splitting.holds(&node, &part) => {
                     let SplitNode { patch, edge } = *node;
                     let tolerance = self.splitting.tolerance(part.above[0]);
                     let follower = Follower::new(patch, self.wanted.budget, tolerance);
                     self.lanes.push(Lane { part, starts, edge, follower });
                 }
-                Way::Open(node) => self.end(part, starts, *node, PatchEnd::Spread),
+                BranchState::Open(node) => self.end(part, starts, *node, PatchEnd::Spread),
             }
         }
     }
@@ -100,6 +100,6 @@ impl<'a> SplitLanes<'a> {
 
     fn end(&mut self, part: SplitPart, starts: Vec<PlacedStart>, node: SplitNode, end: PatchEnd) {
         let finished = self.splitting.finish(&part, node, end, self.wanted, &mut self.all);
-        self.waiting.push(Branch { part, starts, way: Way::Ended(finished) });
+        self.waiting.push(Branch { part, starts, way: BranchState::Ended(finished) });
     }
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Trust;
-use super::judge::{Answer, Judge};
+use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run, Rung, rungs};
 use crate::engine::{Effort, End, Ends, Job, JobResult, Keep, Starts};
 use crate::physics::{Dd, Outcome, Status};
@@ -21,7 +21,7 @@ pub(super) struct CheckedJob {
     /// Runs that have been computed.
     done: Vec<Done>,
     /// Finest answer to each start so far.
-    finest: Vec<Answer>,
+    finest: Vec<RunResult>,
     trusts: Vec<Trust>,
     effort: Effort,
 }
@@ -33,12 +33,12 @@ struct Done {
     run: Run,
     /// Indices of these starts, in order.
     starts: Vec<usize>,
-    answers: Vec<Answer>,
+    answers: Vec<RunResult>,
 }
 
 /// The answer to a start of which nothing is known.
-const UNANSWERED: Answer =
-    Answer { outcome: Outcome { status: Status::Unflipped, time: 0.0 }, end: End::NOWHERE };
+const UNANSWERED: RunResult =
+    RunResult { outcome: Outcome { status: Status::Unflipped, time: 0.0 }, end: End::NOWHERE };
 
 /// Number of identifiers that a checked job has for the jobs of its runs.
 pub(super) const RUNS: u64 = 32;
@@ -112,8 +112,8 @@ impl CheckedJob {
     /// every start is sure or the ladder ends.
     pub(super) fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
         self.effort += finished.effort;
-        let answer = |(&outcome, &end)| Answer { outcome, end };
-        let answers: Vec<Answer> =
+        let answer = |(&outcome, &end)| RunResult { outcome, end };
+        let answers: Vec<RunResult> =
             finished.outcomes.iter().zip(&finished.ends).map(answer).collect();
         let run = *self.rungs.iter().flat_map(|rung| &rung.runs).nth(index as usize)?;
         self.done.push(Done { index, run, starts: self.open.clone(), answers });
@@ -131,7 +131,7 @@ impl CheckedJob {
         // Runs finish in any order.
         self.done.sort_by_key(|done| done.index);
         let judge = Judge::new(&self.job.question, self.leaf_half_rad.unwrap_or(0.0));
-        let verdicts: Vec<(Answer, bool)> =
+        let verdicts: Vec<(RunResult, bool)> =
             self.open.par_iter().map(|&start| judge.verdict(&self.answers(start))).collect();
         let trust = self.rungs[self.rung].trust;
         for (start, (answer, sure)) in std::mem::take(&mut self.open).into_iter().zip(verdicts) {
@@ -144,7 +144,7 @@ impl CheckedJob {
     }
 
     /// All answers to a start so far.
-    fn answers(&self, start: usize) -> Vec<(Run, Answer)> {
+    fn answers(&self, start: usize) -> Vec<(Run, RunResult)> {
         let answer = |done: &Done| {
             let place = done.starts.binary_search(&start).ok()?;
             Some((done.run, done.answers[place]))

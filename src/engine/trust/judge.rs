@@ -27,7 +27,7 @@ use crate::physics::{Outcome, Pendulum, Rule, Status};
 
 /// An outcome, and the end of its integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Answer {
+pub(super) struct RunResult {
     pub outcome: Outcome,
     pub end: End,
 }
@@ -50,7 +50,7 @@ const UNLIKELY: f64 = 1e3;
 const MOST_CHANCE: f64 = 1e-6;
 
 /// An answer with its error scale.
-type Scaled<'a> = (f64, &'a (Run, Answer));
+type Scaled<'a> = (f64, &'a (Run, RunResult));
 
 /// The judge of the answers to a question.
 pub(super) struct Judge {
@@ -76,9 +76,9 @@ impl Judge {
     }
 
     /// Returns the finest of some answers, and whether the others make it sure.
-    pub(super) fn verdict(&self, answers: &[(Run, Answer)]) -> (Answer, bool) {
+    pub(super) fn verdict(&self, answers: &[(Run, RunResult)]) -> (RunResult, bool) {
         let scale =
-            |(run, answer): &(Run, Answer)| run.error_scale(&answer.end, self.leaf_half_rad);
+            |(run, answer): &(Run, RunResult)| run.error_scale(&answer.end, self.leaf_half_rad);
         let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
         scaled.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (finest, others) = scaled.split_first().expect("the first rung has all starts");
@@ -91,7 +91,7 @@ impl Judge {
         match answer.outcome.status {
             // Proved; for deep starts, on two maps.
             Status::Forbidden => {
-                let forbidden = |other: &Answer| other.outcome.status == Status::Forbidden;
+                let forbidden = |other: &RunResult| other.outcome.status == Status::Forbidden;
                 return others.iter().all(|(_, (_, other))| forbidden(other));
             }
             Status::Failed => return false,
@@ -116,7 +116,7 @@ impl Judge {
     }
 
     /// Error allowed in an answer's state.
-    pub(super) fn allowed(&self, answer: &Answer) -> f64 {
+    pub(super) fn allowed(&self, answer: &RunResult) -> f64 {
         let clearance = OF_CLEARANCE * answer.end.clearance;
         match answer.outcome.status {
             Status::Flipped => self.tolerance.min(clearance).min(self.beyond(&answer.end.phase)),
@@ -133,7 +133,7 @@ impl Judge {
 
     /// Distance between two answers: in time (reduced) or in unit vectors and scaled momenta,
     /// whichever is larger; none if both are forbidden, infinite if their statuses differ.
-    pub(super) fn distance(&self, a: &Answer, b: &Answer) -> f64 {
+    pub(super) fn distance(&self, a: &RunResult, b: &RunResult) -> f64 {
         match (a.outcome.status, b.outcome.status) {
             (Status::Flipped, Status::Flipped) => {
                 let between = self.between(&a.end.phase, &b.end.phase);

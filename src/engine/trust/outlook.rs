@@ -5,7 +5,7 @@
 //! of the configuration. The distance by which that moves its answer is its growth, and so its
 //! error.
 
-use super::judge::{Answer, Judge};
+use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
 use crate::engine::{
     Engine, EngineError, IntegratorConfig, JobResult, Keep, Question, Starts, run_job,
@@ -45,14 +45,14 @@ impl Outlook {
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
         let mut answers = |starts| {
             let finished = run_job(engine, question, config, starts, Keep::ENDS, go_on)?;
-            let answer = |(outcome, end)| Answer { outcome, end };
+            let answer = |(outcome, end)| RunResult { outcome, end };
             let all = |f: JobResult| f.outcomes.into_iter().zip(f.ends).map(answer).collect();
-            Ok::<Option<Vec<Answer>>, EngineError>(finished.map(all))
+            Ok::<Option<Vec<RunResult>>, EngineError>(finished.map(all))
         };
         let Some(plain) = answers(starts.clone())? else { return Ok(None) };
         let Some(nudged) = answers(moved_by(starts, moved.nudge))? else { return Ok(None) };
         let judge = Judge::new(&question, leaf_half_rad);
-        let is_beyond = |(plain, nudged): &(&Answer, &Answer)| {
+        let is_beyond = |(plain, nudged): &(&RunResult, &RunResult)| {
             let scale = |run: &Run| run.error_scale(&plain.end, leaf_half_rad);
             let apart = judge.distance(plain, nudged);
             apart.is_nan() || apart * scale(&run) / scale(&moved) > judge.allowed(plain)

@@ -7,7 +7,7 @@ use crate::physics::phase::Phase;
 
 /// The states P(s) = Φ(s·u) of the starts on a line through the middle of a cell.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct PatchCurve {
     /// The polynomials of P's components, by powers of s.
     powers: Phase<[f64; DEGREE + 1]>,
     /// P′ in the middle over its squared length, in weighted components: s to first order.
@@ -42,8 +42,8 @@ impl FlowPatch {
     /// Returns the curve of the patch's states if all of them lie on it, moved along the flow, up to
     /// `most_aside` in units of s; otherwise `None`. Those of starts that flipped in a graze are
     /// continued as if they had not.
-    pub fn curve(&self, dynamics: &Dynamics, most_aside: f64) -> Option<Curve> {
-        let curve = Curve::through(dynamics, &self.phase);
+    pub fn curve(&self, dynamics: &Dynamics, most_aside: f64) -> Option<PatchCurve> {
+        let curve = PatchCurve::through(dynamics, &self.phase);
         let rim = [-1.0, 0.0, 1.0];
         let rim = rim.into_iter().flat_map(|x| rim.map(|y| [x, y]));
         let lies = |at: [f64; 2]| {
@@ -65,14 +65,14 @@ fn growing_angle(dynamics: &Dynamics, phase: &Phase<Jet>) -> f64 {
     0.5 * (2.0 * product(0, 1)).atan2(product(0, 0) - product(1, 1))
 }
 
-impl Curve {
+impl PatchCurve {
     fn through(dynamics: &Dynamics, phase: &Phase<Jet>) -> Self {
         let weight = dynamics.weights();
         let (sin, cos) = growing_angle(dynamics, phase).sin_cos();
         let powers = phase.map(|jet| jet.along([cos, sin]));
         let length: f64 = (0..6).map(|i| (weight[i] * powers[i][1]).powi(2)).sum();
         let across = std::array::from_fn(|i| weight[i] * powers[i][1] / length);
-        Curve { powers, across, middle: phase.map(|jet| jet.middle()) }
+        PatchCurve { powers, across, middle: phase.map(|jet| jet.middle()) }
     }
 
     /// The state at `s`.

@@ -16,7 +16,7 @@ mod follower;
 mod graze;
 mod nudges;
 
-pub use curve::{Curve, CurvePoint};
+pub use curve::{CurvePoint, PatchCurve};
 pub use follower::{Follower, StepPlan, carry};
 pub use graze::Graze;
 

@@ -1,7 +1,7 @@
 //! The tangent map of the motion: rates at which neighbours separate, by dual numbers.
 
-use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
+use crate::physics::transport::transported_as;
 use crate::physics::{Pendulum, State};
 
 /// A number with its derivatives along the four directions.
@@ -13,8 +13,6 @@ type TangentFrame = [[f64; 4]; 4];
 
 /// Time between two orthonormalisations of the frame.
 const STRETCH: f64 = 1.0;
-/// Largest squared error of an accepted step.
-const TOLERANCE: f64 = 1e-22;
 
 /// The finite-time Lyapunov spectrum of a release from rest at `angle` over `time`, largest first,
 /// per unit of time: the frame is carried along and made orthonormal at regular intervals (Benettin
@@ -36,7 +34,7 @@ pub fn spectrum(pendulum: &Pendulum<f64>, angle: [f64; 2], time: f64) -> [f64; 4
     sums
 }
 
-/// The phase and the frame after `time`, by DOP853 on dual numbers.
+/// The phase and the frame after `time`, on dual numbers.
 fn carried(
     pendulum: &Pendulum<f64>,
     phase: &Phase<f64>,
@@ -45,19 +43,9 @@ fn carried(
 ) -> (Phase<f64>, TangentFrame) {
     let dual = pendulum.map(Dual::new);
     let inverse_scale = pendulum.momentum_scale().map(|scale| Dual::new(1.0 / scale));
-    let mut state = with_slopes(phase, frame);
-    let (mut done, mut step) = (0.0, 0.05f64);
-    while done < time {
-        let length = step.min(time - done);
-        let trial = dop853(&dual, inverse_scale, &state, Dual::new(length));
-        let error = trial.error_squared.value;
-        if error <= TOLERANCE {
-            state = plus(&state, &trial.change);
-            done += length;
-        }
-        step = length * (0.9 * (TOLERANCE / error.max(1e-40)).powf(1.0 / 16.0)).clamp(0.2, 5.0);
-    }
-    without_slopes(&state)
+    let state = with_slopes(phase, frame);
+    let value = |number: Dual| number.value;
+    without_slopes(&transported_as(&dual, inverse_scale, &state, time, value))
 }
 
 /// The phase as dual numbers along the frame: δθ moves a unit vector by (−y, x) δθ.

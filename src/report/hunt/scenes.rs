@@ -176,8 +176,8 @@ impl Scenes {
     ) -> Result<(), EngineError> {
         let least = self.magnitude(-30.0, -1.0);
         let budget = scene.question.budget;
-        let wish = [self.random.f64() - 0.5, self.random.f64() - 0.5];
-        let mut descent = Descent::new(scene.clone(), config, wish);
+        let target = [self.random.f64() - 0.5, self.random.f64() - 0.5];
+        let mut descent = Descent::new(scene.clone(), config, target);
         while scene.view.width_rad().to_f64() > least {
             match descent.next(engine, go_on)? {
                 DescentStep::Scene(next) => *scene = *next,

@@ -1,4 +1,4 @@
-//! What the colours of answers mean: a bar of one quantity, or a square of two angles.
+//! The meaning of the colours of answers: a bar of one quantity, or a square of two angles.
 
 use std::f64::consts::{PI, TAU};
 
