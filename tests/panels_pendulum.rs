@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use egui::{Key, Role, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use flipmap::app::panels::pendulum::pendulum_panel;
+use flipmap::app::panels::pendulum::{FRAME, pendulum_panel};
 use flipmap::app::pin_start::PinStart;
 use flipmap::app::pins::{PinAction, PinId, Pins};
 use flipmap::engine::Trust;
@@ -38,7 +38,8 @@ fn flown(scene: &Scene, starts: &[[f64; 2]]) -> (Pins, Vec<PinId>) {
         pins.advance(0.0);
         std::thread::sleep(Duration::from_millis(1));
     }
-    ids.iter().for_each(|&id| pins.apply(PinAction::Pause(id)));
+    pins.apply(PinAction::Pause);
+    pins.apply(PinAction::Scrub(0.0));
     (pins, ids)
 }
 
@@ -73,9 +74,9 @@ fn asked(harness: &mut Harness<'static, Shown>) -> Vec<PinAction> {
 fn buttons_do_what_their_names_say() {
     let (mut harness, [a, b]) = two();
     for (name, action) in [
-        ("Play", PinAction::Play(a)),
-        ("Pause", PinAction::Pause(a)),
-        ("Restart", PinAction::Restart(a)),
+        ("Play", PinAction::Play),
+        ("Pause", PinAction::Pause),
+        ("Restart", PinAction::Restart),
         ("Pin B", PinAction::Select(b)),
         ("Pin A", PinAction::Select(a)),
         ("Remove", PinAction::Remove(a)),
@@ -94,8 +95,8 @@ fn buttons_do_what_their_names_say() {
 
 #[test]
 fn a_flip_is_drawn_in_any_size() {
-    let (mut pins, ids) = flown(&Scene::default(), &[[3.0, 3.0]]);
-    pins.apply(PinAction::Scrub(ids[0], 10.0));
+    let (mut pins, _) = flown(&Scene::default(), &[[3.0, 3.0]]);
+    pins.apply(PinAction::Scrub(10.0));
     let mut harness = harness(pins, Theme::Dark);
     for size in [[340.0, 704.0], [340.0, 90.0], [60.0, 60.0], [12.0, 12.0], [1.0, 1.0]] {
         harness.set_size(size.into());
@@ -105,7 +106,7 @@ fn a_flip_is_drawn_in_any_size() {
 
 #[test]
 fn the_scrubber_goes_where_it_is_dragged() {
-    let (mut harness, [a, _]) = two();
+    let (mut harness, _) = two();
     let rail = harness.get_by_role_and_label(Role::Slider, "Time").rect();
     harness.drag_at(rail.left_center());
     harness.run_steps(1);
@@ -113,16 +114,17 @@ fn the_scrubber_goes_where_it_is_dragged() {
     harness.run_steps(1);
     harness.drop_at(rail.center());
     harness.run_steps(2);
-    let Some(&PinAction::Scrub(pin, secs)) = asked(&mut harness).last() else {
+    let Some(&PinAction::Scrub(secs)) = asked(&mut harness).last() else {
         panic!("nothing was scrubbed")
     };
-    assert!(pin == a && (secs - 15.0).abs() < 0.5, "the middle of 30 s, not {secs}");
-    assert_eq!(harness.state().pins.get(a).unwrap().shown_secs(), secs);
+    assert!((secs - 15.0).abs() < 0.5, "the middle of 30 s, not {secs}");
+    assert!(harness.state().pins.iter().all(|pin| pin.shown_secs() == secs), "all fly at once");
+    assert!(rail.width() > 310.0, "as wide as the panel: {}", rail.width());
 }
 
 #[test]
 fn the_keyboard_reaches_every_control() {
-    let (mut harness, [a, _]) = two();
+    let (mut harness, _) = two();
     let mut reached = Vec::new();
     for _ in 0..8 {
         harness.key_press(Key::Tab);
@@ -140,10 +142,10 @@ fn the_keyboard_reaches_every_control() {
     harness.key_press(Key::ArrowRight);
     harness.run_steps(2);
     let actions = asked(&mut harness);
-    assert!(matches!(actions[..], [PinAction::Scrub(pin, secs)] if pin == a && secs > 0.0));
+    assert!(matches!(actions[..], [PinAction::Scrub(secs)] if secs > 0.0));
     harness.get_by_role_and_label(Role::Slider, "Speed").set_value_accesskit(2.5);
     harness.run_steps(2);
-    assert_eq!(asked(&mut harness), [PinAction::Speed(a, 2.5)]);
+    assert_eq!(asked(&mut harness), [PinAction::Speed(2.5)]);
 }
 
 #[test]
@@ -155,7 +157,8 @@ fn frames_are_asked_for_only_while_it_plays() {
     assert!(delay(&harness) > Duration::from_secs(1), "idle");
     harness.get_by_label("Play").click();
     harness.run_steps(4);
-    assert_eq!(delay(&harness), Duration::ZERO, "playing");
+    let playing = delay(&harness);
+    assert!(playing > Duration::from_millis(20) && playing <= FRAME, "as a film: {playing:?}");
     harness.get_by_label("Pause").click();
     harness.run_steps(4);
     assert!(delay(&harness) > Duration::from_secs(1), "idle again");
@@ -176,6 +179,23 @@ fn the_map_is_held_against_the_flight() {
         shown.get_by_label(words);
         pins = shown.into_state().pins;
     }
+}
+
+#[test]
+fn of_a_forbidden_pixel_only_what_makes_sense_is_said() {
+    let (mut pins, ids) = flown(&Scene::default(), &[[0.5, 0.5]]);
+    let forbidden = Outcome::without_time(Status::Forbidden);
+    pins.tell(ids[0], (forbidden, Trust::Agreed));
+    let shown = harness(pins, Theme::Dark);
+    shown.get_by_label("forbidden by its energy");
+    for row in ["Both", "Flip, one pixel away"] {
+        assert!(shown.query_by_label(row).is_none(), "{row}");
+    }
+    // A map that says otherwise is worth a word.
+    pins = shown.into_state().pins;
+    pins.tell(ids[0], (Outcome::flipped(3.0), Trust::Agreed));
+    let shown = harness(pins, Theme::Dark);
+    shown.get_by_label("differ!");
 }
 
 #[test]
@@ -204,7 +224,7 @@ mod pictures {
         pins.apply(PinAction::Select(ids[0]));
         let truth = pins.get(ids[0]).unwrap().flight.outcome().unwrap();
         pins.tell(ids[0], (Outcome::flipped(truth.time.hi), Trust::Confirmed));
-        pins.apply(PinAction::Scrub(ids[0], truth.time.hi + 0.25));
+        pins.apply(PinAction::Scrub(truth.time.hi + 0.25));
         harness(pins, Theme::Dark).snapshot("pendulum_flipped");
     }
 
@@ -212,7 +232,7 @@ mod pictures {
         let build = Build::new(Kind::Rods, [2.0, 0.5], [1.0, 0.7], 9.81);
         let (mut pins, ids) = flown(&Scene { build, ..Scene::default() }, &[[2.6, -2.0]]);
         pins.tell(ids[0], (Outcome::flipped(20.0), Trust::Uncertain));
-        pins.apply(PinAction::Scrub(ids[0], 0.8));
+        pins.apply(PinAction::Scrub(0.8));
         harness(pins, Theme::Light).snapshot("pendulum_bars");
     }
 

@@ -75,8 +75,12 @@ fn colours(picture: PictureTable) -> Harness<'static, Shown<PictureTable, Colour
 
 fn export(exports: Vec<ExportStatus>) -> Harness<'static, Shown<ExportForm, ExportAction>> {
     harness(
-        [340.0, 330.0],
-        ExportForm { path: "no/such/folder/map.png".to_string(), ..ExportForm::default() },
+        [340.0, 380.0],
+        ExportForm {
+            path: "/no/such/folder/map.png".to_string(),
+            as_window: false,
+            ..ExportForm::default()
+        },
         move |ui, form| export_panel(ui, form, &exports),
         |state, action| {
             if let ExportAction::Change(form) = action {
@@ -264,10 +268,20 @@ fn exports_begin_and_stop_by_name() {
     let exports = vec![of("a.png", running), of("b.png", ExportStage::Done { secs: 2.0 })];
     let mut harness = export(exports);
     press(&mut harness, "raw numbers");
-    assert_eq!(harness.state().state.path, "no/such/folder/map.npy");
+    assert_eq!(harness.state().state.path, "/no/such/folder/map.npy");
     type_over(&mut harness, "Width", "640");
     type_over(&mut harness, "Height", "0");
     assert_eq!(harness.state().state.size, [640, 1]);
+    choose(&mut harness, "Size", "as the window");
+    assert!(harness.state().state.as_window);
+    choose(&mut harness, "Size", "1024 × 1024");
+    let form = &harness.state().state;
+    assert_eq!((form.as_window, form.size), (false, [1024, 1024]));
+    assert!(harness.query_by_label("Samples").is_none(), "numbers have one sample each");
+    press(&mut harness, "picture");
+    type_over(&mut harness, "Samples", "99");
+    assert_eq!(harness.state().state.samples, 8);
+    press(&mut harness, "raw numbers");
     for name in ["Browse…", "Export", "Stop a.png", "Dismiss b.png"] {
         press(&mut harness, name);
     }

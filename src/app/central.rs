@@ -6,16 +6,27 @@ use egui::Ui;
 
 use super::action::Action;
 use super::canvas::colours::colours;
+use super::commands::Command;
 use super::map::{Hovered, map};
 use super::model::AppModel;
+use super::panels::export::ExportSubject;
 use super::panels::pendulum;
+use super::panels::toolbar::toolbar;
 use super::state::AppState;
 use super::{hover, overlay};
-use crate::scene::Scene;
+use crate::physics::Rule;
+use crate::scene::{Build, Plane, QuestionTable, Scene};
+
+/// Returns a pendulum and the rule of its energy curve; none if no energy divides its map.
+fn curve_of((build, question, plane): (Build, QuestionTable, &Plane)) -> Option<(Build, Rule)> {
+    let rule = question.watched();
+    let divides = rule != Rule::Neither && plane.is_at_rest() && build.gravity.value() > 0.0;
+    divides.then_some((build, rule))
+}
 
 impl AppModel {
-    /// Shows the map in what is left of the window.
-    pub(super) fn canvas(&mut self, ui: &mut Ui) -> Vec<Action> {
+    /// Shows the map in what is left of the window, with the bar of tools and what is drawn over it.
+    pub(super) fn canvas(&mut self, ui: &mut Ui, commands: &[Command]) -> Vec<Action> {
         let size = ui.available_size_before_wrap();
         let canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
         self.state.resize(canvas, f64::from(ui.ctx().pixels_per_point()));
@@ -40,9 +51,27 @@ impl AppModel {
             Hovered { place, answer: self.answer_at(place) }
         });
         let rect = ui.available_rect_before_wrap();
-        let actions = map(ui, &self.state, frame, hovered);
+        let mut actions = map(ui, &self.state, frame, hovered, self.drawn_curve());
         self.swing_at_pointer(ui, rect, &scene, hovered);
+        pendulum::next_frame(ui, &self.state.pins);
+        if self.forms.exporting && self.forms.export.what != ExportSubject::Key {
+            overlay::draw_export_frame(&ui.painter_at(rect), rect, self.forms.export.size);
+        }
+        if self.state.shown.side {
+            let history = &self.state.history;
+            let ways = [history.has_back(), history.has_forward()];
+            actions.extend(toolbar(ui, rect, commands, ways));
+        }
         actions
+    }
+
+    /// Returns the pendulum and the rule of the tiles that are drawn, whose energy curve belongs on
+    /// the map; none if they have none, or if it is not to be drawn.
+    fn drawn_curve(&self) -> Option<(Build, Rule)> {
+        let AppState { build, question, ref plane, layers, .. } = self.state;
+        let drawn = self.compute.explorer.drawn();
+        let drawn = drawn.map_or((build, question, plane), |p| (p.build, p.question, &p.plane));
+        if layers.curve { curve_of(drawn) } else { None }
     }
 
     /// Draws the pendulum at the pointer, once nothing else moves.

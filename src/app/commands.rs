@@ -92,7 +92,9 @@ fn showing(layers: &Layers) -> Vec<Command> {
         command("Borders of tiles", keyed(Key::B), layer(|layers| layers.borders ^= true)),
         command("Pendulum at the pointer", keyed(Key::H), layer(|layers| layers.swing ^= true)),
         command("Panels at the side", keyed(Key::F9), Action::Toggle(Dialog::Side)),
+        command("All pendulums in the whole window", keyed(Key::F), Action::Toggle(Dialog::Stage)),
         command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
+        command("What you are seeing", [], Action::Toggle(Dialog::Card)),
         command(
             "Commands",
             [key(Modifiers::COMMAND, Key::K), key(Modifiers::COMMAND, Key::P)],

@@ -1,10 +1,12 @@
 //! The compute service: the engine behind the window, its scheduler, and recovery from failures.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::engine::background::{self, Background, PendingEngine};
 use crate::engine::choice::{self, Chosen, EngineRequest, IntegrationSetting};
+use crate::engine::profile::Profile;
 use crate::engine::{Engine, EngineKind, IntegratorConfig};
 use crate::tiles::Renderer;
 use crate::tiles::explorer::Explorer;
@@ -40,6 +42,16 @@ enum ServiceState {
     Failed,
 }
 
+/// The comparison of the engines of a machine that has not been measured yet. The processor computes
+/// the first view meanwhile.
+enum Comparison {
+    /// None is needed.
+    None,
+    /// It begins once the first view is complete: engines at work would measure each other.
+    Due,
+    Running(PendingEngine),
+}
+
 /// The engine and the cells it computes.
 pub struct ComputeService {
     /// Scheduler of the cells, with all that is known and wanted.
@@ -47,6 +59,9 @@ pub struct ComputeService {
     request: EngineRequest,
     verify: bool,
     stage: ServiceState,
+    comparison: Comparison,
+    /// True if the engine that is being opened only stands in for the fastest one.
+    stands_in: Arc<AtomicBool>,
     /// Integrator config of the latest engine; none before the first has opened.
     config: Option<IntegratorConfig>,
     failures: u32,
@@ -75,6 +90,8 @@ impl ComputeService {
             request,
             verify,
             stage,
+            comparison: Comparison::None,
+            stands_in: Arc::default(),
             config: None,
             failures: 0,
             failed_at: None,
@@ -95,6 +112,26 @@ impl ComputeService {
 
     fn open(&mut self) {
         self.explorer.ground();
+        self.comparison = Comparison::None;
+        self.stands_in = Arc::default();
+        let stands_in = Arc::clone(&self.stands_in);
+        // Whether the machine was measured is asked on the engine's thread: it takes a moment.
+        let opening = self.begin(move |request| {
+            let is_measured = || Profile::kept(request.threads).is_some();
+            if waits_for_comparison(&request) && !is_measured() {
+                stands_in.store(true, Ordering::Release);
+                return EngineRequest { kind: Some(EngineKind::Cpu), ..request };
+            }
+            request
+        });
+        self.stage = opening.map_or(ServiceState::Failed, ServiceState::Opening);
+    }
+
+    /// Begins to open an engine for what `choose` makes of the request; none without a thread.
+    fn begin(
+        &mut self,
+        choose: impl FnOnce(EngineRequest) -> EngineRequest + Send + 'static,
+    ) -> Option<PendingEngine> {
         let (request, verify) = (self.request.clone(), self.verify);
         let (said, waker) = (Arc::new(Mutex::new(String::new())), Arc::clone(&self.wake));
         self.said = Arc::clone(&said);
@@ -104,14 +141,37 @@ impl ComputeService {
             waker();
         };
         let wake = Arc::clone(&self.wake);
-        let opening = background::open(move || open(&request, verify, &tell), move || wake());
-        self.stage = opening.map_or_else(
-            |error| {
-                log::error!("no thread for the engine: {error}");
-                ServiceState::Failed
-            },
-            ServiceState::Opening,
-        );
+        let opening =
+            background::open(move || open(&choose(request), verify, &tell), move || wake());
+        opening.inspect_err(|error| log::error!("no thread for the engine: {error}")).ok()
+    }
+
+    /// Compares the engines once the first view is complete, and goes on with another than the
+    /// processor if that is faster. Returns true if the engine has changed.
+    fn compare(&mut self) -> bool {
+        match &self.comparison {
+            Comparison::Due if self.explorer.is_done() && self.explorer.progress().covered => {
+                let opening = self.begin(|request| request);
+                self.comparison = opening.map_or(Comparison::None, Comparison::Running);
+                false
+            }
+            Comparison::Running(opening) => {
+                let Some(compared) = opening.poll() else { return false };
+                self.comparison = Comparison::None;
+                match compared {
+                    Ok(engine) if engine.kind() != EngineKind::Cpu => {
+                        self.explorer.ground();
+                        self.config = Some(engine.config);
+                        self.stage = ServiceState::Ready(Box::new(engine));
+                        return true;
+                    }
+                    Ok(_) => {}
+                    Err(error) => log::warn!("the engines could not be compared: {error}"),
+                }
+                false
+            }
+            _ => false,
+        }
     }
 
     /// Returns the integrator config of the engine, once it is open.
@@ -140,8 +200,17 @@ impl ComputeService {
 
     /// Returns the message on the slow part of opening an engine, while one is being opened.
     pub fn opening(&self) -> Option<String> {
-        let said = || self.said.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        matches!(self.stage, ServiceState::Opening(_)).then(said)
+        matches!(self.stage, ServiceState::Opening(_)).then(|| self.said())
+    }
+
+    /// Returns the message on the comparison of the engines, while it lasts.
+    pub fn comparing(&self) -> Option<String> {
+        let said = matches!(self.comparison, Comparison::Running(_)).then(|| self.said());
+        said.filter(|said| !said.is_empty())
+    }
+
+    fn said(&self) -> String {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Returns true if work waits that a turn would begin.
@@ -177,13 +246,14 @@ impl ComputeService {
         deadline: Instant,
     ) -> ServiceUpdate {
         let opened = self.take_opened();
+        let compared = self.compare();
         self.aim(target);
         opened.unwrap_or_else(|| {
             let ServiceState::Ready(engine) = &mut self.stage else {
                 return ServiceUpdate::default();
             };
             match self.explorer.work(engine.as_mut(), Some(deadline)) {
-                Ok(news) => ServiceUpdate { news, failure: None },
+                Ok(news) => ServiceUpdate { news: news || compared, failure: None },
                 Err(error) => self.fail(&error.to_string()),
             }
         })
@@ -196,6 +266,9 @@ impl ComputeService {
             Ok(engine) => {
                 self.config = Some(engine.config);
                 self.stage = ServiceState::Ready(Box::new(engine));
+                if self.stands_in.load(Ordering::Acquire) {
+                    self.comparison = Comparison::Due;
+                }
                 None
             }
             Err(error) => Some(self.fail(&error.to_string())),
@@ -228,6 +301,13 @@ impl ComputeService {
     }
 }
 
+/// Returns true if the engine for a request depends on which is the fastest: another begins at once
+/// where that has yet to be measured, as long as the processor keeps the level's promise.
+fn waits_for_comparison(request: &EngineRequest) -> bool {
+    let is_open = request.kind.is_none() && request.adapter.is_none();
+    is_open && matches!(request.setting, IntegrationSetting::Accuracy(_))
+}
+
 /// Opens an engine for use behind a window: with short slices, and less urgent than the window's
 /// own threads.
 fn open(
@@ -248,5 +328,61 @@ pub(super) fn step_back() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(None, NICENESS) {
         log::info!("the engine runs as urgently as the window: {error}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Accuracy;
+    use crate::scene::Scene;
+    use crate::scene::lattice::Region;
+    use crate::tiles::view_target::Physics;
+
+    #[test]
+    fn only_the_choice_of_the_fastest_waits_for_a_comparison() {
+        let open = EngineRequest::default();
+        assert!(waits_for_comparison(&open));
+        let asked = EngineRequest { kind: Some(EngineKind::Gpu), ..open.clone() };
+        let named = EngineRequest { adapter: Some("llvm".to_string()), ..open };
+        assert!(!waits_for_comparison(&asked) && !waits_for_comparison(&named));
+    }
+
+    /// Takes turns until a condition holds.
+    fn until(service: &mut ComputeService, holds: impl Fn(&ComputeService) -> bool) {
+        let scene = Scene::default();
+        let region = Region { center: scene.view.center_rad(), half_rad: [1.0; 2], repeats: true };
+        let begun = Instant::now();
+        while !holds(service) {
+            let target = |config| ViewTarget {
+                physics: Physics::of(&scene, config, false),
+                budget_secs: 2.0,
+                region,
+                level: 1,
+                pointer: None,
+            };
+            let update = service.turn(target, Instant::now() + Duration::from_millis(2));
+            assert_eq!(update.failure, None);
+            assert!(begun.elapsed() < Duration::from_secs(120), "nothing comes of it");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn engines_are_compared_once_the_first_view_is_complete_and_the_processor_goes_on() {
+        let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
+        let kind = Some(EngineKind::Cpu);
+        let request = EngineRequest { kind, setting, ..EngineRequest::default() };
+        let (wake, _woken) = woken();
+        let mut service = ComputeService::new(request, false, 64 << 20, wake);
+        service.stands_in.store(true, Ordering::Release);
+        until(&mut service, |service| matches!(service.comparison, Comparison::Due));
+        until(&mut service, |service| matches!(service.comparison, Comparison::Running(_)));
+        assert!(service.explorer.is_done() && service.explorer.progress().covered);
+        let simulated = service.explorer.counts().simulated;
+        until(&mut service, |service| matches!(service.comparison, Comparison::None));
+        let engine = service.engine().map(|(kind, ..)| kind);
+        assert_eq!(engine, Some(EngineKind::Cpu));
+        assert_eq!(service.explorer.counts().simulated, simulated, "nothing is computed again");
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use super::action::{Action, Look};
 use super::camera::Camera;
@@ -15,6 +15,7 @@ use crate::engine::choice::{ChoiceError, EngineRequest, choose};
 use crate::engine::{EngineError, EngineKind};
 use crate::scene::{Document, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
+use crate::tiles::explorer::ViewProgress;
 
 /// A descent on a thread with an engine of its own. Dropping it stops the descent.
 #[derive(Debug)]
@@ -43,7 +44,8 @@ enum DescentError {
 impl BackgroundDescent {
     /// Descends from a scene, at first towards a point `towards` widths from its middle.
     pub fn start(scene: Scene, towards: [f64; 2], engine: EngineRequest, wake: Wake) -> Self {
-        let (sender, news) = channel();
+        // The descent waits for the window: it computes one view ahead and no more.
+        let (sender, news) = sync_channel(1);
         let stopped = Arc::new(AtomicBool::new(false));
         let stop = Arc::clone(&stopped);
         std::thread::spawn(move || {
@@ -107,15 +109,20 @@ impl AppModel {
             Some(BackgroundDescent::start(scene, towards, request, Arc::clone(&self.wake)));
     }
 
-    /// Follows the running descent. Returns true if it had anything new.
+    /// Follows the running descent once the view before has been reached and is half drawn. Returns
+    /// true if it had anything new.
     pub(super) fn follow_descent(&mut self) -> bool {
+        let ViewProgress { wanted, done, .. } = self.progress();
+        if self.state.moving.is_some() || 2 * done < wanted {
+            return false;
+        }
         let Some(news) = self.descent.running.as_ref().and_then(BackgroundDescent::news) else {
             return false;
         };
         match news {
             DescentNews::To(scene) => {
                 let Camera { center, width_rad, .. } = Camera::from_view(&scene.view, Reach::TORUS);
-                self.state.go(Camera { center, width_rad, ..self.state.target() });
+                self.state.glide(Camera { center, width_rad, ..self.state.target() });
                 self.descent.scenes.push(*scene);
             }
             DescentNews::Over(why) => {
@@ -166,7 +173,7 @@ fn descent(
     towards: [f64; 2],
     engine: &EngineRequest,
     stop: &AtomicBool,
-    (sender, wake): (&Sender<DescentNews>, &Wake),
+    (sender, wake): (&SyncSender<DescentNews>, &Wake),
 ) -> Result<(), DescentError> {
     let mut chosen = choose(engine, &|_| ())?;
     let mut descent = Descent::new(scene, chosen.config, towards);

@@ -2,14 +2,30 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
 
 use rfd::{AsyncFileDialog, FileHandle};
 
 /// An open file dialog.
 #[derive(Debug)]
 pub struct FileDialog {
-    answer: Receiver<Option<PathBuf>>,
+    answer: Receiver<DialogAnswer>,
 }
+
+/// The answer of a file dialog.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DialogAnswer {
+    /// The file that the user chose.
+    File(PathBuf),
+    /// No file: the user closed the dialog.
+    Closed,
+    /// No file: the desktop has no dialog to show.
+    Missing,
+}
+
+/// Time within which nobody closes a dialog: an answer without a file that comes sooner is that of a
+/// desktop without dialogs.
+const TOO_SOON: Duration = Duration::from_millis(300);
 
 impl FileDialog {
     /// Asks where to write a file with the extension `ending`, beginning at `suggested`.
@@ -36,21 +52,33 @@ impl FileDialog {
     ) -> Self {
         let (sender, answer) = channel();
         std::thread::spawn(move || {
-            let chosen = pollster::block_on(dialog).map(|file| file.path().to_path_buf());
+            let asked = Instant::now();
+            let file = pollster::block_on(dialog).map(|file| file.path().to_path_buf());
             // The receiver may be gone, if the dialog was dropped; then the answer is not needed.
-            let _ = sender.send(chosen);
+            let _ = sender.send(DialogAnswer::of(file, asked.elapsed()));
             wake();
         });
         FileDialog { answer }
     }
 
-    /// Returns the answer once there is one: a file, or none if the dialog was closed.
-    pub fn poll(&self) -> Option<Option<PathBuf>> {
+    /// Returns the answer once there is one.
+    pub fn poll(&self) -> Option<DialogAnswer> {
         match self.answer.try_recv() {
             Ok(answer) => Some(answer),
             Err(TryRecvError::Empty) => None,
-            // The desktop has no dialogs, so the thread ended without an answer.
-            Err(TryRecvError::Disconnected) => Some(None),
+            // The thread ended without an answer.
+            Err(TryRecvError::Disconnected) => Some(DialogAnswer::Missing),
+        }
+    }
+}
+
+impl DialogAnswer {
+    /// Returns the answer of a dialog that took this long.
+    fn of(file: Option<PathBuf>, took: Duration) -> Self {
+        match file {
+            Some(path) => DialogAnswer::File(path),
+            None if took < TOO_SOON => DialogAnswer::Missing,
+            None => DialogAnswer::Closed,
         }
     }
 }
@@ -61,11 +89,14 @@ mod tests {
     use std::future::{pending, ready};
 
     #[test]
-    fn an_answer_comes_once_and_a_closed_dialog_is_one() {
+    fn an_answer_comes_once_and_one_that_comes_too_soon_is_that_of_no_dialog() {
         let (sender, woken) = channel();
         let dialog = FileDialog::wait_for(ready(None), move || sender.send(()).unwrap());
         woken.recv().unwrap();
-        assert_eq!(dialog.poll(), Some(None));
+        assert_eq!(dialog.poll(), Some(DialogAnswer::Missing));
+        assert_eq!(DialogAnswer::of(None, Duration::from_secs(2)), DialogAnswer::Closed);
+        let file = DialogAnswer::of(Some("a.png".into()), Duration::ZERO);
+        assert_eq!(file, DialogAnswer::File("a.png".into()));
         let waiting = FileDialog::wait_for(pending(), || ());
         assert_eq!(waiting.poll(), None);
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::action::Action;
-use super::dialog::FileDialog;
+use super::dialog::{DialogAnswer, FileDialog};
 use super::export::{Export, ExportKind, ExportRequest, append_keys};
 use super::model::{AppModel, Asking};
 use super::panels::colours::ColourAction;
@@ -17,6 +17,9 @@ use crate::output::{Picture, shell_word};
 use crate::physics::Theta;
 use crate::scene::palette::{AnswerColours, equalised};
 use crate::scene::{Document, PictureTable, Scale};
+
+const NO_DIALOG: &str = "The desktop has no file dialog (no portal answers): type a path under \
+                         Export, or drop a file on the window.";
 
 /// Number of steps in an equalised palette.
 const EQUAL_STEPS: usize = 32;
@@ -96,10 +99,11 @@ impl AppModel {
         };
         let Some(answer) = answer else { return };
         match (self.asking.take(), answer) {
-            (Some(Asking::Open(_)), Some(path)) => self.open(&path),
-            (Some(Asking::Export(_)), Some(path)) => {
+            (Some(Asking::Open(_)), DialogAnswer::File(path)) => self.open(&path),
+            (Some(Asking::Export(_)), DialogAnswer::File(path)) => {
                 self.forms.export.path = path.display().to_string();
             }
+            (_, DialogAnswer::Missing) => self.state.notices.fail(NO_DIALOG),
             _ => {}
         }
     }
@@ -152,7 +156,10 @@ impl AppModel {
 
     pub(super) fn export(&mut self, action: ExportAction) {
         match action {
-            ExportAction::Change(form) => self.forms.export = form,
+            ExportAction::Change(form) => {
+                self.state.picture.samples = form.samples;
+                self.forms.export = form;
+            }
             ExportAction::Browse => {
                 let (ending, path) = (self.forms.export.what.ending(), &self.forms.export.path);
                 let wake = Arc::clone(&self.wake);

@@ -10,8 +10,10 @@ use super::energy_curve;
 use super::gesture::Gesture;
 use super::hover::Answer;
 use super::overlay::{self, position};
+use super::pin_paths;
 use super::state::AppState;
-use crate::physics::Theta;
+use crate::physics::{Rule, Theta};
+use crate::scene::Build;
 use crate::scene::palette::Ground;
 
 /// The sample of the map under the pointer.
@@ -23,12 +25,14 @@ pub struct Hovered {
     pub answer: Option<Answer>,
 }
 
-/// Shows the map and returns the user's actions on it.
+/// Shows the map with the energy curve of a pendulum and a rule, and returns the user's actions on
+/// the map.
 pub fn map(
     ui: &mut Ui,
     state: &AppState,
     frame: MapFrame,
     hovered: Option<Hovered>,
+    curve: Option<(Build, Rule)>,
 ) -> Vec<Action> {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
@@ -37,7 +41,8 @@ pub fn map(
     let gesture = gesture(ui, rect, &response);
     let painter = ui.painter_at(rect);
     painter.add(egui_wgpu::Callback::new_paint_callback(rect, frame));
-    draw_layers(&painter, rect, state);
+    draw_layers(&painter, rect, state, curve);
+    pin_paths::draw(&painter, rect, state);
     draw_pins(&painter, rect, state);
     if let Some([a, b]) = state.drawing {
         let rect = Rect::from_two_pos(position(rect, a), position(rect, b));
@@ -141,7 +146,12 @@ fn pinch(input: &egui::InputState) -> f64 {
     touch.unwrap_or_else(|| input.events.iter().map(of).product())
 }
 
-fn draw_layers(painter: &egui::Painter, rect: Rect, state: &AppState) {
+fn draw_layers(
+    painter: &egui::Painter,
+    rect: Rect,
+    state: &AppState,
+    curve: Option<(Build, Rule)>,
+) {
     let screen = state.screen();
     if state.layers.borders {
         overlay::draw_tiles(painter, rect, &screen);
@@ -152,8 +162,8 @@ fn draw_layers(painter: &egui::Painter, rect: Rect, state: &AppState) {
     if !state.plane.is_at_rest() {
         overlay::draw_axes(painter, rect, state.plane.axes());
     }
-    if state.has_energy_curve() {
-        let lines = energy_curve::energy_curve(&screen, &state.build, state.question.watched());
+    if let Some((build, rule)) = curve {
+        let lines = energy_curve::energy_curve(&screen, &build, rule);
         let ground = Ground::of(&state.picture).unwrap_or(Ground::LIGHT);
         energy_curve::draw_curve(painter, rect, &lines, ground.curve);
     }

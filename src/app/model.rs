@@ -19,20 +19,19 @@ use super::folders::Folders;
 use super::meter::Meter;
 use super::outlook::Estimates;
 use super::panels::export::ExportForm;
+use super::panels::pendulum::stage;
 use super::panels::places::{PlaceForm, Thumbnails};
 use super::panels::status::{StatusLine, depth_words, status_line};
 use super::panels::timeline::timeline;
 use super::panels::view::ViewForm;
-use super::panels::{accuracy, help, notices};
+use super::panels::{accuracy, card, help, notices};
 use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
 use super::state::{AppState, Effect};
 use super::swing::Swing;
-use super::view_samples;
 use crate::engine::choice::EngineRequest;
 use crate::engine::run_settings::RunSpec;
 use crate::lab::{Figure, Lab};
-use crate::scene::palette::equalised;
 use crate::scene::{BuiltIn, Document, PictureTable, RunTable};
 use crate::tiles::explorer::ViewProgress;
 
@@ -63,6 +62,8 @@ pub(super) struct Forms {
     pub(super) place: PlaceForm,
     pub(super) view: ViewForm,
     pub(super) export: ExportForm,
+    /// True while the form of an export is open, so that its frame is drawn on the map.
+    pub(super) exporting: bool,
 }
 
 /// The app model behind a window.
@@ -92,7 +93,7 @@ pub struct AppModel {
     /// Lines for the debug panel, set by the owner of the window.
     pub measured: Vec<String>,
     /// View over which deep colours were last spread, and true if at its finest level.
-    spread_for: Option<(Camera, bool)>,
+    pub(super) spread_for: Option<(Camera, bool)>,
 }
 
 /// The settings that the file holds, and the time of the last save.
@@ -106,10 +107,17 @@ const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// Time that a frame may spend on preparing jobs.
 const WORK: Duration = Duration::from_millis(4);
 
-/// Number of levels coarser than the finest whose times suffice for a deep view's colours.
-const COARSER: u32 = 3;
 /// Time between updates of the status line during slow work.
 const DOING: Duration = Duration::from_millis(250);
+
+/// Returns the least, first and greatest width in points of the panels at the side of a window, in
+/// which the map keeps the larger part however narrow it is.
+fn side_widths(window: f32) -> [f32; 3] {
+    if window < 700.0 {
+        return [0.25, 0.38, 0.45].map(|share| share * window);
+    }
+    [240.0, 310.0, 480.0]
+}
 
 impl AppModel {
     /// Loads what was saved and begins to open an engine.
@@ -129,6 +137,8 @@ impl AppModel {
         state.integration.kind = options.request.kind;
         (state.look.animate, state.look.theme, state.look.ui_scale) =
             (settings.animate, settings.theme, settings.ui_scale);
+        // A window that keeps nothing would greet its user each time.
+        state.shown.card = !settings.greeted && store.keeps();
         if options.document.is_none() {
             state.layers = settings.layers;
         }
@@ -182,55 +192,12 @@ impl AppModel {
         if turn.news {
             self.tell_pins();
         }
+        let progress = self.progress();
+        self.estimates.time_left.read(self.state.target(), &progress, Instant::now());
         let spread = self.spread_colours();
         let news = self.follow_descent();
         let foreseen = self.foresee();
         settled || turn.news || spread || news || foreseen
-    }
-
-    /// Spreads the palette over the flip times of a deep view, once the view is complete at a
-    /// coarse level and again at the finest: the times lie so close together that it would look
-    /// flat. Colours that the user chose are left alone. Returns true if the colours have changed.
-    fn spread_colours(&mut self) -> bool {
-        let camera = self.state.target();
-        if camera.width_rad >= PictureTable::SPREAD_BELOW_RAD {
-            let clear = self.state.spreads && !self.state.picture.times.is_empty();
-            if clear {
-                self.state.picture.times = Vec::new();
-            }
-            self.state.spreads = self.state.picture.times.is_empty();
-            self.spread_for = None;
-            return clear;
-        }
-        let is_time = self.state.question.ask.is_time();
-        if !self.state.spreads || self.state.moving.is_some() || !is_time {
-            return false;
-        }
-        let near = |then: &Camera| {
-            let moved = then.offset_of(camera.center).length() < 0.25 * camera.width_rad;
-            moved && (then.width_rad / camera.width_rad).ln().abs() < 0.3
-        };
-        // True if the last spread was at the finest level.
-        let spread = self.spread_for.filter(|(then, _)| near(then)).map(|(_, fine)| fine);
-        if spread == Some(true) {
-            return false;
-        }
-        let (screen, explorer) = (self.state.screen(), &mut self.compute.explorer);
-        let Some(level) = view_samples::whole_level(&screen, COARSER, explorer) else {
-            return false;
-        };
-        let finest = level == screen.level();
-        if spread.is_some() && !finest {
-            return false;
-        }
-        self.spread_for = Some((camera, finest));
-        let times = view_samples::times_at(&screen, level, explorer);
-        let times = equalised(times.into_iter(), PictureTable::SPREAD_STEPS);
-        let change = !times.is_empty();
-        if change {
-            self.state.picture.times = times;
-        }
-        change
     }
 
     /// Returns the progress of the view.
@@ -258,7 +225,10 @@ impl AppModel {
         if self.state.shown.help {
             actions.extend(help::help(&ctx, &commands));
         }
-        actions.extend(notices::notices(&ctx, &self.state.notices));
+        if self.state.shown.card {
+            actions.extend(card::card(&ctx));
+        }
+        actions.extend(notices::notices(&ctx, &self.state.notices, self.state.now_secs));
         let status = self.status();
         if status.doing.is_some() {
             ctx.request_repaint_after(DOING);
@@ -277,8 +247,10 @@ impl AppModel {
             egui::Panel::top("figures").show(ui, |ui| actions.extend(self.figure_tabs(ui)));
             actions.extend(self.explanation(&ctx));
         }
-        if self.state.shown.side {
-            let side = egui::Panel::right("side").default_size(310.0).size_range(240.0..=480.0);
+        self.forms.exporting = false;
+        if self.state.shown.side && !self.state.shown.stage {
+            let [least, default, most] = side_widths(ui.available_width());
+            let side = egui::Panel::right("side").default_size(default).size_range(least..=most);
             side.show(ui, |ui| actions.extend(self.side_panel(ui)));
         }
         if let Some(clock) = &self.state.shown.timeline {
@@ -286,7 +258,10 @@ impl AppModel {
             egui::Panel::bottom("timeline")
                 .show(ui, |ui| actions.extend(timeline(ui, clock, budget_secs)));
         }
-        egui::CentralPanel::no_frame().show(ui, |ui| actions.extend(self.canvas(ui)));
+        egui::CentralPanel::no_frame().show(ui, |ui| match self.state.shown.stage {
+            true => actions.extend(stage(ui, &self.state.pins).into_iter().map(Action::Pins)),
+            false => actions.extend(self.canvas(ui, &commands)),
+        });
         self.act(actions)
     }
 
@@ -328,15 +303,30 @@ impl AppModel {
         let (width, [across, _]) = (self.state.camera.width(), self.state.plane.axes());
         let unit = across.unit();
         let diving = self.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
-        let doing = self.compute.following().or(diving);
+        let doing = self.compute.following().or(diving).or(self.compute.comparing());
         let warning = self.estimates.forecast.warning();
-        StatusLine { progress, width, unit, rate, simulated, engine, depth, doing, warning }
+        let left_secs = self.estimates.time_left.secs();
+        StatusLine {
+            progress,
+            left_secs,
+            width,
+            unit,
+            rate,
+            simulated,
+            engine,
+            depth,
+            doing,
+            warning,
+        }
     }
 
     /// Saves the settings, including how the window was left.
     pub fn save(&mut self) {
-        let AppState { look: Appearance { animate, theme, ui_scale }, layers, .. } = self.state;
-        self.settings = Settings { animate, theme, ui_scale, layers, ..self.settings.clone() };
+        let AppState { look: Appearance { animate, theme, ui_scale }, layers, shown, .. } =
+            self.state;
+        let greeted = self.settings.greeted || !shown.card;
+        let settings = self.settings.clone();
+        self.settings = Settings { animate, theme, ui_scale, layers, greeted, ..settings };
         self.settings.last_scene = Some(self.state.document());
         self.saved.at = Instant::now();
         if self.saved.settings.as_ref() == Some(&self.settings) {

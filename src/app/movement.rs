@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::action::Look;
-use super::camera::{Camera, Move};
+use super::camera::{Camera, Move, Pace};
 use super::state::AppState;
 
 impl AppState {
@@ -48,8 +48,17 @@ impl AppState {
 
     /// Moves to a camera: smoothly, or with a jump if the user prefers it.
     pub(super) fn go(&mut self, to: Camera) {
+        self.go_at(to, Pace::Quick);
+    }
+
+    /// Glides to a camera, as slowly as a descent goes.
+    pub(super) fn glide(&mut self, to: Camera) {
+        self.go_at(to, Pace::Glide);
+    }
+
+    fn go_at(&mut self, to: Camera, pace: Pace) {
         if self.look.animate {
-            self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs });
+            self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs, pace });
         } else {
             (self.camera, self.moving) = (to, None);
         }

@@ -1,7 +1,8 @@
-//! The notices of the window: plain sentences that stay until they are read.
+//! The notices of the window: plain sentences. Failures stay until they are closed; what is only good
+//! to know fades.
 
 /// A notice of one sentence.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
     /// Identifier of the notice.
     pub id: u64,
@@ -9,10 +10,12 @@ pub struct Notice {
     pub text: String,
     /// True if something went wrong.
     pub failure: bool,
+    /// Moment on the window's clock, in s, at which it was first shown.
+    shown_secs: Option<f64>,
 }
 
 /// The notices shown, the newest last.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notices {
     list: Vec<Notice>,
     next_id: u64,
@@ -20,6 +23,15 @@ pub struct Notices {
 
 /// Largest number of notices shown at once.
 const MOST: usize = 4;
+/// Time in s for which a notice is shown that is no failure.
+const FADES_AFTER_SECS: f64 = 8.0;
+
+impl Notice {
+    /// Moment on the window's clock, in s, at which the notice goes; none if it stays.
+    fn ends_secs(&self) -> Option<f64> {
+        self.shown_secs.filter(|_| !self.failure).map(|shown| shown + FADES_AFTER_SECS)
+    }
+}
 
 impl Notices {
     /// Shows something that is good to know.
@@ -39,6 +51,20 @@ impl Notices {
         self.list.retain(|notice| notice.id != id);
     }
 
+    /// Advances to a moment of the window's clock, in s: notices that are no failures go when their
+    /// time is over.
+    pub fn advance(&mut self, now_secs: f64) {
+        for notice in &mut self.list {
+            notice.shown_secs.get_or_insert(now_secs);
+        }
+        self.list.retain(|notice| notice.ends_secs().is_none_or(|ends| ends > now_secs));
+    }
+
+    /// Moment on the window's clock, in s, at which the next notice goes; none if none does.
+    pub fn next_end_secs(&self) -> Option<f64> {
+        self.list.iter().filter_map(Notice::ends_secs).min_by(f64::total_cmp)
+    }
+
     /// Returns the notices shown.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Notice> {
         self.list.iter()
@@ -49,7 +75,7 @@ impl Notices {
         self.list.retain(|notice| notice.text != text);
         let id = self.next_id;
         self.next_id += 1;
-        self.list.push(Notice { id, text, failure });
+        self.list.push(Notice { id, text, failure, shown_secs: None });
         if self.list.len() > MOST {
             self.list.remove(0);
         }
@@ -71,5 +97,33 @@ mod tests {
         let first = notices.iter().next().unwrap().id;
         notices.dismiss(first);
         assert_eq!(notices.iter().len(), 3);
+    }
+
+    #[test]
+    fn what_is_good_to_know_goes_and_failures_stay() {
+        let mut notices = Notices::default();
+        notices.fail("broken");
+        notices.tell("copied");
+        assert_eq!(notices.next_end_secs(), None, "not shown yet");
+        notices.advance(100.0);
+        notices.tell("kept");
+        notices.advance(103.0);
+        assert_eq!(notices.next_end_secs(), Some(108.0));
+        let texts = |notices: &Notices| -> Vec<String> {
+            notices.iter().map(|notice| notice.text.clone()).collect()
+        };
+        notices.advance(107.9);
+        assert_eq!(texts(&notices), ["broken", "copied", "kept"]);
+        notices.advance(108.0);
+        assert_eq!(
+            (texts(&notices), notices.next_end_secs()),
+            (vec!["broken".into(), "kept".into()], Some(111.0))
+        );
+        notices.tell("kept");
+        notices.advance(110.0);
+        notices.advance(111.0);
+        assert_eq!(texts(&notices), ["broken", "kept"], "told again, it stays for as long again");
+        notices.advance(1e9);
+        assert_eq!((texts(&notices), notices.next_end_secs()), (vec!["broken".into()], None));
     }
 }

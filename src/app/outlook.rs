@@ -8,6 +8,7 @@ use std::sync::{Arc, mpsc::TryRecvError};
 use super::auto_budget::AutoBudget;
 use super::compute_service::Wake;
 use super::model::AppModel;
+use super::time_left::TimeLeft;
 use crate::engine::choice::IntegrationSetting;
 use crate::engine::cpu::CpuEngine;
 use crate::engine::depth::DepthEngine;
@@ -25,6 +26,7 @@ const SIZE: [u32; 2] = [64, 64];
 pub(super) struct Estimates {
     pub(super) forecast: Forecast,
     pub(super) auto_budget: AutoBudget,
+    pub(super) time_left: TimeLeft,
 }
 
 /// The outlook on the newest view.

@@ -214,6 +214,33 @@ pub fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
     }
 }
 
+/// Draws the frame of a picture of this size, which is as wide as the map, and darkens what is beyond
+/// it.
+pub fn draw_export_frame(painter: &Painter, rect: Rect, size: [u32; 2]) {
+    let frame = export_frame(rect, size);
+    let dark = Color32::from_black_alpha(120);
+    let above = Rect::from_min_max(rect.min, pos2(rect.right(), frame.top()));
+    let below = Rect::from_min_max(pos2(rect.left(), frame.bottom()), rect.max);
+    for beyond in [above, below].into_iter().filter(|beyond| beyond.height() > 0.0) {
+        painter.rect_filled(beyond, 0.0, dark);
+    }
+    for (width, colour) in [(3.0, Color32::BLACK), (1.0, Color32::WHITE)] {
+        let stroke = Stroke::new(width, colour);
+        painter.rect_stroke(frame, 0.0, stroke, egui::StrokeKind::Inside);
+    }
+    if frame.height() > rect.height() {
+        let at = rect.center_bottom() - egui::vec2(0.0, 8.0);
+        label(painter, at, Align2::CENTER_BOTTOM, "the picture goes on above and below");
+    }
+}
+
+/// Returns the part of the plane of the screen that a picture of this size shows: its view is as
+/// wide as the map.
+fn export_frame(rect: Rect, [width, height]: [u32; 2]) -> Rect {
+    let side = egui::vec2(rect.width(), rect.width() * height as f32 / width.max(1) as f32);
+    Rect::from_center_size(rect.center(), side)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -224,6 +251,15 @@ mod tests {
         let center = center.map(|text| Theta::parse(text).unwrap());
         let camera = Camera { center, width_rad, ..Camera::whole(Reach::TORUS) };
         Screen { camera, size: DVec2::new(640.0, 480.0), pixels_per_point: 1.0 }
+    }
+
+    #[test]
+    fn an_export_is_framed_as_it_is_cropped() {
+        let map = Rect::from_min_size(pos2(10.0, 20.0), egui::vec2(960.0, 800.0));
+        assert_eq!(export_frame(map, [960, 800]), map);
+        let wide = export_frame(map, [1920, 1080]);
+        assert_eq!((wide.width(), wide.height(), wide.center()), (960.0, 540.0, map.center()));
+        assert!(export_frame(map, [100, 400]).height() > map.height());
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! The pixels that the user has pinned, each with its flight.
+//! The pixels that the user has pinned: each has its flight, and all fly by one clock.
 
 use egui::Color32;
 
-use super::flight::{Flight, Playback};
+use super::flight::{Flight, Playback, Trail};
 use super::pin_start::PinStart;
 use crate::engine::{Question, Trust};
 use crate::physics::Outcome;
@@ -56,20 +56,21 @@ pub struct Pin {
     pub told: Option<(Outcome, Trust)>,
     /// Flight of its pendulum.
     pub flight: Flight,
-    /// Playback of the flight.
-    pub playback: Playback,
+    /// Recent path of its pendulum.
+    pub trail: Trail,
+    shown_secs: f64,
 }
 
 impl Pin {
-    /// Returns the moment shown, in s: the playback time, limited to what is known of the flight.
+    /// Returns the moment shown, in s: that of the clock, limited to what is known of the flight.
     pub fn shown_secs(&self) -> f64 {
-        self.playback.time_secs().min(self.flight.record().end_secs())
+        self.shown_secs
     }
 
-    fn advance(&mut self, elapsed_secs: f64) {
-        self.flight.receive();
+    fn show(&mut self, secs: f64) {
         let record = self.flight.record();
-        self.playback.advance(elapsed_secs, record.end_secs(), record.ending.is_some());
+        self.shown_secs = secs.min(record.end_secs());
+        self.trail.follow(&record.own.motion, self.shown_secs);
     }
 }
 
@@ -78,23 +79,23 @@ impl Pin {
 #[error("all {MOST_PINS} pins are in use; remove one to pin another pixel")]
 pub struct NoPinLeft;
 
-/// An action of the user on a pin.
+/// An action of the user on a pin, or on the clock of all pins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PinAction {
     /// Shows the pin.
     Select(PinId),
     /// Removes the pin from the map.
     Remove(PinId),
-    /// Resumes the playback.
-    Play(PinId),
-    /// Pauses the playback.
-    Pause(PinId),
-    /// Plays again from the release.
-    Restart(PinId),
+    /// Resumes the flights.
+    Play,
+    /// Pauses the flights.
+    Pause,
+    /// Releases all pendulums again.
+    Restart,
     /// Goes to this many seconds after the release.
-    Scrub(PinId, f64),
-    /// Sets the playback speed in simulated seconds per second.
-    Speed(PinId, f64),
+    Scrub(f64),
+    /// Sets the speed of the clock in simulated seconds per second.
+    Speed(f64),
 }
 
 /// All pins, and the physics that their flights follow.
@@ -103,6 +104,7 @@ pub struct Pins {
     build: Build,
     question: Question,
     list: Vec<Pin>,
+    clock: Playback,
     selected: Option<PinId>,
     /// Pin that the last click on the map made.
     pub clicked: Option<PinId>,
@@ -116,6 +118,7 @@ impl Pins {
             build: scene.build,
             question: Question::from(scene),
             list: Vec::new(),
+            clock: Playback::default(),
             selected: None,
             clicked: None,
             next_id: 0,
@@ -147,13 +150,18 @@ impl Pins {
         self.list.iter().find(|pin| pin.id == id)
     }
 
-    /// Returns true if the shown pendulum is playing, so that the window has to be redrawn.
-    pub fn is_playing(&self) -> bool {
-        self.selected().is_some_and(|pin| pin.playback.is_playing())
+    /// Returns the clock by which all pendulums fly.
+    pub fn clock(&self) -> &Playback {
+        &self.clock
     }
 
-    /// Pins a pixel, releases its pendulum and selects the pin. The flight's thread calls `wake`
-    /// whenever there is more to show.
+    /// Returns true if the pendulums are flying, so that the window has to be redrawn.
+    pub fn is_playing(&self) -> bool {
+        !self.list.is_empty() && self.clock.is_playing()
+    }
+
+    /// Pins a pixel, releases its pendulum together with all others and selects the pin. The
+    /// flight's thread calls `wake` whenever there is more to show.
     pub fn add(
         &mut self,
         start: PinStart,
@@ -165,9 +173,11 @@ impl Pins {
         let id = PinId(self.next_id);
         self.next_id += 1;
         let flight = Flight::launch(self.question, start.launches, wake);
-        let playback = Playback::default();
-        self.list.push(Pin { id, start, badge, told, flight, playback });
+        let trail = Trail::new(&self.build.pendulum());
+        self.list.push(Pin { id, start, badge, told, flight, trail, shown_secs: 0.0 });
         self.selected = Some(id);
+        self.clock.restart();
+        self.show();
         Ok(id)
     }
 
@@ -178,13 +188,33 @@ impl Pins {
         }
     }
 
-    /// Takes what the flights have computed and advances the clock of the shown pin by a frame; the
-    /// others stay where they were left.
+    /// Takes what the flights have computed and advances the clock by a frame.
     pub fn advance(&mut self, elapsed_secs: f64) {
-        for pin in &mut self.list {
-            let shown = self.selected == Some(pin.id);
-            pin.advance(if shown { elapsed_secs } else { 0.0 });
+        self.list.iter_mut().for_each(|pin| {
+            pin.flight.receive();
+        });
+        if let Some((known_secs, complete)) = self.known() {
+            self.clock.advance(elapsed_secs, known_secs, complete);
         }
+        self.show();
+    }
+
+    /// Returns the end of what is known of all flights, in s, and true if it is their end; none
+    /// without a pin. A flight under way is waited for; of complete ones the longest counts.
+    fn known(&self) -> Option<(f64, bool)> {
+        let ends = |complete: bool| {
+            let records = self.list.iter().map(|pin| pin.flight.record());
+            let of_kind = records.filter(move |record| record.ending.is_some() == complete);
+            of_kind.map(|record| record.end_secs())
+        };
+        let under_way = ends(false).min_by(f64::total_cmp).map(|secs| (secs, false));
+        under_way.or_else(|| Some((ends(true).max_by(f64::total_cmp)?, true)))
+    }
+
+    /// Brings every pin to the moment of the clock.
+    fn show(&mut self) {
+        let secs = self.clock.time_secs();
+        self.list.iter_mut().for_each(|pin| pin.show(secs));
     }
 
     /// Does what the user asked for; ignores a pin that no longer exists.
@@ -192,16 +222,16 @@ impl Pins {
         match action {
             PinAction::Select(id) => self.select(id),
             PinAction::Remove(id) => self.remove(id),
-            PinAction::Play(id) => self.change(id, |pin| {
-                let record = pin.flight.record();
-                let ended = record.ending.is_some();
-                pin.playback.play(if ended { record.end_secs() } else { f64::INFINITY });
-            }),
-            PinAction::Pause(id) => self.change(id, |pin| pin.playback.pause()),
-            PinAction::Restart(id) => self.change(id, |pin| pin.playback.restart()),
-            PinAction::Scrub(id, secs) => self.change(id, |pin| pin.playback.scrub(secs)),
-            PinAction::Speed(id, speed) => self.change(id, |pin| pin.playback.set_speed(speed)),
+            PinAction::Play => {
+                let end = self.known().filter(|(_, complete)| *complete);
+                self.clock.play(end.map_or(f64::INFINITY, |(secs, _)| secs));
+            }
+            PinAction::Pause => self.clock.pause(),
+            PinAction::Restart => self.clock.restart(),
+            PinAction::Scrub(secs) => self.clock.scrub(secs),
+            PinAction::Speed(speed) => self.clock.set_speed(speed),
         }
+        self.show();
     }
 
     /// Follows a change of the scene: if the pendulum or the question has changed, relaunches all
@@ -215,6 +245,7 @@ impl Pins {
         self.question = question;
         for pin in &mut self.list {
             pin.flight = Flight::launch(question, pin.start.launches, wake.clone());
+            pin.trail = Trail::new(&scene.build.pendulum());
             pin.told = None;
         }
     }
@@ -228,12 +259,6 @@ impl Pins {
 
     fn get_mut(&mut self, id: PinId) -> Option<&mut Pin> {
         self.list.iter_mut().find(|pin| pin.id == id)
-    }
-
-    fn change(&mut self, id: PinId, change: impl FnOnce(&mut Pin)) {
-        if let Some(pin) = self.get_mut(id) {
-            change(pin);
-        }
     }
 
     fn select(&mut self, id: PinId) {
@@ -310,27 +335,31 @@ mod tests {
     }
 
     #[test]
-    fn actions_reach_their_pin_and_no_other() {
+    fn all_fly_by_one_clock() {
         let (mut pins, ids) = with_pins(2);
         wait(&mut pins);
         let times = |pins: &Pins| [0, 1].map(|i| pins.get(ids[i]).unwrap().shown_secs());
+        pins.apply(PinAction::Speed(2.0));
+        pins.advance(1.5);
+        assert_eq!(times(&pins), [3.0, 3.0]);
+        assert!(pins.iter().all(|pin| pin.trail.points().count() > 250), "each leaves a trail");
+        pins.apply(PinAction::Pause);
+        pins.advance(1.5);
         pins.apply(PinAction::Select(ids[0]));
-        pins.apply(PinAction::Speed(ids[0], 2.0));
-        pins.advance(1.5);
-        assert_eq!(times(&pins), [3.0, 0.0], "the one that is not shown waits");
-        pins.apply(PinAction::Pause(ids[0]));
-        assert!(!pins.is_playing());
-        pins.advance(1.5);
-        pins.apply(PinAction::Select(ids[1]));
-        pins.apply(PinAction::Scrub(ids[1], 29.0));
+        assert_eq!((times(&pins), pins.is_playing()), ([3.0, 3.0], false));
+        pins.apply(PinAction::Scrub(29.0));
+        pins.apply(PinAction::Play);
         pins.advance(2.0);
-        assert_eq!((times(&pins), pins.is_playing()), ([3.0, 30.0], false));
-        pins.apply(PinAction::Play(ids[1]));
-        pins.advance(0.5);
-        assert_eq!(times(&pins), [3.0, 0.5], "from the release after the end");
-        pins.apply(PinAction::Select(ids[0]));
-        pins.apply(PinAction::Restart(ids[0]));
-        assert_eq!((times(&pins), pins.is_playing()), ([0.0, 0.5], true));
+        assert_eq!((times(&pins), pins.is_playing()), ([30.0, 30.0], false));
+        pins.apply(PinAction::Play);
+        pins.advance(0.25);
+        assert_eq!(times(&pins), [0.5, 0.5], "from the release after the end");
+        pins.add(place(1.0), None, || ()).unwrap();
+        assert_eq!((times(&pins), pins.is_playing()), ([0.0, 0.0], true), "all are let go again");
+        pins.apply(PinAction::Remove(ids[0]));
+        pins.apply(PinAction::Remove(ids[1]));
+        pins.apply(PinAction::Remove(pins.selected().unwrap().id));
+        assert!(!pins.is_playing(), "nothing flies");
     }
 
     #[test]
@@ -340,7 +369,7 @@ mod tests {
         let flip = |pins: &Pins| pins.selected().unwrap().flight.outcome().unwrap();
         let earth = flip(&pins);
         pins.tell(ids[0], (Outcome::flipped(earth.time.hi), Trust::Agreed));
-        pins.apply(PinAction::Scrub(ids[0], 2.0));
+        pins.apply(PinAction::Scrub(2.0));
         let view = scene::View { width: "1".into(), ..scene::View::default() };
         pins.relaunch(&Scene { view, ..Scene::default() }, || ());
         assert!(pins.selected().unwrap().told.is_some());
@@ -351,6 +380,6 @@ mod tests {
         wait(&mut pins);
         // Four times the gravity is the same motion at twice the speed.
         assert!((flip(&pins).time.hi * 2.0 - earth.time.hi).abs() < 1e-9);
-        assert_eq!(pins.selected().unwrap().playback.time_secs(), 2.0);
+        assert_eq!(pins.clock().time_secs(), 2.0);
     }
 }

@@ -35,6 +35,8 @@ pub struct Settings {
     pub restore: bool,
     /// Size in MiB of the cache of samples for places seen before.
     pub cache_mib: u32,
+    /// True once the card of the first start was closed.
+    pub greeted: bool,
     /// Files opened last, the newest first.
     pub recent: Vec<String>,
     /// Scene shown when the window was left.
@@ -87,6 +89,7 @@ impl Default for Settings {
             animate: true,
             restore: true,
             cache_mib: 512,
+            greeted: false,
             recent: Vec::new(),
             last_scene: None,
             layers: Layers::default(),
@@ -169,6 +172,11 @@ impl Store {
     /// Returns the store in these folders. Without a folder nothing is ever read or written.
     pub fn new(folders: &Folders) -> Self {
         Store { path: folders.config.as_ref().map(|folder| folder.join("settings.toml")) }
+    }
+
+    /// Returns true if settings are kept.
+    pub fn keeps(&self) -> bool {
+        self.path.is_some()
     }
 
     /// Loads the saved settings. A file that is not valid is moved aside and not lost.

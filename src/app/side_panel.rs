@@ -15,6 +15,7 @@ use super::panels::places::places_panel;
 use super::panels::scene::scene_panel;
 use super::panels::view::view_panel;
 use super::panels::window::window_panel;
+use super::state::Dialog;
 use crate::lab::Figure;
 use crate::physics::{Scalar, State};
 
@@ -39,13 +40,15 @@ struct Sections<'a> {
 }
 
 impl Sections<'_> {
-    fn show(&mut self, heading: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
+    /// Shows a panel; returns true if it is open.
+    fn show(&mut self, heading: &str, open: bool, contents: impl FnOnce(&mut Ui)) -> bool {
         let wanted = self.wanted == Some(heading);
         let header = CollapsingHeader::new(heading).default_open(open);
         let shown = header.open(wanted.then_some(true)).show(self.ui, contents);
         if wanted {
             shown.header_response.scroll_to_me(Some(Align::TOP));
         }
+        shown.openness > 0.0
     }
 }
 
@@ -93,12 +96,15 @@ impl AppModel {
             panels.show("Layers", false, |ui| {
                 actions.extend(layers_panel(ui, &self.state.layers));
             });
-            panels.show("Export", false, |ui| {
+            let map_px = (self.state.canvas * self.state.pixels_per_point).round().as_uvec2();
+            self.forms.export.follow(map_px.to_array(), self.state.picture.samples);
+            let exporting = panels.show("Export", false, |ui| {
                 let statuses = self.export_statuses();
                 for action in export_panel(ui, &self.forms.export, &statuses) {
                     self.export(action);
                 }
             });
+            self.forms.exporting |= exporting;
             panels.show("Window", false, |ui| {
                 actions.extend(window_panel(ui, &self.state, &mut self.settings));
             });
@@ -124,6 +130,9 @@ impl AppModel {
         let start = State { angle, speed: pin.start.launches[0].speed.map(|speed| speed.hi) };
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
+            if ui.button("Whole window (F)").clicked() {
+                actions.push(Action::Toggle(Dialog::Stage));
+            }
             ui.label("In the lab:");
             for figure in [Figure::Machine, Figure::Integrators, Figure::Twenty] {
                 if ui.button(figure.name()).on_hover_text(figure.title()).clicked() {

@@ -16,7 +16,7 @@ use super::settings::{Appearance, Layers, Settings, Theme};
 use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
-use crate::physics::{Rule, State, Theta};
+use crate::physics::{State, Theta};
 use crate::scene::{Budget, Build, Document, PictureTable, Plane, QuestionTable, Scene};
 use crate::tiles::view_target::{Physics, ViewTarget};
 
@@ -31,6 +31,10 @@ pub enum Dialog {
     Commands,
     /// The window's measurements of itself.
     Debug,
+    /// The card of the first start.
+    Card,
+    /// The pendulums of all pins, in place of the map.
+    Stage,
 }
 
 /// The dialogs that are open.
@@ -46,6 +50,10 @@ pub struct OpenDialogs {
     pub commands: bool,
     /// True if the window's measurements of itself are shown.
     pub debug: bool,
+    /// True if the card of the first start is shown.
+    pub card: bool,
+    /// True if the pendulums of all pins are shown in place of the map.
+    pub stage: bool,
     /// True if the laboratory is shown.
     pub lab: bool,
     /// Clock by which the map is shown, if any: later flips are not drawn.
@@ -164,6 +172,8 @@ impl AppState {
                 help: false,
                 commands: false,
                 debug: false,
+                card: false,
+                stage: false,
                 lab: false,
                 timeline: None,
             },
@@ -192,13 +202,6 @@ impl AppState {
     pub fn scene(&self) -> Scene {
         let plane = self.plane.clone();
         Scene { build: self.build, question: self.question, plane, ..Scene::default() }
-    }
-
-    /// Returns true if the map has an energy curve that is to be drawn.
-    pub fn has_energy_curve(&self) -> bool {
-        let watches = self.question.watched() != Rule::Neither;
-        let is_there = watches && self.plane.is_at_rest() && self.build.gravity.value() > 0.0;
-        self.layers.curve && is_there
     }
 
     /// Returns the current camera, or the one at the end of a move in progress.
@@ -233,6 +236,7 @@ impl AppState {
     pub fn tick(&mut self, now_secs: f64) -> bool {
         let elapsed_secs = (now_secs - self.now_secs).max(0.0);
         self.now_secs = now_secs;
+        self.notices.advance(now_secs);
         if let Some(moving) = self.moving {
             let (camera, over) = moving.at(now_secs);
             self.camera = camera;
@@ -251,7 +255,8 @@ impl AppState {
             clock.advance(elapsed_secs, budget_secs, true);
         }
         let plays = self.shown.timeline.is_some_and(|clock| clock.is_playing());
-        self.moving.is_some() || self.pins.is_playing() || plays
+        // Flying pendulums are drawn less often than what moves the map.
+        self.moving.is_some() || plays
     }
 
     /// Applies an action of the user and returns the effect that remains to be carried out.
@@ -343,9 +348,10 @@ impl AppState {
             }
             return;
         }
-        let Some(pin) = self.pins.selected() else { return };
-        let (id, playing) = (pin.id, pin.playback.is_playing());
-        self.pins.apply(if playing { PinAction::Pause(id) } else { PinAction::Play(id) });
+        if !self.pins.is_empty() {
+            let playing = self.pins.is_playing();
+            self.pins.apply(if playing { PinAction::Pause } else { PinAction::Play });
+        }
     }
 
     fn set_accuracy(&mut self, accuracy: Accuracy) {
@@ -358,6 +364,8 @@ impl AppState {
             Dialog::Help => &mut self.shown.help,
             Dialog::Commands => &mut self.shown.commands,
             Dialog::Debug => &mut self.shown.debug,
+            Dialog::Card => &mut self.shown.card,
+            Dialog::Stage => &mut self.shown.stage,
         };
         *shown = !*shown;
         if dialog == Dialog::Debug && self.shown.debug {
@@ -367,9 +375,12 @@ impl AppState {
 
     fn escape(&mut self) {
         self.drawing = None;
-        let dialogs = self.shown.help || self.shown.commands;
-        let lab = self.shown.lab && dialogs;
-        self.shown = OpenDialogs { help: false, commands: false, lab, ..self.shown };
+        let OpenDialogs { help, commands, card, stage, lab, .. } = self.shown;
+        // What lies on top is closed first.
+        let above = help || commands || card;
+        let (stage, lab) = (stage && above, lab && (above || stage));
+        let closed = OpenDialogs { help: false, commands: false, card: false, ..self.shown };
+        self.shown = OpenDialogs { stage, lab, ..closed };
     }
 }
 
@@ -508,7 +519,6 @@ pub(super) mod tests {
         ask(&mut state, |scene| scene.plane.kind = "speeds".parse().unwrap());
         assert_eq!(state.camera, Camera::whole(state.camera.reach));
         assert!(!state.camera.reach.repeats && !state.history.has_back());
-        assert!(!state.has_energy_curve());
         // A faster pendulum has a larger lattice; the view shows the same ones.
         look(&mut state, Look::Zoom { factor: 4.0, about: DVec2::ZERO });
         let (width, reach) = (state.camera.width(), state.camera.reach);

@@ -2,7 +2,8 @@
 //!
 //! Where neighbours flip at different times, and late, there is more to see below: early flips have
 //! long stopped telling neighbours apart. Each step computes a small picture, goes to the liveliest
-//! place near a preferred point, and enlarges it.
+//! place near a preferred point, and enlarges it. It looks ahead: a view is gone to only if its own
+//! small picture has somewhere to go, so that no descent ends in an edge between two colours.
 
 use super::preview::preview;
 use super::{Samples, Work};
@@ -16,17 +17,36 @@ const SIDE: u32 = 32;
 const FACTOR: f64 = 3.162_277_660_168_379_5;
 /// Distance in pixels along each axis up to which neighbours are compared.
 const AROUND: i32 = 2;
+/// Distance in pixels along each axis from the middle of the next view to its border.
+const NEXT_VIEW: i32 = 5;
 /// Upper limit of the differences that count, in natural units of time.
 const ENOUGH_UNITS: f64 = 3.0;
 /// Mean difference, in those units, at or below which a place has no structure.
 const LEAST_UNITS: f64 = 0.05;
+/// Number of distinct times in a next view from which it is more than an edge or two.
+const SEVERAL: usize = 4;
+/// Number of distinct times in a next view beyond which more of them count no more.
+const MANY: usize = 12;
+/// Distance from the preferred point, in pixels, at which a place counts for half: at the first
+/// step, which follows a pointer, and at later ones, which stay near the filament.
+const NEAR: [f64; 2] = [3.0, 8.0];
+/// Number of places of a picture whose next views are looked at before the descent ends.
+const MOST_TRIES: usize = 4;
+/// Least distance in pixels between two of those places.
+const APART: f64 = 4.0;
+/// Share of the budget before which flips no longer tell deep neighbours apart.
+const LATE: f64 = 0.4;
 
 /// A descent from each view to the next deeper one.
 pub struct Descent {
     scene: Scene,
     config: IntegratorConfig,
+    /// Samples of the view's small picture, once they are known.
+    samples: Option<Samples>,
     /// Preferred point of the next step, in pixels from the middle.
     wish: [f64; 2],
+    /// Distance from that point, in pixels, at which a place counts for half.
+    near: f64,
 }
 
 /// The result of a step of a descent.
@@ -47,7 +67,10 @@ impl Descent {
         scene.question.budget =
             Budget { auto: true, ..scene.question.budget }.for_view(&scene.build, &scene.view);
         (scene.view.rotate, scene.view.stretch) = (0.0, 1.0);
-        Descent { scene, config, wish: wish.map(|part| part * f64::from(SIDE)) }
+        let side = f64::from(SIDE);
+        // A tall window has more above and below than the picture, which is square.
+        let wish = wish.map(|part| (part * side).clamp(-side / 2.0, side / 2.0));
+        Descent { scene, config, samples: None, wish, near: NEAR[0] }
     }
 
     /// Returns the next view, which is smaller by half a decade; calls `go_on` now and then.
@@ -56,67 +79,188 @@ impl Descent {
         engine: &mut dyn Engine,
         go_on: &dyn Fn() -> bool,
     ) -> Result<DescentStep, EngineError> {
-        let mut work = Work::new(&self.scene, [SIDE; 2], self.config, (SIDE * SIDE) as usize);
-        let samples = preview(&mut work, [SIDE; 2], engine, &|_| go_on())?;
+        let samples = match self.samples.take() {
+            Some(samples) => Some(samples),
+            None => self.picture(&self.scene, engine, go_on)?,
+        };
         let Some(samples) = samples else { return Ok(DescentStep::Stopped) };
-        let Some([across, above]) = self.liveliest(&samples) else { return Ok(DescentStep::End) };
-        let width = self.scene.view.width_rad().to_f64();
+        for offset in self.lively_places(&self.scene, &samples) {
+            let Some(scene) = self.enlarged(offset) else { break };
+            let Some(samples) = self.picture(&scene, engine, go_on)? else {
+                return Ok(DescentStep::Stopped);
+            };
+            (self.wish, self.near) = ([0.0; 2], NEAR[1]);
+            if !self.lively_places(&scene, &samples).is_empty() {
+                self.samples = Some(samples);
+                self.scene = scene.clone();
+                return Ok(DescentStep::Scene(Box::new(scene)));
+            }
+        }
+        Ok(DescentStep::End)
+    }
+
+    /// Computes the small picture of a scene; none once `go_on` returns false.
+    fn picture(
+        &self,
+        scene: &Scene,
+        engine: &mut dyn Engine,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<Samples>, EngineError> {
+        let mut work = Work::new(scene, [SIDE; 2], self.config, (SIDE * SIDE) as usize);
+        preview(&mut work, [SIDE; 2], engine, &|_| go_on())
+    }
+
+    /// Returns the scene around a place, in pixels from the middle; none if its view is too small.
+    fn enlarged(&self, offset: [f64; 2]) -> Option<Scene> {
+        let mut scene = self.scene.clone();
+        let width = scene.view.width_rad().to_f64();
         let pixel = width / f64::from(SIDE);
-        let center = self.scene.view.center_rad();
-        let by = [across, above].map(|by| Theta::from_f64(by * pixel));
+        let center = scene.view.center_rad();
+        let by = offset.map(|by| Theta::from_f64(by * pixel));
         let width = width / FACTOR;
         if width < crate::scene::LEAST_WIDTH {
-            return Ok(DescentStep::End);
+            return None;
         }
         // Twelve digits below the width tell the pixels of any screen apart.
         let digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
-        let view = &mut self.scene.view;
+        let Scene { build, question, view, .. } = &mut scene;
         view.center = [0, 1].map(|i| (center[i] + by[i]).wrapped().decimal(digits));
         view.width = format!("{width:.3e}");
         view.fit = false;
-        self.wish = [0.0; 2];
-        let Scene { build, question, view, .. } = &mut self.scene;
         question.budget = question.budget.for_view(build, view);
-        Ok(DescentStep::Scene(Box::new(self.scene.clone())))
+        Some(scene)
     }
 
-    /// Returns the offset from the middle, in pixels, of the pixel that differs most from its
-    /// neighbours, favouring those near the preferred point; `None` if there is no structure.
-    fn liveliest(&self, samples: &Samples) -> Option<[f64; 2]> {
-        let unit = self.scene.build.unit_secs();
+    /// Returns offsets from the middle, in pixels, of places of a scene's picture that differ from
+    /// their neighbours and whose next views have several distinct times, the best first: those
+    /// that differ most and lie near the preferred point.
+    fn lively_places(&self, scene: &Scene, samples: &Samples) -> Vec<[f64; 2]> {
+        let picture = SmallPicture::new(scene, samples);
         let side = SIDE as i32;
         let inside = AROUND..side - AROUND;
-        let mut best = (0.0, None);
-        for (row, column) in inside.clone().flat_map(|y| inside.clone().map(move |x| (y, x))) {
-            let liveliness = self.liveliness(samples, [column, row]) / unit;
+        let mut scored = Vec::new();
+        for (y, x) in inside.clone().flat_map(|y| inside.clone().map(move |x| (y, x))) {
+            let liveliness = picture.liveliness([x, y]);
+            if liveliness <= LEAST_UNITS {
+                continue;
+            }
+            let distinct = picture.distinct_times([x, y]);
+            if distinct < SEVERAL {
+                continue;
+            }
             let from_middle =
-                [column as f64, (side - 1 - row) as f64].map(|at| at + 0.5 - f64::from(SIDE) / 2.0);
-            let far = (from_middle[0] - self.wish[0]).hypot(from_middle[1] - self.wish[1]);
-            let score = liveliness / (1.0 + far / f64::from(SIDE));
-            if liveliness > LEAST_UNITS && score > best.0 {
-                best = (score, Some(from_middle));
+                [x, side - 1 - y].map(|at| f64::from(at) + 0.5 - f64::from(SIDE) / 2.0);
+            let far = distance(from_middle, self.wish) / self.near;
+            let score = liveliness * distinct.min(MANY) as f64 / (1.0 + far * far);
+            scored.push((score, from_middle));
+        }
+        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut places: Vec<[f64; 2]> = Vec::new();
+        for (_, place) in scored {
+            if places.len() < MOST_TRIES && places.iter().all(|p| distance(*p, place) >= APART) {
+                places.push(place);
             }
         }
-        best.1
-    }
-
-    /// Returns the mean difference of a pixel's flip time from those of its neighbours, s. Pairs of
-    /// which one does not flip, or flips early, count as zero.
-    fn liveliness(&self, samples: &Samples, [x, y]: [i32; 2]) -> f64 {
-        let budget = self.scene.question.budget.secs;
-        let late = |x: i32, y: i32| {
-            let outcome = samples.get((y * SIDE as i32 + x) as usize);
-            (outcome.status == Status::Flipped && outcome.time > LATE * budget)
-                .then_some(outcome.time)
-        };
-        let Some(here) = late(x, y) else { return 0.0 };
-        let most = ENOUGH_UNITS * self.scene.build.unit_secs();
-        let around = (-AROUND..=AROUND).flat_map(|dy| (-AROUND..=AROUND).map(move |dx| (dx, dy)));
-        let differences = around.filter_map(|(dx, dy)| late(x + dx, y + dy));
-        let sum: f64 = differences.map(|there| (there - here).abs().min(most)).sum();
-        sum / f64::from((2 * AROUND + 1).pow(2))
+        places
     }
 }
 
-/// Share of the budget before which flips no longer tell deep neighbours apart.
-const LATE: f64 = 0.4;
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// The late flips of a small picture, in natural units of time; none where a pixel has none.
+struct SmallPicture {
+    late_units: Vec<Option<f64>>,
+}
+
+impl SmallPicture {
+    fn new(scene: &Scene, samples: &Samples) -> Self {
+        let from_secs = LATE * scene.question.budget.secs;
+        let late = |k| {
+            let outcome = samples.get(k);
+            let is_late = outcome.status == Status::Flipped && outcome.time > from_secs;
+            is_late.then_some(outcome.time / scene.build.unit_secs())
+        };
+        SmallPicture { late_units: (0..samples.len()).map(late).collect() }
+    }
+
+    /// Returns the late flips up to a distance along each axis, as far as the picture reaches.
+    fn around(&self, [x, y]: [i32; 2], reach: i32) -> impl Iterator<Item = f64> {
+        let side = SIDE as i32;
+        let within = move |at: i32| (at - reach).max(0)..(at + reach + 1).min(side);
+        let places = within(y).flat_map(move |y| within(x).map(move |x| (y * side + x) as usize));
+        places.filter_map(|place| self.late_units[place])
+    }
+
+    /// Returns the mean difference of a pixel's flip time from those of its neighbours. Pairs of
+    /// which one does not flip, or flips early, count as zero.
+    fn liveliness(&self, at: [i32; 2]) -> f64 {
+        let Some(here) = self.around(at, 0).next() else { return 0.0 };
+        let sum: f64 =
+            self.around(at, AROUND).map(|there| (there - here).abs().min(ENOUGH_UNITS)).sum();
+        sum / f64::from((2 * AROUND + 1).pow(2))
+    }
+
+    /// Returns the number of times in the next view around a pixel that lie apart: one on each side
+    /// of an edge, many where filaments lie side by side.
+    fn distinct_times(&self, at: [i32; 2]) -> usize {
+        let mut times: Vec<f64> = self.around(at, NEXT_VIEW).collect();
+        times.sort_by(f64::total_cmp);
+        let gaps = times.windows(2).filter(|pair| pair[1] - pair[0] > LEAST_UNITS).count();
+        gaps + usize::from(!times.is_empty())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::EngineKind;
+    use crate::engine::choice::{Chosen, EngineRequest, choose};
+    use crate::physics::Outcome;
+    use crate::scene::BuiltIn;
+
+    /// Returns a picture of the home scene with a time in s for each pixel.
+    fn picture(time: impl Fn(u32, u32) -> f64) -> Samples {
+        let mut samples = Samples::unanswered((SIDE * SIDE) as usize, 1);
+        for (x, y) in (0..SIDE).flat_map(|x| (0..SIDE).map(move |y| (x, y))) {
+            samples.set((y * SIDE + x) as usize, Outcome::flipped(time(x, y)));
+        }
+        samples
+    }
+
+    fn processor() -> Chosen {
+        let kind = Some(EngineKind::Cpu);
+        choose(&EngineRequest { kind, ..EngineRequest::default() }, &|_| ()).unwrap()
+    }
+
+    #[test]
+    fn an_edge_between_two_colours_leads_nowhere_and_filaments_do() {
+        let home = BuiltIn::home().document().scene();
+        let descent = Descent::new(home, processor().config, [0.0; 2]);
+        let places = |samples: &Samples| descent.lively_places(&descent.scene, samples);
+        let edge = picture(|x, y| if x + y / 3 < 20 { 14.0 } else { 21.0 });
+        assert_eq!(places(&edge), Vec::<[f64; 2]>::new());
+        let filaments = picture(|x, y| 13.0 + f64::from((x * x + 3 * y) % 13));
+        let found = places(&filaments);
+        assert_eq!(found.len(), MOST_TRIES);
+        assert!(distance(found[0], [0.0; 2]) < NEAR[0], "the middle is the wish: {found:?}");
+        assert!((1..MOST_TRIES).all(|k| distance(found[0], found[k]) >= APART));
+    }
+
+    #[test]
+    fn the_first_step_from_home_goes_to_the_pointer() {
+        let mut chosen = processor();
+        let home = BuiltIn::home().document().scene();
+        let width = home.view.width_rad().to_f64();
+        for wish in [[0.2, 0.12], [-0.2, 0.12], [0.05, -0.2], [-0.1, -0.15]] {
+            let mut descent = Descent::new(home.clone(), chosen.config, wish);
+            let step = descent.next(chosen.engine.as_mut(), &|| true).unwrap();
+            let DescentStep::Scene(scene) = step else { panic!("{step:?}") };
+            let by = [0, 1].map(|i| {
+                (scene.view.center_rad()[i] - home.view.center_rad()[i]).wrapped().to_f64() / width
+            });
+            assert!(distance(by, wish) < 0.12, "{by:?} for {wish:?}");
+        }
+    }
+}

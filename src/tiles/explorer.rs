@@ -247,6 +247,13 @@ impl Explorer {
         }
     }
 
+    /// Returns the physics of the cells that are drawn: the previous one's as long as they stand in
+    /// for the target's.
+    pub fn drawn(&self) -> Option<&Physics> {
+        let key = self.before.filter(|_| !self.progress().covered).unwrap_or(self.key);
+        self.physics.get(key).map(|known| &known.physics)
+    }
+
     /// Returns what is known of a cell of the target, canonical or not, and true if the samples are
     /// those of its mirror image, in reverse order.
     pub fn known(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {

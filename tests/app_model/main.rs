@@ -3,6 +3,7 @@
 
 mod commands;
 mod planes;
+mod ride;
 mod view;
 
 use std::fs;

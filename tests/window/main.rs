@@ -239,11 +239,11 @@ mod checks {
             |display| {
                 display.point(300.0, 240.0);
                 display.key("d");
-                // The map follows the descent, and is never at rest for long.
+                // The map follows the descent, half a decade in a second and a half or more.
                 sleep(Duration::from_secs(20));
                 display.key("Escape");
             },
-            |told| told.is_idle() && told.width_rad() < 1e-6,
+            |told| told.is_idle() && told.width_rad() < 1e-3,
         );
         assert!(deep.scene().question.budget.auto);
         session.shot("deep");

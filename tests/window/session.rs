@@ -107,6 +107,15 @@ impl Told {
     }
 }
 
+/// Keeps the card of the first start from covering the map; what is kept already stays.
+fn greet(home: &Path) {
+    let settings = home.join(".config/flipmap/settings.toml");
+    if !settings.exists() {
+        fs::create_dir_all(settings.parent().unwrap()).unwrap();
+        fs::write(settings, "greeted = true\n").unwrap();
+    }
+}
+
 impl Session {
     /// Opens the window in its own home folder and waits until its map is complete.
     pub(crate) fn open(name: &'static str, arguments: &[&str]) -> Self {
@@ -117,6 +126,7 @@ impl Session {
     pub(crate) fn open_in(folder: TempDir, name: &'static str, arguments: &[&str]) -> Self {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let display = Display::open();
+        greet(folder.path());
         // The statistics of an earlier run must not be taken for those of this one.
         let _ = fs::remove_file(folder.path().join("stats.json"));
         let child = Command::new(env!("CARGO_BIN_EXE_flipmap"))

@@ -10,12 +10,14 @@ pub mod motion;
 pub mod pilot;
 pub mod playback;
 pub mod record;
+pub mod trail;
 
 use std::sync::mpsc::{self, Receiver, TryRecvError};
 
 pub use self::agreement::Agreement;
 pub use self::playback::Playback;
 pub use self::record::{Ending, Flip, Record, Track};
+pub use self::trail::Trail;
 use crate::engine::Question;
 use crate::physics::{Dd, Launch, Outcome, Pendulum, Status};
 

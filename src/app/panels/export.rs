@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use egui::{Button, ComboBox, Grid, ProgressBar, TextEdit, Ui};
+use egui::{Button, ComboBox, Grid, Label, ProgressBar, RichText, TextEdit, Ui};
 
 use super::field::number;
 use crate::app::export::ExportStage;
@@ -15,6 +15,10 @@ pub struct ExportForm {
     pub path: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
+    /// True if the picture has the size of the map in the window.
+    pub as_window: bool,
+    /// Number of samples per pixel along each axis.
+    pub samples: u32,
     /// The content of the file.
     pub what: ExportSubject,
 }
@@ -81,11 +85,26 @@ const PRESETS: [(&str, [u32; 2]); 6] = [
 
 impl Default for ExportForm {
     fn default() -> Self {
-        ExportForm { path: "map.png".to_string(), size: [1920, 1080], what: ExportSubject::Png }
+        ExportForm {
+            path: "map.png".to_string(),
+            size: [1920, 1080],
+            as_window: true,
+            samples: PictureTable::default().samples,
+            what: ExportSubject::Png,
+        }
     }
 }
 
 impl ExportForm {
+    /// Follows the window: its map's size in pixels, unless another was chosen, and the samples of
+    /// what is shown.
+    pub fn follow(&mut self, map_px: [u32; 2], samples: u32) {
+        self.samples = samples;
+        if self.as_window {
+            self.size = map_px;
+        }
+    }
+
     /// Returns the reason why the export cannot begin, as a sentence; none if it can.
     pub fn problem(&self) -> Option<String> {
         if self.path.trim().is_empty() {
@@ -94,7 +113,8 @@ impl ExportForm {
         if Path::new(&self.path).is_dir() {
             return Some("This is a folder: name a file in it.".to_string());
         }
-        PictureTable::default().check_size(self.size).err().map(|error| error.to_string())
+        let picture = PictureTable { samples: self.samples, ..PictureTable::default() };
+        picture.check_size(self.size).err().map(|error| error.to_string())
     }
 
     /// Returns true if the export would replace an existing file; film keys are added to theirs.
@@ -121,6 +141,14 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
         file(ui, &mut new, &mut actions);
         if new.what != ExportSubject::Key {
             size(ui, &mut new);
+        }
+        if new.what == ExportSubject::Png {
+            let (least, most) = PictureTable::SAMPLES.into_inner();
+            let range = f64::from(least)..=f64::from(most);
+            if let Some(samples) = number(ui, "Samples", " a side", f64::from(new.samples), range) {
+                new.samples = samples.round() as u32;
+            }
+            ui.end_row();
         }
     });
     if new != *form {
@@ -157,16 +185,30 @@ fn file(ui: &mut Ui, form: &mut ExportForm, actions: &mut Vec<ExportAction>) {
         }
     });
     ui.end_row();
+    // A bare name does not say in which folder it lies.
+    if let (false, Ok(whole)) = (form.path.trim().is_empty(), std::path::absolute(&form.path)) {
+        ui.label("");
+        ui.add(Label::new(RichText::new(whole.display().to_string()).weak().small()).wrap());
+        ui.end_row();
+    }
 }
+
+/// Words for the size of the map in the window.
+const AS_WINDOW: &str = "as the window";
 
 fn size(ui: &mut Ui, form: &mut ExportForm) {
     let label = ui.label("Size");
     let shown = PRESETS.iter().find(|(_, size)| *size == form.size);
-    let combo =
-        ComboBox::from_id_salt("size").selected_text(shown.map_or("other", |(name, _)| name));
-    let combo = combo.show_ui(ui, |ui| {
+    let shown = match form.as_window {
+        true => AS_WINDOW,
+        false => shown.map_or("other", |(name, _)| *name),
+    };
+    let combo = ComboBox::from_id_salt("size").selected_text(shown).show_ui(ui, |ui| {
+        ui.selectable_value(&mut form.as_window, true, AS_WINDOW);
         for (name, size) in PRESETS {
-            ui.selectable_value(&mut form.size, size, name);
+            if ui.selectable_label(!form.as_window && form.size == size, name).clicked() {
+                (form.size, form.as_window) = (size, false);
+            }
         }
     });
     combo.response.labelled_by(label.id);
@@ -175,6 +217,7 @@ fn size(ui: &mut Ui, form: &mut ExportForm) {
     for (name, side) in ["Width", "Height"].into_iter().zip(&mut form.size) {
         if let Some(new) = number(ui, name, " px", f64::from(*side), 1.0..=longest) {
             *side = new.round() as u32;
+            form.as_window = false;
         }
         ui.end_row();
     }
@@ -253,7 +296,7 @@ mod tests {
         let form = |path: &Path, size| ExportForm {
             path: path.display().to_string(),
             size,
-            what: ExportSubject::Png,
+            ..ExportForm::default()
         };
         let map = folder.path().join("map.png");
         assert_eq!(form(&map, [10, 10]).problem(), None);
@@ -263,6 +306,16 @@ mod tests {
         assert!(!form(&map, [10, 10]).replaces());
         std::fs::write(&map, "").unwrap();
         assert!(form(&map, [10, 10]).replaces());
+    }
+
+    #[test]
+    fn the_size_is_that_of_the_window_until_another_is_chosen() {
+        let mut form = ExportForm::default();
+        form.follow([970, 776], 3);
+        assert_eq!((form.size, form.samples), ([970, 776], 3));
+        form.as_window = false;
+        form.follow([640, 480], 1);
+        assert_eq!((form.size, form.samples), ([970, 776], 1));
     }
 
     #[test]

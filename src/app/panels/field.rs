@@ -4,8 +4,11 @@ use std::ops::RangeInclusive;
 
 use egui::{DragValue, Ui};
 
+use crate::scene::in_rad;
+
 /// Shows a named number, to be dragged or typed; returns the new one if it has changed. Dragging
-/// changes a value in proportion to its size.
+/// changes a value in proportion to its size. An angle, in rad, may be typed in degrees or in parts of
+/// π, too.
 pub(super) fn number(
     ui: &mut Ui,
     name: &str,
@@ -19,11 +22,20 @@ pub(super) fn number(
         .speed(0.005 * value.abs().max(1e-3))
         .suffix(unit)
         .custom_formatter(|value, _| plain(value))
+        .custom_parser(|text| typed(text, unit))
         .update_while_editing(false)
         .range(range.clone());
     let response = ui.add(drag).labelled_by(label.id);
     let inside = new.clamp(*range.start(), *range.end());
     (response.changed() && inside != value && !inside.is_nan()).then_some(inside)
+}
+
+/// Reads a number that was typed in a field with a unit.
+fn typed(text: &str, unit: &str) -> Option<f64> {
+    let text = text.trim();
+    let text = text.strip_suffix(unit.trim()).filter(|_| !unit.is_empty()).unwrap_or(text).trim();
+    let text = if unit.trim() == "rad" { in_rad(text) } else { text.to_string() };
+    text.replace('−', "-").parse().ok()
 }
 
 /// Formats a number with six significant digits; in powers of ten below 1e-4 and from 1e7 on.
@@ -51,6 +63,20 @@ fn short(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn angles_are_typed_in_degrees_and_parts_of_pi_and_other_numbers_are_not() {
+        use std::f64::consts::{FRAC_PI_2, PI};
+        for (text, rad) in [("90deg", FRAC_PI_2), ("-0.5pi", -FRAC_PI_2), ("π", PI), ("2 rad", 2.0)]
+        {
+            assert_eq!(typed(text, " rad"), Some(rad), "{text}");
+        }
+        assert_eq!((typed("30 s", " s"), typed("−1.5", "")), (Some(30.0), Some(-1.5)));
+        assert_eq!(
+            (typed("90deg", " s"), typed("soon", " rad"), typed("", "")),
+            (None, None, None)
+        );
+    }
 
     #[test]
     fn numbers_are_plain() {

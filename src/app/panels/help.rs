@@ -1,10 +1,11 @@
-//! The list of keys, and the command palette: the same commands, to read and to search.
+//! The list of keys with the questions, and the command palette: the same commands, to read and to search.
 
-use egui::{Align2, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Align2, Key, Label, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::app::action::Action;
 use crate::app::commands::{Command, shortcut_text};
 use crate::app::state::Dialog;
+use crate::question::Ask;
 
 /// Actions of the pointer, for the list of keys.
 pub const POINTER: [(&str, &str); 10] = [
@@ -28,7 +29,7 @@ fn keys(command: &Command) -> String {
 /// Shows the list of keys; returns an action if it is closed.
 pub fn help(ctx: &egui::Context, commands: &[Command]) -> Option<Action> {
     let mut open = true;
-    egui::Window::new("Keys")
+    egui::Window::new("Keys and questions")
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
@@ -45,10 +46,24 @@ pub fn help(ctx: &egui::Context, commands: &[Command]) -> Option<Action> {
                             row(ui, &keys(command), &command.name);
                         }
                     });
+                    questions(ui);
                 },
             );
         });
     (!open).then_some(Action::Toggle(Dialog::Help))
+}
+
+/// Shows what each question asks, in the two sentences of its map.
+fn questions(ui: &mut Ui) {
+    ui.add_space(8.0);
+    ui.heading("Questions, to be chosen under Scene");
+    egui::Grid::new("questions").num_columns(2).striped(true).show(ui, |ui| {
+        for ask in Ask::ALL {
+            ui.label(RichText::new(ask.kind().name).strong());
+            ui.add(Label::new(ask.kind().about).wrap());
+            ui.end_row();
+        }
+    });
 }
 
 fn row(ui: &mut Ui, keys: &str, does: &str) {

@@ -1,6 +1,7 @@
 //! The panels beside the map: each shows plain state and returns the user's actions.
 
 pub mod accuracy;
+pub mod card;
 mod colour_strip;
 pub mod colours;
 pub mod descent;
@@ -16,5 +17,6 @@ mod plane_diagram;
 pub mod scene;
 pub mod status;
 pub mod timeline;
+pub mod toolbar;
 pub mod view;
 pub mod window;

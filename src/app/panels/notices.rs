@@ -1,15 +1,22 @@
-//! Notices shown over the map until they are read.
+//! Notices shown over the map.
+
+use std::time::Duration;
 
 use egui::{Align2, Area, Color32, Frame, RichText};
 
 use crate::app::action::Action;
 use crate::app::notices::Notices;
 
-/// Shows the notices over the upper left corner of the map.
-pub fn notices(ctx: &egui::Context, notices: &Notices) -> Vec<Action> {
+/// Shows the notices over the upper left corner of the map, and asks for another frame when the next
+/// one goes.
+pub fn notices(ctx: &egui::Context, notices: &Notices, now_secs: f64) -> Vec<Action> {
     let mut actions = Vec::new();
     if notices.iter().len() == 0 {
         return actions;
+    }
+    if let Some(ends_secs) = notices.next_end_secs() {
+        let secs = (ends_secs - now_secs).max(0.0);
+        ctx.request_repaint_after(Duration::from_secs_f64(secs));
     }
     Area::new(egui::Id::unique("notices")).anchor(Align2::LEFT_TOP, egui::vec2(12.0, 12.0)).show(
         ctx,

@@ -4,7 +4,9 @@ mod drawing;
 mod facts;
 mod plot;
 
-use egui::{Atom, Button, Response, Role, Slider, Stroke, Ui, WidgetInfo};
+use std::time::Duration;
+
+use egui::{Atom, Button, Response, Role, Slider, Stroke, Ui, WidgetInfo, vec2};
 
 use crate::app::flight::playback::SPEEDS;
 use crate::app::pins::{Pin, PinAction, Pins};
@@ -12,15 +14,22 @@ use crate::lab::drawing::{CANVAS, FAINT, INK};
 
 pub use drawing::miniature;
 
-/// Shows the pins and the selected one's pendulum; returns the user's actions on them. Requests
-/// another frame only while that pendulum plays.
+/// Greatest side of the stage in the panel, in points.
+const MOST_SIDE: f32 = 300.0;
+/// Height in points that the tabs and the clock take below a stage that fills the window.
+const BELOW_STAGE: f32 = 110.0;
+/// Time between two frames of flying pendulums: as smooth as a film, at half the cost of a game.
+pub const FRAME: Duration = Duration::from_millis(33);
+
+/// Shows the pins, the stage and the selected pin's numbers; returns the user's actions on them.
 pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
     let mut actions = Vec::new();
     tabs(ui, pins, &mut actions);
     match pins.selected() {
         Some(pin) => {
-            drawing::pendulum(ui, pins.build(), pin);
-            clock(ui, pin, &mut actions);
+            let width = ui.available_width();
+            drawing::stage(ui, pins, pin, vec2(width, width.min(MOST_SIDE)));
+            clock(ui, pins, pin, &mut actions);
             ui.separator();
             facts::facts(ui, pin);
             plot::separation(ui, pin);
@@ -29,10 +38,33 @@ pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
             ui.label("Click a pixel of the map to pin it and to watch its pendulum.");
         }
     }
-    if pins.is_playing() {
-        ui.ctx().request_repaint();
-    }
+    next_frame(ui, pins);
     actions
+}
+
+/// Shows the stage in all the room there is; returns the user's actions on the pins.
+pub fn stage(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
+    let mut actions = Vec::new();
+    match pins.selected() {
+        Some(pin) => {
+            let size = ui.available_size() - vec2(0.0, BELOW_STAGE);
+            drawing::stage(ui, pins, pin, size.max(vec2(1.0, 1.0)));
+            tabs(ui, pins, &mut actions);
+            clock(ui, pins, pin, &mut actions);
+        }
+        None => {
+            ui.label("No pixel is pinned: close this, and click a pixel of the map.");
+        }
+    }
+    next_frame(ui, pins);
+    actions
+}
+
+/// Asks for another frame while the pendulums fly.
+pub fn next_frame(ui: &Ui, pins: &Pins) {
+    if pins.is_playing() {
+        ui.ctx().request_repaint_after(FRAME);
+    }
 }
 
 /// Shows one button per pin, with its colour and letter.
@@ -55,54 +87,54 @@ fn tabs(ui: &mut Ui, pins: &Pins, actions: &mut Vec<PinAction>) {
     });
 }
 
-/// Shows the buttons to play or pause, restart and remove, and the sliders for time and speed.
-fn clock(ui: &mut Ui, pin: &Pin, actions: &mut Vec<PinAction>) {
-    let Pin { id, playback, .. } = *pin;
+/// Shows the clock as wide as the panel, and the buttons to play or pause, restart and remove.
+fn clock(ui: &mut Ui, pins: &Pins, pin: &Pin, actions: &mut Vec<PinAction>) {
+    moment(ui, pins, pin, actions);
     ui.horizontal(|ui| {
         let mut button = |name: &str, action| {
             if ui.button(name).clicked() {
                 actions.push(action);
             }
         };
-        if playback.is_playing() {
-            button("Pause", PinAction::Pause(id));
+        if pins.is_playing() {
+            button("Pause", PinAction::Pause);
         } else {
-            button("Play", PinAction::Play(id));
+            button("Play", PinAction::Play);
         }
-        button("Restart", PinAction::Restart(id));
-        button("Remove", PinAction::Remove(id));
-    });
-    // The rails take the width that the names and the numbers leave.
-    let rail_width = (ui.available_width() - 170.0).max(60.0);
-    egui::Grid::new("clock").num_columns(3).show(ui, |ui| {
-        ui.spacing_mut().slider_width = rail_width;
-        moment(ui, pin, actions);
-        ui.end_row();
-        let mut speed = playback.speed();
+        button("Restart", PinAction::Restart);
+        button("Remove", PinAction::Remove(pin.id));
+        let mut speed = pins.clock().speed();
         let name = ui.label("Speed");
+        // The rail takes the width that the number leaves.
+        ui.spacing_mut().slider_width = (ui.available_width() - 55.0).clamp(30.0, 160.0);
         let slider = Slider::new(&mut speed, SPEEDS).logarithmic(true).show_value(false);
         if ui.add(slider).labelled_by(name.id).changed() {
-            actions.push(PinAction::Speed(id, speed));
+            actions.push(PinAction::Speed(speed));
         }
         ui.label(format!("{speed:.2} ×"));
-        ui.end_row();
     });
 }
 
-/// Shows the time slider with the flip marked on it.
-fn moment(ui: &mut Ui, pin: &Pin, actions: &mut Vec<PinAction>) {
+/// Shows the time, and below it the slider with the flip marked on it.
+fn moment(ui: &mut Ui, pins: &Pins, pin: &Pin, actions: &mut Vec<PinAction>) {
     let record = pin.flight.record();
-    let (end_secs, mut secs) = (record.end_secs(), pin.shown_secs());
-    let name = ui.label("Time");
+    let (end_secs, mut secs) = (record.end_secs(), pins.clock().time_secs().min(record.end_secs()));
+    let name = ui
+        .horizontal(|ui| {
+            let name = ui.label("Time");
+            ui.label(format!("{secs:.2} of {} s", facts::round_secs(end_secs)));
+            name
+        })
+        .inner;
+    ui.spacing_mut().slider_width = ui.available_width();
     let slider = Slider::new(&mut secs, 0.0..=end_secs).show_value(false);
     let rail = ui.add(slider).labelled_by(name.id);
     if let Some(flip) = record.own.flip.filter(|flip| flip.secs.hi <= end_secs) {
         mark_flip(ui, &rail, (flip.secs.hi / end_secs) as f32);
     }
     if rail.changed() {
-        actions.push(PinAction::Scrub(pin.id, secs));
+        actions.push(PinAction::Scrub(secs));
     }
-    ui.label(format!("{:.2} of {} s", pin.shown_secs(), facts::round_secs(end_secs)));
 }
 
 /// Draws a tick across the rail at a fraction of its length.

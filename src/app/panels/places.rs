@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use egui::{
-    Button, ColorImage, Context, Image, Key, Response, Role, TextEdit, TextureHandle, Ui,
+    Button, ColorImage, Context, Image, Key, Response, Role, TextEdit, TextureHandle, Ui, Vec2,
     WidgetInfo, vec2,
 };
 
 use crate::app::places::{Bookmark, Places};
+use crate::app::thumbs::thumb;
 use crate::output::Picture;
 use crate::scene::{BUILT_IN, Document};
 
@@ -44,11 +45,15 @@ pub enum PlaceAction {
     Delete(String),
 }
 
-/// The bookmarks' pictures as textures of the window.
+/// The pictures of places as textures of the window.
 #[derive(Default)]
 pub struct Thumbnails {
     textures: Vec<(Arc<Picture>, TextureHandle)>,
+    built_in: Vec<(&'static str, TextureHandle)>,
 }
+
+/// Size of a picture in the list, in points.
+const PICTURE: Vec2 = vec2(64.0, 48.0);
 
 impl Thumbnails {
     fn texture(&mut self, ctx: &Context, bookmark: &Bookmark) -> &TextureHandle {
@@ -61,6 +66,22 @@ impl Thumbnails {
             self.textures.len() - 1
         });
         &self.textures[place].1
+    }
+
+    /// Returns the picture of a built-in place.
+    fn built_in(&mut self, ctx: &Context, name: &'static str) -> Option<&TextureHandle> {
+        let place = self.built_in.iter().position(|(other, _)| *other == name);
+        let place = match place {
+            Some(place) => place,
+            None => {
+                let (size, rgb) = thumb(name)?;
+                let image = ColorImage::from_rgb(size, &rgb);
+                let texture = ctx.load_texture(name, image, egui::TextureOptions::LINEAR);
+                self.built_in.push((name, texture));
+                self.built_in.len() - 1
+            }
+        };
+        Some(&self.built_in[place].1)
     }
 
     /// Drops the pictures of deleted bookmarks.
@@ -91,10 +112,18 @@ pub fn places_panel(
     ui.separator();
     ui.heading("Worth seeing");
     for scene in BUILT_IN {
-        if named(ui, scene.name, &format!("Open {}", scene.name)) {
-            actions.push(PlaceAction::Open(Box::new(scene.document())));
-        }
-        ui.label(scene.sentence());
+        ui.horizontal(|ui| {
+            if let Some(texture) = thumbnails.built_in(ui.ctx(), scene.name) {
+                let image = Image::new(texture).fit_to_exact_size(PICTURE);
+                ui.add(image.alt_text(format!("Picture of {}", scene.name)));
+            }
+            ui.vertical(|ui| {
+                if named(ui, scene.name, &format!("Open {}", scene.name)) {
+                    actions.push(PlaceAction::Open(Box::new(scene.document())));
+                }
+                ui.label(scene.sentence());
+            });
+        });
         ui.add_space(4.0);
     }
     if new != *form {
@@ -128,7 +157,7 @@ fn row(
 ) {
     let name = &bookmark.name;
     ui.horizontal(|ui| {
-        let image = Image::new(texture).fit_to_exact_size(vec2(64.0, 48.0));
+        let image = Image::new(texture).fit_to_exact_size(PICTURE);
         ui.add(image.alt_text(format!("Picture of {name}")));
         ui.vertical(|ui| {
             if named(ui, name, &format!("Open {name}")) {

@@ -10,6 +10,8 @@ use crate::tiles::explorer::ViewProgress;
 pub struct StatusLine {
     /// The progress of the view.
     pub progress: ViewProgress,
+    /// Seconds until the view is complete, if they can be told.
+    pub left_secs: Option<f64>,
     /// Width of the view, in the unit that follows.
     pub width: f64,
     /// Unit of the horizontal axis.
@@ -36,6 +38,9 @@ pub fn status_line(ui: &mut Ui, status: &StatusLine) {
         let percent = format!("{:.0} %", (100.0 * share).floor());
         let bar = ProgressBar::new(share).desired_width(90.0).text(percent);
         ui.add(bar).on_hover_text("Share of the view that is computed to its finest level");
+        if let Some(secs) = status.left_secs {
+            ui.label(left_words(secs)).on_hover_text("Until the view is complete, at this pace");
+        }
         ui.label(format!("level {level}"));
         ui.separator();
         ui.label(width_text(status.width, status.unit));
@@ -81,6 +86,16 @@ pub fn depth_words(depth: &DepthStats, precision: Precision, budget_secs: f64) -
     (short, format!("The cells' middles are followed in {} digits. {began}", depth.digits))
 }
 
+/// Describes the time that is left, to no more digits than can be told.
+fn left_words(secs: f64) -> String {
+    match secs {
+        s if s < 1.0 => "a moment left".to_string(),
+        s if s < 59.5 => format!("{s:.0} s left"),
+        s if s < 3570.0 => format!("{:.0} min left", s / 60.0),
+        s => format!("{:.0} h left", s / 3600.0),
+    }
+}
+
 /// Formats a width, in powers of ten if it is small.
 fn width_text(width: f64, unit: &str) -> String {
     if width >= 1e-3 {
@@ -115,6 +130,13 @@ fn short(rate: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_left_is_told_in_the_unit_that_fits() {
+        let words = [0.3, 12.4, 59.4, 59.6, 600.0, 3600.0, 40_000.0].map(left_words);
+        let wanted = ["a moment", "12 s", "59 s", "1 min", "10 min", "1 h", "11 h"];
+        assert_eq!(words, wanted.map(|left| format!("{left} left")));
+    }
 
     #[test]
     fn counts_are_easy_to_read() {

@@ -22,6 +22,12 @@ impl ViewForm {
     }
 }
 
+/// Returns an angle in degrees that is given with a unit: in degrees or in parts of π.
+fn degrees(text: &str) -> Option<f64> {
+    let rad = in_rad(text);
+    if rad == text.trim() { None } else { Some(rad.parse::<f64>().ok()?.to_degrees()) }
+}
+
 /// Reads the texts of the fields. Angles may be in degrees or in parts of π.
 fn view_of(texts: &[String; 5]) -> Result<View, String> {
     let number = |text: &str, name: &str| {
@@ -31,7 +37,7 @@ fn view_of(texts: &[String; 5]) -> Result<View, String> {
     let view = View {
         center: [in_rad(x), in_rad(y)],
         width: in_rad(width),
-        rotate: number(rotate, "Turn")?,
+        rotate: degrees(rotate).map_or_else(|| number(rotate, "Turn"), Ok)?,
         stretch: number(stretch, "Stretch")?,
         fit: false,
     };
@@ -98,6 +104,10 @@ mod tests {
         let view = view_of(&texts(["90deg", "-0.5pi", "1e-3", "30", "2"])).unwrap();
         assert!((view.center_rad()[0].to_f64() - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert_eq!((view.width.as_str(), view.rotate, view.stretch), ("1e-3", 30.0, 2.0));
+        for (text, turned) in [("45", 45.0), ("45deg", 45.0), ("-0.25pi", -45.0)] {
+            let view = view_of(&texts(["0", "0", "1", text, "1"])).unwrap();
+            assert!((view.rotate - turned).abs() < 1e-12, "{text}");
+        }
         for (wrong, words) in [
             (["x", "0", "1", "0", "1"], "--center is 'x'"),
             (["0", "0", "0", "0", "1"], "--width is '0'"),

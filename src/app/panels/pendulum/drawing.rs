@@ -1,4 +1,5 @@
-//! The drawing: pivot, rods, bobs, the second bob's trail, the ghost, and the flip.
+//! The stage: the pendulums of all pins with the trails of their second bobs; of the selected pin
+//! also the ghost and the flip.
 
 use egui::epaint::TextShape;
 use egui::{
@@ -6,16 +7,11 @@ use egui::{
 };
 
 use super::{CANVAS, FAINT, INK};
-use crate::app::pins::Pin;
+use crate::app::pins::{Pin, Pins};
 use crate::lab::drawing::corner_inside;
 use crate::physics::State;
-use crate::physics::separation::natural_secs;
 use crate::scene::{Build, Kind};
 
-/// Duration of the trail in natural units of time: 3.8 s for the home pendulum.
-const TRAIL_UNITS: f64 = 12.0;
-/// Number of points of the trail.
-const TRAIL_POINTS: usize = 384;
 /// Number of points per band of equal opacity; few, because lines that meet show a bead.
 const BAND_POINTS: usize = 16;
 /// Length of the outstretched pendulum as a fraction of half the canvas.
@@ -23,27 +19,34 @@ const FILLED: f32 = 0.88;
 /// Radius of the heavier bob, or width of the heavier bar, as a fraction of half the canvas.
 const HEAVIEST: f32 = 0.075;
 
-/// Draws a pin's pendulum at the time shown.
-pub(super) fn pendulum(ui: &mut Ui, build: &Build, pin: &Pin) {
-    let side = ui.available_width().min(MOST_SIDE);
-    let size = vec2(ui.available_width(), side);
+/// Draws the pendulums of all pins at the moment of their clock, `pin`'s in front.
+pub(super) fn stage(ui: &mut Ui, pins: &Pins, pin: &Pin, size: egui::Vec2) {
     let (response, painter) = ui.allocate_painter(size, Sense::hover());
-    let secs = pin.shown_secs();
-    let record = pin.flight.record();
-    let state = record.own.motion.state_at(secs);
+    let state = state_of(pin);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told(pin, state.as_ref())));
     painter.rect_filled(response.rect, 4.0, CANVAS);
+    let half_side = size.min_elem() / 2.0;
+    let stage = PendulumCanvas::new(response.rect.center(), half_side, pins.build());
+    for other in pins.iter().filter(|other| other.id != pin.id) {
+        stage.trail(&painter, other, 0.5);
+        if let Some(state) = state_of(other) {
+            stage.pendulum(&painter, &state, other.badge.colour());
+        }
+    }
     let Some(state) = state else { return };
-    let stage = PendulumCanvas::new(response.rect.center(), side / 2.0, build);
-    stage.trail(&painter, pin, secs);
-    if let Some(ghost) = record.ghost.motion.state_at(secs) {
+    stage.trail(&painter, pin, 1.0);
+    if let Some(ghost) = pin.flight.record().ghost.motion.state_at(pin.shown_secs()) {
         stage.ghost(&painter, &ghost);
     }
     stage.pendulum(&painter, &state, pin.badge.colour());
-    stage.flip(&painter, pin, secs);
+    stage.flip(&painter, pin, pin.shown_secs());
     let corner = response.rect.left_bottom() + vec2(6.0, -4.0);
-    let legend = "dashed: the pendulum one pixel away";
+    let legend = format!("dashed: the pendulum one pixel away from {}", pin.badge.letter());
     painter.text(corner, Align2::LEFT_BOTTOM, legend, FontId::proportional(10.0), FAINT);
+}
+
+fn state_of(pin: &Pin) -> Option<State<f64>> {
+    pin.flight.record().own.motion.state_at(pin.shown_secs())
 }
 
 /// Radius of a miniature in points.
@@ -60,9 +63,6 @@ pub fn miniature(painter: &Painter, beside: Pos2, build: &Build, angle: [f64; 2]
     let state = State { angle, speed: [0.0; 2] };
     stage.pendulum(painter, &state, Color32::from_rgb(230, 85, 60));
 }
-
-/// Greatest side of the drawing in points; a larger one would show no more.
-const MOST_SIDE: f32 = 300.0;
 
 /// Describes the drawing for a screen reader.
 fn told(pin: &Pin, state: Option<&State<f64>>) -> String {
@@ -143,19 +143,15 @@ impl<'a> PendulumCanvas<'a> {
     }
 
     /// Draws the past path of the second bob, fading with age.
-    fn trail(&self, painter: &Painter, pin: &Pin, secs: f64) {
-        let length_secs = TRAIL_UNITS * natural_secs(&pin.flight.question().build.pendulum());
-        let motion = &pin.flight.record().own.motion;
-        let place = |point: usize| {
-            let age = (TRAIL_POINTS - point) as f64 / TRAIL_POINTS as f64;
-            Some(self.ends(motion.state_at(secs - age * length_secs)?.angle)[1])
-        };
-        for first in (0..TRAIL_POINTS).step_by(BAND_POINTS) {
-            let last = first + BAND_POINTS;
-            let band: Vec<Pos2> = (first..=last).filter_map(place).collect();
-            let youth = last as f32 / TRAIL_POINTS as f32;
-            let stroke = Stroke::new(1.5, pin.badge.colour().gamma_multiply(youth));
-            painter.add(Shape::line(band, stroke));
+    fn trail(&self, painter: &Painter, pin: &Pin, strength: f32) {
+        let ends: Vec<(Pos2, f32)> =
+            pin.trail.points().map(|(angle, youth)| (self.ends(angle)[1], youth)).collect();
+        for first in (0..ends.len()).step_by(BAND_POINTS) {
+            // Bands share a point, so that nothing is missing between them.
+            let band = &ends[first..ends.len().min(first + BAND_POINTS + 1)];
+            let youth = band.last().map_or(0.0, |(_, youth)| *youth);
+            let stroke = Stroke::new(1.5, pin.badge.colour().gamma_multiply(youth * strength));
+            painter.add(Shape::line(band.iter().map(|(at, _)| *at).collect(), stroke));
         }
     }
 

@@ -35,13 +35,19 @@ pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
         let flight = &pin.flight;
         row("Flip, gold standard", FLOWN, flown_words(flight, flight.outcome()).into());
         row("Flip, on the map", TOLD, told_words(pin).into());
-        if let (Some((told, _)), Some(flown)) = (pin.told, flight.outcome()) {
-            let agreement = Agreement::of(&told, &flown);
+        // That the energy forbids a flip is no measurement with which another could agree.
+        let [own, beside] = [flight.outcome(), flight.ghost_outcome()];
+        let is_forbidden = own.is_some_and(|outcome| outcome.status == Status::Forbidden);
+        let agreement =
+            agreement(pin).filter(|agreement| !is_forbidden || *agreement != Agreement::Same);
+        if let Some(agreement) = agreement {
             let words = RichText::new(agreement_words(agreement));
             let same = agreement == Agreement::Same;
             row("Both", BOTH, if same { words } else { words.strong() });
         }
-        row("Flip, one pixel away", BESIDE, flown_words(flight, flight.ghost_outcome()).into());
+        if !is_forbidden || beside != own {
+            row("Flip, one pixel away", BESIDE, flown_words(flight, beside).into());
+        }
         row("Energy error", ENERGY, energy_words(pin).into());
         if let Some(words) = ending_words(flight) {
             row("Record", RECORD, words.into());
@@ -68,6 +74,12 @@ fn flown_words(flight: &Flight, outcome: Option<Outcome<Dd>>) -> String {
         (None, None) => format!("flying, {known_secs} s so far"),
         (None, Some(_)) => format!("none in the first {known_secs} s"),
     }
+}
+
+/// Returns the agreement of the map with the gold standard; none while either is not known.
+fn agreement(pin: &Pin) -> Option<Agreement> {
+    let (told, _) = pin.told?;
+    Some(Agreement::of(&told, &pin.flight.outcome()?))
 }
 
 fn told_words(pin: &Pin) -> String {

@@ -1,0 +1,39 @@
+//! Small pictures of the built-in places, made by `scripts/gallery thumbs`.
+
+macro_rules! thumbs {
+    ($($name:literal)*) => {
+        [$(($name, include_bytes!(concat!("../../assets/thumbs/", $name, ".jpg")))),*]
+    };
+}
+
+/// The pictures as JPEG files, by the names of their scenes.
+const THUMBS: [(&str, &[u8]); 23] = thumbs! {
+    "home" "lesson" "filigree" "threads" "deep" "abyss" "trench" "seabed" "shore" "tip" "upright"
+    "island" "either" "first" "rods" "heavy" "heyl" "moment" "islands" "turns" "section" "thrown"
+    "damped"
+};
+
+/// Returns the picture of a built-in scene: its width and height, and three bytes per pixel.
+pub(super) fn thumb(name: &str) -> Option<([usize; 2], Vec<u8>)> {
+    let (_, jpeg) = THUMBS.iter().find(|(other, _)| *other == name)?;
+    let image = image::load_from_memory_with_format(jpeg, image::ImageFormat::Jpeg).ok()?;
+    let rgb = image.into_rgb8();
+    Some(([rgb.width(), rgb.height()].map(|side| side as usize), rgb.into_raw()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::BUILT_IN;
+
+    #[test]
+    fn every_built_in_place_has_a_small_picture() {
+        for place in BUILT_IN {
+            let (size, rgb) = thumb(place.name).unwrap_or_else(|| panic!("{}", place.name));
+            assert_eq!((size, rgb.len()), ([96, 72], 3 * 96 * 72), "{}", place.name);
+            assert!(rgb.chunks(3).any(|pixel| pixel != &rgb[..3]), "{} is flat", place.name);
+        }
+        let bytes: usize = THUMBS.iter().map(|(_, jpeg)| jpeg.len()).sum();
+        assert!(bytes < 200_000, "{bytes} bytes make every program larger");
+    }
+}

@@ -1,0 +1,207 @@
+//! The ride: descents, flying pendulums, the bar of tools, and what is told on the way.
+
+use egui::{Event, Key, Modifiers, Role, pos2};
+use egui_kittest::kittest::Queryable;
+use flipmap::app::action::{Action, Look};
+use flipmap::app::camera::{Camera, Pace};
+use flipmap::app::folders::Folders;
+use flipmap::app::model::{AppModel, WindowOptions};
+use flipmap::engine::IntegratorConfig;
+use flipmap::scene::BuiltIn;
+use flipmap::scene::Scene;
+
+use super::*;
+
+/// Runs frames until the view aimed at is another, and returns the share that was known of the one
+/// before when it was left.
+fn share_left(desktop: &mut Desktop) -> f64 {
+    let config = desktop.state().compute.config().unwrap();
+    let begun = Instant::now();
+    loop {
+        let before = desktop.state().state.view_target(config);
+        let camera = desktop.state().state.target();
+        desktop.step();
+        let model = desktop.state_mut();
+        if model.state.target().width_rad < 0.9 * camera.width_rad {
+            let now = model.state.view_target(config);
+            model.compute.explorer.target(&before);
+            let progress = model.progress();
+            model.compute.explorer.target(&now);
+            return progress.done as f64 / progress.wanted as f64;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(120), "the descent goes nowhere");
+        sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn a_descent_glides_on_when_a_view_is_half_drawn_and_stops_at_escape() {
+    let mut desktop = model(Folders::none(), BuiltIn::named("filigree").map(|b| b.document()));
+    press(&mut desktop, Modifiers::NONE, Key::D);
+    for _ in 0..3 {
+        let share = share_left(&mut desktop);
+        assert!(share >= 0.5, "only {share} of the view was known");
+        let moving = desktop.state().state.moving.expect("it glides");
+        assert_eq!(moving.pace, Pace::Glide);
+    }
+    press(&mut desktop, Modifiers::NONE, Key::Escape);
+    let there = desktop.state().state.target();
+    desktop.run_steps(200);
+    assert_eq!(desktop.state().state.target(), there);
+}
+
+#[test]
+fn notices_go_by_themselves_and_failures_do_not() {
+    let mut desktop = home();
+    press(&mut desktop, Modifiers::COMMAND, Key::L);
+    desktop.event(Event::Paste("nonsense".to_string()));
+    desktop.run_steps(2);
+    assert!(notices(&desktop).contains("was copied") && notices(&desktop).contains("pasted"));
+    let delay = desktop.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay;
+    assert!(delay > Duration::from_secs(5) && delay <= Duration::from_secs(8), "{delay:?}");
+    // Frames are a sixtieth of a second or a quarter apart.
+    desktop.run_steps(9 * 60);
+    assert!(!notices(&desktop).contains("was copied") && notices(&desktop).contains("pasted"));
+    let delay = desktop.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay;
+    assert_eq!(delay, Duration::MAX, "nothing is left to wait for");
+}
+
+#[test]
+fn the_first_start_shows_a_card_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let shown = |desktop: &Desktop| desktop.query_by_label("Look around").is_some();
+    let mut first = model(Folders::under(folder.path()), None);
+    assert!(shown(&first));
+    first.state_mut().save();
+    assert!(shown(&model(Folders::under(folder.path()), None)), "it was not closed yet");
+    press(&mut first, Modifiers::NONE, Key::Escape);
+    assert!(!shown(&first));
+    first.state_mut().save();
+    let mut again = model(Folders::under(folder.path()), None);
+    assert!(!shown(&again));
+    again.state_mut().state.apply(Action::Toggle(flipmap::app::state::Dialog::Card));
+    again.run_steps(2);
+    click(&mut again, "Look around");
+    assert!(!shown(&again));
+    assert!(!shown(&home()), "a window that keeps nothing never shows it");
+}
+
+#[test]
+fn the_bar_of_tools_does_what_its_names_say_and_goes_with_the_panels() {
+    let mut desktop = home();
+    let whole = desktop.state().state.camera;
+    press(&mut desktop, Modifiers::NONE, Key::Plus);
+    settle(&mut desktop);
+    let zoomed = desktop.state().state.camera;
+    for (tool, there) in [("Go back", whole), ("Go forward", zoomed), ("Show the whole map", whole)]
+    {
+        click(&mut desktop, tool);
+        settle(&mut desktop);
+        assert_eq!(desktop.state().state.camera, there, "{tool}");
+    }
+    for (tool, control) in
+        [("Choose colours", "Equalise to this view"), ("Export a picture", "Browse…")]
+    {
+        assert!(desktop.query_by_label(control).is_none(), "{tool}");
+        click(&mut desktop, tool);
+        desktop.run_steps(20);
+        assert!(desktop.query_by_label(control).is_some(), "{tool}");
+    }
+    click(&mut desktop, "Figures of the laboratory");
+    let title = format!("{} (F4)", Figure::Double.title());
+    assert_eq!(Figure::all().filter(|f| f.key() == Key::F4).count(), 1);
+    click(&mut desktop, &title);
+    assert_eq!(desktop.state().figure_shown(), Some(Figure::Double.name()));
+    click(&mut desktop, "Leave the lab");
+    desktop.run_steps(2);
+    click(&mut desktop, "List the keys");
+    for ask in flipmap::question::Ask::ALL {
+        assert!(desktop.query_by_label(ask.kind().about).is_some(), "{}", ask.kind().name);
+    }
+    press(&mut desktop, Modifiers::NONE, Key::Escape);
+    press(&mut desktop, Modifiers::NONE, Key::F9);
+    assert!(desktop.query_by_label("Go back").is_none());
+}
+
+#[test]
+fn pins_fill_the_window_and_come_back() {
+    let mut desktop = home();
+    press(&mut desktop, Modifiers::NONE, Key::P);
+    press(&mut desktop, Modifiers::NONE, Key::F);
+    let stage = desktop.get_by_role_and_label(Role::Slider, "Time").rect();
+    assert!(stage.width() > 650.0, "{stage:?}");
+    assert!(desktop.query_by_label("Whole window (F)").is_none());
+    press(&mut desktop, Modifiers::NONE, Key::Escape);
+    assert!(desktop.query_by_label_contains("Map around").is_some());
+    click(&mut desktop, "Whole window (F)");
+    assert!(desktop.state().state.shown.stage);
+}
+
+#[test]
+fn an_export_is_as_large_as_the_map_and_its_samples_are_those_shown() {
+    let mut desktop = home();
+    click(&mut desktop, "Export");
+    desktop.run_steps(20);
+    let canvas = desktop.state().state.canvas;
+    let width = desktop.get_by_role_and_label(Role::SpinButton, "Width").value().unwrap();
+    assert_eq!(width, format!("{} px", canvas.x.round()));
+    type_over(&mut desktop, Role::SpinButton, "Samples", "3");
+    assert_eq!(desktop.state().state.picture.samples, 3);
+    let here = std::env::current_dir().unwrap().join("map.png");
+    assert!(desktop.query_by_label(here.to_str().unwrap()).is_some(), "the whole path");
+}
+
+#[test]
+fn the_energy_curve_is_that_of_the_tiles_that_are_drawn() {
+    let mut desktop = home();
+    let model = desktop.state_mut();
+    let before = model.state.build;
+    let mut scene: Scene = model.state.scene();
+    scene.build.masses[1] = 3.0.into();
+    model.state.apply(Action::Scene(Box::new(scene)));
+    let config: IntegratorConfig = model.compute.config().unwrap();
+    let target = model.state.view_target(config);
+    model.compute.explorer.target(&target);
+    let drawn = |model: &AppModel| model.compute.explorer.drawn().unwrap().build;
+    assert_eq!(drawn(model), before, "the old tiles stand in");
+    settle(&mut desktop);
+    let model = desktop.state();
+    assert_eq!(drawn(model), model.state.build);
+    assert_ne!(model.state.build, before);
+}
+
+#[test]
+fn a_small_window_is_still_a_window_on_the_map() {
+    for size in [[640.0, 480.0], [400.0, 300.0]] {
+        let options: WindowOptions = options(Folders::none(), None);
+        let model = AppModel::new(&options, Arc::new(|| ()));
+        let show = |ui: &mut egui::Ui, model: &mut AppModel| {
+            model.show(ui);
+        };
+        let mut desktop: Desktop = Harness::builder().with_size(size).build_ui_state(show, model);
+        desktop.run_steps(5);
+        let canvas = desktop.state().state.canvas;
+        assert!(canvas.x > 0.5 * f64::from(size[0]), "{canvas} of {size:?}");
+        assert!(canvas.y > 0.8 * f64::from(size[1]), "{canvas} of {size:?}");
+    }
+}
+
+#[test]
+fn the_pinned_path_is_drawn_while_the_panels_are_hidden_and_frames_are_asked_for() {
+    let mut desktop = home();
+    press(&mut desktop, Modifiers::NONE, Key::F9);
+    desktop.event(Event::PointerMoved(pos2(700.0, 1.0)));
+    desktop.run_steps(100);
+    press(&mut desktop, Modifiers::NONE, Key::P);
+    let delay =
+        |desktop: &Desktop| desktop.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay;
+    // The pin opens the panels.
+    press(&mut desktop, Modifiers::NONE, Key::F9);
+    assert!(delay(&desktop) <= Duration::from_millis(33), "it flies over the map");
+    press(&mut desktop, Modifiers::NONE, Key::Space);
+    desktop.run_steps(3);
+    assert!(delay(&desktop) > Duration::from_secs(1), "paused");
+    let at = desktop.state().state.camera;
+    desktop.state_mut().state.apply(Action::Look(Look::To(Camera { width_rad: 1.0, ..at })));
+    settle(&mut desktop);
+}
