@@ -263,7 +263,9 @@ impl AppModel {
         if status.doing.is_some() {
             ctx.request_repaint_after(DOING);
         }
-        egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
+        if !self.is_projecting() {
+            egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
+        }
         if self.lab_hides_map() {
             // Drawn on the cleared frame without a fill: filling a window twice costs a software
             // renderer half its frames.
@@ -277,7 +279,7 @@ impl AppModel {
             egui::Panel::top("figures").show(ui, |ui| actions.extend(self.figure_tabs(ui)));
             actions.extend(self.explanation(&ctx));
         }
-        if self.state.shown.side {
+        if self.state.shown.side && !self.is_projecting() {
             let side = egui::Panel::right("side").default_size(310.0).size_range(240.0..=480.0);
             side.show(ui, |ui| actions.extend(self.side_panel(ui)));
         }
