@@ -10,7 +10,7 @@ use super::drawing::corner_inside;
 #[derive(Debug, Default)]
 pub(super) struct Taken(RefCell<Vec<(Rect, Layer)>>);
 
-/// What takes an area.
+/// Kinds of things that take an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layer {
     /// Words, which must not be covered.

@@ -6,7 +6,7 @@ use egui::{Slider, Ui};
 
 use super::LiveFigure;
 
-/// How a figure runs in time.
+/// The course of a figure in time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Playing {
     /// True if the figure stands still.

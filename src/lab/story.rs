@@ -4,13 +4,13 @@ use egui::{Frame, RichText, Ui};
 
 use super::{Figure, FigureRequest};
 
-/// What is told beside a figure.
+/// A card that is told beside a figure.
 struct Card {
     /// The question that the figure answers.
     question: &'static str,
     /// The answer, in paragraphs.
     answer: [&'static str; 2],
-    /// What to try.
+    /// An attempt to make.
     attempt: &'static str,
 }
 
