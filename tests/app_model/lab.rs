@@ -3,7 +3,7 @@
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-use super::{click, home, press};
+use crate::{click, home, press};
 
 #[test]
 fn keys_pause_slow_and_project_the_figure_and_leave_the_map_alone() {
