@@ -9,8 +9,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use flipmap::lab::home::home_map;
 use flipmap::lab::{Figure, FigureRequest, Lab, flips};
-use flipmap::physics::State;
-use flipmap::scene::{Build, Kind};
+use flipmap::physics::{Rule, State};
+use flipmap::scene::{BuiltIn, Document, Kind};
 
 const SIZE: [f32; 2] = [1100.0, 680.0];
 
@@ -86,19 +86,66 @@ fn a_start_goes_to_the_map_and_comes_from_it() {
 
 #[test]
 fn the_map_is_explained_and_its_pendulum_switched() {
-    let show = |ui: &mut egui::Ui, kind: &mut Kind| {
-        let build = Build { kind: *kind, ..Build::default() };
-        *kind = flips::explain(ui, &build, &flips::Seen::default()).unwrap_or(*kind);
-    };
-    let mut harness =
-        Harness::builder().with_size([340.0, 500.0]).build_ui_state(show, Kind::Points);
-    harness.run_steps(2);
+    let mut harness = explanation(BuiltIn::home().document());
     harness.get_by_label_contains("2 cos θ1 + cos θ2 > 1");
     harness.get_by_label("uniform bars").click();
     harness.run_steps(3);
-    assert_eq!(*harness.state(), Kind::Rods);
+    assert_eq!(harness.state().pendulum.kind, Kind::Rods);
     harness.get_by_label_contains("3 cos θ1 + cos θ2 > 2");
     harness.get_by_label_contains("24.39 %");
+}
+
+/// The explanation of the map of a document.
+fn explanation(document: Document) -> Harness<'static, Document> {
+    let show = |ui: &mut egui::Ui, document: &mut Document| {
+        let kind = flips::explain(ui, document, &flips::Seen::default());
+        document.pendulum.kind = kind.unwrap_or(document.pendulum.kind);
+    };
+    let mut harness = Harness::builder().with_size([340.0, 640.0]).build_ui_state(show, document);
+    harness.run_steps(2);
+    harness
+}
+
+#[test]
+fn the_explanation_is_true_for_the_palette_the_rule_and_the_plane() {
+    let home = BuiltIn::home().document();
+    let harness = explanation(home.clone());
+    // The default palette runs from dark blue to light yellow over a dark ground.
+    harness.get_by_label_contains("dark blue: after 0.");
+    harness.get_by_label("nearly black: not within 30 s");
+    harness.get_by_label("dark grey: too little energy ever to flip");
+    harness.get_by_label_contains("The light grey line");
+    harness.get_by_label_contains("the second bob takes");
+    let mut other = home;
+    other.picture.palette = "batlow".to_string();
+    other.question.rule = Rule::First;
+    let harness = explanation(other.clone());
+    harness.get_by_label("white: not within 30 s");
+    harness.get_by_label_contains("The black line");
+    harness.get_by_label_contains("the first bob takes");
+    harness.get_by_label_contains("the first rod upright and the second hanging");
+    // Pendulums that are thrown have no curve, and other questions no flip.
+    other.plane = BuiltIn::named("thrown").unwrap().document().plane;
+    let harness = explanation(other);
+    harness.get_by_label_contains("its own (ω1, ω2)");
+    assert!(harness.query_by_label_contains("The black line").is_none());
+    let harness = explanation(BuiltIn::named("moment").unwrap().document());
+    assert!(harness.query_by_label_contains("flip over the top").is_none());
+    assert!(harness.query_by_label_contains("forbidden:").is_none());
+}
+
+#[test]
+fn the_map_of_the_lab_is_that_of_the_window() {
+    let map = home_map(24).unwrap();
+    let csv = map.csv();
+    let first: Vec<f64> =
+        csv.lines().nth(1).unwrap().split(',').take(2).map(|x| x.parse().unwrap()).collect();
+    // The upper left pixel: θ1 just above 0, θ2 just below π.
+    let pixel = std::f64::consts::TAU / 24.0;
+    assert!((first[0] - 0.5 * pixel).abs() < 1e-9, "{first:?}");
+    assert!((first[1] - (std::f64::consts::PI - 0.5 * pixel)).abs() < 1e-9, "{first:?}");
+    assert_eq!(map.document, BuiltIn::home().document());
+    assert!(map.seen.simulated < map.seen.pixels / 2, "half are mirror images: {:?}", map.seen);
 }
 
 #[test]
@@ -106,7 +153,7 @@ fn the_keyboard_reaches_the_controls() {
     let mut harness = figure(Figure::Integrators, 1.0);
     let before = harness.state().lab.set();
     // One cycle of the Tab key reaches every control.
-    for _ in 0..20 {
+    for _ in 0..40 {
         harness.key_press(Key::Tab);
         harness.run_steps(3);
         let focused = harness.root().children_recursive().find(|node| node.is_focused());
@@ -119,6 +166,107 @@ fn the_keyboard_reaches_the_controls() {
     }
     let after = harness.state().lab.set();
     assert!(before.iter().zip(&after).all(|(before, after)| before != after), "{after:?}");
+}
+
+/// The areas of all texts that were drawn, as far as they are seen.
+fn texts(shapes: &[egui::epaint::ClippedShape]) -> Vec<(egui::Rect, String)> {
+    let mut found = Vec::new();
+    for clipped in shapes {
+        if let egui::Shape::Text(text) = &clipped.shape {
+            let seen = text.galley.rect.translate(text.pos.to_vec2()).intersect(clipped.clip_rect);
+            found.push((seen.shrink(1.0), text.galley.text().to_string()));
+        }
+    }
+    found
+}
+
+#[test]
+fn no_text_covers_another_in_any_figure() {
+    for which in Figure::all().filter(|figure| *figure != Figure::Map) {
+        for (secs, projector) in
+            [(0.0, false), (1.5, false), (4.2, true), (9.0, false), (10.0, true)]
+        {
+            let mut harness = figure(which, secs);
+            harness.state_mut().lab.projector = projector;
+            harness.run_steps(3);
+            let texts = texts(&harness.output().shapes);
+            assert!(texts.len() > 5, "{which:?}");
+            for (k, (one, words)) in texts.iter().enumerate() {
+                let covered =
+                    texts[..k].iter().find(|(other, _)| one.intersect(*other).is_positive());
+                assert!(covered.is_none(), "{which:?} at {secs} s: '{words}' on {covered:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_ring_of_an_arc_turns_its_rod() {
+    let mut harness = figure(Figure::Double, 0.0);
+    harness.state_mut().lab.playing.paused = true;
+    let canvas = harness.get_by_label_contains("θ1 is 0.800 rad").rect();
+    // The first arc's ring is nearer to the pivot than to any bob, at 0.3 of the first rod, which
+    // is as long as half of the reach.
+    let reach = 0.5 * canvas.size().min_elem() - 28.0;
+    let ring = |theta: f32| canvas.center() + 0.15 * reach * vec2(theta.sin(), theta.cos());
+    drag(&mut harness, ring(0.8), ring(-0.5) - ring(0.8));
+    let set = harness.state().lab.set();
+    assert!((set[0] + 0.5).abs() < 0.02 && (set[1] - 1.4).abs() < 1e-9, "{set:?}");
+}
+
+#[test]
+fn time_is_paused_slowed_and_scrubbed_by_name() {
+    let mut harness = figure(Figure::Ghost, 3.0);
+    harness.get_by_label("1/10").click();
+    harness.get_by_label("Pause").click();
+    harness.run_steps(2);
+    let playing = &harness.state().lab.playing;
+    assert!(playing.paused && playing.speed == 0.1);
+    harness.get_by_label("Play").click();
+    harness.get_by_role_and_label(Role::Slider, "Time").focus();
+    harness.run_steps(2);
+    (0..3).for_each(|_| harness.key_press(Key::ArrowRight));
+    harness.run_steps(2);
+    let lab = &mut harness.state_mut().lab;
+    let before = lab.live().unwrap().secs();
+    (0..20).for_each(|_| lab.advance(0.0));
+    assert!(lab.live().unwrap().secs() > before, "the slider sought a later moment");
+    harness.get_by_label("From the start").click();
+    harness.run_steps(2);
+    assert_eq!(harness.state_mut().lab.live().unwrap().secs(), 0.0);
+}
+
+#[test]
+fn the_story_goes_through_the_figures_and_ends() {
+    let mut harness = figure(Figure::Single, 0.0);
+    harness.state_mut().lab.story = true;
+    harness.run_steps(2);
+    for (k, question) in [
+        "How much must be said about a pendulum to know its future?",
+        "What is lost if sin θ is taken for θ?",
+        "What changes when a second pendulum hangs below the first?",
+        "Why can M always be inverted?",
+        "What does symplectic mean, and why does its warranty end here?",
+        "What is the horizon?",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        harness.get_by_label(question);
+        harness.get_by_label(&format!("{} of 7", k + 1));
+        assert_eq!(harness.query_by_label("Back").is_some(), k > 0);
+        harness.get_by_label("Next").click();
+        harness.run_steps(2);
+        let next = Figure::all().nth(k + 1).unwrap();
+        assert_eq!(harness.state().asked.last(), Some(&FigureRequest::Show(next)));
+        harness.state_mut().lab.show_figure(next);
+        harness.run_steps(2);
+    }
+    harness.state_mut().lab.show_figure(Figure::Twenty);
+    harness.run_steps(2);
+    harness.get_by_label("End the story").click();
+    harness.run_steps(2);
+    assert!(!harness.state().lab.story && harness.query_by_label("Next").is_none());
 }
 
 #[test]
@@ -177,7 +325,7 @@ mod goldens {
         let mut texture = None;
         let show = move |ui: &mut egui::Ui| {
             let texture = texture.get_or_insert_with(|| map.texture(ui.ctx()));
-            flips::show(ui, texture, &Build::default(), &map.seen);
+            flips::show(ui, texture, &map.document, &map.seen);
         };
         let builder = Harness::builder().with_size(SIZE).with_theme(Theme::Dark);
         let mut harness = builder.build_ui(show);

@@ -53,6 +53,21 @@ impl Action {
     }
 }
 
+/// An action in the laboratory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LabAction {
+    /// Plays or pauses the figure that is shown.
+    PlayPause,
+    /// Takes the next slower (−1) or faster (1) speed.
+    ShiftSpeed(isize),
+    /// Shows the lab to an audience, large and with few controls, or as usual again.
+    Projector,
+    /// Tells the story of the figures from its beginning, or ends it.
+    Story,
+    /// Shows the figure before (−1) or after (1) the one that is shown.
+    Step(isize),
+}
+
 /// An action of the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
@@ -66,6 +81,8 @@ pub enum Action {
     GoDeeper,
     /// Shows a figure of the laboratory, or the map again.
     Lab(Option<Figure>),
+    /// Acts on the laboratory.
+    InLab(LabAction),
     /// Opens a start in a figure.
     OpenInLab(Figure, State<f64>),
     /// Shows on the map a start that was chosen in the laboratory.

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec2;
 
-use super::action::{Action, Look};
+use super::action::{Action, LabAction, Look};
 use super::flight::playback::Playback;
 use super::settings::{Layers, Theme};
 use super::side_panel::PANELS;
@@ -42,6 +42,7 @@ pub fn commands(state: &AppState) -> Vec<Command> {
     let mut commands = moving();
     commands.extend(showing(&state.layers));
     commands.extend(doing(state));
+    commands.extend(teaching());
     commands
 }
 
@@ -111,7 +112,6 @@ fn doing(state: &AppState) -> Vec<Command> {
     let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
     let mut commands = vec![
         command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
-        command("Leave the lab", [], Action::Lab(None)),
         command("Go deeper here, or stop", [key(PLAIN, Key::D)], Action::GoDeeper),
         command("Play or pause", [key(PLAIN, Key::Space)], Action::PlayPause),
         command(
@@ -133,13 +133,32 @@ fn doing(state: &AppState) -> Vec<Command> {
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),
     ];
-    commands.extend(Figure::all().map(|figure| {
-        command(figure.title(), [key(PLAIN, figure.key())], Action::Lab(Some(figure)))
-    }));
     if state.shown.debug {
         commands.push(command("Lose the graphics device", [], Action::LoseDevice));
     }
     commands
+}
+
+/// The commands of the laboratory.
+fn teaching() -> Vec<Command> {
+    let lab = |action| Action::InLab(action);
+    let figures = Figure::all().map(|figure| {
+        command(figure.title(), [key(PLAIN, figure.key())], Action::Lab(Some(figure)))
+    });
+    let others = [
+        command("Story of the figures", [], lab(LabAction::Story)),
+        command("Next figure", [key(PLAIN, Key::PageDown)], lab(LabAction::Step(1))),
+        command("Figure before", [key(PLAIN, Key::PageUp)], lab(LabAction::Step(-1))),
+        command("Figure slower", [key(PLAIN, Key::Comma)], lab(LabAction::ShiftSpeed(-1))),
+        command("Figure faster", [key(PLAIN, Key::Period)], lab(LabAction::ShiftSpeed(1))),
+        command(
+            "Projector: large, few controls",
+            [key(PLAIN, Key::F10)],
+            lab(LabAction::Projector),
+        ),
+        command("Leave the lab", [], Action::Lab(None)),
+    ];
+    figures.chain(others).collect()
 }
 
 /// Returns what can be chosen by name but has no key: panels, places and palettes. For the command

@@ -28,6 +28,8 @@ impl AppModel {
     /// Applies actions in order and returns the effects that only the window can carry out.
     pub(super) fn act(&mut self, actions: Vec<Action>) -> Vec<Effect> {
         actions.iter().for_each(|action| self.stop_descent_for(action));
+        let actions: Vec<Action> =
+            actions.into_iter().map(|action| self.in_place(action)).collect();
         let effects: Vec<Effect> =
             actions.into_iter().filter_map(|action| self.state.apply(action)).collect();
         effects.into_iter().filter_map(|effect| self.affect(effect)).collect()
@@ -39,6 +41,7 @@ impl AppModel {
             Effect::Pin(places) => self.pin(*places),
             Effect::GoDeeper => self.toggle_descent(),
             Effect::Lab(figure) => self.show_figure(figure),
+            Effect::InLab(action) => self.in_lab(action),
             Effect::OpenInLab(figure, start) => self.open_in_lab(figure, start),
             Effect::FromLab(start) => self.aimed_in_lab(start),
             Effect::Relaunch => self.relaunch(),

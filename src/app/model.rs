@@ -233,7 +233,9 @@ impl AppModel {
         if status.doing.is_some() {
             ctx.request_repaint_after(DOING);
         }
-        egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
+        if !self.is_projecting() {
+            egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
+        }
         if self.lab_hides_map() {
             // Drawn on the cleared frame without a fill: filling a window twice costs a software
             // renderer half its frames.
@@ -248,7 +250,7 @@ impl AppModel {
             actions.extend(self.explanation(&ctx));
         }
         self.forms.exporting = false;
-        if self.state.shown.side && !self.state.shown.stage {
+        if self.state.shown.side && !self.state.shown.stage && !self.is_projecting() {
             let [least, default, most] = side_widths(ui.available_width());
             let side = egui::Panel::right("side").default_size(default).size_range(least..=most);
             side.show(ui, |ui| actions.extend(self.side_panel(ui)));

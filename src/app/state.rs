@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec2;
 
-use super::action::Action;
+use super::action::{Action, LabAction};
 use super::camera::{Camera, Move, Screen};
 use super::flight::playback::Playback;
 use super::history::History;
@@ -81,6 +81,8 @@ pub enum Effect {
     GoDeeper,
     /// Shows a figure of the laboratory, or the map again.
     Lab(Option<Figure>),
+    /// Acts on the laboratory.
+    InLab(LabAction),
     /// Opens a start in a figure.
     OpenInLab(Figure, State<f64>),
     /// Shows a start on the map.
@@ -268,6 +270,7 @@ impl AppState {
             Action::Pin(point) => return Some(Effect::Pin(Box::new(self.pixel_at(point)))),
             Action::GoDeeper => return Some(Effect::GoDeeper),
             Action::Lab(figure) => return Some(Effect::Lab(figure)),
+            Action::InLab(action) => return Some(Effect::InLab(action)),
             Action::OpenInLab(figure, start) => return Some(Effect::OpenInLab(figure, start)),
             Action::FromLab(start) => return Some(Effect::FromLab(start)),
             Action::Unpin => {

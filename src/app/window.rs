@@ -262,7 +262,7 @@ fn apply_looks(open: &OpenWindow) {
         Theme::Light => egui::ThemePreference::Light,
     };
     open.host.ctx.set_theme(theme);
-    open.host.ctx.set_zoom_factor(state.look.ui_scale);
+    open.host.ctx.set_zoom_factor(open.model.ui_scale());
 }
 
 /// Returns true if an event comes from the user.

@@ -8,7 +8,6 @@ use flipmap::lab::home::home_map;
 use flipmap::lab::still::{Still, draw, still};
 use flipmap::lab::{Figure, Lab, flips};
 use flipmap::output::PictureFile;
-use flipmap::scene::Build;
 
 use super::exit::Exit;
 use super::options::number;
@@ -74,11 +73,10 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
         super::write_whole(path, "--csv", map.csv().as_bytes())?;
     }
     if let Some(path) = &options.output {
-        let build = Build::default();
         let mut texture = None;
         let still = draw(size, |ui| {
             let texture = texture.get_or_insert_with(|| map.texture(ui.ctx()));
-            flips::show(ui, texture, &build, &map.seen);
+            flips::show(ui, texture, &map.document, &map.seen);
         })?;
         write(path, &still)?;
     }

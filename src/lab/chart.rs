@@ -3,11 +3,11 @@
 use std::ops::RangeInclusive;
 
 use egui::{
-    Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2,
-    vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo,
+    pos2, vec2,
 };
 
-use super::drawing::{CANVAS, FAINT, INK};
+use super::drawing::Tint;
 
 /// The mapping of values to places along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +59,8 @@ pub struct Chart {
 
 /// Space for the numbers and names to the left of the chart and below it, in points.
 const MARGIN: Vec2 = vec2(52.0, 32.0);
+/// Height of a row of the legend above the chart, in points.
+const HEAD: f32 = 18.0;
 /// Greatest number of points of a curve; more could not be told apart.
 const MOST_POINTS: usize = 800;
 
@@ -141,13 +143,15 @@ impl Chart {
     pub fn show(&self, ui: &mut Ui, size: Vec2, told: &str) {
         let (response, painter) = ui.allocate_painter(size, Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told));
+        let tint = Tint::of(ui);
+        let head = self.head(&painter, response.rect, &tint);
         let area = Rect::from_min_max(
-            response.rect.min + vec2(MARGIN.x, 8.0),
+            response.rect.min + vec2(MARGIN.x, head),
             response.rect.max - vec2(10.0, MARGIN.y),
         );
-        painter.rect_filled(area, 0.0, CANVAS);
-        self.frame(ui, area);
-        let inside = painter.with_clip_rect(area);
+        painter.rect_filled(area, 0.0, tint.ground);
+        self.frame(&painter, area, &tint);
+        let inside = painter.with_clip_rect(area.intersect(painter.clip_rect()));
         for curve in &self.curves {
             let points = self.places(area, &curve.points);
             if curve.dashed {
@@ -158,9 +162,8 @@ impl Chart {
             }
         }
         for mark in &self.marks {
-            inside.circle_filled(self.place(area, mark), 4.0, INK);
+            inside.circle_filled(self.place(area, mark), 4.0, tint.ink);
         }
-        self.legend(&inside, area);
     }
 
     fn place(&self, area: Rect, [x, y]: &[f64; 2]) -> Pos2 {
@@ -177,38 +180,65 @@ impl Chart {
             .collect()
     }
 
-    fn frame(&self, ui: &Ui, area: Rect) {
-        let (grid, font) =
-            (Stroke::new(1.0, FAINT.gamma_multiply(0.4)), FontId::proportional(11.0));
-        let (painter, text) = (ui.painter(), ui.visuals().text_color());
+    fn frame(&self, painter: &Painter, area: Rect, tint: &Tint) {
+        let grid = Stroke::new(1.0, tint.faint.gamma_multiply(0.4));
+        let mut written = Vec::new();
         for (value, words) in self.up.ticks() {
             let y = area.bottom() - self.up.share(value) * area.height();
             painter.hline(area.x_range(), y, grid);
             let at = pos2(area.left() - 4.0, y);
-            painter.text(at, Align2::RIGHT_CENTER, words, font.clone(), text);
+            write_if_free(painter, at, Align2::RIGHT_CENTER, words, tint, &mut written);
         }
         for (value, words) in self.across.ticks() {
             let x = area.left() + self.across.share(value) * area.width();
             painter.vline(x, area.y_range(), grid);
-            let at = pos2(x, area.bottom() + 2.0);
-            painter.text(at, Align2::CENTER_TOP, words, font.clone(), text);
+            let at = pos2(x, area.bottom() + 3.0);
+            write_if_free(painter, at, Align2::CENTER_TOP, words, tint, &mut written);
         }
-        let below = pos2(area.right(), area.bottom() + 16.0);
-        painter.text(below, Align2::RIGHT_TOP, &self.across.name, font.clone(), text);
-        let above = area.left_top() + vec2(4.0, 2.0);
-        painter.text(above, Align2::LEFT_TOP, &self.up.name, font, INK);
+        let below = pos2(area.right(), area.bottom() + 18.0);
+        let name = self.across.name.clone();
+        write_if_free(painter, below, Align2::RIGHT_TOP, name, tint, &mut written);
     }
 
-    fn legend(&self, painter: &egui::Painter, area: Rect) {
+    /// Writes the name of the axis upwards and the legend above the chart; returns their height.
+    fn head(&self, painter: &Painter, rect: Rect, tint: &Tint) -> f32 {
+        let from = rect.left() + MARGIN.x;
+        let mut at = pos2(from, rect.top());
         let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
-        for (row, curve) in named.enumerate() {
-            let y = area.top() + 24.0 + 16.0 * row as f32;
-            let line = [pos2(area.left() + 8.0, y), pos2(area.left() + 28.0, y)];
-            painter.line_segment(line, Stroke::new(2.0, curve.colour));
-            let at = pos2(area.left() + 34.0, y);
+        let entries = named.map(|curve| (curve.name.as_str(), Some(curve.colour)));
+        for (words, colour) in [(self.up.name.as_str(), None)].into_iter().chain(entries) {
             let font = FontId::proportional(12.0);
-            painter.text(at, Align2::LEFT_CENTER, &curve.name, font, INK);
+            let galley = painter.layout_no_wrap(words.to_string(), font, tint.ink);
+            let line = if colour.is_some() { 26.0 } else { 0.0 };
+            if at.x > from && at.x + line + galley.size().x > rect.right() {
+                at = pos2(from, at.y + HEAD);
+            }
+            if let Some(colour) = colour {
+                let ends = [at + vec2(0.0, 8.0), at + vec2(20.0, 8.0)];
+                painter.line_segment(ends, Stroke::new(2.0, colour));
+            }
+            let end = at.x + line + galley.size().x;
+            painter.galley(at + vec2(line, 0.0), galley, tint.ink);
+            at.x = end + 18.0;
         }
+        at.y + HEAD - rect.top()
+    }
+}
+
+/// Writes words of a frame unless they would cover others.
+fn write_if_free(
+    painter: &Painter,
+    at: Pos2,
+    align: Align2,
+    words: String,
+    tint: &Tint,
+    written: &mut Vec<Rect>,
+) {
+    let galley = painter.layout_no_wrap(words, FontId::proportional(11.0), tint.ink);
+    let place = align.anchor_size(at, galley.size());
+    if written.iter().all(|other| !place.intersects(*other)) {
+        painter.galley(place.min, galley, tint.ink);
+        written.push(place);
     }
 }
 

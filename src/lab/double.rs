@@ -4,7 +4,7 @@ use egui::{Grid, Ui};
 
 use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
-use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end, ends, wrapped};
+use super::drawing::{FigureCanvas, end, ends, wrapped};
 use super::{FigureRequest, LiveFigure};
 use crate::physics::State;
 
@@ -23,34 +23,50 @@ impl LiveFigure for Double {
         self.0.release(start);
     }
 
+    fn restart(&mut self) {
+        self.0.release(self.0.start);
+    }
+
+    fn secs(&self) -> f64 {
+        self.0.secs()
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
+    }
+
+    fn told(&self) -> String {
+        self.0.told()
     }
 
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let angle = self.0.now().angle.map(wrapped);
         let lengths = self.0.build.lengths_m();
-        let told = format!("θ1 is {:.3} rad, θ2 is {:.3} rad", angle[0], angle[1]);
-        let (stage, response) = FigureCanvas::new(ui, size, 1.1 * (lengths[0] + lengths[1]), told);
+        let reach = lengths[0] + lengths[1];
+        let (stage, response) = FigureCanvas::new(ui, size, reach, self.told());
         let [first, second] = ends(lengths, angle);
-        let short = 0.3 * lengths[0].min(lengths[1]);
+        let (faint, [one, two, three, _]) = (stage.tint.faint, stage.tint.parts);
+        stage.note("Both angles are from the vertical. Drag a bob, or the ring of an arc.");
+        // The arcs keep their size where rods are short, so that they can be taken.
+        let radius = (0.3 * lengths[0].min(lengths[1])).max(0.1 * reach);
+        let handles = [end([0.0; 2], radius, angle[0]), end(first, radius, angle[1])];
         for (at, theta) in [([0.0; 2], angle[0]), (first, angle[1])] {
-            stage.dashed(at, [at[0], at[1] - 2.0 * short], FAINT);
-            stage.arc(at, theta, short, COLOURS[2]);
+            stage.dashed(at, [at[0], at[1] - 2.0 * radius], faint);
+            stage.arc(at, theta, radius, three);
         }
         self.0.draw(&stage);
-        stage.label([0.0; 2], "pivot", FAINT);
-        let beside = |at, theta: f64| end(at, 1.1 * short, 0.5 * theta);
-        stage.label(beside([0.0; 2], angle[0]), "θ1", COLOURS[2]);
-        stage.label(beside(first, angle[1]), "θ2", COLOURS[2]);
+        handles.iter().for_each(|handle| stage.handle(*handle, three));
+        let beside = |at, theta: f64| end(at, 1.05 * radius, 0.5 * theta);
+        stage.label(beside([0.0; 2], angle[0]), "θ1", three);
+        stage.label(beside(first, angle[1]), "θ2", three);
         let [m1, m2] = self.0.build.masses_kg();
-        let middle = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|i| 0.5 * (from[i] + to[i]));
-        stage.label(middle([0.0; 2], first), &format!("l1 = {:.2} m", lengths[0]), INK);
-        stage.label(middle(first, second), &format!("l2 = {:.2} m", lengths[1]), INK);
-        stage.label(first, &format!("m1 = {m1:.2} kg, the second pivot"), COLOURS[0]);
-        stage.label(second, &format!("m2 = {m2:.2} kg"), COLOURS[1]);
-        stage.note("Both angles are from the vertical. Drag either bob.");
-        self.0.drag(&stage, &response);
+        stage.label(first, &format!("m1 = {m1:.2} kg, the second pivot"), one);
+        stage.label(second, &format!("m2 = {m2:.2} kg"), two);
+        let along = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|i| 0.4 * from[i] + 0.6 * to[i]);
+        stage.label(along([0.0; 2], first), &format!("l1 = {:.2} m", lengths[0]), stage.tint.ink);
+        stage.label(along(first, second), &format!("l2 = {:.2} m", lengths[1]), stage.tint.ink);
+        stage.label([0.0; 2], "pivot", faint);
+        self.0.drag(&stage, &response, Some(handles));
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {

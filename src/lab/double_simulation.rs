@@ -3,7 +3,7 @@
 use egui::Response;
 
 use super::clock::Clock;
-use super::drawing::{COLOURS, FigureCanvas, INK, angle_of, ends, wrapped};
+use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
 use crate::physics::integrator::rk4;
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, State};
@@ -13,6 +13,8 @@ use crate::scene::{Build, Kind};
 const STEPS_A_SEC: f64 = 960.0;
 /// Number of points of the trail.
 const TRAIL: usize = 480;
+/// Distance in points within which a handle is taken.
+const HANDLE_POINTS: f32 = 12.0;
 /// Number of steps between two points of the trail.
 const TRAIL_EVERY: u64 = 8;
 
@@ -98,37 +100,55 @@ impl DoublePendulumSimulation {
         self.clock.secs() + self.clock.share() * self.clock.step_secs
     }
 
-    /// Holds the bob nearest the pointer while it is dragged, then releases both from rest.
-    pub(super) fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
+    /// Holds the bob nearest the pointer while it is dragged, then releases both from rest. A
+    /// handle, which turns the rod of the same number, comes before the bobs.
+    pub(super) fn drag(
+        &mut self,
+        stage: &FigureCanvas,
+        response: &Response,
+        handles: Option<[[f64; 2]; 2]>,
+    ) {
         let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) else {
             self.held = None;
             return;
         };
-        let place = stage.place(at);
-        let [first, second] = ends(self.build.lengths_m(), self.state.angle);
-        let away = |bob: [f64; 2]| (bob[0] - place[0]).hypot(bob[1] - place[1]);
-        let bob = *self.held.get_or_insert(usize::from(away(second) < away(first)));
+        let bobs = ends(self.build.lengths_m(), self.state.angle);
+        let rod = self.held.unwrap_or_else(|| {
+            let pressed = response.ctx.input(|input| input.pointer.press_origin()).unwrap_or(at);
+            let away = |place: [f64; 2]| (stage.at(place) - pressed).length();
+            let handle =
+                handles.and_then(|handles| (0..2).find(|&rod| away(handles[rod]) <= HANDLE_POINTS));
+            handle.unwrap_or_else(|| usize::from(away(bobs[1]) < away(bobs[0])))
+        });
         let mut angle = self.state.angle.map(wrapped);
-        angle[bob] = angle_of([[0.0; 2], first][bob], place);
+        angle[rod] = angle_of([[0.0; 2], bobs[0]][rod], stage.place(at));
         self.release(State::rest(angle));
+        self.held = Some(rod);
+    }
+
+    /// Returns both angles in words.
+    pub(super) fn told(&self) -> String {
+        let [theta1, theta2] = self.now().angle.map(wrapped);
+        format!("θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad")
     }
 
     /// Draws the pendulum with its trail.
     pub(super) fn draw(&self, stage: &FigureCanvas) {
         let [first, second] = ends(self.build.lengths_m(), self.now().angle);
-        stage.trail(&self.trail, COLOURS[1]);
-        stage.rod([0.0; 2], first, INK);
-        stage.rod(first, second, INK);
+        let (ink, [one, two, ..]) = (stage.tint.ink, stage.tint.parts);
+        stage.trail(&self.trail, two);
+        stage.rod([0.0; 2], first, ink);
+        stage.rod(first, second, ink);
         stage.pivot();
         let [m1, m2] = self.build.masses_kg();
         match self.build.kind {
             Kind::Points => {
-                stage.bob(first, m1, COLOURS[0]);
-                stage.bob(second, m2, COLOURS[1]);
+                stage.bob(first, m1, one);
+                stage.bob(second, m2, two);
             }
             Kind::Rods => {
-                stage.bar([0.0; 2], first, m1, COLOURS[0]);
-                stage.bar(first, second, m2, COLOURS[1]);
+                stage.bar([0.0; 2], first, m1, one);
+                stage.bar(first, second, m2, two);
             }
         }
     }

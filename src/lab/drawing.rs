@@ -1,25 +1,69 @@
-//! Pendulums, arrows and words on a dark canvas.
+//! Pendulums, arrows and words on a canvas.
 
 use std::f32::consts::FRAC_PI_2;
 
 use egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, Vec2,
+    Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, Vec2,
     WidgetInfo, vec2,
 };
 
-/// Background colour of the canvas, dark in the light theme too.
+use super::labels::Taken;
+
+/// Background colour of a dark canvas.
 pub const CANVAS: Color32 = Color32::from_gray(24);
-/// Colour of lines and words on the canvas.
+/// Colour of lines and words on a dark canvas.
 pub const INK: Color32 = Color32::from_gray(225);
-/// Colour of guides and other background details.
+/// Colour of guides and other background details on a dark canvas.
 pub const FAINT: Color32 = Color32::from_gray(130);
-/// Okabe and Ito's colours, distinct to colour-blind people: orange, sky blue, green, yellow.
-pub const COLOURS: [Color32; 4] = [
-    Color32::from_rgb(0xe6, 0x9f, 0x00),
-    Color32::from_rgb(0x56, 0xb4, 0xe9),
-    Color32::from_rgb(0x00, 0x9e, 0x73),
-    Color32::from_rgb(0xf0, 0xe4, 0x42),
-];
+
+/// The colours of a canvas, which follow the theme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tint {
+    /// Background of the canvas.
+    pub ground: Color32,
+    /// Lines and words.
+    pub ink: Color32,
+    /// Guides and other background details.
+    pub faint: Color32,
+    /// Okabe and Ito's colours, distinct to colour-blind people: orange, blue, green, yellow.
+    pub parts: [Color32; 4],
+    /// True if the canvas is dark.
+    pub dark: bool,
+}
+
+impl Tint {
+    /// The colours of a dark canvas.
+    pub const DARK: Tint = Tint {
+        ground: CANVAS,
+        ink: INK,
+        faint: FAINT,
+        parts: [
+            Color32::from_rgb(0xe6, 0x9f, 0x00),
+            Color32::from_rgb(0x56, 0xb4, 0xe9),
+            Color32::from_rgb(0x00, 0xb8, 0x86),
+            Color32::from_rgb(0xf0, 0xe4, 0x42),
+        ],
+        dark: true,
+    };
+    /// The colours of a light canvas: the same hues, darker.
+    pub const LIGHT: Tint = Tint {
+        ground: Color32::from_gray(250),
+        ink: Color32::from_gray(30),
+        faint: Color32::from_gray(115),
+        parts: [
+            Color32::from_rgb(0xb0, 0x62, 0x00),
+            Color32::from_rgb(0x00, 0x72, 0xb2),
+            Color32::from_rgb(0x00, 0x7a, 0x58),
+            Color32::from_rgb(0x80, 0x70, 0x00),
+        ],
+        dark: false,
+    };
+
+    /// Returns the colours that suit the theme.
+    pub fn of(ui: &Ui) -> Self {
+        if ui.visuals().dark_mode { Tint::DARK } else { Tint::LIGHT }
+    }
+}
 
 /// A canvas to draw on, in metres from a pivot, y up.
 pub struct FigureCanvas {
@@ -27,9 +71,15 @@ pub struct FigureCanvas {
     pub painter: Painter,
     /// The area of the canvas, in points.
     pub rect: Rect,
+    /// The colours of the canvas.
+    pub tint: Tint,
     pivot: Pos2,
     points_per_m: f32,
+    taken: Taken,
 }
+
+/// Space in points around the reach of a pendulum, for its bobs.
+const RIM: f32 = 28.0;
 
 impl FigureCanvas {
     /// Creates a canvas of `size` points that shows `reach_m` metres around the pivot; `told` is
@@ -52,13 +102,15 @@ impl FigureCanvas {
     ) -> (FigureCanvas, Response) {
         let (response, painter) = ui.allocate_painter(size, sense);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
-        let rect = response.rect;
+        let (rect, tint) = (response.rect, Tint::of(ui));
         // The dark theme needs no fill, and filling is slow with a software renderer.
-        if !ui.visuals().dark_mode {
-            painter.rect_filled(rect, 4.0, CANVAS);
+        if !tint.dark {
+            painter.rect_filled(rect, 4.0, tint.ground);
         }
-        let points_per_m = 0.44 * size.min_elem() / reach_m as f32;
-        (FigureCanvas { painter, rect, pivot: rect.center(), points_per_m }, response)
+        let half = 0.5 * size.min_elem();
+        let points_per_m = (half - RIM).max(0.6 * half) / reach_m as f32;
+        let (pivot, taken) = (rect.center(), Taken::default());
+        (FigureCanvas { painter, rect, tint, pivot, points_per_m, taken }, response)
     }
 
     /// Returns the screen point of a place given in metres.
@@ -74,7 +126,9 @@ impl FigureCanvas {
 
     /// Draws a rod from one place to another.
     pub fn rod(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
-        self.painter.line_segment([self.at(from), self.at(to)], Stroke::new(2.0, colour));
+        let ends = [self.at(from), self.at(to)];
+        self.taken.line(ends);
+        self.painter.line_segment(ends, Stroke::new(2.0, colour));
     }
 
     /// Draws a dashed line from one place to another.
@@ -85,27 +139,38 @@ impl FigureCanvas {
 
     /// Draws a bob whose area is proportional to its mass in kg, within limits.
     pub fn bob(&self, at: [f64; 2], mass: f64, colour: Color32) {
-        let radius = (9.0 * mass.sqrt() as f32).clamp(3.0, 26.0);
-        self.painter.circle(self.at(at), radius, colour, Stroke::new(1.0, INK));
+        let (at, radius) = (self.at(at), width_of(mass));
+        self.taken.shape(Rect::from_center_size(at, Vec2::splat(2.0 * radius)));
+        self.painter.circle(at, radius, colour, Stroke::new(1.0, self.tint.ink));
     }
 
     /// Draws a uniform bar whose width grows as the square root of its mass in kg, within limits.
     pub fn bar(&self, from: [f64; 2], to: [f64; 2], mass: f64, colour: Color32) {
-        let width = (9.0 * mass.sqrt() as f32).clamp(3.0, 26.0);
-        let stroke = Stroke::new(width, colour.gamma_multiply(0.8));
-        self.painter.line_segment([self.at(from), self.at(to)], stroke);
-        self.painter.circle_filled(self.at(from), 3.0, INK);
+        let stroke = Stroke::new(width_of(mass), colour.gamma_multiply(0.8));
+        let ends = [self.at(from), self.at(to)];
+        self.taken.line(ends);
+        self.painter.line_segment(ends, stroke);
+        self.painter.circle_filled(self.at(from), 3.0, self.tint.ink);
     }
 
     /// Draws the pivot.
     pub fn pivot(&self) {
-        self.painter.circle_filled(self.pivot, 4.0, INK);
+        self.taken.shape(Rect::from_center_size(self.pivot, Vec2::splat(8.0)));
+        self.painter.circle_filled(self.pivot, 4.0, self.tint.ink);
+    }
+
+    /// Draws a ring at a place: a handle to drag.
+    pub fn handle(&self, at: [f64; 2], colour: Color32) {
+        let at = self.at(at);
+        self.taken.shape(Rect::from_center_size(at, Vec2::splat(12.0)));
+        self.painter.circle(at, 5.0, self.tint.ground, Stroke::new(2.0, colour));
     }
 
     /// Draws an arrow from a place by a displacement in metres.
     pub fn arrow(&self, from: [f64; 2], by: [f64; 2], colour: Color32) {
         let tip = self.at([from[0] + by[0], from[1] + by[1]]);
         let start = self.at(from);
+        self.taken.line([start, tip]);
         self.painter.arrow(start, tip - start, Stroke::new(2.0, colour));
     }
 
@@ -120,22 +185,23 @@ impl FigureCanvas {
         self.painter.add(Shape::line((0..=24).map(point).collect(), Stroke::new(1.5, colour)));
     }
 
-    /// Writes words to the right of a place.
+    /// Writes words beside a place, to its right if nothing is there. Everything that they should
+    /// not cover is drawn before.
     pub fn label(&self, at: [f64; 2], words: &str, colour: Color32) {
-        let at = self.at(at) + vec2(12.0, 0.0);
         let font = FontId::proportional(14.0);
         let galley = self.painter.layout_no_wrap(words.to_string(), font, colour);
-        let inside = self.rect.shrink(6.0);
-        let corner = at - vec2(0.0, galley.size().y / 2.0);
-        let corner = corner_inside(inside, galley.size(), corner);
-        self.painter.galley(corner, galley, colour);
+        let place = self.taken.beside(self.at(at), galley.size(), self.rect.shrink(6.0));
+        self.painter.galley(place.min, galley, colour);
     }
 
     /// Writes words in the upper left corner.
     pub fn note(&self, words: &str) {
         let corner = self.rect.left_top() + vec2(8.0, 6.0);
         let font = FontId::proportional(12.0);
-        self.painter.text(corner, Align2::LEFT_TOP, words, font, FAINT);
+        let width = self.rect.width() - 16.0;
+        let galley = self.painter.layout(words.to_string(), font, self.tint.faint, width);
+        self.taken.words(Rect::from_min_size(corner, galley.size()));
+        self.painter.galley(corner, galley, self.tint.faint);
     }
 
     /// Draws a line through places, fainter towards the first.
@@ -149,6 +215,11 @@ impl FigureCanvas {
             self.painter.add(Shape::line(points, stroke));
         }
     }
+}
+
+/// Radius of a bob, or width of a bar, of a mass in kg, in points.
+fn width_of(mass: f64) -> f32 {
+    (9.0 * mass.sqrt() as f32).clamp(3.0, 26.0)
 }
 
 /// Returns the ends of both rods in metres, for angles from the downward vertical, anticlockwise.

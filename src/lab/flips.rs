@@ -1,11 +1,15 @@
-//! Figure 7: the flip-time map explained in words, with the numbers of a scene.
+//! Figure 7: the map explained in words that are true for its colours, question and plane, with
+//! the numbers of a scene.
 
-use egui::{Grid, Image, TextureHandle, Ui, vec2};
+use egui::{Color32, Grid, Image, Sense, TextureHandle, Ui, vec2};
 
 use super::Figure;
 use super::chart::plain;
-use super::controls::row;
-use crate::scene::{Build, Kind};
+use super::colour_words::colour_words;
+use super::controls::{brief, row};
+use crate::physics::{Pendulum, Rule};
+use crate::scene::palette::{AnswerColours, Rgb};
+use crate::scene::{Document, Kind, Plane, PlaneKind, QuestionTable, Scene};
 
 /// Counts of the map's known pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,7 +23,7 @@ pub struct Seen {
 }
 
 /// Shows a picture of the map beside its explanation: the figure without a window.
-pub fn show(ui: &mut Ui, map: &TextureHandle, build: &Build, seen: &Seen) {
+pub fn show(ui: &mut Ui, map: &TextureHandle, document: &Document, seen: &Seen) {
     let figure = Figure::Map;
     ui.heading(figure.title());
     ui.label(figure.sentence());
@@ -27,55 +31,161 @@ pub fn show(ui: &mut Ui, map: &TextureHandle, build: &Build, seen: &Seen) {
         let side = ui.available_height().min(ui.available_width() - 340.0).max(200.0);
         let picture = Image::new(map).fit_to_exact_size(vec2(side, side));
         ui.add(picture.alt_text("The flip-time map"));
-        ui.vertical(|ui| explain(ui, build, seen));
+        ui.vertical(|ui| explain(ui, document, seen));
     });
 }
 
 /// Explains the map; returns the other kind of pendulum if the user chooses it.
-pub fn explain(ui: &mut Ui, build: &Build, seen: &Seen) -> Option<Kind> {
-    let [p, q] = [build.pendulum().p, build.pendulum().q];
-    ui.label(
-        "Every pixel is a pendulum let go at rest at its (θ1, θ2). Its colour is how long the \
-         second bob takes to flip over the top: dark at once, pink late, white not within the \
-         budget.",
-    );
-    ui.label(
-        "Grey starts have too little energy ever to flip: with the second bob upright and the \
-         first hanging, the potential energy would exceed what they begin with. The black line \
-         around them is where the two are equal. That is a theorem, so they cost nothing.",
-    );
-    ui.monospace(curve_words(p, q));
+pub fn explain(ui: &mut Ui, document: &Document, seen: &Seen) -> Option<Kind> {
+    let scene = document.scene();
+    ui.label(format!("{} {}", plane_words(&scene.plane), question_words(&scene.question)));
+    if let Ok(colours) = AnswerColours::new(&scene, &document.picture) {
+        meanings(ui, &scene, &colours);
+        energy(ui, &scene, &colours);
+    }
+    let forbids = has_forbidden(&scene);
     Grid::new("seen").num_columns(2).show(ui, |ui| {
-        let share = |count: u64| 100.0 * count as f64 / (seen.pixels.max(1)) as f64;
+        let counted = |count: u64| {
+            let share = 100.0 * count as f64 / seen.pixels.max(1) as f64;
+            format!("{count} ({share:.1} %)")
+        };
         row(ui, "pixels", seen.pixels.to_string());
-        row(ui, "forbidden", format!("{} ({:.1} %)", seen.forbidden, share(seen.forbidden)));
-        row(ui, "integrated", format!("{} ({:.1} %)", seen.simulated, share(seen.simulated)));
+        if forbids {
+            row(ui, "forbidden", counted(seen.forbidden));
+        }
+        row(ui, "integrated", counted(seen.simulated));
+        let others = seen.pixels.saturating_sub(seen.forbidden + seen.simulated);
+        row(ui, "mirror images, or known at once", counted(others));
     });
-    ui.label(format!(
-        "The theorem alone spares {:.2} % of the whole torus; mirror images spare half of the rest.",
-        100.0 * forbidden_share(p / q)
-    ));
-    let mut kind = build.kind;
+    let mut kind = scene.build.kind;
     ui.horizontal(|ui| {
         ui.radio_value(&mut kind, Kind::Points, "two bobs");
         ui.radio_value(&mut kind, Kind::Rods, "uniform bars");
     });
-    (kind != build.kind).then_some(kind)
+    (kind != scene.build.kind).then_some(kind)
+}
+
+/// Returns what a pixel of the plane is.
+fn plane_words(plane: &Plane) -> String {
+    if plane.is_at_rest() {
+        return "Every pixel is a pendulum let go at rest at its (θ1, θ2).".to_string();
+    }
+    let [across, up] = plane.axes().map(|axis| axis.symbol());
+    match plane.kind {
+        PlaneKind::Axes(_) => format!(
+            "Every pixel is a pendulum that sets out with its own ({across}, {up}), across and up; \
+             the other numbers of the start are the same for all."
+        ),
+        PlaneKind::Section => format!(
+            "Every pixel is a pendulum of energy {} J whose first rod swings forward through the \
+             bottom, with its own ({across}, {up}).",
+            brief(plane.energy)
+        ),
+    }
+}
+
+/// Returns what the colours of a question tell.
+fn question_words(question: &QuestionTable) -> String {
+    if !question.ask.is_time() || question.watched() == Rule::Neither {
+        return question.ask.kind().about.to_string();
+    }
+    let bob = match question.watched() {
+        Rule::First => "the first bob",
+        Rule::Either => "one of the bobs, whichever is first,",
+        Rule::Second | Rule::Neither => "the second bob",
+    };
+    match question.count {
+        1 => format!("Its colour is how long {bob} takes to flip over the top."),
+        count => format!("Its colour is how long {bob} takes to flip over the top {count} times."),
+    }
+}
+
+/// Returns true if conservation of energy may keep starts from the event that is watched for.
+fn has_forbidden(scene: &Scene) -> bool {
+    scene.question.watched() != Rule::Neither && scene.build.gravity.value() > 0.0
+}
+
+/// Shows colours of the map, each with its name and its meaning.
+fn meanings(ui: &mut Ui, scene: &Scene, colours: &AnswerColours) {
+    let title = colours.title(scene.question.ask);
+    if !colours.is_square() {
+        for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let value = brief(colours.value_along(share));
+            let meaning = match scene.question.ask.is_time() {
+                true => format!("after {value} s"),
+                false => format!("{} {value} {}", title.name, title.unit),
+            };
+            swatch(ui, colours.colour_along(share), meaning.trim_end());
+        }
+    }
+    if scene.question.ask.is_time() {
+        let budget = brief(scene.question.budget.secs);
+        swatch(ui, colours.ground().unflipped, &format!("not within {budget} s"));
+    }
+}
+
+/// Shows a square of a colour with the colour's name and its meaning.
+fn swatch(ui: &mut Ui, colour: Rgb, meaning: &str) {
+    ui.horizontal(|ui| {
+        let (response, painter) = ui.allocate_painter(vec2(22.0, 14.0), Sense::hover());
+        let [r, g, b] = colour;
+        painter.rect_filled(response.rect, 2.0, Color32::from_rgb(r, g, b));
+        ui.label(format!("{}: {meaning}", colour_words(colour)));
+    });
+}
+
+/// Explains which starts energy keeps from flipping, and how many they are.
+fn energy(ui: &mut Ui, scene: &Scene, colours: &AnswerColours) {
+    if !has_forbidden(scene) {
+        return;
+    }
+    let (rule, pendulum) = (scene.question.watched(), scene.build.pendulum());
+    swatch(ui, colours.ground().forbidden, "too little energy ever to flip");
+    ui.label(bound_words(rule, &pendulum));
+    if !scene.plane.is_at_rest() {
+        return;
+    }
+    let line = colour_words(colours.ground().curve);
+    ui.label(format!("The {line} line around these starts is where the two are equal."));
+    ui.monospace(curve_words(rule, &pendulum));
+    let share = 100.0 * forbidden_share(rule, &pendulum);
+    ui.label(format!("That is {share:.2} % of the whole torus, and costs nothing."));
+}
+
+/// Returns the reason for which starts are forbidden.
+fn bound_words(rule: Rule, pendulum: &Pendulum<f64>) -> String {
+    let second_is_cheaper = pendulum.p >= pendulum.q;
+    let pose = match rule {
+        Rule::Second => "the second rod upright and the first hanging",
+        Rule::First => "the first rod upright and the second hanging",
+        _ if second_is_cheaper => "the second rod upright and the first hanging, the cheaper way,",
+        _ => "the first rod upright and the second hanging, the cheaper way,",
+    };
+    format!(
+        "Even with {pose} the potential energy would exceed what they begin with. That is a \
+         theorem: none of them has to be integrated."
+    )
 }
 
 /// Formats the condition of the forbidden region with the fewest numbers: for equal bobs
 /// 2cos θ1 + cos θ2 > 1, for equal bars 3cos θ1 + cos θ2 > 2.
-fn curve_words(p: f64, q: f64) -> String {
-    let ratio = p / q;
-    format!("forbidden: {} cos θ1 + cos θ2 > {}", plain(ratio), plain(ratio - 1.0))
+fn curve_words(rule: Rule, pendulum: &Pendulum<f64>) -> String {
+    let (ratio, bound) = ratios(rule, pendulum);
+    format!("forbidden: {} cos θ1 + cos θ2 > {}", plain(ratio), plain(bound))
 }
 
-/// Returns the fraction of the torus on which `ratio` cos θ1 + cos θ2 > `ratio` − 1.
-pub fn forbidden_share(ratio: f64) -> f64 {
-    const STEPS: u32 = 200_000;
+/// Returns P and the bound of the depth, both divided by Q.
+fn ratios(rule: Rule, pendulum: &Pendulum<f64>) -> (f64, f64) {
+    (pendulum.p / pendulum.q, pendulum.least_depth(rule) / pendulum.q)
+}
+
+/// Returns the fraction of the torus that a rule forbids to pendulums released from rest.
+pub fn forbidden_share(rule: Rule, pendulum: &Pendulum<f64>) -> f64 {
+    const STEPS: u32 = 20_000;
+    let (ratio, bound) = ratios(rule, pendulum);
     let strip = |k: u32| {
         let theta1 = (f64::from(k) + 0.5) / f64::from(STEPS) * std::f64::consts::PI;
-        (ratio - 1.0 - ratio * theta1.cos()).clamp(-1.0, 1.0).acos() / std::f64::consts::PI
+        (bound - ratio * theta1.cos()).clamp(-1.0, 1.0).acos() / std::f64::consts::PI
     };
     (0..STEPS).map(strip).sum::<f64>() / f64::from(STEPS)
 }
@@ -83,24 +193,33 @@ pub fn forbidden_share(ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Build;
+
+    fn pendulum(kind: Kind) -> Pendulum<f64> {
+        Build { kind, ..Build::default() }.pendulum()
+    }
 
     #[test]
     fn the_forbidden_shares_are_the_known_ones() {
-        let share = |kind| {
-            let pendulum = Build { kind, ..Build::default() }.pendulum();
-            forbidden_share(pendulum.p / pendulum.q)
-        };
+        let share = |kind| forbidden_share(Rule::Second, &pendulum(kind));
         assert!((share(Kind::Rods) - 0.2439).abs() < 5e-5, "{}", share(Kind::Rods));
         assert!((share(Kind::Points) - 0.306_436).abs() < 5e-6, "{}", share(Kind::Points));
+        // What one rule forbids is counted here pixel by pixel for the other rules.
+        for rule in [Rule::First, Rule::Either] {
+            let pendulum = pendulum(Kind::Points);
+            let angle = |k: u32| (f64::from(k) + 0.5) / 600.0 * std::f64::consts::TAU;
+            let starts = (0..600 * 600).map(|k| [angle(k % 600), angle(k / 600)]);
+            let count = starts.filter(|&start| pendulum.forbids(rule, start)).count();
+            let counted = count as f64 / 360_000.0;
+            assert!((forbidden_share(rule, &pendulum) - counted).abs() < 1e-3, "{rule}");
+        }
     }
 
     #[test]
     fn the_formulas_are_those_of_the_lesson() {
-        let words = |kind| {
-            let pendulum = Build { kind, ..Build::default() }.pendulum();
-            curve_words(pendulum.p, pendulum.q)
-        };
-        assert_eq!(words(Kind::Points), "forbidden: 2 cos θ1 + cos θ2 > 1");
-        assert_eq!(words(Kind::Rods), "forbidden: 3 cos θ1 + cos θ2 > 2");
+        let words = |rule, kind| curve_words(rule, &pendulum(kind));
+        assert_eq!(words(Rule::Second, Kind::Points), "forbidden: 2 cos θ1 + cos θ2 > 1");
+        assert_eq!(words(Rule::Second, Kind::Rods), "forbidden: 3 cos θ1 + cos θ2 > 2");
+        assert_eq!(words(Rule::First, Kind::Points), "forbidden: 2 cos θ1 + cos θ2 > -1");
     }
 }

@@ -4,7 +4,7 @@ use egui::{Grid, Ui, vec2};
 
 use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::controls::{coloured_row, row};
-use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end};
+use super::drawing::{FigureCanvas, Tint, end};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use crate::physics::State;
@@ -22,7 +22,7 @@ impl Default for Ghost {
 
 impl Ghost {
     /// Returns a chart of the period against the amplitude, in units of the small-angle period.
-    fn chart(&self) -> Chart {
+    fn chart(&self, tint: &Tint) -> Chart {
         let simple = self.0.simple;
         let ratio = |amplitude: f64| simple.period_secs(amplitude) / simple.small_period_secs();
         let at = |k: u32| f64::from(k) / 200.0 * MOST_AMPLITUDE;
@@ -32,11 +32,21 @@ impl Ghost {
             across: Axis::new("amplitude, rad", 0.0..=3.2, AxisScale::Linear),
             up: Axis::new("period / 2π√(r/g)", 0.8..=3.0, AxisScale::Linear),
             curves: vec![
-                Curve::line("exact", COLOURS[1], known),
-                Curve::guide("small angles", FAINT, vec![[0.0, 1.0], [3.2, 1.0]]),
+                Curve::line("exact", tint.parts[1], known),
+                Curve::guide("small angles", tint.faint, vec![[0.0, 1.0], [3.2, 1.0]]),
             ],
             marks: vec![[amplitude, ratio(amplitude)]],
         }
+    }
+}
+
+impl Ghost {
+    /// Returns the ghost's current angle in rad.
+    fn ghost_angle(&self) -> f64 {
+        if self.0.held {
+            return self.0.amplitude;
+        }
+        self.0.simple.ghost(self.0.amplitude, self.0.secs())
     }
 }
 
@@ -45,45 +55,51 @@ impl LiveFigure for Ghost {
         self.0.release(start.angle[0]);
     }
 
+    fn restart(&mut self) {
+        self.0.release(self.0.amplitude);
+    }
+
+    fn secs(&self) -> f64 {
+        self.0.secs()
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }
 
+    fn told(&self) -> String {
+        let (secs, ghost) = (self.0.secs(), self.ghost_angle());
+        format!("After {secs:.2} s: θ is {:.3} rad, the ghost's {ghost:.3}", self.0.angle())
+    }
+
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let length = self.0.simple.length;
-        let secs = self.0.secs();
-        let ghost = if self.0.held {
-            self.0.amplitude
-        } else {
-            self.0.simple.ghost(self.0.amplitude, secs)
-        };
-        let told =
-            format!("After {secs:.2} s: θ is {:.3} rad, the ghost's {ghost:.3}", self.0.angle());
         let upper = vec2(size.x, 0.62 * size.y);
-        let (stage, response) = FigureCanvas::new(ui, upper, 1.15 * length, told);
-        let shadow = end([0.0; 2], length, ghost);
-        stage.dashed([0.0; 2], shadow, FAINT);
-        stage.bob(shadow, 0.5 * self.0.mass, FAINT);
-        stage.rod([0.0; 2], self.0.bob(), INK);
-        stage.pivot();
-        stage.bob(self.0.bob(), self.0.mass, COLOURS[1]);
+        let (stage, response) = FigureCanvas::new(ui, upper, length, self.told());
+        let (faint, two) = (stage.tint.faint, stage.tint.parts[1]);
         stage.note("grey: as if sin θ were θ. Drag the bob past 90° and let go.");
+        let shadow = end([0.0; 2], length, self.ghost_angle());
+        stage.dashed([0.0; 2], shadow, faint);
+        stage.bob(shadow, 0.5 * self.0.mass, faint);
+        stage.rod([0.0; 2], self.0.bob(), stage.tint.ink);
+        stage.pivot();
+        stage.bob(self.0.bob(), self.0.mass, two);
         self.0.drag(&stage, &response);
         let told = "Period against amplitude, with the current one marked";
-        self.chart().show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
+        self.chart(&stage.tint).show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
-        let simple = self.0.simple;
+        let (simple, tint) = (self.0.simple, Tint::of(ui));
         Grid::new("ghost now").num_columns(2).show(ui, |ui| {
             row(ui, "time", format!("{:7.2} s", self.0.secs()));
             let measured = self.0.crossings.period_secs();
             let measured = measured.map_or("after two swings".to_string(), |t| format!("{t:.9} s"));
-            coloured_row(ui, "measured period", COLOURS[0], measured);
+            coloured_row(ui, "measured period", tint.parts[0], measured);
             let exact = simple.period_secs(self.0.amplitude);
-            coloured_row(ui, "exact, by the AGM", COLOURS[1], format!("{exact:.9} s"));
+            coloured_row(ui, "exact, by the AGM", tint.parts[1], format!("{exact:.9} s"));
             row(ui, "2π√(r/g)", format!("{:.9} s", simple.small_period_secs()));
         });
         None

@@ -7,7 +7,7 @@ use crate::engine::choice::{ChoiceError, EngineRequest, IntegrationSetting};
 use crate::engine::{Accuracy, EngineKind};
 use crate::output::RowPainter;
 use crate::physics::Status;
-use crate::scene::{Document, Grid, Scene};
+use crate::scene::{BuiltIn, Document, Grid, Scene};
 use crate::tiles::{Renderer, Samples};
 
 /// A small picture of the whole torus.
@@ -16,14 +16,16 @@ pub struct HomeMap {
     pub image: ColorImage,
     /// Counts of the picture's pixels.
     pub seen: Seen,
+    /// The scene and the colours of the picture.
+    pub document: Document,
     scene: Scene,
     samples: Samples,
 }
 
-/// Computes the home map of `side` × `side` pixels at the accuracy level `fast`.
+/// Computes the map with which the window opens, of `side` × `side` pixels, at the accuracy level `fast`.
 pub fn home_map(side: u32) -> Result<HomeMap, ChoiceError> {
-    let Document { picture, .. } = Document::default();
-    let (scene, size) = (Scene::default(), [side; 2]);
+    let document = BuiltIn::home().document();
+    let (scene, size) = (document.scene(), [side; 2]);
     let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
     let kind = Some(EngineKind::Cpu);
     let mut renderer = Renderer::new(&EngineRequest { kind, setting, ..EngineRequest::default() })?;
@@ -31,10 +33,10 @@ pub fn home_map(side: u32) -> Result<HomeMap, ChoiceError> {
     let counts = renderer.counts();
     let seen =
         Seen { pixels: counts.pixels, forbidden: counts.forbidden, simulated: counts.simulated };
-    let painter = RowPainter::new(&scene, size, &picture);
+    let painter = RowPainter::new(&scene, size, &document.picture);
     let rgb = painter.map(|mut painter| painter.paint(&samples)).unwrap_or_default();
     let image = ColorImage::from_rgb(size.map(|side| side as usize), &rgb);
-    Ok(HomeMap { image, seen, scene, samples })
+    Ok(HomeMap { image, seen, document, scene, samples })
 }
 
 impl HomeMap {

@@ -1,12 +1,14 @@
 //! Figure 5: three integrators from one start with one Δt, and the energy error of each.
 
+use std::collections::VecDeque;
+
 use egui::{Color32, Grid, Ui, vec2};
 
 use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::clock::Clock;
 use super::controls::{coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
-use super::drawing::{COLOURS, FigureCanvas, INK, ends};
+use super::drawing::{FigureCanvas, Tint, ends, wrapped};
 use super::{FigureRequest, LiveFigure};
 use crate::physics::integrator::{euler, rk4, semi_implicit_euler};
 use crate::physics::trig::Turning;
@@ -24,12 +26,23 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// All integrators, with their names and colours.
-    pub const ALL: [(Integrator, &'static str, Color32); 3] = [
-        (Integrator::Euler, "explicit Euler", COLOURS[0]),
-        (Integrator::SemiImplicit, "semi-implicit Euler", COLOURS[1]),
-        (Integrator::Rk4, "RK4", COLOURS[2]),
+    /// All integrators, with their names.
+    pub const ALL: [(Integrator, &'static str); 3] = [
+        (Integrator::Euler, "explicit Euler"),
+        (Integrator::SemiImplicit, "semi-implicit Euler"),
+        (Integrator::Rk4, "RK4"),
     ];
+
+    /// Returns the integrator's colour: red, teal or dark blue, lighter on a dark canvas.
+    pub fn colour(self, tint: &Tint) -> Color32 {
+        let [dark, light] = match self {
+            Integrator::Euler => [(0xff, 0x5c, 0x57), (0xc4, 0x1e, 0x22)],
+            Integrator::SemiImplicit => [(0x2f, 0xc4, 0xb2), (0x00, 0x7f, 0x73)],
+            Integrator::Rk4 => [(0x6c, 0x8c, 0xff), (0x1b, 0x2f, 0x8f)],
+        };
+        let (r, g, b) = if tint.dark { dark } else { light };
+        Color32::from_rgb(r, g, b)
+    }
 
     /// Returns the state after a step of `secs`.
     pub fn step(self, pendulum: &Pendulum<f64>, state: &State<f64>, secs: f64) -> State<f64> {
@@ -58,7 +71,7 @@ impl Integrator {
 }
 
 /// The errors of the three integrators for several steps.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sweep {
     /// Steps in seconds.
     pub steps_secs: Vec<f64>,
@@ -76,7 +89,7 @@ impl Sweep {
     pub fn of(pendulum: &Pendulum<f64>, start: State<f64>) -> Self {
         let truth = Integrator::Rk4.run(pendulum, start, SWEEP_SECS, 1.0 / 65536.0);
         let steps_secs: Vec<f64> = (6..=11).map(|k| 0.5f64.powi(k)).collect();
-        let errors = Integrator::ALL.map(|(method, ..)| {
+        let errors = Integrator::ALL.map(|(method, _)| {
             let error = |&step: &f64| {
                 let state = method.run(pendulum, start, SWEEP_SECS, step);
                 let apart = |i: usize| state.angle[i] - truth.angle[i];
@@ -94,10 +107,10 @@ impl Sweep {
         (errors[0] / errors[last]).ln() / (steps[0] / steps[last]).ln()
     }
 
-    fn chart(&self) -> Chart {
-        let curves = Integrator::ALL.iter().zip(&self.errors).map(|((_, _, colour), errors)| {
+    fn chart(&self, tint: &Tint) -> Chart {
+        let curves = Integrator::ALL.iter().zip(&self.errors).map(|((method, _), errors)| {
             let points = self.steps_secs.iter().zip(errors).map(|(&x, &y)| [x, y]).collect();
-            Curve::line("", *colour, points)
+            Curve::line("", method.colour(tint), points)
         });
         Chart {
             across: Axis::new("Δt, s", 3e-4..=2e-2, AxisScale::Log),
@@ -117,7 +130,12 @@ struct MethodRun {
     /// Times in seconds with relative energy errors.
     errors: Vec<[f64; 2]>,
     diverged_at: Option<f64>,
+    /// Past positions of the second bob in metres, the latest last.
+    trail: VecDeque<[f64; 2]>,
 }
+
+/// Simulated time in seconds that a trail covers.
+const TRAIL_SECS: f64 = 1.5;
 
 impl MethodRun {
     /// Returns the angles to draw, `share` of the way from the state before to the last one.
@@ -149,22 +167,53 @@ impl Default for Integrators {
 impl Integrators {
     /// Creates the figure: three pendulums released at `start`, with steps of `step_secs`.
     pub fn new(start: State<f64>, step_secs: f64) -> Self {
-        let run =
-            MethodRun { state: start, before: start, errors: vec![[0.0; 2]], diverged_at: None };
+        let sweep = Sweep::of(&pendulum(), start);
+        Integrators { sweep, ..Integrators::resting(start, step_secs) }
+    }
+
+    /// Does the same without the errors for several steps, which take long.
+    fn resting(start: State<f64>, step_secs: f64) -> Self {
+        let run = MethodRun {
+            state: start,
+            before: start,
+            errors: vec![[0.0; 2]],
+            diverged_at: None,
+            trail: VecDeque::new(),
+        };
         Integrators {
             start,
             step_secs,
             clock: Clock::new(step_secs),
             runs: [run.clone(), run.clone(), run],
-            sweep: Sweep::of(&pendulum(), start),
+            sweep: Sweep::default(),
         }
+    }
+
+    fn draw_run(&self, ui: &mut Ui, size: egui::Vec2, k: usize) {
+        let (run, (method, name)) = (&self.runs[k], Integrator::ALL[k]);
+        let stage = FigureCanvas::seen(ui, size, 2.0, format!("The pendulum of {name}"));
+        let (ink, colour) = (stage.tint.ink, method.colour(&stage.tint));
+        let [first, second] = ends([1.0, 1.0], run.drawn(self.clock.share()));
+        // The last point of the trail lies ahead of the state that is drawn.
+        let trail: Vec<_> = run.trail.iter().copied().collect();
+        let past = trail.len().saturating_sub(1);
+        stage.trail(&[&trail[..past], &[second]].concat(), colour);
+        stage.rod([0.0; 2], first, ink);
+        stage.rod(first, second, ink);
+        stage.pivot();
+        stage.bob(first, 1.0, colour);
+        stage.bob(second, 1.0, colour);
+        stage.note(
+            &run.diverged_at
+                .map_or(name.to_string(), |at| format!("{name}: diverged at t = {at:.2} s")),
+        );
     }
 
     fn step(&mut self, secs: f64) {
         let pendulum = pendulum();
         let unit = pendulum.p + pendulum.q;
         let energy = pendulum.energy(&self.start);
-        for (run, (method, ..)) in self.runs.iter_mut().zip(Integrator::ALL) {
+        for (run, (method, _)) in self.runs.iter_mut().zip(Integrator::ALL) {
             if run.diverged_at.is_some() {
                 continue;
             }
@@ -177,16 +226,18 @@ impl Integrators {
             } else {
                 run.state = state;
                 run.errors.push([secs, error]);
+                run.trail.push_back(ends([1.0, 1.0], state.angle)[1]);
+                if run.trail.len() as f64 * self.step_secs > TRAIL_SECS {
+                    run.trail.pop_front();
+                }
             }
         }
     }
 
-    fn chart(&self) -> Chart {
-        let curves = self
-            .runs
-            .iter()
-            .zip(Integrator::ALL)
-            .map(|(run, (_, name, colour))| Curve::line(name, colour, run.errors.clone()));
+    fn chart(&self, tint: &Tint) -> Chart {
+        let curves = self.runs.iter().zip(Integrator::ALL).map(|(run, (method, name))| {
+            Curve::line(name, method.colour(tint), run.errors.clone())
+        });
         let end = self.clock.secs().max(10.0);
         Chart {
             across: Axis::new("time, s", 0.0..=end, AxisScale::Linear),
@@ -202,9 +253,18 @@ impl LiveFigure for Integrators {
         *self = Integrators::new(start, self.step_secs);
     }
 
+    fn restart(&mut self) {
+        let sweep = self.sweep.clone();
+        *self = Integrators { sweep, ..Integrators::resting(self.start, self.step_secs) };
+    }
+
+    fn secs(&self) -> f64 {
+        self.clock.secs() + self.clock.share() * self.clock.step_secs
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         if self.clock.secs() > LONGEST_SECS {
-            *self = Integrators::new(self.start, self.step_secs);
+            self.restart();
         }
         let from = self.clock.taken;
         for k in 1..=self.clock.due(elapsed_secs) as u64 {
@@ -212,37 +272,32 @@ impl LiveFigure for Integrators {
         }
     }
 
-    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let upper = vec2(size.x, 0.42 * size.y);
-        let third = vec2((size.x - 16.0) / 3.0, upper.y);
+    fn told(&self) -> String {
         let share = self.clock.share();
+        let words = self.runs.iter().zip(Integrator::ALL).map(|(run, (_, name))| {
+            let [theta1, theta2] = run.drawn(share).map(wrapped);
+            format!("{name}: {theta1:.3}, {theta2:.3} rad")
+        });
+        words.collect::<Vec<_>>().join("; ")
+    }
+
+    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
+        let upper = vec2(size.x, 0.44 * size.y);
+        let third = vec2((size.x - 16.0) / 3.0, upper.y);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
-            for (run, (_, name, colour)) in self.runs.iter().zip(Integrator::ALL) {
-                let stage = FigureCanvas::seen(ui, third, 2.2, format!("The pendulum of {name}"));
-                let [first, second] = ends([1.0, 1.0], run.drawn(share));
-                stage.rod([0.0; 2], first, INK);
-                stage.rod(first, second, INK);
-                stage.pivot();
-                stage.bob(first, 1.0, colour);
-                stage.bob(second, 1.0, colour);
-                stage.note(
-                    &run.diverged_at.map_or(name.to_string(), |at| {
-                        format!("{name}: diverged at t = {at:.2} s")
-                    }),
-                );
-            }
+            (0..3).for_each(|k| self.draw_run(ui, third, k));
         });
-        let rest = size.y - upper.y - 12.0;
+        let (rest, tint) = (size.y - upper.y - 16.0, Tint::of(ui));
         let told = "Relative energy error against time of the three integrators";
-        self.chart().show(ui, vec2(size.x, 0.6 * rest), told);
+        self.chart(&tint).show(ui, vec2(size.x, 0.58 * rest), told);
         let told = "State error after one second against the step";
-        self.sweep.chart().show(ui, vec2(size.x, 0.4 * rest), told);
+        self.sweep.chart(&tint).show(ui, vec2(size.x, 0.42 * rest), told);
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         let (mut step_ms, mut start) = (self.step_secs * 1e3, self.start);
-        let mut changed = false;
+        let (mut changed, tint) = (false, Tint::of(ui));
         Grid::new("integrators").num_columns(2).show(ui, |ui| {
             changed |= number_on(ui, "Step Δt", " ms", &mut step_ms, 1.0..=200.0, true);
             changed |= number_on(ui, "θ1", " rad", &mut start.angle[0], -3.1..=3.1, false);
@@ -254,12 +309,17 @@ impl LiveFigure for Integrators {
         ui.separator();
         Grid::new("integrators now").num_columns(2).show(ui, |ui| {
             thrown(ui, &self.start);
-            for (k, (run, (_, name, colour))) in self.runs.iter().zip(Integrator::ALL).enumerate() {
+            for (k, (run, (method, name))) in self.runs.iter().zip(Integrator::ALL).enumerate() {
                 let error = run.errors.last().map_or(0.0, |last| last[1]);
                 let now = run
                     .diverged_at
                     .map_or(format!("{error:+.1e}"), |at| format!("diverged at t = {at:.2} s"));
-                coloured_row(ui, name, colour, format!("{now}, order {:.2}", self.sweep.order(k)));
+                coloured_row(
+                    ui,
+                    name,
+                    method.colour(&tint),
+                    format!("{now}, order {:.2}", self.sweep.order(k)),
+                );
             }
         });
         if self.runs.iter().any(|run| run.diverged_at.is_some()) {
@@ -275,7 +335,7 @@ impl LiveFigure for Integrators {
     }
 
     fn csv(&self, secs: f64) -> String {
-        let mut live = Integrators::new(self.start, self.step_secs);
+        let mut live = Integrators::resting(self.start, self.step_secs);
         let mut text = "t,euler,semi_implicit_euler,rk4\n0,0,0,0\n".to_string();
         for k in 1..=(secs / self.step_secs) as u64 {
             let t = k as f64 * self.step_secs;

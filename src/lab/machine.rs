@@ -1,11 +1,11 @@
 //! Figure 4: the whole machine, with its matrix equation live.
 
-use egui::{Grid, ProgressBar, Ui};
+use egui::{Grid, ProgressBar, Ui, vec2};
 
 use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
-use super::drawing::{FigureCanvas, wrapped};
-use super::{FigureRequest, LiveFigure};
+use super::drawing::FigureCanvas;
+use super::{FigureRequest, LiveFigure, equation};
 use crate::physics::State;
 
 /// A live figure of the double pendulum with its equation and energy.
@@ -23,18 +23,33 @@ impl LiveFigure for MachineFigure {
         self.0.release(start);
     }
 
+    fn restart(&mut self) {
+        self.0.release(self.0.start);
+    }
+
+    fn secs(&self) -> f64 {
+        self.0.secs()
+    }
+
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }
 
+    fn told(&self) -> String {
+        self.0.told()
+    }
+
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let [theta1, theta2] = self.0.now().angle.map(wrapped);
-        let told = format!("θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad");
-        let reach = 1.1 * self.0.build.lengths_m().iter().sum::<f64>();
-        let (stage, response) = FigureCanvas::new(ui, size, reach, told);
+        let upper = vec2(size.x, (size.y - equation::HEIGHT - 8.0).max(120.0));
+        let reach = self.0.build.lengths_m().iter().sum::<f64>();
+        let (stage, response) = FigureCanvas::new(ui, upper, reach, self.told());
         self.0.draw(&stage);
-        stage.note("Drag either bob to aim it again; let go and it falls from rest.");
-        self.0.drag(&stage, &response);
+        stage.note(
+            "M α = τ, with Δ = θ1 − θ2. Drag either bob to aim it again; let go and it falls from \
+             rest.",
+        );
+        self.0.drag(&stage, &response, None);
+        equation::show(ui, size.x, &self.0);
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
@@ -42,7 +57,7 @@ impl LiveFigure for MachineFigure {
             self.0.release(self.0.start);
         }
         ui.separator();
-        equation(ui, &self.0);
+        determinant(ui, &self.0);
         ui.separator();
         energy(ui, &self.0);
         if ui.button("Let go again").clicked() {
@@ -62,29 +77,17 @@ impl LiveFigure for MachineFigure {
     }
 }
 
-/// Shows M α = τ with its current numbers.
-fn equation(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
-    let (pendulum, state) = (simulation.pendulum(), simulation.state);
-    let equation = pendulum.equation(&state);
-    let alpha = pendulum.acceleration(&state);
-    ui.label("mass matrix M · accelerations α = torques τ");
-    Grid::new("equation").num_columns(5).show(ui, |ui| {
-        for ((mass, alpha), torque) in equation.mass.iter().zip(alpha).zip(equation.torque) {
-            for mass in mass {
-                ui.monospace(format!("{mass:8.3}"));
-            }
-            ui.monospace(format!("· {alpha:9.3}"));
-            ui.monospace(format!("= {torque:9.3}"));
-            ui.end_row();
-        }
-    });
-    let [[a, c], [_, b]] = equation.mass;
+/// Shows the determinant of M and its lower bound.
+fn determinant(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
+    let pendulum = simulation.pendulum();
+    let [[a, c], [_, b]] = pendulum.equation(&simulation.state).mass;
     Grid::new("determinant").num_columns(2).show(ui, |ui| {
         let least = pendulum.least_det;
         row(ui, "det M", format!("{:.4} kg² m⁴", a * b - c * c));
-        row(ui, "never below", format!("{least:.4}: it can always be solved"));
+        row(ui, "never below", format!("{least:.4} kg² m⁴"));
         row(ui, "time", format!("{:.3} s", simulation.secs()));
     });
+    ui.label("It is never zero, so M can always be inverted.");
 }
 
 /// Shows kinetic and potential energy as shares of the total above hanging at rest.

@@ -7,23 +7,29 @@
 
 pub mod chart;
 pub mod clock;
+mod colour_words;
 mod controls;
 mod double;
 mod double_simulation;
 pub mod drawing;
+mod equation;
 mod figures;
 pub mod flips;
 mod ghost;
 pub mod home;
 pub mod integrators;
+mod labels;
 mod machine;
+pub mod playing;
 mod single;
 mod single_simulation;
 pub mod still;
+pub mod story;
 pub mod twenty;
 
 use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
+use playing::Playing;
 
 use crate::physics::State;
 
@@ -81,6 +87,11 @@ impl Figure {
         self.entry().sentence
     }
 
+    /// Returns the figure so many places further in the lesson, if there is one.
+    pub fn beside(self, by: isize) -> Option<Self> {
+        Figure::all().nth((self as usize).checked_add_signed(by)?)
+    }
+
     /// Returns the key that shows the figure.
     pub fn key(self) -> Key {
         self.entry().key
@@ -92,6 +103,10 @@ impl Figure {
 pub enum FigureRequest {
     /// Shows this start on the map.
     ToMap(State<f64>),
+    /// Shows another figure.
+    Show(Figure),
+    /// Ends the story.
+    EndStory,
 }
 
 /// A figure that runs live and that the user can change.
@@ -99,8 +114,14 @@ pub trait LiveFigure {
     /// Begins again from a start found elsewhere; a single pendulum takes θ1, and is released at
     /// rest.
     fn open(&mut self, start: State<f64>);
+    /// Begins again from the same start.
+    fn restart(&mut self);
+    /// Seconds since the start.
+    fn secs(&self) -> f64;
     /// Advances the figure by `elapsed_secs`.
     fn advance(&mut self, elapsed_secs: f64);
+    /// Returns the current moment in words, for a screen reader.
+    fn told(&self) -> String;
     /// Draws the figure in an area of `size` points.
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2);
     /// Shows the figure's sliders and numbers; returns a request to the window if there is one.
@@ -117,15 +138,26 @@ pub struct Lab {
     pub figure: Figure,
     /// The figures in the order of the table, nothing in the place of the map.
     live: [Option<Box<dyn LiveFigure>>; ENTRIES.len()],
+    /// Pause, speed and moment of the figure that is shown.
+    pub playing: Playing,
+    /// True if the lab is shown to an audience: large, with few controls.
+    pub projector: bool,
+    /// True if the story is told beside the figures.
+    pub story: bool,
 }
 
-/// Width of the controls in points.
-const CONTROLS_WIDTH: f32 = 330.0;
+/// Range of the width of the controls in points.
+const CONTROLS_WIDTH: std::ops::RangeInclusive<f32> = 290.0..=410.0;
+/// Width in points that a slider leaves for its name and its number.
+const BESIDE_SLIDER: f32 = 176.0;
+/// Height of the controls of time in points.
+const BAR_HEIGHT: f32 = 30.0;
 
 impl Lab {
     /// Creates every figure in its initial state, and shows one.
     pub fn new(figure: Figure) -> Self {
-        Lab { figure, live: ENTRIES.each_ref().map(|entry| (entry.begin)()) }
+        let live = ENTRIES.each_ref().map(|entry| (entry.begin)());
+        Lab { figure, live, playing: Playing::default(), projector: false, story: false }
     }
 
     /// Returns the figure that is shown; none if that is the map.
@@ -138,34 +170,71 @@ impl Lab {
         self.live[self.figure as usize].as_ref().map_or(Vec::new(), |live| live.set())
     }
 
+    /// Advances the figure that is shown by a frame of `elapsed_secs`.
+    pub fn advance(&mut self, elapsed_secs: f64) {
+        if let Some(live) = self.live[self.figure as usize].as_deref_mut() {
+            self.playing.advance(live, elapsed_secs);
+        }
+    }
+
     /// Shows a figure and opens a start in it.
     pub fn open(&mut self, figure: Figure, start: State<f64>) {
-        self.figure = figure;
+        self.show_figure(figure);
         if let Some(live) = self.live() {
             live.open(start);
         }
     }
 
-    /// Shows the figure, with its sentence above and its controls beside it.
+    /// Shows a figure at the moment at which it was left.
+    pub fn show_figure(&mut self, figure: Figure) {
+        if figure != self.figure {
+            self.playing = Playing::at_speed(self.playing.speed);
+        }
+        self.figure = figure;
+    }
+
+    /// Shows the figure, with its sentence above, its controls beside it and those of time below.
     pub fn show(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         ui.heading(self.figure.title());
-        ui.label(self.figure.sentence());
-        let live = self.live()?;
+        if !self.projector {
+            ui.label(self.figure.sentence());
+        }
+        self.live()?;
         let size = ui.available_size();
-        let stage = vec2((size.x - CONTROLS_WIDTH - 16.0).max(200.0), (size.y - 8.0).max(200.0));
+        let has_side = self.story || !self.projector;
+        let beside = (0.32 * size.x).clamp(*CONTROLS_WIDTH.start(), *CONTROLS_WIDTH.end());
+        let beside = if has_side { beside + 16.0 } else { 0.0 };
+        let stage = vec2((size.x - beside).max(200.0), (size.y - BAR_HEIGHT - 8.0).max(160.0));
         let mut asked = None;
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(stage.x);
-                live.draw(ui, stage);
+                self.live()?.draw(ui, stage);
+                Some(())
             });
-            ui.vertical(|ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    asked = live.controls(ui);
-                });
-            });
+            if has_side {
+                let scroll = ScrollArea::vertical().max_height(stage.y).auto_shrink(false);
+                ui.vertical(|ui| scroll.show(ui, |ui| asked = self.side(ui)));
+            }
         });
+        if let Some(live) = self.live[self.figure as usize].as_deref_mut() {
+            self.playing.bar(ui, live, self.projector);
+        }
         asked
+    }
+
+    /// Shows the story and the controls.
+    fn side(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
+        let told = if self.story { story::card(ui, self.figure) } else { None };
+        if told == Some(FigureRequest::EndStory) {
+            self.story = false;
+        }
+        if self.projector {
+            return told;
+        }
+        ui.spacing_mut().slider_width = (ui.available_width() - BESIDE_SLIDER).max(80.0);
+        let asked = self.live()?.controls(ui);
+        told.or(asked)
     }
 }
 

@@ -1,12 +1,14 @@
 //! Figure 1: the single pendulum with its parts labelled.
 
-use egui::{Grid, Ui};
+use egui::{Grid, Ui, Vec2, vec2};
 
+use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::controls::row;
-use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, end};
+use super::drawing::{FigureCanvas, Tint, end};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use crate::physics::State;
+use crate::physics::simple::Swing;
 
 /// A live figure of one coordinate, one mass, one rod, and gravity.
 #[derive(Clone, Debug)]
@@ -18,36 +20,119 @@ impl Default for Single {
     }
 }
 
+/// Seconds that the energy chart covers.
+const CHART_SECS: f64 = 10.0;
+
+impl Single {
+    /// Returns kinetic and potential energy of a state in J, zero where the bob hangs at rest.
+    fn energy(&self, swing: Swing) -> [f64; 2] {
+        let (mass, simple) = (self.0.mass, self.0.simple);
+        let kinetic = 0.5 * mass * (simple.length * swing.speed).powi(2);
+        [kinetic, mass * simple.gravity * simple.length * (1.0 - swing.angle.cos())]
+    }
+
+    /// Returns a chart of both kinds of energy and their sum against time.
+    fn energy_chart(&self, tint: &Tint) -> Chart {
+        let now = self.0.secs();
+        let from = (now - CHART_SECS).max(0.0);
+        let states = || self.0.path.iter().copied().chain([(now, self.0.now())]);
+        let curve = |part: &dyn Fn([f64; 2]) -> f64| -> Vec<[f64; 2]> {
+            let recent = states().filter(|(secs, _)| *secs >= from);
+            recent.map(|(secs, swing)| [secs, part(self.energy(swing))]).collect()
+        };
+        let most = self.energy(Swing { angle: self.0.amplitude, speed: 0.0 })[1].max(1e-3);
+        Chart {
+            across: Axis::new("time, s", from..=from + CHART_SECS, AxisScale::Linear),
+            up: Axis::new("energy, J", 0.0..=1.1 * most, AxisScale::Linear),
+            curves: vec![
+                Curve::line("kinetic", tint.parts[1], curve(&|[kinetic, _]| kinetic)),
+                Curve::line("potential", tint.parts[2], curve(&|[_, potential]| potential)),
+                Curve::guide("sum", tint.ink, curve(&|[kinetic, potential]| kinetic + potential)),
+            ],
+            marks: Vec::new(),
+        }
+    }
+
+    /// Returns a chart of the speed against the angle, with the line between swinging and rotating.
+    fn phase_chart(&self, tint: &Tint) -> Chart {
+        let simple = self.0.simple;
+        let fastest = 2.0 * (simple.gravity / simple.length).sqrt();
+        let border = |sign: f64| -> Vec<[f64; 2]> {
+            let angles = (-100..=100).map(|k| f64::from(k) / 100.0 * std::f64::consts::PI);
+            angles.map(|angle| [angle, sign * fastest * (0.5 * angle).cos()]).collect()
+        };
+        let now = self.0.now();
+        let path = self.0.path.iter().map(|(_, swing)| [swing.angle, swing.speed]);
+        let speeds = -1.1 * fastest..=1.1 * fastest;
+        Chart {
+            across: Axis::new("angle θ, rad", -3.2..=3.2, AxisScale::Linear),
+            up: Axis::new("speed ω, rad/s", speeds, AxisScale::Linear),
+            curves: vec![
+                Curve::guide("just to the top", tint.faint, border(1.0)),
+                Curve::guide("", tint.faint, border(-1.0)),
+                Curve::line("", tint.parts[0], path.collect()),
+            ],
+            marks: vec![[now.angle, now.speed]],
+        }
+    }
+
+    /// Draws the pendulum with its parts named.
+    fn draw_parts(&mut self, ui: &mut Ui, size: Vec2) {
+        let (bob, length, angle) = (self.0.bob(), self.0.simple.length, self.0.angle());
+        let (stage, response) = FigureCanvas::new(ui, size, 1.05 * length, self.told());
+        let (ink, faint, [one, two, three, _]) =
+            (stage.tint.ink, stage.tint.faint, stage.tint.parts);
+        stage.note("α = −(g/r) sin θ: the mass falls out. Drag the bob.");
+        let tip = [bob[0], bob[1] - 0.3 * length];
+        stage.dashed([0.0; 2], [0.0, -0.6 * length], faint);
+        stage.arc([0.0; 2], angle, 0.35 * length, one);
+        stage.rod([0.0; 2], bob, ink);
+        stage.pivot();
+        stage.arrow(bob, [0.0, -0.3 * length], three);
+        stage.bob(bob, self.0.mass, two);
+        stage.label(bob, &format!("mass m = {:.2} kg", self.0.mass), two);
+        let weight = self.0.mass * self.0.simple.gravity;
+        stage.label(tip, &format!("gravity m g = {weight:.2} N"), three);
+        stage.label(end([0.0; 2], 0.37 * length, 0.5 * angle), "θ, the one coordinate", one);
+        let along = end([0.0; 2], 0.72 * length, angle);
+        stage.label(along, &format!("rod r = {length:.2} m"), ink);
+        stage.label([0.0; 2], "pivot", faint);
+        self.0.drag(&stage, &response);
+    }
+}
+
 impl LiveFigure for Single {
     fn open(&mut self, start: State<f64>) {
         self.0.release(start.angle[0]);
+    }
+
+    fn restart(&mut self) {
+        self.0.release(self.0.amplitude);
+    }
+
+    fn secs(&self) -> f64 {
+        self.0.secs()
     }
 
     fn advance(&mut self, elapsed_secs: f64) {
         self.0.advance(elapsed_secs);
     }
 
-    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let angle = self.0.angle();
-        let told = format!("A pendulum at θ = {angle:.3} rad");
-        let (stage, response) = FigureCanvas::new(ui, size, 1.15 * self.0.simple.length, told);
-        let (bob, length) = (self.0.bob(), self.0.simple.length);
-        let most = end([0.0; 2], 0.72 * length, angle);
-        stage.dashed([0.0; 2], [0.0, -0.6 * length], FAINT);
-        stage.arc([0.0; 2], angle, 0.35 * length, COLOURS[0]);
-        stage.rod([0.0; 2], bob, INK);
-        stage.pivot();
-        stage.bob(bob, self.0.mass, COLOURS[1]);
-        stage.arrow(bob, [0.0, -0.35 * length], COLOURS[2]);
-        stage.label([0.0, 0.0], "pivot", FAINT);
-        stage.label([-0.02 * length, -0.44 * length], "θ, the one coordinate", COLOURS[0]);
-        stage.label(most, &format!("rod r = {length:.2} m"), INK);
-        stage.label(bob, &format!("mass m = {:.2} kg", self.0.mass), COLOURS[1]);
-        let weight = self.0.mass * self.0.simple.gravity;
-        let tip = [bob[0], bob[1] - 0.35 * length];
-        stage.label(tip, &format!("gravity m g = {weight:.2} N"), COLOURS[2]);
-        stage.note("α = −(g/r) sin θ: the mass falls out. Drag the bob.");
-        self.0.drag(&stage, &response);
+    fn told(&self) -> String {
+        format!("A pendulum at θ = {:.3} rad", self.0.angle())
+    }
+
+    fn draw(&mut self, ui: &mut Ui, size: Vec2) {
+        let lower = vec2(0.5 * size.x - 4.0, 0.38 * size.y);
+        self.draw_parts(ui, vec2(size.x, size.y - lower.y - 8.0));
+        let tint = Tint::of(ui);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 8.0;
+            let told = "Kinetic and potential energy and their sum against time";
+            self.energy_chart(&tint).show(ui, lower, told);
+            let told = "Phase plot: speed against angle, with the current state marked";
+            self.phase_chart(&tint).show(ui, lower, told);
+        });
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
@@ -86,6 +171,27 @@ impl LiveFigure for Single {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_charts_show_energy_that_is_kept_and_a_path_within_its_border() {
+        let mut live = Single(SinglePendulumSimulation::from(2.5));
+        (0..150).for_each(|_| live.advance(0.1));
+        let chart = live.energy_chart(&Tint::DARK);
+        let [kinetic, potential, sum] = [0, 1, 2].map(|k| &chart.curves[k].points);
+        assert!(sum.len() > 500 && sum[0][0] >= live.secs() - CHART_SECS);
+        let whole = live.energy(Swing { angle: 2.5, speed: 0.0 })[1];
+        for ((kinetic, potential), sum) in kinetic.iter().zip(potential).zip(sum) {
+            assert!((sum[1] / whole - 1.0).abs() < 1e-6, "{sum:?} of {whole}");
+            assert!(kinetic[1] >= 0.0 && potential[1] <= whole * (1.0 + 1e-6));
+        }
+        assert!(kinetic.iter().any(|point| point[1] > 0.9 * whole));
+        let chart = live.phase_chart(&Tint::DARK);
+        for [angle, speed] in &chart.curves[2].points {
+            let border = 2.0 * 9.81f64.sqrt() * (0.5 * angle).cos();
+            assert!(speed.abs() < border, "the pendulum swings, and never reaches the top");
+        }
+        assert_eq!(chart.marks, [[live.0.now().angle, live.0.now().speed]]);
+    }
 
     #[test]
     fn rows_are_states_at_their_moments() {

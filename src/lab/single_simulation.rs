@@ -10,6 +10,11 @@ use crate::physics::simple::{Crossings, MOST_AMPLITUDE, Simple, Swing};
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
 
+/// Number of steps between two remembered states.
+const PATH_EVERY: u64 = 6;
+/// Number of remembered states, those of ten seconds.
+const PATH: usize = 801;
+
 /// A mass on a rod, released from rest.
 #[derive(Clone, Debug)]
 pub(super) struct SinglePendulumSimulation {
@@ -25,6 +30,8 @@ pub(super) struct SinglePendulumSimulation {
     pub clock: Clock,
     /// Zero crossings of the angle since the release.
     pub crossings: Crossings,
+    /// Past states with their times in s, the latest last.
+    pub path: Vec<(f64, Swing)>,
     /// True while the user holds the bob.
     pub held: bool,
 }
@@ -39,6 +46,7 @@ impl SinglePendulumSimulation {
             swing: Swing { angle: amplitude, speed: 0.0 },
             clock: Clock::new(1.0 / STEPS_A_SEC),
             crossings: Crossings::default(),
+            path: Vec::new(),
             held: false,
         }
     }
@@ -49,6 +57,7 @@ impl SinglePendulumSimulation {
         self.swing = Swing { angle: self.amplitude, speed: 0.0 };
         self.clock = Clock::new(self.clock.step_secs);
         self.crossings = Crossings::default();
+        self.path.clear();
     }
 
     /// Advances by `elapsed_secs`, unless the bob is held.
@@ -57,11 +66,17 @@ impl SinglePendulumSimulation {
             return;
         }
         let step = self.clock.step_secs;
-        let from = self.clock.secs();
-        for k in 0..self.clock.due(elapsed_secs) {
-            self.crossings.look(&self.simple, from + k as f64 * step, self.swing, step);
+        let from = self.clock.taken;
+        for k in 0..self.clock.due(elapsed_secs) as u64 {
+            let secs = (from + k) as f64 * step;
+            if (from + k).is_multiple_of(PATH_EVERY) {
+                self.path.push((secs, self.swing));
+            }
+            self.crossings.look(&self.simple, secs, self.swing, step);
             self.swing = self.simple.step(self.swing, step);
         }
+        let old = self.path.len().saturating_sub(PATH);
+        self.path.drain(..old);
     }
 
     /// Returns the current state, between two steps.

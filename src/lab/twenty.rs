@@ -1,12 +1,12 @@
 //! Figure 6: pendulums a hair apart, drawn together until they fan out.
 
-use egui::{Color32, Grid, Ui, vec2};
+use egui::{Color32, Grid, Stroke, Ui, vec2};
 
 use super::chart::{Axis, AxisScale, Chart, Curve};
 use super::clock::Clock;
 use super::controls::{brief, number_on, row, thrown};
 use super::double_simulation::pendulum;
-use super::drawing::{COLOURS, FAINT, FigureCanvas, INK, ends};
+use super::drawing::{FigureCanvas, Tint, ends};
 use super::{FigureRequest, LiveFigure};
 use crate::physics::integrator::rk4;
 use crate::physics::separation::{Growth, Reading, Ruler, SATURATED_RAD};
@@ -30,6 +30,8 @@ pub struct Twenty {
 
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
+/// Largest number of pendulums.
+const MOST: f64 = 500.0;
 /// Number of steps between two readings.
 const READ_EVERY: u64 = 12;
 /// Longest simulated time in seconds; nothing new happens after it.
@@ -58,7 +60,7 @@ impl Twenty {
         }
     }
 
-    fn restart(&mut self, start: State<f64>, count: usize, nudge_rad: f64) {
+    fn begin(&mut self, start: State<f64>, count: usize, nudge_rad: f64) {
         let Twenty { tolerance_rad, precision_rad, .. } = *self;
         *self = Twenty { tolerance_rad, precision_rad, ..Twenty::new(start, count, nudge_rad) };
     }
@@ -91,16 +93,16 @@ impl Twenty {
         (self.tolerance_rad / self.precision_rad).ln() / rate_per_sec
     }
 
-    fn chart(&self) -> Chart {
+    fn chart(&self, tint: &Tint) -> Chart {
         let points = self.readings.iter().map(|r| [r.secs, r.separation_rad]).collect();
         let end = self.clock.secs().max(10.0);
-        let mut curves = vec![Curve::line("first from last", COLOURS[1], points)];
+        let mut curves = vec![Curve::line("first from last", tint.parts[1], points)];
         if let Some(growth) = self.growth() {
             let line = [0.0, growth.until_secs].map(|t| [t, growth.separation_rad(t)]).to_vec();
-            curves.push(Curve::guide("fitted climb", INK, line));
+            curves.push(Curve::guide("fitted climb", tint.ink, line));
         }
         let saturated = vec![[0.0, SATURATED_RAD], [end, SATURATED_RAD]];
-        curves.push(Curve::guide("saturated", FAINT, saturated));
+        curves.push(Curve::guide("saturated", tint.faint, saturated));
         Chart {
             across: Axis::new("time, s", 0.0..=end, AxisScale::Linear),
             up: Axis::new("separation, rad", 1e-13..=1e2, AxisScale::Log),
@@ -110,14 +112,42 @@ impl Twenty {
     }
 }
 
-/// Returns the colour of pendulum `k` of `count`, from orange to sky blue.
-fn shade(k: usize, count: usize) -> Color32 {
-    COLOURS[0].lerp_to_gamma(COLOURS[1], k as f32 / (count - 1).max(1) as f32)
+/// Returns the colour of pendulum `k` of `count`, from orange to blue.
+fn shade(k: usize, count: usize, tint: &Tint) -> Color32 {
+    let share = k as f32 / (count - 1).max(1) as f32;
+    tint.parts[0].lerp_to_gamma(tint.parts[1], share)
+}
+
+/// Draws a pendulum of `count`: a thin line in a wide glow. On a dark canvas lights add up, so that
+/// pendulums that are together shine.
+fn draw_glowing(stage: &FigureCanvas, places: [[f64; 2]; 2], colour: Color32, count: usize) {
+    let [first, second] = places.map(|place| stage.at(place));
+    let pivot = stage.at([0.0; 2]);
+    // Many pendulums together are as bright as some tens of them.
+    let dimming = (20.0 / count as f32).sqrt().min(1.0);
+    for (width, light) in [(9.0, 0.07), (4.0, 0.16), (1.5, 0.6)] {
+        let colour = match stage.tint.dark {
+            true => colour.gamma_multiply(light * dimming).additive(),
+            false => colour.gamma_multiply((1.5 * light * dimming).min(1.0)),
+        };
+        let stroke = Stroke::new(width, colour);
+        stage.painter.line_segment([pivot, first], stroke);
+        stage.painter.line_segment([first, second], stroke);
+        stage.painter.circle_filled(second, 1.5 + 0.6 * width, colour);
+    }
 }
 
 impl LiveFigure for Twenty {
     fn open(&mut self, start: State<f64>) {
-        self.restart(start, self.count, self.nudge_rad);
+        self.begin(start, self.count, self.nudge_rad);
+    }
+
+    fn restart(&mut self) {
+        self.begin(self.start, self.count, self.nudge_rad);
+    }
+
+    fn secs(&self) -> f64 {
+        self.clock.secs() + self.clock.share() * self.clock.step_secs
     }
 
     fn advance(&mut self, elapsed_secs: f64) {
@@ -133,28 +163,29 @@ impl LiveFigure for Twenty {
         }
     }
 
+    fn told(&self) -> String {
+        let apart = self.readings.last().map_or(0.0, |reading| reading.separation_rad);
+        format!("{} pendulums after {:.2} s, {} rad apart", self.count, self.secs(), brief(apart))
+    }
+
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let told = format!("{} pendulums after {:.2} s", self.count, self.clock.secs());
-        let upper = vec2(size.x, 0.58 * size.y);
-        let stage = FigureCanvas::seen(ui, upper, 2.1, told);
+        let upper = vec2(size.x, 0.62 * size.y);
+        let stage = FigureCanvas::seen(ui, upper, 2.0, self.told());
         for (k, state) in self.states.iter().enumerate() {
-            let colour = shade(k, self.count);
-            let [first, second] = ends([1.0, 1.0], state.angle);
-            stage.rod([0.0; 2], first, colour);
-            stage.rod(first, second, colour);
-            stage.bob(second, 0.4, colour);
+            let colour = shade(k, self.count, &stage.tint);
+            draw_glowing(&stage, ends([1.0, 1.0], state.angle), colour, self.count);
         }
         stage.pivot();
         stage.note("All of them are drawn: at first they look like one.");
         let told = "Separation of the first and the last pendulum against time";
-        self.chart().show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
+        self.chart(&stage.tint).show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         let (mut count, mut nudge, mut start) = (self.count as f64, self.nudge_rad, self.start);
         let mut changed = false;
         Grid::new("twenty").num_columns(2).show(ui, |ui| {
-            changed |= number_on(ui, "Pendulums", "", &mut count, 2.0..=50.0, false);
+            changed |= number_on(ui, "Pendulums", "", &mut count, 2.0..=MOST, true);
             changed |= number_on(ui, "Nudge", " rad", &mut nudge, 1e-13..=1e-2, true);
             changed |= number_on(ui, "θ1", " rad", &mut start.angle[0], -3.1..=3.1, false);
             changed |= number_on(ui, "θ2", " rad", &mut start.angle[1], -3.1..=3.1, false);
@@ -162,7 +193,7 @@ impl LiveFigure for Twenty {
             number_on(ui, "Precision", " rad", &mut self.precision_rad, 1e-16..=1e-3, true);
         });
         if changed || ui.button("Restart").clicked() {
-            self.restart(start, count.round() as usize, nudge);
+            self.begin(start, count.round() as usize, nudge);
         }
         ui.separator();
         Grid::new("twenty now").num_columns(2).show(ui, |ui| {
