@@ -57,7 +57,8 @@ impl AppModel {
         if self.forms.exporting && self.forms.export.what != ExportSubject::Key {
             overlay::draw_export_frame(&ui.painter_at(rect), rect, self.forms.export.size);
         }
-        if self.state.shown.side {
+        // The laboratory has tabs of its own.
+        if self.state.shown.side && !self.state.shown.lab {
             let history = &self.state.history;
             let ways = [history.has_back(), history.has_forward()];
             actions.extend(toolbar(ui, rect, commands, ways));

@@ -47,7 +47,7 @@ enum ServiceState {
 enum Comparison {
     /// None is needed.
     None,
-    /// It begins once the first view is complete: engines at work would measure each other.
+    /// Comparison that begins once the first view is complete: engines at work would measure each other.
     Due,
     Running(PendingEngine),
 }

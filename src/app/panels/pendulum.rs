@@ -17,7 +17,7 @@ pub use drawing::miniature;
 /// Greatest side of the stage in the panel, in points.
 const MOST_SIDE: f32 = 300.0;
 /// Height in points that the tabs and the clock take below a stage that fills the window.
-const BELOW_STAGE: f32 = 110.0;
+const BELOW_STAGE: f32 = 135.0;
 /// Time between two frames of flying pendulums: as smooth as a film, at half the cost of a game.
 pub const FRAME: Duration = Duration::from_millis(33);
 
@@ -103,10 +103,12 @@ fn clock(ui: &mut Ui, pins: &Pins, pin: &Pin, actions: &mut Vec<PinAction>) {
         }
         button("Restart", PinAction::Restart);
         button("Remove", PinAction::Remove(pin.id));
+    });
+    ui.horizontal(|ui| {
         let mut speed = pins.clock().speed();
         let name = ui.label("Speed");
         // The rail takes the width that the number leaves.
-        ui.spacing_mut().slider_width = (ui.available_width() - 55.0).clamp(30.0, 160.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - 60.0).max(30.0);
         let slider = Slider::new(&mut speed, SPEEDS).logarithmic(true).show_value(false);
         if ui.add(slider).labelled_by(name.id).changed() {
             actions.push(PinAction::Speed(speed));
