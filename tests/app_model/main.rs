@@ -2,6 +2,7 @@
 //! names and keyboard, as by a user without a mouse or a screen.
 
 mod commands;
+mod look;
 mod planes;
 mod view;
 
