@@ -1,24 +1,32 @@
 // Draws the samples of tiles through a colour table.
 //
-// A tile lies in a slot of an atlas, one packed word per sample: the logarithm of the time or the
-// colour of another answer, how sure it is, and the status (counterpart: src/app/canvas/sample.rs). Quads say which part of which
-// slot goes where. Between samples the light of the four nearest is mixed, never their times: the
+// A tile lies in a slot of an atlas, one packed word per sample: the value of the time or the colour
+// of another answer, how sure it is, and the status (counterpart: src/app/canvas/sample.rs). Quads say
+// which part of which slot goes where, and how much it covers of what is beneath. Between samples the light of the four nearest is mixed, never their times: the
 // mean of two flip times is the time of no pendulum.
 
 struct Canvas {
-    // log2 of the seconds at the table's beginning, and table entries per doubling of the time.
-    first_log2: f32,
-    entries_per_octave: f32,
-    // log2 of the simulated seconds: later flips are not shown.
-    budget_log2: f32,
+    // A word's number is a value, the logarithm of a time or its height on the scale of the colours:
+    // the value of number 0, and of a step.
+    value_bias: f32,
+    value_step: f32,
+    // The value of the table's first entry, and table entries per unit.
+    first_value: f32,
+    entries_per_unit: f32,
+    // Answers with later values are not shown.
+    until_value: f32,
     // 1 if uncertain samples are hatched.
     trust: u32,
     // 1 if words hold colours instead of times.
     coloured: u32,
+    // Share of the light that comes from the side; values are heights then.
+    relief: f32,
     // Linear light of samples that have no time.
     unflipped: vec4<f32>,
     forbidden: vec4<f32>,
     failed: vec4<f32>,
+    // The direction to the light from the side, and the pixels from the left of the map to the right.
+    toward: vec4<f32>,
 }
 
 struct Quad {
@@ -28,6 +36,7 @@ struct Quad {
     @location(3) texel: vec2<f32>,
     @location(4) span: vec2<f32>,
     @location(5) slot: u32,
+    @location(6) alpha: f32,
 }
 
 struct Fragment {
@@ -36,6 +45,7 @@ struct Fragment {
     // The slot's first sample in its layer, and the layer.
     @location(1) @interpolate(flat) origin: vec2<f32>,
     @location(2) @interpolate(flat) layer: i32,
+    @location(3) @interpolate(flat) alpha: f32,
 }
 
 @group(0) @binding(0) var<uniform> canvas: Canvas;
@@ -50,11 +60,8 @@ override ENCODE: bool = true;
 const SIDE: i32 = 128;
 // Slots along a side of a layer of the atlas.
 const SLOTS_ALONG: u32 = 8u;
-const TABLE_ENTRIES: f32 = 2048.0;
+const TABLE_ENTRIES: f32 = 8192.0;
 const UNCERTAIN: u32 = 4u;
-// Logarithms are counted from 2^-32 s, in steps of 2^-21.
-const LOG_BIAS: f32 = 32.0;
-const LOG_STEP: f32 = 4.76837158203125e-7;
 
 @vertex
 fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
@@ -66,6 +73,7 @@ fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
     let place = vec2<u32>(in_layer % SLOTS_ALONG, in_layer / SLOTS_ALONG);
     out.origin = vec2<f32>(place) * f32(SIDE);
     out.layer = i32(quad.slot / (SLOTS_ALONG * SLOTS_ALONG));
+    out.alpha = quad.alpha;
     return out;
 }
 
@@ -77,9 +85,13 @@ fn decoded(rgb: u32) -> vec3<f32> {
     return select(high, c / 12.92, c <= vec3<f32>(0.04045));
 }
 
+fn value_of(word: u32) -> f32 {
+    return f32(word >> 5u) * canvas.value_step + canvas.value_bias;
+}
+
 fn light_of(word: u32) -> vec3<f32> {
     let status = word & 3u;
-    let log2_secs = f32(word >> 5u) * LOG_STEP - LOG_BIAS;
+    let value = value_of(word);
     if status == FORBIDDEN {
         return canvas.forbidden.rgb;
     }
@@ -89,10 +101,10 @@ fn light_of(word: u32) -> vec3<f32> {
     if canvas.coloured == 1u && status == FLIPPED {
         return decoded(word >> 5u);
     }
-    if status != FLIPPED || log2_secs > canvas.budget_log2 {
+    if status != FLIPPED || value > canvas.until_value {
         return canvas.unflipped.rgb;
     }
-    let entry = (log2_secs - canvas.first_log2) * canvas.entries_per_octave + 0.5;
+    let entry = (value - canvas.first_value) * canvas.entries_per_unit + 0.5;
     return textureSampleLevel(table, nearest, vec2<f32>(entry / TABLE_ENTRIES, 0.5), 0.0).rgb;
 }
 
@@ -106,18 +118,43 @@ fn encoded(light: vec3<f32>) -> vec3<f32> {
     return select(high, light * 12.92, light <= vec3<f32>(0.0031308));
 }
 
+// The factor of the light at a place among four samples, from the lower left anticlockwise, whose
+// texels run to the right and up the screen like this (counterpart: src/scene/palette/relief.rs).
+fn relief_of(words: vec4<u32>, part: vec2<f32>, texel_x: vec2<f32>, texel_y: vec2<f32>) -> f32 {
+    if any((words & vec4<u32>(3u)) != vec4<u32>(FLIPPED)) {
+        return 1.0;
+    }
+    let h = vec4<f32>(value_of(words.x), value_of(words.y), value_of(words.z), value_of(words.w));
+    // Rows of texels run down the tile, which is the direction of rising rows.
+    let across = mix(h.z - h.w, h.y - h.x, part.y);
+    let down = mix(h.x - h.w, h.y - h.z, part.x);
+    let most = max(max(abs(h.z - h.w), abs(h.y - h.x)), max(abs(h.x - h.w), abs(h.y - h.z)));
+    let calm = clamp(1.0 - most / EDGE, 0.0, 1.0);
+    let rise = vec2<f32>(across, down);
+    // Rise from the left of the map to the right, if it went on like this, and as much upwards.
+    let slope = canvas.toward.w * STEEPNESS * vec2<f32>(dot(rise, texel_x), -dot(rise, texel_y));
+    let light = canvas.toward.xyz;
+    let facing = (light.z - dot(light.xy, slope)) * inverseSqrt(1.0 + dot(slope, slope)) / light.z;
+    return 1.0 + canvas.relief * calm * calm * (3.0 - 2.0 * calm) * (max(facing, 0.0) - 1.0);
+}
+
 @fragment
 fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
     // Beyond the middle of its outermost samples a tile has no neighbours to mix.
     let place = clamp(in.texel, vec2<f32>(0.5), vec2<f32>(f32(SIDE) - 0.5)) - 0.5;
-    let first = floor(place);
+    let first = min(floor(place), vec2<f32>(f32(SIDE) - 2.0));
     let part = place - first;
+    let texel_x = dpdx(in.texel);
+    let texel_y = dpdy(in.texel);
     // The four samples around the corner that they share, anticlockwise from the lower left.
     let corner = (in.origin + first + 1.0) / f32(SIDE * i32(SLOTS_ALONG));
     let words = textureGather(0, atlas, nearest, corner, in.layer);
     let upper = mix(light_of(words.w), light_of(words.z), part.x);
     let lower = mix(light_of(words.x), light_of(words.y), part.x);
     var light = mix(upper, lower, part.y);
+    if canvas.relief > 0.0 {
+        light *= relief_of(words, part, texel_x, texel_y);
+    }
     let above = select(words.wx, words.zy, part.x >= 0.5);
     let word = select(above.x, above.y, part.y >= 0.5);
     if canvas.trust == 1u && ((word >> 2u) & 7u) == UNCERTAIN {
@@ -125,5 +162,6 @@ fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
         let stripe = (i32(in.position.x) + i32(in.position.y)) % 6 < 3;
         light = select(vec3<f32>(1.0, 0.0, 0.6), vec3<f32>(0.0), stripe);
     }
-    return vec4<f32>(select(light, encoded(light), ENCODE), 1.0);
+    light = min(light, vec3<f32>(1.0));
+    return vec4<f32>(select(light, encoded(light), ENCODE), in.alpha);
 }

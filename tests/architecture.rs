@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 
 use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
-use flipmap::app::canvas::sample::{LOG_BIAS, LOG_STEPS};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
 use flipmap::engine::method::Pace;
 use flipmap::engine::shared::{
@@ -269,19 +268,23 @@ fn the_picture_shader_is_valid_and_has_the_same_counterparts() {
     let shader = pipeline::shader();
     let module = parsed(&shader);
     let uniforms = [
-        ("first_log2", offset_of!(Uniforms, first_log2)),
-        ("entries_per_octave", offset_of!(Uniforms, entries_per_octave)),
-        ("budget_log2", offset_of!(Uniforms, budget_log2)),
+        ("value_bias", offset_of!(Uniforms, value_bias)),
+        ("value_step", offset_of!(Uniforms, value_step)),
+        ("first_value", offset_of!(Uniforms, first_value)),
+        ("entries_per_unit", offset_of!(Uniforms, entries_per_unit)),
+        ("until_value", offset_of!(Uniforms, until_value)),
         ("trust", offset_of!(Uniforms, trust)),
         ("coloured", offset_of!(Uniforms, coloured)),
+        ("relief", offset_of!(Uniforms, relief)),
         ("unflipped", offset_of!(Uniforms, unflipped)),
         ("forbidden", offset_of!(Uniforms, forbidden)),
         ("failed", offset_of!(Uniforms, failed)),
+        ("toward", offset_of!(Uniforms, toward)),
     ];
     let counterpart: Vec<_> = uniforms.iter().map(|(name, at)| (name.to_string(), *at)).collect();
     assert_eq!(members(&module, "Canvas"), counterpart);
     let names: Vec<String> = members(&module, "Quad").into_iter().map(|(name, _)| name).collect();
-    assert_eq!(names, ["corner", "right", "down", "texel", "span", "slot"]);
+    assert_eq!(names, ["corner", "right", "down", "texel", "span", "slot", "alpha"]);
     let number = |name| constant(&shader, name).parse::<f64>().unwrap();
     for (name, counterpart) in [
         ("SIDE", f64::from(SIDE)),
@@ -291,8 +294,6 @@ fn the_picture_shader_is_valid_and_has_the_same_counterparts() {
         ("FORBIDDEN", f64::from(Status::Forbidden as u8)),
         ("FAILED", f64::from(Status::Failed as u8)),
         ("UNCERTAIN", f64::from(Trust::Uncertain as u8)),
-        ("LOG_BIAS", LOG_BIAS),
-        ("LOG_STEP", 1.0 / LOG_STEPS),
     ] {
         assert_eq!(number(name), counterpart, "{name}");
     }

@@ -8,6 +8,7 @@ mod adapter;
 use egui::{Key, Role, Theme, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use flipmap::app::colour_cycle::ColourCycle;
 use flipmap::app::export::ExportStage;
 use flipmap::app::folders::Folders;
 use flipmap::app::panels::colours::{ColourAction, colours_panel};
@@ -62,9 +63,12 @@ fn scene() -> Harness<'static, Shown<Scene, Scene>> {
 
 fn colours(picture: PictureTable) -> Harness<'static, Shown<PictureTable, ColourAction>> {
     harness(
-        [320.0, 450.0],
+        [320.0, 640.0],
         picture,
-        |ui, picture| colours_panel(ui, picture, &Scene::default(), true).into_iter().collect(),
+        |ui, picture| {
+            let cycle = ColourCycle::default();
+            colours_panel(ui, picture, &Scene::default(), true, &cycle).into_iter().collect()
+        },
         |state, action| {
             if let ColourAction::Paint(picture) = action {
                 *state = picture;
@@ -225,6 +229,7 @@ fn colours_follow_what_is_pressed_and_typed() {
         palette: "magma".to_string(),
         reverse: true,
         cycles: 3.0,
+        mirror: true,
         scale: Scale::Linear,
         times: vec![2.0, 8.0],
         ..PictureTable::default()
@@ -238,6 +243,46 @@ fn colours_follow_what_is_pressed_and_typed() {
     assert_eq!(harness.state().asked.last(), Some(&ColourAction::Equalise));
     press(&mut harness, "Back to the default");
     assert_eq!(harness.state().state, PictureTable::default());
+}
+
+#[test]
+fn repeats_and_light_follow_the_sliders() {
+    let mut harness = colours(PictureTable::default());
+    press(&mut harness, "romao");
+    type_over(&mut harness, "Cycles", "2");
+    assert!(!harness.state().state.mirror, "it ends as it begins");
+    press(&mut harness, "Mirrored");
+    type_over(&mut harness, "Offset", "0.25");
+    type_over(&mut harness, "Relief", "0.5");
+    type_over(&mut harness, "Light from", "90");
+    let picture = &harness.state().state;
+    assert!(picture.mirror);
+    assert_eq!((picture.offset, picture.relief, picture.light), (0.25, 0.5, 90.0));
+    press(&mut harness, "Let the colours run");
+    let runs = ColourCycle { runs: true, ..ColourCycle::default() };
+    assert_eq!(harness.state().asked.last(), Some(&ColourAction::Cycle(runs)));
+}
+
+#[test]
+fn a_gradient_is_made_of_stops_that_come_and_go() {
+    let mut harness = colours(PictureTable::default());
+    press(&mut harness, "Edit a copy of the palette");
+    let stops = |harness: &Harness<'static, Shown<PictureTable, ColourAction>>| {
+        let palette = harness.state().state.palette.clone();
+        palette.split(',').map(str::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(stops(&harness).len(), 7);
+    harness.get_by_role_and_label(Role::ColorWell, "Stop 7");
+    press(&mut harness, "Remove stop 2");
+    assert_eq!(stops(&harness).len(), 6);
+    harness.state_mut().state.palette = "#000000,#ffffff".to_string();
+    harness.run_steps(2);
+    press(&mut harness, "Remove stop 1");
+    assert_eq!(stops(&harness).len(), 2, "there are always two");
+    press(&mut harness, "Add after stop 1");
+    assert_eq!(stops(&harness), ["#000000", "#7f7f7f", "#ffffff"]);
+    press(&mut harness, "iris");
+    assert!(harness.query_by_label("Stop 1").is_none());
 }
 
 #[test]

@@ -55,6 +55,56 @@ fn a_pyramid_is_the_picture_in_tiles_beside_a_page_and_the_scene() {
 }
 
 #[test]
+fn sixteen_bits_a_channel_have_colours_between_those_of_eight() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    done(&folder, &["-o", "plain.png", "--budget", "10"]);
+    done(&folder, &["-o", "deep.png", "--bits", "16", "--budget", "10", "--pyramid", "tiles"]);
+    done(&folder, &["deep.png", "-o", "deep.tiff"]);
+    let plain = pixels(&at("plain.png"));
+    let [deep, tiff] = ["deep.png", "deep.tiff"].map(|name| image::open(at(name)).unwrap());
+    assert_eq!((deep.color(), &deep), (image::ColorType::Rgb16, &tiff), "the scene says so");
+    let deep = deep.to_rgb16();
+    let near = |(deep, plain): (&u16, &u8)| (f64::from(*deep) / 257.0 - f64::from(*plain)).abs();
+    assert!(deep.iter().zip(plain.iter()).map(near).fold(0.0, f64::max) <= 0.51);
+    let between = deep.iter().filter(|channel| *channel % 257 != 0).count();
+    assert!(between > deep.len() / 10, "{between} channels of {}", deep.len());
+    let tile = pixels(&at("tiles/map_files/9/0_0.png"));
+    assert_eq!(tile.get_pixel(9, 9), plain.get_pixel(9, 9), "tiles have eight");
+    for name in ["map.jpg", "map.webp"] {
+        let output = render(&folder, &["-o", name, "--bits", "16"]);
+        let ending = &name[3..];
+        let words = format!("{ending} has no 16 bits (--bits): name a .png or a .tiff");
+        assert!(error_of(&output).contains(&words), "{}", error_of(&output));
+        assert!(!at(name).exists());
+    }
+    let odd = refused(&folder, 2, &["render", "-o", "a.png", "--bits", "12"]);
+    assert!(odd.contains("--bits is 12; it must be 8 or 16"), "{odd}");
+    let film = ["video", "home", "--vary", "time=0..1", "-o", "film", "--bits", "16"];
+    assert!(refused(&folder, 2, &film).contains("--bits is for stills: films have 8 bits"));
+}
+
+#[test]
+fn light_from_the_side_is_in_pictures_and_their_tiles_and_not_in_numbers() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let flat = ["-o", "flat.png", "--raw", "flat.npy", "--budget", "10"];
+    done(&folder, &flat);
+    let lit = ["-o", "lit.png", "--raw", "lit.npy", "--pyramid", "lit", "--budget", "10"];
+    done(&folder, &[&lit[..], &["--relief", "0.7", "--light", "90"]].concat());
+    assert!(fs::read(at("flat.npy")).unwrap() == fs::read(at("lit.npy")).unwrap());
+    let [flat, lit] = ["flat.png", "lit.png"].map(|name| pixels(&at(name)));
+    let changed = flat.pixels().zip(lit.pixels()).filter(|(a, b)| a != b).count();
+    assert!(changed > 10_000, "{changed} pixels");
+    let tile = pixels(&at("lit/map_files/9/0_0.png"));
+    assert!(tile.enumerate_pixels().all(|(x, y, pixel)| lit.get_pixel(x, y) == pixel));
+    for (option, text) in [("--relief", "2"), ("--relief", "much"), ("--light", "1e9")] {
+        let output = render(&folder, &["-o", "a.png", option, text]);
+        assert!(error_of(&output).contains(&format!("{option} is ")), "{}", error_of(&output));
+    }
+}
+
+#[test]
 fn a_pyramid_is_replaced_and_nothing_else_is() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::camera::Camera;
+use super::colour_cycle::ColourCycle;
 use super::flight::playback::Playback;
 use super::pins::PinAction;
 use super::settings::{Layers, Theme};
@@ -99,6 +100,12 @@ pub enum Action {
     Scene(Box<Scene>),
     /// Changes the colours.
     Picture(PictureTable),
+    /// Starts, changes or stops the animation of the palette.
+    ColourCycle(ColourCycle),
+    /// Paints the map in the colours kept under a digit.
+    Favourite(u8),
+    /// Keeps the colours of the map under a digit.
+    KeepFavourite(u8),
     /// Opens, changes or closes the clock by which the map is shown.
     Timeline(Option<Playback>),
     /// Changes the accuracy level.

@@ -5,17 +5,19 @@ use std::time::Duration;
 use egui::Ui;
 
 use super::action::Action;
-use super::canvas::colours::colours;
+use super::canvas::colours::{CardColours, gliding_colours};
 use super::commands::Command;
 use super::map::{Hovered, map};
 use super::model::AppModel;
 use super::panels::export::ExportSubject;
+use super::panels::map_legend::map_legend;
 use super::panels::pendulum;
 use super::panels::toolbar::toolbar;
 use super::state::AppState;
 use super::{hover, overlay};
 use crate::physics::Rule;
-use crate::scene::{Build, Plane, QuestionTable, Scene};
+use crate::scene::palette::AnswerColours;
+use crate::scene::{Build, Plane, QuestionTable, Scene, SceneError};
 
 /// Returns a pendulum and the rule of its energy curve; none if no energy divides its map.
 fn curve_of((build, question, plane): (Build, QuestionTable, &Plane)) -> Option<(Build, Rule)> {
@@ -35,9 +37,8 @@ impl AppModel {
         self.compute.aim(|config| state.view_target(config));
         let screen = self.state.screen();
         let scene = self.state.scene();
-        let AppState { picture, layers, .. } = &self.state;
-        let until_secs = self.state.shown_until_secs();
-        let colours = match colours(picture, &scene, until_secs, layers.trust) {
+        let now_secs = ui.input(|input| input.time);
+        let colours = match self.colours(&scene, now_secs) {
             Ok(colours) => colours,
             // A picture table is checked before it gets here.
             Err(error) => {
@@ -45,13 +46,24 @@ impl AppModel {
                 return Vec::new();
             }
         };
+        let fades = self.map_renderer.is_quick && self.state.look.animate;
+        self.map_renderer.fading.begin(fades.then_some(now_secs));
         let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
+        if self.map_renderer.fading.is_running() || self.map_renderer.glide.is_under_way() {
+            ui.ctx().request_repaint();
+        }
         let hovered = self.state.pointer.map(|point| {
             let [place, _] = hover::sample_at(screen.angle_at(point), screen.level());
             Hovered { place, answer: self.answer_at(place) }
         });
         let rect = ui.available_rect_before_wrap();
         let mut actions = map(ui, &self.state, frame, hovered, self.drawn_curve());
+        if self.state.layers.legend
+            && let Ok(colours) = AnswerColours::new(&scene, &self.state.picture)
+        {
+            let (ask, palette) = (scene.question.ask, &self.state.picture.palette);
+            map_legend(ui.ctx(), rect, &colours, ask, palette);
+        }
         self.swing_at_pointer(ui, rect, &scene, hovered);
         pendulum::next_frame(ui, &self.state.pins);
         if self.forms.exporting && self.forms.export.what != ExportSubject::Key {
@@ -73,6 +85,18 @@ impl AppModel {
         let drawn = self.compute.explorer.drawn();
         let drawn = drawn.map_or((build, question, plane), |p| (p.build, p.question, &p.plane));
         if layers.curve { curve_of(drawn) } else { None }
+    }
+
+    /// Returns the colours of the map, which may be on their way to others.
+    fn colours(&mut self, scene: &Scene, now_secs: f64) -> Result<CardColours, SceneError> {
+        let AppState { picture, layers, look, .. } = &self.state;
+        let answers = AnswerColours::new(scene, picture)?;
+        let scale = answers.times().map(|(_, tones)| tones.scale());
+        let glide = &mut self.map_renderer.glide;
+        let shown = scale.and_then(|scale| glide.shown(picture, scale, now_secs, look.animate));
+        let (shown, until_secs) =
+            (shown.as_ref().unwrap_or(picture), self.state.shown_until_secs());
+        gliding_colours(picture, shown, scene, until_secs, layers.trust)
     }
 
     /// Draws the pendulum at the pointer, once nothing else moves.

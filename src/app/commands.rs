@@ -7,6 +7,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec2;
 
 use super::action::{Action, LabAction, Look};
+use super::favourites::DIGITS;
 use super::flight::playback::Playback;
 use super::settings::{Layers, Theme};
 use super::side_panel::PANELS;
@@ -89,6 +90,7 @@ fn showing(layers: &Layers) -> Vec<Command> {
     vec![
         command("Energy curve", keyed(Key::C), layer(|layers| layers.curve ^= true)),
         command("Doubts, hatched", keyed(Key::T), layer(|layers| layers.trust ^= true)),
+        command("Legend", keyed(Key::L), layer(|layers| layers.legend ^= true)),
         command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
         command("Borders of tiles", keyed(Key::B), layer(|layers| layers.borders ^= true)),
         command("Pendulum at the pointer", keyed(Key::H), layer(|layers| layers.swing ^= true)),
@@ -161,6 +163,33 @@ fn teaching() -> Vec<Command> {
     figures.chain(others).collect()
 }
 
+/// Returns the commands for colours kept under digits; one line of the list of keys stands for all.
+pub fn favourites() -> Vec<Command> {
+    const KEYS: [Key; 9] = [
+        Key::Num1,
+        Key::Num2,
+        Key::Num3,
+        Key::Num4,
+        Key::Num5,
+        Key::Num6,
+        Key::Num7,
+        Key::Num8,
+        Key::Num9,
+    ];
+    let of_digit = |(digit, number): (u8, Key)| {
+        // Shift turns some digits into other keys that have names of their own.
+        let shifted = (digit == 1).then_some(Key::Exclamationmark);
+        let shifted =
+            std::iter::once(number).chain(shifted).map(|name| key(Modifiers::SHIFT, name));
+        let (show, keep) = (Action::Favourite(digit), Action::KeepFavourite(digit));
+        [
+            command(format!("Favourite colours {digit}"), [key(PLAIN, number)], show),
+            command(format!("Keep these colours as {digit}"), shifted, keep),
+        ]
+    };
+    DIGITS.zip(KEYS).flat_map(of_digit).collect()
+}
+
 /// Returns what can be chosen by name but has no key: panels, places and palettes. For the command
 /// palette alone, since it reads the scenes.
 pub fn choices(picture: &PictureTable) -> Vec<Command> {
@@ -173,7 +202,7 @@ pub fn choices(picture: &PictureTable) -> Vec<Command> {
         let picture = PictureTable { palette: name.to_string(), ..picture.clone() };
         command(format!("Palette: {name}"), [], Action::Picture(picture))
     });
-    panels.into_iter().chain(places).chain(palettes).collect()
+    panels.into_iter().chain(places).chain(palettes).chain(favourites()).collect()
 }
 
 /// Takes the shortcuts of commands out of the input and returns their actions. While `typing`,
@@ -182,6 +211,7 @@ pub fn pressed(input: &mut egui::InputState, state: &AppState, typing: bool) -> 
     let mut actions = Vec::new();
     let mut known: Vec<(KeyboardShortcut, Action)> = commands(state)
         .into_iter()
+        .chain(favourites())
         .flat_map(|c| c.keys.into_iter().map(move |key| (key, c.action.clone())))
         .collect();
     // egui matches a shortcut without modifiers even with Alt held, so specific ones come first.
@@ -258,6 +288,10 @@ mod tests {
         };
         assert_eq!(press(PLAIN, Key::Num0, false), [Action::Look(Look::Home)]);
         assert_eq!(press(PLAIN, Key::Num0, true), []);
+        assert_eq!(press(PLAIN, Key::Num3, false), [Action::Favourite(3)]);
+        assert_eq!(press(Modifiers::SHIFT, Key::Num3, false), [Action::KeepFavourite(3)]);
+        let shifted = press(Modifiers::SHIFT, Key::Exclamationmark, false);
+        assert_eq!(shifted, [Action::KeepFavourite(1)]);
         assert_eq!(press(PLAIN, Key::F1, true), [Action::Toggle(Dialog::Help)]);
         assert_eq!(press(Modifiers::ALT, Key::ArrowLeft, false), [Action::Look(Look::Back)]);
         let left = Action::Look(Look::Step(DVec2::new(-STEP, -0.0)));

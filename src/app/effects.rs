@@ -44,6 +44,8 @@ impl AppModel {
             Effect::InLab(action) => self.in_lab(action),
             Effect::OpenInLab(figure, start) => self.open_in_lab(figure, start),
             Effect::FromLab(start) => self.aimed_in_lab(start),
+            Effect::Favourite(digit) => self.show_favourite(digit),
+            Effect::KeepFavourite(digit) => self.keep_favourite(digit),
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
                 self.request.setting = self.state.integration.spec.setting;
@@ -114,6 +116,7 @@ impl AppModel {
     pub(super) fn colour(&mut self, action: ColourAction) -> Option<Action> {
         match action {
             ColourAction::Paint(picture) => Some(Action::Picture(picture)),
+            ColourAction::Cycle(cycle) => Some(Action::ColourCycle(cycle)),
             ColourAction::Equalise => {
                 let screen = self.state.screen();
                 let times = view_samples::known_times(&screen, &mut self.compute.explorer);

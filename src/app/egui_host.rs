@@ -16,6 +16,7 @@ use winit::window::Window;
 use super::canvas::LAYERS;
 use super::canvas::pipeline::Canvas;
 use super::wake::Woken;
+use crate::engine::gpu::device::is_software;
 
 /// The reason why nothing can be drawn in the window.
 #[derive(Debug, thiserror::Error)]
@@ -112,6 +113,12 @@ impl EguiHost {
         };
         host.prepare_device(proxy);
         Ok(host)
+    }
+
+    /// Returns true if a graphics card draws, and not the processor.
+    pub fn is_quick(&self) -> bool {
+        let state = self.painter.render_state();
+        state.is_some_and(|state| !is_software(&state.adapter))
     }
 
     /// Creates the canvas on the device and listens for the loss of the device and its errors.

@@ -1,5 +1,6 @@
 //! The settings, among them how the window was left, kept between runs in `settings.toml`.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -44,6 +45,8 @@ pub struct Settings {
     pub last_scene: Option<Document>,
     /// Layers drawn over the map.
     pub layers: Layers,
+    /// Colours kept under the keys 1 to 9: picture tables, read when they are used.
+    pub favourites: BTreeMap<String, toml::Table>,
 }
 
 /// The colours of the window.
@@ -73,11 +76,13 @@ pub struct Layers {
     pub borders: bool,
     /// A pendulum that swings at the pointer.
     pub swing: bool,
+    /// The legend: what the colours mean.
+    pub legend: bool,
 }
 
 impl Default for Layers {
     fn default() -> Self {
-        Layers { curve: true, trust: true, grid: false, borders: false, swing: true }
+        Layers { curve: true, trust: true, grid: false, borders: false, swing: true, legend: false }
     }
 }
 
@@ -93,6 +98,7 @@ impl Default for Settings {
             recent: Vec::new(),
             last_scene: None,
             layers: Layers::default(),
+            favourites: BTreeMap::new(),
         }
     }
 }

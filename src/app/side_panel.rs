@@ -90,7 +90,8 @@ impl AppModel {
             panels.show("Colours", false, |ui| {
                 let state = &self.state;
                 let any = self.compute.explorer.progress().done > 0;
-                let done = colours_panel(ui, &state.picture, &state.scene(), any);
+                let done =
+                    colours_panel(ui, &state.picture, &state.scene(), any, &state.shown.cycle);
                 actions.extend(done.and_then(|action| self.colour(action)));
             });
             panels.show("Layers", false, |ui| {

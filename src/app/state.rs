@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use super::action::{Action, LabAction};
 use super::camera::{Camera, Move, Screen};
+use super::colour_cycle::ColourCycle;
 use super::flight::playback::Playback;
 use super::history::History;
 use super::integration::Integration;
@@ -58,6 +59,8 @@ pub struct OpenDialogs {
     pub lab: bool,
     /// Clock by which the map is shown, if any: later flips are not drawn.
     pub timeline: Option<Playback>,
+    /// Animation of the palette.
+    pub cycle: ColourCycle,
 }
 
 /// An effect of an action that has to be carried out outside the plain state.
@@ -87,6 +90,10 @@ pub enum Effect {
     OpenInLab(Figure, State<f64>),
     /// Shows a start on the map.
     FromLab(State<f64>),
+    /// Paints the map in the colours kept under a digit.
+    Favourite(u8),
+    /// Keeps the colours of the map under a digit.
+    KeepFavourite(u8),
     /// Relaunches the flights of the pins after a change of the physics.
     Relaunch,
     /// Destroys the graphics device.
@@ -178,6 +185,7 @@ impl AppState {
                 stage: false,
                 lab: false,
                 timeline: None,
+                cycle: ColourCycle::default(),
             },
             notices: Notices::default(),
             pins: Pins::new(&scene),
@@ -257,8 +265,9 @@ impl AppState {
             clock.advance(elapsed_secs, budget_secs, true);
         }
         let plays = self.shown.timeline.is_some_and(|clock| clock.is_playing());
+        self.shown.cycle.advance(&mut self.picture, elapsed_secs);
         // Flying pendulums are drawn less often than what moves the map.
-        self.moving.is_some() || plays
+        self.moving.is_some() || plays || self.shown.cycle.runs
     }
 
     /// Applies an action of the user and returns the effect that remains to be carried out.
@@ -284,10 +293,10 @@ impl AppState {
                 self.ask(&scene);
                 return Some(Effect::Relaunch);
             }
-            Action::Picture(picture) => {
-                self.spreads &= picture.times == self.picture.times;
-                self.picture = picture;
-            }
+            Action::Picture(picture) => self.paint(picture),
+            Action::ColourCycle(cycle) => self.shown.cycle = cycle,
+            Action::Favourite(digit) => return Some(Effect::Favourite(digit)),
+            Action::KeepFavourite(digit) => return Some(Effect::KeepFavourite(digit)),
             Action::Timeline(clock) => self.show_by(clock),
             Action::Accuracy(accuracy) => {
                 self.set_accuracy(accuracy);
@@ -326,6 +335,12 @@ impl AppState {
     fn pixel_at(&self, point: DVec2) -> [[Theta; 2]; 2] {
         let screen = self.screen();
         super::hover::sample_at(screen.angle_at(point), screen.level())
+    }
+
+    /// Paints the map in other colours.
+    pub(super) fn paint(&mut self, picture: PictureTable) {
+        self.spreads &= picture.times == self.picture.times;
+        self.picture = picture;
     }
 
     /// Shows the map by a clock, or whole again. Answers other than times have no moments.

@@ -150,6 +150,7 @@ impl Runner {
         apply_looks(open);
         let mut effects = Vec::new();
         let OpenWindow { host, model, .. } = open;
+        model.map_renderer.is_quick = host.is_quick();
         let again = host.frame(event_loop, |ui| effects.extend(model.show(ui)));
         self.stats.frame(began, &model.progress(), model.state.dragging);
         self.stats.figure(model.figure_shown().is_some());

@@ -203,6 +203,9 @@ fn spread(
         if options.says_no_palette() && Palette::is_unchosen(&picture.palette) {
             picture.palette = Palette::CYCLIC.to_string();
         }
+        if !options.says_repeat() {
+            picture.mirror = picture.cycles > 1.0 && !Palette::is_cyclic(&picture.palette);
+        }
     }
     super::tell(&format!(
         "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, in {} \

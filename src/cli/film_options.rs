@@ -83,6 +83,7 @@ impl FilmOptions {
             let message = "the file has no keys; each begins with a line [[key]]";
             return Err(Exit::Usage(message.to_string()).into());
         };
+        self.picture.check_film()?;
         self.picture.apply(&mut first.scene)?;
         if self.picture.samples.is_none() && first.scene.picture.samples == 1 {
             first.scene.picture.samples = SAMPLES;

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use flipmap::output::read_gradient;
+use flipmap::scene::palette::Palette;
 use flipmap::scene::{Document, PictureTable, Scale};
 
 use super::exit::Exit;
@@ -27,6 +28,13 @@ pub(super) struct PictureOptions {
     /// Number of times to run through the palette, 1 to 100
     #[arg(hide_short_help = true, long, value_name = "N", allow_hyphen_values = true)]
     cycles: Option<String>,
+    /// Colours after the end of the palette: its beginning (plain), or itself backwards (mirrored),
+    /// which shows no seam; mirrored if --cycles is given, unless the palette ends as it begins
+    #[arg(hide_short_help = true, long, value_name = "mirrored|plain")]
+    repeat: Option<String>,
+    /// Part of the palette that precedes the first time, 0 to 1, with which it has come round
+    #[arg(hide_short_help = true, long, value_name = "N", allow_hyphen_values = true)]
+    offset: Option<String>,
     /// Colour scale: equal steps of colour for equal ratios (log) or differences (linear) of time, or
     /// one colour for all that lies between two of --times (steps)
     #[arg(hide_short_help = true, long, value_name = "log|linear|steps")]
@@ -43,6 +51,15 @@ pub(super) struct PictureOptions {
     /// Channel of the question to paint, and to write to --raw (default: all of them)
     #[arg(hide_short_help = true, long, value_name = "NAME")]
     channel: Option<String>,
+    /// Light from the side on a landscape whose height is the time, 0 to 1
+    #[arg(long, value_name = "STRENGTH", allow_hyphen_values = true)]
+    relief: Option<String>,
+    /// Direction to that light, anticlockwise from the right (default: 135, the upper left)
+    #[arg(hide_short_help = true, long, value_name = "DEGREES", allow_hyphen_values = true)]
+    light: Option<String>,
+    /// Bits of each channel of the picture: 8, or 16 in .png and .tiff
+    #[arg(hide_short_help = true, long, value_name = "8|16", allow_hyphen_values = true)]
+    bits: Option<String>,
     /// Draw a legend in the lower left corner: the values of the colours, with units
     #[arg(long)]
     legend: bool,
@@ -63,6 +80,11 @@ impl PictureOptions {
     /// Returns true if `--cycles` was given.
     pub(super) fn says_cycles(&self) -> bool {
         self.cycles.is_some()
+    }
+
+    /// Returns true if `--repeat` was given.
+    pub(super) fn says_repeat(&self) -> bool {
+        self.repeat.is_some()
     }
 
     /// Returns true if `--palette` was not given.
@@ -96,6 +118,31 @@ impl PictureOptions {
         self.times.as_deref() == Some(OF_VIEW)
     }
 
+    /// Rejects what the frames of films do not have.
+    pub(super) fn check_film(&self) -> Result<(), Exit> {
+        for (option, given, why) in [
+            ("--bits", &self.bits, "films have 8 bits a channel"),
+            ("--relief", &self.relief, "frames are painted from places of many sizes"),
+        ] {
+            if given.is_some() {
+                return Err(Exit::Usage(format!("{option} is for stills: {why}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Applies what follows when the palette has been run through.
+    fn repeat(&self, picture: &mut PictureTable) -> Result<(), Exit> {
+        if self.cycles.is_some() && picture.cycles > 1.0 {
+            picture.mirror = !Palette::is_cyclic(&picture.palette);
+        }
+        set(&mut picture.mirror, "--repeat", &self.repeat, |text| match text {
+            "mirrored" => Ok(true),
+            "plain" => Ok(false),
+            _ => Err("it must be mirrored or plain"),
+        })
+    }
+
     /// Applies the options to a document.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Exit> {
         let picture = &mut document.picture;
@@ -116,6 +163,16 @@ impl PictureOptions {
         set(&mut picture.scale, "--scale", &self.scale, Scale::from_str)?;
         set(&mut picture.cycles, "--cycles", &self.cycles, |text| {
             number(text).ok_or("it must be a number between 1 and 100")
+        })?;
+        self.repeat(picture)?;
+        let share = |text: &str| number(text).ok_or("it must be a number between 0 and 1");
+        set(&mut picture.offset, "--offset", &self.offset, share)?;
+        set(&mut picture.relief, "--relief", &self.relief, share)?;
+        set(&mut picture.light, "--light", &self.light, |text| {
+            number(text).ok_or("it must be a number of degrees between -360 and 360")
+        })?;
+        set(&mut picture.bits, "--bits", &self.bits, |text| {
+            text.parse().map_err(|_| "it must be 8 or 16")
         })?;
         set(&mut picture.times, "--times", &self.times, |text| {
             if [OF_VIEW, OF_BUDGET].contains(&text) {

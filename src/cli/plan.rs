@@ -231,7 +231,7 @@ fn merge_still(
                        --raw, --exr and --trust need a plan made with --numbers";
         return Err(Exit::Usage(message.to_string()).into());
     }
-    paths.check()?;
+    paths.check(&document.picture)?;
     let mut parts = farm::complete(task, &options.plan)?;
     let total: u64 =
         passes.iter().map(|pass| u64::from(pass.size[0]) * u64::from(pass.size[1])).sum();

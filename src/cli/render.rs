@@ -55,7 +55,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let (scene, paths) = (document.scene(), outputs.paths());
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
-    paths.check()?;
+    paths.check(&document.picture)?;
     stop::listen()?;
     let mut request = options.run.engine.request(spec.setting).answering(&document.question);
     if let Some(continued) = &continued {

@@ -153,7 +153,10 @@ impl ResultRows {
         let file = BufReader::new(File::open(path).map_err(unreadable)?);
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         let (size, kind) = if is_png {
-            let reader = png::Decoder::new(file).read_info();
+            let mut decoder = png::Decoder::new(file);
+            // Levels are counted out of 255.
+            decoder.set_transformations(png::Transformations::STRIP_16);
+            let reader = decoder.read_info();
             let reader = reader.map_err(|error| foreign(format!("is no PNG: {error}")))?;
             if reader.output_color_type() != (png::ColorType::Rgb, png::BitDepth::Eight) {
                 return Err(foreign("has other colours than 8-bit RGB".to_string()));

@@ -1,5 +1,6 @@
 //! Samples as an OpenEXR image with the channels of the question (such as `time` in s; `+inf` for
-//! unflipped and failed, `nan` for forbidden), `status` (0 unflipped, 1 flipped or answered, 2
+//! unflipped and failed, `nan` for forbidden), `height` where the question asks for a time (its natural
+//! logarithm, and that of the budget where there is none, so that it is a number everywhere), `status` (0 unflipped, 1 flipped or answered, 2
 //! forbidden, 3 failed) and `uncertain` (0 or 1), all f32, row 0 at the top.
 
 use std::io::{self, Seek, SeekFrom, Write};
@@ -12,8 +13,8 @@ use exr::prelude::{ChannelDescription, Compression, Error, LineOrder, SampleType
 
 use super::npy::number_of;
 use crate::engine::Trust;
-use crate::question::Ask;
-use crate::scene::Document;
+use crate::physics::Status;
+use crate::scene::{Document, QuestionTable};
 use crate::tiles::Samples;
 
 /// Contents of a channel of the file.
@@ -21,14 +22,20 @@ use crate::tiles::Samples;
 enum Column {
     /// A channel of the question, by its index.
     Value(usize),
+    /// The logarithm of the time; the largest one where there is no time.
+    Height(f32),
     Status,
     Uncertain,
 }
 
 /// The channels of a question's image in the order of the file, which is alphabetical.
-fn columns_of(ask: Ask) -> Vec<(&'static str, Column)> {
+fn columns_of(question: &QuestionTable) -> Vec<(&'static str, Column)> {
+    let ask = question.ask;
     let channels = ask.kind().channels.iter().enumerate();
     let mut columns: Vec<_> = channels.map(|(k, it)| (it.name, Column::Value(k))).collect();
+    if ask.is_time() {
+        columns.push(("height", Column::Height(question.budget.secs.ln() as f32)));
+    }
     columns.extend([("status", Column::Status), ("uncertain", Column::Uncertain)]);
     columns.sort_unstable_by_key(|(name, _)| *name);
     columns
@@ -73,7 +80,7 @@ impl<W: Write + Seek> ExrWriter<W> {
             places: Vec::new(),
             end: bytes.len() as u64,
             block: Vec::new(),
-            row: columns_of(document.question.ask)
+            row: columns_of(&document.question)
                 .into_iter()
                 .map(|(_, column)| (column, Vec::new()))
                 .collect(),
@@ -89,6 +96,10 @@ impl<W: Write + Seek> ExrWriter<W> {
             for (column, row) in &mut self.row {
                 row.push(match *column {
                     Column::Value(channel) => number_of(status, values[channel]) as f32,
+                    Column::Height(most) => match status {
+                        Status::Flipped => (values[0].ln() as f32).min(most),
+                        _ => most,
+                    },
                     Column::Status => f32::from(status as u8),
                     Column::Uncertain => f32::from(samples.trust(index) == Trust::Uncertain),
                 });
@@ -152,7 +163,7 @@ impl<W: Write + Seek> ExrWriter<W> {
 
 /// The header of an image: its channels and how they are encoded.
 fn header(size: [u32; 2], document: &Document) -> Header {
-    let columns = columns_of(document.question.ask);
+    let columns = columns_of(&document.question);
     let channels =
         columns.iter().map(|(name, _)| ChannelDescription::named(*name, SampleType::F32));
     let compression = if size[0] <= SHORT_ROW { Compression::ZIP16 } else { Compression::ZIP1 };
@@ -180,7 +191,7 @@ fn cause(error: Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Outcome, Status};
+    use crate::physics::Outcome;
     use exr::prelude::{AnyChannel, AnyChannels, Blocks, Encoding, FlatImage, FlatSamples};
     use exr::prelude::{Image, Layer, ReadChannels, ReadLayers, SmallVec, WritableImage, read};
     use std::io::Cursor;
@@ -229,16 +240,23 @@ mod tests {
     /// The same image by the library's own writer, which needs all of it at once.
     fn by_the_library(size: [u32; 2], samples: &Samples, compression: Compression) -> Vec<u8> {
         let values = |value: &dyn Fn(usize) -> f32| (0..samples.len()).map(value).collect();
-        let channels: [Vec<f32>; 3] = [
+        let most = (Document::default().question.budget.secs as f32).ln();
+        let height = |outcome: Outcome| match outcome.status {
+            Status::Flipped => (outcome.time.ln() as f32).min(most),
+            _ => most,
+        };
+        let channels: [Vec<f32>; 4] = [
+            values(&|index| height(samples.get(index))),
             values(&|index| f32::from(samples.get(index).status as u8)),
             values(&|index| number_of(samples.get(index).status, samples.get(index).time) as f32),
             values(&|index| f32::from(u8::from(samples.trust(index) == Trust::Uncertain))),
         ];
-        let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = ["status", "time", "uncertain"]
-            .into_iter()
-            .zip(channels)
-            .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)))
-            .collect();
+        let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> =
+            ["height", "status", "time", "uncertain"]
+                .into_iter()
+                .zip(channels)
+                .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)))
+                .collect();
         let mut attributes = LayerAttributes::named("flipmap");
         attributes.comments = Some(Text::from(Document::default().text().as_str()));
         let line_order = LineOrder::Increasing;
@@ -258,6 +276,9 @@ mod tests {
         let times = channel(&image, "time");
         assert_eq!((times[0], times[1]), (1.5, f32::INFINITY));
         assert!(times[4].is_nan());
+        let heights = channel(&image, "height");
+        assert_eq!([heights[0], heights[1]], [1.5f32.ln(), 30f32.ln()]);
+        assert!(heights.iter().all(|height| height.is_finite()));
         assert_eq!(channel(&image, "status"), [1.0, 0.0, 0.0, 1.0, 2.0, 0.0]);
         assert_eq!(channel(&image, "uncertain"), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
         let text = layer.attributes.comments.as_ref().unwrap().to_string();
@@ -289,7 +310,7 @@ mod tests {
         let mut writer = ExrWriter::new(out, size, &Document::default()).unwrap();
         for _ in 0..size[1] {
             writer.write(&samples(40)).unwrap();
-            assert!(writer.block.capacity() <= 2 * 16 * 40 * 12, "{}", writer.block.capacity());
+            assert!(writer.block.capacity() <= 2 * 16 * 40 * 16, "{}", writer.block.capacity());
         }
         writer.finish().unwrap();
     }

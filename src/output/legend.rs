@@ -2,9 +2,10 @@
 
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 
+use super::paint::{blended, mixed};
 use crate::question::Ask;
 use crate::scene::SceneError;
-use crate::scene::palette::{AnswerColours, BarLabels, FAILED, Ground, Rgb};
+use crate::scene::palette::{AnswerColours, BarLabels, FAILED, Ground, Rgb, Tint, tint_of};
 
 /// The font of all words.
 const FONT: &[u8] = epaint_default_fonts::HACK_REGULAR;
@@ -49,13 +50,13 @@ impl Legend {
     }
 
     /// The picture's colour at a pixel with the legend over it.
-    pub(super) fn over(&self, colour: Rgb, column: u32, row: u32) -> Rgb {
+    pub(super) fn over(&self, tint: Tint, column: u32, row: u32) -> Tint {
         let [x, y] = [column.wrapping_sub(self.corner[0]), row.wrapping_sub(self.corner[1])];
         if x >= self.size[0] || y >= self.size[1] {
-            return colour;
+            return tint;
         }
         let (above, cover) = self.pixels[(y * self.size[0] + x) as usize];
-        mixed(colour, above, cover)
+        mixed(tint, tint_of(above), cover)
     }
 }
 
@@ -63,13 +64,6 @@ impl Legend {
 const LONG: usize = 5;
 /// Colour of the frames around colours that may be as dark as the legend.
 const FRAME: Rgb = [0x90; 3];
-
-fn mixed(below: Rgb, above: Rgb, cover: f32) -> Rgb {
-    [0, 1, 2].map(|i| {
-        let (below, above) = (f32::from(below[i]), f32::from(above[i]));
-        (below + (above - below) * cover).round() as u8
-    })
-}
 
 /// The pixels of a legend while it is drawn; it grows downwards.
 struct Sheet {
@@ -135,7 +129,7 @@ impl Sheet {
             outline.draw(|column, row, cover| {
                 let (x, y) = (corner.x + column as f32, corner.y + row as f32);
                 if let Some(pixel) = self.pixel(x, y) {
-                    *pixel = (mixed(pixel.0, INK, cover), pixel.1.max(cover));
+                    *pixel = (blended(pixel.0, INK, f64::from(cover)), pixel.1.max(cover));
                 }
             });
         }
@@ -222,14 +216,14 @@ mod tests {
     fn it_lies_in_the_corner_and_nowhere_else() {
         let size = [400, 300];
         let legend = legend(Ask::Flip, size).unwrap();
-        let ground = [10, 200, 30];
+        let ground = [10.0, 200.0, 30.0];
         let changed = |x, y| legend.over(ground, x, y) != ground;
         let pixels = (0..300).flat_map(|y| (0..400).map(move |x| (x, y)));
         let inside: Vec<_> = pixels.filter(|&(x, y)| changed(x, y)).collect();
         assert!(inside.iter().all(|&(x, y)| x < 300 && y > 180), "the lower left");
         assert!(inside.len() > 5000);
         // Grey as the letters' edges are, and no colour of the palette.
-        let is_ink = |[r, g, b]: Rgb| r.abs_diff(b) < 30 && g.abs_diff(b) < 30 && r > 120;
+        let is_ink = |[r, g, b]: Tint| (r - b).abs() < 30.0 && (g - b).abs() < 30.0 && r > 120.0;
         let ink = inside.iter().filter(|&&(x, y)| is_ink(legend.over(ground, x, y))).count();
         assert!(ink > 200, "there are words: {ink}");
     }

@@ -11,6 +11,7 @@ mod exr;
 mod failure;
 mod gradient;
 mod legend;
+mod lit_rows;
 mod nearest_return;
 mod npy;
 mod one_file;

@@ -1,8 +1,12 @@
-//! The colours of samples: the palette, the mean of several samples per pixel, the energy curve, the
-//! legend.
+//! The colours of samples: the palette, the light on them, the mean of several samples per pixel, the
+//! energy curve, the legend.
 
 use super::legend::Legend;
-use crate::scene::palette::{AnswerColours, Rgb, encoded, light};
+use super::lit_rows::LitRows;
+use crate::physics::Status;
+use crate::scene::palette::{
+    AnswerColours, Relief, Rgb, Tint, channel_of, light_of, rounded, tint_of,
+};
 use crate::scene::{Grid, PictureTable, Scene, SceneError};
 use crate::tiles::Samples;
 
@@ -11,11 +15,12 @@ pub struct RowPainter {
     colours: AnswerColours,
     curve: bool,
     legend: Option<Legend>,
+    lit: Option<LitRows>,
     samples_along: u32,
     grid: Grid,
     next_row: u32,
     /// Samples of a row of pixels that is not yet complete.
-    pending: Vec<Rgb>,
+    pending: Vec<Tint>,
 }
 
 /// Half the width of the energy curve in pixels.
@@ -26,8 +31,11 @@ impl RowPainter {
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let colours = AnswerColours::new(scene, picture)?;
         let legend = || Legend::new(&colours, scene.question.ask, size);
+        let fine = size.map(|side| side * picture.samples);
+        let relief = Relief::of(picture).filter(|_| colours.times().is_some());
         Ok(RowPainter {
             legend: picture.legend.then(legend).transpose()?,
+            lit: relief.map(|relief| LitRows::new(relief, fine)),
             colours,
             curve: picture.curve && scene.build.pendulum().q > 0.0,
             samples_along: picture.samples,
@@ -37,46 +45,74 @@ impl RowPainter {
         })
     }
 
-    /// Paints the next rows of samples as rows of RGB bytes. With several samples per pixel, a row
-    /// comes out when it is complete.
+    /// Paints the next rows of samples as rows of RGB bytes; they come out when they are complete (see
+    /// [`RowPainter::tints`]).
     pub fn paint(&mut self, samples: &Samples) -> Vec<u8> {
-        let colour = |k| self.colours.colour(samples.get(k).status, samples.values(k));
-        self.pending.extend((0..samples.len()).map(colour));
+        self.tints(samples).into_iter().flat_map(rounded).collect()
+    }
+
+    /// Paints the next rows of samples. With several samples per pixel, a row comes out when it is
+    /// complete, and with light from the side, when the row below it has come.
+    pub fn tints(&mut self, samples: &Samples) -> Vec<Tint> {
+        let colours = &self.colours;
+        let tint = |k| colours.tint(samples.get(k).status, samples.values(k));
+        let tints = (0..samples.len()).map(tint);
+        match &mut self.lit {
+            None => self.pending.extend(tints),
+            Some(lit) => {
+                let heights = (0..samples.len()).map(|k| height(colours, samples, k));
+                self.pending.extend(lit.light(tints, heights));
+            }
+        }
         let along = self.samples_along as usize;
         let width = self.grid.size()[0] as usize;
         let row_samples = width * along * along;
         let rows = self.pending.len() / row_samples;
-        let mut bytes = Vec::with_capacity(rows * width * 3);
-        let painted: Vec<Rgb> = self.pending.drain(..rows * row_samples).collect();
+        let mut pixels = Vec::with_capacity(rows * width);
+        let painted: Vec<Tint> = self.pending.drain(..rows * row_samples).collect();
         for row in painted.chunks(row_samples) {
             for column in 0..width {
-                let colour = mean(row, width * along, column * along, along);
-                bytes.extend(self.with_marks(colour, column as u32));
+                let tint = mean(row, width * along, column * along, along);
+                pixels.push(self.with_marks(tint, column as u32));
             }
             self.next_row += 1;
         }
-        bytes
+        pixels
     }
 
     /// The colour of a pixel of the next row under the energy curve and the legend.
-    fn with_marks(&self, colour: Rgb, column: u32) -> Rgb {
-        let colour = if self.curve { self.with_curve(colour, column) } else { colour };
+    fn with_marks(&self, tint: Tint, column: u32) -> Tint {
+        let tint = if self.curve { self.with_curve(tint, column) } else { tint };
         match &self.legend {
-            Some(legend) => legend.over(colour, column, self.next_row),
-            None => colour,
+            Some(legend) => legend.over(tint, column, self.next_row),
+            None => tint,
         }
     }
 
-    fn with_curve(&self, colour: Rgb, column: u32) -> Rgb {
+    fn with_curve(&self, tint: Tint, column: u32) -> Tint {
         let cover = curve_cover(&self.grid, column, self.next_row);
-        blended(colour, self.colours.ground().curve, cover)
+        mixed(tint, tint_of(self.colours.ground().curve), cover as f32)
+    }
+}
+
+/// The height of a sample in the landscape of times; NaN without a time.
+fn height(colours: &AnswerColours, samples: &Samples, index: usize) -> f32 {
+    match colours.times() {
+        Some((channel, tones)) if samples.get(index).status == Status::Flipped => {
+            tones.scale().height(samples.values(index)[channel]) as f32
+        }
+        _ => f32::NAN,
     }
 }
 
 /// The colour of which `above` covers a share.
 pub fn blended(below: Rgb, above: Rgb, cover: f64) -> Rgb {
-    let mix = |i: usize| f64::from(below[i]) * (1.0 - cover) + f64::from(above[i]) * cover;
-    [0, 1, 2].map(|i| mix(i).round() as u8)
+    rounded(mixed(tint_of(below), tint_of(above), cover as f32))
+}
+
+/// The tint of which `above` covers a share.
+pub(super) fn mixed(below: Tint, above: Tint, cover: f32) -> Tint {
+    [0, 1, 2].map(|i| below[i] + (above[i] - below[i]) * cover)
 }
 
 /// Share of a pixel that the energy curve covers, from its distance to the pixel's middle.
@@ -86,26 +122,26 @@ pub fn curve_cover(grid: &Grid, column: u32, row: u32) -> f64 {
 }
 
 /// The mean colour of `along` × `along` samples from index `first` on, in linear light.
-fn mean(row: &[Rgb], stride: usize, first: usize, along: usize) -> Rgb {
+fn mean(row: &[Tint], stride: usize, first: usize, along: usize) -> Tint {
     if along == 1 {
         return row[first];
     }
     let mut sum = [0.0; 3];
     for j in 0..along {
-        for colour in &row[j * stride + first..j * stride + first + along] {
-            for (sum, &channel) in sum.iter_mut().zip(colour) {
-                *sum += light(channel);
+        for tint in &row[j * stride + first..j * stride + first + along] {
+            for (sum, &channel) in sum.iter_mut().zip(tint) {
+                *sum += light_of(channel);
             }
         }
     }
-    sum.map(|sum| encoded(sum / (along * along) as f64))
+    sum.map(|sum| channel_of(sum / (along * along) as f64))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Outcome, Status};
-    use crate::scene::palette::Ground;
+    use crate::physics::Outcome;
+    use crate::scene::palette::{Ground, encoded, light};
 
     fn painter(size: [u32; 2], samples: u32, curve: bool) -> RowPainter {
         let picture = PictureTable { samples, curve, ..PictureTable::default() };
@@ -131,6 +167,41 @@ mod tests {
         let Ground { unflipped, forbidden, .. } = Ground::DARK;
         let mean = (light(unflipped[0]) + light(forbidden[0])) / 2.0;
         assert_eq!(mixed[0], encoded(mean));
+    }
+
+    #[test]
+    fn light_from_the_side_changes_slopes_alone_and_every_row_comes_out() {
+        let size = [32, 24];
+        let picture = PictureTable { curve: false, ..PictureTable::default() };
+        let lit = PictureTable { relief: 1.0, light: 0.0, samples: 2, ..picture.clone() };
+        let mut samples = Samples::unflipped(64 * 48);
+        for index in 0..64 * 48 {
+            let (x, y) = (index % 64, index / 64);
+            // A plane that rises to the right, beside one that is flat, with a cliff between.
+            let secs = if x < 30 { 2.0 * 1.04f64.powi(x) } else { 20.0 };
+            if y > 3 {
+                samples.set(index as usize, Outcome::flipped(secs));
+            }
+        }
+        let scene = Scene::default();
+        let paint = |picture: &PictureTable, part: usize| {
+            let mut painter = RowPainter::new(&scene, size, picture).unwrap();
+            let parts = (0..samples.len()).step_by(part);
+            let parts = parts.map(|at| samples.part(at..samples.len().min(at + part)));
+            parts.flat_map(|part| painter.paint(&part)).collect::<Vec<u8>>()
+        };
+        let flat = paint(&PictureTable { samples: 2, ..picture }, 64);
+        let bytes = paint(&lit, 64);
+        assert_eq!(bytes, paint(&lit, 7), "however they come");
+        assert_eq!((bytes.len(), flat.len()), (3 * 32 * 24, 3 * 32 * 24));
+        let at = |bytes: &[u8], x: usize, y: usize| bytes[3 * (32 * y + x)..][..3].to_vec();
+        for y in 0..24 {
+            assert_eq!(at(&bytes, 24, y), at(&flat, 24, y), "a plain, row {y}");
+        }
+        let [dark, own] = [&bytes, &flat]
+            .map(|bytes| at(bytes, 8, 12).iter().map(|c| u32::from(*c)).sum::<u32>());
+        assert!(dark + 20 < own, "it rises towards the light: {dark} {own}");
+        assert_eq!(at(&bytes, 8, 1), at(&flat, 8, 1), "no time, no height");
     }
 
     #[test]

@@ -26,6 +26,18 @@ pub(super) fn format_of(path: &Path) -> io::Result<Option<ImageFormat>> {
     }
 }
 
+/// Refuses a name whose format has no sixteen bits a channel.
+pub(super) fn check_depth(path: &Path) -> io::Result<()> {
+    match format_of(path)? {
+        Some(format @ (ImageFormat::Jpeg | ImageFormat::WebP)) => {
+            let ending = format.extensions_str()[0];
+            let why = format!(".{ending} has no 16 bits (--bits): name a .png or a .tiff");
+            Err(io::Error::other(why))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The longest side that a format can hold, in pixels.
 fn longest_side(format: ImageFormat) -> u32 {
     match format {
@@ -44,13 +56,14 @@ enum Encoding {
 }
 
 impl PictureFile {
-    /// Begins a picture of `size` pixels; a PNG carries the document, if there is one. Refuses a name
-    /// of another format, a file that cannot be created, and a size that the format cannot hold.
+    /// Begins a picture of `size` pixels and eight bits a channel; a PNG carries the document, if
+    /// there is one. Refuses a name of another format, a file that cannot be created, and a size that
+    /// the format cannot hold.
     pub fn create(path: &Path, size: [u32; 2], document: Option<&Document>) -> io::Result<Self> {
         let format = format_of(path)?;
         let file = SafeFile::create(&Destination::from(path))?;
         Ok(PictureFile(match (format, document) {
-            (Some(format), _) => Encoding::Whole(WholePicture::new(file, format, size)?),
+            (Some(format), _) => Encoding::Whole(WholePicture::new(file, format, size, false)?),
             (None, Some(document)) => {
                 Encoding::ByRows(PngWriter::new(file, size, document).map_err(as_io)?)
             }
@@ -58,7 +71,18 @@ impl PictureFile {
         }))
     }
 
-    /// Adds the next rows, three bytes per pixel.
+    /// Begins a picture of sixteen bits a channel, as [`PictureFile::create`] does one of eight.
+    pub fn create_deep(path: &Path, size: [u32; 2], document: &Document) -> io::Result<Self> {
+        check_depth(path)?;
+        let format = format_of(path)?;
+        let file = SafeFile::create(&Destination::from(path))?;
+        Ok(PictureFile(match format {
+            Some(format) => Encoding::Whole(WholePicture::new(file, format, size, true)?),
+            None => Encoding::ByRows(PngWriter::deep(file, size, document).map_err(as_io)?),
+        }))
+    }
+
+    /// Adds the next rows, three bytes per pixel, or six with the high one of each channel first.
     pub fn write(&mut self, rgb: &[u8]) -> io::Result<()> {
         match &mut self.0 {
             Encoding::ByRows(png) => png.write(rgb).map_err(as_io),
@@ -93,11 +117,13 @@ struct WholePicture {
     file: SafeFile,
     format: ImageFormat,
     size: [u32; 2],
+    /// True for two bytes a channel, the high one first.
+    deep: bool,
     rgb: Vec<u8>,
 }
 
 impl WholePicture {
-    fn new(file: SafeFile, format: ImageFormat, size: [u32; 2]) -> io::Result<Self> {
+    fn new(file: SafeFile, format: ImageFormat, size: [u32; 2], deep: bool) -> io::Result<Self> {
         let longest = longest_side(format);
         if size.into_iter().any(|side| side > longest) {
             let ending = format.extensions_str()[0];
@@ -105,11 +131,19 @@ impl WholePicture {
                 ".{ending} holds at most {longest} pixels along a side: name a .png or a .tiff"
             )));
         }
-        Ok(WholePicture { file, format, size, rgb: Vec::new() })
+        Ok(WholePicture { file, format, size, deep, rgb: Vec::new() })
     }
 
     fn encode(mut self) -> io::Result<SafeFile> {
-        let bytes = encoded(&self.rgb, self.size, self.format).map_err(io::Error::other)?;
+        let color = if self.deep { ExtendedColorType::Rgb16 } else { ExtendedColorType::Rgb8 };
+        if self.deep {
+            // The encoder takes numbers as the machine has them.
+            for channel in self.rgb.as_chunks_mut::<2>().0 {
+                *channel = u16::from_be_bytes(*channel).to_ne_bytes();
+            }
+        }
+        let encoded = encoded(&self.rgb, self.size, color, self.format);
+        let bytes = encoded.map_err(io::Error::other)?;
         self.file.write_all(&bytes)?;
         Ok(self.file)
     }
@@ -118,10 +152,10 @@ impl WholePicture {
 fn encoded(
     rgb: &[u8],
     [width, height]: [u32; 2],
+    color: ExtendedColorType,
     format: ImageFormat,
 ) -> image::ImageResult<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
-    let color = ExtendedColorType::Rgb8;
     match format {
         ImageFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
             .write_image(rgb, width, height, color)?,
@@ -139,7 +173,7 @@ mod tests {
         let rgb: Vec<u8> = (0..16 * 8).flat_map(|k| [k, 255 - k, 90]).collect();
         for (name, apart) in [("a.jpg", 12), ("a.JPEG", 12), ("a.webp", 0), ("a.tif", 0)] {
             let format = format_of(Path::new(name)).unwrap().expect(name);
-            let bytes = encoded(&rgb, [16, 8], format).unwrap();
+            let bytes = encoded(&rgb, [16, 8], ExtendedColorType::Rgb8, format).unwrap();
             assert_eq!(image::guess_format(&bytes).unwrap(), format, "{name}");
             let read = image::load_from_memory(&bytes).unwrap().into_rgb8();
             assert_eq!(read.dimensions(), (16, 8));

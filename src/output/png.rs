@@ -34,7 +34,7 @@ pub enum PngError {
     Text(#[from] crate::scene::DocumentError),
 }
 
-/// Writes 8-bit RGB rows as they come.
+/// Writes RGB rows as they come, of eight bits a channel or sixteen.
 pub struct PngWriter<W: Write + 'static> {
     out: Shared<W>,
     stream: png::StreamWriter<'static, Shared<W>>,
@@ -43,19 +43,29 @@ pub struct PngWriter<W: Write + 'static> {
 impl<W: Write + 'static> PngWriter<W> {
     /// Begins a `size` picture that carries `document`.
     pub fn new(out: W, size: [u32; 2], document: &Document) -> Result<Self, PngError> {
-        Self::begin(out, size, Some(document.text()))
+        Self::begin(out, size, Some(document.text()), png::BitDepth::Eight)
+    }
+
+    /// Begins a `size` picture of sixteen bits a channel that carries `document`.
+    pub fn deep(out: W, size: [u32; 2], document: &Document) -> Result<Self, PngError> {
+        Self::begin(out, size, Some(document.text()), png::BitDepth::Sixteen)
     }
 
     /// Begins a `size` picture that carries no scene.
     pub fn without_scene(out: W, size: [u32; 2]) -> Result<Self, PngError> {
-        Self::begin(out, size, None)
+        Self::begin(out, size, None, png::BitDepth::Eight)
     }
 
-    fn begin(out: W, [width, height]: [u32; 2], text: Option<String>) -> Result<Self, PngError> {
+    fn begin(
+        out: W,
+        [width, height]: [u32; 2],
+        text: Option<String>,
+        depth: png::BitDepth,
+    ) -> Result<Self, PngError> {
         let out = Shared(Rc::new(RefCell::new(Inner { out, failure: None })));
         let mut encoder = png::Encoder::new(out.clone(), width, height);
         encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_depth(depth);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         let texted = text.map_or(Ok(()), |text| encoder.add_itxt_chunk(KEYWORD.to_string(), text));
         let begun = texted.and_then(|()| encoder.write_header()?.into_stream_writer());
@@ -63,7 +73,7 @@ impl<W: Write + 'static> PngWriter<W> {
         Ok(PngWriter { out, stream })
     }
 
-    /// Writes the next rows, three bytes per pixel.
+    /// Writes the next rows, three bytes per pixel, or six with the high one of each channel first.
     pub fn write(&mut self, rgb: &[u8]) -> Result<(), PngError> {
         self.stream.write_all(rgb).map_err(|error| self.out.explain(error).into())
     }
@@ -142,7 +152,9 @@ pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> 
 
 /// Reads a whole picture that flipmap wrote, if no side is longer than `longest_side`.
 pub fn picture_in_png(file: impl BufRead + Seek, longest_side: u32) -> Result<Picture, PngError> {
-    let mut reader = png::Decoder::new(file).read_info()?;
+    let mut decoder = png::Decoder::new(file);
+    decoder.set_transformations(png::Transformations::STRIP_16);
+    let mut reader = decoder.read_info()?;
     let size = [reader.info().width, reader.info().height];
     if reader.output_color_type() != (png::ColorType::Rgb, png::BitDepth::Eight) {
         return Err(PngError::Foreign);
@@ -211,6 +223,17 @@ mod tests {
         assert_eq!(whole, Picture { document: Document::default(), size: [3, 2], rgb });
         let error = picture_in_png(Cursor::new(&bytes), 2).unwrap_err().to_string();
         assert_eq!(error, "is 3 pixels long; at most 2 are read here");
+    }
+
+    #[test]
+    fn a_picture_of_sixteen_bits_is_read_as_one_of_eight() {
+        let mut writer = PngWriter::deep(Vec::new(), [1, 2], &Document::default()).unwrap();
+        writer.write(&[7, 99, 8, 200, 9, 1]).unwrap();
+        writer.write(&[255, 255, 0, 0, 128, 0]).unwrap();
+        let bytes = writer.finish().unwrap();
+        assert_eq!(document_in_png(Cursor::new(&bytes)).unwrap(), Document::default());
+        let picture = picture_in_png(Cursor::new(&bytes), 9).unwrap();
+        assert_eq!(picture.rgb, [7, 8, 9, 255, 0, 128]);
     }
 
     #[test]

@@ -5,12 +5,13 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::failure::{OutputError, is_broken_pipe};
-use super::picture_file::format_of;
+use super::picture_file::{check_depth, format_of};
 use super::{
     Destination, ExrWriter, NpyWriter, PictureFile, PngError, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
 };
-use crate::scene::{Document, Shown};
+use crate::scene::palette::{Tint, rounded};
+use crate::scene::{Document, PictureTable, Shown};
 use crate::tiles::Samples;
 
 /// Paths of the outputs, by option.
@@ -42,11 +43,14 @@ impl Paths {
     }
 
     /// Refuses what could not be written, long before it is.
-    pub fn check(&self) -> Result<(), OutputError> {
+    pub fn check(&self, picture: &PictureTable) -> Result<(), OutputError> {
         self.named().into_iter().try_for_each(|(option, path)| {
             let name = Destination::from(path);
             let begun = match option {
                 PYRAMID => PyramidFolder::create(path).map(drop),
+                PICTURE if picture.bits == 16 => {
+                    check_depth(path).and_then(|()| SafeFile::create(&name)).map(drop)
+                }
                 PICTURE | TRUST => format_of(path).and_then(|_| SafeFile::create(&name)).map(drop),
                 _ => SafeFile::create(&name).map(drop),
             };
@@ -73,6 +77,8 @@ pub struct SinkPass {
 /// One output being written.
 enum Sink {
     Picture(PictureFile),
+    /// A picture of sixteen bits a channel.
+    DeepPicture(PictureFile),
     Pyramid(Box<Pyramid>),
     Raw(NpyWriter<SafeFile>),
     Exr(Box<ExrWriter<Spool>>),
@@ -108,6 +114,10 @@ impl Sink {
             let begun = Pyramid::create(path, size, document).map_err(refused)?;
             return Ok(Sink::Pyramid(Box::new(begun)));
         }
+        if option == PICTURE && document.picture.bits == 16 {
+            let begun = PictureFile::create_deep(path, size, document).map_err(refused)?;
+            return Ok(Sink::DeepPicture(begun));
+        }
         if option == PICTURE || option == TRUST {
             let begun = PictureFile::create(path, size, Some(document)).map_err(refused)?;
             return Ok(if option == PICTURE { Sink::Picture(begun) } else { Sink::Trust(begun) });
@@ -127,14 +137,15 @@ impl Sink {
 
     /// Returns true if it is made of the picture's colours.
     fn is_painted(&self) -> bool {
-        matches!(self, Sink::Picture(_) | Sink::Pyramid(_))
+        matches!(self, Sink::Picture(_) | Sink::DeepPicture(_) | Sink::Pyramid(_))
     }
 
     /// Writes samples, or what was painted from them.
-    fn write(&mut self, samples: &Samples, painted: &[u8]) -> Result<(), PngError> {
+    fn write(&mut self, samples: &Samples, painted: &Painted) -> Result<(), PngError> {
         match self {
-            Sink::Picture(picture) => Ok(picture.write(painted)?),
-            Sink::Pyramid(pyramid) => pyramid.write(painted),
+            Sink::Picture(picture) => Ok(picture.write(&painted.rgb)?),
+            Sink::DeepPicture(picture) => Ok(picture.write(&painted.deep)?),
+            Sink::Pyramid(pyramid) => pyramid.write(&painted.rgb),
             Sink::Raw(npy) => Ok(npy.write(samples)?),
             Sink::Exr(exr) => Ok(exr.write(samples)?),
             Sink::Trust(picture) => Ok(picture.write(&trust_colours(samples))?),
@@ -144,7 +155,9 @@ impl Sink {
     fn complete(self) -> Result<Complete, PngError> {
         let mut file = match self {
             Sink::Pyramid(pyramid) => return Ok(Complete::Folder(pyramid.complete()?)),
-            Sink::Picture(picture) | Sink::Trust(picture) => picture.complete()?,
+            Sink::Picture(picture) | Sink::DeepPicture(picture) | Sink::Trust(picture) => {
+                picture.complete()?
+            }
             Sink::Raw(npy) => npy.into_inner(),
             Sink::Exr(exr) => exr.finish()?.into_file()?,
         };
@@ -160,6 +173,22 @@ impl Complete {
             Complete::File(file) => file.finish(),
             Complete::Folder(folder) => folder.finish(),
         }
+    }
+}
+
+/// Painted rows as bytes: of eight bits a channel, and of sixteen if an output wants these.
+#[derive(Default)]
+struct Painted {
+    rgb: Vec<u8>,
+    /// The high byte of each channel first.
+    deep: Vec<u8>,
+}
+
+impl Painted {
+    fn new(tints: &[Tint], deep: bool) -> Self {
+        let wide = |channel: &f32| ((channel * 257.0).round() as u16).to_be_bytes();
+        let deep = if deep { tints.iter().flatten().flat_map(wide).collect() } else { Vec::new() };
+        Painted { rgb: tints.iter().copied().flat_map(rounded).collect(), deep }
     }
 }
 
@@ -203,8 +232,11 @@ impl Sinks {
     /// is given up if there is another one.
     pub fn write(&mut self, pass: &SinkPass, samples: &Samples) -> Result<(), OutputError> {
         let painted = match &mut self.painter {
-            Some(painter) if pass.picture => painter.paint(samples),
-            _ => Vec::new(),
+            Some(painter) if pass.picture => {
+                let is_deep = |(sink, _): &(Sink, _)| matches!(sink, Sink::DeepPicture(_));
+                Painted::new(&painter.tints(samples), self.open.iter().any(is_deep))
+            }
+            _ => Painted::default(),
         };
         let mut others = self.open.len() - 1;
         let mut kept = Vec::new();

@@ -25,6 +25,12 @@ pub struct PictureTable {
     /// Number of times that the palette is run through.
     #[serde(skip_serializing_if = "is_once")]
     pub cycles: f64,
+    /// True if every second run through the palette goes backwards, so that no seam is seen.
+    #[serde(skip_serializing_if = "is_default")]
+    pub mirror: bool,
+    /// Part of the palette that precedes the first time, from 0 to 1, with which it is the same again.
+    #[serde(skip_serializing_if = "is_default")]
+    pub offset: f64,
     /// Scale between two entries of `times`.
     #[serde(skip_serializing_if = "is_default")]
     pub scale: Scale,
@@ -39,6 +45,15 @@ pub struct PictureTable {
     /// True if a legend is drawn in the corner.
     #[serde(skip_serializing_if = "is_default")]
     pub legend: bool,
+    /// Bits of each channel of a picture's colours, 8 or 16.
+    #[serde(skip_serializing_if = "is_eight")]
+    pub bits: u8,
+    /// Share of the light that falls from the side on a landscape of times, from 0 to 1.
+    #[serde(skip_serializing_if = "is_default")]
+    pub relief: f64,
+    /// Direction to that light in degrees, anticlockwise from the right.
+    #[serde(skip_serializing_if = "is_upper_left")]
+    pub light: f64,
     /// Colours of pixels without an answer and of the energy curve.
     #[serde(skip_serializing_if = "is_default")]
     pub colours: GroundTable,
@@ -52,10 +67,15 @@ impl Default for PictureTable {
             samples: 1,
             reverse: false,
             cycles: 1.0,
+            mirror: false,
+            offset: 0.0,
             scale: Scale::Log,
             times: Vec::new(),
             channel: None,
             legend: false,
+            bits: 8,
+            relief: 0.0,
+            light: UPPER_LEFT_DEG,
             colours: GroundTable::default(),
         }
     }
@@ -68,6 +88,19 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
 fn is_once(cycles: &f64) -> bool {
     *cycles == 1.0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
+fn is_eight(bits: &u8) -> bool {
+    *bits == 8
+}
+
+/// Direction to the light from which people take hills for hills, degrees.
+const UPPER_LEFT_DEG: f64 = 135.0;
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
+fn is_upper_left(light: &f64) -> bool {
+    *light == UPPER_LEFT_DEG
 }
 
 /// The relation between times and colours.
@@ -121,6 +154,12 @@ impl PictureTable {
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
     /// Range of the number of times that the palette can be run through.
     pub const CYCLES: std::ops::RangeInclusive<f64> = 1.0..=100.0;
+    /// Range of the palette's offset.
+    pub const OFFSETS: std::ops::RangeInclusive<f64> = 0.0..=1.0;
+    /// Range of the strength of the light from the side.
+    pub const RELIEFS: std::ops::RangeInclusive<f64> = 0.0..=1.0;
+    /// Range of the direction to that light, degrees.
+    pub const LIGHTS_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
     /// Range of the times that colours can stand for, s.
     pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
     /// Largest number of times in a stretched range.
@@ -168,6 +207,18 @@ impl PictureTable {
         if !Self::CYCLES.contains(&self.cycles) {
             return refuse("--cycles", self.cycles.to_string(), "it must lie between 1 and 100");
         }
+        if !matches!(self.bits, 8 | 16) {
+            return refuse("--bits", self.bits.to_string(), "it must be 8 or 16");
+        }
+        for (option, value, range, words) in [
+            ("--offset", self.offset, Self::OFFSETS, "it must lie between 0 and 1"),
+            ("--relief", self.relief, Self::RELIEFS, "it must lie between 0 and 1"),
+            ("--light", self.light, Self::LIGHTS_DEG, "it must lie between -360 and 360 degrees"),
+        ] {
+            if !range.contains(&value) {
+                return refuse(option, value.to_string(), words);
+            }
+        }
         let few = matches!(self.times.len(), 0 | 2..=Self::MOST_TIMES);
         if !few || !self.times.iter().all(|secs| Self::SECS.contains(secs)) || !rise(&self.times) {
             let range = "it must be 2 to 257 times between 1e-9 and 1e6 s, each later than the \
@@ -185,7 +236,7 @@ mod tests {
     #[test]
     fn what_cannot_be_painted_is_refused_by_name() {
         type Change = fn(&mut PictureTable);
-        let changes: [(&str, Change); 9] = [
+        let changes: [(&str, Change); 13] = [
             ("--palette is 'rainbow'; the palettes are iris", |p| p.palette = "rainbow".into()),
             ("--samples is 9; it must lie between 1 and 8", |p| p.samples = 9),
             ("--cycles is 0; it must", |p| p.cycles = 0.0),
@@ -193,6 +244,10 @@ mod tests {
             ("--times is [1.0]; it must be 2 to", |p| p.times = vec![1.0]),
             ("each later", |p| p.times = vec![2.0, 1.0]),
             ("each later", |p| p.times = vec![1.0, 1.0 + f64::EPSILON]),
+            ("--bits is 12; it must be 8 or 16", |p| p.bits = 12),
+            ("--offset is 1.5; it must", |p| p.offset = 1.5),
+            ("--relief is NaN; it must", |p| p.relief = f64::NAN),
+            ("--light is 400; it must", |p| p.light = 400.0),
             ("between 1e-9", |p| p.times = vec![0.0, 1.0]),
             ("between 1e-9", |p| p.times = vec![1.0, f64::NAN]),
         ];
@@ -224,6 +279,11 @@ mod tests {
             cycles: 2.5,
             scale: Scale::Linear,
             times: vec![0.5, 2.0, 9.0],
+            mirror: true,
+            offset: 0.25,
+            bits: 16,
+            relief: 0.5,
+            light: 90.0,
             ..PictureTable::default()
         };
         assert_eq!(toml::from_str::<PictureTable>(&toml::to_string(&rich).unwrap()).unwrap(), rich);

@@ -3,6 +3,7 @@
 
 mod commands;
 mod lab;
+mod look;
 mod planes;
 mod ride;
 mod view;

@@ -7,8 +7,10 @@ mod adapter;
 #[path = "../common/mod.rs"]
 mod common;
 mod doubtful;
+mod fading;
 mod moments;
 mod offscreen;
+mod smooth;
 
 use doubtful::{Doubtful, fails, is_uncertain};
 use flipmap::app::camera::{Camera, Screen};
@@ -125,10 +127,9 @@ fn beyond(least: u8, pixels: &[u8], colours: &[Rgb]) -> f64 {
     pairs.filter(|(pixel, colour)| far(pixel, colour)).count() as f64 / colours.len() as f64
 }
 
-/// The share of pixels with a wrong colour. Where an entry of the card's table lies between two
-/// colours of the palette, the neighbouring colour counts as right: they differ by at most 4.
+/// The share of pixels with a wrong colour. Both sides round theirs, so that they may differ by 1.
 fn wrong(pixels: &[u8], colours: &[Rgb]) -> f64 {
-    beyond(4, pixels, colours)
+    beyond(1, pixels, colours)
 }
 
 fn share_of(colour: Rgb, colours: &[Rgb]) -> f64 {
@@ -178,7 +179,7 @@ mod checks {
             let paint = Paint { picture, scene: &scene, trust: false };
             let pixels = studio.draw(&screen, &mut explorer, &paint);
             let truth = painted(&screen, &scene, picture);
-            let [inexact, wrong] = [0, 4].map(|least| beyond(least, &pixels, &truth));
+            let [inexact, wrong] = [0, 1].map(|least| beyond(least, &pixels, &truth));
             assert!(wrong <= 0.001 && inexact <= 0.12, "{inexact}, {wrong} of {picture:?}");
             for status in [Ground::of(picture).unwrap().forbidden, FAILED] {
                 assert!(share_of(status, &truth) > 0.02, "{status:?} is to be seen");

@@ -28,6 +28,8 @@ pub(crate) struct Studio {
     format: wgpu::TextureFormat,
     /// Last moment of the flips that are drawn, if not the budget.
     pub until_secs: Option<f64>,
+    /// Moment of the window's clock at which the next picture is drawn; none if nothing fades.
+    pub now_secs: Option<f64>,
     /// Number of tiles that the last picture uploaded to the card.
     pub uploads: usize,
 }
@@ -37,7 +39,7 @@ impl Studio {
         let gpu = Gpu::open(gpu_engine().gpu().adapter.clone()).unwrap();
         let canvas = Canvas::new(&gpu.device, format, LAYERS);
         let map_renderer = MapRenderer::default();
-        Studio { gpu, canvas, map_renderer, format, until_secs: None, uploads: 0 }
+        Studio { gpu, canvas, map_renderer, format, until_secs: None, now_secs: None, uploads: 0 }
     }
 
     fn colours(&self, Paint { picture, scene, trust }: &Paint) -> CardColours {
@@ -59,6 +61,7 @@ impl Studio {
         paint: &Paint,
     ) -> Vec<u8> {
         let colours = self.colours(paint);
+        self.map_renderer.fading.begin(self.now_secs);
         let frame = self.map_renderer.frame(screen, explorer, colours);
         self.uploads = frame.uploads.len();
         let Gpu { device, queue, .. } = &self.gpu;

@@ -1,10 +1,10 @@
-//! A picture's colours in the form that the card takes: a table over the logarithm of time, and the
-//! linear light of outcomes without a time. They change with the palette, never with a sample. The
-//! answers to other questions are painted here instead.
+//! A picture's colours in the form that the card takes: a table over the times, and the linear light
+//! of outcomes without one. They change with the palette, never with a sample. The answers to other
+//! questions are painted here instead.
 
 use super::pipeline::{TABLE_ENTRIES, Uniforms};
-use super::sample::WordKind;
-use crate::scene::palette::{AnswerColours, FAILED, Rgb, Tones, light};
+use super::sample::{HEIGHT_STEPS, LOG_BIAS, LOG_STEPS, WordKind};
+use crate::scene::palette::{AnswerColours, FAILED, Lookup, Relief, Rgb, Tones, light};
 use crate::scene::{PictureTable, Scene, SceneError};
 
 /// A picture's colours in the form that the card takes.
@@ -18,10 +18,23 @@ pub struct CardColours {
     pub words: WordKind,
 }
 
-/// Most of the palette between two entries of the table: half a colour, which no eye sees.
-const MOST_APART: f64 = 1.0 / 512.0;
+/// Most of the palette between two entries of the table: an eighth of the way from one of its colours
+/// to the next, which are at most a few steps of 255 apart.
+const MOST_APART: f64 = 1.0 / 2048.0;
 /// Least octaves of a table, whose entries are as many steps of the card's logarithms.
 const LEAST_OCTAVES: f64 = TABLE_ENTRIES as f64 / (1 << 17) as f64;
+
+/// The colours of a table, and where the values of words lie in it.
+struct Table {
+    words: WordKind,
+    colours: Vec<Rgb>,
+    /// The value of a word's number 0, and of a step of it.
+    value: [f64; 2],
+    /// The value of the first entry, and entries per unit.
+    entries: [f64; 2],
+    /// The value after which answers are not shown.
+    until: f64,
+}
 
 /// Returns the colours of a scene's picture; `trust` hatches uncertain pixels, and flips after
 /// `until_secs` are not shown. Fails if the picture cannot be painted.
@@ -31,31 +44,85 @@ pub fn colours(
     until_secs: f64,
     trust: bool,
 ) -> Result<CardColours, SceneError> {
-    let question = &scene.question;
-    let tones = Tones::new(picture, scene.build.unit_secs(), question.budget.secs)?;
-    let lookup = tones.lookup(TABLE_ENTRIES);
-    let octaves = (lookup.last_secs / lookup.first_secs).log2();
-    let is_time = question.ask.is_time();
-    let in_table = is_time && octaves > LEAST_OCTAVES && lookup.most_apart <= MOST_APART;
-    let words = if in_table {
-        WordKind::Times
-    } else {
-        let until_secs = if is_time { until_secs } else { f64::INFINITY };
-        WordKind::Colours { colours: Box::new(AnswerColours::new(scene, picture)?), until_secs }
+    gliding_colours(picture, picture, scene, until_secs, trust)
+}
+
+/// Returns the same while the colours glide: those of `shown`, whose times are on their way to the
+/// picture's.
+pub fn gliding_colours(
+    picture: &PictureTable,
+    shown: &PictureTable,
+    scene: &Scene,
+    until_secs: f64,
+    trust: bool,
+) -> Result<CardColours, SceneError> {
+    let answers = AnswerColours::new(scene, picture)?;
+    let shown = AnswerColours::new(scene, shown)?;
+    let ground = answers.ground();
+    let relief = Relief::of(picture).filter(|_| answers.times().is_some());
+    let table = match (answers.times(), shown.times()) {
+        (Some((channel, tones)), Some((_, shown))) => {
+            let until_secs = if scene.question.ask.is_time() { until_secs } else { f64::INFINITY };
+            let is_flat = relief.is_none() && channel == 0;
+            let is_fine = || shown == tones || table_of_times(tones, until_secs).is_some();
+            let table = if is_flat { table_of_times(shown, until_secs) } else { None };
+            let table = table.filter(|_| is_fine());
+            table.unwrap_or_else(|| table_of_heights(channel, tones, shown, until_secs))
+        }
+        _ => Table {
+            words: WordKind::Colours(Box::new(answers)),
+            colours: vec![[0; 3]; TABLE_ENTRIES],
+            value: [0.0, 1.0],
+            entries: [0.0, 1.0],
+            until: f64::INFINITY,
+        },
     };
+    let toward = relief.map_or([0.0; 3], |relief| relief.toward);
     let uniforms = Uniforms {
-        first_log2: lookup.first_secs.log2() as f32,
-        entries_per_octave: ((TABLE_ENTRIES - 1) as f64 / octaves) as f32,
-        budget_log2: until_secs.log2() as f32,
+        value_bias: table.value[0] as f32,
+        value_step: table.value[1] as f32,
+        first_value: table.entries[0] as f32,
+        entries_per_unit: table.entries[1] as f32,
+        until_value: table.until as f32,
         trust: u32::from(trust),
-        coloured: u32::from(words != WordKind::Times),
-        padding: [0; 3],
-        unflipped: linear(tones.ground().unflipped),
-        forbidden: linear(tones.ground().forbidden),
+        coloured: u32::from(matches!(table.words, WordKind::Colours(_))),
+        relief: relief.map_or(0.0, |relief| relief.strength),
+        unflipped: linear(ground.unflipped),
+        forbidden: linear(ground.forbidden),
         failed: linear(FAILED),
+        // How many pixels lie side by side is known where they are drawn.
+        toward: [toward[0], toward[1], toward[2], 0.0],
     };
-    let table = lookup.colours.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
-    Ok(CardColours { uniforms, table, words })
+    let bytes = table.colours.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
+    Ok(CardColours { uniforms, table: bytes, words: table.words })
+}
+
+/// The table over the logarithm of time, whose words serve every scale for which it is fine enough.
+fn table_of_times(tones: &Tones, until_secs: f64) -> Option<Table> {
+    let Lookup { first_secs, last_secs, colours, most_apart } = tones.lookup(TABLE_ENTRIES);
+    let octaves = (last_secs / first_secs).log2();
+    let per_octave = (TABLE_ENTRIES - 1) as f64 / octaves;
+    (octaves > LEAST_OCTAVES && most_apart <= MOST_APART).then_some(Table {
+        words: WordKind::Times,
+        colours,
+        value: [-LOG_BIAS, 1.0 / LOG_STEPS],
+        entries: [first_secs.log2(), per_octave],
+        until: until_secs.log2(),
+    })
+}
+
+/// The table over the heights of times.
+fn table_of_heights(channel: usize, tones: &Tones, shown: &Tones, until_secs: f64) -> Table {
+    let scale = tones.scale();
+    let [_, last_secs] = scale.range_secs();
+    Table {
+        words: WordKind::Heights(channel, scale.clone()),
+        colours: shown.over(scale, TABLE_ENTRIES),
+        value: [0.0, 1.0 / HEIGHT_STEPS],
+        entries: [0.0, (TABLE_ENTRIES - 1) as f64],
+        // All later times have the last one's height.
+        until: if until_secs < last_secs { scale.height(until_secs) } else { f64::INFINITY },
+    }
 }
 
 fn linear(colour: Rgb) -> [f32; 4] {
@@ -68,11 +135,15 @@ mod tests {
     use super::*;
     use crate::physics::Outcome;
     use crate::scene::Scale;
+    use crate::tiles::Samples;
 
     /// Index of the table entry that the shader takes for a time.
-    fn entry(uniforms: &Uniforms, secs: f64) -> usize {
-        let along = (secs as f32).log2() - uniforms.first_log2;
-        let entry = (along * uniforms.entries_per_octave).round();
+    fn entry(colours: &CardColours, secs: f64) -> usize {
+        let mut samples = Samples::unflipped(1);
+        samples.set(0, Outcome::flipped(secs));
+        let (word, uniforms) = (colours.words.words(&samples)[0], &colours.uniforms);
+        let value = (word >> 5) as f32 * uniforms.value_step + uniforms.value_bias;
+        let entry = ((value - uniforms.first_value) * uniforms.entries_per_unit).round();
         entry.clamp(0.0, (TABLE_ENTRIES - 1) as f32) as usize
     }
 
@@ -80,27 +151,31 @@ mod tests {
     fn the_table_has_the_tones_of_its_times() {
         let scene = Scene::default();
         let plain = PictureTable::default();
-        let stretched =
-            PictureTable { times: vec![0.5, 3.0, 40.0], reverse: true, ..plain.clone() };
-        for picture in [plain, stretched] {
+        let times = |times: &[f64]| PictureTable { times: times.to_vec(), ..plain.clone() };
+        let stretched = PictureTable { reverse: true, ..times(&[0.5, 3.0, 40.0]) };
+        let lit = PictureTable { relief: 0.5, ..plain.clone() };
+        let close = times(&[10.0, 10.001, 10.01]);
+        for (picture, flat) in [(&plain, true), (&stretched, true), (&lit, false), (&close, false)]
+        {
             let budget_secs = scene.question.budget.secs;
-            let tones = Tones::new(&picture, scene.build.unit_secs(), budget_secs).unwrap();
-            let CardColours { uniforms, table, words } =
-                colours(&picture, &scene, budget_secs, false).unwrap();
-            assert_eq!((words, uniforms.coloured), (WordKind::Times, 0));
-            assert_eq!(table.len(), 4 * TABLE_ENTRIES);
-            for secs in [1e-3, 0.31, 0.77, 2.0, 3.5, 17.0, 29.9, 30.0, 1e3] {
-                let at = 4 * entry(&uniforms, secs);
+            let tones = Tones::new(picture, scene.build.unit_secs(), budget_secs).unwrap();
+            let card = colours(picture, &scene, budget_secs, false).unwrap();
+            assert_eq!(card.words == WordKind::Times, flat, "{picture:?}");
+            assert_eq!((card.table.len(), card.uniforms.coloured), (4 * TABLE_ENTRIES, 0));
+            let [first, last] = tones.range_secs();
+            for share in 0..=40 {
+                let secs = first * (last / first).powf(f64::from(share) / 40.0);
+                let at = 4 * entry(&card, secs);
                 let expected = tones.colour(&Outcome::flipped(secs));
-                for (shown, wanted) in table[at..at + 3].iter().zip(expected) {
-                    assert!(shown.abs_diff(wanted) <= 4, "{secs}: {:?} {expected:?}", &table[at..]);
+                for (shown, wanted) in card.table[at..at + 3].iter().zip(expected) {
+                    assert!(shown.abs_diff(wanted) <= 1, "{secs}: {expected:?}");
                 }
             }
         }
     }
 
     #[test]
-    fn colours_finer_than_the_table_are_painted_here() {
+    fn colours_finer_than_the_table_have_words_of_their_own() {
         let times =
             |times: &[f64]| PictureTable { times: times.to_vec(), ..PictureTable::default() };
         let steps = PictureTable { scale: Scale::Steps, ..times(&[1.0, 2.0, 9.0]) };
@@ -112,6 +187,18 @@ mod tests {
         ] {
             let words = colours(&picture, &Scene::default(), 30.0, false).unwrap().words;
             assert_eq!(words == WordKind::Times, in_table, "{picture:?}");
+        }
+    }
+
+    #[test]
+    fn an_offset_changes_the_table_alone() {
+        let scene = Scene::default();
+        for times in [vec![0.5, 20.0], vec![10.0, 10.001]] {
+            let picture = PictureTable { times, palette: "romao".into(), ..Default::default() };
+            let moved = PictureTable { offset: 0.3, ..picture.clone() };
+            let [a, b] =
+                [&picture, &moved].map(|picture| colours(picture, &scene, 30.0, false).unwrap());
+            assert!(a.words == b.words && a.uniforms == b.uniforms && a.table != b.table);
         }
     }
 

@@ -3,6 +3,7 @@
 
 use glam::DVec2;
 
+use super::fading::Fading;
 use crate::app::camera::Screen;
 use crate::scene::lattice::{Cell, Placed, SIDE, side_rad};
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
@@ -24,18 +25,20 @@ pub struct Patch {
     pub texel: DVec2,
     /// Number of samples along each side; negative for the mirror image.
     pub span: DVec2,
+    /// Share of what is beneath that the samples cover.
+    pub alpha: f32,
 }
 
 /// Number of finer levels that stand in for an unknown cell, as after zooming out.
 const FINER_LEVELS: u32 = 2;
 
-/// Returns the patches of a screen at its level, in drawing order.
-pub fn cover(screen: &Screen, explorer: &mut Explorer) -> Vec<Patch> {
+/// Returns the patches of a screen at its level, in drawing order; new ones appear gradually.
+pub fn cover(screen: &Screen, explorer: &mut Explorer, fading: &mut Fading) -> Vec<Patch> {
     let mut patches = Vec::new();
     for placed in screen.region().cells(screen.level(), MOST_CELLS) {
-        let now = best(screen, explorer, &placed, false);
+        let now = best(screen, explorer, &placed, false, fading);
         if !now.whole {
-            patches.extend(best(screen, explorer, &placed, true).patches);
+            patches.extend(best(screen, explorer, &placed, true, fading).patches);
         }
         patches.extend(now.patches);
     }
@@ -50,15 +53,37 @@ struct Best {
     whole: bool,
 }
 
-fn best(screen: &Screen, explorer: &mut Explorer, placed: &Placed, before: bool) -> Best {
-    let source = std::iter::successors(Some(placed.cell), Cell::parent)
-        .find_map(|cell| known(explorer, cell, before));
-    let mut patches: Vec<Patch> =
-        source.map(|source| patch(screen, placed, source, before)).into_iter().collect();
-    if source.map(|source| source.cell) != Some(placed.cell) {
-        finer(screen, explorer, placed, before, FINER_LEVELS, &mut patches);
+fn best(
+    screen: &Screen,
+    explorer: &mut Explorer,
+    placed: &Placed,
+    before: bool,
+    fading: &mut Fading,
+) -> Best {
+    let own = known(explorer, placed.cell, before);
+    let alpha = match own {
+        Some(_) if !before => fading.cover(placed.cell),
+        Some(_) => 1.0,
+        None => 0.0,
+    };
+    let mut patches = Vec::new();
+    if alpha < 1.0 {
+        let mut coarser = std::iter::successors(placed.cell.parent(), Cell::parent);
+        let coarser = coarser.find_map(|cell| known(explorer, cell, before));
+        patches.extend(coarser.map(|source| patch(screen, placed, source, before)));
     }
-    Best { patches, whole: source.is_some() }
+    let whole = own.is_some() || !patches.is_empty();
+    match own {
+        Some(source) if patches.is_empty() => patches.push(patch(screen, placed, source, before)),
+        Some(source) => patches.push(Patch { alpha, ..patch(screen, placed, source, before) }),
+        None => {
+            if !before {
+                fading.stand_in(placed.cell);
+            }
+            finer(screen, explorer, placed, before, FINER_LEVELS, &mut patches);
+        }
+    }
+    Best { patches, whole }
 }
 
 /// A cell whose samples, or those of its mirror image, are known.
@@ -114,5 +139,5 @@ fn patch(screen: &Screen, placed: &Placed, source: KnownSource, before: bool) ->
         (texel, DVec2::splat(samples))
     };
     let (right, down) = (at(1.0, 1.0) - corner, at(-1.0, -1.0) - corner);
-    Patch { source, before, corner, right, down, texel, span }
+    Patch { source, before, corner, right, down, texel, span, alpha: 1.0 }
 }

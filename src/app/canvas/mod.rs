@@ -3,11 +3,14 @@
 //! [`mod@cover`] chooses what to draw for every cell in view, [`atlas`] assigns the samples a slot
 //! on the card, and [`pipeline`] uploads and draws them. The card keeps flip times, not colours: a
 //! change of colours uploads another table and computes nothing. The answers to other questions are
-//! painted on the way to the card, and again when their colours change.
+//! painted on the way to the card, and again when their colours change. New tiles appear gradually
+//! ([`fading`]), and so do other ranges of times ([`glide`]).
 
 pub mod atlas;
 pub mod colours;
 pub mod cover;
+pub mod fading;
+pub mod glide;
 pub mod pipeline;
 pub mod sample;
 
@@ -17,6 +20,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use self::atlas::{Atlas, AtlasPlace};
 use self::colours::CardColours;
 use self::cover::{Patch, cover};
+use self::fading::Fading;
+use self::glide::Glide;
 use self::pipeline::{MapFrame, Quad};
 use self::sample::WordKind;
 use crate::app::camera::Screen;
@@ -33,6 +38,12 @@ pub struct MapRenderer {
     table: Vec<u8>,
     words: Arc<WordKind>,
     last: LastFrame,
+    /// Appearance of new tiles.
+    pub fading: Fading,
+    /// Way of the colours to other times.
+    pub glide: Glide,
+    /// True if the card draws so quickly that tiles can appear gradually.
+    pub is_quick: bool,
 }
 
 /// Data of the last frame for the card. They are part of the next one, too, if the frame was thrown
@@ -47,8 +58,15 @@ struct LastFrame {
 impl Default for MapRenderer {
     fn default() -> Self {
         let words = Arc::new(WordKind::Times);
-        let last = LastFrame::default();
-        MapRenderer { atlas: Atlas::new(LAYERS), table: Vec::new(), words, last }
+        MapRenderer {
+            atlas: Atlas::new(LAYERS),
+            table: Vec::new(),
+            words,
+            last: LastFrame::default(),
+            fading: Fading::default(),
+            glide: Glide::default(),
+            is_quick: false,
+        }
     }
 }
 
@@ -58,8 +76,9 @@ impl MapRenderer {
         &mut self,
         screen: &Screen,
         explorer: &mut Explorer,
-        CardColours { uniforms, table, words }: CardColours,
+        CardColours { mut uniforms, table, words }: CardColours,
     ) -> MapFrame {
+        uniforms.toward[3] = (screen.size.x * screen.pixels_per_point) as f32;
         if *self.words != words {
             // What is on the card has other words.
             self.atlas = Atlas::new(LAYERS);
@@ -75,7 +94,7 @@ impl MapRenderer {
             self.table.clear();
         }
         let mut quads = Vec::new();
-        for patch in cover(screen, explorer) {
+        for patch in cover(screen, explorer, &mut self.fading) {
             let known = if patch.before {
                 explorer.known_before(patch.source)
             } else {
@@ -113,5 +132,6 @@ fn quad(screen: &Screen, patch: &Patch, slot: u32) -> Quad {
         texel: patch.texel.as_vec2().to_array(),
         span: patch.span.as_vec2().to_array(),
         slot,
+        alpha: patch.alpha,
     }
 }

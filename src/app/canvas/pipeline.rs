@@ -11,11 +11,18 @@ use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
 use super::sample::WordKind;
 use crate::engine::shared::status_constants;
 use crate::scene::lattice::SIDE;
+use crate::scene::palette::Relief;
 use crate::tiles::Samples;
 
-/// The shader, with the status codes printed from [`crate::physics::Status`].
+/// The shader, with the status codes printed from [`crate::physics::Status`] and the numbers of the
+/// light from the side.
 pub fn shader() -> String {
-    status_constants() + include_str!("../../../shaders/picture.wgsl")
+    let relief = format!(
+        "const STEEPNESS: f32 = {:?};\nconst EDGE: f32 = {:?};\n",
+        Relief::STEEPNESS,
+        Relief::EDGE
+    );
+    status_constants() + &relief + include_str!("../../../shaders/picture.wgsl")
 }
 
 /// One parallelogram of the map (counterpart in the shader).
@@ -34,34 +41,43 @@ pub struct Quad {
     pub span: [f32; 2],
     /// Index of the slot that holds the samples.
     pub slot: u32,
+    /// Share of what is beneath that the samples cover.
+    pub alpha: f32,
 }
 
 /// The values shared by all quads (counterpart in the shader).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Uniforms {
-    /// log2 of the first time in the colour table, in seconds.
-    pub first_log2: f32,
-    /// Number of table entries per doubling of the time.
-    pub entries_per_octave: f32,
-    /// log2 of the budget in simulated seconds: later flips are not shown.
-    pub budget_log2: f32,
+    /// Value of a word's number 0.
+    pub value_bias: f32,
+    /// Value of a step of a word's number.
+    pub value_step: f32,
+    /// Value of the first entry of the colour table.
+    pub first_value: f32,
+    /// Number of table entries per unit of the value.
+    pub entries_per_unit: f32,
+    /// Value after which answers are not shown.
+    pub until_value: f32,
     /// 1 if uncertain pixels are hatched, else 0.
     pub trust: u32,
     /// 1 if the words of samples hold colours, 0 if times.
     pub coloured: u32,
-    /// Room that the shader's layout leaves.
-    pub padding: [u32; 3],
+    /// Share of the light that comes from the side.
+    pub relief: f32,
     /// Linear light of unflipped starts.
     pub unflipped: [f32; 4],
     /// Linear light of forbidden starts.
     pub forbidden: [f32; 4],
     /// Linear light of failed starts.
     pub failed: [f32; 4],
+    /// Direction to the light from the side (to the right, up, out of the map), and the number of
+    /// pixels from the left of the map to the right.
+    pub toward: [f32; 4],
 }
 
-/// Number of entries of the colour table.
-pub const TABLE_ENTRIES: usize = 2048;
+/// Number of entries of the colour table: so many that the nearest one is as good as a mixture.
+pub const TABLE_ENTRIES: usize = 8192;
 
 /// One frame of the map.
 pub struct MapFrame {
@@ -234,7 +250,8 @@ fn pipeline(
     target: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
     let attributes = wgpu::vertex_attr_array![
-        0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2, 5 => Uint32
+        0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2, 5 => Uint32,
+        6 => Float32
     ];
     let encode = if target.is_srgb() { 0.0 } else { 1.0 };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -263,7 +280,11 @@ fn pipeline(
                 constants: &[("ENCODE", encode)],
                 ..Default::default()
             },
-            targets: &[Some(target.into())],
+            targets: &[Some(wgpu::ColorTargetState {
+                format: target,
+                blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
         }),
         multiview_mask: None,
         cache: None,

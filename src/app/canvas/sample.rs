@@ -2,26 +2,26 @@
 
 use crate::engine::Trust;
 use crate::physics::{Outcome, Status};
-use crate::scene::palette::AnswerColours;
+use crate::scene::palette::{AnswerColours, TimeScale};
 use crate::tiles::Samples;
 
 /// Offset of the stored logarithms: they count from 2^-32 s (counterpart in the shader).
 pub const LOG_BIAS: f64 = 32.0;
 /// Number of steps of the stored logarithms per octave.
 pub const LOG_STEPS: f64 = (1 << 21) as f64;
+/// Number of steps of the stored heights.
+pub const HEIGHT_STEPS: f64 = ((1 << 27) - 1) as f64;
 
 /// Content of the words of samples beside status and trust.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WordKind {
-    /// The time, which the card turns into a colour.
+    /// The logarithm of the time, which the card turns into a colour.
     Times,
-    /// The colour, of answers that are no flip times or need finer colours than the card's table has.
-    Colours {
-        /// Colours of all answers.
-        colours: Box<AnswerColours>,
-        /// Time in s after which an answer is none yet.
-        until_secs: f64,
-    },
+    /// The height of a channel of times on the scale of its colours: for colours finer than a table
+    /// over all logarithms has, and for light from the side.
+    Heights(usize, TimeScale),
+    /// The colour, of answers that are no times.
+    Colours(Box<AnswerColours>),
 }
 
 impl WordKind {
@@ -29,13 +29,17 @@ impl WordKind {
     pub fn words(&self, samples: &Samples) -> Vec<u32> {
         let word = |place: usize| match self {
             WordKind::Times => word_of(&samples.get(place), samples.trust(place)),
-            WordKind::Colours { colours, until_secs } => {
-                let Outcome { status, time } = samples.get(place);
-                let is_late = status == Status::Flipped && time > *until_secs;
-                let status = if is_late { Status::Unflipped } else { status };
+            WordKind::Heights(channel, scale) => {
+                let height = scale.height(samples.values(place)[*channel]);
+                let status = samples.get(place).status;
+                // What has no time has no height.
+                let height = if status == Status::Flipped { height * HEIGHT_STEPS } else { 0.0 };
+                packed(height, samples.trust(place), status)
+            }
+            WordKind::Colours(colours) => {
+                let status = samples.get(place).status;
                 let [r, g, b] = colours.colour(status, samples.values(place)).map(u32::from);
-                let trust = samples.trust(place) as u32;
-                (((r << 16) | (g << 8) | b) << 5) | (trust << 2) | status as u32
+                packed(f64::from((r << 16) | (g << 8) | b), samples.trust(place), status)
             }
         };
         (0..samples.len()).map(word).collect()
@@ -45,9 +49,12 @@ impl WordKind {
 /// Packs the status into the lowest two bits, trust into the next three, and the logarithm of the
 /// time into the rest: finer than any colour, and nothing for the card to work out.
 pub fn word_of(outcome: &Outcome, trust: Trust) -> u32 {
-    let steps = (outcome.time.log2() + LOG_BIAS) * LOG_STEPS;
     // Outcomes without a time have a logarithm of −∞, which becomes 0.
-    ((steps.round() as u32) << 5) | ((trust as u32) << 2) | outcome.status as u32
+    packed((outcome.time.log2() + LOG_BIAS) * LOG_STEPS, trust, outcome.status)
+}
+
+fn packed(value: f64, trust: Trust, status: Status) -> u32 {
+    ((value.round() as u32) << 5) | ((trust as u32) << 2) | status as u32
 }
 
 #[cfg(test)]
@@ -65,23 +72,28 @@ mod tests {
         samples.set_values(0, Status::Flipped, &[0.5, -1.0, 2.0, 3.0, 0.0, 0.0]);
         samples.set_trust(0, Trust::Uncertain);
         let [r, g, b] = colours.colour(Status::Flipped, samples.values(0)).map(u32::from);
-        let colours = Box::new(colours);
-        let words = WordKind::Colours { colours, until_secs: f64::INFINITY }.words(&samples);
+        let words = WordKind::Colours(Box::new(colours)).words(&samples);
         assert_eq!(words[0] >> 5, (r << 16) | (g << 8) | b);
         assert_eq!((words[0] & 3, (words[0] >> 2) & 7), (1, Trust::Uncertain as u32));
         assert_eq!(words[1] & 3, Status::Unflipped as u32);
     }
 
     #[test]
-    fn a_flip_after_the_budget_is_none() {
-        let colours = AnswerColours::new(&Scene::default(), &PictureTable::default()).unwrap();
-        let mut samples = Samples::unflipped(2);
-        samples.set(0, Outcome::flipped(9.0));
-        samples.set(1, Outcome::flipped(11.0));
-        let words = WordKind::Colours { colours: Box::new(colours), until_secs: 10.0 };
-        let statuses = words.words(&samples).into_iter().map(|word| word & 3);
-        let expected = [Status::Flipped, Status::Unflipped].map(|status| status as u32);
-        assert_eq!(statuses.collect::<Vec<_>>(), expected);
+    fn a_height_tells_times_apart_that_lie_close_together() {
+        let times = vec![59.9, 59.900_001, 60.0];
+        let picture = PictureTable { times, ..PictureTable::default() };
+        let colours = AnswerColours::new(&Scene::default(), &picture).unwrap();
+        let (channel, tones) = colours.times().unwrap();
+        let mut samples = Samples::unflipped(4);
+        for (place, secs) in [(0, 59.9), (1, 59.900_000_5), (2, 61.0)] {
+            samples.set(place, Outcome::flipped(secs));
+        }
+        let words = WordKind::Heights(channel, tones.scale().clone()).words(&samples);
+        let heights = words.iter().map(|word| f64::from(word >> 5) / HEIGHT_STEPS);
+        for (height, expected) in heights.zip([0.0, 0.25, 1.0, 0.0]) {
+            assert!((height - expected).abs() < 1e-6, "{height} {expected}");
+        }
+        assert_eq!((words[2] & 3, words[3] & 3), (1, 0), "statuses beside them");
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! The mapping of answers to colours, with a legend. Nothing here recomputes anything.
 
-use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
+use egui::{ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
 
 use super::colour_strip::{legend, strip};
 use super::field::number;
 use super::ground::grounds;
+use super::stops::stops;
+use crate::app::colour_cycle::{CYCLE_SPEEDS, ColourCycle};
 use crate::question::Ask;
 use crate::scene::palette::{AnswerColours, Palette, Tones};
 use crate::scene::{PictureTable, Scale, Scene};
@@ -16,15 +18,18 @@ pub enum ColourAction {
     Paint(PictureTable),
     /// Spreads the palette over the times in view.
     Equalise,
+    /// Starts, changes or stops the animation of the palette.
+    Cycle(ColourCycle),
 }
 
 /// Shows how the picture of a scene is painted; `has_samples` is true if the view has samples to
-/// spread the palette over.
+/// spread the palette over, and `cycle` says how the palette is animated.
 pub fn colours_panel(
     ui: &mut Ui,
     picture: &PictureTable,
     scene: &Scene,
     has_samples: bool,
+    cycle: &ColourCycle,
 ) -> Option<ColourAction> {
     let (unit_secs, question) = (scene.build.unit_secs(), &scene.question);
     let (Ok(colours), Ok(tones)) =
@@ -43,11 +48,15 @@ pub fn colours_panel(
     if question.ask.is_time() {
         ui.separator();
         range(ui, &mut new, &tones);
-        let spread = ui.add_enabled(has_samples, egui::Button::new("Equalise to this view"));
-        let spread = spread.on_hover_text("Every colour is seen equally often");
-        if spread.clicked() {
-            return Some(ColourAction::Equalise);
+        repeats(ui, &mut new, picture);
+        let action = animated(ui, has_samples, cycle);
+        if action.is_some() {
+            return action;
         }
+    }
+    if colours.times().is_some() {
+        ui.separator();
+        relief(ui, &mut new);
     }
     if let Some(action) = back(ui, picture) {
         return Some(action);
@@ -57,8 +66,8 @@ pub fn colours_panel(
 
 /// Shows a button that restores the default colours; the energy curve and the samples stay.
 fn back(ui: &mut Ui, picture: &PictureTable) -> Option<ColourAction> {
-    let PictureTable { curve, samples, .. } = *picture;
-    let plain = PictureTable { curve, samples, ..PictureTable::default() };
+    let PictureTable { curve, samples, bits, .. } = *picture;
+    let plain = PictureTable { curve, samples, bits, ..PictureTable::default() };
     let button = ui.add_enabled(*picture != plain, egui::Button::new("Back to the default"));
     button.clicked().then_some(ColourAction::Paint(plain))
 }
@@ -99,7 +108,59 @@ fn palettes(ui: &mut Ui, picture: &mut PictureTable) {
         }
     });
     ui.label("Drop a gradient on the window: .map, .ugr or .gpl.");
+    stops(ui, &mut picture.palette);
     ui.checkbox(&mut picture.reverse, "Reverse the palette");
+}
+
+/// Shows what follows when the palette has been run through. Further runs are mirrored from the start
+/// unless the palette ends as it begins.
+fn repeats(ui: &mut Ui, new: &mut PictureTable, old: &PictureTable) {
+    if old.cycles == 1.0 && new.cycles > 1.0 {
+        new.mirror = !Palette::is_cyclic(&new.palette);
+    }
+    ui.horizontal(|ui| {
+        let name = ui.label("Offset");
+        ui.spacing_mut().slider_width = 90.0;
+        ui.add(Slider::new(&mut new.offset, PictureTable::OFFSETS).max_decimals(3))
+            .labelled_by(name.id);
+        ui.checkbox(&mut new.mirror, "Mirrored")
+            .on_hover_text("Every second run through the palette goes backwards: no seam");
+    });
+}
+
+/// Shows how the palette is spread over the view, and how it runs over it.
+fn animated(ui: &mut Ui, has_samples: bool, cycle: &ColourCycle) -> Option<ColourAction> {
+    let spread = ui.add_enabled(has_samples, egui::Button::new("Equalise to this view"));
+    if spread.on_hover_text("Every colour is seen equally often").clicked() {
+        return Some(ColourAction::Equalise);
+    }
+    let mut new = *cycle;
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut new.runs, "Let the colours run");
+        let name = ui.label("Speed");
+        ui.spacing_mut().slider_width = 70.0;
+        let speed = Slider::new(&mut new.speed, CYCLE_SPEEDS).logarithmic(true).show_value(false);
+        ui.add(speed).labelled_by(name.id);
+    });
+    (new != *cycle).then_some(ColourAction::Cycle(new))
+}
+
+/// Shows the light from the side.
+fn relief(ui: &mut Ui, picture: &mut PictureTable) {
+    Grid::new("relief").num_columns(2).show(ui, |ui| {
+        ui.spacing_mut().slider_width = 120.0;
+        let name = ui.label("Relief");
+        ui.add(Slider::new(&mut picture.relief, PictureTable::RELIEFS).max_decimals(2))
+            .labelled_by(name.id)
+            .on_hover_text("Light from the side on a landscape whose height is the time");
+        ui.end_row();
+        let name = ui.label("Light from");
+        let light = Slider::new(&mut picture.light, 0.0..=360.0).suffix("°").max_decimals(0);
+        ui.add_enabled(picture.relief > 0.0, light)
+            .labelled_by(name.id)
+            .on_hover_text("Anticlockwise from the right");
+        ui.end_row();
+    });
 }
 
 fn range(ui: &mut Ui, picture: &mut PictureTable, tones: &Tones) {

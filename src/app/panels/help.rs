@@ -7,8 +7,8 @@ use crate::app::commands::{Command, shortcut_text};
 use crate::app::state::Dialog;
 use crate::question::Ask;
 
-/// Actions of the pointer, for the list of keys.
-pub const POINTER: [(&str, &str); 10] = [
+/// Actions of the pointer and of keys that stand together, for the list of keys.
+pub const POINTER: [(&str, &str); 11] = [
     ("Drag", "Move the map"),
     ("Wheel, pinch, Ctrl+wheel", "Zoom about the pointer"),
     ("Click", "Pin the pixel and fly its pendulum"),
@@ -17,6 +17,7 @@ pub const POINTER: [(&str, &str); 10] = [
     ("Alt+drag, drag with the right button", "Turn the map"),
     ("Alt+wheel", "Stretch the map"),
     ("Drop a picture or scene", "Show it"),
+    ("1 to 9", "Favourite colours; with Shift keep those of now"),
     ("Ctrl+V", "Go to a location that was copied"),
     ("Tab, Shift+Tab", "Go through all controls"),
 ];

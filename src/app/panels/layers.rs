@@ -19,6 +19,7 @@ pub fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
             "Doubts",
             "Hatched where independent answers disagree; needs accuracy exact",
         ),
+        (&mut changed.legend, "Legend", "What the colours mean, in the lower left corner"),
         (&mut changed.grid, "Grid of angles", "Lines at round parts of π"),
         (&mut changed.borders, "Borders of tiles", "What is computed as one piece"),
         (

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{FAILED, Ground, Palette, Rgb, Tones};
+use super::{FAILED, Ground, Palette, Rgb, Tint, Tones, rounded, tint_of};
 use crate::physics::{Pendulum, State, Status};
 use crate::question::{ChannelScale, Painted};
 use crate::scene::{PictureTable, Scene, SceneError, Shown};
@@ -89,26 +89,39 @@ impl AnswerColours {
         self.ground
     }
 
-    /// The colour of a sample.
-    pub fn colour(&self, status: Status, values: &[f64]) -> Rgb {
-        match status {
-            Status::Flipped => self.of_values(values),
-            Status::Unflipped => self.ground.unflipped,
-            Status::Forbidden => self.ground.forbidden,
-            Status::Failed => FAILED,
+    /// The channel and the tones of times, if these are what is painted.
+    pub fn times(&self) -> Option<(usize, &Tones)> {
+        match &self.way {
+            Way::Times(channel, tones) => Some((*channel, tones)),
+            _ => None,
         }
     }
 
-    fn of_values(&self, values: &[f64]) -> Rgb {
+    /// The nearest colour of eight bits a channel of a sample.
+    pub fn colour(&self, status: Status, values: &[f64]) -> Rgb {
+        rounded(self.tint(status, values))
+    }
+
+    /// The colour of a sample.
+    pub fn tint(&self, status: Status, values: &[f64]) -> Tint {
+        match status {
+            Status::Flipped => self.of_values(values),
+            Status::Unflipped => tint_of(self.ground.unflipped),
+            Status::Forbidden => tint_of(self.ground.forbidden),
+            Status::Failed => tint_of(FAILED),
+        }
+    }
+
+    fn of_values(&self, values: &[f64]) -> Tint {
         match &self.way {
-            Way::Times(channel, tones) => tones.colour_at(values[*channel]),
-            Way::Angle(channel, palette) => palette.colour((values[*channel] + PI) / TAU),
+            Way::Times(channel, tones) => tones.tint_at(values[*channel]),
+            Way::Angle(channel, palette) => palette.tint((values[*channel] + PI) / TAU),
             Way::Between(channel, [from, to], palette) => {
-                palette.colour((values[*channel] - from) / (to - from))
+                palette.tint((values[*channel] - from) / (to - from))
             }
             Way::Torus => torus([values[0], values[1]]),
-            Way::Counts(most, palette) => palette.colour(values.iter().sum::<f64>() / most),
-            Way::EnergySplit(pendulum, palette) => palette.colour(kinetic_share(pendulum, values)),
+            Way::Counts(most, palette) => palette.tint(values.iter().sum::<f64>() / most),
+            Way::EnergySplit(pendulum, palette) => palette.tint(kinetic_share(pendulum, values)),
         }
     }
 }
@@ -132,7 +145,7 @@ fn palette_or(picture: &PictureTable, other: &str) -> Result<Palette, SceneError
 /// chroma, so that every pair has a colour of its own, with no seam at ±π. In Oklab (Ottosson, *A
 /// perceptual color space for image processing*, 2020). Lightness alone tells |θ2|, whatever
 /// colours an eye can see.
-pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Rgb {
+pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Tint {
     let (sin2, cos2) = theta2.sin_cos();
     let lightness = 0.63 - 0.2 * cos2;
     let chroma = 0.105 + 0.035 * sin2;
@@ -141,7 +154,7 @@ pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Rgb {
 }
 
 /// Converts Oklab to sRGB; what lies outside is clipped.
-fn from_oklab([lightness, a, b]: [f64; 3]) -> Rgb {
+fn from_oklab([lightness, a, b]: [f64; 3]) -> Tint {
     let cube = |x: f64| x * x * x;
     let l = cube(lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b);
     let m = cube(lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b);
@@ -151,7 +164,7 @@ fn from_oklab([lightness, a, b]: [f64; 3]) -> Rgb {
         -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
         -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
     ]
-    .map(super::encoded)
+    .map(super::channel_of)
 }
 
 #[cfg(test)]
@@ -173,6 +186,7 @@ mod tests {
 
     #[test]
     fn two_angles_are_one_colour_without_a_seam() {
+        let torus = |angles| rounded(torus(angles));
         for k in 0..60 {
             let angle = -PI + TAU * f64::from(k) / 60.0;
             assert!(near(torus([PI, angle]), torus([-PI, angle])));

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::Rgb;
 use super::answers::{AnswerColours, Way, torus};
+use super::{Rgb, rounded};
 use crate::question::Ask;
 
 /// The name of a bar's quantity, and its unit, which may be empty.
@@ -34,7 +34,7 @@ impl AnswerColours {
 
     /// The colour at a place of the square, each from 0 to 1.
     pub fn colour_in_square(&self, place: [f64; 2]) -> Rgb {
-        torus(place.map(|share| TAU * share - PI))
+        rounded(torus(place.map(|share| TAU * share - PI)))
     }
 
     /// The colour at a share of the bar, from 0 to 1.

@@ -4,17 +4,34 @@ mod answers;
 pub mod gradient;
 mod ground;
 mod legend;
+mod relief;
+mod time_scale;
 mod tones;
 
 pub use answers::AnswerColours;
 pub use ground::{Ground, GroundTable, colour_text};
 pub use legend::{BarLabels, LegendTitle};
+pub use relief::Relief;
+pub use time_scale::TimeScale;
 pub use tones::{Lookup, Tones, equalised, rise};
 
 use super::SceneError;
 
 /// An opaque sRGB colour.
 pub type Rgb = [u8; 3];
+
+/// A colour between those of eight bits a channel: sRGB from 0 to 255, with fractions.
+pub type Tint = [f32; 3];
+
+/// The nearest colour of eight bits a channel.
+pub fn rounded(tint: Tint) -> Rgb {
+    tint.map(|channel| channel.round() as u8)
+}
+
+/// A colour of eight bits a channel as a tint.
+pub fn tint_of(colour: Rgb) -> Tint {
+    colour.map(f32::from)
+}
 
 /// A named table of 256 colours from early to late.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +51,9 @@ const FILES: [(&str, &str); 6] = [
     ("cividis", include_str!("../../../assets/palettes/cividis.txt")),
     ("romao", include_str!("../../../assets/palettes/romao.txt")),
 ];
+
+/// Largest difference of a channel between two colours whose seam no eye sees.
+const MOST_SEAM: u8 = 6;
 
 /// Colour of starts whose integration failed.
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
@@ -89,29 +109,59 @@ impl Palette {
         [Self::DEFAULT, Self::FIRST_DEFAULT].contains(&name)
     }
 
+    /// Returns true if a palette ends as it begins, so that it can follow itself without a seam.
+    pub fn is_cyclic(name: &str) -> bool {
+        let ends = |palette: Palette| {
+            palette.table[0].into_iter().zip(palette.table[palette.table.len() - 1])
+        };
+        let is_near = |(from, to): (u8, u8)| from.abs_diff(to) <= MOST_SEAM;
+        Palette::named(name).is_ok_and(|palette| ends(palette).all(is_near))
+    }
+
     /// The names of all palettes.
     pub fn names() -> impl Iterator<Item = &'static str> {
         FILES.iter().map(|(name, _)| *name)
     }
 
-    /// The colour at `position` in [0, 1], from early to late.
-    pub fn colour(&self, position: f64) -> Rgb {
+    /// The colour at `position` in [0, 1], from early to late, mixed of the two nearest entries.
+    pub fn tint(&self, position: f64) -> Tint {
         let last = self.table.len() - 1;
-        self.table[((position.clamp(0.0, 1.0) * last as f64).round() as usize).min(last)]
+        // What is no number has the first colour.
+        let place = if position > 0.0 { position.min(1.0) * last as f64 } else { 0.0 };
+        let first = (place as usize).min(last - 1);
+        let share = (place - first as f64) as f32;
+        let [from, to] = [self.table[first], self.table[first + 1]].map(tint_of);
+        [0, 1, 2].map(|i| from[i] + (to[i] - from[i]) * share)
+    }
+
+    /// The nearest colour of eight bits a channel at `position` in [0, 1].
+    pub fn colour(&self, position: f64) -> Rgb {
+        rounded(self.tint(position))
     }
 }
 
 /// Converts a channel of sRGB to linear light in [0, 1] (IEC 61966-2-1).
 pub fn light(channel: u8) -> f64 {
+    light_of(f32::from(channel))
+}
+
+/// Converts a channel of a tint to linear light.
+pub fn light_of(channel: f32) -> f64 {
     let c = f64::from(channel) / 255.0;
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Converts linear light to sRGB: the inverse of [`light`].
 pub fn encoded(linear: f64) -> u8 {
+    channel_of(linear).round() as u8
+}
+
+/// Converts linear light to a channel of a tint: the inverse of [`light_of`]; what lies outside is
+/// clipped.
+pub fn channel_of(linear: f64) -> f32 {
     let c =
         if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (c * 255.0).round() as u8
+    (c * 255.0).clamp(0.0, 255.0) as f32
 }
 
 /// [`light`] of every channel value, scaled so that full light is 65535.
@@ -143,6 +193,27 @@ mod tests {
         assert!(Palette::named("#000000").unwrap_err().to_string().contains("2 to 256"));
         let own = Palette::named("#000000,#ffffff").unwrap();
         assert_eq!((own.name, own.colour(0.5)), ("custom", [128; 3]));
+    }
+
+    #[test]
+    fn colours_lie_between_the_entries_of_a_table() {
+        let palette = Palette::named("#000000,#ffffff").unwrap();
+        let grey = |position| palette.tint(position)[0];
+        assert!((grey(0.3) - 76.5).abs() < 1e-4 && (grey(0.301) - 76.755).abs() < 1e-4);
+        assert_eq!((grey(-1.0), grey(2.0), grey(f64::NAN)), (0.0, 255.0, 0.0));
+        let iris = Palette::named("iris").unwrap();
+        let tints: Vec<Tint> = (0..4096).map(|k| iris.tint(f64::from(k) / 4095.0)).collect();
+        for pair in tints.windows(2) {
+            let step = (0..3).map(|i| (pair[1][i] - pair[0][i]).abs()).fold(0.0, f32::max);
+            assert!(step > 0.0 && step < 0.5, "no flat bands: {pair:?}");
+        }
+    }
+
+    #[test]
+    fn some_palettes_end_as_they_begin() {
+        let cyclic: Vec<_> = Palette::names().filter(|name| Palette::is_cyclic(name)).collect();
+        assert_eq!(cyclic, [Palette::CYCLIC]);
+        assert!(Palette::is_cyclic("#102030,#ffffff,#112030") && !Palette::is_cyclic("rainbow"));
     }
 
     #[test]

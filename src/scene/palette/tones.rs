@@ -1,9 +1,10 @@
 //! The colours of times. They run between fixed times, so that a colour means the same in every
 //! tile of a picture, whatever else is in it.
 
-use super::{FAILED, Ground, Palette, Rgb};
+use super::time_scale::TimeScale;
+use super::{FAILED, Ground, Palette, Rgb, Tint, rounded};
 use crate::physics::{Outcome, Status};
-use crate::scene::{PictureTable, Scale, SceneError};
+use crate::scene::{PictureTable, SceneError};
 
 /// A map from times to places in a palette.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,10 +12,12 @@ pub struct Tones {
     palette: Palette,
     ground: Ground,
     reverse: bool,
+    /// True if every second run through the palette goes backwards.
+    mirror: bool,
     cycles: f64,
-    scale: Scale,
-    /// Seconds at which equal steps of the palette lie; at least two, rising.
-    times: Vec<f64>,
+    /// Runs through the palette that precede the first time.
+    shift: f64,
+    scale: TimeScale,
 }
 
 /// Colours at equal steps of the logarithm of time, for use where a table replaces the arithmetic.
@@ -49,48 +52,41 @@ impl Tones {
             palette: Palette::named(&picture.palette)?,
             ground: Ground::of(picture)?,
             reverse: picture.reverse,
+            mirror: picture.mirror,
             cycles: picture.cycles,
-            scale: picture.scale,
-            times,
+            shift: picture.offset * if picture.mirror { 2.0 } else { 1.0 },
+            scale: TimeScale::new(picture.scale, times),
         })
+    }
+
+    /// The scale of the times.
+    pub fn scale(&self) -> &TimeScale {
+        &self.scale
     }
 
     /// The first and the last time with a colour of its own, in s.
     pub fn range_secs(&self) -> [f64; 2] {
-        [self.times[0], self.times[self.times.len() - 1]]
+        self.scale.range_secs()
     }
 
     /// Position of a time in the palette, in [0, 1].
     pub fn position(&self, secs: f64) -> f64 {
-        let along = self.share(secs).clamp(0.0, 1.0) * self.cycles;
-        // The last time is the end of the last cycle, not the beginning of another.
-        let run = along.floor().min(self.cycles.ceil() - 1.0);
-        if self.reverse { 1.0 - (along - run) } else { along - run }
+        self.position_at(self.scale.height(secs))
     }
 
-    /// The share of the whole range that lies before a time.
-    fn share(&self, secs: f64) -> f64 {
-        let steps = self.times.len() - 1;
-        let step = self.times.partition_point(|&time| time <= secs).clamp(1, steps) - 1;
-        let [from, to] = [self.times[step], self.times[step + 1]];
-        let within = match self.scale {
-            Scale::Log => (secs / from).ln() / (to / from).ln(),
-            Scale::Linear => (secs - from) / (to - from),
-            Scale::Steps => 0.5,
-        };
-        (step as f64 + within) / steps as f64
+    /// Position in the palette of a height on the scale of the times.
+    fn position_at(&self, height: f64) -> f64 {
+        let along = self.scale.coloured(height) * self.cycles + self.shift;
+        // The last time is the end of the last run, not the beginning of another.
+        let run = along.floor().min((self.cycles + self.shift).ceil() - 1.0);
+        let within = along - run;
+        let backwards = self.reverse != (self.mirror && run % 2.0 == 1.0);
+        if backwards { 1.0 - within } else { within }
     }
 
     /// The time at a share of the range, in s: the number that a legend writes beside its colours.
     pub fn secs_at(&self, share: f64) -> f64 {
-        let steps = self.times.len() - 1;
-        let along = share.clamp(0.0, 1.0) * steps as f64;
-        let step = (along as usize).min(steps - 1);
-        let ([from, to], within) = ([self.times[step], self.times[step + 1]], along - step as f64);
-        match self.scale {
-            Scale::Log | Scale::Steps => from * (to / from).powf(within),
-            Scale::Linear => from + (to - from) * within,
-        }
+        self.scale.secs_at(share)
     }
 
     /// The colours beside those of times.
@@ -98,9 +94,14 @@ impl Tones {
         self.ground
     }
 
+    /// The colour of a time in s, between those of its palette.
+    pub fn tint_at(&self, secs: f64) -> Tint {
+        self.palette.tint(self.position(secs))
+    }
+
     /// The colour of a time in s.
     pub fn colour_at(&self, secs: f64) -> Rgb {
-        self.palette.colour(self.position(secs))
+        rounded(self.tint_at(secs))
     }
 
     /// The colour of an outcome.
@@ -113,15 +114,29 @@ impl Tones {
         }
     }
 
-    /// A table of `entries` colours, but of at least two.
+    /// A table of `entries` colours, but of at least two, at equal steps of the logarithm of time.
     pub fn lookup(&self, entries: usize) -> Lookup {
         let [first_secs, last_secs] = self.range_secs();
         let last = entries.max(2) - 1;
         let secs = |k: usize| first_secs * (last_secs / first_secs).powf(k as f64 / last as f64);
         let colours = (0..=last).map(|k| self.colour_at(secs(k))).collect();
-        let shares: Vec<f64> = (0..=last).map(|k| self.share(secs(k))).collect();
+        let shares: Vec<f64> =
+            (0..=last).map(|k| self.scale.coloured(self.scale.height(secs(k)))).collect();
         let most = shares.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         Lookup { first_secs, last_secs, colours, most_apart: most * self.cycles }
+    }
+
+    /// A table of `entries` colours, at least two, at equal steps of the heights on a scale, which may
+    /// be that of other colours.
+    pub fn over(&self, scale: &TimeScale, entries: usize) -> Vec<Rgb> {
+        let last = (entries.max(2) - 1) as f64;
+        let colour = |k: usize| {
+            let height = k as f64 / last;
+            let own = scale == &self.scale;
+            let height = if own { height } else { self.scale.height(scale.secs_at(height)) };
+            rounded(self.palette.tint(self.position_at(height)))
+        };
+        (0..entries.max(2)).map(colour).collect()
     }
 }
 
@@ -154,6 +169,7 @@ pub fn equalised(times: impl Iterator<Item = f64>, steps: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Scale;
     use proptest::prelude::*;
 
     fn tones(change: impl FnOnce(&mut PictureTable)) -> Tones {
@@ -232,6 +248,31 @@ mod tests {
     }
 
     #[test]
+    fn a_mirrored_palette_has_no_seam_and_an_offset_comes_round() {
+        let with = |mirror, offset| {
+            tones(|picture| {
+                (picture.mirror, picture.offset, picture.cycles) = (mirror, offset, 3.5);
+                (picture.scale, picture.times) = (Scale::Linear, vec![10.0, 20.0]);
+            })
+        };
+        let positions = |tones: &Tones| -> Vec<f64> {
+            (0..=1000).map(|k| tones.position(10.0 + f64::from(k) * 0.01)).collect()
+        };
+        let largest_step = |positions: &[f64]| {
+            positions.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
+        };
+        let [plain, mirrored] = [false, true].map(|mirror| positions(&with(mirror, 0.0)));
+        assert!(largest_step(&plain) > 0.9 && largest_step(&mirrored) < 0.004);
+        assert!(near(mirrored[0], 0.0) && near(mirrored[1000], 0.5));
+        for mirror in [false, true] {
+            let [none, whole] = [0.0, 1.0].map(|offset| positions(&with(mirror, offset)));
+            assert!(none.iter().zip(whole).all(|(a, b)| (a - b).abs() < 1e-9), "{mirror}");
+            let quarter = positions(&with(mirror, 0.25));
+            assert!(near(quarter[0], if mirror { 0.5 } else { 0.25 }));
+        }
+    }
+
+    #[test]
     fn reversed_tones_run_backwards_in_every_cycle() {
         let picture = PictureTable { cycles: 3.0, ..PictureTable::default() };
         let forth = Tones::new(&picture, 0.3, 30.0).unwrap();
@@ -275,6 +316,16 @@ mod tests {
         assert!(equalised([f64::NAN, f64::INFINITY, -1.0, 2.0].into_iter(), 16).is_empty());
         assert_eq!(equalised([5.0, 2.0].into_iter(), 16), [2.0, 5.0]);
         assert_eq!(equalised([1.0, 1.0, 1.0, 1.0, 2.0, 3.0].into_iter(), 5), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn a_table_over_another_scale_has_the_colours_of_its_times() {
+        let [from, to] = [vec![1.0, 2.0, 9.0], vec![0.5, 4.0, 30.0]]
+            .map(|times| tones(|picture| picture.times = times));
+        assert_eq!(from.over(from.scale(), 50)[49], from.colour_at(9.0));
+        for (k, colour) in from.over(to.scale(), 101).into_iter().enumerate() {
+            assert_eq!(colour, from.colour_at(to.secs_at(k as f64 / 100.0)), "{k}");
+        }
     }
 
     proptest! {

@@ -1,0 +1,87 @@
+//! The way of the colours from one range of times to another.
+
+use crate::scene::palette::TimeScale;
+use crate::scene::{PictureTable, Scale};
+
+/// Time that the colours take, s.
+const GLIDE_SECS: f64 = 0.3;
+/// Number of equal steps of the palette whose times glide.
+const STEPS: usize = 64;
+
+/// The range of times that is shown, on its way to another one.
+#[derive(Debug, Default)]
+pub struct Glide {
+    to: Option<TimeScale>,
+    /// Times at equal steps when the way began, and that moment on the window's clock, s.
+    from: Option<(Vec<f64>, f64)>,
+}
+
+impl Glide {
+    /// Returns the picture that is shown at a moment of the window's clock, while its colours are on
+    /// their way to `scale`, their own; none once they are there, or if nothing moves.
+    pub fn shown(
+        &mut self,
+        picture: &PictureTable,
+        scale: &TimeScale,
+        now_secs: f64,
+        moves: bool,
+    ) -> Option<PictureTable> {
+        if self.to.as_ref() != Some(scale) {
+            let from = self.to.as_ref().map(|to| (self.times(to, now_secs), now_secs));
+            self.from = from.filter(|_| moves && picture.scale != Scale::Steps);
+            self.to = Some(scale.clone());
+        }
+        let (_, began_secs) = self.from.as_ref()?;
+        if now_secs >= began_secs + GLIDE_SECS || picture.scale == Scale::Steps {
+            self.from = None;
+            return None;
+        }
+        let times = self.times(scale, now_secs);
+        Some(PictureTable { times, ..picture.clone() })
+    }
+
+    /// Returns true while the colours are on their way.
+    pub fn is_under_way(&self) -> bool {
+        self.from.is_some()
+    }
+
+    /// The times at equal steps of the palette, on the way to those of `to`.
+    fn times(&self, to: &TimeScale, now_secs: f64) -> Vec<f64> {
+        let own = (0..=STEPS).map(|k| to.secs_at(k as f64 / STEPS as f64));
+        let Some((from, began_secs)) = &self.from else { return own.collect() };
+        let share = ((now_secs - began_secs) / GLIDE_SECS).clamp(0.0, 1.0);
+        let share = share * share * (3.0 - 2.0 * share);
+        own.zip(from).map(|(to, from)| from.powf(1.0 - share) * to.powf(share)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::palette::Tones;
+
+    #[test]
+    fn times_move_gradually_and_from_where_they_are() {
+        let picture = |times: &[f64]| PictureTable { times: times.to_vec(), ..Default::default() };
+        let tones = |picture: &PictureTable| Tones::new(picture, 0.3, 30.0).unwrap();
+        let [early, late] = [picture(&[1.0, 10.0]), picture(&[4.0, 5.0, 20.0])];
+        let mut glide = Glide::default();
+        let mut first = |picture: &PictureTable, now_secs| {
+            let scale = tones(picture).scale().clone();
+            let shown = glide.shown(picture, &scale, now_secs, true);
+            shown.map(|shown| {
+                shown.check().unwrap();
+                shown.times[0]
+            })
+        };
+        assert_eq!(first(&early, 0.0), None, "nothing to come from");
+        let began = first(&late, 1.0).unwrap();
+        let middle = first(&late, 1.15).unwrap();
+        assert!((began - 1.0).abs() < 1e-9 && (middle - 2.0).abs() < 1e-9, "{began} {middle}");
+        let back = first(&early, 1.15).unwrap();
+        assert!((back - middle).abs() < 1e-9, "no jump when it turns round");
+        assert_eq!(first(&early, 1.5), None);
+        let scale = tones(&late).scale().clone();
+        assert_eq!(glide.shown(&late, &scale, 2.0, false), None, "nothing moves");
+    }
+}

@@ -1,0 +1,70 @@
+//! Light from the side on a landscape whose height is the time, as far as it is smooth.
+
+use crate::scene::PictureTable;
+
+/// Light on slopes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relief {
+    /// Share of the light that comes from the side, from 0 to 1.
+    pub strength: f32,
+    /// Direction to the light: to the right, up the picture, and out of it.
+    pub toward: [f32; 3],
+}
+
+/// Angle of the light above the picture, degrees.
+const ALTITUDE_DEG: f32 = 40.0;
+
+impl Relief {
+    /// Slope of a plane that rises from the first height to the last across the picture. Sets how
+    /// steep everything looks.
+    pub const STEEPNESS: f32 = 0.6;
+    /// Difference of heights between neighbouring samples from which on a place is an edge, and is not
+    /// lit: times differ for no reason there. Light fades towards it.
+    pub const EDGE: f32 = 0.05;
+
+    /// The light of a picture; none if it is flat.
+    pub fn of(picture: &PictureTable) -> Option<Self> {
+        let (sin, cos) = ALTITUDE_DEG.to_radians().sin_cos();
+        let (up, right) = (picture.light as f32).to_radians().sin_cos();
+        let toward = [cos * right, cos * up, sin];
+        (picture.relief > 0.0).then_some(Relief { strength: picture.relief as f32, toward })
+    }
+
+    /// The factor of the colour's light at a place whose height rises by this much from one sample to
+    /// the next, to the right and up the picture, and differs by at most `most` from its neighbours'.
+    /// `across` samples lie side by side in the picture. Counterpart in shaders/picture.wgsl.
+    pub fn factor(&self, rise: [f32; 2], most: f32, across: f32) -> f32 {
+        let calm = 1.0 - most / Self::EDGE;
+        if calm.is_nan() || calm <= 0.0 {
+            return 1.0;
+        }
+        let [x, y] = rise.map(|rise| rise * across * Self::STEEPNESS);
+        let [right, up, out] = self.toward;
+        let facing = (out - right * x - up * y) / (1.0 + x * x + y * y).sqrt() / out;
+        let calm = calm * calm * (3.0 - 2.0 * calm);
+        1.0 + self.strength * calm * (facing.max(0.0) - 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_that_face_the_light_are_bright_and_edges_stay_as_they_are() {
+        let picture = PictureTable { relief: 0.8, light: 90.0, ..PictureTable::default() };
+        let relief = Relief::of(&picture).unwrap();
+        let factor = |rise: [f32; 2], most| relief.factor(rise, most, 1000.0);
+        assert!((factor([0.0, 0.0], 0.0) - 1.0).abs() < 1e-6, "a plain has its own colour");
+        let [to, from] = [[0.0, -1e-3], [0.0, 1e-3]].map(|rise| factor(rise, 1e-3));
+        assert!(to > 1.1 && from < 0.8, "the light is above: {to} {from}");
+        assert!((factor([1e-3, 0.0], 1e-3) - factor([-1e-3, 0.0], 1e-3)).abs() < 1e-6);
+        for most in [Relief::EDGE, f32::NAN, f32::INFINITY] {
+            assert_eq!(factor([0.0, 0.02], most), 1.0, "{most}");
+        }
+        let half = PictureTable { relief: 0.4, ..picture };
+        let weaker = Relief::of(&half).unwrap().factor([0.0, 1e-3], 1e-3, 1000.0);
+        assert!((2.0 * (1.0 - weaker) - (1.0 - from)).abs() < 1e-5);
+        assert_eq!(Relief::of(&PictureTable::default()), None);
+    }
+}

@@ -1,0 +1,65 @@
+//! The look of the map: favourite colours on digits, colours that run, the legend.
+
+use super::*;
+
+#[test]
+fn digits_bring_kept_colours_back_also_in_the_next_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = || Folders::under(folder.path());
+    let mut desktop = model(folders(), None);
+    press(&mut desktop, Modifiers::NONE, Key::Num2);
+    assert!(notices(&desktop).contains("No colours are kept under 2; Shift+2 keeps"));
+    let plain = desktop.state().state.picture.clone();
+    desktop.state_mut().state.picture.palette = "magma".to_string();
+    desktop.state_mut().state.picture.relief = 0.4;
+    let kept = desktop.state().state.picture.clone();
+    press(&mut desktop, Modifiers::SHIFT, Key::Num2);
+    assert!(notices(&desktop).contains("The key 2 brings these colours back."));
+    desktop.state_mut().state.picture = plain.clone();
+    press(&mut desktop, Modifiers::NONE, Key::Num2);
+    assert_eq!(desktop.state().state.picture, kept);
+    desktop.state_mut().save();
+    drop(desktop);
+    let mut next = model(folders(), Some(Document::default()));
+    assert_eq!(next.state().state.picture, plain);
+    press(&mut next, Modifiers::NONE, Key::Num2);
+    assert_eq!(next.state().state.picture, kept);
+    press(&mut next, Modifiers::NONE, Key::F1);
+    next.get_by_label("Favourite colours; with Shift keep those of now");
+}
+
+#[test]
+fn the_colours_run_and_compute_nothing() {
+    let mut desktop = home();
+    let simulated = counts(&desktop).simulated;
+    let picture = |desktop: &Desktop| desktop.state().state.picture.clone();
+    let before = picture(&desktop);
+    click(&mut desktop, "Colours");
+    until(&mut desktop, "the panel", |desktop| {
+        desktop.query_by_label("Let the colours run").is_some()
+    });
+    click(&mut desktop, "Let the colours run");
+    until(&mut desktop, "the palette to move on", |desktop| picture(desktop).offset > 0.05);
+    assert!(picture(&desktop).mirror, "a palette with ends shows no seam");
+    click(&mut desktop, "Let the colours run");
+    let stands = picture(&desktop);
+    desktop.run_steps(5);
+    assert_eq!(picture(&desktop), stands);
+    assert!(stands.palette == before.palette && stands.times == before.times);
+    assert_eq!(counts(&desktop).simulated, simulated);
+}
+
+#[test]
+fn the_legend_lies_over_the_map_when_asked() {
+    let mut desktop = home();
+    let legend = "Legend: iris from 0.319275 s to 30 s";
+    assert!(desktop.query_by_label(legend).is_none());
+    press(&mut desktop, Modifiers::NONE, Key::L);
+    desktop.run_steps(3);
+    let bounds = desktop.get_by_label(legend).rect();
+    assert!(bounds.left() < 60.0 && bounds.bottom() > 300.0, "the lower left: {bounds:?}");
+    assert!(desktop.state().state.layers.legend);
+    press(&mut desktop, Modifiers::NONE, Key::L);
+    desktop.run_steps(3);
+    assert!(desktop.query_by_label(legend).is_none());
+}

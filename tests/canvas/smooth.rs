@@ -1,0 +1,118 @@
+//! Window and render by different ways: the same starts have the same colours, at every depth, and the
+//! same light from the side.
+
+use flipmap::app::camera::Screen;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::depth::DepthEngine;
+use flipmap::engine::level::BALANCED;
+use flipmap::engine::{Engine, IntegratorConfig};
+use flipmap::output::{RowOrder, RowPainter};
+use flipmap::physics::{Scalar, Status, Theta};
+use flipmap::scene::lattice::{Cell, pitch_rad, side_rad};
+use flipmap::scene::palette::equalised;
+use flipmap::scene::{BuiltIn, PictureTable, Scene};
+use flipmap::tiles::cache::TILE_BYTES;
+use flipmap::tiles::explorer::Explorer;
+use flipmap::tiles::view_target::{Physics, ViewTarget};
+use flipmap::tiles::{Samples, Work};
+
+use crate::offscreen::{Paint, SIZE, Studio};
+use crate::{LEVEL, PLAIN, beyond, explored, middle};
+
+needs_adapter! {
+    checks:
+    a_render_has_the_colours_of_the_window_wide_and_deep
+    light_from_the_side_falls_alike_on_window_and_render
+}
+
+fn engine() -> DepthEngine<'static> {
+    DepthEngine::new(Box::new(CpuEngine::new(None).unwrap()), None).unwrap()
+}
+
+/// A screen of one sample a pixel about as wide as a scene's view, around a common corner of cells
+/// near its centre.
+fn aligned(scene: &Scene) -> Screen {
+    let pixel = scene.view.width_rad().hi / f64::from(SIZE[0]);
+    let level = (0..).find(|&level| pitch_rad(level) <= pixel).unwrap();
+    let half = Theta::from_f64(side_rad(level) / 2.0);
+    let cell = Cell::around(scene.view.center_rad(), level);
+    crate::screen(cell.center().map(|theta| theta + half), level)
+}
+
+fn rendered(scene: &Scene, config: IntegratorConfig, engine: &mut dyn Engine) -> Samples {
+    let mut work = Work::new(scene, SIZE, config, 1 << 14);
+    let (mut rows, mut all) = (RowOrder::default(), Samples::unflipped(0));
+    while !work.is_done() {
+        for tile in work.work(engine, None).unwrap() {
+            rows.push(tile).into_iter().for_each(|samples| all.append(samples));
+        }
+    }
+    all
+}
+
+fn painted(scene: &Scene, picture: &PictureTable, samples: &Samples) -> Vec<[u8; 3]> {
+    let mut painter = RowPainter::new(scene, SIZE, picture).unwrap();
+    painter.paint(samples).as_chunks::<3>().0.to_vec()
+}
+
+mod checks {
+    use super::*;
+
+    pub(crate) fn a_render_has_the_colours_of_the_window_wide_and_deep() {
+        for (name, width) in [("tip", "0.5"), ("abyss", "2e-9"), ("abyss", "1e-12")] {
+            let mut scene = BuiltIn::named(name).unwrap().document().settled().scene();
+            scene.view.width = width.to_string();
+            let screen = aligned(&scene);
+            scene.view = screen.camera.view();
+            let mut explorer = Explorer::new(1000 * TILE_BYTES);
+            explorer.target(&ViewTarget {
+                physics: Physics::of(&scene, BALANCED, false),
+                budget_secs: scene.question.budget.secs,
+                region: screen.region(),
+                level: screen.level(),
+                pointer: None,
+            });
+            explorer.work(&mut engine(), None).unwrap();
+            let samples = rendered(&scene, BALANCED, &mut engine());
+            let flipped = samples.iter().filter(|outcome| outcome.status == Status::Flipped);
+            let times = equalised(flipped.map(|outcome| outcome.time), 64);
+            let picture = &PictureTable { times, curve: false, ..PictureTable::default() };
+            let truth = painted(&scene, picture, &samples);
+            let paint = Paint { picture, scene: &scene, trust: false };
+            let pixels = Studio::new(PLAIN).draw(&screen, &mut explorer, &paint);
+            let colours = truth.iter().collect::<std::collections::HashSet<_>>().len();
+            let [inexact, wrong] = [1, 24].map(|least| beyond(least, &pixels, &truth));
+            println!("{name} {width}: {inexact} {wrong} {colours}");
+            assert!(colours > 150, "{name} {width}: it is no plain: {colours}");
+            assert!(inexact <= 0.01 && wrong <= 0.01, "{name} {width}: {inexact} {wrong}");
+        }
+    }
+
+    pub(crate) fn light_from_the_side_falls_alike_on_window_and_render() {
+        let (screen, scene) = (crate::screen(middle(), LEVEL), crate::scene(60.0));
+        let mut explorer = explored(&screen, &scene);
+        let flat = PictureTable { curve: false, ..PictureTable::default() };
+        let grid = crate::grid(&screen, &scene);
+        let mut samples = Samples::unflipped((SIZE[0] * SIZE[1]) as usize);
+        for k in 0..SIZE[0] * SIZE[1] {
+            let fate = grid.fate(k % SIZE[0], k / SIZE[0]);
+            samples.set(k as usize, crate::outcome(fate, &scene));
+        }
+        let own = painted(&scene, &flat, &samples);
+        let mut studio = Studio::new(PLAIN);
+        for light in [0.0, 90.0, 217.0] {
+            let picture = &PictureTable { relief: 1.0, light, ..flat.clone() };
+            let truth = painted(&scene, picture, &samples);
+            let paint = Paint { picture, scene: &scene, trust: false };
+            let pixels = studio.draw(&screen, &mut explorer, &paint);
+            let mut plain = pixels.clone();
+            for (pixel, own) in plain.chunks_mut(4).zip(&own) {
+                pixel[..3].copy_from_slice(own);
+            }
+            // The window lights places between samples, half a pixel beside those of a render.
+            let [apart, lit] = [&pixels, &plain].map(|pixels| beyond(10, pixels, &truth));
+            println!("{light}: {apart} {lit}");
+            assert!(lit > 0.2 && apart < 0.25 * lit, "{light}°: {apart} of {lit}");
+        }
+    }
+}
