@@ -1,6 +1,7 @@
 //! The colours of samples: the palette, the mean of several samples per pixel, the energy curve, the
 //! legend.
 
+use super::curve::CurveBand;
 use super::legend::Legend;
 use crate::scene::palette::{AnswerColours, Rgb, encoded, light};
 use crate::scene::{Grid, PictureTable, Scene, SceneError};
@@ -9,7 +10,8 @@ use crate::tiles::Samples;
 /// Paints bands of a picture from the top.
 pub struct RowPainter {
     colours: AnswerColours,
-    curve: bool,
+    /// The band of the next row, where the energy curve is drawn.
+    curve: Option<CurveBand>,
     legend: Option<Legend>,
     samples_along: u32,
     grid: Grid,
@@ -18,20 +20,19 @@ pub struct RowPainter {
     pending: Vec<Rgb>,
 }
 
-/// Half the width of the energy curve in pixels.
-const CURVE_HALF_WIDTH: f64 = 0.75;
-
 impl RowPainter {
     /// A painter of a `size` picture of a checked scene; refuses a table that cannot be used.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let colours = AnswerColours::new(scene, picture)?;
         let legend = || Legend::new(&colours, scene.question.ask, size);
+        let grid = Grid::new(scene, size);
+        let curve = picture.curve && scene.build.pendulum().q > 0.0;
         Ok(RowPainter {
             legend: picture.legend.then(legend).transpose()?,
             colours,
-            curve: picture.curve && scene.build.pendulum().q > 0.0,
+            curve: curve.then(|| CurveBand::around(&grid, 0)),
             samples_along: picture.samples,
-            grid: Grid::new(scene, size),
+            grid,
             next_row: 0,
             pending: Vec::new(),
         })
@@ -49,6 +50,9 @@ impl RowPainter {
         let mut bytes = Vec::with_capacity(rows * width * 3);
         let painted: Vec<Rgb> = self.pending.drain(..rows * row_samples).collect();
         for row in painted.chunks(row_samples) {
+            if let Some(curve) = &mut self.curve {
+                curve.move_to(&self.grid, self.next_row);
+            }
             for column in 0..width {
                 let colour = mean(row, width * along, column * along, along);
                 bytes.extend(self.with_marks(colour, column as u32));
@@ -60,7 +64,7 @@ impl RowPainter {
 
     /// The colour of a pixel of the next row under the energy curve and the legend.
     fn with_marks(&self, colour: Rgb, column: u32) -> Rgb {
-        let colour = if self.curve { self.with_curve(colour, column) } else { colour };
+        let colour = self.with_curve(colour, column);
         match &self.legend {
             Some(legend) => legend.over(colour, column, self.next_row),
             None => colour,
@@ -68,8 +72,11 @@ impl RowPainter {
     }
 
     fn with_curve(&self, colour: Rgb, column: u32) -> Rgb {
-        let cover = curve_cover(&self.grid, column, self.next_row);
-        blended(colour, self.colours.ground().curve, cover)
+        let band = self.curve.as_ref();
+        match band.map_or(0.0, |band| band.cover(&self.grid, column, self.next_row)) {
+            0.0 => colour,
+            cover => blended(colour, self.colours.ground().curve, cover),
+        }
     }
 }
 
@@ -77,12 +84,6 @@ impl RowPainter {
 pub fn blended(below: Rgb, above: Rgb, cover: f64) -> Rgb {
     let mix = |i: usize| f64::from(below[i]) * (1.0 - cover) + f64::from(above[i]) * cover;
     [0, 1, 2].map(|i| mix(i).round() as u8)
-}
-
-/// Share of a pixel that the energy curve covers, from its distance to the pixel's middle.
-pub fn curve_cover(grid: &Grid, column: u32, row: u32) -> f64 {
-    let distance = grid.pixels_from_curve(column, row);
-    (CURVE_HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
 }
 
 /// The mean colour of `along` × `along` samples from index `first` on, in linear light.
