@@ -112,3 +112,48 @@ fn pass_on(
         std::thread::sleep(PAUSE);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::mock::MockEngine;
+    use crate::engine::{IntegratorConfig, Method, Precision};
+    use crate::output::Paths;
+    use crate::scene::Document;
+
+    const CONFIG: IntegratorConfig =
+        IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+
+    /// Renders the home map to a file until `go_on` says no.
+    fn render(
+        path: &str,
+        go_on: &mut dyn FnMut(&Counts) -> bool,
+    ) -> (Result<(), RenderError>, Counts) {
+        let paths = Paths { raw: Some(path.into()), ..Paths::default() };
+        let (document, size) = (Document::default(), [200, 200]);
+        let mut engine = MockEngine { job_size: 200, ..MockEngine::default() };
+        let mut sinks = Sinks::open(&paths, &document, size).unwrap();
+        let pass = sinks.passes(1).remove(0);
+        let mut work = Work::new(&document.scene(), size, CONFIG, 200);
+        let clock = &mut RenderClock::default();
+        let done = render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, go_on);
+        (done, work.counts())
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_that_cannot_be_written_ends_the_computation() {
+        let (done, counts) = render("/dev/full", &mut |_| true);
+        assert!(matches!(done, Err(RenderError::Output(OutputError::Write { .. }))), "{done:?}");
+        assert!(counts.pixels < 200 * 200, "all has been computed for nothing");
+    }
+
+    #[test]
+    fn a_request_to_stop_is_heeded_between_bands() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.npy");
+        let (done, counts) = render(path.to_str().unwrap(), &mut |counts| counts.pixels < 2000);
+        assert!(matches!(done, Err(RenderError::Stopped)), "{done:?}");
+        assert!((2000..20_000).contains(&counts.pixels), "{}", counts.pixels);
+    }
+}
