@@ -171,9 +171,9 @@ impl Profile {
 /// Adapters on which pairs of f32, whose kernels take long to compile, are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pairs {
-    /// Those that are not trusted with f64.
+    /// Adapters that are not trusted with f64.
     WhereNeeded,
-    /// All but those in software, where pairs are far slower than f64.
+    /// All adapters but those in software, where pairs are far slower than f64.
     OnHardware,
 }
 

@@ -227,20 +227,13 @@ mod tests {
 
     #[test]
     fn maps_are_smaller_than_by_the_encoders_own_choice() {
-        let scene = crate::scene::Scene::default();
-        let (side, grid) = (256, crate::scene::Grid::new(&scene, [256; 2]));
-        // Bands of equal colours that end at curves, as fronts of flips do.
-        let rgb: Vec<u8> = (0..side * side)
-            .flat_map(|k| {
-                let band = (grid.pixels_from_curve(k % side, k / side) / 9.0) as u8;
-                [band.wrapping_mul(37), band.wrapping_mul(91), 255 - band]
-            })
-            .collect();
-        let mut ours = PngWriter::without_scene(Vec::new(), [side; 2]).unwrap();
+        let file = std::io::BufReader::new(std::fs::File::open("docs/heyl.png").unwrap());
+        let Picture { document, size, rgb } = picture_in_png(file, 4096).unwrap();
+        let mut ours = PngWriter::new(Vec::new(), size, &document).unwrap();
         ours.write(&rgb).unwrap();
         let ours = ours.finish().unwrap();
         let mut usual = Vec::new();
-        let mut encoder = png::Encoder::new(&mut usual, side, side);
+        let mut encoder = png::Encoder::new(&mut usual, size[0], size[1]);
         encoder.set_color(png::ColorType::Rgb);
         encoder.write_header().unwrap().write_image_data(&rgb).unwrap();
         assert!(ours.len() < usual.len(), "{} of {} bytes", ours.len(), usual.len());

@@ -64,8 +64,8 @@ fn large_cards_get_jobs_of_many_cells() {
         explored(&ViewTarget { region, ..lively(9) }, &mut engine);
         engine.jobs.len()
     });
-    // 225 cells in view and 64 around them, eight or up to 64 in a job, and the coarser ones.
-    assert!(jobs[0] >= 36 && jobs[1] <= 9, "{jobs:?}");
+    // Two cells in a job, and 32.
+    assert!(jobs[0] > 10 * jobs[1], "{jobs:?}");
 }
 
 #[test]
