@@ -5,17 +5,18 @@
 mod adapter;
 mod common;
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use common::*;
+use flipmap::engine::choice::{EngineRequest, IntegrationSetting, choose};
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::GpuEngine;
 use flipmap::engine::gpu::device::Gpu;
 use flipmap::engine::level::FAST_TO_COMPILE;
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
-    Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,
-    Precision, Question, Starts, Wait,
+    Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, JobResult, Keep,
+    Method, Precision, Question, Starts, Wait,
 };
 use flipmap::physics::Rule;
 use flipmap::scene::Scene;
@@ -30,6 +31,10 @@ needs_adapter! {
     checks:
     the_two_engines_agree_on_early_flips
     the_length_of_slices_changes_nothing
+    several_slices_in_a_submission_take_the_same_steps
+    used_buffers_and_other_settings_change_no_answer
+    an_engine_on_its_own_thread_gives_the_same_answers_and_tells_what_it_did
+    orbits_are_checked_once_before_the_first_job_of_a_method_and_precision
     a_general_kernel_is_as_right_as_one_made_for_the_scene
     two_f32_are_nearly_as_right_as_f64
     a_lost_device_is_replaced_and_its_jobs_done_again
@@ -103,6 +108,101 @@ mod checks {
             });
             assert_eq!(outcomes[0], outcomes[1], "{config:?}");
         }
+    }
+
+    pub(crate) fn several_slices_in_a_submission_take_the_same_steps() {
+        let question = question(&Scene::default());
+        let starts = open_starts(&Scene::default(), 40, 1);
+        for config in [lesson(Precision::F32), Accuracy::Balanced.configs()[0]] {
+            let [one, many] = ["slices=1", "slices=8"].map(|slices| {
+                let mut engine = gpu_engine();
+                let tuning = GpuTuning::default().with("pace=1000").unwrap();
+                engine.tune(tuning.with(slices).unwrap());
+                // The first job also measures how fast the kernel is.
+                answers(&mut engine, &question, config, &starts);
+                let before = engine.gpu_stats().unwrap().submissions;
+                let starts = Starts::Rest(starts.clone());
+                let finished = finished(&mut engine, &question, config, starts);
+                (finished, engine.gpu_stats().unwrap().submissions - before)
+            });
+            assert_eq!(one.0.outcomes, many.0.outcomes, "{config:?}");
+            assert_eq!(one.0.effort, many.0.effort, "{config:?}");
+            assert!(2 * many.1 < one.1, "{config:?}: {} of {} submissions", many.1, one.1);
+        }
+    }
+
+    pub(crate) fn used_buffers_and_other_settings_change_no_answer() {
+        let question = question(&Scene::default());
+        let sides = [80, 40, 79];
+        let starts = sides.map(|side| open_starts(&Scene::default(), side, 1));
+        for config in configs() {
+            let mut used = gpu_engine();
+            used.tune(GpuTuning::default().with("workgroup=128").unwrap());
+            for starts in &starts {
+                let mut new = gpu_engine();
+                new.tune(GpuTuning::default().with("subgroups=off").unwrap());
+                let [used, new] =
+                    [&mut used, &mut new].map(|e| answers(e, &question, config, starts));
+                assert_eq!(used, new, "{config:?}");
+            }
+        }
+    }
+
+    pub(crate) fn an_engine_on_its_own_thread_gives_the_same_answers_and_tells_what_it_did() {
+        let (question, config) = (question(&Scene::default()), lesson(Precision::F32));
+        let starts = open_starts(&Scene::default(), 64, 1);
+        let expected = answers(&mut gpu_engine(), &question, config, &starts);
+        let request = EngineRequest {
+            kind: Some(EngineKind::Gpu),
+            setting: IntegrationSetting::Explicit(config),
+            ..EngineRequest::default()
+        };
+        let mut engine = choose(&request, &|_| {}).unwrap().engine;
+        // The checks of its trust have other tolerances, and methods that it does not have.
+        assert!(engine.offers(&Accuracy::Fast.configs()[0]));
+        let taylor = Method::Taylor { tolerance: 1e-15 };
+        assert!(!engine.offers(&IntegratorConfig { method: taylor, precision: Precision::F64 }));
+        let before = engine.gpu_stats().unwrap();
+        let begun = Instant::now();
+        assert_eq!(answers(engine.as_mut(), &question, config, &starts), expected);
+        let (secs, after) = (begun.elapsed().as_secs_f64(), engine.gpu_stats().unwrap());
+        assert!(after.slices > before.slices && after.submissions <= after.slices);
+        let gpu_secs = after.gpu_secs - before.gpu_secs;
+        assert!(gpu_secs > 0.0 && gpu_secs < secs, "{gpu_secs} of {secs} s");
+        assert!(after.compile_secs > 0.0 && after.host_wait_secs > 0.0);
+        // 24 bytes of state and a place in the list go up, and 24 bytes of outcome come down.
+        let count = starts.len() as u64;
+        assert!(after.upload_bytes - before.upload_bytes > 28 * count);
+        assert!(after.download_bytes - before.download_bytes > 24 * count);
+    }
+
+    pub(crate) fn orbits_are_checked_once_before_the_first_job_of_a_method_and_precision() {
+        let question = question(&Scene::default());
+        let starts = open_starts(&Scene::default(), 8, 1);
+        let mut engine = gpu_engine();
+        let orbits = |engine: &GpuEngine| -> Vec<(&str, Precision)> {
+            let checks = engine.verdict().checks.iter();
+            let orbits = checks.filter(|check| check.name.starts_with("orbits"));
+            orbits.map(|check| (check.name, check.precision)).collect()
+        };
+        assert_eq!(orbits(&engine), []);
+        for config in [0, 1, 0, 1].map(|k| lesson([Precision::F32, Precision::F64][k])) {
+            answers(&mut engine, &question, config, &starts);
+        }
+        let both = [("orbits by rk4", Precision::F32), ("orbits by rk4", Precision::F64)];
+        assert_eq!(orbits(&engine), both);
+        // A job in flight is not lost by the check before the next one.
+        let (config, more) = (lesson(Precision::F32), Accuracy::Fast.configs()[0]);
+        for (id, config) in [(7, config), (8, more)] {
+            let starts = Starts::Rest(starts.clone());
+            engine.submit(Job { id, question, config, starts, keep: Keep::NOTHING }).unwrap();
+        }
+        let mut ids = Vec::new();
+        while ids.len() < 2 {
+            ids.extend(engine.poll(Wait::UntilFinished).unwrap().iter().map(|done| done.id));
+        }
+        ids.sort_unstable();
+        assert_eq!((ids, orbits(&engine).len()), (vec![7, 8], 3));
     }
 
     pub(crate) fn a_general_kernel_is_as_right_as_one_made_for_the_scene() {

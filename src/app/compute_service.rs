@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::engine::background::{self, Background, PendingEngine};
 use crate::engine::choice::{self, Chosen, EngineRequest, IntegrationSetting};
 use crate::engine::profile::Profile;
-use crate::engine::{Engine, EngineKind, IntegratorConfig};
+use crate::engine::{Engine, EngineKind, GpuTuning, IntegratorConfig};
 use crate::tiles::Renderer;
 use crate::tiles::explorer::Explorer;
 use crate::tiles::view_target::ViewTarget;
@@ -316,7 +316,9 @@ fn open(
     tell: &dyn Fn(&str),
 ) -> Result<Chosen, choice::ChoiceError> {
     step_back();
-    let request = EngineRequest { pace: PACE, ..request.clone() };
+    let tuning = GpuTuning { pace: PACE, ..request.tuning };
+    // The whole engine gets a thread of its own here.
+    let request = EngineRequest { tuning, own_thread: false, ..request.clone() };
     let Chosen { engine, config, why, following } = choice::choose(&request, tell)?;
     let engine = Renderer::of(engine, config, verify, request.threads)?.into_engine();
     Ok(Chosen { engine, config, why, following })

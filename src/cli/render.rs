@@ -262,6 +262,7 @@ fn object(ran: &RunSummary, scene: &Scene) -> serde_json::Value {
         })),
         "depth": counts.effort.depth.map(|depth| depth_object(depth, *config, scene)),
         "rhs_evaluations": counts.effort.rhs_evaluations,
+        "gpu": engine.gpu_stats(),
         "seconds": { "setup": seconds[0], "compute": seconds[1], "output": seconds[2] },
     })
 }

@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use flipmap::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use flipmap::engine::run_settings::RunSpec;
-use flipmap::engine::{EngineKind, IntegratorConfig};
+use flipmap::engine::{EngineKind, GpuTuning, IntegratorConfig};
 use flipmap::scene::{Document, PictureTable, RunTable, Scene};
 use flipmap::tiles;
 
@@ -55,6 +55,17 @@ pub(super) struct EngineOptions {
     /// Number of threads of the CPU engine (default: one per core)
     #[arg(hide_short_help = true, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
+    /// Setting of the graphics engine that changes its speed and no answer, for measurements; can be
+    /// repeated. The keys are pace (longest milliseconds of a submission without a window),
+    /// first_slice (steps before anything is measured), slices (most per submission), slots (jobs on
+    /// the device), job_size (starts), workgroup (32 to 256), subgroups and general (on or off)
+    #[arg(hide_short_help = true, long, value_name = "KEY=VALUE", value_parser = tuning)]
+    gpu: Vec<String>,
+}
+
+/// Refuses a setting that the graphics engine does not have.
+fn tuning(text: &str) -> Result<String, String> {
+    GpuTuning::default().with(text).map(|_| text.to_string())
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -83,8 +94,15 @@ impl EngineOptions {
             adapter: self.adapter.clone(),
             threads: self.threads(),
             setting,
+            tuning: self.tuning(),
             ..EngineRequest::default()
         }
+    }
+
+    /// Settings of the graphics engine; each has been checked before.
+    fn tuning(&self) -> GpuTuning {
+        let all = self.gpu.iter();
+        all.fold(GpuTuning::default(), |tuning, text| tuning.with(text).unwrap_or(tuning))
     }
 
     /// Number of threads for the CPU engine, if given.
@@ -98,6 +116,9 @@ impl EngineOptions {
         match self.engine {
             EngineOption::Cpu if self.adapter.is_some() => {
                 usage("--adapter names a graphics adapter and cannot be used with --engine cpu")
+            }
+            EngineOption::Cpu if !self.gpu.is_empty() => {
+                usage("--gpu tunes the graphics engine and cannot be used with --engine cpu")
             }
             EngineOption::Gpu if self.threads.is_some() => {
                 usage("--threads applies to the CPU engine and cannot be used with --engine gpu")

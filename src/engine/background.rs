@@ -5,11 +5,12 @@
 //! caller when there are any. To the caller it is an [`Engine`] like any other.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::choice::{ChoiceError, Chosen};
 use super::depth::Following;
-use super::{Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Wait};
+use super::{Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Wait};
 
 /// Length of one poll, after which the thread looks for new orders again.
 const TURN: Duration = Duration::from_millis(4);
@@ -48,7 +49,12 @@ pub struct Background {
     job_size: usize,
     kind: EngineKind,
     adapter: String,
+    offered: Offered,
+    stats: Arc<Mutex<Option<GpuStats>>>,
 }
+
+/// The configurations that an engine on another thread has.
+type Offered = Box<dyn Fn(&IntegratorConfig) -> bool + Send>;
 
 /// Opens an engine on a new thread; `wake` is called whenever there is news.
 pub fn open(
@@ -64,10 +70,14 @@ pub fn open(
                 wake();
             }
             Ok(chosen) => {
-                let (background, orders, answers) = beside(&chosen);
+                let Chosen { mut engine, config, why, following } = chosen;
+                let opened_for = config;
+                let offered = Box::new(move |config: &IntegratorConfig| *config == opened_for);
+                let words = (why, config, following);
+                let (background, served) = Background::beside(engine.as_ref(), words, offered);
                 if sender.send(Ok(background)).is_ok() {
                     wake();
-                    serve(chosen.engine, &orders, &answers, &wake);
+                    serve(engine.as_mut(), &served, &wake);
                 }
             }
         }
@@ -87,33 +97,31 @@ impl PendingEngine {
     }
 }
 
-fn beside(chosen: &Chosen) -> (Background, Receiver<Order>, Sender<Reply>) {
-    let (orders, taken) = channel();
-    let (given, answers) = channel();
-    let engine = &chosen.engine;
-    let background = Background {
-        why: chosen.why.clone(),
-        config: chosen.config,
-        following: chosen.following.clone(),
-        orders,
-        answers,
-        cancellations: 0,
-        in_flight: 0,
-        slots: engine.slots() + AHEAD,
-        job_size: engine.job_size(),
-        kind: engine.kind(),
-        adapter: engine.adapter(),
-    };
-    (background, taken, given)
+/// Moves an open engine to a thread of its own. `offered` says which configurations it has.
+pub fn on_its_own_thread(
+    mut engine: impl Engine + Send + 'static,
+    config: IntegratorConfig,
+    why: &str,
+    offered: impl Fn(&IntegratorConfig) -> bool + Send + 'static,
+) -> std::io::Result<Background> {
+    let words = (why.to_string(), config, Following::default());
+    let (background, served) = Background::beside(&engine, words, Box::new(offered));
+    std::thread::Builder::new()
+        .name("device".to_string())
+        .spawn(move || serve(&mut engine, &served, &|| ()))?;
+    Ok(background)
+}
+
+/// The thread's ends of the channels.
+struct Served {
+    orders: Receiver<Order>,
+    answers: Sender<Reply>,
+    stats: Arc<Mutex<Option<GpuStats>>>,
 }
 
 /// Runs the thread's loop until the caller is gone.
-fn serve(
-    mut engine: Box<dyn Engine>,
-    orders: &Receiver<Order>,
-    answers: &Sender<Reply>,
-    wake: &dyn Fn(),
-) {
+fn serve(engine: &mut dyn Engine, served: &Served, wake: &dyn Fn()) {
+    let Served { orders, answers, stats } = served;
     let (mut number, mut in_flight) = (0, 0usize);
     loop {
         let order = if in_flight == 0 {
@@ -148,6 +156,9 @@ fn serve(
             }
         };
         let any = !news.is_empty();
+        if any {
+            *stats.lock().expect("no panic while held") = engine.gpu_stats();
+        }
         for answer in news {
             if answers.send((number, answer)).is_err() {
                 return;
@@ -160,6 +171,33 @@ fn serve(
 }
 
 impl Background {
+    /// The caller's view of an engine, and the thread's ends of the channels between them.
+    fn beside(
+        engine: &dyn Engine,
+        (why, config, following): (String, IntegratorConfig, Following),
+        offered: Offered,
+    ) -> (Background, Served) {
+        let (orders, taken) = channel();
+        let (given, answers) = channel();
+        let stats = Arc::new(Mutex::new(engine.gpu_stats()));
+        let background = Background {
+            why,
+            config,
+            following,
+            orders,
+            answers,
+            cancellations: 0,
+            in_flight: 0,
+            slots: engine.slots() + AHEAD,
+            job_size: engine.job_size(),
+            kind: engine.kind(),
+            adapter: engine.adapter(),
+            offered,
+            stats: stats.clone(),
+        };
+        (background, Served { orders: taken, answers: given, stats })
+    }
+
     /// Takes an answer, unless its job was cancelled.
     fn take(&mut self, (number, answer): Reply) -> Option<Result<JobResult, EngineError>> {
         if number != self.cancellations {
@@ -233,7 +271,11 @@ impl Engine for Background {
     }
 
     fn offers(&self, config: &IntegratorConfig) -> bool {
-        *config == self.config
+        (self.offered)(config)
+    }
+
+    fn gpu_stats(&self) -> Option<GpuStats> {
+        *self.stats.lock().expect("no panic while held")
     }
 }
 
@@ -307,6 +349,19 @@ mod tests {
         let mut engine = background(|| MockEngine { fail_at: Some(0), ..MockEngine::default() });
         engine.submit(job(0)).unwrap();
         assert!(engine.poll(Wait::UntilFinished).is_err());
+    }
+
+    #[test]
+    fn an_open_engine_moves_to_a_thread_and_offers_what_it_had() {
+        let config = |precision| IntegratorConfig { method: Method::LESSON, precision };
+        let lesson = config(Precision::F32);
+        let offered = |config: &IntegratorConfig| config.precision != Precision::Dd;
+        let mut engine =
+            on_its_own_thread(MockEngine::default(), lesson, "a test", offered).unwrap();
+        assert!(engine.offers(&config(Precision::F64)) && !engine.offers(&config(Precision::Dd)));
+        engine.submit(job(3)).unwrap();
+        let finished = engine.poll(Wait::UntilFinished).unwrap();
+        assert_eq!((finished[0].id, engine.gpu_stats()), (3, None));
     }
 
     #[test]

@@ -1,12 +1,11 @@
 //! The choice of an engine and a configuration: what was requested, what there is, and the reason
 //! for choosing the one.
 
-use std::time::Duration;
-
+use super::background::on_its_own_thread;
 use super::cpu::CpuEngine;
 use super::depth::{DepthEngine, Following};
 use super::gpu::device::{Gpu, adapters, describe};
-use super::gpu::{GpuEngine, HEADLESS_PACE};
+use super::gpu::{GpuEngine, GpuTuning};
 use super::profile::{Profile, ProfileRow};
 use super::{
     Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck,
@@ -26,8 +25,10 @@ pub struct EngineRequest {
     pub setting: IntegrationSetting,
     /// The ends that the configuration has to compute, where any of the level's does.
     pub ends: Ends,
-    /// Longest time that a slice may run on an adapter.
-    pub pace: Duration,
+    /// Settings of an adapter that change no answer.
+    pub tuning: GpuTuning,
+    /// True if an adapter is served by a thread of its own, so that it never waits for its caller.
+    pub own_thread: bool,
 }
 
 impl EngineRequest {
@@ -61,7 +62,8 @@ impl Default for EngineRequest {
             threads: None,
             setting,
             ends: Ends::None,
-            pace: HEADLESS_PACE,
+            tuning: GpuTuning::default(),
+            own_thread: true,
         }
     }
 }
@@ -220,17 +222,37 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
     let profile = Profile::kept(request.threads);
     let mut failures = Vec::new();
     for adapter in fitting {
-        match sound(&adapter, configs_on(&adapter, request, profile.as_ref())) {
-            Ok((mut engine, config)) => {
-                engine.set_pace(request.pace);
+        let configs = configs_on(&adapter, request, profile.as_ref());
+        match sound(&adapter, request.tuning, configs) {
+            Ok((engine, config)) => {
                 let why = format!("{} passed the self-check", engine.adapter());
-                let (engine, following) = (Box::new(engine), Following::default());
+                let engine = served(engine, request, config, &why)?;
+                let following = Following::default();
                 return Ok(Ok(Chosen { engine, config, why, following }));
             }
             Err(why) => failures.push(format!("{}: {why}", describe(&adapter))),
         }
     }
     Ok(Err(failures.join("; ")))
+}
+
+/// An engine as the request wants it: on a thread of its own or not.
+fn served(
+    engine: GpuEngine,
+    request: &EngineRequest,
+    config: IntegratorConfig,
+    why: &str,
+) -> Result<Box<dyn Engine>, EngineError> {
+    if !request.own_thread {
+        return Ok(Box::new(engine));
+    }
+    let verdict = engine.verdict().clone();
+    let offered = move |config: &IntegratorConfig| {
+        GpuEngine::has(config) && verdict.require(config.precision).is_ok()
+    };
+    let served = on_its_own_thread(engine, config, why, offered)
+        .map_err(|error| EngineError::Unsupported(format!("cannot start a thread: {error}")))?;
+    Ok(Box::new(served))
 }
 
 /// The configurations that satisfy a request; the one that is fastest on the adapter comes first if
@@ -257,15 +279,16 @@ fn configs_on(
 /// Opens an engine on the adapter, with the first configuration that it is trusted with.
 fn sound(
     adapter: &wgpu::Adapter,
+    tuning: GpuTuning,
     configs: Vec<IntegratorConfig>,
 ) -> Result<(GpuEngine, IntegratorConfig), String> {
     let mut engine = open_checked(adapter.clone(), &[]).map_err(|error| error.to_string())?;
+    engine.tune(tuning);
     let mut refusals = Vec::new();
     for config in configs {
         // Only orbits that are needed: some kernels take long to compile.
-        let checks = selfcheck::orbits(&mut engine, &[config]);
-        engine.judge_by(checks.map_err(|error| error.to_string())?);
-        match engine.require(&config) {
+        let checked = engine.require(&config).and_then(|()| engine.check_orbits(&config));
+        match checked.and_then(|()| engine.require(&config)) {
             Ok(()) => return Ok((engine, config)),
             Err(why) => refusals.push(why.to_string()),
         }
@@ -281,8 +304,7 @@ pub fn open_checked(
     let gpu = Gpu::open(adapter)?;
     let verdict = selfcheck::run(&gpu)?;
     let mut engine = GpuEngine::new(gpu, verdict);
-    let orbits = selfcheck::orbits(&mut engine, configs)?;
-    engine.judge_by(orbits);
+    configs.iter().try_for_each(|config| engine.check_orbits(config))?;
     Ok(engine)
 }
 

@@ -46,6 +46,7 @@ use crate::scene::{Build, Scene};
 pub use cells::{Cells, Indistinguishable};
 pub use depth::DepthStats;
 pub use end::End;
+pub use gpu::{GpuStats, GpuTuning};
 pub use integrator_state::{Carried, IntegratorState, NUMBERS};
 pub use keep::{Ends, Keep};
 pub use kind::EngineKind;
@@ -272,6 +273,10 @@ pub trait Engine {
     fn adapter(&self) -> String;
     /// Reports whether the engine has the configuration and can be trusted with it.
     fn offers(&self, config: &IntegratorConfig) -> bool;
+    /// Counts of what a graphics device did; none for other engines.
+    fn gpu_stats(&self) -> Option<GpuStats> {
+        None
+    }
 }
 
 /// A mutable reference to an engine is an engine.
@@ -306,5 +311,9 @@ impl<E: Engine + ?Sized> Engine for &mut E {
 
     fn offers(&self, config: &IntegratorConfig) -> bool {
         (**self).offers(config)
+    }
+
+    fn gpu_stats(&self) -> Option<GpuStats> {
+        (**self).gpu_stats()
     }
 }

@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 
 use super::choice::open_checked;
 use super::cpu::{CpuEngine, instruction_set};
-use super::gpu::device::{adapters, describe, is_software};
-use super::level::{BALANCED_DF32, FAST_TO_COMPILE};
+use super::gpu::device::{adapters, describe, is_one_device, is_software};
+use super::level::{BALANCED, BALANCED_DF32, FAST, FAST_TO_COMPILE, LESSON};
 use super::{
-    Accuracy, Engine, EngineKind, IntegratorConfig, Job, JobResult, Keep, Precision, Question,
-    Starts, Wait, selfcheck,
+    Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Precision,
+    Question, Starts, Wait,
 };
 use crate::physics::{Dd, Outcome, Status, oracle};
 use crate::scene::{Fate, Grid, Scene};
@@ -54,8 +54,12 @@ pub struct ProfileRow {
     pub right: f64,
 }
 
-/// Side in pixels of the picture whose open starts are timed.
+/// Side in pixels of the smallest picture whose open starts are timed.
 const SIDE: u32 = 160;
+/// Side in pixels of the largest one: as many starts as a job on a graphics card has.
+const LARGEST_SIDE: u32 = 8 * SIDE;
+/// Seconds from which on a run has filled a graphics card long enough to show its throughput.
+const LONG_SECS: f64 = 0.3;
 /// Number of starts that a slow configuration is timed on.
 const FEW: usize = 512;
 /// One start in so many is compared with the gold standard.
@@ -74,7 +78,7 @@ impl Profile {
             return kept;
         }
         tell("measuring the engines of this machine once; this takes some seconds");
-        let profile = Profile::measure(threads);
+        let profile = Profile::measure(threads, Pairs::WhereNeeded);
         // An unwritable cache costs the next run the same seconds and nothing else.
         if let Err(error) = profile.keep() {
             tell(&format!("the measured profile could not be kept: {error}"));
@@ -94,24 +98,28 @@ impl Profile {
         path().map_or(Ok(()), |path| write(&path, self))
     }
 
-    /// Measures every engine of this machine.
-    pub fn measure(threads: Option<usize>) -> Profile {
+    /// Measures every engine of this machine, each adapter once, however many back-ends show it.
+    pub fn measure(threads: Option<usize>, pairs: Pairs) -> Profile {
         let mut profile = Profile { key: key(threads), rows: Vec::new(), refused: Vec::new() };
-        let sample = Sample::new();
+        let sample = Sample::new(SIDE);
         match CpuEngine::new(threads) {
-            Ok(mut engine) => profile.add(&mut engine, "", false, &sample),
+            Ok(mut engine) => profile.add(&mut engine, "", &CPU_CONFIGS, &sample, SIDE),
             Err(error) => profile.refused.push(format!("cpu: {error}")),
         }
+        let mut measured: Vec<wgpu::AdapterInfo> = Vec::new();
         for adapter in adapters() {
-            let (name, hardware) = (describe(&adapter), !is_software(&adapter));
+            let (name, info) = (describe(&adapter), adapter.get_info());
+            if measured.iter().any(|other| is_one_device(other, &info)) {
+                continue;
+            }
+            let hardware = !is_software(&adapter);
             match open_checked(adapter, &FAST_TO_COMPILE) {
                 Ok(mut engine) => {
-                    // In software, pairs of f32 are far slower than f64, and slow to compile.
-                    let pairs = hardware || engine.verdict().require(Precision::F64).is_err();
-                    if pairs && let Ok(checks) = selfcheck::orbits(&mut engine, &[BALANCED_DF32]) {
-                        engine.judge_by(checks);
-                    }
-                    profile.add(&mut engine, &name, pairs, &sample);
+                    let has_f64 = engine.verdict().require(Precision::F64).is_ok();
+                    let configs = pairs.configs(hardware, has_f64);
+                    let largest = if hardware { LARGEST_SIDE } else { SIDE };
+                    profile.add(&mut engine, &name, configs, &sample, largest);
+                    measured.push(info);
                 }
                 Err(error) => profile.refused.push(format!("{name}: {error}")),
             }
@@ -119,27 +127,27 @@ impl Profile {
         profile
     }
 
-    fn add(&mut self, engine: &mut dyn Engine, adapter: &str, pairs: bool, sample: &Sample) {
-        for accuracy in [Accuracy::Lesson, Accuracy::Fast, Accuracy::Balanced] {
-            for config in accuracy.configs() {
-                if config.precision == Precision::Df32 && !pairs {
-                    continue;
-                }
-                match sample.time(engine, config) {
-                    Ok((us_per_pixel, right)) => self.rows.push(ProfileRow {
-                        accuracy,
-                        engine: engine.kind(),
-                        adapter: adapter.to_string(),
-                        method: config.method.name().to_string(),
-                        setting: config.method.setting(),
-                        precision: config.precision.to_string(),
-                        us_per_pixel,
-                        right,
-                    }),
-                    Err(error) => {
-                        self.refused.push(format!("{} {adapter}: {error}", engine.kind()))
-                    }
-                }
+    fn add(
+        &mut self,
+        engine: &mut dyn Engine,
+        adapter: &str,
+        configs: &[(Accuracy, IntegratorConfig)],
+        sample: &Sample,
+        largest: u32,
+    ) {
+        for &(accuracy, config) in configs {
+            match sample.time(engine, config, largest) {
+                Ok((us_per_pixel, right)) => self.rows.push(ProfileRow {
+                    accuracy,
+                    engine: engine.kind(),
+                    adapter: adapter.to_string(),
+                    method: config.method.name().to_string(),
+                    setting: config.method.setting(),
+                    precision: config.precision.to_string(),
+                    us_per_pixel,
+                    right,
+                }),
+                Err(error) => self.refused.push(format!("{} {adapter}: {error}", engine.kind())),
             }
         }
     }
@@ -157,6 +165,32 @@ impl Profile {
             .iter()
             .filter(|row| row.accuracy == measured && row.keeps_promise() && allows(row))
             .min_by(|a, b| a.us_per_pixel.total_cmp(&b.us_per_pixel))
+    }
+}
+
+/// Adapters on which pairs of f32, whose kernels take long to compile, are measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pairs {
+    /// Adapters that are not trusted with f64.
+    WhereNeeded,
+    /// All adapters but those in software, where pairs are far slower than f64.
+    OnHardware,
+}
+
+/// The levels' configurations that the processor has, and that a graphics adapter compiles fast.
+const CPU_CONFIGS: [(Accuracy, IntegratorConfig); 3] =
+    [(Accuracy::Lesson, LESSON), (Accuracy::Fast, FAST), (Accuracy::Balanced, BALANCED)];
+/// The same with pairs of f32.
+const ALL_CONFIGS: [(Accuracy, IntegratorConfig); 4] = {
+    let [lesson, fast, balanced] = CPU_CONFIGS;
+    [lesson, fast, balanced, (Accuracy::Balanced, BALANCED_DF32)]
+};
+
+impl Pairs {
+    /// The configurations that are measured on a graphics adapter.
+    fn configs(self, is_hardware: bool, has_f64: bool) -> &'static [(Accuracy, IntegratorConfig)] {
+        let wanted = !has_f64 || is_hardware && self == Pairs::OnHardware;
+        if wanted { &ALL_CONFIGS } else { &CPU_CONFIGS }
     }
 }
 
@@ -185,15 +219,10 @@ struct Sample {
 }
 
 impl Sample {
-    fn new() -> Self {
+    fn new(side: u32) -> Self {
         let scene = Scene::default();
-        let (grid, question) = (Grid::new(&scene, [SIDE, SIDE]), Question::from(&scene));
-        let starts: Vec<[Dd; 2]> = (0..SIDE * SIDE)
-            .filter_map(|k| match grid.fate(k % SIDE, k / SIDE) {
-                Fate::Open(angle) => Some(angle),
-                _ => None,
-            })
-            .collect();
+        let question = Question::from(&scene);
+        let starts = open_starts(side);
         let pendulum = scene.build.pendulum();
         let one = |angle: &[Dd; 2]| {
             let angle = angle.map(|theta| theta.hi);
@@ -203,12 +232,14 @@ impl Sample {
         Sample { question, starts, truth }
     }
 
-    /// Measures microseconds per pixel and the share of answers that are right.
+    /// Measures microseconds per pixel and the share of answers that are right. The pictures grow up
+    /// to the side `largest`, until one takes long enough to tell the throughput of a whole picture.
     fn time(
         &self,
         engine: &mut dyn Engine,
         config: IntegratorConfig,
-    ) -> Result<(f64, f64), super::EngineError> {
+        largest: u32,
+    ) -> Result<(f64, f64), EngineError> {
         // The judged starts serve as the warm-up: kernels are compiled for them.
         let judged: Vec<[Dd; 2]> = self.starts.iter().step_by(JUDGED_SHARE).copied().collect();
         let answers = self.run(engine, config, &judged)?.outcomes;
@@ -217,16 +248,29 @@ impl Sample {
                 && (answer.status != Status::Flipped || (answer.time - truth.time).abs() <= 1e-3)
         };
         let right = answers.iter().zip(&self.truth).filter(close).count();
-        let mut timed = |starts: &[[Dd; 2]]| {
+        let right = right as f64 / self.truth.len() as f64;
+        let mut timed = |starts: &[[Dd; 2]]| -> Result<f64, EngineError> {
             let begun = Instant::now();
             self.run(engine, config, starts)?;
-            Ok(begun.elapsed().as_secs_f64() * 1e6 / starts.len() as f64)
+            Ok(begun.elapsed().as_secs_f64())
         };
-        let mut us_per_pixel = timed(&judged[..judged.len().min(FEW)])?;
-        if us_per_pixel < SLOW_US {
-            us_per_pixel = timed(&self.starts)?;
+        let us = |secs: f64, starts: &[[Dd; 2]]| secs * 1e6 / starts.len() as f64;
+        let few = &judged[..judged.len().min(FEW)];
+        let of_few = us(timed(few)?, few);
+        // A card takes hardly longer for many starts than for few.
+        if of_few >= SLOW_US && largest == SIDE {
+            return Ok((of_few, right));
         }
-        Ok((us_per_pixel, right as f64 / self.truth.len() as f64))
+        let mut secs = timed(&self.starts)?;
+        let mut us_per_pixel = us(secs, &self.starts);
+        let mut side = 2 * SIDE;
+        while side <= largest && secs < LONG_SECS {
+            let starts = open_starts(side);
+            secs = timed(&starts)?;
+            us_per_pixel = us(secs, &starts);
+            side *= 2;
+        }
+        Ok((us_per_pixel, right))
     }
 
     fn run(
@@ -234,15 +278,25 @@ impl Sample {
         engine: &mut dyn Engine,
         config: IntegratorConfig,
         starts: &[[Dd; 2]],
-    ) -> Result<JobResult, super::EngineError> {
+    ) -> Result<JobResult, EngineError> {
         let starts = Starts::Rest(starts.to_vec());
         let question = self.question;
         engine.submit(Job { id: 0, question, config, starts, keep: Keep::NOTHING })?;
         let mut finished = engine.poll(Wait::UntilFinished)?;
         finished
             .pop()
-            .ok_or_else(|| super::EngineError::Unsupported("the engine gave no answer".to_string()))
+            .ok_or_else(|| EngineError::Unsupported("the engine gave no answer".to_string()))
     }
+}
+
+/// The open starts of the home map in `side` × `side` pixels.
+fn open_starts(side: u32) -> Vec<[Dd; 2]> {
+    let grid = Grid::new(&Scene::default(), [side, side]);
+    let open = |k: u32| match grid.fate(k % side, k / side) {
+        Fate::Open(angle) => Some(angle),
+        _ => None,
+    };
+    (0..side * side).filter_map(open).collect()
 }
 
 /// Identifies the machine and the program that a profile is measured on, as one line.
@@ -319,6 +373,35 @@ mod tests {
         assert_eq!(fastest.engine, EngineKind::Gpu, "less right than promised");
         for row in &profile.rows {
             assert!(row.accuracy.configs().contains(&row.config().unwrap()));
+        }
+    }
+
+    #[test]
+    fn an_engine_is_timed_on_pictures_that_fill_it() {
+        use crate::engine::mock::MockEngine;
+        let sample = Sample::new(SIDE);
+        let starts_timed = |largest| {
+            let mut engine = MockEngine::default();
+            sample.time(&mut engine, LESSON, largest).unwrap();
+            engine.answered
+        };
+        let few = starts_timed(SIDE);
+        // The mock engine answers at once, so that even the largest picture is soon done.
+        assert!(starts_timed(LARGEST_SIDE) > 60 * few, "{few}");
+    }
+
+    #[test]
+    fn kernels_that_take_long_to_compile_are_measured_where_they_are_needed() {
+        let has_pairs = |pairs: Pairs, is_hardware, has_f64| {
+            let configs = pairs.configs(is_hardware, has_f64);
+            configs.iter().any(|(_, config)| config.precision == Precision::Df32)
+        };
+        assert!(!has_pairs(Pairs::WhereNeeded, true, true));
+        assert!(has_pairs(Pairs::WhereNeeded, true, false));
+        assert!(has_pairs(Pairs::OnHardware, true, true));
+        assert!(!has_pairs(Pairs::OnHardware, false, true));
+        for (accuracy, config) in ALL_CONFIGS {
+            assert!(accuracy.configs().contains(&config));
         }
     }
 

@@ -117,7 +117,10 @@ pub fn orbits(
         let starts = Starts::Rest(starts.clone());
         let job = Job { id: 0, question, config, starts, keep: Keep::NOTHING };
         // A refused precision has its failed checks already.
-        let Ok(()) = engine.submit(job) else { continue };
+        if !engine.offers(&config) {
+            continue;
+        }
+        engine.submit(job)?;
         let finished = engine.poll(Wait::UntilFinished)?;
         let answers = finished.first().map_or(&[][..], |finished| &finished.outcomes);
         let truth: Vec<Outcome> = scattered().map(|k| truth[k]).collect();

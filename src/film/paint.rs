@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::Mip;
 use super::mip::Light;
-use crate::output::{blended, curve_cover};
+use crate::output::{CurveBand, blended};
 use crate::scene::palette::encoded;
 
 use crate::scene::Turn;
@@ -80,11 +80,12 @@ impl FramePainter {
         let curve = self.curve.filter(|_| shot.scene.build.pendulum().q > 0.0);
         let mut bytes = vec![0; 3 * self.size[0] as usize * self.size[1] as usize];
         bytes.par_chunks_mut(3 * self.size[0] as usize).enumerate().for_each(|(row, bytes)| {
+            let curve = curve.map(|rgb| (rgb, CurveBand::around(&grid, row as u32)));
             for (column, rgb) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 let light = self.light([column, row], &grid, [&coarse, &fine], fine_share);
                 *rgb = light.map(|light| self.encode[(light + 0.5) as usize]);
-                if let Some(curve) = curve {
-                    *rgb = blended(*rgb, curve, curve_cover(&grid, column as u32, row as u32));
+                if let Some((colour, band)) = &curve {
+                    *rgb = blended(*rgb, *colour, band.cover(&grid, column as u32, row as u32));
                 }
             }
         });

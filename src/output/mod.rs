@@ -5,6 +5,7 @@
 //! come, and only a few rows are held: pictures can be larger than memory.
 
 pub mod compare;
+mod curve;
 mod device;
 mod digest;
 mod exr;
@@ -32,6 +33,7 @@ mod trace;
 mod trace_channels;
 mod trust;
 
+pub use curve::CurveBand;
 pub use device::open_plain;
 pub use digest::sha256;
 pub use exr::ExrWriter;
@@ -39,7 +41,7 @@ pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};
 pub use gradient::{GradientError, read_gradient};
 pub use npy::{NpyWriter, number_of};
 pub use one_file::is_one_file;
-pub use paint::{RowPainter, blended, curve_cover};
+pub use paint::{RowPainter, blended};
 pub use picture_file::PictureFile;
 pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
 pub use pyramid::{Pyramid, PyramidFolder, TILE_SIDE};

@@ -1,6 +1,7 @@
 //! The colours of samples: the palette, the light on them, the mean of several samples per pixel, the
 //! energy curve, the legend.
 
+use super::curve::CurveBand;
 use super::legend::Legend;
 use super::lit_rows::LitRows;
 use crate::physics::Status;
@@ -13,7 +14,8 @@ use crate::tiles::Samples;
 /// Paints bands of a picture from the top.
 pub struct RowPainter {
     colours: AnswerColours,
-    curve: bool,
+    /// The band of the next row, where the energy curve is drawn.
+    curve: Option<CurveBand>,
     legend: Option<Legend>,
     lit: Option<LitRows>,
     samples_along: u32,
@@ -23,9 +25,6 @@ pub struct RowPainter {
     pending: Vec<Tint>,
 }
 
-/// Half the width of the energy curve in pixels.
-const CURVE_HALF_WIDTH: f64 = 0.75;
-
 impl RowPainter {
     /// A painter of a `size` picture of a checked scene; refuses a table that cannot be used.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
@@ -33,13 +32,15 @@ impl RowPainter {
         let legend = || Legend::new(&colours, scene.question.ask, size);
         let fine = size.map(|side| side * picture.samples);
         let relief = Relief::of(picture).filter(|_| colours.times().is_some());
+        let grid = Grid::new(scene, size);
+        let curve = picture.curve && scene.build.pendulum().q > 0.0;
         Ok(RowPainter {
             legend: picture.legend.then(legend).transpose()?,
             lit: relief.map(|relief| LitRows::new(relief, fine)),
             colours,
-            curve: picture.curve && scene.build.pendulum().q > 0.0,
+            curve: curve.then(|| CurveBand::around(&grid, 0)),
             samples_along: picture.samples,
-            grid: Grid::new(scene, size),
+            grid,
             next_row: 0,
             pending: Vec::new(),
         })
@@ -71,6 +72,9 @@ impl RowPainter {
         let mut pixels = Vec::with_capacity(rows * width);
         let painted: Vec<Tint> = self.pending.drain(..rows * row_samples).collect();
         for row in painted.chunks(row_samples) {
+            if let Some(curve) = &mut self.curve {
+                curve.move_to(&self.grid, self.next_row);
+            }
             for column in 0..width {
                 let tint = mean(row, width * along, column * along, along);
                 pixels.push(self.with_marks(tint, column as u32));
@@ -82,7 +86,7 @@ impl RowPainter {
 
     /// The colour of a pixel of the next row under the energy curve and the legend.
     fn with_marks(&self, tint: Tint, column: u32) -> Tint {
-        let tint = if self.curve { self.with_curve(tint, column) } else { tint };
+        let tint = self.with_curve(tint, column);
         match &self.legend {
             Some(legend) => legend.over(tint, column, self.next_row),
             None => tint,
@@ -90,8 +94,11 @@ impl RowPainter {
     }
 
     fn with_curve(&self, tint: Tint, column: u32) -> Tint {
-        let cover = curve_cover(&self.grid, column, self.next_row);
-        mixed(tint, tint_of(self.colours.ground().curve), cover as f32)
+        let band = self.curve.as_ref();
+        match band.map_or(0.0, |band| band.cover(&self.grid, column, self.next_row)) {
+            0.0 => tint,
+            cover => mixed(tint, tint_of(self.colours.ground().curve), cover as f32),
+        }
     }
 }
 
@@ -113,12 +120,6 @@ pub fn blended(below: Rgb, above: Rgb, cover: f64) -> Rgb {
 /// The tint of which `above` covers a share.
 pub(super) fn mixed(below: Tint, above: Tint, cover: f32) -> Tint {
     [0, 1, 2].map(|i| below[i] + (above[i] - below[i]) * cover)
-}
-
-/// Share of a pixel that the energy curve covers, from its distance to the pixel's middle.
-pub fn curve_cover(grid: &Grid, column: u32, row: u32) -> f64 {
-    let distance = grid.pixels_from_curve(column, row);
-    (CURVE_HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
 }
 
 /// The mean colour of `along` × `along` samples from index `first` on, in linear light.

@@ -1,13 +1,16 @@
 //! PNG files written row by row with the scene inside, and the scene read back from one.
 
-use std::cell::RefCell;
 use std::io::{self, BufRead, Seek, Write};
-use std::rc::Rc;
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use crate::scene::Document;
 
 /// The keyword of the text chunk.
 const KEYWORD: &str = "flipmap";
+
+/// Level of compression. Maps are flat areas of few colours, which filters break up: without them
+/// this level takes a fifth of the time of the encoder's own choice, and most files are smaller.
+const COMPRESSION: png::DeflateCompression = png::DeflateCompression::Level(2);
 
 /// Reasons why a PNG could not be written, or has no scene.
 #[derive(Debug, thiserror::Error)]
@@ -62,11 +65,13 @@ impl<W: Write + 'static> PngWriter<W> {
         text: Option<String>,
         depth: png::BitDepth,
     ) -> Result<Self, PngError> {
-        let out = Shared(Rc::new(RefCell::new(Inner { out, failure: None })));
+        let out = Shared(Arc::new(Mutex::new(Inner { out, failure: None })));
         let mut encoder = png::Encoder::new(out.clone(), width, height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(depth);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.set_filter(png::Filter::NoFilter);
+        encoder.set_deflate_compression(COMPRESSION);
         let texted = text.map_or(Ok(()), |text| encoder.add_itxt_chunk(KEYWORD.to_string(), text));
         let begun = texted.and_then(|()| encoder.write_header()?.into_stream_writer());
         let stream = begun.map_err(|error| out.explain(error.into()))?;
@@ -82,13 +87,16 @@ impl<W: Write + 'static> PngWriter<W> {
     pub fn finish(self) -> Result<W, PngError> {
         let PngWriter { out, stream } = self;
         stream.finish().map_err(|error| out.explain(error.into()))?;
-        let inner = Rc::into_inner(out.0).expect("the stream's share is gone");
-        Ok(inner.into_inner().out)
+        let inner = Arc::into_inner(out.0).expect("the stream's share is gone");
+        Ok(inner.into_inner().expect(NO_PANIC).out)
     }
 }
 
 /// The file, shared with the encoder, which takes its writer and never gives it back.
-struct Shared<W>(Rc<RefCell<Inner<W>>>);
+struct Shared<W>(Arc<Mutex<Inner<W>>>);
+
+/// Reason for which the lock of a shared file is sound.
+const NO_PANIC: &str = "no panic while held";
 
 struct Inner<W> {
     out: W,
@@ -97,16 +105,20 @@ struct Inner<W> {
 }
 
 impl<W> Shared<W> {
+    fn inner(&self) -> MutexGuard<'_, Inner<W>> {
+        self.0.lock().expect(NO_PANIC)
+    }
+
     /// The file's own error behind the `error` that the encoder reported.
     fn explain(&self, error: io::Error) -> io::Error {
-        self.0.borrow_mut().failure.take().unwrap_or(error)
+        self.inner().failure.take().unwrap_or(error)
     }
 
     fn remember<T>(&self, result: io::Result<T>) -> io::Result<T> {
         result.map_err(|error| {
             let kind = error.kind();
             if kind != io::ErrorKind::Interrupted {
-                self.0.borrow_mut().failure.get_or_insert(error);
+                self.inner().failure.get_or_insert(error);
             }
             kind.into()
         })
@@ -121,11 +133,11 @@ impl<W> Clone for Shared<W> {
 
 impl<W: Write> Write for Shared<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.0.borrow_mut().out.write(bytes);
+        let written = self.inner().out.write(bytes);
         self.remember(written)
     }
     fn flush(&mut self) -> io::Result<()> {
-        let flushed = self.0.borrow_mut().out.flush();
+        let flushed = self.inner().out.flush();
         self.remember(flushed)
     }
 }
@@ -234,6 +246,20 @@ mod tests {
         assert_eq!(document_in_png(Cursor::new(&bytes)).unwrap(), Document::default());
         let picture = picture_in_png(Cursor::new(&bytes), 9).unwrap();
         assert_eq!(picture.rgb, [7, 8, 9, 255, 0, 128]);
+    }
+
+    #[test]
+    fn maps_are_smaller_than_by_the_encoders_own_choice() {
+        let file = std::io::BufReader::new(std::fs::File::open("docs/heyl.png").unwrap());
+        let Picture { document, size, rgb } = picture_in_png(file, 4096).unwrap();
+        let mut ours = PngWriter::new(Vec::new(), size, &document).unwrap();
+        ours.write(&rgb).unwrap();
+        let ours = ours.finish().unwrap();
+        let mut usual = Vec::new();
+        let mut encoder = png::Encoder::new(&mut usual, size[0], size[1]);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.write_header().unwrap().write_image_data(&rgb).unwrap();
+        assert!(ours.len() < usual.len(), "{} of {} bytes", ours.len(), usual.len());
     }
 
     #[test]

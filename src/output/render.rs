@@ -1,23 +1,36 @@
 //! The loop from a picture's work to its files, the same on the command line and in a window.
+//!
+//! Samples are painted, compressed and written on a thread of their own while the next ones are
+//! computed:
+//!
+//! ```text
+//! engine ──► work ──► rows from the top ──► [a few bands] ──► paint ──► files
+//! ```
 
+use std::panic::resume_unwind;
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
 
-use super::failure::RenderError;
+use super::failure::{OutputError, RenderError};
 use super::{RowOrder, SinkPass, Sinks};
 use crate::engine::Engine;
-use crate::tiles::{Counts, Work};
+use crate::tiles::{Counts, Samples, Work};
 
 /// Time spent on a render.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RenderClock {
     /// Time spent on computing samples.
     pub compute: Duration,
-    /// Time spent on painting and writing them.
+    /// Time spent on painting and writing them, most of it meanwhile.
     pub output: Duration,
 }
 
 /// Interval at which a request to stop is looked for.
 const PATIENCE: Duration = Duration::from_millis(50);
+/// Interval at which bands are offered again to a writer that is behind.
+const PAUSE: Duration = Duration::from_millis(2);
+/// Number of bands that wait for the writer.
+const AHEAD: usize = 2;
 
 /// Runs one pass and hands its samples to `sinks`, rows from the top. `go_on` takes the counts so
 /// far, at least every few hundredths of a second, and returns false to stop.
@@ -29,22 +42,118 @@ pub fn render_pass(
     clock: &mut RenderClock,
     go_on: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<(), RenderError> {
+    let (bands, taken) = sync_channel(AHEAD);
+    std::thread::scope(|scope| {
+        let writer = scope.spawn(move || write(sinks, pass, &taken));
+        let computed = compute(work, engine, bands, clock, go_on);
+        let (output, written) = writer.join().unwrap_or_else(|panic| resume_unwind(panic));
+        clock.output += output;
+        // A writer that fails ends the computation, too.
+        written?;
+        computed
+    })
+}
+
+/// Writes bands as they come and returns the time that it took, until there are no more.
+fn write(
+    sinks: &mut Sinks,
+    pass: &SinkPass,
+    bands: &Receiver<Samples>,
+) -> (Duration, Result<(), OutputError>) {
+    let mut busy = Duration::ZERO;
+    for samples in bands {
+        let writing = Instant::now();
+        let written = sinks.write(pass, &samples);
+        busy += writing.elapsed();
+        if written.is_err() {
+            return (busy, written);
+        }
+    }
+    (busy, Ok(()))
+}
+
+/// Computes all samples and passes them on, rows from the top, until the writer is gone.
+fn compute(
+    work: &mut Work,
+    engine: &mut dyn Engine,
+    bands: SyncSender<Samples>,
+    clock: &mut RenderClock,
+    go_on: &mut dyn FnMut(&Counts) -> bool,
+) -> Result<(), RenderError> {
     let mut rows = RowOrder::default();
     while !work.is_done() {
         let computing = Instant::now();
         let finished = work.work(engine, Some(computing + PATIENCE))?;
         clock.compute += computing.elapsed();
-        let writing = Instant::now();
+        let mut heed = || if go_on(&work.counts()) { Ok(()) } else { Err(RenderError::Stopped) };
         for samples in finished.into_iter().flat_map(|tile| rows.push(tile)) {
-            sinks.write(pass, &samples)?;
-            heed(go_on(&work.counts()))?;
+            if !pass_on(&bands, samples, &mut heed)? {
+                return Ok(());
+            }
         }
-        clock.output += writing.elapsed();
-        heed(go_on(&work.counts()))?;
+        heed()?;
     }
     Ok(())
 }
 
-fn heed(go_on: bool) -> Result<(), RenderError> {
-    if go_on { Ok(()) } else { Err(RenderError::Stopped) }
+/// Passes a band on once there is room; returns false if the writer is gone.
+fn pass_on(
+    bands: &SyncSender<Samples>,
+    mut samples: Samples,
+    heed: &mut dyn FnMut() -> Result<(), RenderError>,
+) -> Result<bool, RenderError> {
+    loop {
+        heed()?;
+        match bands.try_send(samples) {
+            Ok(()) => return Ok(true),
+            Err(TrySendError::Disconnected(_)) => return Ok(false),
+            Err(TrySendError::Full(back)) => samples = back,
+        }
+        std::thread::sleep(PAUSE);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::mock::MockEngine;
+    use crate::engine::{IntegratorConfig, Method, Precision};
+    use crate::output::Paths;
+    use crate::scene::Document;
+
+    const CONFIG: IntegratorConfig =
+        IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+
+    /// Renders the home map to a file until `go_on` says no.
+    fn render(
+        path: &str,
+        go_on: &mut dyn FnMut(&Counts) -> bool,
+    ) -> (Result<(), RenderError>, Counts) {
+        let paths = Paths { raw: Some(path.into()), ..Paths::default() };
+        let (document, size) = (Document::default(), [200, 200]);
+        let mut engine = MockEngine { job_size: 200, ..MockEngine::default() };
+        let mut sinks = Sinks::open(&paths, &document, size).unwrap();
+        let pass = sinks.passes(1).remove(0);
+        let mut work = Work::new(&document.scene(), size, CONFIG, 200);
+        let clock = &mut RenderClock::default();
+        let done = render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, go_on);
+        (done, work.counts())
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_that_cannot_be_written_ends_the_computation() {
+        let (done, counts) = render("/dev/full", &mut |_| true);
+        assert!(matches!(done, Err(RenderError::Output(OutputError::Write { .. }))), "{done:?}");
+        assert!(counts.pixels < 200 * 200, "all has been computed for nothing");
+    }
+
+    #[test]
+    fn a_request_to_stop_is_heeded_between_bands() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.npy");
+        let (done, counts) = render(path.to_str().unwrap(), &mut |counts| counts.pixels < 2000);
+        assert!(matches!(done, Err(RenderError::Stopped)), "{done:?}");
+        assert!((2000..20_000).contains(&counts.pixels), "{}", counts.pixels);
+    }
 }

@@ -1,8 +1,8 @@
 //! The starts of a picture's pixels, and what is known of them before anything is computed.
 
 use super::leaf_grid::{Grouped, LeafGrid};
-use super::plane::wrapped;
-use super::{Axis, ExactPlane, Plane, Scene};
+use super::plane::{PlaneNumbers, wrapped};
+use super::{Axis, ExactPlane, Scene};
 use crate::physics::opening::{Begin, Opening, from_top};
 use crate::physics::{Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
 
@@ -16,7 +16,7 @@ pub struct Grid {
     /// Change of (θ1, θ2) per pixel to the right, rad; `up` is the change per pixel upwards.
     right: [Dd; 2],
     up: [Dd; 2],
-    plane: Plane,
+    plane: PlaneNumbers,
     /// The plane of cells that can be followed; none where none can.
     cell_plane: Option<ExactPlane>,
     passes: u32,
@@ -54,6 +54,8 @@ fn beside_pi(by: Dd, other: Dd) -> Dd {
 
 /// Distance from the top below which double-double does not tell its two sides apart, rad.
 const INDISTINCT_RAD: f64 = 1e-29;
+/// Depth below which the energy is computed in double-double, as a share of P + Q.
+const NEAR: f64 = 1e-9;
 
 impl Grid {
     /// The grid of a checked scene for a picture of `size` pixels.
@@ -102,7 +104,7 @@ impl Grid {
             spots,
             right,
             up,
-            plane: scene.plane.clone(),
+            plane: scene.plane.numbers(),
             cell_plane,
             passes: scene.question.passes(),
             pendulum,
@@ -146,7 +148,7 @@ impl Grid {
     /// axes; angles lie in [−π, π].
     pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
         let [x, y] = self.pixels_from_center(column, row).map(Dd::new);
-        let wraps = self.plane.axes().map(Axis::wraps);
+        let wraps = self.plane.axes.map(Axis::wraps);
         let by = [0, 1].map(|i| x * self.right[i] + y * self.up[i]);
         [0, 1].map(|i| match wraps[i] {
             true if self.center[i].abs() == Dd::PI => beside_pi(by[i], by[1 - i]),
@@ -172,7 +174,7 @@ impl Grid {
     /// Distance from the middle of a pixel to the energy curve in pixels, to first order: the
     /// energy's depth there over its slope. Large where the energy is flat.
     pub fn pixels_from_curve(&self, column: u32, row: u32) -> f64 {
-        if !self.plane.is_at_rest() || self.rule == Rule::Neither {
+        if !self.has_curve() {
             return f64::INFINITY;
         }
         let angle = self.angle_from_pixel(column, row);
@@ -182,8 +184,31 @@ impl Grid {
         let along = |by: [Dd; 2]| slope[0] * by[0].hi + slope[1] * by[1].hi;
         let a_pixel = along(self.right).hypot(along(self.up));
         let depth = self.energy_depth(near);
-        let depth = if depth.abs() > 1e-9 * (p + q) { depth } else { self.exact_depth(angle).hi };
+        let depth = if depth.abs() > NEAR * (p + q) { depth } else { self.exact_depth(angle).hi };
         if a_pixel > 0.0 { depth.abs() / a_pixel } else { f64::INFINITY }
+    }
+
+    /// Returns true if every pixel of a block is more than `pixels` away from the energy curve, as
+    /// [`Grid::pixels_from_curve`] measures it. `origin` is the block's upper left pixel.
+    pub fn is_clear_of_curve(&self, origin: [u32; 2], size: [u32; 2], pixels: f64) -> bool {
+        if !self.has_curve() {
+            return true;
+        }
+        let Pendulum { p, q, .. } = self.pendulum;
+        // The most by which the depth changes from one pixel to the next.
+        let most = |by: [Dd; 2]| p.abs() * by[0].hi.abs() + q.abs() * by[1].hi.abs();
+        let (right, up) = (most(self.right), most(self.up));
+        let [x, y] = [0, 1].map(|i| origin[i] + size[i] / 2);
+        let middle = self.angle_from_pixel(x, y).map(|theta| theta.hi);
+        let half = size.map(|side| f64::from(side / 2));
+        let reach = half[0] * right + half[1] * up + pixels * right.hypot(up);
+        // Beyond the depth from which on all pixels are measured in f64.
+        self.energy_depth(middle).abs() > reach + 2.0 * NEAR * (p.abs() + q.abs())
+    }
+
+    /// Returns true if the plane has an energy curve.
+    fn has_curve(&self) -> bool {
+        self.plane.is_at_rest && self.rule != Rule::Neither
     }
 
     /// Depth of a start in the forbidden region: P cos θ1 + Q cos θ2 less its bound, J. Zero on the
@@ -200,7 +225,7 @@ impl Grid {
     /// Determines as much of a pixel's outcome as is known beforehand.
     pub fn fate(&self, column: u32, row: u32) -> Fate {
         let angle = self.angle_from_pixel(column, row);
-        if !self.plane.is_at_rest() {
+        if !self.plane.is_at_rest {
             return self.fate_in_motion(angle);
         }
         if self.rule == Rule::Neither {
@@ -264,7 +289,7 @@ impl Grid {
 
     fn opening_near(&self, angle: [Dd; 2], column: u32, row: u32) -> Option<Outcome> {
         // Later passes are not known from the first moments, nor are those of thrown pendulums.
-        let begins = self.passes == 1 && self.plane.is_at_rest();
+        let begins = self.passes == 1 && self.plane.is_at_rest;
         if !begins || !self.opening.concerns(angle.map(|theta| theta.hi)) {
             return None;
         }
@@ -355,6 +380,27 @@ mod tests {
         };
         let [theta1, _] = grid(view, [2, 2]).angle_from_pixel(1, 0);
         assert!((theta1.hi - 0.25).abs() < 1e-14);
+    }
+
+    #[test]
+    fn blocks_that_are_clear_of_the_curve_have_no_pixel_near_it() {
+        let turned = View { rotate: 25.0, stretch: 2.0, width: "4".into(), ..View::default() };
+        let center = ["1.5707963267948966".into(), "0".into()];
+        let close = View { center, width: "1e-7".into(), ..View::default() };
+        for view in [View::default(), turned, close] {
+            let grid = grid(view, [192, 160]);
+            let (mut near, mut crossed) = (0, 0);
+            for (x, y) in (0..12).flat_map(|x| (0..10).map(move |y| (16 * x, 16 * y))) {
+                let pixels = (0..256).map(|k| (x + k % 16, y + k / 16));
+                let least = pixels.map(|(x, y)| grid.pixels_from_curve(x, y)).fold(99.0, f64::min);
+                let clear = grid.is_clear_of_curve([x, y], [16, 16], 1.25);
+                assert!(!clear || least > 1.25, "({x}, {y}): {least}");
+                near += u32::from(!clear);
+                crossed += u32::from(least < 1.25);
+            }
+            let share = f64::from(near) / 120.0;
+            assert!(crossed > 5 && share < 0.6, "{crossed} crossed, {share} tested");
+        }
     }
 
     #[test]

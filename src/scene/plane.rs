@@ -194,11 +194,41 @@ impl Plane {
     /// The start at a position, rad, rad/s or kg m²/s; none where a section has no real solution.
     /// `pendulum` is in SI units.
     pub fn launch(&self, pendulum: &Pendulum<Dd>, at: [Dd; 2]) -> Option<Launch> {
-        let mut start = [0, 1, 2, 3].map(|i| Dd::parse(&self.origin[i]).unwrap_or_default());
+        self.numbers().launch(pendulum, at)
+    }
+
+    /// The numbers of the plane.
+    pub(super) fn numbers(&self) -> PlaneNumbers {
+        PlaneNumbers {
+            kind: self.kind,
+            axes: self.axes(),
+            is_at_rest: self.is_at_rest(),
+            origin: [0, 1, 2, 3].map(|i| Dd::parse(&self.origin[i]).unwrap_or_default()),
+            energy: Dd::new(self.energy),
+        }
+    }
+}
+
+/// The numbers of a plane, read from its decimal strings once for all pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlaneNumbers {
+    kind: PlaneKind,
+    /// The quantities across and up.
+    pub axes: [Axis; 2],
+    /// True if it is the torus of both angles, with pendulums released from rest.
+    pub is_at_rest: bool,
+    origin: [Dd; 4],
+    energy: Dd,
+}
+
+impl PlaneNumbers {
+    /// The start at a position (see [`Plane::launch`]).
+    pub(super) fn launch(&self, pendulum: &Pendulum<Dd>, at: [Dd; 2]) -> Option<Launch> {
         if self.kind == PlaneKind::Section {
             return self.on_section(pendulum, at);
         }
-        for (axis, value) in self.axes().into_iter().zip(at) {
+        let mut start = self.origin;
+        for (axis, value) in self.axes.into_iter().zip(at) {
             start[axis.place()] = value;
         }
         let [theta1, theta2, omega1, omega2] = start;
@@ -207,7 +237,7 @@ impl Plane {
 
     /// The start where θ1 = 0 and ω1 > 0 with the section's energy.
     fn on_section(&self, pendulum: &Pendulum<Dd>, [theta2, p2]: [Dd; 2]) -> Option<Launch> {
-        let speed = speeds_on_section(pendulum, Dd::new(self.energy), theta2, p2)?;
+        let speed = speeds_on_section(pendulum, self.energy, theta2, p2)?;
         Some(Launch { angle: [Dd::new(0.0), wrapped(theta2)], speed })
     }
 }

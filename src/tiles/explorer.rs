@@ -41,8 +41,8 @@ pub struct ViewProgress {
 
 /// Maximum number of cells of a level that are drawn at once.
 pub const MOST_CELLS: usize = 1500;
-/// Maximum number of cells in a job.
-const MOST_IN_JOB: usize = 16;
+/// Maximum number of cells in a job, which fill a large graphics card.
+const MOST_IN_JOB: usize = 64;
 
 /// Cells of one job in flight, with the key of their physics and their budget.
 #[derive(Debug)]

@@ -1,9 +1,13 @@
 //! The known samples of a tile before its job, and the starts of its other pixels.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
 use crate::engine::{Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust};
-use crate::physics::Outcome;
+use crate::physics::{Dd, Launch, Outcome};
 use crate::scene::lattice::Cell;
 use crate::scene::{ExactPlane, Fate, Grid, Grouped, Scene};
 
@@ -27,7 +31,7 @@ impl OpenTile {
         config: IntegratorConfig,
         cells: Cells,
         pixels: &[[u32; 2]],
-        known: impl Fn([u32; 2]) -> Option<Known>,
+        known: impl Fn([u32; 2]) -> Option<Known> + Sync,
     ) -> Self {
         let pixel = |place: u32| (grid, pixels[place as usize], known(pixels[place as usize]));
         let plane = grid.cell_plane().filter(|_| cells.are_followed(&config, grid.pixel_rad()));
@@ -43,7 +47,7 @@ impl OpenTile {
         config: IntegratorConfig,
         cells: &[Cell],
         side: u32,
-        known: impl Fn(usize, u32) -> Option<Known>,
+        known: impl Fn(usize, u32) -> Option<Known> + Sync,
     ) -> Self {
         let in_cell = side * side;
         let grids: Vec<Grid> = cells.iter().map(|cell| cell.grid(scene, side)).collect();
@@ -62,7 +66,7 @@ impl OpenTile {
     fn sorted<'a>(
         count: u32,
         groups: Option<(ExactPlane, Grouped)>,
-        pixel: impl Fn(u32) -> (&'a Grid, [u32; 2], Option<Known>),
+        pixel: impl Fn(u32) -> (&'a Grid, [u32; 2], Option<Known>) + Sync,
     ) -> Self {
         let samples = Samples::unflipped(count as usize);
         let mut tile = OpenTile { samples, places: Vec::new(), starts: Starts::Rest(Vec::new()) };
@@ -70,10 +74,10 @@ impl OpenTile {
             Some((plane, groups)) => {
                 tile.fill_deep(plane, groups, |place| known_deep(pixel(place)));
             }
-            None => tile.fill((0..count).map(|place| {
+            None => tile.fill(count, |place| {
                 let (grid, [x, y], known) = pixel(place);
-                (place, grid.fate(x, y), known)
-            })),
+                (grid.fate(x, y), known)
+            }),
         }
         tile
     }
@@ -83,37 +87,29 @@ impl OpenTile {
         self.places.is_empty()
     }
 
-    /// Sorts pixels into known samples and starts. Resumed and new starts never share a job.
-    fn fill(&mut self, pixels: impl Iterator<Item = (u32, Fate, Option<Known>)>) {
-        let (mut angles, mut launches) = (Vec::new(), Vec::new());
-        let (mut resumed, mut thrown) = (Vec::<IntegratorState>::new(), false);
-        for (place, fate, known) in pixels {
-            match (fate, known) {
-                (Fate::Known(outcome), _) => self.set(place, outcome, Trust::of_proved(&outcome)),
-                (_, Some((SavedPixel::Over(outcome), trust))) => {
-                    self.set(place, outcome, trust);
-                }
-                (fate, Some((SavedPixel::Unfinished(state), _))) => {
-                    self.places.push(place);
-                    thrown = matches!(fate, Fate::Thrown(_));
-                    resumed.push(state);
-                }
-                (Fate::Open(angle), None) => {
-                    self.places.push(place);
-                    angles.push(angle);
-                }
-                (Fate::Thrown(launch), None) => {
-                    self.places.push(place);
-                    launches.push(launch);
-                }
+    /// Sorts `count` pixels into known samples and starts, on all cores. Resumed and new starts
+    /// never share a job.
+    fn fill(&mut self, count: u32, pixel: impl Fn(u32) -> (Fate, Option<Known>) + Sync) {
+        let places: Vec<u32> = (0..count).step_by(SHARE as usize).collect();
+        let sorted = |&first: &u32| Sorted::new(first..count.min(first + SHARE), &pixel);
+        let parts: Vec<Sorted> = places.par_iter().map(sorted).collect();
+        let mut all = Sorted::default();
+        for part in parts {
+            for (place, outcome, trust) in part.known {
+                self.set(place, outcome, trust);
             }
+            self.places.extend(part.places);
+            all.angles.extend(part.angles);
+            all.launches.extend(part.launches);
+            all.resumed.extend(part.resumed);
+            all.thrown |= part.thrown;
         }
-        self.starts = if !resumed.is_empty() {
-            Starts::Resumed { states: resumed, thrown }
-        } else if !launches.is_empty() {
-            Starts::Thrown(launches)
+        self.starts = if !all.resumed.is_empty() {
+            Starts::Resumed { states: all.resumed, thrown: all.thrown }
+        } else if !all.launches.is_empty() {
+            Starts::Thrown(all.launches)
         } else {
-            Starts::Rest(angles)
+            Starts::Rest(all.angles)
         };
     }
 
@@ -145,6 +141,48 @@ impl OpenTile {
     fn set(&mut self, place: u32, outcome: Outcome, trust: Trust) {
         self.samples.set(place as usize, outcome);
         self.samples.set_trust(place as usize, trust);
+    }
+}
+
+/// Number of pixels that a thread sorts at a time.
+const SHARE: u32 = 1 << 12;
+
+/// Some pixels of a tile, sorted into known samples and starts in their order.
+#[derive(Default)]
+struct Sorted {
+    known: Vec<(u32, Outcome, Trust)>,
+    /// Index of the sample of each start.
+    places: Vec<u32>,
+    angles: Vec<[Dd; 2]>,
+    launches: Vec<Launch>,
+    resumed: Vec<IntegratorState>,
+    /// True if the resumed ones were thrown.
+    thrown: bool,
+}
+
+impl Sorted {
+    fn new(places: Range<u32>, pixel: &impl Fn(u32) -> (Fate, Option<Known>)) -> Self {
+        let mut sorted = Sorted::default();
+        for place in places {
+            match pixel(place) {
+                (Fate::Known(outcome), _) => {
+                    sorted.known.push((place, outcome, Trust::of_proved(&outcome)));
+                    continue;
+                }
+                (_, Some((SavedPixel::Over(outcome), trust))) => {
+                    sorted.known.push((place, outcome, trust));
+                    continue;
+                }
+                (fate, Some((SavedPixel::Unfinished(state), _))) => {
+                    sorted.thrown = matches!(fate, Fate::Thrown(_));
+                    sorted.resumed.push(state);
+                }
+                (Fate::Open(angle), None) => sorted.angles.push(angle),
+                (Fate::Thrown(launch), None) => sorted.launches.push(launch),
+            }
+            sorted.places.push(place);
+        }
+        sorted
     }
 }
 

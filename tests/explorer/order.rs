@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 use flipmap::engine::Engine;
+use flipmap::engine::mock::MockEngine;
 use flipmap::physics::{Scalar, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
@@ -51,6 +52,20 @@ fn coarse_comes_first_then_what_is_near_then_the_ring() {
         let ring = cells.iter().filter(|cell| pass(cell) == 3).count();
         assert_eq!(ring, 7 * 5 - 5 * 3, "cells around the view");
     }
+}
+
+#[test]
+fn large_cards_get_jobs_of_many_cells() {
+    let side = side_rad(9);
+    let center = Cell::around([2.0, 1.0].map(Theta::from_f64), 9).center();
+    let region = Region { center, half_rad: [7.2 * side; 2], repeats: true };
+    let jobs = [1 << 16, 1 << 20].map(|job_size| {
+        let mut engine = Ledger::over(MockEngine { job_size, ..MockEngine::default() });
+        explored(&ViewTarget { region, ..lively(9) }, &mut engine);
+        engine.jobs.len()
+    });
+    // Two cells in a job, and 32.
+    assert!(jobs[0] > 10 * jobs[1], "{jobs:?}");
 }
 
 #[test]

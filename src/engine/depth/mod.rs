@@ -58,8 +58,8 @@ pub use self::stats::DepthStats;
 use self::takeoff::{Load, Takeoff, by_time};
 use super::threads::default_threads;
 use super::{
-    Ends, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Moving, Starts,
-    Wait,
+    Ends, Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Keep,
+    Moving, Starts, Wait,
 };
 
 /// An engine that follows deep starts for the engine that it wraps.
@@ -315,6 +315,10 @@ impl Engine for DepthEngine<'_> {
 
     fn offers(&self, config: &IntegratorConfig) -> bool {
         self.inner.offers(config)
+    }
+
+    fn gpu_stats(&self) -> Option<GpuStats> {
+        self.inner.gpu_stats()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Graphics devices: which adapters there are, how one is opened, and what it reports.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crate::engine::EngineError;
@@ -15,6 +15,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     lost: Arc<AtomicBool>,
     complaint: Arc<Mutex<Option<String>>>,
+    /// Bytes written to the device and read back, on all devices that this one replaced too.
+    traffic: Arc<[AtomicU64; 2]>,
 }
 
 /// Every adapter of the backends compiled in, best first: real devices before software.
@@ -23,14 +25,30 @@ pub fn adapters() -> Vec<wgpu::Adapter> {
     descriptor.backends = wgpu::Backends::PRIMARY;
     let instance = wgpu::Instance::new(descriptor);
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
-    adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
+    adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
+    adapters
+}
+
+/// Place of an adapter among others: by its type, and by the back-end through which it is seen.
+fn rank(info: &wgpu::AdapterInfo) -> [u8; 2] {
+    let by_type = match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
-    });
-    adapters
+    };
+    [by_type, u8::from(info.backend != wgpu::Backend::Vulkan)]
+}
+
+/// Returns true if two adapters are one device, seen through two back-ends. Not every back-end
+/// tells where on the bus a device is.
+pub fn is_one_device(one: &wgpu::AdapterInfo, other: &wgpu::AdapterInfo) -> bool {
+    let [one_bus, other_bus] = [one, other].map(|info| info.device_pci_bus_id.as_str());
+    one.backend != other.backend
+        && (one.vendor, one.device) == (other.vendor, other.device)
+        && one.device_type == other.device_type
+        && (one_bus == other_bus || one_bus.is_empty() || other_bus.is_empty())
 }
 
 /// The adapter's name with its kind and driver.
@@ -52,7 +70,8 @@ pub fn is_software(adapter: &wgpu::Adapter) -> bool {
 impl Gpu {
     /// Opens a device with f64 where the adapter has it and with the adapter's own limits.
     pub fn open(adapter: wgpu::Adapter) -> Result<Self, EngineError> {
-        let wanted = wgpu::Features::SHADER_F64 | wgpu::Features::SUBGROUP;
+        let wanted =
+            wgpu::Features::SHADER_F64 | wgpu::Features::SUBGROUP | wgpu::Features::TIMESTAMP_QUERY;
         let own = adapter.limits();
         let limits = wgpu::Limits {
             max_buffer_size: own.max_buffer_size,
@@ -82,12 +101,34 @@ impl Gpu {
                 first.get_or_insert_with(|| error.to_string());
             }
         }));
-        Ok(Gpu { adapter, device, queue, lost, complaint })
+        Ok(Gpu { adapter, device, queue, lost, complaint, traffic: Arc::default() })
     }
 
     /// Opens a fresh device on the same adapter.
     pub fn reopen(&self) -> Result<Self, EngineError> {
-        Gpu::open(self.adapter.clone())
+        Ok(Gpu { traffic: self.traffic.clone(), ..Gpu::open(self.adapter.clone())? })
+    }
+
+    /// Writes to the beginning of a buffer, or from an offset on.
+    pub fn write(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
+        self.traffic[0].fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        self.queue.write_buffer(buffer, offset, bytes);
+    }
+
+    /// Counts bytes that are read back.
+    pub fn count_download(&self, bytes: u64) {
+        self.traffic[1].fetch_add(bytes, Ordering::Relaxed);
+    }
+
+    /// Bytes written to the device and bytes read back.
+    pub fn traffic(&self) -> [u64; 2] {
+        [0, 1].map(|way| self.traffic[way].load(Ordering::Relaxed))
+    }
+
+    /// Seconds per tick of the device's clock; none where submissions cannot be timed by it.
+    pub fn tick_secs(&self) -> Option<f64> {
+        let has = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        has.then(|| f64::from(self.queue.get_timestamp_period()) * 1e-9)
     }
 
     /// Marks the device as lost.
@@ -147,5 +188,27 @@ impl Gpu {
             Some(_) => Err(EngineError::OutOfMemory { mib: bytes.div_ceil(1 << 20) }),
             None => Ok(buffer),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn info(backend: wgpu::Backend, bus: &str) -> wgpu::AdapterInfo {
+        let mut info = wgpu::AdapterInfo::new(wgpu::DeviceType::DiscreteGpu, backend);
+        (info.vendor, info.device) = (0x10de, 0x2684);
+        info.device_pci_bus_id = bus.to_string();
+        info
+    }
+
+    #[test]
+    fn a_card_behind_two_back_ends_is_one_and_two_alike_are_two() {
+        let [first, second] = ["0000:01:00.0", "0000:02:00.0"]
+            .map(|bus| (info(wgpu::Backend::Vulkan, bus), info(wgpu::Backend::Dx12, bus)));
+        assert!(is_one_device(&first.0, &first.1));
+        assert!(!is_one_device(&first.0, &second.0) && !is_one_device(&first.0, &second.1));
+        assert!(is_one_device(&first.0, &info(wgpu::Backend::Dx12, "")));
+        assert!(rank(&first.0) < rank(&first.1), "Vulkan comes first");
     }
 }

@@ -1,36 +1,36 @@
 //! The engine that runs on an adapter of wgpu.
 //!
-//! Up to [`SLOTS`] jobs are on the device, each with at most one slice submitted: while one slice
-//! runs the other waits behind it, so the device never idles and never has more than one slice
-//! queued. After each slice the host reads 16 bytes, asynchronously, and makes the next slice
-//! longer or shorter so that none runs longer than the pace. Results do not depend on the pace.
+//! A few jobs are on the device, each with at most one submission in flight: while one runs the
+//! other waits behind it, so the device never idles and never has more than one submission queued.
+//! A submission has one slice or a few; after each the host reads how many pendulums are left,
+//! asynchronously, and makes the next submission longer or shorter so that none runs longer than
+//! the pace. Results do not depend on the pace.
 
+mod clock;
 pub mod device;
 pub mod kernel;
 mod maths;
 pub mod pipeline;
 mod slot;
+mod stats;
+mod tuning;
 
 use crate::engine::EngineKind;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use self::clock::StepClock;
 use self::device::Gpu;
 use self::kernel::Design;
 use self::pipeline::Kernel;
-use self::slot::{FinishedSlice, Slot, SlotEvent};
+use self::slot::{BufferPool, FinishedSlices, Slot, SlotEvent};
+pub use self::stats::GpuStats;
+pub use self::tuning::GpuTuning;
 use super::selfcheck::{self, Check, Verdict};
-use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait, start};
+use super::{
+    Engine, EngineError, IntegratorConfig, Job, JobResult, Precision, Starts, Wait, start,
+};
 
-/// Largest number of jobs on the device at a time.
-const SLOTS: usize = 2;
-/// Longest time that a slice may run when no window is open; drivers reset at 2 s.
-pub const HEADLESS_PACE: Duration = Duration::from_millis(50);
-/// Number of steps of the first slice, before anything has been measured.
-const FIRST_SLICE_STEPS: u32 = 8;
-/// Least number of slices that a full budget is cut into, so that running pendulums are packed
-/// often enough.
-const LEAST_SLICES: u32 = 24;
 /// Largest number of losses after which the device is opened again.
 const MOST_LOSSES: u32 = 3;
 
@@ -38,14 +38,16 @@ const MOST_LOSSES: u32 = 3;
 pub struct GpuEngine {
     gpu: Gpu,
     verdict: Verdict,
-    specialise: bool,
+    /// Methods and precisions whose orbits have been checked.
+    checked: Vec<(&'static str, Precision)>,
+    tuning: GpuTuning,
     kernels: Vec<Kernel>,
     slots: VecDeque<Slot>,
-    pace: Duration,
-    /// Seconds that a step of one pendulum takes, measured on the last slice.
-    step_secs: Option<f64>,
+    pool: BufferPool,
+    clock: StepClock,
     last_landing: Option<Instant>,
     losses: u32,
+    stats: GpuStats,
 }
 
 impl GpuEngine {
@@ -54,24 +56,34 @@ impl GpuEngine {
         GpuEngine {
             gpu,
             verdict,
-            specialise: true,
+            checked: Vec::new(),
+            tuning: GpuTuning::default(),
             kernels: Vec::new(),
             slots: VecDeque::new(),
-            pace: HEADLESS_PACE,
-            step_secs: None,
+            pool: BufferPool::default(),
+            clock: StepClock::default(),
             last_landing: None,
             losses: 0,
+            stats: GpuStats::default(),
         }
     }
 
-    /// Sets the longest time that a slice may run.
+    /// Changes settings that change no answer. Kernels are compiled again where they have to be.
+    pub fn tune(&mut self, tuning: GpuTuning) {
+        if tuning.workgroup != self.tuning.workgroup && self.slots.is_empty() {
+            self.kernels.clear();
+        }
+        self.tuning = tuning;
+    }
+
+    /// Sets the longest time that a submission may run.
     pub fn set_pace(&mut self, pace: Duration) {
-        self.pace = pace;
+        self.tuning.pace = pace;
     }
 
     /// Sets whether kernels are made for their scene (the default) or read it as data.
     pub fn set_specialised(&mut self, specialise: bool) {
-        self.specialise = specialise;
+        self.tuning.general = !specialise;
     }
 
     /// The arithmetic that the device is trusted with.
@@ -90,11 +102,40 @@ impl GpuEngine {
         self.verdict.require(config.precision).map_err(EngineError::Unsupported)
     }
 
-    /// Takes more checks into account.
-    pub fn judge_by(&mut self, checks: Vec<Check>) {
-        let mut all = std::mem::take(&mut self.verdict).checks;
-        all.extend(checks);
-        self.verdict = selfcheck::verdict(all);
+    /// Checks orbits by a configuration's method in its precision, unless that was done before.
+    /// Where they are wrong, the device is not trusted with the precision from then on.
+    pub fn check_orbits(&mut self, config: &IntegratorConfig) -> Result<(), EngineError> {
+        let checked = (config.method.name(), config.precision);
+        if self.checked.contains(&checked) {
+            return Ok(());
+        }
+        self.checked.push(checked);
+        // Jobs in flight wait meanwhile.
+        let (busy, losses) = (std::mem::take(&mut self.slots), self.losses);
+        let checks = selfcheck::orbits(self, &[*config]);
+        if self.losses == losses {
+            self.slots = busy;
+        } else {
+            busy.into_iter().try_for_each(|slot| self.start(slot.job))?;
+        }
+        if checks.is_err() {
+            self.checked.pop();
+        }
+        self.judge_by(checks?);
+        Ok(())
+    }
+
+    /// Takes more checks into account, which can only cost trust.
+    fn judge_by(&mut self, checks: Vec<Check>) {
+        let before = std::mem::take(&mut self.verdict);
+        let now = selfcheck::verdict([before.checks, checks].concat());
+        self.verdict = Verdict {
+            f32: before.f32 && now.f32,
+            compensated: before.compensated && now.compensated,
+            df32: before.df32 && now.df32,
+            f64: before.f64 && now.f64,
+            ..now
+        };
     }
 
     /// The device.
@@ -105,12 +146,12 @@ impl GpuEngine {
     fn design(&self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
         job.keep.check(&job.config)?;
-        let general =
-            Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
+        let subgroups = self.tuning.subgroups && self.gpu.has_subgroups();
+        let general = Design::general(&job.config, self.verdict.compensated, subgroups)?;
         // The general kernel counts nothing, carries nothing along and knows no friction.
         let (question, ends) = (&job.question, job.keep.ends);
         let is_special = question.counts() || ends.are_carried() || question.build.has_friction();
-        if !self.specialise && !is_special {
+        if self.tuning.general && !is_special {
             return Ok(general);
         }
         let special = general.specialised(question, &job.pace()?);
@@ -123,17 +164,27 @@ impl GpuEngine {
         if let Some(index) = self.kernels.iter().position(|kernel| kernel.design == design) {
             return Ok(index);
         }
-        self.kernels.push(Kernel::new(&self.gpu, design)?);
+        let begun = Instant::now();
+        self.kernels.push(Kernel::new(&self.gpu, design, self.tuning.workgroup)?);
+        self.stats.compile_secs += begun.elapsed().as_secs_f64();
         Ok(self.kernels.len() - 1)
     }
 
     fn start(&mut self, job: Job) -> Result<(), EngineError> {
         let index = self.kernel_for(&job)?;
-        let kernel = &self.kernels[index];
-        let mut slot = Slot::new(&self.gpu, kernel, index, job)?;
-        slot.submit_slice(&self.gpu, kernel, self.slice_steps(&slot));
+        let kernel = (index, &self.kernels[index]);
+        let mut slot = Slot::new(&self.gpu, &mut self.pool, kernel, job)?;
+        self.submit_slices(&mut slot);
         self.slots.push_back(slot);
         self.gpu.check()
+    }
+
+    /// Submits as many steps of a slot as keep the pace.
+    fn submit_slices(&self, slot: &mut Slot) {
+        let kernel = &self.kernels[slot.kernel];
+        let typical = slot.pace.typical_steps();
+        let slices = self.clock.slices(&self.tuning, &kernel.design, slot.running(), typical);
+        slot.submit_slices(&self.gpu, kernel, slices);
     }
 
     /// Takes everything that has been read back and submits what follows from it.
@@ -142,16 +193,16 @@ impl GpuEngine {
         for mut slot in std::mem::take(&mut self.slots) {
             match slot.land(&self.gpu) {
                 SlotEvent::InFlight => {}
-                SlotEvent::Slice(ran) => {
-                    self.measure(&ran);
-                    let steps = self.slice_steps(&slot);
-                    slot.submit_slice(&self.gpu, &self.kernels[slot.kernel], steps);
+                SlotEvent::Slices(ran) => {
+                    self.measure(slot.kernel, &ran);
+                    self.submit_slices(&mut slot);
                 }
-                SlotEvent::Complete(ran) => self.measure(&ran),
+                SlotEvent::Complete(ran) => self.measure(slot.kernel, &ran),
                 // The device may not have reported its loss yet; it is of no use either way.
                 SlotEvent::Failed => self.gpu.give_up(),
                 SlotEvent::Answer(answer) => {
                     finished.push(answer?);
+                    slot.give_buffers(&mut self.pool);
                     continue;
                 }
             }
@@ -160,23 +211,22 @@ impl GpuEngine {
         Ok(finished)
     }
 
-    /// Measures the time of a step by that of a slice: since its submission, or since the slice
-    /// before it ended.
-    fn measure(&mut self, ran: &FinishedSlice) {
+    /// Measures the time of a step by that of a submission: by the device's clock, or else since it
+    /// was submitted, or since the one before it ended.
+    fn measure(&mut self, kernel: usize, ran: &FinishedSlices) {
         let now = Instant::now();
         let began = self.last_landing.map_or(ran.since, |last| last.max(ran.since));
         self.last_landing = Some(now);
-        self.step_secs = Some((now - began).as_secs_f64().max(1e-6) / ran.pendulum_steps);
-    }
-
-    /// Number of steps that a slot's next slice may take to keep the pace.
-    fn slice_steps(&self, slot: &Slot) -> u32 {
-        let Some(step_secs) = self.step_secs else {
-            return FIRST_SLICE_STEPS;
-        };
-        let most = (slot.pace.typical_steps() / f64::from(LEAST_SLICES)).max(1.0);
-        let wanted = self.pace.as_secs_f64() / (step_secs * f64::from(slot.running()));
-        wanted.clamp(1.0, most) as u32
+        let elapsed = (now - began).as_secs_f64();
+        // A clock that stands still or runs away is of no use.
+        let whole = (now - ran.since).as_secs_f64();
+        let is_sound = |secs: &f64| *secs > 0.0 && *secs <= whole;
+        let secs = ran.device_secs.filter(is_sound).unwrap_or(elapsed).max(1e-6);
+        let secs_per_step = secs * f64::from(ran.running) / ran.pendulum_steps.max(1.0);
+        self.clock.note(&self.kernels[kernel].design, ran.running, secs_per_step);
+        self.stats.slices += u64::from(ran.count);
+        self.stats.submissions += 1;
+        self.stats.gpu_secs += secs;
     }
 
     /// Opens the device again and restarts all unfinished jobs.
@@ -187,13 +237,15 @@ impl GpuEngine {
         }
         let jobs: Vec<Job> = self.slots.drain(..).map(|slot| slot.job).collect();
         self.kernels.clear();
+        self.pool = BufferPool::default();
         self.gpu = self.gpu.reopen()?;
         jobs.into_iter().try_for_each(|job| self.start(job))
     }
 
     /// Waits for the oldest submission, or until a moment; returns false if it did not wait.
-    fn wait(&self, wait: Wait) -> bool {
-        let Some(submission) = self.slots.iter().find_map(Slot::submission) else {
+    fn wait(&mut self, wait: Wait) -> bool {
+        let in_flight = self.slots.iter().filter_map(Slot::submission);
+        let Some((_, submission)) = in_flight.min_by_key(|(since, _)| *since) else {
             return false;
         };
         let timeout = match wait {
@@ -205,7 +257,9 @@ impl GpuEngine {
         };
         // A time-out is no error, and the caller notices a lost device.
         let submission_index = Some(submission.clone());
+        let begun = Instant::now();
         let _ = self.gpu.device.poll(wgpu::PollType::Wait { submission_index, timeout });
+        self.stats.host_wait_secs += begun.elapsed().as_secs_f64();
         true
     }
 }
@@ -216,6 +270,8 @@ impl Engine for GpuEngine {
             start::states(&job)?;
         }
         start::check_carried(&job)?;
+        self.require(&job.config)?;
+        self.check_orbits(&job.config)?;
         self.start(job)
     }
 
@@ -238,11 +294,12 @@ impl Engine for GpuEngine {
     }
 
     fn slots(&self) -> usize {
-        SLOTS
+        self.tuning.slots
     }
 
     fn job_size(&self) -> usize {
-        if device::is_software(&self.gpu.adapter) { 1 << 16 } else { 1 << 20 }
+        let own = if device::is_software(&self.gpu.adapter) { 1 << 16 } else { 1 << 20 };
+        self.tuning.job_size.unwrap_or(own)
     }
 
     fn kind(&self) -> EngineKind {
@@ -255,5 +312,10 @@ impl Engine for GpuEngine {
 
     fn adapter(&self) -> String {
         device::describe(&self.gpu.adapter)
+    }
+
+    fn gpu_stats(&self) -> Option<GpuStats> {
+        let [upload_bytes, download_bytes] = self.gpu.traffic();
+        Some(GpuStats { upload_bytes, download_bytes, ..self.stats })
     }
 }

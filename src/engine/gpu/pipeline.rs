@@ -18,12 +18,13 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// Compiles `design`.
-    pub fn new(gpu: &Gpu, design: Design) -> Result<Self, EngineError> {
+    /// Compiles `design` with this number of invocations in a workgroup.
+    pub fn new(gpu: &Gpu, design: Design, workgroup: u32) -> Result<Self, EngineError> {
         let device = &gpu.device;
+        let text = in_workgroups(&design.text(), workgroup);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("tile"),
-            source: wgpu::ShaderSource::Wgsl(design.text().into()),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
         });
         let layouts =
             [layout(device, &[true, false, false, false, false]), layout(device, &[false])];
@@ -46,6 +47,11 @@ impl Kernel {
     pub fn bind(&self, gpu: &Gpu, group: usize, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
         bind(&gpu.device, &self.layouts[group], buffers)
     }
+}
+
+/// The text of a kernel with another number of invocations in a workgroup.
+fn in_workgroups(text: &str, workgroup: u32) -> String {
+    text.replace("const WORKGROUP = 64u;", &format!("const WORKGROUP = {workgroup}u;"))
 }
 
 /// A layout of storage buffers, each read-only or not.
@@ -105,4 +111,17 @@ pub fn compute_pipeline(
         compilation_options: Default::default(),
         cache: None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::level::LESSON;
+
+    #[test]
+    fn every_kernel_takes_another_size_of_workgroup() {
+        let text = Design::general(&LESSON, true, false).unwrap().text();
+        assert_eq!(in_workgroups(&text, 64), text);
+        assert_ne!(in_workgroups(&text, 128), text);
+    }
 }

@@ -22,32 +22,33 @@
 //! * The rare, long search for a flip is a kernel of its own, as in wavefront path tracing (Laine,
 //!   Karras and Aila, *Megakernels considered harmful*, 2013), so the step loop needs no registers
 //!   for it.
-//! * The dispatch size is written on the device (indirect dispatch), so the host only learns when
-//!   to stop. Its reads are asynchronous; outcomes, and states if they are kept, come once, at the
+//! * The dispatch size is written on the device (indirect dispatch), so several slices can be
+//!   submitted at once, and the host only learns when to stop. Its reads are asynchronous; outcomes, and states if they are kept, come once, at the
 //!   end.
 //! * The job is kept whole: if the device is lost, it starts again on a fresh one.
 
 mod answer;
+mod buffers;
+mod upload;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Instant;
 
-use bytemuck::{bytes_of, cast_slice};
-use wgpu::BufferUsages as Usage;
+use bytemuck::bytes_of;
 
+pub(super) use self::buffers::BufferPool;
+use self::buffers::{Buffers, TICK_BYTES, TICKS_AT};
+use super::clock::Slices;
 use super::device::Gpu;
 use super::pipeline::Kernel;
 use crate::engine::method::Pace;
-use crate::engine::shared::{
-    CountedOutcome, JobHead, JobScene, Queue, RUNNING, RawOutcome, to_parts,
-};
-use crate::engine::start::{self, places};
-use crate::engine::{EngineError, IntegratorState, Job, JobResult, Keep, Precision, Starts};
-use crate::physics::crossing::FAR;
+use crate::engine::shared::{CountedOutcome, JobHead, Queue, RawOutcome, to_parts};
+use crate::engine::start::places;
+use crate::engine::{EngineError, Job, JobResult, Keep};
 
-/// A job on the device. Slices are submitted one at a time; after each the host reads how many
-/// pendulums still run, and after the last one the outcomes.
+/// A job on the device. One submission of slices is in flight at a time; after each the host reads
+/// how many pendulums still run, and after the last one the outcomes.
 pub(super) struct Slot {
     /// The job, kept whole so that it can be repeated on another device.
     pub job: Job,
@@ -55,7 +56,7 @@ pub(super) struct Slot {
     pub kernel: usize,
     /// The steps over the budget.
     pub pace: Pace,
-    /// Indices in an [`IntegratorState`] of each number of the device's state and of its remainder.
+    /// Indices in an [`crate::engine::IntegratorState`] of each number of the device's state and of its remainder.
     places: Vec<[Option<usize>; 2]>,
     lane_steps: u64,
     head: JobHead,
@@ -66,32 +67,26 @@ pub(super) struct Slot {
     flight: Option<Submission>,
 }
 
-struct Buffers {
-    job: wgpu::Buffer,
-    states: wgpu::Buffer,
-    outcomes: wgpu::Buffer,
-    lists: wgpu::Buffer,
-    queue: wgpu::Buffer,
-    dispatch_size: wgpu::Buffer,
-    /// The queue, read back after each slice.
-    progress: wgpu::Buffer,
-    /// The outcomes, then the states if they are kept, read back at the end.
-    answer: wgpu::Buffer,
-}
-
 /// A submission whose read-back has not finished.
 struct Submission {
     submission: wgpu::SubmissionIndex,
     since: Instant,
     mapped: Arc<AtomicU8>,
-    answer: bool,
+    /// Number of slices; none for the answer.
+    slices: u32,
 }
 
-/// A slice that has run.
-pub(super) struct FinishedSlice {
-    /// Moment of its submission.
+/// Slices of one submission that have run.
+pub(super) struct FinishedSlices {
+    /// Moment of their submission.
     pub since: Instant,
-    /// Upper bound on the steps of all its pendulums together.
+    /// Seconds that they took by the device's clock, if it tells.
+    pub device_secs: Option<f64>,
+    /// Number of slices.
+    pub count: u32,
+    /// Number of pendulums that ran at the beginning.
+    pub running: u32,
+    /// Upper bound on the steps of all pendulums together.
     pub pendulum_steps: f64,
 }
 
@@ -99,10 +94,10 @@ pub(super) struct FinishedSlice {
 pub(super) enum SlotEvent {
     /// The read-back is still in flight.
     InFlight,
-    /// A slice is done, and more are needed.
-    Slice(FinishedSlice),
+    /// A submission is done, and more are needed.
+    Slices(FinishedSlices),
     /// All pendulums are done, and the answer has been requested.
-    Complete(FinishedSlice),
+    Complete(FinishedSlices),
     /// The answer has been read back; an error if pendulums are missing from it.
     Answer(Result<JobResult, EngineError>),
     /// The read-back failed.
@@ -113,14 +108,14 @@ impl Slot {
     /// Creates the buffers of `job` and fills them, with every pendulum at its start.
     pub(super) fn new(
         gpu: &Gpu,
-        kernel: &Kernel,
-        index: usize,
+        pool: &mut BufferPool,
+        (index, kernel): (usize, &Kernel),
         job: Job,
     ) -> Result<Self, EngineError> {
         let pace = job.pace()?;
         let places = places(&kernel.design.state(), job.config.precision, job.keep.ends);
         let head = head(&job, &pace);
-        let (buffers, groups) = make_buffers(gpu, kernel, &job, places.len())?;
+        let buffers = Buffers::new(gpu, pool, &job, places.len())?;
         let slot = Slot {
             job,
             kernel: index,
@@ -129,8 +124,8 @@ impl Slot {
             lane_steps: 0,
             running: head.count,
             head,
+            groups: buffers.groups(gpu, kernel),
             buffers,
-            groups,
             flight: None,
         };
         slot.write_scene(gpu);
@@ -138,120 +133,86 @@ impl Slot {
         Ok(slot)
     }
 
-    fn write_scene(&self, gpu: &Gpu) {
-        let (pendulum, _) = self.job.question.reduced();
-        let scene = JobScene {
-            watched: self.job.question.rule.watched().iter().map(|bob| 1 << bob).sum(),
-            padding: 0,
-            a: to_parts(pendulum.a),
-            b: to_parts(pendulum.b),
-            p: to_parts(pendulum.p),
-            least_det: to_parts(pendulum.least_det),
-            inverse_scale: pendulum.momentum_scale().map(|scale| (1.0 / scale) as f32),
-        };
-        let size = size_of::<JobHead>() as u64;
-        gpu.queue.write_buffer(&self.buffers.job, 0, bytes_of(&self.head));
-        gpu.queue.write_buffer(&self.buffers.job, size, bytes_of(&scene));
-    }
-
-    /// Puts every pendulum at its start; the first slice reads list 0.
-    fn begin(&self, gpu: &Gpu) {
-        let queue = Queue { turn: 1, lengths: [self.head.count, 0, 0] };
-        gpu.queue.write_buffer(&self.buffers.queue, 0, bytes_of(&queue));
-        let list: Vec<u32> = (0..self.head.count).collect();
-        gpu.queue.write_buffer(&self.buffers.lists, 0, cast_slice(&list));
-        match &self.job.starts {
-            Starts::Resumed { states: paused, .. } => self.write_states(gpu, paused),
-            // Starts that cannot be begun have been refused on submission.
-            _ => self.write_states(gpu, &start::states(&self.job).unwrap_or_default()),
-        }
-    }
-
-    fn write_states(&self, gpu: &Gpu, paused: &[IntegratorState]) {
-        let part =
-            |place: Option<usize>, p: &IntegratorState| place.map_or(0.0, |place| p.number(place));
-        let mut bytes: Vec<u8> = Vec::with_capacity(self.buffers.states.size() as usize);
-        for &[high, low] in &self.places {
-            for p in paused {
-                match self.job.config.precision {
-                    Precision::F32 => bytes.extend((part(high, p) as f32).to_le_bytes()),
-                    Precision::Df32 => {
-                        let parts = two_floats(part(high, p), part(low, p));
-                        bytes.extend(parts.into_iter().flat_map(f32::to_le_bytes));
-                    }
-                    _ => bytes.extend(part(high, p).to_le_bytes()),
-                }
-            }
-        }
-        gpu.queue.write_buffer(&self.buffers.states, 0, &bytes);
-        let begun = |p: &IntegratorState| {
-            let [first, second] = p.counts().turns;
-            let turns = (first as u32 & 0xffff) | ((second as u32) << 16);
-            RawOutcome { steps: p.steps, turns, ..UNBEGUN }
-        };
-        if self.job.question.passes == 1 {
-            let outcomes: Vec<RawOutcome> = paused.iter().map(begun).collect();
-            gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
-        } else {
-            let counted = |p| CountedOutcome { raw: begun(p), passes: p.counts().passes };
-            let outcomes: Vec<CountedOutcome> = paused.iter().map(counted).collect();
-            gpu.queue.write_buffer(&self.buffers.outcomes, 0, cast_slice(&outcomes));
-        }
-    }
-
-    /// Submits a slice of at most `slice_steps` steps per pendulum.
-    pub(super) fn submit_slice(&mut self, gpu: &Gpu, kernel: &Kernel, slice_steps: u32) {
-        self.head.slice_steps = slice_steps;
-        gpu.queue.write_buffer(&self.buffers.job, 0, bytes_of(&self.head));
+    /// Submits slices, one after the other; each fits its dispatches to the pendulums that the one
+    /// before left.
+    pub(super) fn submit_slices(&mut self, gpu: &Gpu, kernel: &Kernel, slices: Slices) {
+        self.head.slice_steps = slices.steps;
+        gpu.write(&self.buffers.job, 0, bytes_of(&self.head));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for slice in 0..slices.count {
+            self.record_slice(&mut encoder, kernel, slice, slice + 1 == slices.count);
+        }
+        if let Some(ticks) = &self.buffers.ticks {
+            encoder.resolve_query_set(&ticks.set, 0..2, &ticks.buffer, 0);
+            let progress = &self.buffers.progress;
+            encoder.copy_buffer_to_buffer(&ticks.buffer, 0, progress, TICKS_AT, TICK_BYTES);
+        }
+        self.fly(gpu, encoder, slices.count, TICKS_AT + TICK_BYTES);
+    }
+
+    fn record_slice(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        kernel: &Kernel,
+        slice: u32,
+        is_last: bool,
+    ) {
+        let ticks = |moment, wanted: bool| {
+            let ticks = self.buffers.ticks.as_ref().filter(|_| wanted);
+            let timestamp_writes = ticks.map(|ticks| ticks.writes(moment));
+            wgpu::ComputePassDescriptor { label: None, timestamp_writes }
+        };
         {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+            let mut pass = encoder.begin_compute_pass(&ticks(0, slice == 0));
             pass.set_bind_group(0, &self.groups[0], &[]);
             pass.set_bind_group(1, &self.groups[1], &[]);
             pass.set_pipeline(&kernel.turn);
             pass.dispatch_workgroups(1, 1, 1);
         }
-        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&ticks(1, is_last));
         pass.set_bind_group(0, &self.groups[0], &[]);
         for pipeline in [&kernel.advance, &kernel.look] {
             pass.set_pipeline(pipeline);
             pass.dispatch_workgroups_indirect(&self.buffers.dispatch_size, 0);
         }
         drop(pass);
-        let size = size_of::<Queue>() as u64;
-        encoder.copy_buffer_to_buffer(&self.buffers.queue, 0, &self.buffers.progress, 0, size);
-        self.fly(gpu, encoder, false);
+        let (Buffers { queue, progress, .. }, size) = (&self.buffers, size_of::<Queue>() as u64);
+        encoder.copy_buffer_to_buffer(queue, 0, progress, u64::from(slice) * size, size);
     }
 
     /// Requests the outcomes.
     pub(super) fn submit_answer(&mut self, gpu: &Gpu) {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let outcomes = self.outcome_bytes();
-        let Buffers { answer, states, .. } = &self.buffers;
+        let Buffers { answer, states, kept, .. } = &self.buffers;
         encoder.copy_buffer_to_buffer(&self.buffers.outcomes, 0, answer, 0, outcomes);
-        let kept = answer.size() - outcomes;
         if self.job.keep != Keep::NOTHING {
-            encoder.copy_buffer_to_buffer(states, 0, answer, outcomes, kept);
+            encoder.copy_buffer_to_buffer(states, 0, answer, outcomes, *kept);
         }
-        self.fly(gpu, encoder, true);
+        let bytes = outcomes + kept;
+        self.fly(gpu, encoder, 0, bytes);
     }
 
     fn outcome_bytes(&self) -> u64 {
         u64::from(self.head.count) * outcome_size(&self.job)
     }
 
-    fn fly(&mut self, gpu: &Gpu, encoder: wgpu::CommandEncoder, answer: bool) {
+    /// Submits slices, or with none the request for the answer, and asks for the first `bytes` of
+    /// what they leave.
+    fn fly(&mut self, gpu: &Gpu, encoder: wgpu::CommandEncoder, slices: u32, bytes: u64) {
         let submission = gpu.queue.submit([encoder.finish()]);
         let mapped = Arc::new(AtomicU8::new(PENDING));
-        let buffer = if answer { &self.buffers.answer } else { &self.buffers.progress };
-        buffer.map_async(wgpu::MapMode::Read, .., {
+        let Buffers { answer, progress, .. } = &self.buffers;
+        let buffer = if slices == 0 { answer } else { progress };
+        gpu.count_download(bytes);
+        buffer.map_async(wgpu::MapMode::Read, ..bytes.max(MAP_UNIT), {
             let mapped = mapped.clone();
             move |result| {
                 let state = if result.is_ok() { MAPPED } else { REFUSED };
                 mapped.store(state, Ordering::Release);
             }
         });
-        self.flight = Some(Submission { submission, since: Instant::now(), mapped, answer });
+        self.flight = Some(Submission { submission, since: Instant::now(), mapped, slices });
     }
 
     /// Number of pendulums that still run.
@@ -259,9 +220,14 @@ impl Slot {
         self.running
     }
 
-    /// The submission whose read-back is in flight, if any.
-    pub(super) fn submission(&self) -> Option<&wgpu::SubmissionIndex> {
-        self.flight.as_ref().map(|flight| &flight.submission)
+    /// The submission whose read-back is in flight, if any, and the moment it was made.
+    pub(super) fn submission(&self) -> Option<(Instant, &wgpu::SubmissionIndex)> {
+        self.flight.as_ref().map(|flight| (flight.since, &flight.submission))
+    }
+
+    /// Leaves the buffers of an answered job to the next one.
+    pub(super) fn give_buffers(self, pool: &mut BufferPool) {
+        pool.give(self.buffers);
     }
 
     /// Takes the read-back if it has finished, and submits the request for the answer after the
@@ -274,32 +240,35 @@ impl Slot {
         if flight.mapped.load(Ordering::Acquire) == REFUSED {
             return SlotEvent::Failed;
         }
-        if flight.answer {
+        if flight.slices == 0 {
             return self.read_answer().map_or(SlotEvent::Failed, SlotEvent::Answer);
         }
-        let Some(queue) = answer::read::<Queue>(&self.buffers.progress, 0, 1)
-            .and_then(|read| read.first().copied())
-        else {
-            return SlotEvent::Failed;
-        };
-        self.buffers.progress.unmap();
-        let pendulum_steps = f64::from(self.running) * f64::from(self.head.slice_steps);
-        self.lane_steps += pendulum_steps as u64;
-        let ran = FinishedSlice { since: flight.since, pendulum_steps };
-        self.running = queue.lengths[1 - queue.turn as usize];
+        let Some(ran) = self.read_progress(gpu, &flight) else { return SlotEvent::Failed };
         if self.running > 0 {
-            return SlotEvent::Slice(ran);
+            return SlotEvent::Slices(ran);
         }
         self.submit_answer(gpu);
         SlotEvent::Complete(ran)
     }
-}
 
-/// A number and its remainder, where it has one of its own, as two f32.
-fn two_floats(value: f64, remainder: f64) -> [f32; 2] {
-    let high = value as f32;
-    let below = if high.is_finite() { value - f64::from(high) } else { 0.0 };
-    [high, (below + remainder) as f32]
+    /// Reads how many pendulums each slice has left; none if the device was lost meanwhile.
+    fn read_progress(&mut self, gpu: &Gpu, flight: &Submission) -> Option<FinishedSlices> {
+        let progress = &self.buffers.progress;
+        let queues = answer::read::<Queue>(progress, 0, flight.slices as usize)?;
+        let ticks = answer::read::<u64>(progress, TICKS_AT, 2)?;
+        progress.unmap();
+        let tick_secs = gpu.tick_secs();
+        let device_secs = tick_secs.map(|secs| ticks[1].saturating_sub(ticks[0]) as f64 * secs);
+        let running = self.running;
+        let mut pendulum_steps = 0.0;
+        for queue in &queues {
+            pendulum_steps += f64::from(self.running) * f64::from(self.head.slice_steps);
+            self.running = queue.lengths[1 - queue.turn as usize];
+        }
+        self.lane_steps += pendulum_steps as u64;
+        let Submission { since, slices: count, .. } = *flight;
+        Some(FinishedSlices { since, device_secs, count, running, pendulum_steps })
+    }
 }
 
 fn head(job: &Job, pace: &Pace) -> JobHead {
@@ -332,44 +301,9 @@ fn outcome_size(job: &Job) -> u64 {
     size as u64
 }
 
-/// The outcome of a pendulum that has not begun.
-const UNBEGUN: RawOutcome =
-    RawOutcome { status: RUNNING, steps: 0, moment: [0.0; 2], clearance: FAR as f32, turns: 0 };
-
 // Stages of a read-back.
 const PENDING: u8 = 0;
 const MAPPED: u8 = 1;
 const REFUSED: u8 = 2;
-
-fn make_buffers(
-    gpu: &Gpu,
-    kernel: &Kernel,
-    job: &Job,
-    state_len: usize,
-) -> Result<(Buffers, [wgpu::BindGroup; 2]), EngineError> {
-    let count = job.starts.len() as u64;
-    let number = if job.config.precision == Precision::F32 { 4 } else { 8 };
-    let state_bytes = count * number * state_len as u64;
-    let outcome_bytes = count * outcome_size(job);
-    let storage = Usage::STORAGE | Usage::COPY_DST;
-    let both = storage | Usage::COPY_SRC;
-    let back = Usage::MAP_READ | Usage::COPY_DST;
-    let kept = if job.keep == Keep::NOTHING { 0 } else { state_bytes };
-    let head = (size_of::<JobHead>() + size_of::<JobScene>()) as u64;
-    let buffers = Buffers {
-        job: gpu.buffer("a job's head", head, storage)?,
-        states: gpu.buffer("a job's states", state_bytes, both)?,
-        outcomes: gpu.buffer("a job's outcomes", outcome_bytes, both)?,
-        lists: gpu.buffer("a job's lists", count * 12, storage)?,
-        queue: gpu.buffer("a job's queue", size_of::<Queue>() as u64, both)?,
-        dispatch_size: gpu.buffer("a job's dispatch", 16, Usage::STORAGE | Usage::INDIRECT)?,
-        progress: gpu.buffer("a job's progress", size_of::<Queue>() as u64, back)?,
-        answer: gpu.buffer("a job's answer", outcome_bytes + kept, back)?,
-    };
-    let Buffers { job, states, outcomes, lists, queue, .. } = &buffers;
-    let groups = [
-        kernel.bind(gpu, 0, &[job, states, outcomes, lists, queue]),
-        kernel.bind(gpu, 1, &[&buffers.dispatch_size]),
-    ];
-    Ok((buffers, groups))
-}
+/// Least number of bytes that can be mapped.
+const MAP_UNIT: u64 = 8;

@@ -44,7 +44,7 @@ pub use self::opinion::Opinion;
 pub use self::outlook::Outlook;
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
-use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Starts, Wait};
+use super::{Engine, EngineError, GpuStats, IntegratorConfig, Job, JobResult, Starts, Wait};
 use crate::physics::{Outcome, Status};
 
 /// Degree to which an answer is sure.
@@ -242,5 +242,9 @@ impl Engine for TrustEngine<'_> {
 
     fn offers(&self, config: &IntegratorConfig) -> bool {
         self.inner.offers(config)
+    }
+
+    fn gpu_stats(&self) -> Option<GpuStats> {
+        self.inner.gpu_stats()
     }
 }

@@ -166,9 +166,15 @@ impl Slot {
 }
 
 /// The statuses of pendulums that have all ended; an error if a device gave some of them back as
-/// they were.
+/// they were, or with flips at no moment.
 fn statuses(raw: &[RawOutcome]) -> Result<Vec<Status>, EngineError> {
-    let ended: Vec<Status> = raw.iter().filter_map(|raw| status_of(raw.status)).collect();
+    let status = |raw: &RawOutcome| {
+        let is_sound = |status: &Status| {
+            *status != Status::Flipped || raw.moment.iter().all(|part| part.is_finite())
+        };
+        status_of(raw.status).filter(is_sound)
+    };
+    let ended: Vec<Status> = raw.iter().filter_map(status).collect();
     if ended.len() == raw.len() {
         return Ok(ended);
     }
@@ -202,6 +208,13 @@ mod tests {
         for lost in [RUNNING, RUNNING | 3 << 8, Status::Forbidden as u32, 77] {
             let error = statuses(&[unflipped, raw(lost), flipped]).unwrap_err().to_string();
             assert!(error.contains("1 of 3 pendulums"), "{error}");
+        }
+        for moment in [[f32::NAN, 0.0], [0.5, f32::INFINITY]] {
+            let flipped = RawOutcome { status: 1, moment, ..RawOutcome::default() };
+            let error = statuses(&[unflipped, flipped]).unwrap_err().to_string();
+            assert!(error.contains("1 of 2 pendulums"), "{error}");
+            // The moment of a pendulum that did not flip means nothing.
+            statuses(&[RawOutcome { status: 0, ..flipped }]).unwrap();
         }
     }
 }

@@ -1,0 +1,58 @@
+//! Cost of everything around an engine: the home map as a PNG with an engine that answers at once.
+//! Nanoseconds of processor time per pixel of the picture, over all threads, and seconds until the
+//! file is complete.
+
+use std::time::Instant;
+
+use flipmap::engine::mock::MockEngine;
+use flipmap::engine::{IntegratorConfig, Method, Precision};
+use flipmap::output::{Paths, RenderClock, Sinks, render_pass};
+use flipmap::scene::{BuiltIn, Document};
+use flipmap::tiles::Work;
+
+const SIDES: [u32; 3] = [1024, 2048, 8192];
+const CONFIG: IntegratorConfig =
+    IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+/// Number of starts in a job for a graphics card.
+const JOB_SIZE: usize = 1 << 20;
+
+fn main() {
+    let filigree = BuiltIn::named("filigree").expect("a place").document();
+    let home = BuiltIn::home().document();
+    for (name, document) in [("home", &home), ("filigree", &filigree)] {
+        for side in SIDES {
+            let (secs, cpu_secs) = drawn(document, side);
+            let pixels = f64::from(side) * f64::from(side);
+            let ns = cpu_secs.map_or("unknown".to_string(), |s| format!("{:.1}", s * 1e9 / pixels));
+            println!("{name:9} {side:>5}²  {secs:>6.2} s  {ns:>6} ns of processor time a pixel");
+        }
+    }
+}
+
+/// Seconds until a picture is complete, and seconds of processor time that it takes.
+fn drawn(document: &Document, side: u32) -> (f64, Option<f64>) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let size = [side; 2];
+    let paths = Paths { picture: Some(folder.path().join("map.png")), ..Paths::default() };
+    let (begun, before) = (Instant::now(), cpu_secs());
+    let mut engine = MockEngine { job_size: JOB_SIZE, ..MockEngine::default() };
+    let mut sinks = Sinks::open(&paths, document, size).expect("a file");
+    for pass in sinks.passes(1) {
+        let mut work = Work::new(&document.scene(), size, CONFIG, JOB_SIZE);
+        let clock = &mut RenderClock::default();
+        render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, &mut |_| true).expect("done");
+    }
+    sinks.finish().expect("a complete file");
+    let cpu = cpu_secs().zip(before).map(|(after, before)| after - before);
+    (begun.elapsed().as_secs_f64(), cpu)
+}
+
+/// Seconds of processor time of the whole process, if the system tells.
+fn cpu_secs() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The name of the program, which may have spaces, ends with the last parenthesis.
+    let numbers = stat.rsplit_once(')')?.1.split_whitespace().skip(11).take(2);
+    let ticks: f64 = numbers.map(|ticks| ticks.parse::<f64>()).sum::<Result<_, _>>().ok()?;
+    const TICKS_A_SECOND: f64 = 100.0;
+    Some(ticks / TICKS_A_SECOND)
+}

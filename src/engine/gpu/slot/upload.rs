@@ -1,0 +1,86 @@
+//! What a job begins with, written to the device.
+
+use bytemuck::{bytes_of, cast_slice};
+
+use super::Slot;
+use crate::engine::gpu::device::Gpu;
+use crate::engine::shared::{
+    CountedOutcome, JobHead, JobScene, Queue, RUNNING, RawOutcome, to_parts,
+};
+use crate::engine::{IntegratorState, Precision, Starts, start};
+use crate::physics::crossing::FAR;
+
+impl Slot {
+    /// Writes the job's head and scene.
+    pub(super) fn write_scene(&self, gpu: &Gpu) {
+        let (pendulum, _) = self.job.question.reduced();
+        let scene = JobScene {
+            watched: self.job.question.rule.watched().iter().map(|bob| 1 << bob).sum(),
+            padding: 0,
+            a: to_parts(pendulum.a),
+            b: to_parts(pendulum.b),
+            p: to_parts(pendulum.p),
+            least_det: to_parts(pendulum.least_det),
+            inverse_scale: pendulum.momentum_scale().map(|scale| (1.0 / scale) as f32),
+        };
+        let size = size_of::<JobHead>() as u64;
+        gpu.write(&self.buffers.job, 0, bytes_of(&self.head));
+        gpu.write(&self.buffers.job, size, bytes_of(&scene));
+    }
+
+    /// Puts every pendulum at its start; the first slice reads list 0.
+    pub(super) fn begin(&self, gpu: &Gpu) {
+        let queue = Queue { turn: 1, lengths: [self.head.count, 0, 0] };
+        gpu.write(&self.buffers.queue, 0, bytes_of(&queue));
+        let list: Vec<u32> = (0..self.head.count).collect();
+        gpu.write(&self.buffers.lists, 0, cast_slice(&list));
+        match &self.job.starts {
+            Starts::Resumed { states: paused, .. } => self.write_states(gpu, paused),
+            // Starts that cannot be begun have been refused on submission.
+            _ => self.write_states(gpu, &start::states(&self.job).unwrap_or_default()),
+        }
+    }
+
+    fn write_states(&self, gpu: &Gpu, paused: &[IntegratorState]) {
+        let part =
+            |place: Option<usize>, p: &IntegratorState| place.map_or(0.0, |place| p.number(place));
+        let mut bytes: Vec<u8> = Vec::new();
+        for &[high, low] in &self.places {
+            for p in paused {
+                match self.job.config.precision {
+                    Precision::F32 => bytes.extend((part(high, p) as f32).to_le_bytes()),
+                    Precision::Df32 => {
+                        let parts = two_floats(part(high, p), part(low, p));
+                        bytes.extend(parts.into_iter().flat_map(f32::to_le_bytes));
+                    }
+                    _ => bytes.extend(part(high, p).to_le_bytes()),
+                }
+            }
+        }
+        gpu.write(&self.buffers.states, 0, &bytes);
+        let begun = |p: &IntegratorState| {
+            let [first, second] = p.counts().turns;
+            let turns = (first as u32 & 0xffff) | ((second as u32) << 16);
+            RawOutcome { steps: p.steps, turns, ..UNBEGUN }
+        };
+        if self.job.question.passes == 1 {
+            let outcomes: Vec<RawOutcome> = paused.iter().map(begun).collect();
+            gpu.write(&self.buffers.outcomes, 0, cast_slice(&outcomes));
+        } else {
+            let counted = |p| CountedOutcome { raw: begun(p), passes: p.counts().passes };
+            let outcomes: Vec<CountedOutcome> = paused.iter().map(counted).collect();
+            gpu.write(&self.buffers.outcomes, 0, cast_slice(&outcomes));
+        }
+    }
+}
+
+/// A number and its remainder, where it has one of its own, as two f32.
+fn two_floats(value: f64, remainder: f64) -> [f32; 2] {
+    let high = value as f32;
+    let below = if high.is_finite() { value - f64::from(high) } else { 0.0 };
+    [high, (below + remainder) as f32]
+}
+
+/// The outcome of a pendulum that has not begun.
+const UNBEGUN: RawOutcome =
+    RawOutcome { status: RUNNING, steps: 0, moment: [0.0; 2], clearance: FAR as f32, turns: 0 };

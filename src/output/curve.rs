@@ -1,0 +1,66 @@
+//! The energy curve as pixels show it, looked for near itself only.
+
+use crate::scene::Grid;
+
+/// A band of rows, with the blocks of pixels that the energy curve may touch.
+pub struct CurveBand {
+    first_row: u32,
+    /// True for each block, from the left, that is not clear of the curve.
+    near: Vec<bool>,
+}
+
+/// Side of a block in pixels.
+const BLOCK: u32 = 16;
+/// Half the width of the energy curve in pixels.
+const HALF_WIDTH: f64 = 0.75;
+/// Distance in pixels between the curve and the middle of a pixel that it just does not touch.
+const REACH: f64 = HALF_WIDTH + 0.5;
+
+impl CurveBand {
+    /// The band in which a row of a grid lies.
+    pub fn around(grid: &Grid, row: u32) -> Self {
+        let first_row = row - row % BLOCK;
+        let columns = (0..grid.size()[0]).step_by(BLOCK as usize);
+        let near = |x| !grid.is_clear_of_curve([x, first_row], [BLOCK; 2], REACH);
+        CurveBand { first_row, near: columns.map(near).collect() }
+    }
+
+    /// Moves on to another row of the same grid.
+    pub fn move_to(&mut self, grid: &Grid, row: u32) {
+        if row - row % BLOCK != self.first_row {
+            *self = CurveBand::around(grid, row);
+        }
+    }
+
+    /// Share of a pixel of the band that the energy curve covers, from its distance to the pixel's
+    /// middle.
+    pub fn cover(&self, grid: &Grid, column: u32, row: u32) -> f64 {
+        if !self.near[(column / BLOCK) as usize] {
+            return 0.0;
+        }
+        (REACH - grid.pixels_from_curve(column, row)).clamp(0.0, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, View};
+
+    #[test]
+    fn bands_leave_out_no_pixel_of_the_curve() {
+        let view = View { rotate: 12.0, ..View::default() };
+        for scene in [Scene::default(), Scene { view, ..Scene::default() }] {
+            let grid = Grid::new(&scene.checked().unwrap(), [150, 83]);
+            let mut band = CurveBand::around(&grid, 0);
+            let mut touched = 0;
+            for (row, column) in (0..83).flat_map(|row| (0..150).map(move |x| (row, x))) {
+                band.move_to(&grid, row);
+                let whole = (REACH - grid.pixels_from_curve(column, row)).clamp(0.0, 1.0);
+                assert_eq!(band.cover(&grid, column, row), whole, "({column}, {row})");
+                touched += u32::from(whole > 0.0);
+            }
+            assert!(touched > 100, "{touched}");
+        }
+    }
+}
