@@ -8,6 +8,7 @@
 pub mod device;
 pub mod kernel;
 mod maths;
+pub mod pairs;
 pub mod pipeline;
 mod slot;
 
@@ -92,9 +93,9 @@ impl GpuEngine {
 
     /// Takes more checks into account.
     pub fn judge_by(&mut self, checks: Vec<Check>) {
-        let mut all = std::mem::take(&mut self.verdict).checks;
+        let Verdict { checks: mut all, pairs, .. } = std::mem::take(&mut self.verdict);
         all.extend(checks);
-        self.verdict = selfcheck::verdict(all);
+        self.verdict = Verdict { pairs, ..selfcheck::verdict(all) };
     }
 
     /// The device.
@@ -106,7 +107,8 @@ impl GpuEngine {
         self.require(&job.config)?;
         job.keep.check(&job.config)?;
         let general =
-            Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?;
+            Design::general(&job.config, self.verdict.compensated, self.gpu.has_subgroups())?
+                .with_pairs(self.verdict.pairs);
         // The general kernel counts nothing, carries nothing along and knows no friction.
         let (question, ends) = (&job.question, job.keep.ends);
         let is_special = question.counts() || ends.are_carried() || question.build.has_friction();
