@@ -1,7 +1,5 @@
 // The number type of two f32: the sum of its parts, 48 bits (Joldes, Muller and Popescu 2017).
-// Every rounding goes through `guard`: without it every driver seen folds error terms to zero.
-// The exact product splits its factors by masking (Dekker 1971), because fused multiply-adds
-// are folded as well.
+// Without a fence round every rounding that matters, each driver seen folds error terms to zero.
 
 alias Real = vec2<f32>;
 
@@ -21,22 +19,46 @@ fn to_parts(x: Real) -> vec2<f32> {
     return x;
 }
 
+// The rounded sum, which no optimiser sees through.
+{% if guarded %}
 fn guard(x: f32, zero: u32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) ^ zero);
 }
 
+fn plus(a: f32, b: f32, zero: u32) -> f32 {
+    return guard(a + b, zero);
+}
+{% else %}
+// The number 1, which only the host knows to be it.
+fn one(zero: u32) -> f32 {
+    return bitcast<f32>(zero | 0x3f800000u);
+}
+
+fn plus(a: f32, b: f32, zero: u32) -> f32 {
+    return fma(a, one(zero), b);
+}
+{% endif %}
+
 // The sum and its error; |a| >= |b|.
 fn fast_two_sum(a: f32, b: f32, zero: u32) -> Real {
-    let sum = guard(a + b, zero);
-    return Real(sum, b - guard(sum - a, zero));
+    let sum = plus(a, b, zero);
+    return Real(sum, plus(b, -plus(sum, -a, zero), zero));
 }
 
 fn two_sum(a: f32, b: f32, zero: u32) -> Real {
-    let sum = guard(a + b, zero);
-    let part = guard(sum - a, zero);
-    return Real(sum, guard(a - guard(sum - part, zero), zero) + guard(b - part, zero));
+    let sum = plus(a, b, zero);
+    let part = plus(sum, -a, zero);
+    return Real(sum, plus(a, -plus(sum, -part, zero), zero) + plus(b, -part, zero));
 }
 
+{% if fused %}
+fn two_product(a: f32, b: f32, zero: u32) -> Real {
+    let product = a * b;
+    return Real(product, fma(a, b, -product));
+}
+{% else %}
+// The product splits its factors by masking (Dekker 1971), where fused multiply-adds are not or are
+// folded. Products of halves are exact, so it is all the same whether they are fused.
 fn upper(x: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) & 0xfffff000u);
 }
@@ -44,20 +66,25 @@ fn upper(x: f32) -> f32 {
 fn two_product(a: f32, b: f32, zero: u32) -> Real {
     let ah = upper(a);
     let bh = upper(b);
-    let al = guard(a - ah, zero);
-    let bl = guard(b - bh, zero);
+    let al = plus(a, -ah, zero);
+    let bl = plus(b, -bh, zero);
+{% if guarded %}
     let product = guard(a * b, zero);
-    let first = guard(guard(ah * bh, zero) - product, zero);
-    let second = guard(first + guard(ah * bl, zero), zero);
-    let third = guard(second + guard(al * bh, zero), zero);
-    return Real(product, guard(third + guard(al * bl, zero), zero));
+{% else %}
+    let product = a * b;
+{% endif %}
+    let first = plus(ah * bh, -product, zero);
+    let second = plus(ah * bl, first, zero);
+    let third = plus(al * bh, second, zero);
+    return Real(product, plus(al * bl, third, zero));
 }
+{% endif %}
 
 fn add(a: Real, b: Real, zero: u32) -> Real {
     let sum = two_sum(a.x, b.x, zero);
     let low = two_sum(a.y, b.y, zero);
-    let first = fast_two_sum(sum.x, guard(sum.y + low.x, zero), zero);
-    return fast_two_sum(first.x, guard(first.y + low.y, zero), zero);
+    let first = fast_two_sum(sum.x, sum.y + low.x, zero);
+    return fast_two_sum(first.x, first.y + low.y, zero);
 }
 
 fn subtract(a: Real, b: Real, zero: u32) -> Real {
@@ -66,15 +93,25 @@ fn subtract(a: Real, b: Real, zero: u32) -> Real {
 
 fn multiply(a: Real, b: Real, zero: u32) -> Real {
     let product = two_product(a.x, b.x, zero);
-    let cross = guard(guard(a.x * b.y, zero) + guard(a.y * b.x, zero), zero);
-    return fast_two_sum(product.x, guard(product.y + cross, zero), zero);
+    return fast_two_sum(product.x, product.y + (a.x * b.y + a.y * b.x), zero);
 }
 
-fn divide(a: Real, b: Real, zero: u32) -> Real {
-    let first = guard(a.x / b.x, zero);
-    let rest = subtract(a, multiply(b, real(first), zero), zero);
-    let second = guard(rest.x / b.x, zero);
-    let last = subtract(rest, multiply(b, real(second), zero), zero);
-    let third = guard(last.x / b.x, zero);
-    return add(fast_two_sum(first, second, zero), real(third), zero);
+// a b + c, whose second part may be larger than the rounding of the first: sums of products are
+// made of these, and `normal` ends them (Ogita, Rump and Oishi 2005).
+fn multiply_add(a: Real, b: Real, c: Real, zero: u32) -> Real {
+    let product = two_product(a.x, b.x, zero);
+    let sum = two_sum(c.x, product.x, zero);
+    return Real(sum.x, (sum.y + product.y) + (c.y + (a.x * b.y + a.y * b.x)));
+}
+
+fn normal(x: Real, zero: u32) -> Real {
+    return fast_two_sum(x.x, x.y, zero);
+}
+
+fn divide(a: Real, divisor: Real, zero: u32) -> Real {
+    let b = normal(divisor, zero);
+    let first = a.x / b.x;
+    let back = two_product(first, b.x, zero);
+    let rest = ((plus(a.x, -back.x, zero) - back.y) + a.y) - first * b.y;
+    return fast_two_sum(first, rest / b.x, zero);
 }

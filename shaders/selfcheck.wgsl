@@ -7,7 +7,8 @@ struct Zero {
 // The operands, in pairs.
 @group(0) @binding(0) var<storage, read> operands: array<Real>;
 // For each pair: sum, error (of number types other than f32: difference), product, quotient, sine
-// and cosine of the first, the first rounded (pairs of f32: the operands themselves).
+// and cosine of the first, the first rounded. Pairs of f32 have in place of the last three the exact
+// sum and product of their first parts, and the product plus the first.
 @group(0) @binding(1) var<storage, read_write> answers: array<Real>;
 @group(0) @binding(2) var<storage, read> job: Zero;
 
@@ -25,11 +26,13 @@ fn check(@builtin(global_invocation_id) id: vec3<u32>) {
     answers[place + 1u] = error;
     answers[place + 2u] = product;
     answers[place + 3u] = quotient;
+{% if pairs %}
+    answers[place + 4u] = two_sum(a.x, b.x, zero);
+    answers[place + 5u] = two_product(a.x, b.x, zero);
+    answers[place + 6u] = both;
+{% else %}
     answers[place + 4u] = sin;
     answers[place + 5u] = cos;
-{% if pairs %}
-    answers[place + 6u] = a;
-{% else %}
     answers[place + 6u] = round(a);
 {% endif %}
 }

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
+use flipmap::engine::gpu::pairs::Pairs;
 use flipmap::engine::method::Pace;
 use flipmap::engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants,
@@ -197,7 +198,7 @@ fn every_assembled_shader_is_valid() {
         assert_eq!(entries, ["advance", "look", "turn"], "{design:?}");
     }
     for precision in [Precision::F32, Precision::Df32, Precision::F64] {
-        parsed(&selfcheck_text(precision));
+        Pairs::ALL.iter().for_each(|&pairs| drop(parsed(&selfcheck_text(precision, pairs))));
     }
 }
 

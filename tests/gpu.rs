@@ -12,6 +12,7 @@ use flipmap::engine::choice::{EngineRequest, IntegrationSetting, choose};
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::GpuEngine;
 use flipmap::engine::gpu::device::Gpu;
+use flipmap::engine::gpu::pairs::Pairs;
 use flipmap::engine::level::FAST_TO_COMPILE;
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
@@ -39,6 +40,7 @@ needs_adapter! {
     two_f32_are_nearly_as_right_as_f64
     a_lost_device_is_replaced_and_its_jobs_done_again
     the_selfcheck_passes_here_and_its_answers_are_judged
+    pairs_of_f32_are_computed_in_the_first_way_that_is_exact
     orbits_pass_by_every_scheme_and_arithmetic_of_another_precision_does_not
     an_untrusted_precision_is_refused_by_name
     f32_without_compensation_still_works
@@ -261,13 +263,30 @@ mod checks {
         assert!(verdict.f32, "{:?}", verdict.checks);
         assert_eq!(verdict.f64, gpu.gpu().has_f64(), "{:?}", verdict.checks);
         assert!(verdict.df32, "{:?}", verdict.checks);
-        // The same kernel with its guards replaced as if a compiler had folded the error terms:
-        // the check must detect it.
+        // The same kernel with its guards and fences replaced as if a compiler had folded the error
+        // terms: the check must detect it.
         let bare = selfcheck::run_with(gpu.gpu(), &|text| {
             text.replace("bitcast<f32>(bitcast<u32>(x) ^ zero)", "x * 1.0000001")
+                .replace("fma(a, one(zero), b)", "(a + b) * 1.0000001")
         });
         let bare = bare.unwrap();
         assert!(!bare.compensated && !bare.f32 && !bare.df32, "{:?}", bare.checks);
+    }
+
+    pub(crate) fn pairs_of_f32_are_computed_in_the_first_way_that_is_exact() {
+        let gpu = gpu_engine();
+        let pairs = |edit: &dyn Fn(String) -> String| {
+            let verdict = selfcheck::run_with(gpu.gpu(), edit).unwrap();
+            assert!(verdict.df32, "{:?}", verdict.checks);
+            verdict.pairs
+        };
+        // Multiply-adds that round twice, products that lose their errors, and sums that do.
+        let is_fused = "return Real(product, fma(a, b, -product));";
+        let twice = |text: String| text.replace(is_fused, "return Real(product, 0.0);");
+        let folded = |text: String| text.replace("fma(a, one(zero), b)", "(a + b) * 1.0000001");
+        assert_eq!(pairs(&|text| folded(twice(text))), Pairs::Guarded);
+        assert_eq!(pairs(&twice), Pairs::Fenced);
+        assert!(pairs(&|text| text) != Pairs::Guarded);
     }
 
     pub(crate) fn orbits_pass_by_every_scheme_and_arithmetic_of_another_precision_does_not() {

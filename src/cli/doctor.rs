@@ -99,9 +99,10 @@ fn describe_finding(text: &mut String, finding: &AdapterFinding) -> anyhow::Resu
             let kept = if verdict.compensated { "with" } else { "without" };
             writeln!(
                 text,
-                "  precisions: f32 {} ({kept} compensated states), df32 {}, f64 {}",
+                "  precisions: f32 {} ({kept} compensated states), df32 {} (by {}), f64 {}",
                 word(verdict.f32),
                 word(verdict.df32),
+                verdict.pairs.name(),
                 word(verdict.f64)
             )?;
         }

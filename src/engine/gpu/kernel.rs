@@ -8,6 +8,7 @@ use minijinja::{Environment, UndefinedBehavior};
 use serde::Serialize;
 
 use super::maths;
+use super::pairs::Pairs;
 use crate::engine::integrator_state::{LOG_SCALE, SEARCH, SLOPES, STARTS, carried_names};
 use crate::engine::method::Pace;
 use crate::engine::shared::status_constants;
@@ -61,6 +62,8 @@ pub struct Design {
     pub precision: Precision,
     /// True if the state keeps the remainders of its roundings; only in f32.
     pub compensated: bool,
+    /// The way in which pairs of f32 are computed; only in df32.
+    pub pairs: Pairs,
     /// True if invocations of a subgroup can exchange values on this adapter.
     pub subgroups: bool,
     /// The method.
@@ -109,12 +112,18 @@ impl Design {
         Ok(Design {
             precision: config.precision,
             compensated: compensated && config.precision == Precision::F32,
+            pairs: Pairs::default(),
             subgroups,
             scheme,
             scene: None,
             passes: 1,
             ends: Ends::None,
         })
+    }
+
+    /// The kernel that computes pairs of f32 in this way; the same for every other number type.
+    pub fn with_pairs(self, pairs: Pairs) -> Self {
+        if self.precision == Precision::Df32 { Design { pairs, ..self } } else { self }
     }
 
     /// Returns true if the kernel counts passes of the top.
@@ -191,7 +200,8 @@ impl Design {
             compensated: self.compensated,
             subgroups: self.subgroups,
             moving: self.moving(),
-            carried: CarriedValues::new(self.precision),
+            pairs: PairValues::new(self.precision, self.pairs),
+            carried: CarriedValues::new(),
             state: self.state(),
             watched: self.watched(),
             bobs: self.watched().len(),
@@ -289,6 +299,8 @@ struct Values {
     state: Vec<&'static str>,
     moving: Vec<&'static str>,
     #[serde(flatten)]
+    pairs: PairValues,
+    #[serde(flatten)]
     carried: CarriedValues,
     watched: Vec<usize>,
     bobs: usize,
@@ -319,11 +331,28 @@ struct CountValues {
     flip_length: &'static str,
 }
 
+/// Values of kernels whose number type may be a pair of f32.
+#[derive(Serialize)]
+struct PairValues {
+    /// True if the number type is a pair of f32.
+    pairs: bool,
+    fused: bool,
+    guarded: bool,
+}
+
+impl PairValues {
+    fn new(precision: Precision, pairs: Pairs) -> Self {
+        PairValues {
+            pairs: precision == Precision::Df32,
+            fused: pairs == Pairs::Fused,
+            guarded: pairs == Pairs::Guarded,
+        }
+    }
+}
+
 /// Values of kernels whose pendulums take numbers along.
 #[derive(Serialize)]
 struct CarriedValues {
-    /// True if the number type is a pair of f32.
-    pairs: bool,
     slopes: &'static [&'static str],
     large: String,
     smaller: String,
@@ -331,9 +360,8 @@ struct CarriedValues {
 }
 
 impl CarriedValues {
-    fn new(precision: Precision) -> Self {
+    fn new() -> Self {
         CarriedValues {
-            pairs: precision == Precision::Df32,
             slopes: SLOPES.as_flattened(),
             large: format!("{LARGE:?}"),
             smaller: format!("{:?}", 1.0 / LARGE),
@@ -357,15 +385,16 @@ struct ControlValues {
 #[derive(Serialize)]
 struct SelfcheckValues {
     compensated: bool,
-    pairs: bool,
+    #[serde(flatten)]
+    pairs: PairValues,
     maths: String,
 }
 
-/// The self-check's text for one number type.
-pub fn selfcheck_text(precision: Precision) -> String {
+/// The self-check's text for one number type, with pairs of f32 computed in this way.
+pub fn selfcheck_text(precision: Precision, pairs: Pairs) -> String {
     let values = SelfcheckValues {
         compensated: true,
-        pairs: precision == Precision::Df32,
+        pairs: PairValues::new(precision, pairs),
         maths: maths::selfcheck(precision),
     };
     glue(&[number_file(precision), "selfcheck.wgsl"], &values)

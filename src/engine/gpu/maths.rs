@@ -242,14 +242,14 @@ pub(super) fn selfcheck(precision: Precision) -> String {
             Precision::F32 => a.fast_two_sum(b),
             _ => (a + b, a - b),
         };
-        let (sin, cos) = match precision {
-            Precision::Df32 => (a, b),
-            _ => a.sin_cos(),
-        };
-        ["sum", "error", "product", "quotient", "sin", "cos"]
-            .map(str::to_string)
-            .into_iter()
-            .zip([sum, error, a * b, a / b, sin, cos])
-            .collect()
+        let mut results =
+            vec![("sum", sum), ("error", error), ("product", a * b), ("quotient", a / b)];
+        if precision == Precision::Df32 {
+            results.push(("both", a.mul_add(b, a)));
+        } else {
+            let (sin, cos) = a.sin_cos();
+            results.extend([("sin", sin), ("cos", cos)]);
+        }
+        results.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
     })
 }

@@ -10,6 +10,7 @@ mod clock;
 pub mod device;
 pub mod kernel;
 mod maths;
+pub mod pairs;
 pub mod pipeline;
 mod slot;
 mod stats;
@@ -128,12 +129,14 @@ impl GpuEngine {
     /// Takes more checks into account, which can only cost trust.
     fn judge_by(&mut self, checks: Vec<Check>) {
         let before = std::mem::take(&mut self.verdict);
+        let pairs = before.pairs;
         let now = selfcheck::verdict([before.checks, checks].concat());
         self.verdict = Verdict {
             f32: before.f32 && now.f32,
             compensated: before.compensated && now.compensated,
             df32: before.df32 && now.df32,
             f64: before.f64 && now.f64,
+            pairs,
             ..now
         };
     }
@@ -147,7 +150,8 @@ impl GpuEngine {
         self.require(&job.config)?;
         job.keep.check(&job.config)?;
         let subgroups = self.tuning.subgroups && self.gpu.has_subgroups();
-        let general = Design::general(&job.config, self.verdict.compensated, subgroups)?;
+        let general = Design::general(&job.config, self.verdict.compensated, subgroups)?
+            .with_pairs(self.verdict.pairs);
         // The general kernel counts nothing, carries nothing along and knows no friction.
         let (question, ends) = (&job.question, job.keep.ends);
         let is_special = question.counts() || ends.are_carried() || question.build.has_friction();

@@ -1,0 +1,33 @@
+//! The ways in which pairs of f32 keep the errors of their roundings from the optimiser.
+//!
+//! Compilers of shaders reorder sums, so that the error of a rounded sum comes out as zero. What
+//! stops them is an operand that only the host knows. Which way is right is a property of the
+//! adapter, which the self-check finds out; `shaders/df32.wgsl` has all of them.
+
+/// A way in which pairs of f32 are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pairs {
+    /// Sums are fused multiply-adds with a 1 from a buffer, and the error of a product is one
+    /// fused multiply-add.
+    Fused,
+    /// Sums as in [`Pairs::Fused`]; products split their factors, where multiply-adds are not
+    /// fused.
+    Fenced,
+    /// Every rounding passes through an exclusive or with a 0 from a buffer.
+    #[default]
+    Guarded,
+}
+
+impl Pairs {
+    /// Every way, cheapest first.
+    pub const ALL: [Pairs; 3] = [Pairs::Fused, Pairs::Fenced, Pairs::Guarded];
+
+    /// Name of the way.
+    pub fn name(self) -> &'static str {
+        match self {
+            Pairs::Fused => "fused multiply-adds",
+            Pairs::Fenced => "fenced sums",
+            Pairs::Guarded => "guarded sums",
+        }
+    }
+}

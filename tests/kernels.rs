@@ -1,0 +1,191 @@
+//! Every kernel can be translated to the language of every kind of driver. scripts/kernels, which names
+//! a folder in FLIPMAP_KERNELS, finds all translations there afterwards.
+
+use std::fs;
+use std::path::Path;
+
+use flipmap::engine::gpu::kernel::{Design, selfcheck_text};
+use flipmap::engine::gpu::pairs::Pairs;
+use flipmap::engine::method::Pace;
+use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question};
+use flipmap::physics::Rule;
+use flipmap::scene::Build;
+use naga::back::{glsl, hlsl, msl, spv};
+use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{Module, ShaderStage};
+
+/// The number types by name, with the way in which pairs are computed.
+const NUMBERS: [(&str, Precision, Pairs); 5] = [
+    ("f32", Precision::F32, Pairs::Fused),
+    ("f64", Precision::F64, Pairs::Fused),
+    ("df32", Precision::Df32, Pairs::Fused),
+    ("df32_fenced", Precision::Df32, Pairs::Fenced),
+    ("df32_guarded", Precision::Df32, Pairs::Guarded),
+];
+
+/// Designs of every scheme for every kind of question, by name.
+fn designs(subgroups: bool) -> Vec<(String, Design)> {
+    let methods = ["rk4", "dopri5", "dop853"];
+    let all = methods.iter().flat_map(|method| NUMBERS.map(|number| (*method, number)));
+    let mut designs = Vec::new();
+    for (method, (number, precision, pairs)) in all {
+        let config =
+            IntegratorConfig { method: Method::named(method, precision).unwrap(), precision };
+        // There are no fixed steps in pairs.
+        let Ok(general) = Design::general(&config, true, subgroups) else { continue };
+        let general = general.with_pairs(pairs);
+        let made = |rule, passes| {
+            let question = Question { build: Build::default(), rule, budget_secs: 30.0, passes };
+            general.specialised(&question, &Pace::new(&question, &config).unwrap())
+        };
+        let questions = [
+            ("general", general),
+            ("second", made(Rule::Second, 1)),
+            ("either", made(Rule::Either, 1)),
+            ("passes", made(Rule::Second, 3)),
+            ("turns", made(Rule::Neither, 1)),
+            ("growth", made(Rule::Neither, 1).computing(Ends::Growth)),
+            ("return", made(Rule::Neither, 1).computing(Ends::Return)),
+        ];
+        let name = |question| format!("{method}-{number}-{question}");
+        designs.extend(questions.map(|(question, design)| (name(question), design)));
+    }
+    designs
+}
+
+/// A text in all languages: ending of the file, and content.
+type Translations = Vec<(String, Vec<u8>)>;
+
+/// Translates a kernel to the language of every kind of driver that has its number type; Metal has
+/// no f64.
+fn translations(text: &str, precision: Precision) -> Result<Translations, String> {
+    let (module, info) = parsed(text)?;
+    let mut all = vec![
+        ("wgsl".to_string(), text.into()),
+        ("spv".to_string(), spirv(&module, &info)?),
+        ("hlsl".to_string(), hlsl(&module, &info)?.into()),
+    ];
+    if precision != Precision::F64 {
+        all.push(("metal".to_string(), metal(&module, &info)?.into()));
+    }
+    for entry in &module.entry_points {
+        all.push((format!("{}.glsl", entry.name), glsl(&module, &info, &entry.name)?.into()));
+    }
+    Ok(all)
+}
+
+fn parsed(text: &str) -> Result<(Module, ModuleInfo), String> {
+    let module = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(text))?;
+    Ok((module, info))
+}
+
+/// The checks of indices that wgpu adds where a driver checks those of buffers itself.
+const BOUNDS: BoundsCheckPolicies = BoundsCheckPolicies {
+    index: BoundsCheckPolicy::Restrict,
+    buffer: BoundsCheckPolicy::Unchecked,
+    image_load: BoundsCheckPolicy::Restrict,
+    binding_array: BoundsCheckPolicy::Unchecked,
+};
+
+fn spirv(module: &Module, info: &ModuleInfo) -> Result<Vec<u8>, String> {
+    let flags = spv::WriterFlags::empty();
+    let lang_version = (1, 3);
+    let options =
+        spv::Options { lang_version, flags, bounds_check_policies: BOUNDS, ..Default::default() };
+    let words = spv::write_vec(module, info, &options, None).map_err(|error| error.to_string())?;
+    Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
+}
+
+fn hlsl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
+    let options = hlsl::Options { shader_model: hlsl::ShaderModel::V6_0, ..Default::default() };
+    let mut text = String::new();
+    let written = hlsl::Writer::new(&mut text, &options, &hlsl::PipelineOptions::default())
+        .write(module, info, None)
+        .map_err(|error| error.to_string())?;
+    written
+        .entry_point_names
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|e| e.to_string())?;
+    Ok(text)
+}
+
+fn metal(module: &Module, info: &ModuleInfo) -> Result<String, String> {
+    let options =
+        msl::Options { lang_version: (2, 4), bounds_check_policies: BOUNDS, ..Default::default() };
+    let (text, written) =
+        msl::write_string(module, info, &options, &msl::PipelineOptions::default())
+            .map_err(|error| error.to_string())?;
+    written
+        .entry_point_names
+        .into_iter()
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|e| e.to_string())?;
+    Ok(text)
+}
+
+fn glsl(module: &Module, info: &ModuleInfo, entry: &str) -> Result<String, String> {
+    let options = glsl::Options { version: glsl::Version::Desktop(450), ..Default::default() };
+    let pipeline = glsl::PipelineOptions {
+        shader_stage: ShaderStage::Compute,
+        entry_point: entry.to_string(),
+        multiview: None,
+    };
+    let mut text = String::new();
+    glsl::Writer::new(&mut text, module, info, &options, &pipeline, BOUNDS)
+        .and_then(|mut writer| writer.write())
+        .map_err(|error| error.to_string())?;
+    Ok(text)
+}
+
+/// Writes translations into the folder that scripts/kernels wants them in.
+fn keep(name: &str, translations: &Translations) {
+    let Some(folder) = std::env::var_os("FLIPMAP_KERNELS") else { return };
+    for (ending, content) in translations {
+        fs::write(Path::new(&folder).join(format!("{name}.{ending}")), content).unwrap();
+    }
+}
+
+#[test]
+fn every_kernel_is_translated_for_every_kind_of_driver() {
+    let mut count = 0;
+    for subgroups in [false, true] {
+        for (name, design) in designs(subgroups) {
+            let all = translations(&design.text(), design.precision)
+                .unwrap_or_else(|error| panic!("{name}, subgroups {subgroups}: {error}"));
+            assert!(all.iter().all(|(_, content)| content.len() > 100), "{name}");
+            count += all.len();
+            if subgroups {
+                keep(&name, &all);
+            }
+        }
+    }
+    // WGSL, SPIR-V, HLSL and three entry points in GLSL; Metal's language without f64.
+    let [questions, f32, f64, pairs] = [7, 3, 3, 6];
+    assert_eq!(count, 2 * questions * (7 * (f32 + pairs) + 6 * f64));
+    for (number, precision, pairs) in NUMBERS {
+        let all = translations(&selfcheck_text(precision, pairs), precision);
+        keep(&format!("selfcheck-{number}"), &all.unwrap());
+    }
+}
+
+#[test]
+fn a_kernel_that_no_driver_could_take_is_refused() {
+    let (_, design) = &designs(true)[1];
+    let text = design.text();
+    assert!(translations(&text, design.precision).is_ok());
+    // A number of another type, a function that is nowhere, and an entry that only GLSL looks up.
+    for broken in [
+        text.replacen("steps += select(0u, 1u, going)", "steps += select(0.0, 1.0, going)", 1),
+        text.replacen("put_on(SUSPECTS", "put_off(SUSPECTS", 1),
+    ] {
+        assert_ne!(broken, text);
+        assert!(translations(&broken, design.precision).is_err());
+    }
+    let (module, info) = parsed(&text).unwrap();
+    assert!(glsl(&module, &info, "stand_still").is_err());
+}
