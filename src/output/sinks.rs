@@ -47,8 +47,8 @@ impl Paths {
             let name = Destination::from(path);
             let begun = match option {
                 PYRAMID => PyramidFolder::create(path).map(drop),
-                PICTURE | TRUST => format_of(path).and_then(|_| SafeFile::create(&name)).map(drop),
-                _ => SafeFile::create(&name).map(drop),
+                PICTURE | TRUST => format_of(path).and_then(|_| SafeFile::check(&name)),
+                _ => SafeFile::check(&name),
             };
             begun.map_err(|source| OutputError::Create { option, name, source })
         })
