@@ -66,7 +66,7 @@ fn whole(film: &Film) -> (u64, f64, f64) {
     run(&task, pieces, &mut engine, &mut |_| true).expect("the engine works");
     let computing = begun.elapsed().as_secs_f64();
     let begun = Instant::now();
-    let mut parts = Parts::scan(&task.folder).expect("parts");
+    let mut parts = Parts::scan(&task.folder, task.forms()).expect("parts");
     let TaskKind::Film(film, _) = &task.work else { return (0, 0.0, 0.0) };
     let document = &film.keys[0].scene;
     let sink = merge::FilmSink::open(&folder.path().join("frames"), film, document);

@@ -4,19 +4,23 @@
 
 use std::io::Cursor;
 
-use flipmap::farm::{Parts, Plan};
-use flipmap::output::compare::ResultRows;
+use flipmap::engine::Accuracy;
+use flipmap::engine::profile::Profile;
+use flipmap::farm::{PartForm, PartForms, Parts, Plan};
+use flipmap::film::Frames;
+use flipmap::output::compare::{ResultRows, Yardstick, compare};
 use flipmap::output::{RenderState, document_in_png};
 use flipmap::physics::{Scalar, Theta};
 use flipmap::scene::keys::Keys;
 use flipmap::scene::palette::gradient::{ENDINGS, list_text, parse_file, parse_list};
 use flipmap::scene::{Document, in_rad, location};
+use sha2::{Digest, Sha256};
 
 /// A parser of bytes.
 pub(crate) type Parser = fn(&[u8]);
 
 /// All of them, by the names of their corpora.
-pub(crate) const PARSERS: [(&str, Parser); 10] = [
+pub(crate) const PARSERS: [(&str, Parser); 13] = [
     ("scene", scene),
     ("location", place),
     ("coordinate", coordinate),
@@ -27,6 +31,9 @@ pub(crate) const PARSERS: [(&str, Parser); 10] = [
     ("result", result),
     ("part", part),
     ("gradient", gradient),
+    ("settings", settings),
+    ("profile", profile),
+    ("frame", frame),
 ];
 
 fn text(bytes: &[u8]) -> &str {
@@ -73,10 +80,13 @@ pub(crate) fn plan(bytes: &[u8]) {
     }
 }
 
-/// A state file: as it is, and as the body of the first format, which had no checksum.
+/// A state file: as it is, and as a body whose checksum fits.
 pub(crate) fn state(bytes: &[u8]) {
     let _ = RenderState::parse(bytes);
-    let _ = RenderState::parse(&[b"flipmap state 1\n", bytes].concat());
+    let whole = [b"flipmap state 2\n", &Sha256::digest(bytes)[..], bytes].concat();
+    if let Ok(state) = RenderState::parse(&whole) {
+        let _ = state.check_scene(&Document::default());
+    }
 }
 
 /// A picture with a scene in it.
@@ -90,7 +100,17 @@ pub(crate) fn result(bytes: &[u8]) {
     for name in ["a.npy", "a.png"] {
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).expect("room for the file");
-        let _ = ResultRows::open(&path).map(|rows| rows.size());
+        let [one, same] = [(); 2].map(|()| ResultRows::open(&path));
+        let (Ok(one), Ok(same)) = (one, same) else { continue };
+        let mut rows = 0;
+        let compared = compare(one, same, (&Yardstick::Plain, 0.0), &mut |_| {
+            rows += 1;
+            Ok(())
+        });
+        if let Ok(comparison) = compared {
+            assert_eq!(comparison.differing, 0, "it equals itself");
+            assert!(rows > 0 && comparison.pixels > 0);
+        }
     }
 }
 
@@ -99,7 +119,11 @@ pub(crate) fn part(bytes: &[u8]) {
     let folder = tempfile::tempdir().expect("a folder for the file");
     let path = folder.path().join("rows-00000000-0000000-1.part");
     std::fs::write(path, bytes).expect("room for the file");
-    let _ = Parts::scan(folder.path()).map(|parts| parts.damaged().len());
+    // The digest of the corpus's part, in the form of its plan.
+    let of = bytes.get(20..84).map(|of| String::from_utf8_lossy(of).into_owned());
+    let form = PartForm::Rows { width: 16, rows: 16, channels: 1 };
+    let forms: PartForms = of.into_iter().map(|of| (of, form)).collect();
+    let _ = Parts::scan(folder.path(), forms).map(|parts| parts.damaged().len());
 }
 
 /// A gradient file: the first letter says which kind.
@@ -108,5 +132,43 @@ pub(crate) fn gradient(bytes: &[u8]) {
     let ending = ENDINGS[usize::from(*kind) % ENDINGS.len()];
     if let Ok(stops) = parse_file(ending, text(rest)) {
         assert_eq!(parse_list(&list_text(&stops)), Some(stops), "what is written is read");
+    }
+}
+
+/// The settings of the window.
+pub(crate) fn settings(bytes: &[u8]) {
+    #[cfg(feature = "window")]
+    {
+        use flipmap::app::folders::Folders;
+        use flipmap::app::settings::Store;
+        let folder = tempfile::tempdir().expect("a folder for the file");
+        let folders = Folders::under(folder.path());
+        let config = folders.config.clone().expect("a folder of settings");
+        std::fs::create_dir_all(&config).expect("a folder of settings");
+        std::fs::write(config.join("settings.toml"), bytes).expect("room for the file");
+        let mut store = Store::new(&folders);
+        let settings = store.load().settings;
+        store.save(&settings).expect("sound settings are saved");
+        assert_eq!(store.load().settings, settings, "what is written is read");
+    }
+    #[cfg(not(feature = "window"))]
+    let _ = bytes;
+}
+
+/// The measured profile of a machine.
+pub(crate) fn profile(bytes: &[u8]) {
+    if let Ok(profile) = serde_json::from_slice::<Profile>(bytes) {
+        for (_, accuracy) in Accuracy::ALL {
+            let _ = profile.fastest(accuracy, |_| true).and_then(|row| row.config());
+        }
+    }
+}
+
+/// The JSON file beside a frame, and the manifest of a film.
+pub(crate) fn frame(bytes: &[u8]) {
+    for name in ["000000.json", "manifest.json"] {
+        let folder = tempfile::tempdir().expect("a folder for the file");
+        std::fs::write(folder.path().join(name), bytes).expect("room for the file");
+        let _ = Frames::check(folder.path());
     }
 }

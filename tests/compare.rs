@@ -61,6 +61,16 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
     let cut = at("cut.npy");
     let whole = fs::read(at("fine.npy")).unwrap();
     fs::write(&cut, &whole[..whole.len() - 8]).unwrap();
+    let header = |text: &str| {
+        let length = (text.len() as u16).to_le_bytes();
+        [b"\x93NUMPY\x01\x00", &length[..], text.as_bytes(), &[0; 64]].concat()
+    };
+    let [huge, structured] = ["huge.npy", "structured.npy"].map(at);
+    let of = |descr: &str, shape: &str| {
+        header(&format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}\n"))
+    };
+    fs::write(&huge, of("'<f8'", "(2147483648, 2147483648, 4)")).unwrap();
+    fs::write(&structured, of("[(\"'descr': '<f8'\", '<i8')]", "(2, 4)")).unwrap();
     let [fine, picture] = ["fine.npy", "fine.png"].map(at);
     let interlaced = at("interlaced.png");
     fs::write(&interlaced, with_interlaced_header(&fs::read(at("fine.png")).unwrap())).unwrap();
@@ -68,6 +78,8 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
         (&cut, "bytes, and its header says"),
         (&picture, "like with like"),
         (&interlaced, "is interlaced"),
+        (&huge, "its shape is not that of a picture of up to a million pixels"),
+        (&structured, "is no such array"),
     ] {
         let output = compared(&[&fine, other, "-o", &at("never.png")]);
         assert_eq!(output.status.code(), Some(1), "{other}");

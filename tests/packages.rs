@@ -71,6 +71,53 @@ fn a_release_builds_what_packages_name() {
 }
 
 #[test]
+fn the_crate_holds_what_it_is_built_from_and_no_more() {
+    let listed = Command::new(env!("CARGO"))
+        .args(["package", "--list", "--allow-dirty", "--offline"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    assert!(listed.status.success(), "{}", String::from_utf8_lossy(&listed.stderr));
+    let names = String::from_utf8(listed.stdout).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let bytes = |name: &str| root.join(name).metadata().map_or(0, |found| found.len());
+    assert!(names.lines().map(bytes).sum::<u64>() < 6 << 20, "a registry takes 10 MiB, compressed");
+    let has = |start: &str| names.lines().any(|name| name.starts_with(start));
+    for wanted in ["src/main.rs", "shaders/", "assets/palettes/LICENSE-crameri.txt", "LICENSE-MIT"]
+    {
+        assert!(has(wanted), "{wanted}");
+    }
+    for folder in ["fuzz/", "python/", "tests/", "proptest-regressions/", "packaging/", "scripts/"]
+    {
+        assert!(!has(folder), "{folder}");
+    }
+    assert!(!names.lines().any(|name| name.starts_with("docs/") && name.ends_with(".png")));
+}
+
+#[test]
+fn the_debian_package_carries_the_notices_of_the_colour_tables() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let manifest: toml::Table =
+        fs::read_to_string(root.join("Cargo.toml")).unwrap().parse().unwrap();
+    let assets = &manifest["package"]["metadata"]["deb"]["assets"];
+    let assets = assets.as_array().unwrap();
+    let goes_to = |from: &str| {
+        let asset = assets.iter().find(|asset| asset[0].as_str() == Some(from));
+        asset.and_then(|asset| asset[1].as_str()).unwrap_or_default().to_string()
+    };
+    assert_eq!(goes_to("assets/palettes/LICENSE-*"), "usr/share/doc/flipmap/");
+    assert!(root.join("assets/palettes/LICENSE-crameri.txt").exists());
+    let types = fs::read_to_string(root.join("assets/package/flipmap.xml")).unwrap();
+    let desktop = fs::read_to_string(root.join("assets/package/flipmap.desktop")).unwrap();
+    for (name, glob) in
+        [("application/x-flipmap-scene", "*.flipmap.toml"), ("image/x-flipmap", "*.flipmap.png")]
+    {
+        assert!(types.contains(&format!("type=\"{name}\"")) && types.contains(glob), "{name}");
+        assert!(desktop.contains(name), "{name}");
+    }
+}
+
+#[test]
 #[cfg_attr(not(package), ignore = "builds for minutes and needs root: scripts/test --package")]
 fn the_debian_package_leaves_no_trace() {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/package");

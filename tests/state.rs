@@ -181,6 +181,19 @@ fn what_cannot_go_on_is_refused_by_what_differs() {
         assert!(words.iter().all(|word| error.contains(word)), "{arguments:?}: {error}");
         assert_eq!(fs::read(folder.path().join("s")).unwrap(), kept, "{arguments:?}");
     }
+    let mut altered = kept.clone();
+    altered[40] ^= 1;
+    for (bytes, why) in [
+        (altered, "the checksum in bytes 16 to 47 is not that of the bytes after it"),
+        (b"flipmap state 1\nbody".to_vec(), "is of the first format, which has no checksum"),
+    ] {
+        fs::write(folder.path().join("s"), &bytes).unwrap();
+        let output = render(&folder, &cpu);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(why), "{error}");
+        assert_eq!(fs::read(folder.path().join("s")).unwrap(), bytes, "it is left as it is");
+    }
     fs::write(folder.path().join("s"), "something else").unwrap();
     let output = render(&folder, &cpu);
     assert!(String::from_utf8_lossy(&output.stderr).contains("is not a state"));

@@ -306,6 +306,25 @@ mod tests {
         assert!(store.load().notice.unwrap().contains("settings-bad-3.toml"));
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_prevent_no_start() {
+        for device in [false, true] {
+            let (_folder, mut store, path) = store();
+            if device {
+                std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+            } else {
+                let made = std::process::Command::new("mkfifo").arg(&path).status().unwrap();
+                assert!(made.success());
+            }
+            let Loaded { settings, notice } = store.load();
+            assert_eq!(settings, Settings::default());
+            assert!(notice.unwrap().contains("it is no plain file"));
+            store.save(&Settings::default()).unwrap();
+            assert!(!path.is_file(), "it is left as it is");
+        }
+    }
+
     #[test]
     fn a_file_that_cannot_be_read_is_not_written_over() {
         let (_folder, mut store, path) = store();

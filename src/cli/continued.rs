@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use flipmap::engine::choice::EngineRequest;
 use flipmap::engine::{Engine, EngineKind, IntegratorConfig};
-use flipmap::output::{Destination, RenderState, RunRecord, SafeFile};
+use flipmap::output::{Destination, RenderState, RunRecord, SafeFile, read_plain};
 use flipmap::scene::Document;
 use flipmap::tiles::SavedPixels;
 
@@ -15,7 +15,6 @@ use super::run_options::prefer_engine;
 /// A state file, the state that was in it, and the state to write to it next.
 pub(super) struct Continued {
     path: PathBuf,
-    file: SafeFile,
     earlier: Option<RenderState>,
     document: Document,
     ran: Option<RunRecord>,
@@ -30,12 +29,10 @@ impl Continued {
             return Err(Exit::Usage(message.to_string()).into());
         }
         let earlier = if path.exists() { Some(read(path, document)?) } else { None };
-        let file = SafeFile::create(&Destination::from(path))
-            .with_context(|| format!("--state: cannot write {}", path.display()))?;
+        super::check(path, "--state")?;
         let document = document.clone();
         Ok(Continued {
             path: path.to_path_buf(),
-            file,
             earlier,
             document,
             ran: None,
@@ -84,19 +81,27 @@ impl Continued {
     }
 
     /// Replaces the file with the new state.
-    pub(super) fn write(mut self) -> anyhow::Result<()> {
+    pub(super) fn write(self) -> anyhow::Result<()> {
         let ran = self.ran.context("a state cannot be written before its engine is chosen")?;
         let state = RenderState { ran, document: self.document.text(), kept: self.kept };
         let name = self.path.display();
-        state.write(&mut self.file).with_context(|| format!("cannot write {name}"))?;
-        self.file.finish().with_context(|| format!("cannot write {name}"))
+        let written = || {
+            let mut file = SafeFile::create(&Destination::from(self.path.as_path()))?;
+            state.write(&mut file)?;
+            file.finish()
+        };
+        written().with_context(|| format!("cannot write {name}"))
     }
 }
+
+/// Largest size of a state in bytes: that of a picture of a hundred million pixels.
+const MOST_BYTES: u64 = 16 << 30;
 
 fn read(path: &Path, document: &Document) -> Result<RenderState, Exit> {
     let refuse =
         |why: &dyn std::fmt::Display| Exit::Usage(format!("--state {} {why}", path.display()));
-    let bytes = std::fs::read(path).map_err(|error| refuse(&format!("cannot be read: {error}")))?;
+    let bytes = read_plain(path, MOST_BYTES)
+        .map_err(|error| refuse(&format!("cannot be read: {error}")))?;
     let state = RenderState::parse(&bytes).map_err(|why| refuse(&why))?;
     state.check_scene(document).map_err(|why| refuse(&why))?;
     Ok(state)

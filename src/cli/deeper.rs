@@ -1,9 +1,7 @@
 //! `flipmap deeper`: descends from a scene along a filament, as far as there is structure.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use clap::Args;
 use flipmap::scene::keys::{Easing, Keys};
 use flipmap::scene::{LEAST_WIDTH, Scene, location};
@@ -38,13 +36,15 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         let text = &options.to;
         Exit::Usage(format!("--to is '{text}'; it must be a width between 1e-100 and 1 rad"))
     })?;
-    let file = options.output.as_deref().map(|path| super::create(path, "-o")).transpose()?;
+    if let Some(path) = &options.output {
+        super::check(path, "-o")?;
+    }
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;
     let scene = document.scene();
     scene.require_flip_from_rest()?;
-    stop::listen()?;
     let mut chosen = start(&options.run.engine.request(spec.setting))?;
+    stop::listen()?;
     let mut descent = Descent::new(scene.clone(), chosen.config, [0.0; 2]);
     let mut path = vec![scene];
     while width(&path[path.len() - 1]) > to {
@@ -63,14 +63,13 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             }
         }
     }
-    if let Some(mut file) = file {
+    if let Some(output) = &options.output {
         let mut keys = Keys::default();
         for scene in &path {
             // Linear, so that the film does not stop at each view on the way.
             keys.append(document.clone().with_scene(scene.clone()), Easing::Linear);
         }
-        let written = file.write_all(keys.text().as_bytes()).and_then(|()| file.finish());
-        written.context("-o: cannot write the keys")?;
+        super::write_whole(output, "-o", keys.text().as_bytes())?;
     }
     if options.output.as_deref() != Some(Path::new("-")) {
         super::say(&location::text(&path[path.len() - 1]))?;

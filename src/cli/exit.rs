@@ -70,6 +70,9 @@ pub(super) fn printable(message: &str) -> String {
 
 /// Describes an error and its causes; for a stop, only the stop.
 fn sentence(error: &anyhow::Error) -> String {
+    if output::is_stopped(error.as_ref()) {
+        return Exit::Interrupted.to_string();
+    }
     match error.downcast_ref() {
         Some(stopped @ (Exit::Interrupted | Exit::Again)) => stopped.to_string(),
         _ => output::sentence(error.as_ref()),
@@ -77,6 +80,9 @@ fn sentence(error: &anyhow::Error) -> String {
 }
 
 fn code_of(error: &anyhow::Error) -> u8 {
+    if output::is_stopped(error.as_ref()) {
+        return 130;
+    }
     for cause in error.chain() {
         if let Some(exit) = cause.downcast_ref() {
             return match exit {

@@ -11,6 +11,7 @@ use flipmap::app::window::{self, WindowError};
 use super::exit::Exit;
 use super::options::SceneOptions;
 use super::run_options::RunOptions;
+use super::same_file::keep_apart;
 use super::stop;
 
 #[derive(Args, Debug, Default)]
@@ -29,6 +30,8 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
+    let stats = options.stats.as_deref().map(|path| ("--stats", path));
+    keep_apart(options.scene.file().as_slice(), stats.as_slice())?;
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;

@@ -27,10 +27,10 @@ pub(super) fn open(path: &Path) -> Result<Task, Exit> {
 
 /// Finds the parts that exist already, and prints the names of damaged files.
 pub(super) fn scan(task: &Task) -> anyhow::Result<Parts> {
-    let parts = Parts::scan(&task.folder)?;
-    for path in parts.damaged() {
+    let parts = Parts::scan(&task.folder, task.forms())?;
+    for (path, why) in parts.damaged() {
         super::tell(&format!(
-            "flipmap: {} is cut short or altered; flipmap run computes its samples again",
+            "flipmap: {} is cut short or altered ({why}); flipmap run computes its samples again",
             path.display()
         ));
     }

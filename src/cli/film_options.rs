@@ -146,6 +146,7 @@ impl FilmOptions {
                 ))),
             },
         };
+        let most = f64::from(Film::MOST_FRAMES);
         let first = keys[0].secs;
         keys.iter_mut().for_each(|key| key.secs -= first);
         let last = keys[keys.len() - 1].secs;
@@ -153,7 +154,7 @@ impl FilmOptions {
             keys.iter_mut().for_each(|key| key.secs *= secs / last.max(1e-9));
         }
         let last = keys[keys.len() - 1].secs;
-        let frames = said("--frames", &self.frames, 2.0, 1e6)?;
+        let frames = said("--frames", &self.frames, 2.0, most)?;
         let fps = match (said("--fps", &self.fps, 0.1, 1000.0)?, frames, &self.secs) {
             (Some(fps), Some(frames), Some(_)) if (frames / fps - last).abs() > 1.0 / fps => {
                 return Err(Exit::Usage(format!(
@@ -169,7 +170,13 @@ impl FilmOptions {
         if frames.is_some_and(|frames| frames.fract() != 0.0) {
             return Err(Exit::Usage("--frames must be a whole number".to_string()));
         }
-        let needed = (last * fps).round().clamp(2.0, 1e6);
+        let needed = (last * fps).round().max(2.0);
+        if frames.is_none() && needed > most {
+            return Err(Exit::Usage(format!(
+                "{last} s of film at --fps {fps} are {needed} frames, and a film has {most} at most: \
+                 give fewer --secs, --fps or --frames"
+            )));
+        }
         let frames = frames.unwrap_or(needed) as u32;
         Ok(Film { size, frames, fps, keys })
     }

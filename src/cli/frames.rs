@@ -22,9 +22,9 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     let mut document = film.keys[0].scene.clone();
     options.film.picture.apply(&mut document)?;
     let document = document.checked()?;
-    stop::listen()?;
     let request = options.film.run.engine.request(spec.setting).answering(&document.question);
     let chosen = start(&request)?;
+    stop::listen()?;
     let size = film.size.map(|side| side * document.picture.samples);
     for key in &film.keys {
         check_numbers(&key.scene.scene(), size, chosen.config, Cells::Auto)?;

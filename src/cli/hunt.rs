@@ -19,6 +19,13 @@ pub(super) fn run(
     std::fs::create_dir_all(folder)
         .with_context(|| format!("-o: cannot create {}", folder.display()))?;
     let path = folder.join("hunt.json");
+    if path.exists() && !Hunt::is_in(&path) {
+        return Err(Exit::Usage(format!(
+            "-o: {} was not written by flipmap report --hunt: name another folder",
+            path.display()
+        ))
+        .into());
+    }
     write(&path, &Hunt { seed, ..Hunt::default() })?;
     stop::listen()?;
     let (mut known, mut failed) = (0, None);
@@ -29,6 +36,10 @@ pub(super) fn run(
     })?;
     if let Some(error) = failed {
         return Err(error);
+    }
+    if stop::asked() {
+        let (path, windows) = (path.display(), hunt.windows);
+        return Err(Exit::Partly(format!("stopped; {path} holds {windows} windows")).into());
     }
     let Hunt { windows, simulated, marked, judged, untold, .. } = hunt;
     super::tell(&format!(

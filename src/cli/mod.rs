@@ -157,10 +157,10 @@ fn say_if_heard(text: &str) -> anyhow::Result<()> {
     })
 }
 
-/// Opens an output (- for standard output); the error names the option that asked for it.
-fn create(path: &Path, option: &str) -> anyhow::Result<SafeFile> {
+/// Refuses an output that could not be written; the error names the option that asked for it.
+fn check(path: &Path, option: &str) -> anyhow::Result<()> {
     let destination = Destination::from(path);
-    SafeFile::create(&destination).with_context(|| format!("{option}: cannot write {destination}"))
+    SafeFile::check(&destination).with_context(|| format!("{option}: cannot write {destination}"))
 }
 
 /// Writes a whole file (- for standard output); the error names the option that asked for it.

@@ -10,6 +10,7 @@ use flipmap::scene::{Document, PictureTable, Scale};
 
 use super::exit::Exit;
 use super::options::{number, set};
+use super::same_file::Named;
 
 /// Options that control how samples are painted.
 #[derive(Args, Debug, Default)]
@@ -90,6 +91,12 @@ impl PictureOptions {
     /// Returns true if `--palette` was not given.
     pub(super) fn says_no_palette(&self) -> bool {
         self.palette.is_none()
+    }
+
+    /// The file of the palette, if it is one.
+    pub(super) fn palette_file(&self) -> Option<Named<'_>> {
+        let path = Path::new(self.palette.as_deref()?);
+        path.exists().then_some(("--palette", path))
     }
 
     /// Returns true if the colours follow the view's own times.

@@ -8,7 +8,7 @@ use flipmap::engine::choice::IntegrationSetting;
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::farm::merge::{self, MergeError};
 use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
-use flipmap::output::{read_text, shell_word};
+use flipmap::output::{Paths, read_text, shell_word};
 use flipmap::scene::Document;
 use flipmap::scene::film::FilmKind;
 
@@ -146,12 +146,12 @@ pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     options.engine.check()?;
     let task = farm::open(&options.plan)?;
     let shards = shards(options.shard.as_deref(), task.plan.shards)?;
-    stop::listen()?;
     let request = options.engine.request(IntegrationSetting::Explicit(task.config));
     let chosen = start(&farm::request_like(&task.plan, request)).with_context(|| {
         let engine = &task.plan.engine;
         format!("the plan is for the {engine} engine; choose another with --engine and --adapter")
     })?;
+    stop::listen()?;
     farm::compute(&task, shards, chosen, options.engine.threads(), options.progress)?;
     Ok(())
 }
@@ -198,11 +198,30 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             if let Some(codec) = codec_of(output)? {
                 codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
             }
+            spares_parts(&task.folder, &paths)?;
             farm::check_output(output)?;
             let parts = farm::complete(&task, &options.plan)?;
             farm::paint(&task, parts, &options.picture, output, options.progress)
         }
         TaskKind::Still(document, passes) => merge_still(&task, document, passes, options),
+    }
+}
+
+/// Refuses outputs in the folder of the parts, which they could replace.
+fn spares_parts(parts: &Path, paths: &Paths) -> Result<(), Exit> {
+    let whole = |path: &Path| path.canonicalize().ok();
+    let Some(parts) = whole(parts) else { return Ok(()) };
+    let is_inside = |(_, path): &(&str, &Path)| {
+        let folder = path.parent().map(|folder| Path::new(".").join(folder));
+        let places = [whole(path), folder.as_deref().and_then(whole)];
+        places.into_iter().flatten().any(|place| place.starts_with(&parts))
+    };
+    match paths.named().into_iter().find(is_inside) {
+        Some((option, _)) => Err(Exit::Usage(format!(
+            "{option} lies in {}, which holds the plan's parts: name a file elsewhere",
+            parts.display()
+        ))),
+        None => Ok(()),
     }
 }
 
@@ -216,9 +235,11 @@ fn merge_still(
     let samples = document.picture.samples;
     options.picture.apply(&mut document)?;
     document.picture.check()?;
-    let inputs = [("the plan", options.plan.as_path())];
+    let plan = [("the plan", options.plan.as_path())];
+    let inputs: Vec<_> = plan.into_iter().chain(options.picture.palette_file()).collect();
     options.outputs.check(false, task.plan.verify, None, &inputs)?;
     let paths = options.outputs.paths();
+    spares_parts(&task.folder, &paths)?;
     farm::check_samples(samples, &document)?;
     if options.picture.says_of_view() {
         let message = "--times view is for plan, which samples the view; merge takes times in \

@@ -56,12 +56,12 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check(&document.picture)?;
-    stop::listen()?;
     let mut request = options.run.engine.request(spec.setting).answering(&document.question);
     if let Some(continued) = &continued {
         request = continued.prefer_engine(request);
     }
     let Chosen { mut engine, config, why, following } = start(&request)?;
+    stop::listen()?;
     check_numbers(&scene, spec.size(), config, options.cells)?;
     if let Some(continued) = &mut continued {
         continued.check_ran(engine.as_ref(), config)?;
@@ -113,7 +113,8 @@ fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Docume
     let spec = options.run.settle(&mut document)?;
     options.picture.apply(&mut document)?;
     document.view = document.view.fitted(spec.size().map(f64::from));
-    let inputs: Vec<_> = options.scene.file().into_iter().collect();
+    let inputs: Vec<_> =
+        options.scene.file().into_iter().chain(options.picture.palette_file()).collect();
     outputs.check(options.json, spec.verify, options.state.as_deref(), &inputs)?;
     check_state(options, &document, &spec)?;
     check_picture(&document, spec.size())?;

@@ -1,6 +1,12 @@
 //! Ctrl-C and SIGTERM: work stops at the next slice, unfinished files are removed, windows close.
+//!
+//! Commands listen from the moment at which there is something to stop or to remove. Until then,
+//! while engines are measured and films are planned, signals end the program as they end any other:
+//! at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+
+use flipmap::output::stop_writing_when;
 
 use super::exit::Exit;
 
@@ -13,6 +19,7 @@ pub(super) fn listen() -> anyhow::Result<()> {
 
 /// Installs the same handler, which also calls `wake` so that a sleeping thread notices.
 pub(super) fn listen_and(wake: impl Fn() + Send + 'static) -> anyhow::Result<()> {
+    stop_writing_when(asked);
     ctrlc::set_handler(move || {
         STOP.store(true, Ordering::Relaxed);
         wake();

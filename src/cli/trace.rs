@@ -68,7 +68,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut out = match &options.output {
         Some(_) => SafeFile::create(&destination)
             .with_context(|| format!("-o: cannot write {destination}"))?,
-        None => SafeFile::Stdout(std::io::BufWriter::new(std::io::stdout())),
+        None => SafeFile::stdout()?,
     };
     stop::listen()?;
     let mut trace = Trace::new(&scene, start, [until, every]);

@@ -55,7 +55,6 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
     let path = cache.join("plan.toml");
     spares_others("--cache", &path)?;
-    stop::listen()?;
     let mut request = options.film.run.engine.request(spec.setting);
     // Another engine would differ from the existing samples in the last digits.
     if let Some(earlier) = earlier(&path) {
@@ -63,6 +62,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     let chosen = start(&request)?;
     let task = planned(film, spec.verify, &chosen, &path)?;
+    stop::listen()?;
     let threads = options.film.run.engine.threads();
     let parts = match farm::compute(&task, 1..=1, chosen, threads, options.progress)? {
         Some(parts) => parts,

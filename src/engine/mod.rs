@@ -29,6 +29,7 @@ pub mod level;
 pub mod method;
 pub mod mock;
 mod one_job;
+pub mod plain_file;
 pub mod profile;
 pub mod run_settings;
 pub mod selfcheck;

@@ -15,6 +15,7 @@ use super::choice::open_checked;
 use super::cpu::{CpuEngine, instruction_set};
 use super::gpu::device::{adapters, describe, is_one_device, is_software};
 use super::level::{BALANCED, BALANCED_DF32, FAST, FAST_TO_COMPILE, LESSON};
+use super::plain_file::read_plain;
 use super::{
     Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Precision,
     Question, Starts, Wait,
@@ -76,6 +77,9 @@ impl Profile {
     pub fn get(threads: Option<usize>, tell: &dyn Fn(&str)) -> Profile {
         if let Some(kept) = Profile::kept(threads) {
             return kept;
+        }
+        if let Some(why) = path().as_deref().and_then(damage) {
+            tell(&why);
         }
         tell("measuring the engines of this machine once; this takes some seconds");
         let profile = Profile::measure(threads, Pairs::WhereNeeded);
@@ -319,8 +323,21 @@ fn path() -> Option<PathBuf> {
     Some(folders.cache_dir().join("flipmap").join("profile.json"))
 }
 
+/// Largest size of a profile in bytes: that of many adapters.
+const MOST_BYTES: u64 = 1 << 20;
+
 fn read(path: &Path) -> Option<Profile> {
-    serde_json::from_slice(&std::fs::read(path).ok()?).ok()
+    serde_json::from_slice(&read_plain(path, MOST_BYTES).ok()?).ok()
+}
+
+/// A sentence on why the file of a profile cannot be used, if it is there and damaged.
+fn damage(path: &Path) -> Option<String> {
+    let why = match read_plain(path, MOST_BYTES) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
+        Err(error) => error.to_string(),
+        Ok(bytes) => serde_json::from_slice::<Profile>(&bytes).err()?.to_string(),
+    };
+    Some(format!("the measured profile {} is ignored: {why}", path.display()))
 }
 
 /// Writes a temporary file and moves it into place, so that two runs at once leave a complete
@@ -415,5 +432,7 @@ mod tests {
         assert_eq!(read(&path), Some(profile));
         std::fs::write(&path, "{").unwrap();
         assert_eq!(read(&path), None);
+        assert!(damage(&path).unwrap().contains("is ignored"));
+        assert_eq!(damage(&folder.path().join("none")), None);
     }
 }

@@ -91,7 +91,8 @@ impl FilmSink {
     /// Refuses a destination that could not be written, before anything is computed.
     pub fn check(path: &Path) -> io::Result<()> {
         if Codec::of(path).is_some() {
-            return SafeFile::create(&Destination::from(path)).map(drop);
+            Encoder::check_place(path)?;
+            return SafeFile::check(&Destination::from(path));
         }
         Frames::check(path)
     }

@@ -11,7 +11,7 @@ mod plan;
 mod run;
 mod task;
 
-pub use parts::{PartError, PartWriter, Parts};
+pub use parts::{PartError, PartForm, PartForms, PartWriter, Parts};
 pub use plan::{Plan, PlanError, PlannedOutput};
 pub use run::{RunError, run};
 pub use task::{FrameGroupTask, StillPass, Task, TaskKind, WorkPiece};

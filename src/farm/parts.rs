@@ -13,8 +13,10 @@
 //! tell files apart; [`Parts::scan`] reads what there is from the bodies. So it does not matter who
 //! computed a part, or in which order; parts may overlap, and two that hold the same are equal.
 //!
-//! - A part is valid if its first line, checksum and encoding are right. Any other file with the name
-//!   of a part is damaged: its samples count as missing, and it is removed before they are computed again.
+//! - A part is valid if its first line, checksum and encoding are right, and if it has as many samples
+//!   as it says, of the width and channels that the plan wants of this digest. Any other file with the
+//!   name of a part is damaged: its samples count as missing, and it is removed before they are computed
+//!   again. Files with other names are left alone.
 //! - A part is written under a temporary name and then renamed ([`SafeFile`]), so it is whole or
 //!   not there. A process that is killed leaves at most a temporary file, which the scan ignores.
 //! - Writing does not wait for the disk (no fsync). A part that lost bytes in a power failure, or
@@ -29,8 +31,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::output::{Destination, SafeFile, sha256};
-
+use crate::output::{Destination, SafeFile, read_plain, sha256};
 use crate::scene::Turn;
 use crate::scene::lattice::Cell;
 use crate::tiles::Samples;
@@ -55,8 +56,8 @@ pub enum PartError {
         source: io::Error,
     },
     /// A file that is not as it was written.
-    #[error("{0} is cut short or altered: run its shard again, which computes it anew")]
-    Damaged(PathBuf),
+    #[error("{0} is cut short or altered ({1}): run its shard again, which computes it anew")]
+    Damaged(PathBuf, &'static str),
     /// Samples that an earlier scan found and that are missing now.
     #[error("samples are missing that were there a moment ago; run again")]
     Gone,
@@ -77,6 +78,51 @@ struct Part {
     of: String,
     holds: Holds,
     samples: Samples,
+}
+
+/// The form in which a plan wants the samples of one digest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartForm {
+    /// Rows of a still.
+    Rows {
+        /// Number of samples in a row.
+        width: u32,
+        /// Number of rows to compute.
+        rows: u32,
+        /// Number of values of each sample.
+        channels: usize,
+    },
+    /// Patches of a film of flips.
+    Patches,
+}
+
+/// The forms of all samples of a plan, by digest.
+pub type PartForms = HashMap<String, PartForm>;
+
+impl Part {
+    /// Refuses samples that are not as many as the part says, or not of the form that a plan wants.
+    fn check(&self, forms: &PartForms) -> Result<(), &'static str> {
+        let Some(form) = forms.get(&self.of) else { return Ok(()) };
+        let (count, channels, fits) = match (&self.holds, *form) {
+            (
+                Holds::Rows { width, first, count },
+                PartForm::Rows { width: wide, rows, channels },
+            ) => {
+                let end = u64::from(*first) + u64::from(*count);
+                let fits = *width == wide && end <= u64::from(rows);
+                (u64::from(*width) * u64::from(*count), channels, fits)
+            }
+            (Holds::Patches(places), PartForm::Patches) => {
+                ((places.len() * PATCH_SAMPLES) as u64, 1, true)
+            }
+            _ => return Err("it holds rows where the plan has patches, or the other way round"),
+        };
+        if !fits {
+            return Err("its rows are not those of the plan");
+        }
+        let is_whole = self.samples.len() as u64 == count && self.samples.are_whole(channels);
+        if is_whole { Ok(()) } else { Err("its samples are not as many as it says") }
+    }
 }
 
 /// Writes the parts of one pendulum or picture.
@@ -134,8 +180,9 @@ pub struct Parts {
     rows: BTreeMap<(String, u32), (u32, usize)>,
     /// Index of the file and of the patch within it, by digest and cell.
     patches: HashMap<String, HashMap<Cell, (usize, usize)>>,
-    /// Files that are not as they were written.
-    damaged: Vec<PathBuf>,
+    /// Files that are not as they were written, each with the fault.
+    damaged: Vec<(PathBuf, &'static str)>,
+    forms: PartForms,
     at_hand: VecDeque<(usize, Arc<Part>)>,
 }
 
@@ -146,9 +193,10 @@ impl std::fmt::Debug for Part {
 }
 
 impl Parts {
-    /// Reads every part in a folder from the first byte to the last; a missing folder is empty.
-    pub fn scan(folder: &Path) -> Result<Self, PartError> {
-        let mut parts = Parts::default();
+    /// Reads every part of these forms in a folder from the first byte to the last; a missing folder
+    /// is empty.
+    pub fn scan(folder: &Path, forms: PartForms) -> Result<Self, PartError> {
+        let mut parts = Parts { forms, ..Parts::default() };
         let entries = match fs::read_dir(folder) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(parts),
             entries => entries.map_err(failed("read", folder))?,
@@ -157,12 +205,12 @@ impl Parts {
             let path = entry.map_err(failed("read", folder))?.path();
             // A pipe would be waited for.
             if path.extension().is_some_and(|ending| ending == "part") && path.is_file() {
-                match read(&path) {
-                    Ok(part) => parts.add(path, &part),
-                    Err(PartError::Damaged(path)) if is_named_by_us(&path) => {
-                        parts.damaged.push(path);
+                match read(&path, &parts.forms) {
+                    Ok(Some(part)) => parts.add(path, &part),
+                    Err(PartError::Damaged(path, why)) if is_named_by_us(&path) => {
+                        parts.damaged.push((path, why));
                     }
-                    Err(PartError::Damaged(_)) => {}
+                    Ok(None) | Err(PartError::Damaged(..)) => {}
                     Err(error) => return Err(error),
                 }
             }
@@ -191,14 +239,14 @@ impl Parts {
         }
     }
 
-    /// Files that are not as they were written.
-    pub fn damaged(&self) -> &[PathBuf] {
+    /// Files that are not as they were written, each with the fault.
+    pub fn damaged(&self) -> &[(PathBuf, &'static str)] {
         &self.damaged
     }
 
     /// Removes damaged files, so that what they held can be computed again.
     pub fn remove_damaged(&mut self) -> Result<(), PartError> {
-        self.damaged.drain(..).try_for_each(|path| match fs::remove_file(&path) {
+        self.damaged.drain(..).try_for_each(|(path, _)| match fs::remove_file(&path) {
             // Another process removed it first.
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             removed => removed.map_err(failed("write", &path)),
@@ -259,7 +307,7 @@ impl Parts {
         if let Some((_, part)) = self.at_hand.iter().find(|(at_hand, _)| *at_hand == file) {
             return Ok(part.clone());
         }
-        let part = Arc::new(read(&self.paths[file])?);
+        let part = Arc::new(read(&self.paths[file], &self.forms)?.ok_or(PartError::Gone)?);
         self.at_hand.push_back((file, part.clone()));
         let samples = |(_, part): &(usize, Arc<Part>)| part.samples.len();
         while self.at_hand.len() > 1 && self.at_hand.iter().map(samples).sum::<usize>() > AT_HAND {
@@ -269,21 +317,43 @@ impl Parts {
     }
 }
 
-fn read(path: &Path) -> Result<Part, PartError> {
-    let bytes = fs::read(path).map_err(failed("read", path))?;
-    let damaged = || PartError::Damaged(path.to_path_buf());
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(damaged)?;
-    let (sum, body) = rest.split_first_chunk::<4>().ok_or_else(damaged)?;
+/// Largest size of a part in bytes, far above that of any that is written.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// Reads a part; none if it is whole and of another plan.
+fn read(path: &Path, forms: &PartForms) -> Result<Option<Part>, PartError> {
+    let bytes = read_plain(path, MOST_BYTES).map_err(failed("read", path))?;
+    let damaged = |why| PartError::Damaged(path.to_path_buf(), why);
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("its first line is another"))?;
+    let cut = || damaged("it ends within its checksum, bytes 15 to 18");
+    let (sum, body) = rest.split_first_chunk::<4>().ok_or_else(cut)?;
     if crc32fast::hash(body) != u32::from_le_bytes(*sum) {
-        return Err(damaged());
+        return Err(damaged("the checksum in bytes 15 to 18 is not that of the bytes after it"));
     }
-    postcard::from_bytes(body).map_err(|_| damaged())
+    let part: Part =
+        postcard::from_bytes(body).map_err(|_| damaged("the bytes from 19 on are no part"))?;
+    if !forms.contains_key(&part.of) {
+        return Ok(None);
+    }
+    part.check(forms).map_err(damaged)?;
+    Ok(Some(part))
 }
 
 /// Returns true if a file has the name of a part; files of others are left alone.
 fn is_named_by_us(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    name.starts_with("rows-") || name.starts_with("patches-")
+    let words: Vec<&str> = name.strip_suffix(".part").unwrap_or_default().split('-').collect();
+    let is_hex = |word: &str, length| {
+        let hex = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
+        word.len() == length && word.bytes().all(hex)
+    };
+    let is_number =
+        |word: &str, least| word.len() >= least && word.bytes().all(|byte| byte.is_ascii_digit());
+    match words[..] {
+        ["rows", of, first, count] => is_hex(of, 8) && is_number(first, 7) && is_number(count, 1),
+        ["patches", of, cells] => is_hex(of, 8) && is_hex(cells, 16),
+        _ => false,
+    }
 }
 
 fn failed(verb: &'static str, path: &Path) -> impl FnOnce(io::Error) -> PartError {
@@ -302,6 +372,47 @@ mod tests {
         samples
     }
 
+    fn forms(of: &str, form: PartForm) -> PartForms {
+        PartForms::from([(of.to_string(), form)])
+    }
+
+    #[test]
+    fn parts_whose_checksum_was_made_to_fit_are_compared_with_the_plan() {
+        let of = sha256(b"a still");
+        let form = PartForm::Rows { width: 3, rows: 10, channels: 1 };
+        let damage = |holds: Holds, samples: Samples| {
+            let folder = tempfile::tempdir().unwrap();
+            let writer = PartWriter::open(folder.path(), &of).unwrap();
+            let name = format!("rows-{}-0000000-4.part", &of[..8]);
+            writer.write(&name, holds, samples).unwrap();
+            let parts = Parts::scan(folder.path(), forms(&of, form)).unwrap();
+            parts.damaged().first().map(|(_, why)| *why)
+        };
+        let rows = |width, first, count| Holds::Rows { width, first, count };
+        assert_eq!(damage(rows(3, 0, 4), samples(12, 0.0)), None);
+        let other = Some("its rows are not those of the plan");
+        assert_eq!(damage(rows(4, 0, 3), samples(12, 0.0)), other);
+        assert_eq!(damage(rows(3, 8, 4), samples(12, 0.0)), other);
+        assert_eq!(damage(rows(3, u32::MAX, 4), samples(12, 0.0)), other);
+        let few = Some("its samples are not as many as it says");
+        assert_eq!(damage(rows(3, 0, 4), samples(11, 0.0)), few);
+        assert_eq!(damage(rows(3, 0, 4), Samples::unanswered(12, 2)), few);
+        let patch = Holds::Patches(vec![(0, [0; 8], [0; 8])]);
+        assert!(damage(patch, samples(PATCH_SAMPLES, 0.0)).unwrap().contains("patches"));
+    }
+
+    #[test]
+    fn only_files_named_exactly_like_ours_are_ours() {
+        let ours = |name: &str| is_named_by_us(Path::new(name));
+        assert!(ours("rows-1f0c92aa-0000128-64.part"));
+        assert!(ours("patches-1f0c92aa-77b0e3d91a54c208.part"));
+        let others =
+            ["rows-2024-budget.part", "patches-z.part", "rows-1f0c92aa-0000128-64-old.part"];
+        for name in others.into_iter().chain(["rows-1F0C92AA-0000128-64.part", "rows.part"]) {
+            assert!(!ours(name), "{name}");
+        }
+    }
+
     #[test]
     fn rows_are_found_whoever_wrote_them() {
         let folder = tempfile::tempdir().unwrap();
@@ -311,7 +422,8 @@ mod tests {
         writer.rows(3, 2, samples(6, 200.0)).unwrap();
         writer.rows(3, 4, samples(12, 400.0)).unwrap();
         writer.rows(3, 3, samples(6, 300.0)).unwrap();
-        let mut parts = Parts::scan(folder.path()).unwrap();
+        let form = PartForm::Rows { width: 3, rows: 10, channels: 1 };
+        let mut parts = Parts::scan(folder.path(), forms(&of, form)).unwrap();
         assert_eq!(parts.missing_rows(&of, 0..10), [0..2, 8..10]);
         assert_eq!(parts.missing_rows(&of, 2..8), []);
         assert_eq!(parts.missing_rows(&sha256(b"another"), 3..4).len(), 1);
@@ -328,7 +440,7 @@ mod tests {
         let writer = PartWriter::open(folder.path(), &of).unwrap();
         let [a, b, c, _] = Cell::WHOLE.children();
         writer.patches(&[a, b], samples(2 * PATCH_SAMPLES, 0.0)).unwrap();
-        let mut parts = Parts::scan(folder.path()).unwrap();
+        let mut parts = Parts::scan(folder.path(), forms(&of, PartForm::Patches)).unwrap();
         assert!(parts.has_patch(&of, &a) && !parts.has_patch(&of, &c));
         assert_eq!(parts.patch(&of, &b).unwrap().get(1).time, PATCH_SAMPLES as f64 + 1.0);
         let path = fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
@@ -337,12 +449,12 @@ mod tests {
             let mut altered = whole.clone();
             altered[at] ^= xor;
             fs::write(&path, altered).unwrap();
-            let parts = Parts::scan(folder.path()).unwrap();
-            assert!(parts.damaged() == std::slice::from_ref(&path), "byte {at}");
+            let parts = Parts::scan(folder.path(), forms(&of, PartForm::Patches)).unwrap();
+            assert!(parts.damaged().len() == 1 && parts.damaged()[0].0 == path, "byte {at}");
             assert!(!parts.has_patch(&of, &a));
         }
         fs::write(&path, &whole[..whole.len() - 1]).unwrap();
-        let mut parts = Parts::scan(folder.path()).unwrap();
+        let mut parts = Parts::scan(folder.path(), forms(&of, PartForm::Patches)).unwrap();
         assert_eq!(parts.damaged().len(), 1);
         parts.remove_damaged().unwrap();
         assert!(!path.exists());

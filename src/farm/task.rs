@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Parts, Plan, PlanError, PlannedOutput};
+use super::{PartForm, PartForms, Parts, Plan, PlanError, PlannedOutput};
 use crate::engine::IntegratorConfig;
 use crate::film::{FrameGroup, frame_groups};
 use crate::output::sha256;
@@ -99,6 +99,23 @@ impl Task {
             }
             TaskKind::Film(_, groups) => {
                 groups.iter().map(|group| (group.cells.len() * PATCH_SAMPLES) as u64).sum()
+            }
+        }
+    }
+
+    /// The forms of the samples, by digest.
+    pub fn forms(&self) -> PartForms {
+        match &self.work {
+            TaskKind::Still(document, passes) => {
+                let channels = document.question.ask.kind().channels.len();
+                let form = |pass: &StillPass| {
+                    let form = PartForm::Rows { width: pass.size[0], rows: pass.rows, channels };
+                    (pass.of.clone(), form)
+                };
+                passes.iter().map(form).collect()
+            }
+            TaskKind::Film(_, groups) => {
+                groups.iter().map(|group| (group.of.clone(), PartForm::Patches)).collect()
             }
         }
     }

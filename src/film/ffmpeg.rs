@@ -158,17 +158,25 @@ pub struct Encoder {
     path: PathBuf,
 }
 
+fn no_plain_file() -> io::Error {
+    io::Error::other("ffmpeg has to seek in it: name a plain file")
+}
+
 /// Number of ffmpeg's last lines that are shown when it fails.
 const LAST_LINES: usize = 5;
 
 impl Encoder {
+    /// Refuses pipes and devices.
+    pub fn check_place(path: &Path) -> io::Result<()> {
+        let is_plain = !path.exists() || path.is_file() || path.is_dir();
+        if is_plain { Ok(()) } else { Err(no_plain_file()) }
+    }
+
     /// Starts ffmpeg.
     pub fn start(codec: Codec, film: &Film, path: &Path) -> Result<Self, FfmpegError> {
         let unwritable = |source| FfmpegError::File { path: path.to_path_buf(), source };
         let file = SafeFile::create(&Destination::from(path)).map_err(unwritable)?;
-        let beside = file.beside().ok_or_else(|| {
-            unwritable(io::Error::other("ffmpeg has to seek in it: name a plain file"))
-        })?;
+        let beside = file.beside().ok_or_else(|| unwritable(no_plain_file()))?;
         let mut child = Command::new("ffmpeg")
             .args(arguments(codec, film, beside))
             .stdin(Stdio::piped())

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::output::{Destination, PngError, PngWriter, SafeFile, sha256};
+use crate::output::{Destination, PngError, PngWriter, SafeFile, read_plain, read_text, sha256};
 use crate::scene::film::{Film, Shot};
 use crate::scene::{Document, location};
 
@@ -50,6 +50,8 @@ struct Manifest {
     pictures: Vec<Beside>,
 }
 
+/// Largest size of a picture's file in bytes: that of the largest frame, not compressed.
+const MOST_OF_PICTURE: u64 = 2 << 30;
 /// Name of the manifest's file.
 const MANIFEST: &str = "manifest.json";
 
@@ -98,7 +100,7 @@ impl Frames {
     pub fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         let [png, json] = self.paths(frame);
         let Some(beside) = Beside::read(&json) else { return false };
-        let Ok(picture) = fs::read(png) else { return false };
+        let Ok(picture) = read_plain(&png, MOST_OF_PICTURE) else { return false };
         let same = beside == self.beside(frame, shot, &picture);
         if same {
             self.done.push(beside);
@@ -166,7 +168,7 @@ impl Frames {
 impl Beside {
     /// The contents of a frame's JSON file; none if it is no such file.
     fn read(json: &Path) -> Option<Beside> {
-        serde_json::from_str(&fs::read_to_string(json).ok()?).ok()
+        serde_json::from_str(&read_text(json).ok()?).ok()
     }
 }
 
@@ -175,12 +177,13 @@ impl Beside {
 fn is_foreign(path: &Path) -> bool {
     let (Some(stem), Some(ending)) = (path.file_stem(), path.extension()) else { return false };
     if path.file_name().is_some_and(|name| name == MANIFEST) {
-        let text = fs::read_to_string(path).unwrap_or_default();
+        let text = read_text(path).unwrap_or_default();
         return serde_json::from_str::<Manifest>(&text).is_err();
     }
     let is_number = |name: &str| name.len() >= 6 && name.bytes().all(|byte| byte.is_ascii_digit());
     let is_frame = stem.to_str().is_some_and(is_number) && (ending == "png" || ending == "json");
-    is_frame && Beside::read(&path.with_extension("json")).is_none()
+    // A pipe or a folder would take no frame.
+    is_frame && (!path.is_file() || Beside::read(&path.with_extension("json")).is_none())
 }
 
 /// Removes frames of an earlier, longer film, so that players find only this one in the folder.
@@ -242,6 +245,17 @@ mod tests {
         assert_eq!(made(None), (Vec::new(), manifest.clone()));
         fs::remove_file(folder.path().join("000007.png")).unwrap();
         assert_eq!(made(Some(7)), (vec![7], manifest));
+    }
+
+    #[test]
+    fn pipes_under_the_names_of_frames_are_not_waited_for() {
+        for name in ["000000.json", "000000.png", MANIFEST] {
+            let folder = tempfile::tempdir().unwrap();
+            let pipe = folder.path().join(name);
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+            let error = Frames::check(folder.path()).unwrap_err().to_string();
+            assert!(error.contains(name), "{error}");
+        }
     }
 
     #[test]

@@ -6,6 +6,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
+pub use super::comparison::Comparison;
+use super::npy::npy_shape;
 use crate::question::{Ask, Channel, ChannelScale};
 
 /// A result that is read row by row, from the top.
@@ -35,34 +37,6 @@ pub enum Difference {
     /// A time in one and none in the other, or none in both for different reasons.
     Class,
 }
-
-/// The summary of a comparison.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Comparison {
-    /// Number of pixels in each result.
-    pub pixels: u64,
-    /// Number of pixels that differ by more than was allowed, class changes included.
-    pub differing: u64,
-    /// Number of those that changed their class.
-    pub classes: u64,
-    /// The largest difference.
-    pub largest: f64,
-    histogram: Histogram,
-}
-
-/// Counts of differences by size, in a hundred bins per decade.
-#[derive(Clone, Debug, PartialEq)]
-struct Histogram {
-    none: u64,
-    counts: Vec<u64>,
-}
-
-/// Largest number of channels of an array.
-const MOST_CHANNELS: u32 = 64;
-
-const LEAST_DECADE: f64 = -18.0;
-const DECADES: usize = 24;
-const BINS_A_DECADE: f64 = 100.0;
 
 /// Reasons why two files cannot be compared.
 #[derive(Debug, thiserror::Error)]
@@ -168,11 +142,11 @@ impl ResultRows {
             ([info.width, info.height], ResultKind::Colours(Box::new(reader)))
         } else {
             let mut file = file;
-            let (size, channels) = npy_shape(&mut file).ok_or_else(|| {
-                foreign("is no .npy array of little-endian f64 of two or three axes".to_string())
-            })?;
+            let (size, channels) =
+                npy_shape(&mut file).map_err(|why| foreign(format!("is no such array: {why}")))?;
+            // At most 64 channels of a million times a million pixels.
             let values = size.map(u64::from).iter().product::<u64>() * channels as u64;
-            let needed = values.saturating_mul(8) + file.stream_position().map_err(unreadable)?;
+            let needed = 8 * values + file.stream_position().map_err(unreadable)?;
             let found = file.get_ref().metadata().map_err(unreadable)?;
             if found.is_file() && found.len() != needed {
                 let why = format!("has {} bytes, and its header says {needed}", found.len());
@@ -242,28 +216,6 @@ impl ResultRows {
     }
 }
 
-/// Reads width, height and number of channels of a `.npy` array of f64 from its header.
-fn npy_shape(file: &mut impl Read) -> Option<([u32; 2], usize)> {
-    let mut head = [0; 10];
-    file.read_exact(&mut head).ok()?;
-    let length = usize::from(u16::from_le_bytes([head[8], head[9]]));
-    let mut text = vec![0; length];
-    file.read_exact(&mut text).ok()?;
-    let text = String::from_utf8(text).ok()?;
-    let fits = head.starts_with(b"\x93NUMPY\x01")
-        && text.contains("'descr': '<f8'")
-        && text.contains("'fortran_order': False");
-    let (_, shape) = text.split_once("'shape': (")?;
-    let axes: Option<Vec<u32>> =
-        shape.split_once(')')?.0.split(',').map(|axis| axis.trim().parse().ok()).collect();
-    let shape = match axes?[..] {
-        [height, width] => ([width, height], 1),
-        [height, width, channels @ 1..=MOST_CHANNELS] => ([width, height], channels as usize),
-        _ => return None,
-    };
-    (fits && !shape.0.contains(&0)).then_some(shape)
-}
-
 /// The way in which the values of two pixels are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Yardstick {
@@ -310,7 +262,7 @@ impl Yardstick {
             Yardstick::Channels(channels) => {
                 let each = channels.iter().zip(a.iter().zip(b));
                 let each = each.map(|(channel, (a, b))| match apart(channel, *a, *b) {
-                    Difference::By(by) if by == 0.0 => Difference::By(0.0),
+                    Difference::By(0.0) => Difference::By(0.0),
                     // A count is right or wrong.
                     Difference::By(_) if channel.right == 0.0 => Difference::Class,
                     Difference::By(by) => Difference::By(by / channel.right),
@@ -402,68 +354,6 @@ pub fn compare(
     Ok(comparison)
 }
 
-impl Comparison {
-    fn add(&mut self, difference: Difference, tolerance: f64) {
-        self.pixels += 1;
-        match difference {
-            Difference::Class => {
-                self.classes += 1;
-                self.differing += 1;
-            }
-            Difference::By(by) => {
-                self.differing += u64::from(by > tolerance);
-                self.largest = self.largest.max(by);
-                self.histogram.add(by);
-            }
-        }
-    }
-
-    /// The share of pixels that differ by more than was allowed.
-    pub fn share(&self) -> f64 {
-        self.differing as f64 / (self.pixels as f64).max(1.0)
-    }
-
-    /// The difference that this share of the pixels does not exceed, accurate to a fortieth of
-    /// itself; class changes do not count.
-    pub fn quantile(&self, share: f64) -> f64 {
-        self.histogram.quantile(share).min(self.largest)
-    }
-}
-
-impl Default for Histogram {
-    fn default() -> Self {
-        Histogram { none: 0, counts: vec![0; DECADES * BINS_A_DECADE as usize] }
-    }
-}
-
-impl Histogram {
-    fn add(&mut self, by: f64) {
-        if by == 0.0 {
-            self.none += 1;
-            return;
-        }
-        let bin = (by.log10() - LEAST_DECADE) * BINS_A_DECADE;
-        let last = self.counts.len() - 1;
-        self.counts[(bin.max(0.0) as usize).min(last)] += 1;
-    }
-
-    fn quantile(&self, share: f64) -> f64 {
-        let all = self.none + self.counts.iter().sum::<u64>();
-        let mut left = (share * all as f64).ceil() as u64;
-        if left <= self.none {
-            return 0.0;
-        }
-        left -= self.none;
-        for (bin, count) in self.counts.iter().enumerate() {
-            if left <= *count {
-                return 10f64.powf((bin + 1) as f64 / BINS_A_DECADE + LEAST_DECADE);
-            }
-            left -= count;
-        }
-        f64::INFINITY
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -511,30 +401,5 @@ mod tests {
         assert_eq!(comparison.quantile(0.5), 0.0);
         assert!((comparison.quantile(0.9) / 0.089 - 1.0).abs() < 0.025);
         assert_eq!((comparison.quantile(1.0), comparison.largest), (0.099, 0.099));
-    }
-
-    #[test]
-    fn only_arrays_of_f64_have_a_size() {
-        let header = |text: &str| {
-            let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-            bytes.extend((text.len() as u16).to_le_bytes());
-            bytes.extend(text.bytes());
-            npy_shape(&mut &bytes[..])
-        };
-        let good = "{'descr': '<f8', 'fortran_order': False, 'shape': (5, 7), }";
-        assert_eq!(header(good), Some(([7, 5], 1)));
-        assert_eq!(header(&good.replace("5, 7", "5, 7, 6")), Some(([7, 5], 6)));
-        for (from, to) in [
-            ("<f8", "<f4"),
-            ("False", "True"),
-            ("(5, 7)", "(5,)"),
-            ("5", "-5"),
-            ("7", "7, 99"),
-            ("5", "0"),
-            ("'<f8'", "[('t', '<f8')]"),
-        ] {
-            assert_eq!(header(&good.replace(from, to)), None, "{to}");
-        }
-        assert_eq!(npy_shape(&mut &b"\x93NUMPY"[..]), None);
     }
 }

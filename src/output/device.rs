@@ -1,54 +1,126 @@
-//! Pipes and devices as outputs, and as inputs that should be plain files.
+//! Pipes, devices and standard output as outputs, which may wait for their reader.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 
-/// Opens a pipe or a device for writing. A named pipe blocks whoever opens it until somebody reads
-/// it; this waits for a reader, but not forever.
-#[cfg(unix)]
-pub(super) fn open_device(path: &Path) -> io::Result<File> {
-    use std::os::unix::fs::OpenOptionsExt;
-    use std::time::{Duration, Instant};
+/// Test for a request to stop.
+static STOP_ASKED: OnceLock<fn() -> bool> = OnceLock::new();
 
-    const MOST_WAIT: Duration = Duration::from_secs(5);
-    let no_reader = rustix::io::Errno::NXIO.raw_os_error();
-    let nonblocking = rustix::fs::OFlags::NONBLOCK.bits() as i32;
-    let mut options = File::options();
-    options.write(true);
-    let begun = Instant::now();
-    loop {
-        match options.clone().custom_flags(nonblocking).open(path) {
-            // With a reader there, opening it blocks no longer; writing to it may.
-            Ok(_reader_is_kept) => return options.open(path),
-            Err(error) if error.raw_os_error() != Some(no_reader) => return Err(error),
-            Err(_) if begun.elapsed() > MOST_WAIT => {
-                let message = "no program reads this pipe: start its reader first";
-                return Err(io::Error::other(message));
+/// Makes writing to pipes and devices end with an error once `asked` returns true: their reader may
+/// be slow, or never read on.
+pub fn stop_writing_when(asked: fn() -> bool) {
+    // A second call names the same function.
+    let _ = STOP_ASKED.set(asked);
+}
+
+/// The error of a write that a request to stop ended.
+#[derive(Debug, thiserror::Error)]
+#[error("stopped while it was written")]
+pub(super) struct StoppedWriting;
+
+fn heed_stop() -> io::Result<()> {
+    match STOP_ASKED.get().is_some_and(|asked| asked()) {
+        true => Err(io::Error::other(StoppedWriting)),
+        false => Ok(()),
+    }
+}
+
+/// Number of bytes that are written at once: what a pipe that can be written to has room for.
+const AT_ONCE: usize = 4096;
+
+/// A pipe, a device or standard output that is written.
+pub struct Device(File);
+
+impl Device {
+    /// Opens a pipe or a device. A named pipe blocks whoever opens it until somebody reads it; this
+    /// waits for a reader, but not forever.
+    #[cfg(unix)]
+    pub(super) fn open(path: &Path) -> io::Result<Self> {
+        use std::os::unix::fs::OpenOptionsExt;
+        use std::time::{Duration, Instant};
+
+        const MOST_WAIT: Duration = Duration::from_secs(5);
+        let no_reader = rustix::io::Errno::NXIO.raw_os_error();
+        let mut options = File::options();
+        options.write(true).custom_flags(rustix::fs::OFlags::NONBLOCK.bits() as i32);
+        let begun = Instant::now();
+        loop {
+            match options.open(path) {
+                Ok(file) => return Ok(Device(file)),
+                Err(error) if error.raw_os_error() != Some(no_reader) => return Err(error),
+                Err(_) if begun.elapsed() > MOST_WAIT => {
+                    let message = "no program reads this pipe: start its reader first";
+                    return Err(io::Error::other(message));
+                }
+                Err(_) => std::thread::sleep(Duration::from_millis(20)),
             }
-            Err(_) => std::thread::sleep(Duration::from_millis(20)),
+            heed_stop()?;
         }
     }
-}
 
-/// Opens a device for writing.
-#[cfg(not(unix))]
-pub(super) fn open_device(path: &Path) -> io::Result<File> {
-    File::options().write(true).open(path)
-}
-
-/// Opens a file for reading; refuses a pipe or a device, which could keep its reader waiting.
-pub fn open_plain(path: &Path) -> io::Result<File> {
-    if path.exists() && !path.is_file() {
-        return Err(io::Error::other("it is no plain file"));
+    /// Opens a device.
+    #[cfg(not(unix))]
+    pub(super) fn open(path: &Path) -> io::Result<Self> {
+        File::options().write(true).open(path).map(Device)
     }
-    File::open(path)
+
+    /// Returns standard output.
+    pub(super) fn stdout() -> io::Result<Self> {
+        #[cfg(unix)]
+        let owned = std::os::fd::AsFd::as_fd(&io::stdout()).try_clone_to_owned()?;
+        #[cfg(windows)]
+        let owned =
+            std::os::windows::io::AsHandle::as_handle(&io::stdout()).try_clone_to_owned()?;
+        Ok(Device(owned.into()))
+    }
+
+    /// Waits until there is room for some bytes, or a request to stop.
+    #[cfg(unix)]
+    fn wait(&self) -> io::Result<()> {
+        use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+        const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 50_000_000 };
+        loop {
+            heed_stop()?;
+            match poll(&mut [PollFd::new(&self.0, PollFlags::OUT)], Some(&PATIENCE)) {
+                Ok(0) | Err(rustix::io::Errno::INTR) => {}
+                Ok(_) => return Ok(()),
+                Err(error) => return Err(error.into()),
+            }
+        }
+    }
+
+    #[cfg(not(unix))]
+    fn wait(&self) -> io::Result<()> {
+        heed_stop()
+    }
+}
+
+impl Write for Device {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        loop {
+            self.wait()?;
+            match self.0.write(&bytes[..bytes.len().min(AT_ONCE)]) {
+                // Another writer of the same pipe was faster.
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    std::thread::sleep(std::time::Duration::from_millis(1));
+                }
+                written => return written,
+            }
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use std::io::{Read, Write};
+    use std::io::Read;
 
     fn pipe(folder: &Path) -> std::path::PathBuf {
         let path = folder.join("pipe");
@@ -58,28 +130,30 @@ mod tests {
     }
 
     #[test]
-    fn a_pipe_is_written_when_its_reader_comes() {
+    fn a_pipe_is_written_when_its_reader_comes_however_slow_it_is() {
         let folder = tempfile::tempdir().unwrap();
         let path = pipe(folder.path());
+        // More than a pipe holds.
+        let bytes: Vec<u8> = (0..300_000).map(|k| (k % 251) as u8).collect();
         let reader = std::thread::spawn({
             let path = path.clone();
             move || {
                 std::thread::sleep(std::time::Duration::from_millis(200));
-                let mut text = String::new();
-                File::open(path).unwrap().read_to_string(&mut text).unwrap();
-                text
+                let mut file = File::open(path).unwrap();
+                std::thread::sleep(std::time::Duration::from_millis(200));
+                let mut read = Vec::new();
+                file.read_to_end(&mut read).unwrap();
+                read
             }
         });
-        open_device(&path).unwrap().write_all(b"read").unwrap();
-        assert_eq!(reader.join().unwrap(), "read");
+        Device::open(&path).unwrap().write_all(&bytes).unwrap();
+        assert!(reader.join().unwrap() == bytes);
     }
 
     #[test]
     fn a_pipe_that_nobody_reads_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let path = pipe(folder.path());
-        assert!(open_device(&path).unwrap_err().to_string().contains("no program reads"));
-        assert!(open_plain(&path).unwrap_err().to_string().contains("no plain file"));
-        assert!(open_plain(&folder.path().join("nothing")).is_err());
+        let refused = Device::open(&pipe(folder.path())).err().unwrap();
+        assert!(refused.to_string().contains("no program reads"));
     }
 }

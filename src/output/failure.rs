@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::io;
 
+use super::device::StoppedWriting;
 use super::{Destination, PngError};
 use crate::engine::EngineError;
 use crate::scene::SceneError;
@@ -57,6 +58,12 @@ pub fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut causes: Vec<String> = causes(error).map(ToString::to_string).collect();
     causes.dedup();
     causes.join(": ")
+}
+
+/// Returns true if a request to stop ended a write that waited for its reader.
+pub fn is_stopped(error: &(dyn Error + 'static)) -> bool {
+    let stopped = |cause: &io::Error| cause.get_ref().is_some_and(|why| why.is::<StoppedWriting>());
+    causes(error).any(|cause| cause.downcast_ref().is_some_and(stopped))
 }
 
 /// Returns true if the reader at the other end has gone.

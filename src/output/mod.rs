@@ -5,6 +5,7 @@
 //! come, and only a few rows are held: pictures can be larger than memory.
 
 pub mod compare;
+mod comparison;
 mod curve;
 mod device;
 mod digest;
@@ -28,16 +29,16 @@ mod shell;
 mod sinks;
 mod spool;
 mod state;
-mod text_file;
 mod trace;
 mod trace_channels;
 mod trust;
 
+pub use crate::engine::plain_file::{open_plain, read_plain, read_text};
 pub use curve::CurveBand;
-pub use device::open_plain;
+pub use device::{Device, stop_writing_when};
 pub use digest::sha256;
 pub use exr::ExrWriter;
-pub use failure::{OutputError, RenderError, is_broken_pipe, sentence};
+pub use failure::{OutputError, RenderError, is_broken_pipe, is_stopped, sentence};
 pub use gradient::{GradientError, read_gradient};
 pub use npy::{NpyWriter, number_of};
 pub use one_file::is_one_file;
@@ -53,6 +54,5 @@ pub use shell::shell_word;
 pub use sinks::{Paths, SinkPass, Sinks};
 pub use spool::Spool;
 pub use state::{RenderState, RunRecord, StateError};
-pub use text_file::read_text;
 pub use trace::{Advance, NotFinite, Trace, launch_from_text};
 pub use trust::trust_colours;

@@ -2,10 +2,12 @@
 //! (height, width) for one channel and (height, width, channels) for several; `+inf` for unflipped
 //! and failed, `nan` for forbidden.
 
-use std::io::{self, Write};
+use std::collections::BTreeMap;
+use std::io::{self, Read, Write};
 use std::ops::Range;
 
 use crate::physics::Status;
+use crate::scene::PictureTable;
 use crate::tiles::Samples;
 
 /// Writes rows of samples as they come.
@@ -47,6 +49,82 @@ impl<W: Write> NpyWriter<W> {
     }
 }
 
+/// Largest number of channels of an array.
+const MOST_CHANNELS: u32 = 64;
+
+/// Reads width, height and number of channels of an array of f64 from its header; the error is a
+/// phrase. Only headers with these very keys and values will do: others change what the numbers mean.
+pub(super) fn npy_shape(file: &mut impl Read) -> Result<([u32; 2], usize), &'static str> {
+    let cut = |_| "it ends within its header";
+    let mut head = [0; 10];
+    file.read_exact(&mut head).map_err(cut)?;
+    if !head.starts_with(b"\x93NUMPY\x01\x00") {
+        return Err("it does not begin as .npy files of version 1 do");
+    }
+    let mut text = vec![0; usize::from(u16::from_le_bytes([head[8], head[9]]))];
+    file.read_exact(&mut text).map_err(cut)?;
+    let text = String::from_utf8(text).map_err(|_| "its header is no text")?;
+    let header = dictionary(&text).ok_or("its header is no dictionary")?;
+    let known = ["descr", "fortran_order", "shape"];
+    if !header.keys().copied().eq(known) {
+        return Err("its header has other keys than 'descr', 'fortran_order' and 'shape'");
+    }
+    let [descr, order, shape] = known.map(|key| header[key]);
+    if !["'<f8'", "\"<f8\""].contains(&descr) {
+        return Err("its numbers are not little-endian f64 ('<f8')");
+    }
+    if order != "False" {
+        return Err("its rows do not follow one another ('fortran_order')");
+    }
+    match axes(shape).as_deref() {
+        Some([height, width]) => Ok(([*width, *height], 1)),
+        Some([height, width, channels @ 1..=MOST_CHANNELS]) => {
+            Ok(([*width, *height], *channels as usize))
+        }
+        _ => Err("its shape is not that of a picture of up to a million pixels along each side"),
+    }
+}
+
+/// The axes of a shape such as `(5, 7)`, of which the first two are those of a picture.
+fn axes(shape: &str) -> Option<Vec<u32>> {
+    let inside = shape.strip_prefix('(')?.strip_suffix(')')?.trim();
+    let inside = inside.strip_suffix(',').unwrap_or(inside);
+    let axes: Option<Vec<u32>> = inside.split(',').map(|axis| axis.trim().parse().ok()).collect();
+    let fits = |side: &u32| (1..=PictureTable::LONGEST_SIDE).contains(side);
+    axes.filter(|axes| axes.iter().take(2).all(fits))
+}
+
+/// The keys of a dictionary as Python writes it, each once, with the texts of their values.
+fn dictionary(text: &str) -> Option<BTreeMap<&str, &str>> {
+    let mut rest = text.trim().strip_prefix('{')?.trim_start();
+    let mut found = BTreeMap::new();
+    while !rest.starts_with('}') {
+        let (key, after) = split_value(rest)?;
+        let (value, after) = split_value(after.trim_start().strip_prefix(':')?.trim_start())?;
+        let key = key.strip_prefix(['\'', '"'])?.strip_suffix(['\'', '"'])?;
+        if found.insert(key, value).is_some() {
+            return None;
+        }
+        rest = after.trim_start();
+        match rest.strip_prefix(',') {
+            Some(after) => rest = after.trim_start(),
+            None if rest.starts_with('}') => {}
+            None => return None,
+        }
+    }
+    (rest == "}").then_some(found)
+}
+
+/// The value at the beginning of a text, a string, a tuple or a word, and what follows it.
+fn split_value(text: &str) -> Option<(&str, &str)> {
+    let length = match text.chars().next()? {
+        quote @ ('\'' | '"') => text[1..].find(quote)? + 2,
+        '(' => text.find(')')? + 1,
+        _ => text.find(|c: char| !c.is_ascii_alphanumeric())?,
+    };
+    (length > 0).then(|| text.split_at(length))
+}
+
 /// The number that stands in an array for a channel of a sample with this status: its value, `+inf`
 /// for unflipped and failed, NaN for forbidden.
 pub fn number_of(status: Status, value: f64) -> f64 {
@@ -70,6 +148,48 @@ mod tests {
         let text = std::str::from_utf8(&bytes[10..]).unwrap();
         assert!(text.starts_with("{'descr': '<f8', 'fortran_order': False, 'shape': (5, 7), }"));
         assert!(text.ends_with(" \n"));
+    }
+
+    #[test]
+    fn headers_that_mean_something_else_are_refused() {
+        let read = |text: &str| {
+            let length = (text.len() as u16).to_le_bytes();
+            let bytes = [b"\x93NUMPY\x01\x00", &length[..], text.as_bytes()].concat();
+            npy_shape(&mut &bytes[..])
+        };
+        let plain = |descr: &str, shape: &str| {
+            read(&format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}  \n"))
+        };
+        assert_eq!(plain("'<f8'", "(5, 7)"), Ok(([7, 5], 1)));
+        assert_eq!(plain("\"<f8\"", "(5, 7, 2,)"), Ok(([7, 5], 2)));
+        let spaced = "{ \"shape\":(1,1) ,'descr':'<f8','fortran_order':False}";
+        assert_eq!(read(spaced), Ok(([1, 1], 1)));
+        let structured = "[(\"'descr': '<f8'\", '<i8')]";
+        for descr in ["'<f4'", "'>f8'", "'<i8'", structured, "'<f8", "<f8", "('<f8', (2,))"] {
+            assert!(plain(descr, "(5, 7)").is_err(), "{descr}");
+        }
+        let many = "(2147483648, 2147483648, 4)";
+        for shape in [
+            many,
+            "(5,)",
+            "(0, 7)",
+            "(5, 7, 65)",
+            "(1, 1000001)",
+            "(5, 7, 1, 1)",
+            "(-5, 7)",
+            "5, 7",
+        ] {
+            assert!(plain("'<f8'", shape).is_err(), "{shape}");
+        }
+        for other in ["", "{", "{}", "{'descr': '<f8'}", "{'descr' '<f8'}", "{é", "{'a': é}"] {
+            assert!(read(other).is_err(), "{other}");
+        }
+        let twice = "{'descr': '<i8', 'descr': '<f8', 'fortran_order': False, 'shape': (5, 7)}";
+        let more = "{'descr': '<f8', 'fortran_order': False, 'shape': (5, 7), 'offset': 8}";
+        let other = "{'descr': '<f8', 'fortran_order': True, 'shape': (5, 7)}";
+        for text in [twice, more, other] {
+            assert!(read(text).is_err(), "{text}");
+        }
     }
 
     #[test]

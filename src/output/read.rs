@@ -1,11 +1,10 @@
 //! Scenes read from files: pictures that flipmap wrote, and TOML.
 
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 use super::png::{PngError, document_in_png};
-use super::text_file::read_text;
+use crate::engine::plain_file::{open_plain, read_text};
 use crate::scene::{BuiltIn, Document, DocumentError};
 
 /// Reasons why a file has no scene.
@@ -82,7 +81,7 @@ pub fn read_document(path: &Path) -> Result<Document, ReadError> {
     let named = || path.to_path_buf();
     let unreadable = |source| ReadError::File { path: named(), source };
     if is("png") {
-        let file = File::open(path).map_err(unreadable)?;
+        let file = open_plain(path).map_err(unreadable)?;
         return document_in_png(BufReader::new(file))
             .map_err(|source| ReadError::Picture { path: named(), source });
     }

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use tempfile::TempPath;
 
-use super::device::open_device;
+use super::device::Device;
 
 /// Destination of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,18 +46,16 @@ impl fmt::Display for Destination {
 pub enum SafeFile {
     /// A temporary file, renamed onto the path at the end.
     Beside(BufWriter<File>, TempPath, PathBuf),
-    /// A pipe or a device, written as the bytes come: there is nothing to keep safe, and a rename
-    /// would put a file in its place.
-    Device(BufWriter<File>),
-    /// Standard output, written as the bytes come.
-    Stdout(BufWriter<io::Stdout>),
+    /// A pipe, a device or standard output, written as the bytes come: there is nothing to keep
+    /// safe, and a rename would put a file in its place.
+    Device(BufWriter<Device>),
 }
 
 impl SafeFile {
     /// Opens a destination for writing; refuses at once what would fail at the end.
     pub fn create(destination: &Destination) -> io::Result<Self> {
         let path = match destination {
-            Destination::Stdout => return Ok(SafeFile::Stdout(BufWriter::new(io::stdout()))),
+            Destination::Stdout => return SafeFile::stdout(),
             Destination::File(path) => path,
         };
         if path.is_symlink() && !path.exists() {
@@ -66,15 +64,15 @@ impl SafeFile {
         if path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
             return Err(io::Error::other("is a folder: name a file in it"));
         }
-        if path.exists() && !path.is_file() {
-            return Ok(SafeFile::Device(BufWriter::new(open_device(path)?)));
+        if is_device(path) {
+            return Ok(SafeFile::Device(BufWriter::new(Device::open(path)?)));
         }
         refuse_what_fails_at_the_end(path)?;
         // The target of a link is replaced, not the link.
         let path = path.canonicalize().unwrap_or_else(|_| path.clone());
         let folder = existing_folder_of(&path)?;
         let mut builder = tempfile::Builder::new();
-        builder.prefix(UNFINISHED);
+        builder.prefix(UNFINISHED).rand_bytes(UNIQUE);
         #[cfg(unix)]
         builder.permissions(permissions(&path));
         remove_orphans(folder);
@@ -82,6 +80,20 @@ impl SafeFile {
         hold(file.as_file());
         let (file, beside) = file.into_parts();
         Ok(SafeFile::Beside(BufWriter::new(file), beside, path))
+    }
+
+    /// Returns standard output.
+    pub fn stdout() -> io::Result<Self> {
+        Ok(SafeFile::Device(BufWriter::new(Device::stdout()?)))
+    }
+
+    /// Refuses what [`Self::create`] would. Pipes and devices are not opened: the reader of a pipe
+    /// that is opened and closed has read it to its end.
+    pub fn check(destination: &Destination) -> io::Result<()> {
+        match destination {
+            Destination::File(path) if is_device(path) => Ok(()),
+            destination => SafeFile::create(destination).map(drop),
+        }
     }
 
     /// Writes a destination that holds these bytes and nothing else.
@@ -95,14 +107,13 @@ impl SafeFile {
     pub fn beside(&self) -> Option<&Path> {
         match self {
             SafeFile::Beside(_, beside, _) => Some(beside),
-            SafeFile::Device(_) | SafeFile::Stdout(_) => None,
+            SafeFile::Device(_) => None,
         }
     }
 
     /// Completes the file and puts it in its place.
     pub fn finish(self) -> io::Result<()> {
         match self {
-            SafeFile::Stdout(mut out) => out.flush(),
             SafeFile::Device(mut out) => out.flush(),
             SafeFile::Beside(mut out, beside, path) => {
                 out.flush()?;
@@ -114,8 +125,16 @@ impl SafeFile {
     }
 }
 
+/// Returns true for a pipe or a device.
+fn is_device(path: &Path) -> bool {
+    path.exists() && !path.is_file() && !path.is_dir()
+}
+
 /// Prefix of the names of unfinished files.
 pub(super) const UNFINISHED: &str = ".flipmap-";
+
+/// Number of random letters and digits after it.
+pub(super) const UNIQUE: usize = 6;
 
 /// File in an unfinished folder that its process holds; a folder without it is worth keeping.
 pub(super) const HELD: &str = "held";
@@ -139,7 +158,7 @@ pub(super) fn remove_orphans(folder: &Path) {
     let is_new = SEEN.lock().is_ok_and(|mut seen| seen.insert(folder.to_path_buf()));
     let Some(files) = is_new.then(|| folder.read_dir().ok()).flatten() else { return };
     for file in files.flatten() {
-        let ours = file.file_name().to_string_lossy().starts_with(UNFINISHED);
+        let ours = is_unfinished(&file.file_name().to_string_lossy());
         let path = file.path();
         if ours && is_orphan(&path) {
             let _ = std::fs::remove_file(&path);
@@ -147,6 +166,12 @@ pub(super) fn remove_orphans(folder: &Path) {
             let _ = std::fs::remove_dir_all(&path);
         }
     }
+}
+
+/// Returns true for the name of an unfinished file: the prefix and what makes it unique, no more.
+fn is_unfinished(name: &str) -> bool {
+    let unique = name.strip_prefix(UNFINISHED).unwrap_or_default();
+    unique.len() == UNIQUE && unique.bytes().all(|byte| byte.is_ascii_alphanumeric())
 }
 
 /// Returns true if an unfinished file is old and no process holds it.
@@ -166,7 +191,7 @@ fn is_orphan(_: &Path) -> bool {
 }
 
 /// Refuses a name that no file can have, and a file that is protected from being written to.
-fn refuse_what_fails_at_the_end(path: &Path) -> io::Result<()> {
+pub(super) fn refuse_what_fails_at_the_end(path: &Path) -> io::Result<()> {
     match path.metadata() {
         Ok(found) if found.permissions().readonly() => {
             Err(io::Error::other("is write-protected: remove it, or name another file"))
@@ -201,7 +226,6 @@ impl Write for SafeFile {
         match self {
             SafeFile::Beside(out, ..) => out.write(bytes),
             SafeFile::Device(out) => out.write(bytes),
-            SafeFile::Stdout(out) => out.write(bytes),
         }
     }
 
@@ -209,7 +233,6 @@ impl Write for SafeFile {
         match self {
             SafeFile::Beside(out, ..) => out.flush(),
             SafeFile::Device(out) => out.flush(),
-            SafeFile::Stdout(out) => out.flush(),
         }
     }
 }
@@ -243,21 +266,28 @@ mod tests {
             file
         };
         drop(unfinished(".flipmap-killed", long_ago));
-        let running = unfinished(".flipmap-running", long_ago);
+        let running = unfinished(".flipmap-goeson", long_ago);
         hold(&running);
-        drop(unfinished(".flipmap-young", std::time::SystemTime::now()));
-        drop(unfinished("mine", long_ago));
-        for folder in [".flipmap-killed-map", ".flipmap-running-map", ".flipmap-kept-map"] {
+        drop(unfinished(".flipmap-young1", std::time::SystemTime::now()));
+        for others in ["mine", ".flipmap-keepme2", ".flipmap-keep.me", ".flipmap-"] {
+            drop(unfinished(others, long_ago));
+        }
+        for folder in [".flipmap-deadma", ".flipmap-goesma", ".flipmap-keptma"] {
             std::fs::create_dir_all(at(folder).join("new")).unwrap();
         }
-        drop(unfinished(".flipmap-killed-map/held", long_ago));
-        let running_map = unfinished(".flipmap-running-map/held", long_ago);
+        drop(unfinished(".flipmap-deadma/held", long_ago));
+        let running_map = unfinished(".flipmap-goesma/held", long_ago);
         hold(&running_map);
         SafeFile::write_whole(&Destination::File(at("map.png")), b"new").unwrap();
         let left = |name: &str| at(name).exists();
-        assert!(!left(".flipmap-killed") && !left(".flipmap-killed-map"));
-        assert!([".flipmap-running", ".flipmap-young", "mine", "map.png"].into_iter().all(left));
-        assert!([".flipmap-running-map", ".flipmap-kept-map"].into_iter().all(left));
+        assert!(!left(".flipmap-killed") && !left(".flipmap-deadma"));
+        assert!(
+            [".flipmap-goeson", ".flipmap-young1", "mine", ".flipmap-keepme2"]
+                .into_iter()
+                .all(left)
+        );
+        assert!([".flipmap-keep.me", ".flipmap-", "map.png"].into_iter().all(left));
+        assert!([".flipmap-goesma", ".flipmap-keptma"].into_iter().all(left));
     }
 
     #[test]

@@ -49,10 +49,10 @@ impl Paths {
             let begun = match option {
                 PYRAMID => PyramidFolder::create(path).map(drop),
                 PICTURE if picture.bits == 16 => {
-                    check_depth(path).and_then(|()| SafeFile::create(&name)).map(drop)
+                    check_depth(path).and_then(|()| SafeFile::check(&name))
                 }
-                PICTURE | TRUST => format_of(path).and_then(|_| SafeFile::create(&name)).map(drop),
-                _ => SafeFile::create(&name).map(drop),
+                PICTURE | TRUST => format_of(path).and_then(|_| SafeFile::check(&name)),
+                _ => SafeFile::check(&name),
             };
             begun.map_err(|source| OutputError::Create { option, name, source })
         })

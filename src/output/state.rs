@@ -3,19 +3,18 @@
 //! The format is [postcard](https://docs.rs/postcard): compact, and exact for every f64. Before it
 //! stands its checksum.
 
-use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::engine::{EngineKind, IntegratorState, NUMBERS};
+use crate::engine::EngineKind;
 use crate::scene::Document;
 use crate::tiles::SavedPixels;
 
 /// First bytes of every state file; the number is the format's.
 const MAGIC: &str = "flipmap state 2\n";
-/// First bytes of files of the first format, which knew first flips only and had no checksum.
+/// First bytes of files of the first format, which had no checksum: a flipped bit could not be noticed.
 const FIRST_MAGIC: &str = "flipmap state 1\n";
 /// Size of the checksum in bytes.
 const DIGEST: usize = 32;
@@ -56,9 +55,18 @@ impl std::fmt::Display for RunRecord {
 /// Reasons why a file has no state to resume.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
-    /// A file that is not a state of this format, or is damaged.
-    #[error("is not a state that this flipmap wrote, or it is damaged")]
+    /// A file that is not a state.
+    #[error("is not a state that flipmap wrote")]
     Foreign,
+    /// A state that is not as it was written.
+    #[error("is cut short or altered ({0}): remove it, and render again from the beginning")]
+    Damaged(&'static str),
+    /// A state of the first format.
+    #[error(
+        "is of the first format, which has no checksum that would tell if it is damaged: remove it, \
+         and render again from the beginning"
+    )]
+    Unchecked,
     /// A state of something else.
     #[error("belongs to another {what}: it has {kept}, and now it is {now}")]
     Different {
@@ -84,16 +92,18 @@ pub enum StateError {
 impl RenderState {
     /// Reads a state from the bytes of its file.
     pub fn parse(bytes: &[u8]) -> Result<Self, StateError> {
-        if let Some(body) = bytes.strip_prefix(FIRST_MAGIC.as_bytes()) {
-            let first = postcard::from_bytes::<FirstFormat>(body);
-            return first.map(RenderState::from).map_err(|_| StateError::Foreign);
+        if bytes.starts_with(FIRST_MAGIC.as_bytes()) {
+            return Err(StateError::Unchecked);
         }
         let rest = bytes.strip_prefix(MAGIC.as_bytes()).ok_or(StateError::Foreign)?;
-        let (digest, body) = rest.split_at_checked(DIGEST).ok_or(StateError::Foreign)?;
+        let cut = StateError::Damaged("it ends within its checksum, bytes 16 to 47");
+        let (digest, body) = rest.split_at_checked(DIGEST).ok_or(cut)?;
         if Sha256::digest(body)[..] != *digest {
-            return Err(StateError::Foreign);
+            let why = "the checksum in bytes 16 to 47 is not that of the bytes after it";
+            return Err(StateError::Damaged(why));
         }
-        postcard::from_bytes(body).map_err(|_| StateError::Foreign)
+        let wrong = StateError::Damaged("the bytes from 48 on are no state");
+        postcard::from_bytes(body).map_err(|_| wrong)
     }
 
     /// Writes the state.
@@ -106,7 +116,8 @@ impl RenderState {
 
     /// Refuses to resume with another scene than the state's own, or with a smaller budget.
     pub fn check_scene(&self, now: &Document) -> Result<(), StateError> {
-        let kept = Document::parse(&self.document).map_err(|_| StateError::Foreign)?.settled();
+        let kept = Document::parse(&self.document);
+        let kept = kept.map_err(|_| StateError::Damaged("its scene is none"))?.settled();
         let differ = |what, kept: String, now: String| {
             if kept == now { Ok(()) } else { Err(StateError::Different { what, kept, now }) }
         };
@@ -130,26 +141,6 @@ impl RenderState {
         }
         let [kept, now] = [&self.ran, now].map(RunRecord::to_string);
         Err(StateError::Different { what: "configuration or engine", kept, now })
-    }
-}
-
-/// A state as the first format has it.
-#[derive(Serialize, Deserialize)]
-struct FirstFormat {
-    ran: RunRecord,
-    document: String,
-    flipped: BTreeMap<u64, f64>,
-    failed: Vec<u64>,
-    paused: BTreeMap<u64, (u32, [f64; NUMBERS])>,
-}
-
-impl From<FirstFormat> for RenderState {
-    fn from(first: FirstFormat) -> Self {
-        let FirstFormat { ran, document, flipped, failed, paused } = first;
-        let state = |(index, (steps, numbers))| (index, IntegratorState::new(steps, numbers));
-        let paused = paused.into_iter().map(state).collect();
-        let kept = SavedPixels::of_first_flips(flipped, failed, paused);
-        RenderState { ran, document, kept }
     }
 }
 
@@ -181,7 +172,8 @@ mod tests {
         state().write(&mut bytes).unwrap();
         assert_eq!(RenderState::parse(&bytes).unwrap(), state());
         for damaged in [&bytes[..bytes.len() - 1], &bytes[1..], b"", b"flipmap state 2\n"] {
-            assert!(matches!(RenderState::parse(damaged), Err(StateError::Foreign)));
+            let refused = RenderState::parse(damaged);
+            assert!(matches!(refused, Err(StateError::Foreign | StateError::Damaged(_))));
         }
         for bit in 0..8 * bytes.len() {
             let mut altered = bytes.clone();
@@ -191,20 +183,11 @@ mod tests {
     }
 
     #[test]
-    fn states_of_the_first_format_are_read() {
-        let state = state();
-        let first = FirstFormat {
-            ran: state.ran.clone(),
-            document: state.document.clone(),
-            flipped: BTreeMap::from([(5, 1.0 / 3.0)]),
-            failed: Vec::new(),
-            paused: BTreeMap::from([(7, (3, [0.5; NUMBERS]))]),
-        };
-        let mut bytes = FIRST_MAGIC.as_bytes().to_vec();
-        bytes.extend(postcard::to_stdvec(&first).unwrap());
-        let mut expected = state;
-        expected.kept.pause(7, IntegratorState::new(3, [0.5; NUMBERS]));
-        assert_eq!(RenderState::parse(&bytes).unwrap(), expected);
+    fn states_without_a_checksum_are_refused() {
+        let error = RenderState::parse(&[FIRST_MAGIC.as_bytes(), &[0; 100]].concat()).unwrap_err();
+        assert!(
+            error.to_string().contains("first format") && matches!(error, StateError::Unchecked)
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::{Report, ReportError, html, markdown, pages};
-use crate::output::{Destination, SafeFile};
+use crate::output::{Destination, SafeFile, read_text};
 
 /// Names of the files.
 pub(super) const NAMES: [&str; 3] = ["report.json", "report.md", "report.html"];
@@ -26,6 +26,7 @@ impl Folder {
             return Err(failed(io::Error::other("it is a file, and a report needs a folder")));
         }
         fs::create_dir_all(path).map_err(failed)?;
+        refuse_foreign(path).map_err(failed)?;
         let folder = Folder(path.to_path_buf());
         for name in NAMES {
             drop(folder.open(name)?);
@@ -64,6 +65,22 @@ impl Folder {
     }
 }
 
+/// Refuses a folder with files of others under the names of a report's. The JSON file says whose they
+/// are: it is written first.
+fn refuse_foreign(folder: &Path) -> io::Result<()> {
+    let found = NAMES.into_iter().find(|name| folder.join(name).exists());
+    let Some(name) = found.filter(|_| !is_report(&folder.join(NAMES[0]))) else { return Ok(()) };
+    let why = format!("it holds {name}, which is not of a report of flipmap's: name another");
+    Err(io::Error::other(why))
+}
+
+/// Returns true if a file holds a report, of this version or another.
+fn is_report(path: &Path) -> bool {
+    let found = read_text(path).ok().and_then(|text| serde_json::from_str(&text).ok());
+    let Some(serde_json::Value::Object(found)) = found else { return false };
+    ["machine", "complete", "rows"].iter().all(|key| found.contains_key(*key))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::fixtures;
@@ -81,6 +98,21 @@ mod tests {
             .collect();
         found.sort();
         assert_eq!(found, ["report.html", "report.json", "report.md"]);
+    }
+
+    #[test]
+    fn reports_of_others_are_not_replaced() {
+        let outside = tempfile::tempdir().unwrap();
+        let at = |name: &str| outside.path().join(name);
+        for (name, text) in [("report.md", "# Mine"), ("report.json", "{\"rows\": 3}")] {
+            fs::write(at(name), text).unwrap();
+            let error = Folder::create(outside.path()).unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains("not of a report"), "{error}");
+            assert_eq!(fs::read_to_string(at(name)).unwrap(), text);
+            fs::remove_file(at(name)).unwrap();
+        }
+        Folder::create(outside.path()).unwrap().write(&fixtures::report()).unwrap();
+        Folder::create(outside.path()).unwrap();
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::exact_length::exactly_if_given;
 use super::{Build, PictureTable, Plane, QuestionTable, Scene, SceneError, View};
 
 /// The newest file format that this program reads, and the one that it writes.
@@ -33,7 +34,7 @@ pub struct Document {
 #[serde(default, deny_unknown_fields)]
 pub struct RunTable {
     /// Width and height in pixels.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "exactly_if_given")]
     pub size: Option<[u32; 2]>,
     /// Name of the accuracy level, where no method is given.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -224,6 +225,22 @@ mod tests {
             refused("[pendulum]\nmass = 1").starts_with("line 2, column 1: unknown field `mass`")
         );
         assert!(refused("[question]\nbudget = \"long\"").contains("line 2, column 10"));
+        let three = refused("[pendulum]\nmasses = [1.0, 2.0, 3.0]");
+        assert_eq!(three, "line 2, column 10: it has 3 values, not 2");
+        let arrays = [
+            "[pendulum]\nlengths = [1.0]",
+            "[pendulum]\nfriction = [0.0, 0.0, 0.0]",
+            "[view]\ncenter = [\"0\", \"0\", \"1\"]",
+            "[plane]\norigin = [\"0\", \"0\", \"1\", \"1\", \"1\"]",
+            "[run]\nsize = [8, 8, 8]",
+        ];
+        for text in arrays {
+            let error = refused(text);
+            assert!(
+                error.starts_with("line 2, column ") && error.contains("values, not"),
+                "{error}"
+            );
+        }
         assert!(refused("[question]\nrule = \"third\"").contains("line 2"));
         assert!(refused("format = 2\nnew = 1").contains("format 2; this program reads"));
         assert!(refused("[view]\nwidth = \"0\"").contains("--width is '0'"));

@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::exact_length::exactly;
 use super::keys::Key;
 use super::{Axis, Budget, Build, Plane, QuestionTable, Scene, SceneError, View};
 use crate::physics::{Decimal, Scalar, Theta};
@@ -15,6 +16,7 @@ use crate::physics::{Decimal, Scalar, Theta};
 #[serde(deny_unknown_fields)]
 pub struct Film {
     /// Width and height in pixels.
+    #[serde(deserialize_with = "exactly")]
     pub size: [u32; 2],
     /// Number of frames; the first shows the first key and the last shows the last one.
     pub frames: u32,
@@ -108,17 +110,18 @@ pub enum FilmError {
 
 /// Largest number of samples in a frame.
 const MOST_SAMPLES: u64 = 500_000_000;
-/// Largest number of frames in a film.
-const MOST_FRAMES: u32 = 1_000_000;
 
 impl Film {
+    /// Largest number of frames: those of nearly an hour. More take too long to plan.
+    pub const MOST_FRAMES: u32 = 100_000;
+
     /// Refuses keys that do not make a film; each key has been checked by itself before.
     pub fn check(&self) -> Result<(), FilmError> {
         let range = |option, value: f64, least: f64, most: f64| {
             let fine = (least..=most).contains(&value);
             if fine { Ok(()) } else { Err(FilmError::Range { option, value, least, most }) }
         };
-        range("--frames", f64::from(self.frames), 2.0, f64::from(MOST_FRAMES))?;
+        range("--frames", f64::from(self.frames), 2.0, f64::from(Self::MOST_FRAMES))?;
         range("--fps", self.fps, 0.1, 1000.0)?;
         let [first, _, ..] = &self.keys[..] else { return Err(FilmError::Few(self.keys.len())) };
         let (size, samples) = (self.size, first.scene.picture.samples);

@@ -8,6 +8,7 @@ mod angle_text;
 mod budget;
 mod built_in;
 mod document;
+mod exact_length;
 mod exact_plane;
 pub mod film;
 mod grid;
@@ -37,6 +38,7 @@ pub use words::Word;
 
 use serde::{Deserialize, Serialize};
 
+use self::exact_length::exactly;
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
 use crate::question::{Ask, Needs};
 
@@ -63,13 +65,15 @@ pub struct Build {
     /// Bobs or bars.
     pub kind: Kind,
     /// Masses m1, m2 in kg.
+    #[serde(deserialize_with = "exactly")]
     pub masses: [Decimal; 2],
     /// Lengths l1, l2 in m.
+    #[serde(deserialize_with = "exactly")]
     pub lengths: [Decimal; 2],
     /// Gravity g in m/s².
     pub gravity: Decimal,
     /// Friction b1, b2 at the two pivots in N m s.
-    #[serde(skip_serializing_if = "is_frictionless")]
+    #[serde(skip_serializing_if = "is_frictionless", deserialize_with = "exactly")]
     pub friction: [Decimal; 2],
 }
 

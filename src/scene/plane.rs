@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::exact_length::exactly;
 use super::{Build, SceneError};
 use crate::physics::{Dd, Launch, Pendulum, Real, Scalar};
 
@@ -18,6 +19,7 @@ pub struct Plane {
     pub kind: PlaneKind,
     /// Start (θ1, θ2, ω1, ω2) in rad and rad/s that gives the two quantities which are not on an
     /// axis; decimal strings.
+    #[serde(deserialize_with = "exactly")]
     pub origin: [String; 4],
     /// Total energy of a section in J; zero if both rods are level and at rest.
     pub energy: f64,

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::exact_length::exactly;
 use super::{BuiltIn, Plane, PlaneKind, SceneError};
 use crate::physics::{Dd, Scalar, Theta};
 
@@ -17,6 +18,7 @@ const MOST_ERROR_OF_PI: f64 = 1e-15;
 #[serde(default, deny_unknown_fields)]
 pub struct View {
     /// Centre (θ1, θ2) in rad.
+    #[serde(deserialize_with = "exactly")]
     pub center: [String; 2],
     /// Length of the horizontal axis in rad; pixels are square.
     pub width: String,

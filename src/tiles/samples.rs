@@ -35,6 +35,12 @@ impl Samples {
         if self.values.len() == self.len() { 1 } else { self.values.len() / self.len().max(1) }
     }
 
+    /// Returns true if every sample has `channels` values and a trust; those read from a file may not.
+    pub fn are_whole(&self, channels: usize) -> bool {
+        let count = self.len();
+        self.trusts.len() == count && self.values.len() == count * channels
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.statuses.len()

@@ -28,16 +28,6 @@ pub enum SavedPixel {
 }
 
 impl SavedPixels {
-    /// The pixels of first flips: their times, and the states of those that have not flipped.
-    pub fn of_first_flips(
-        flipped: BTreeMap<u64, f64>,
-        failed: Vec<u64>,
-        paused: BTreeMap<u64, IntegratorState>,
-    ) -> Self {
-        let over = flipped.into_iter().map(|(index, time)| (index, vec![time])).collect();
-        SavedPixels { over, failed, paused }
-    }
-
     /// Returns what is known of pixel `index`.
     pub fn known(&self, index: u64) -> Option<SavedPixel> {
         // A question with more channels than a time has them set later.

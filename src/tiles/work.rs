@@ -122,12 +122,14 @@ impl Work {
         deadline: Option<Instant>,
     ) -> Result<Vec<FinishedTile>, EngineError> {
         while self.finished.is_empty() && !self.is_done() {
-            self.submit(engine, |work| !work.finished.is_empty())?;
+            // Tiles of very wide pictures take long to prepare.
+            let is_late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+            self.submit(engine, |work| !work.finished.is_empty() || is_late())?;
             if self.in_flight.is_empty() {
                 continue;
             }
             self.collect(engine, deadline.map_or(Wait::UntilFinished, Wait::Until))?;
-            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            if is_late() {
                 break;
             }
         }

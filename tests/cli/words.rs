@@ -122,7 +122,14 @@ fn the_version_is_told_and_whose_the_colour_tables_are() {
     let line = concat!("flipmap ", env!("CARGO_PKG_VERSION"), "\n");
     assert_eq!((said(&["--version"]), said(&["-V"])), (line.to_string(), line.to_string()));
     let more = said(&["--version", "--verbose"]);
-    for words in [line, "licence: MIT OR Apache-2.0", "batlow", "Crameri", "viridis", "(CC0)"] {
+    for words in [
+        line,
+        "licence: MIT OR Apache-2.0",
+        "batlow",
+        "Scientific colour maps 8.0",
+        "matplotlib 3.10",
+        "(CC0)",
+    ] {
         assert!(more.contains(words), "{words}: {more}");
     }
     let alone = flipmap(&folder, &["--verbose"]);

@@ -7,7 +7,10 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use crate::output::safe::{HELD, UNFINISHED, existing_folder_of, hold, remove_orphans};
+use crate::output::safe::{
+    HELD, UNFINISHED, UNIQUE, existing_folder_of, hold, refuse_what_fails_at_the_end,
+    remove_orphans,
+};
 
 /// File with the sizes of the picture and of its tiles, for viewers.
 pub(super) const IMAGE: &str = "map.dzi";
@@ -38,12 +41,16 @@ impl PyramidFolder {
             return Err(io::Error::other("is a link to nothing: remove it, or name a folder"));
         }
         check_replaceable(path)?;
+        if !path.exists() {
+            refuse_what_fails_at_the_end(path)?;
+        }
         // The target of a link is replaced, not the link.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         let folder = existing_folder_of(&path)?;
         check_same_disk(&path, folder)?;
         remove_orphans(folder);
-        let beside = tempfile::Builder::new().prefix(UNFINISHED).tempdir_in(folder)?;
+        let beside =
+            tempfile::Builder::new().prefix(UNFINISHED).rand_bytes(UNIQUE).tempdir_in(folder)?;
         fs::create_dir(beside.path().join(NEW))?;
         let held = File::create(beside.path().join(HELD))?;
         hold(&held);

@@ -4,6 +4,7 @@
 mod referee;
 mod scenes;
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -13,6 +14,7 @@ use self::referee::Referee;
 use self::scenes::{Scenes, start};
 use super::{ReportError, StopTest};
 use crate::engine::choice::{Chosen, EngineRequest, choose};
+use crate::engine::plain_file::read_text;
 use crate::engine::{Engine, EngineError, IntegratorConfig, Trust};
 use crate::physics::flip::right_secs;
 use crate::physics::{Angle, Dd, Fixed, Outcome, Scalar, Status, Theta};
@@ -73,6 +75,13 @@ pub struct WrongPixel {
 }
 
 impl Hunt {
+    /// Returns true if a file holds the results of a hunt, of this version or another.
+    pub fn is_in(path: &Path) -> bool {
+        let found = read_text(path).ok().and_then(|text| serde_json::from_str(&text).ok());
+        let Some(serde_json::Value::Object(found)) = found else { return false };
+        ["seed", "windows", "wrong"].iter().all(|key| found.contains_key(*key))
+    }
+
     /// Hunts for `minutes`, through `most_windows` at most, or until stopped; calls `told` after
     /// every window that is rendered in time.
     pub fn run(

@@ -1,0 +1,21 @@
+//! Arrays in files that have exactly as many values as they should: the TOML reader itself ignores
+//! what follows.
+
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+
+/// Reads an array; refuses one that is longer or shorter.
+pub(super) fn exactly<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: usize>(
+    from: D,
+) -> Result<[T; N], D::Error> {
+    let found = Vec::<T>::deserialize(from)?;
+    let count = found.len();
+    found.try_into().map_err(|_| D::Error::custom(format!("it has {count} values, not {N}")))
+}
+
+/// Reads an array that may be left out.
+pub(super) fn exactly_if_given<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: usize>(
+    from: D,
+) -> Result<Option<[T; N]>, D::Error> {
+    exactly(from).map(Some)
+}
