@@ -26,7 +26,7 @@ pub(super) struct Buffers {
     pub answer: wgpu::Buffer,
     /// Size in bytes of the states that are kept.
     pub kept: u64,
-    /// Where the device's clock is read, if it has one.
+    /// Readings of the device's clock, if it has one.
     pub ticks: Option<Ticks>,
 }
 
