@@ -62,6 +62,7 @@ fn live<S>(harness: &mut Harness<'_, S>, moments: &[Moment]) {
             delta: Vec2::from(wheel),
             phase: TouchPhase::Move,
             modifiers: Modifiers::NONE,
+            source: egui::MouseWheelSource::Wheel,
         });
         for pressed in [true, false].into_iter().filter(|_| click) {
             let button = egui::PointerButton::Primary;
@@ -77,14 +78,14 @@ fn flown() -> Pins {
     let mut pins = Pins::new(&Scene::default());
     let start = [3.0, 3.0].map(Theta::from_f64);
     let next = [start[0] + Theta::from_f64(1e-3), start[1]];
-    let id = pins.add(PinStart::at_rest([start, next]), None, || ()).unwrap();
+    pins.add(PinStart::at_rest([start, next]), None, || ()).unwrap();
     let begun = Instant::now();
     while pins.iter().any(|pin| pin.flight.record().ending.is_none()) {
         assert!(begun.elapsed() < Duration::from_secs(60), "the flight never ends");
         pins.advance(0.0);
         std::thread::sleep(Duration::from_millis(1));
     }
-    pins.apply(PinAction::Scrub(id, 10.0));
+    pins.apply(PinAction::Scrub(10.0));
     pins
 }
 

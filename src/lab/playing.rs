@@ -124,7 +124,6 @@ impl Playing {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::lab::{Figure, Lab};
 
     #[test]
@@ -153,7 +152,7 @@ mod tests {
     #[test]
     fn time_stands_still_and_runs_slowly() {
         let mut lab = Lab::new(Figure::Double);
-        let mut secs = |lab: &mut Lab| {
+        let secs = |lab: &mut Lab| {
             let before = lab.live().unwrap().secs();
             (0..20).for_each(|_| lab.advance(0.05));
             lab.live().unwrap().secs() - before

@@ -9,14 +9,14 @@ use crate::{click, home, press};
 fn keys_pause_slow_and_project_the_figure_and_leave_the_map_alone() {
     let mut desktop = home();
     press(&mut desktop, Modifiers::NONE, Key::P);
-    let playing = desktop.state().state.pins.selected().unwrap().playback.is_playing();
+    let playing = desktop.state().state.pins.clock().is_playing();
     press(&mut desktop, Modifiers::NONE, Key::F4);
     press(&mut desktop, Modifiers::NONE, Key::Space);
     press(&mut desktop, Modifiers::NONE, Key::Comma);
     let lab = &desktop.state().lab;
     assert!(lab.playing.paused && lab.playing.speed == 0.5);
-    let pin = desktop.state().state.pins.selected().unwrap();
-    assert_eq!(pin.playback.is_playing(), playing, "the hidden pin is left alone");
+    let clock = desktop.state().state.pins.clock();
+    assert_eq!(clock.is_playing(), playing, "the hidden pin is left alone");
     press(&mut desktop, Modifiers::NONE, Key::F10);
     let scale = desktop.state().ui_scale();
     assert!((scale - 1.6).abs() < 1e-6 && desktop.query_by_label("Mass m1").is_none());
