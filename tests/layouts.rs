@@ -124,7 +124,7 @@ proptest! {
     }
 
     #[test]
-    fn the_status_line_is_laid_out_anywhere(moments in moments(), engine in ".{0,300}") {
+    fn the_status_line_is_laid_out_anywhere(moments in moments(), engine in "[ -~]{0,300}") {
         let text = |text: &str| Some((text.to_string(), text.to_string()));
         let status = StatusLine {
             width: 1e-300,

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 
 /// Runs `flipmap render` on the processor, so that these tests need no adapter.
 fn render(folder: &TempDir, arguments: &[&str]) -> Output {
-    let options = ["render", "--engine", "cpu", "--size", "300x200", "--budget", "2"];
+    let options = ["render", "--engine", "cpu", "--size", "300x200", "--budget", "10"];
     flipmap(folder, &[&options, arguments].concat())
 }
 
@@ -58,8 +58,8 @@ fn a_pyramid_is_the_picture_in_tiles_beside_a_page_and_the_scene() {
 fn sixteen_bits_a_channel_have_colours_between_those_of_eight() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    done(&folder, &["-o", "plain.png", "--budget", "10"]);
-    done(&folder, &["-o", "deep.png", "--bits", "16", "--budget", "10", "--pyramid", "tiles"]);
+    done(&folder, &["-o", "plain.png"]);
+    done(&folder, &["-o", "deep.png", "--bits", "16", "--pyramid", "tiles"]);
     done(&folder, &["deep.png", "-o", "deep.tiff"]);
     let plain = pixels(&at("plain.png"));
     let [deep, tiff] = ["deep.png", "deep.tiff"].map(|name| image::open(at(name)).unwrap());
@@ -88,9 +88,9 @@ fn sixteen_bits_a_channel_have_colours_between_those_of_eight() {
 fn light_from_the_side_is_in_pictures_and_their_tiles_and_not_in_numbers() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let flat = ["-o", "flat.png", "--raw", "flat.npy", "--budget", "10"];
+    let flat = ["-o", "flat.png", "--raw", "flat.npy"];
     done(&folder, &flat);
-    let lit = ["-o", "lit.png", "--raw", "lit.npy", "--pyramid", "lit", "--budget", "10"];
+    let lit = ["-o", "lit.png", "--raw", "lit.npy", "--pyramid", "lit"];
     done(&folder, &[&lit[..], &["--relief", "0.7", "--light", "90"]].concat());
     assert!(fs::read(at("flat.npy")).unwrap() == fs::read(at("lit.npy")).unwrap());
     let [flat, lit] = ["flat.png", "lit.png"].map(|name| pixels(&at(name)));

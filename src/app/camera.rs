@@ -192,33 +192,33 @@ pub struct Move {
     pub to: Camera,
     /// Beginning of the move on the window's clock, in s.
     pub began_secs: f64,
-    /// Pace of the move.
-    pub pace: Pace,
+    /// MovePace of the move.
+    pub pace: MovePace,
 }
 
 /// The pace of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pace {
+pub enum MovePace {
     /// Fast at first and slower towards the end, as what the user does.
     Quick,
     /// Slow and even, as the steps of a descent, which follow one another.
     Glide,
 }
 
-impl Pace {
+impl MovePace {
     /// Returns the duration of a move in s.
     fn secs(self) -> f64 {
         match self {
-            Pace::Quick => 0.25,
-            Pace::Glide => 1.5,
+            MovePace::Quick => 0.25,
+            MovePace::Glide => 1.5,
         }
     }
 
     /// Returns the share of a move's way at a share of its duration.
     fn eased(self, t: f64) -> f64 {
         match self {
-            Pace::Quick => 1.0 - (1.0 - t).powi(3),
-            Pace::Glide => t,
+            MovePace::Quick => 1.0 - (1.0 - t).powi(3),
+            MovePace::Glide => t,
         }
     }
 }
@@ -302,7 +302,7 @@ mod tests {
             let view = screen(home());
             let point = DVec2::new(x, 100.0);
             let to = home().zoomed(8.0, view.offset_at(point));
-            let (camera, _) = Move { from: home(), to, began_secs: 0.0, pace: Pace::Quick }.at(t);
+            let (camera, _) = Move { from: home(), to, began_secs: 0.0, pace: MovePace::Quick }.at(t);
             let angle = view.angle_at(point);
             let during = screen(camera);
             prop_assert!((during.point_of(camera.offset_of(angle)) - point).length() < 1e-6);
@@ -372,14 +372,15 @@ mod tests {
         let east = Camera { center: [3.1, 0.0].map(Theta::from_f64), ..home() };
         let west = Camera { center: [-3.1, 0.0].map(Theta::from_f64), ..home() };
         assert!((east.offset_of(west.center).x - 0.083).abs() < 1e-3);
-        let (half, _) = Move { from: east, to: west, began_secs: 0.0, pace: Pace::Quick }.at(0.05);
+        let (half, _) =
+            Move { from: east, to: west, began_secs: 0.0, pace: MovePace::Quick }.at(0.05);
         assert!(half.center[0].to_f64().abs() > 3.1);
     }
 
     #[test]
     fn a_glide_takes_its_time_and_zooms_evenly() {
         let to = home().zoomed(10.0, DVec2::new(1.0, 0.5));
-        let glide = Move { from: home(), to, began_secs: 2.0, pace: Pace::Glide };
+        let glide = Move { from: home(), to, began_secs: 2.0, pace: MovePace::Glide };
         let log_width = |at_secs: f64| glide.at(at_secs).0.width_rad.ln();
         let steps = [2.0, 2.5, 3.0, 3.5].map(log_width);
         for pair in steps.windows(2) {

@@ -28,7 +28,7 @@ use super::panels::{accuracy, card, help, notices};
 use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
 use super::state::{AppState, Effect};
-use super::swing::Swing;
+use super::swing::HoverSwing;
 use crate::engine::choice::EngineRequest;
 use crate::engine::run_settings::RunSpec;
 use crate::lab::{Figure, Lab};
@@ -73,7 +73,7 @@ pub struct AppModel {
     /// Service that computes it.
     pub compute: ComputeService,
     pub(super) map_renderer: MapRenderer,
-    pub(super) swing: Swing,
+    pub(super) swing: HoverSwing,
     pub(super) meter: Meter,
     pub(super) store: Store,
     /// Settings kept between runs.
@@ -154,7 +154,7 @@ impl AppModel {
             state,
             compute,
             map_renderer: MapRenderer::default(),
-            swing: Swing::default(),
+            swing: HoverSwing::default(),
             meter: Meter::default(),
             store,
             settings,

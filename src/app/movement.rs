@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::action::Look;
-use super::camera::{Camera, Move, Pace};
+use super::camera::{Camera, Move, MovePace};
 use super::state::AppState;
 
 impl AppState {
@@ -48,15 +48,15 @@ impl AppState {
 
     /// Moves to a camera: smoothly, or with a jump if the user prefers it.
     pub(super) fn go(&mut self, to: Camera) {
-        self.go_at(to, Pace::Quick);
+        self.go_at(to, MovePace::Quick);
     }
 
     /// Glides to a camera, as slowly as a descent goes.
     pub(super) fn glide(&mut self, to: Camera) {
-        self.go_at(to, Pace::Glide);
+        self.go_at(to, MovePace::Glide);
     }
 
-    fn go_at(&mut self, to: Camera, pace: Pace) {
+    fn go_at(&mut self, to: Camera, pace: MovePace) {
         if self.look.animate {
             self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs, pace });
         } else {

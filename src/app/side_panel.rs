@@ -76,8 +76,8 @@ impl AppModel {
             });
             panels.show("Deeper", false, |ui| {
                 let DescentPath { running: descent, scenes, path } = &self.descent;
-                let way = descent::DescentView { going: descent.is_some(), scenes, path };
-                let done = descent_panel(ui, &way);
+                let view = descent::DescentView { going: descent.is_some(), scenes, path };
+                let done = descent_panel(ui, &view);
                 actions.extend(done.into_iter().filter_map(|action| self.deeper(action)));
             });
             panels.show("Scene", false, |ui| {
@@ -88,11 +88,7 @@ impl AppModel {
                 actions.extend(accuracy_panel(ui, &self.computing()));
             });
             panels.show("Colours", false, |ui| {
-                let state = &self.state;
-                let any = self.compute.explorer.progress().done > 0;
-                let done =
-                    colours_panel(ui, &state.picture, &state.scene(), any, &state.shown.cycle);
-                actions.extend(done.and_then(|action| self.colour(action)));
+                actions.extend(self.colour_section(ui));
             });
             panels.show("Layers", false, |ui| {
                 actions.extend(layers_panel(ui, &self.state.layers));
@@ -114,6 +110,14 @@ impl AppModel {
             }
         });
         actions
+    }
+
+    /// Shows the panel of colours.
+    fn colour_section(&mut self, ui: &mut Ui) -> Option<Action> {
+        let state = &self.state;
+        let any = self.compute.explorer.progress().done > 0;
+        let done = colours_panel(ui, &state.picture, &state.scene(), any, &state.shown.cycle);
+        done.and_then(|action| self.colour(action))
     }
 
     /// Shows the window's measurements of itself.

@@ -360,13 +360,9 @@ impl AppState {
 
     fn play_or_pause(&mut self) {
         if let Some(clock) = &mut self.shown.timeline {
-            match clock.is_playing() {
-                true => clock.pause(),
-                false => clock.play(self.question.budget.secs),
-            }
-            return;
-        }
-        if !self.pins.is_empty() {
+            let budget_secs = self.question.budget.secs;
+            if clock.is_playing() { clock.pause() } else { clock.play(budget_secs) }
+        } else if !self.pins.is_empty() {
             let playing = self.pins.is_playing();
             self.pins.apply(if playing { PinAction::Pause } else { PinAction::Play });
         }
@@ -396,9 +392,8 @@ impl AppState {
         let OpenDialogs { help, commands, card, stage, lab, .. } = self.shown;
         // What lies on top is closed first.
         let above = help || commands || card;
-        let (stage, lab) = (stage && above, lab && (above || stage));
-        let closed = OpenDialogs { help: false, commands: false, card: false, ..self.shown };
-        self.shown = OpenDialogs { stage, lab, ..closed };
+        (self.shown.help, self.shown.commands, self.shown.card) = (false, false, false);
+        (self.shown.stage, self.shown.lab) = (stage && above, lab && (above || stage));
     }
 }
 

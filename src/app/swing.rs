@@ -15,7 +15,7 @@ const STEP_SECS: f64 = 1.0 / 240.0;
 
 /// The pendulum at the pointer, if there is one.
 #[derive(Debug, Default)]
-pub struct Swing {
+pub struct HoverSwing {
     current: Option<Swinging>,
 }
 
@@ -31,7 +31,7 @@ struct Swinging {
     swung_secs: f64,
 }
 
-impl Swing {
+impl HoverSwing {
     /// Follows the pointer, which is at a place of a scene's lattice or off the map, at a moment of
     /// the window's clock. Returns the angles of a pendulum that is to be drawn, in rad.
     pub fn follow(
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn it_is_let_go_where_the_pointer_rests_and_comes_to_an_end() {
-        let (scene, mut swing) = (Scene::default(), Swing::default());
+        let (scene, mut swing) = (Scene::default(), HoverSwing::default());
         assert_eq!(swing.next_secs(0.0), None, "no pointer, nothing to draw");
         assert_eq!(swing.follow(&scene, place([1.0, 0.5]), 5.0), None);
         assert!((swing.next_secs(5.0).unwrap() - REST_SECS).abs() < 1e-12);
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn it_moves_as_the_reference_does() {
-        let (scene, mut swing) = (Scene::default(), Swing::default());
+        let (scene, mut swing) = (Scene::default(), HoverSwing::default());
         let start = [0.4, -0.3];
         let mut shown = None;
         // The first frame finds the pointer there; the clock begins then.

@@ -6,7 +6,7 @@ use clap::Args;
 use flipmap::engine::choice::{EngineRequest, INSTALL_HINT, choose, open_checked};
 use flipmap::engine::gpu::device::{adapters, describe};
 use flipmap::engine::level::FAST_TO_COMPILE;
-use flipmap::engine::profile::{Pairs, Profile};
+use flipmap::engine::profile::{Profile, TimedPairs};
 use flipmap::engine::selfcheck::Verdict;
 use serde_json::{Value, json};
 
@@ -37,7 +37,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         })
         .collect();
     if options.profile {
-        let profile = Profile::measure(None, Pairs::OnHardware);
+        let profile = Profile::measure(None, TimedPairs::OnHardware);
         if let Err(error) = profile.keep() {
             super::tell(&format!("flipmap: the profile could not be saved: {error}"));
         }

@@ -82,7 +82,7 @@ impl Profile {
             tell(&why);
         }
         tell("measuring the engines of this machine once; this takes some seconds");
-        let profile = Profile::measure(threads, Pairs::WhereNeeded);
+        let profile = Profile::measure(threads, TimedPairs::WhereNeeded);
         // An unwritable cache costs the next run the same seconds and nothing else.
         if let Err(error) = profile.keep() {
             tell(&format!("the measured profile could not be kept: {error}"));
@@ -103,7 +103,7 @@ impl Profile {
     }
 
     /// Measures every engine of this machine, each adapter once, however many back-ends show it.
-    pub fn measure(threads: Option<usize>, pairs: Pairs) -> Profile {
+    pub fn measure(threads: Option<usize>, pairs: TimedPairs) -> Profile {
         let mut profile = Profile { key: key(threads), rows: Vec::new(), refused: Vec::new() };
         let sample = Sample::new(SIDE);
         match CpuEngine::new(threads) {
@@ -174,7 +174,7 @@ impl Profile {
 
 /// Adapters on which pairs of f32, whose kernels take long to compile, are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pairs {
+pub enum TimedPairs {
     /// Adapters that are not trusted with f64.
     WhereNeeded,
     /// All adapters but those in software, where pairs are far slower than f64.
@@ -190,10 +190,10 @@ const ALL_CONFIGS: [(Accuracy, IntegratorConfig); 4] = {
     [lesson, fast, balanced, (Accuracy::Balanced, BALANCED_DF32)]
 };
 
-impl Pairs {
+impl TimedPairs {
     /// The configurations that are measured on a graphics adapter.
     fn configs(self, is_hardware: bool, has_f64: bool) -> &'static [(Accuracy, IntegratorConfig)] {
-        let wanted = !has_f64 || is_hardware && self == Pairs::OnHardware;
+        let wanted = !has_f64 || is_hardware && self == TimedPairs::OnHardware;
         if wanted { &ALL_CONFIGS } else { &CPU_CONFIGS }
     }
 }
@@ -409,14 +409,14 @@ mod tests {
 
     #[test]
     fn kernels_that_take_long_to_compile_are_measured_where_they_are_needed() {
-        let has_pairs = |pairs: Pairs, is_hardware, has_f64| {
+        let has_pairs = |pairs: TimedPairs, is_hardware, has_f64| {
             let configs = pairs.configs(is_hardware, has_f64);
             configs.iter().any(|(_, config)| config.precision == Precision::Df32)
         };
-        assert!(!has_pairs(Pairs::WhereNeeded, true, true));
-        assert!(has_pairs(Pairs::WhereNeeded, true, false));
-        assert!(has_pairs(Pairs::OnHardware, true, true));
-        assert!(!has_pairs(Pairs::OnHardware, false, true));
+        assert!(!has_pairs(TimedPairs::WhereNeeded, true, true));
+        assert!(has_pairs(TimedPairs::WhereNeeded, true, false));
+        assert!(has_pairs(TimedPairs::OnHardware, true, true));
+        assert!(!has_pairs(TimedPairs::OnHardware, false, true));
         for (accuracy, config) in ALL_CONFIGS {
             assert!(accuracy.configs().contains(&config));
         }

@@ -187,6 +187,8 @@ fn orbit_config(config: &IntegratorConfig) -> Option<(IntegratorConfig, f64)> {
         (Method::Rk4 { .. }, Precision::F32) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-3),
         (Method::Rk4 { .. }, _) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-6),
         (Method::Dopri5 { .. }, Precision::F32) => (Method::Dopri5 { tolerance: 1e-7 }, 5e-3),
+        // Four times the steps of the next method add up as many roundings.
+        (Method::Dopri5 { .. }, Precision::Df32) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-7),
         (Method::Dopri5 { .. }, _) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-8),
         (Method::Dop853 { .. }, Precision::F32) => (Method::Dop853 { tolerance: 1e-7 }, 5e-3),
         (Method::Dop853 { .. }, _) => (Method::Dop853 { tolerance: 1e-13 }, 1e-8),

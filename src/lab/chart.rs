@@ -22,7 +22,7 @@ pub enum AxisScale {
 
 /// One axis of a chart.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub struct ChartAxis {
     /// Name of the quantity, with its unit.
     pub name: String,
     /// Range of values shown.
@@ -48,9 +48,9 @@ pub struct Curve {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     /// The horizontal axis.
-    pub across: Axis,
+    pub across: ChartAxis,
     /// The vertical axis.
-    pub up: Axis,
+    pub up: ChartAxis,
     /// The curves of the chart.
     pub curves: Vec<Curve>,
     /// Places marked with a dot.
@@ -76,10 +76,10 @@ impl Curve {
     }
 }
 
-impl Axis {
+impl ChartAxis {
     /// Creates an axis with its name, range and scale.
     pub fn new(name: &str, range: RangeInclusive<f64>, scale: AxisScale) -> Self {
-        Axis { name: name.to_string(), range, scale }
+        ChartAxis { name: name.to_string(), range, scale }
     }
 
     fn stretched(&self, value: f64) -> f64 {
@@ -248,11 +248,11 @@ mod tests {
 
     #[test]
     fn values_lie_where_their_scale_says() {
-        let linear = Axis::new("", 0.0..=10.0, AxisScale::Linear);
+        let linear = ChartAxis::new("", 0.0..=10.0, AxisScale::Linear);
         assert_eq!([0.0, 5.0, 20.0].map(|x| linear.share(x)), [0.0, 0.5, 1.0]);
-        let log = Axis::new("", 1e-8..=1.0, AxisScale::Log);
+        let log = ChartAxis::new("", 1e-8..=1.0, AxisScale::Log);
         assert!((log.share(1e-4) - 0.5).abs() < 1e-6 && log.share(0.0) == 0.0);
-        let signed = Axis::new("", -1e2..=1e2, AxisScale::SignedLog(1e-6));
+        let signed = ChartAxis::new("", -1e2..=1e2, AxisScale::SignedLog(1e-6));
         assert_eq!(signed.share(0.0), 0.5);
         assert!((signed.share(1e-2) + signed.share(-1e-2) - 1.0).abs() < 1e-6);
         assert!(signed.share(1e-2) > signed.share(1e-4) && signed.share(1e300) == 1.0);
@@ -261,22 +261,22 @@ mod tests {
     #[test]
     fn ticks_are_round_and_few() {
         let words =
-            |axis: Axis| axis.ticks().into_iter().map(|(_, words)| words).collect::<Vec<_>>();
-        let linear = words(Axis::new("", 0.0..=3.13, AxisScale::Linear));
+            |axis: ChartAxis| axis.ticks().into_iter().map(|(_, words)| words).collect::<Vec<_>>();
+        let linear = words(ChartAxis::new("", 0.0..=3.13, AxisScale::Linear));
         assert_eq!(linear, ["0", "1", "2", "3"]);
         assert_eq!(
-            words(Axis::new("", 1e-3..=1.0, AxisScale::Log)),
+            words(ChartAxis::new("", 1e-3..=1.0, AxisScale::Log)),
             ["1e-3", "1e-2", "1e-1", "1e0"]
         );
-        let signed = Axis::new("", -1e3..=1e3, AxisScale::SignedLog(1e-12)).ticks();
+        let signed = ChartAxis::new("", -1e3..=1e3, AxisScale::SignedLog(1e-12)).ticks();
         assert!(signed.len() <= 9 && signed.iter().any(|(value, _)| *value < 0.0));
     }
 
     #[test]
     fn what_is_no_number_reaches_no_screen() {
         let chart = Chart {
-            across: Axis::new("", 0.0..=1.0, AxisScale::Linear),
-            up: Axis::new("", 0.0..=1.0, AxisScale::Linear),
+            across: ChartAxis::new("", 0.0..=1.0, AxisScale::Linear),
+            up: ChartAxis::new("", 0.0..=1.0, AxisScale::Linear),
             curves: Vec::new(),
             marks: Vec::new(),
         };

@@ -119,7 +119,7 @@ fn number_words(symbol: &str, value: f64) -> String {
 }
 
 /// An entry of the equation: lines of text, of which the first is the formula.
-struct Cell<'a> {
+struct Term<'a> {
     formula: &'a str,
     value: f64,
 }
@@ -150,7 +150,7 @@ pub(super) fn show(ui: &mut Ui, width: f32, simulation: &DoublePendulumSimulatio
         [(m11, mass[0][0]), (m12, mass[0][1]), ("α1", moment.acceleration[0]), (tau1, torque[0])],
         [(m12, mass[1][0]), (m22, mass[1][1]), ("α2", moment.acceleration[1]), (tau2, torque[1])],
     ];
-    let rows = rows.map(|row| row.map(|(formula, value)| Cell { formula, value }));
+    let rows = rows.map(|row| row.map(|(formula, value)| Term { formula, value }));
     draw(&painter, response.rect, &Tint::of(ui), &moment, &rows);
 }
 
@@ -161,7 +161,7 @@ fn formulas(kind: Kind) -> Formulas {
     }
 }
 
-fn draw(painter: &Painter, area: Rect, tint: &Tint, moment: &Moment, rows: &[[Cell; 4]; 2]) {
+fn draw(painter: &Painter, area: Rect, tint: &Tint, moment: &Moment, rows: &[[Term; 4]; 2]) {
     let width = area.width() - 12.0;
     let mut left = area.left() + 6.0;
     for (column, share) in COLUMNS.into_iter().enumerate() {
@@ -186,7 +186,7 @@ fn draw(painter: &Painter, area: Rect, tint: &Tint, moment: &Moment, rows: &[[Ce
 }
 
 /// Writes the lines of a cell, centred: symbols, numbers in place, and the value.
-fn lines(painter: &Painter, top: Pos2, room: f32, tint: &Tint, moment: &Moment, cell: &Cell) {
+fn lines(painter: &Painter, top: Pos2, room: f32, tint: &Tint, moment: &Moment, cell: &Term) {
     let layout = |letter: f32| {
         let symbols = written(cell.formula, None, tint, letter);
         let numbers = written(cell.formula, Some(moment), tint, letter);

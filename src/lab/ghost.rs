@@ -2,7 +2,7 @@
 
 use egui::{Grid, Ui, vec2};
 
-use super::chart::{Axis, AxisScale, Chart, Curve};
+use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::{coloured_row, row};
 use super::drawing::{FigureCanvas, Tint, end};
 use super::single_simulation::SinglePendulumSimulation;
@@ -29,8 +29,8 @@ impl Ghost {
         let known = (0..=200).map(|k| [at(k), ratio(at(k))]).collect();
         let amplitude = self.0.amplitude.abs();
         Chart {
-            across: Axis::new("amplitude, rad", 0.0..=3.2, AxisScale::Linear),
-            up: Axis::new("period / 2π√(r/g)", 0.8..=3.0, AxisScale::Linear),
+            across: ChartAxis::new("amplitude, rad", 0.0..=3.2, AxisScale::Linear),
+            up: ChartAxis::new("period / 2π√(r/g)", 0.8..=3.0, AxisScale::Linear),
             curves: vec![
                 Curve::line("exact", tint.parts[1], known),
                 Curve::guide("small angles", tint.faint, vec![[0.0, 1.0], [3.2, 1.0]]),

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use egui::{Color32, Grid, Ui, vec2};
 
-use super::chart::{Axis, AxisScale, Chart, Curve};
+use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
 use super::controls::{coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
@@ -113,8 +113,8 @@ impl Sweep {
             Curve::line("", method.colour(tint), points)
         });
         Chart {
-            across: Axis::new("Δt, s", 3e-4..=2e-2, AxisScale::Log),
-            up: Axis::new("error after 1 s, rad", 1e-14..=1.0, AxisScale::Log),
+            across: ChartAxis::new("Δt, s", 3e-4..=2e-2, AxisScale::Log),
+            up: ChartAxis::new("error after 1 s, rad", 1e-14..=1.0, AxisScale::Log),
             curves: curves.collect(),
             marks: Vec::new(),
         }
@@ -240,8 +240,8 @@ impl Integrators {
         });
         let end = self.clock.secs().max(10.0);
         Chart {
-            across: Axis::new("time, s", 0.0..=end, AxisScale::Linear),
-            up: Axis::new("relative energy error", -1e2..=1e2, AxisScale::SignedLog(1e-9)),
+            across: ChartAxis::new("time, s", 0.0..=end, AxisScale::Linear),
+            up: ChartAxis::new("relative energy error", -1e2..=1e2, AxisScale::SignedLog(1e-9)),
             curves: curves.collect(),
             marks: Vec::new(),
         }

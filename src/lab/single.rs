@@ -2,7 +2,7 @@
 
 use egui::{Grid, Ui, Vec2, vec2};
 
-use super::chart::{Axis, AxisScale, Chart, Curve};
+use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::row;
 use super::drawing::{FigureCanvas, Tint, end};
 use super::single_simulation::SinglePendulumSimulation;
@@ -42,8 +42,8 @@ impl Single {
         };
         let most = self.energy(Swing { angle: self.0.amplitude, speed: 0.0 })[1].max(1e-3);
         Chart {
-            across: Axis::new("time, s", from..=from + CHART_SECS, AxisScale::Linear),
-            up: Axis::new("energy, J", 0.0..=1.1 * most, AxisScale::Linear),
+            across: ChartAxis::new("time, s", from..=from + CHART_SECS, AxisScale::Linear),
+            up: ChartAxis::new("energy, J", 0.0..=1.1 * most, AxisScale::Linear),
             curves: vec![
                 Curve::line("kinetic", tint.parts[1], curve(&|[kinetic, _]| kinetic)),
                 Curve::line("potential", tint.parts[2], curve(&|[_, potential]| potential)),
@@ -65,8 +65,8 @@ impl Single {
         let path = self.0.path.iter().map(|(_, swing)| [swing.angle, swing.speed]);
         let speeds = -1.1 * fastest..=1.1 * fastest;
         Chart {
-            across: Axis::new("angle θ, rad", -3.2..=3.2, AxisScale::Linear),
-            up: Axis::new("speed ω, rad/s", speeds, AxisScale::Linear),
+            across: ChartAxis::new("angle θ, rad", -3.2..=3.2, AxisScale::Linear),
+            up: ChartAxis::new("speed ω, rad/s", speeds, AxisScale::Linear),
             curves: vec![
                 Curve::guide("just to the top", tint.faint, border(1.0)),
                 Curve::guide("", tint.faint, border(-1.0)),

@@ -2,7 +2,7 @@
 
 use egui::{Color32, Grid, Stroke, Ui, vec2};
 
-use super::chart::{Axis, AxisScale, Chart, Curve};
+use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
 use super::controls::{brief, number_on, row, thrown};
 use super::double_simulation::pendulum;
@@ -104,8 +104,8 @@ impl Twenty {
         let saturated = vec![[0.0, SATURATED_RAD], [end, SATURATED_RAD]];
         curves.push(Curve::guide("saturated", tint.faint, saturated));
         Chart {
-            across: Axis::new("time, s", 0.0..=end, AxisScale::Linear),
-            up: Axis::new("separation, rad", 1e-13..=1e2, AxisScale::Log),
+            across: ChartAxis::new("time, s", 0.0..=end, AxisScale::Linear),
+            up: ChartAxis::new("separation, rad", 1e-13..=1e2, AxisScale::Log),
             curves,
             marks: Vec::new(),
         }

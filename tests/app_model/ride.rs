@@ -3,7 +3,7 @@
 use egui::{Event, Key, Modifiers, Role, pos2};
 use egui_kittest::kittest::Queryable;
 use flipmap::app::action::{Action, Look};
-use flipmap::app::camera::{Camera, Pace};
+use flipmap::app::camera::{Camera, MovePace};
 use flipmap::app::folders::Folders;
 use flipmap::app::model::{AppModel, WindowOptions};
 use flipmap::engine::IntegratorConfig;
@@ -42,7 +42,7 @@ fn a_descent_glides_on_when_a_view_is_half_drawn_and_stops_at_escape() {
         let share = share_left(&mut desktop);
         assert!(share >= 0.5, "only {share} of the view was known");
         let moving = desktop.state().state.moving.expect("it glides");
-        assert_eq!(moving.pace, Pace::Glide);
+        assert_eq!(moving.pace, MovePace::Glide);
     }
     press(&mut desktop, Modifiers::NONE, Key::Escape);
     let there = desktop.state().state.target();

@@ -17,12 +17,11 @@ use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap::tiles::{Samples, Work};
 
 use crate::offscreen::{Paint, SIZE, Studio};
-use crate::{LEVEL, PLAIN, beyond, explored, middle};
+use crate::{PLAIN, beyond};
 
 needs_adapter! {
     checks:
     a_render_has_the_colours_of_the_window_wide_and_deep
-    light_from_the_side_falls_alike_on_window_and_render
 }
 
 fn engine() -> DepthEngine<'static> {
@@ -85,34 +84,6 @@ mod checks {
             println!("{name} {width}: {inexact} {wrong} {colours}");
             assert!(colours > 150, "{name} {width}: it is no plain: {colours}");
             assert!(inexact <= 0.01 && wrong <= 0.01, "{name} {width}: {inexact} {wrong}");
-        }
-    }
-
-    pub(crate) fn light_from_the_side_falls_alike_on_window_and_render() {
-        let (screen, scene) = (crate::screen(middle(), LEVEL), crate::scene(60.0));
-        let mut explorer = explored(&screen, &scene);
-        let flat = PictureTable { curve: false, ..PictureTable::default() };
-        let grid = crate::grid(&screen, &scene);
-        let mut samples = Samples::unflipped((SIZE[0] * SIZE[1]) as usize);
-        for k in 0..SIZE[0] * SIZE[1] {
-            let fate = grid.fate(k % SIZE[0], k / SIZE[0]);
-            samples.set(k as usize, crate::outcome(fate, &scene));
-        }
-        let own = painted(&scene, &flat, &samples);
-        let mut studio = Studio::new(PLAIN);
-        for light in [0.0, 90.0, 217.0] {
-            let picture = &PictureTable { relief: 1.0, light, ..flat.clone() };
-            let truth = painted(&scene, picture, &samples);
-            let paint = Paint { picture, scene: &scene, trust: false };
-            let pixels = studio.draw(&screen, &mut explorer, &paint);
-            let mut plain = pixels.clone();
-            for (pixel, own) in plain.chunks_mut(4).zip(&own) {
-                pixel[..3].copy_from_slice(own);
-            }
-            // The window lights places between samples, half a pixel beside those of a render.
-            let [apart, lit] = [&pixels, &plain].map(|pixels| beyond(10, pixels, &truth));
-            println!("{light}: {apart} {lit}");
-            assert!(lit > 0.2 && apart < 0.25 * lit, "{light}°: {apart} of {lit}");
         }
     }
 }

@@ -156,7 +156,7 @@ fn what_friction_has_brought_to_rest_is_done_by_every_method() {
             let samples = renderer.render(&scene, [12; 2]).unwrap();
             (samples, renderer.counts().effort.rhs_evaluations)
         };
-        let ((short, less), (long, more)) = (spent(20.0), spent(2000.0));
+        let ((short, less), (long, more)) = (spent(100.0), spent(10_000.0));
         assert_eq!(short, long, "{config:?}");
         assert!(2 * more < 3 * less, "{config:?}: {more} beside {less}");
     }

@@ -16,7 +16,7 @@ use std::sync::mpsc::{self, Receiver, TryRecvError};
 
 pub use self::agreement::Agreement;
 pub use self::playback::Playback;
-pub use self::record::{Ending, Flip, Record, Track};
+pub use self::record::{FlightEnding, Flip, Record, Track};
 pub use self::trail::Trail;
 use crate::engine::Question;
 use crate::physics::{Dd, Launch, Outcome, Pendulum, Status};
@@ -67,7 +67,9 @@ impl Flight {
             match self.incoming.try_recv() {
                 Ok(part) => self.record.append(part),
                 Err(TryRecvError::Empty) => break,
-                Err(TryRecvError::Disconnected) => self.record.ending = Some(Ending::BrokenOff),
+                Err(TryRecvError::Disconnected) => {
+                    self.record.ending = Some(FlightEnding::BrokenOff)
+                }
             }
             any = true;
         }
@@ -104,7 +106,7 @@ impl Flight {
             _ if track.motion.end_secs() >= budget.hi => {
                 Some(Outcome::without_time(Status::Unflipped))
             }
-            _ if self.record.ending == Some(Ending::NotFinite) => {
+            _ if self.record.ending == Some(FlightEnding::NotFinite) => {
                 Some(Outcome::without_time(Status::Failed))
             }
             _ => None,
@@ -185,7 +187,7 @@ mod tests {
     fn every_moment_is_that_of_the_orbit_and_energy_is_kept() {
         let flight = complete(question(Rule::Second, 5.0), pair([2.2, 1.4].map(Dd::new)));
         let record = flight.record();
-        assert_eq!((record.ending, record.end_secs()), (Some(Ending::Complete), LEAST_SECS));
+        assert_eq!((record.ending, record.end_secs()), (Some(FlightEnding::Complete), LEAST_SECS));
         let pendulum: Pendulum<Dd> = flight.question().build.pendulum_in();
         let mut orbit = Orbit::new(pendulum, State::rest([2.2, 1.4].map(Dd::new)));
         for i in 0..=300 {
@@ -265,7 +267,7 @@ mod tests {
         let long = Question { build: fast, ..question(Rule::Second, 1e6) };
         let start = [0.3, 0.2].map(Dd::new);
         let flight = complete(long, pair(start));
-        assert_eq!(flight.record().ending, Some(Ending::Full));
+        assert_eq!(flight.record().ending, Some(FlightEnding::Full));
         assert!(flight.record().own.motion.len() <= pilot::MOST_STEPS);
         assert_eq!(flight.outcome().map(|outcome| outcome.status), Some(Status::Forbidden));
 

@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::record::{Ending, Flip, Record, Track};
+use super::record::{FlightEnding, Flip, Record, Track};
 use crate::engine::Question;
 use crate::physics::opening::settled;
 use crate::physics::separation::{Reading, Ruler};
@@ -121,24 +121,24 @@ impl GhostPair {
     }
 
     /// Takes a step of the pendulum, enough of the ghost for it to catch up, and a reading.
-    fn advance(&mut self, fresh: &mut Record) -> Option<Ending> {
+    fn advance(&mut self, fresh: &mut Record) -> Option<FlightEnding> {
         let Some(step) = self.own.step(&mut fresh.own, self.until) else {
-            return Some(Ending::NotFinite);
+            return Some(FlightEnding::NotFinite);
         };
         let moment = if step.end() < self.until { step.end() } else { self.until };
         while self.ghost_step.as_ref().is_none_or(|latest| latest.end() < moment) {
             self.ghost_step = self.ghost.step(&mut fresh.ghost, self.until);
             if self.ghost_step.is_none() {
-                return Some(Ending::NotFinite);
+                return Some(FlightEnding::NotFinite);
             }
         }
         let beside = self.ghost_step.as_ref().expect("the loop ends with a step");
         let states = [step.state(moment - step.start), beside.state(moment - beside.start)];
         fresh.readings.push(self.reading(moment, &states));
         if moment >= self.until {
-            return Some(Ending::Complete);
+            return Some(FlightEnding::Complete);
         }
-        (self.own.steps.max(self.ghost.steps) >= MOST_STEPS).then_some(Ending::Full)
+        (self.own.steps.max(self.ghost.steps) >= MOST_STEPS).then_some(FlightEnding::Full)
     }
 
     fn reading_at_release(&self) -> Reading {

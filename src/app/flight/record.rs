@@ -31,7 +31,7 @@ impl Track {
 
 /// The reason why a record grows no further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
+pub enum FlightEnding {
     /// The record reaches the requested time.
     Complete,
     /// The record has reached its greatest number of steps.
@@ -52,7 +52,7 @@ pub struct Record {
     /// Readings at the release and at the end of each step of the pendulum.
     pub readings: Vec<Reading>,
     /// The reason for the end; set only in the last part.
-    pub ending: Option<Ending>,
+    pub ending: Option<FlightEnding>,
 }
 
 impl Record {

@@ -1,4 +1,4 @@
-//! The card of the first start: what the map shows, in a few sentences.
+//! The card of the first start, with a few sentences on what the map shows.
 
 use egui::{Align2, Vec2, Window};
 
@@ -8,7 +8,7 @@ use crate::app::state::Dialog;
 /// Heading of the card.
 const HEADING: &str = "What you are seeing";
 
-/// What the map shows in its default colours, paragraph by paragraph.
+/// Paragraphs on what the map shows in its default colours.
 const TEXT: [&str; 3] = [
     "Every point of this map is a double pendulum that is let go from rest: from left to right the \
      angle of its first rod, upwards the angle of its second. Its colour is the time until the \

@@ -222,11 +222,10 @@ impl Design {
                 grow: number(GROW),
                 longest: number(LONGEST),
             },
-            statuses: status_constants(),
             quartic: self.scheme == Scheme::Fifth,
             bows: self.bows(),
             maths,
-            may_pass,
+            texts: TextValues { may_pass, statuses: status_constants() },
         }
     }
 
@@ -315,6 +314,13 @@ struct Values {
     quartic: bool,
     bows: Vec<String>,
     maths: BTreeMap<String, String>,
+    #[serde(flatten)]
+    texts: TextValues,
+}
+
+/// Parts of the text of every kernel.
+#[derive(Serialize)]
+struct TextValues {
     may_pass: String,
     statuses: String,
 }

@@ -2,7 +2,7 @@
 
 use egui::{Grid, RichText, Ui};
 
-use crate::app::flight::{Agreement, Ending, Flight};
+use crate::app::flight::{Agreement, Flight, FlightEnding};
 use crate::app::pins::Pin;
 use crate::engine::Trust;
 use crate::physics::separation::reading_at;
@@ -125,10 +125,10 @@ fn energy_words(pin: &Pin) -> String {
 fn ending_words(flight: &Flight) -> Option<String> {
     let end_secs = round_secs(flight.record().end_secs());
     match flight.record().ending? {
-        Ending::Complete => None,
-        Ending::Full => Some(format!("ends at {end_secs} s; no more is kept")),
-        Ending::NotFinite => Some(format!("ends at {end_secs} s; no number after it")),
-        Ending::BrokenOff => Some(format!("broke off at {end_secs} s; pin it again")),
+        FlightEnding::Complete => None,
+        FlightEnding::Full => Some(format!("ends at {end_secs} s; no more is kept")),
+        FlightEnding::NotFinite => Some(format!("ends at {end_secs} s; no number after it")),
+        FlightEnding::BrokenOff => Some(format!("broke off at {end_secs} s; pin it again")),
     }
 }
 
