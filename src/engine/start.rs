@@ -236,9 +236,8 @@ pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Opti
             Some(speeds.map(greatest).fold(0.0, f64::max))
         }
         Starts::Resumed { states, thrown: true } => {
-            let phases = states.iter().map(|state| phase_at(&reduced, pace, state));
-            let speeds = phases.map(|phase| greatest(reduced.speeds(&phase)));
-            Some(speeds.fold(0.0, f64::max))
+            let speeds = |state| reduced.speeds(&phase_at(&reduced, pace, state));
+            Some(states.iter().map(speeds).map(greatest).fold(0.0, f64::max))
         }
         Starts::Moving(moving) => {
             moving.states.iter().filter_map(|moving| thrown(moving.phase)).reduce(f64::max)

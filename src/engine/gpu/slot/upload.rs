@@ -1,4 +1,4 @@
-//! What a job begins with, written to the device.
+//! The states in which the pendulums of a job begin, written to the device.
 
 use bytemuck::{bytes_of, cast_slice};
 
