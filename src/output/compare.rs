@@ -219,11 +219,11 @@ impl ResultRows {
 /// The way in which the values of two pixels are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Yardstick {
-    /// By the greatest difference of any value.
+    /// The greatest difference of any value.
     Plain,
-    /// By one channel, in its unit.
+    /// The difference of one channel, in its unit.
     Channel(&'static Channel),
-    /// By several channels, each in multiples of the error within which it counts as right.
+    /// Differences of several channels, each in multiples of the error within which it counts as right.
     Channels(&'static [Channel]),
 }
 
