@@ -7,11 +7,11 @@ const HUES: [(f64, &str); 9] = [
     (15.0, "red"),
     (45.0, "orange"),
     (70.0, "yellow"),
-    (160.0, "green"),
+    (165.0, "green"),
     (195.0, "teal"),
     (252.0, "blue"),
     (290.0, "violet"),
-    (340.0, "pink"),
+    (345.0, "pink"),
     (360.0, "red"),
 ];
 /// Spread of the channels below which a colour looks grey.
@@ -63,7 +63,7 @@ mod tests {
             ([255, 0, 0], "red"),
             ([200, 0, 20], "red"),
             ([255, 255, 0], "yellow"),
-            ([0, 158, 115], "teal"),
+            ([0, 158, 115], "green"),
             ([86, 180, 233], "blue"),
             ([255, 160, 190], "light pink"),
         ] {
