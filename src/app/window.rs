@@ -202,10 +202,8 @@ impl Runner {
         match EguiHost::new(event_loop, &open.window, &self.proxy, Some(remains)) {
             Ok(host) if self.losses.len() <= MOST_LOSSES => {
                 open.model.forget_card();
-                open.model
-                    .state
-                    .notices
-                    .tell("The graphics device was lost and opened again; the map is as it was.");
+                let told = "The graphics device was lost and opened again; the map is as it was.";
+                open.model.state.notices.fail(told);
                 let OpenWindow { window, model, .. } = open;
                 self.open = Some(OpenWindow { window, host, model });
                 self.draw_at(Instant::now());
