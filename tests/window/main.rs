@@ -240,7 +240,7 @@ mod checks {
                 display.point(300.0, 240.0);
                 display.key("d");
                 // The map follows the descent, half a decade in a second and a half or more.
-                sleep(Duration::from_secs(20));
+                sleep(Duration::from_secs(45));
                 display.key("Escape");
             },
             |told| told.is_idle() && told.width_rad() < 1e-3,
