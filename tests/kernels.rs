@@ -100,17 +100,18 @@ fn spirv(module: &Module, info: &ModuleInfo) -> Result<Vec<u8>, String> {
     Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
 }
 
+/// Refuses a translation in which an entry point has failed.
+fn all_named<E: ToString>(names: Vec<Result<String, E>>) -> Result<(), String> {
+    names.into_iter().try_for_each(|name| name.map(drop).map_err(|error| error.to_string()))
+}
+
 fn hlsl(module: &Module, info: &ModuleInfo) -> Result<String, String> {
     let options = hlsl::Options { shader_model: hlsl::ShaderModel::V6_0, ..Default::default() };
     let mut text = String::new();
     let written = hlsl::Writer::new(&mut text, &options, &hlsl::PipelineOptions::default())
         .write(module, info, None)
         .map_err(|error| error.to_string())?;
-    written
-        .entry_point_names
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|e| e.to_string())?;
+    all_named(written.entry_point_names)?;
     Ok(text)
 }
 
@@ -120,11 +121,7 @@ fn metal(module: &Module, info: &ModuleInfo) -> Result<String, String> {
     let (text, written) =
         msl::write_string(module, info, &options, &msl::PipelineOptions::default())
             .map_err(|error| error.to_string())?;
-    written
-        .entry_point_names
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|e| e.to_string())?;
+    all_named(written.entry_point_names)?;
     Ok(text)
 }
 
