@@ -48,6 +48,8 @@ pub enum WindowError {
 const FRAME: Duration = Duration::from_micros(16_600);
 /// Time that new tiles alone wait for a frame, since drawing takes time from computing.
 const NEWS: Duration = Duration::from_millis(120);
+/// Time until the next frame from which on the window is at rest.
+const REST: Duration = Duration::from_secs(1);
 /// Largest number of losses within [`LOSSES_WITHIN`] after which the device is opened again.
 const MOST_LOSSES: usize = 5;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
@@ -203,7 +205,7 @@ impl Runner {
             Ok(host) if self.losses.len() <= MOST_LOSSES => {
                 open.model.forget_card();
                 let told = "The graphics device was lost and opened again; the map is as it was.";
-                open.model.state.notices.fail(told);
+                open.model.state.notices.tell(told);
                 let OpenWindow { window, model, .. } = open;
                 self.open = Some(OpenWindow { window, host, model });
                 self.draw_at(Instant::now());
@@ -335,7 +337,13 @@ impl ApplicationHandler<Woken> for Runner {
                 open.window.request_redraw();
                 event_loop.set_control_flow(ControlFlow::Wait);
             }
-            (Some(moment), _) => event_loop.set_control_flow(ControlFlow::WaitUntil(moment)),
+            (Some(moment), _) => {
+                // A notice that will go is no work.
+                if moment > now + REST {
+                    self.rest();
+                }
+                event_loop.set_control_flow(ControlFlow::WaitUntil(moment));
+            }
             (None, _) => {
                 self.rest();
                 event_loop.set_control_flow(ControlFlow::Wait);

@@ -1,5 +1,6 @@
 //! The program through the command line: files, exit codes, one clear sentence for each mistake.
 
+mod mistakes;
 mod words;
 
 use std::fs;
@@ -99,86 +100,6 @@ fn standard_output_carries_the_picture() {
     let output = render(&folder, &["-o", "-"]);
     assert!(output.status.success());
     assert!(output.stdout.starts_with(b"\x89PNG") && output.stdout.ends_with(b"IEND\xaeB`\x82"));
-}
-
-/// Arguments, their exit code, and the words that the error sentence must contain.
-const MISTAKES: [(&[&str], i32, &[&str]); 60] = [
-    (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
-    (&["--masses", "1"], 2, &["--masses", "two numbers"]),
-    (&["--masses", "1,-1"], 2, &["--masses"]),
-    (&["--masses", "nan,1"], 2, &["--masses"]),
-    (&["--lengths", "inf,1"], 2, &["--lengths", "1e-9"]),
-    (&["--lengths", "1,0"], 2, &["--lengths"]),
-    (&["--gravity", "-9.81"], 2, &["--gravity", "it must be 0 or"]),
-    (&["--gravity", "nan"], 2, &["--gravity"]),
-    (&["--width", "0"], 2, &["--width", "between"]),
-    (&["--width", "-1"], 2, &["--width"]),
-    (&["--width", "inf"], 2, &["--width"]),
-    (&["--budget", "0"], 2, &["--budget", "between"]),
-    (&["--budget", "-3"], 2, &["--budget"]),
-    (&["--budget", "inf"], 2, &["--budget"]),
-    (&["--budget", "soon"], 2, &["--budget", "a number of seconds between 1e-9 and 1e6"]),
-    (&["--step", "0"], 2, &["--step", "between 1e-9 and 1"]),
-    (&["--step", "nan"], 2, &["--step"]),
-    (&["--step", "1e-9", "--budget", "1e6"], 2, &["--step", "--budget"]),
-    (&["--center", "1"], 2, &["--center", "comma"]),
-    (&["--center", "1,x"], 2, &["--center", "decimal"]),
-    (&["--rule", "third"], 2, &["--rule", "second, first, either"]),
-    (&["--kind", "springs"], 2, &["--kind", "points or rods"]),
-    (&["--palette", "rainbow"], 2, &["--palette", "iris"]),
-    (&["--colours", "unflipped=black"], 2, &["--colours", "unflipped=#101018"]),
-    (&["--colours", "sky=#000000"], 2, &["--colours", "unflipped, forbidden or curve"]),
-    (&["--method", "leapfrog"], 2, &["--method", "rk4"]),
-    (&["--precision", "f16"], 2, &["--precision", "f32, df32, f64, dd"]),
-    (&["--samples", "9"], 2, &["--samples"]),
-    (&["--threads", "0"], 2, &["--threads"]),
-    (&["nowhere.toml"], 2, &["nowhere.toml"]),
-    (&["elsewhere"], 2, &["elsewhere", "home"]),
-    (&["--stretch", "0"], 2, &["--stretch"]),
-    (&["--rotate", "nan"], 2, &["--rotate"]),
-    (&["--adapter", "geforce"], 2, &["--adapter", "--engine cpu"]),
-    (&["--accuracy", "perfect"], 2, &["--accuracy", "lesson, fast, balanced, exact"]),
-    (&["--cells", "never", "--width", "1e-13"], 2, &["--cells is never", "f64"]),
-    (&["--tolerance", "1e-16"], 2, &["--tolerance", "between 1e-15 and 1e-2"]),
-    (&["--tolerance", "1e-12", "--precision", "f32"], 2, &["--tolerance", "1e-8"]),
-    (&["--tolerance", "nan"], 2, &["--tolerance", "between"]),
-    (&["--method", "rk4", "--tolerance", "1e-9"], 2, &["--tolerance", "--step"]),
-    (&["--method", "dop853", "--step", "0.01"], 2, &["--step", "--tolerance"]),
-    (&["--method", "taylor", "--precision", "f32"], 2, &["--precision", "f64, dd"]),
-    (&["--precision", "df32"], 2, &["df32", "processor"]),
-    (&["--trust", "t.png"], 2, &["--trust", "--verify"]),
-    (&["--state", "s", "--verify"], 2, &["--state", "--verify"]),
-    (&["--state", "s", "--samples", "2"], 2, &["--state", "--samples"]),
-    (&["--ask", "state", "--rule", "either"], 2, &["--rule is 'either'", "only the question flip"]),
-    (&["--exr", "map.png"], 2, &["-o", "--exr", "same file"]),
-    (&["--ask", "why"], 2, &["--ask is 'why'", "flip, first, flips, state"]),
-    (&["--plane", "flat"], 2, &["--plane is 'flat'", "section"]),
-    (&["--plane", "omega1,omega1"], 2, &["--plane is 'omega1,omega1'", "two"]),
-    (&["--count", "0"], 2, &["--count", "between 1 and 1000000"]),
-    (&["--count", "2", "--ask", "growth"], 2, &["--count", "only the question flip"]),
-    (&["--ask", "state", "--at", "31"], 2, &["--at", "within the budget"]),
-    (&["--at", "3"], 2, &["--at", "flips, state, growth and return"]),
-    (&["--ask", "growth", "--at", "0"], 2, &["--at", "above 0"]),
-    (&["--plane", "section", "--energy", "-40"], 2, &["--energy", "least"]),
-    (&["--energy", "3"], 2, &["--energy is '3'", "--plane section"]),
-    (&["--friction", "-1,0"], 2, &["--friction", "between 0 and"]),
-    (&["--origin", "1,2,3"], 2, &["--origin", "four numbers"]),
-];
-
-#[test]
-fn every_mistake_gets_a_sentence_a_code_and_leaves_files_alone() {
-    let folder = folder();
-    fs::write(folder.path().join("map.png"), "mine").unwrap();
-    for (arguments, code, words) in MISTAKES {
-        let output = render(&folder, &[arguments, &["-o", "map.png"]].concat());
-        let error = error_of(&output);
-        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
-        for word in words {
-            assert!(error.contains(word), "{arguments:?}: {error}");
-        }
-        assert_eq!(fs::read_to_string(folder.path().join("map.png")).unwrap(), "mine");
-    }
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a stray file was left");
 }
 
 #[test]

@@ -126,7 +126,9 @@ impl Session {
     pub(crate) fn open_in(folder: TempDir, name: &'static str, arguments: &[&str]) -> Self {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let display = Display::open();
-        greet(folder.path());
+        if !arguments.contains(&"--no-config") {
+            greet(folder.path());
+        }
         // The statistics of an earlier run must not be taken for those of this one.
         let _ = fs::remove_file(folder.path().join("stats.json"));
         let child = Command::new(env!("CARGO_BIN_EXE_flipmap"))

@@ -1,22 +1,26 @@
 //! The text of a kernel: the shader files joined for one scene and configuration, with the maths of
 //! `physics` printed into them.
 
+mod values;
+
 use std::collections::BTreeMap;
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior};
 use serde::Serialize;
 
+use self::values::{
+    CarriedValues, ControlValues, CountValues, PairValues, SelfcheckValues, TextValues, Values,
+};
 use super::maths;
 use super::pairs::Pairs;
-use crate::engine::integrator_state::{LOG_SCALE, SEARCH, SLOPES, STARTS, carried_names};
+use crate::engine::integrator_state::{LOG_SCALE, SEARCH, STARTS, carried_names};
 use crate::engine::method::Pace;
 use crate::engine::shared::status_constants;
 use crate::engine::start::{ANGLES, PHASE};
 use crate::engine::{Ends, EngineError, IntegratorConfig, Method, Precision, Question};
 use crate::physics::control::{Control, GROW, LONGEST, SHRINK};
 use crate::physics::crossing::{FAR, SLACK};
-use crate::physics::tangents::LARGE;
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
@@ -286,114 +290,6 @@ fn number_file(precision: Precision) -> &'static str {
         Precision::Df32 => "df32.wgsl",
         Precision::F64 | Precision::Dd => "f64.wgsl",
     }
-}
-
-/// Values that the shader files ask for by name.
-#[derive(Serialize)]
-struct Values {
-    general: bool,
-    adaptive: bool,
-    compensated: bool,
-    subgroups: bool,
-    state: Vec<&'static str>,
-    moving: Vec<&'static str>,
-    #[serde(flatten)]
-    pairs: PairValues,
-    #[serde(flatten)]
-    carried: CarriedValues,
-    watched: Vec<usize>,
-    bobs: usize,
-    #[serde(flatten)]
-    counts: CountValues,
-    befores: String,
-    nows: String,
-    is_watched: &'static str,
-    moment: &'static str,
-    #[serde(flatten)]
-    control: ControlValues,
-    quartic: bool,
-    bows: Vec<String>,
-    maths: BTreeMap<String, String>,
-    #[serde(flatten)]
-    texts: TextValues,
-}
-
-/// Parts of the text of every kernel.
-#[derive(Serialize)]
-struct TextValues {
-    may_pass: String,
-    statuses: String,
-}
-
-/// Values of kernels that count turns or passes.
-#[derive(Serialize)]
-struct CountValues {
-    /// The watched bobs as shader literals, filled up to two.
-    numbers: Vec<String>,
-    counts_turns: bool,
-    counts_passes: bool,
-    passes: u32,
-    /// Expression for the length into a step at which the top is passed.
-    flip_length: &'static str,
-}
-
-/// Values of kernels whose number type may be a pair of f32.
-#[derive(Serialize)]
-struct PairValues {
-    /// True if the number type is a pair of f32.
-    pairs: bool,
-    fused: bool,
-    guarded: bool,
-}
-
-impl PairValues {
-    fn new(precision: Precision, pairs: Pairs) -> Self {
-        PairValues {
-            pairs: precision == Precision::Df32,
-            fused: pairs == Pairs::Fused,
-            guarded: pairs == Pairs::Guarded,
-        }
-    }
-}
-
-/// Values of kernels whose pendulums take numbers along.
-#[derive(Serialize)]
-struct CarriedValues {
-    slopes: &'static [&'static str],
-    large: String,
-    smaller: String,
-    log_large: String,
-}
-
-impl CarriedValues {
-    fn new() -> Self {
-        CarriedValues {
-            slopes: SLOPES.as_flattened(),
-            large: format!("{LARGE:?}"),
-            smaller: format!("{:?}", 1.0 / LARGE),
-            log_large: format!("{:?}", LARGE.ln()),
-        }
-    }
-}
-
-/// The constants of the step size control and of the test for crossings.
-#[derive(Serialize)]
-struct ControlValues {
-    far: String,
-    slack: String,
-    exponent: String,
-    safety: String,
-    shrink: String,
-    grow: String,
-    longest: String,
-}
-
-#[derive(Serialize)]
-struct SelfcheckValues {
-    compensated: bool,
-    #[serde(flatten)]
-    pairs: PairValues,
-    maths: String,
 }
 
 /// The self-check's text for one number type, with pairs of f32 computed in this way.
