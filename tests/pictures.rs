@@ -228,3 +228,43 @@ fn gradients_of_others_paint_and_stay_in_the_picture() {
         assert!(error.contains(words), "{error}");
     }
 }
+
+#[test]
+fn adaptive_sampling_looks_like_full_sampling_and_costs_less() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let counted = |name: &str, samples: &str| {
+        // A smooth place with few edges.
+        let view = ["--center=1.9,0.6", "--width", "1.2", "--no-curve", "--json"];
+        let output = render(&folder, &[&view[..], &["-o", name, "--samples", samples]].concat());
+        assert!(output.status.success(), "{}", error_of(&output));
+        let counts: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (pixels(&at(name)), counts["simulated"].as_u64().unwrap())
+    };
+    let (one, _) = counted("one.png", "1");
+    let (full, most) = counted("full.png", "3");
+    let (auto, fewer) = counted("auto.png", "auto");
+    let apart = |a: &image::RgbImage, b: &image::RgbImage| {
+        let squares = a.iter().zip(b.iter()).map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2));
+        (squares.sum::<f64>() / a.len() as f64).sqrt()
+    };
+    let [rough, near] = [&one, &auto].map(|picture| apart(picture, &full));
+    assert!(rough > 4.0 && near < rough / 8.0, "{rough} {near}");
+    assert!(fewer < most * 6 / 10, "{fewer} of {most}");
+    // The picture opens again as it was sampled.
+    done(&folder, &["auto.png", "--size", "300x200", "--budget", "10", "-o", "again.png"]);
+    assert_eq!(pixels(&at("again.png")), auto);
+}
+
+#[test]
+fn adaptive_sampling_is_for_whole_stills() {
+    let folder = folder();
+    let most = refused(&folder, 2, &["render", "--size", "8192x8192", "--samples", "auto"]);
+    assert!(most.contains("33554432 pixels"), "{most}");
+    let wrong = refused(&folder, 2, &["render", "--samples", "some"]);
+    assert!(wrong.contains("it must be auto or lie between 1 and 8"), "{wrong}");
+    let plan = ["plan", "--shards", "2", "-o", "big.toml", "--samples", "auto"];
+    assert!(refused(&folder, 2, &plan).contains("--samples auto is for render"));
+    let film = ["video", "--vary", "time=0..3", "-o", "film/", "--samples", "auto"];
+    assert!(refused(&folder, 2, &film).contains("--samples auto is for render"));
+}

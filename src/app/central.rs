@@ -90,10 +90,12 @@ impl AppModel {
     /// Returns the colours of the map, which may be on their way to others.
     fn colours(&mut self, scene: &Scene, now_secs: f64) -> Result<CardColours, SceneError> {
         let AppState { picture, layers, look, .. } = &self.state;
+        // Where the processor draws, it has better to do than to draw the ways between colours.
+        let glides = self.map_renderer.is_quick && look.animate;
         let answers = AnswerColours::new(scene, picture)?;
         let scale = answers.times().map(|(_, tones)| tones.scale());
         let glide = &mut self.map_renderer.glide;
-        let shown = scale.and_then(|scale| glide.shown(picture, scale, now_secs, look.animate));
+        let shown = scale.and_then(|scale| glide.shown(picture, scale, now_secs, glides));
         let (shown, until_secs) =
             (shown.as_ref().unwrap_or(picture), self.state.shown_until_secs());
         gliding_colours(picture, shown, scene, until_secs, layers.trust)

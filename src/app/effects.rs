@@ -164,6 +164,7 @@ impl AppModel {
         match action {
             ExportAction::Change(form) => {
                 self.state.picture.samples = form.samples;
+                self.state.picture.adaptive = form.adaptive;
                 self.forms.export = form;
             }
             ExportAction::Browse => {

@@ -10,14 +10,15 @@ use std::time::{Duration, Instant};
 use crate::engine::choice::{Chosen, EngineRequest, choose};
 use crate::engine::method::Pace;
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
-use crate::engine::{Engine, Question};
+use crate::engine::{Cells, Engine, Question};
 use crate::output::{
     Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, is_one_file,
     read_text, render_pass, sentence,
 };
 use crate::scene::keys::{Easing, Keys};
-use crate::scene::{Document, RunTable};
-use crate::tiles::{Counts, Renderer, Work};
+use crate::scene::palette::AnswerColours;
+use crate::scene::{Document, DocumentError, RunTable};
+use crate::tiles::{Counts, PlainPixels, Renderer, Work};
 
 /// The content of an exported file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -159,7 +160,7 @@ impl Drop for Export {
 #[derive(Debug, thiserror::Error)]
 enum Failure {
     #[error(transparent)]
-    Scene(#[from] crate::scene::DocumentError),
+    Scene(#[from] DocumentError),
     #[error(transparent)]
     Words(#[from] RunSettingsError),
     #[error(transparent)]
@@ -189,7 +190,7 @@ fn run(
     let mut document = Document { run: table, ..request.document.clone() };
     document.check()?;
     document.view = document.view.fitted(request.size.map(f64::from));
-    document.picture.check_size(request.size).map_err(crate::scene::DocumentError::from)?;
+    document.picture.check_size(request.size).map_err(DocumentError::from)?;
     let scene = document.scene();
     let mut sinks =
         Sinks::open(&request.paths(), &document, request.size).map_err(RenderError::from)?;
@@ -204,6 +205,13 @@ fn run(
     for pass in sinks.passes(document.picture.samples) {
         let size = request.size.map(|side| side * pass.along);
         let mut work = renderer.work(&scene, size);
+        let picture = &document.picture;
+        if pass.along > 1 && picture.is_adaptive(scene.question.ask) {
+            let colours = AnswerColours::new(&scene, picture).map_err(DocumentError::from)?;
+            let (what, how) = ((&scene, Cells::Auto), (&colours, pass.along));
+            let plain = PlainPixels::find(&mut renderer, what, request.size, how, &|_| !stopped())?;
+            work = work.sparing(plain.ok_or(RenderError::Stopped)?);
+        }
         run_pass(&mut work, size, renderer.engine(), &mut sinks, &pass, (set, stopped))?;
     }
     Ok(sinks.finish().map_err(RenderError::from)?)

@@ -39,6 +39,7 @@ impl Settings {
         let kept = PictureTable {
             curve: picture.curve,
             samples: picture.samples,
+            adaptive: picture.adaptive,
             legend: picture.legend,
             bits: picture.bits,
             channel: picture.channel.clone(),

@@ -94,7 +94,7 @@ impl AppModel {
                 actions.extend(layers_panel(ui, &self.state.layers));
             });
             let map_px = (self.state.canvas * self.state.pixels_per_point).round().as_uvec2();
-            self.forms.export.follow(map_px.to_array(), self.state.picture.samples);
+            self.forms.export.follow(map_px.to_array(), &self.state.picture);
             let exporting = panels.show("Export", false, |ui| {
                 let statuses = self.export_statuses();
                 for action in export_panel(ui, &self.forms.export, &statuses) {

@@ -46,8 +46,13 @@ pub enum WindowError {
 
 /// Shortest time between two frames.
 const FRAME: Duration = Duration::from_micros(16_600);
-/// Time that new tiles alone wait for a frame, since drawing takes time from computing.
+/// Least time that new tiles alone wait for a frame, since drawing takes time from computing.
 const NEWS: Duration = Duration::from_millis(120);
+/// The same, in durations of the last frame: where the processor draws too, it still computes for
+/// most of the time.
+const NEWS_IN_FRAMES: u32 = 6;
+/// Largest such time, so that the map is seen to grow.
+const LATEST_NEWS: Duration = Duration::from_millis(500);
 /// Time until the next frame from which on the window is at rest.
 const REST: Duration = Duration::from_secs(1);
 /// Largest number of losses within [`LOSSES_WITHIN`] after which the device is opened again.
@@ -70,6 +75,8 @@ struct Runner {
     begun: Instant,
     redraw_at: Option<Instant>,
     last_frame: Instant,
+    /// Time that the last frame took.
+    frame_took: Duration,
     /// Moment since which events may have been waiting for this turn of the loop.
     input_since: Instant,
     /// Moments of the recent losses of the device.
@@ -104,6 +111,7 @@ pub fn run(
         begun,
         redraw_at: None,
         last_frame: now,
+        frame_took: Duration::ZERO,
         input_since: now,
         losses: Vec::new(),
         told: true,
@@ -154,6 +162,7 @@ impl Runner {
         let OpenWindow { host, model, .. } = open;
         model.map_renderer.is_quick = host.is_quick();
         let again = host.frame(event_loop, |ui| effects.extend(model.show(ui)));
+        self.frame_took = began.elapsed();
         self.stats.frame(began, &model.progress(), model.state.dragging);
         self.stats.figure(model.figure_shown().is_some());
         if model.state.shown.debug {
@@ -164,7 +173,7 @@ impl Runner {
         }
         model.save_sometimes();
         // The view of this frame is known only now.
-        let news = if model.work() { NEWS } else { Duration::MAX };
+        let news = if model.work() { news_after(self.frame_took) } else { Duration::MAX };
         let moving = moving || model.state.moving.is_some();
         let again = if moving || model.compute.is_waiting() { Duration::ZERO } else { again };
         let again = again.min(news);
@@ -227,7 +236,7 @@ impl Runner {
         let Some(open) = &mut self.open else { return };
         open.model.work();
         // News other than tiles comes from flights, exports and dialogs, which the panels show.
-        self.draw_at(self.last_frame + NEWS);
+        self.draw_at(self.last_frame + news_after(self.frame_took));
     }
 
     /// Writes the measurements if the view is complete and nothing moves, so that writing does not
@@ -252,6 +261,11 @@ impl Runner {
             self.failure = Some(WindowError::Stats { path, source });
         }
     }
+}
+
+/// Time that new tiles alone wait for a frame after one that took so long.
+fn news_after(frame_took: Duration) -> Duration {
+    (NEWS_IN_FRAMES * frame_took).clamp(NEWS, LATEST_NEWS)
 }
 
 /// Applies the chosen theme and scale.

@@ -20,9 +20,10 @@ pub(super) struct PictureOptions {
     /// late (#000000,#ff8000,#ffffff); or a gradient file (.map, .ugr, .gpl)
     #[arg(long, value_name = "NAME")]
     palette: Option<String>,
-    /// Average the colours of N × N samples per pixel, N from 1 to 8
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
-    pub samples: Option<u32>,
+    /// Average the colours of N × N samples per pixel, N from 1 to 8; auto: 3 × 3 where colours
+    /// change, one elsewhere
+    #[arg(long, value_name = "N")]
+    pub samples: Option<SamplesChoice>,
     /// Reverse the palette: early flips get its last colour and late ones its first
     #[arg(hide_short_help = true, long)]
     reverse: bool,
@@ -125,8 +126,19 @@ impl PictureOptions {
         self.times.as_deref() == Some(OF_VIEW)
     }
 
+    /// Rejects adaptive sampling, for a reason.
+    pub(super) fn check_full(&self, why: &str) -> Result<(), Exit> {
+        if self.samples.is_some_and(|choice| choice.adaptive) {
+            return Err(Exit::Usage(format!("--samples auto is for render: {why}")));
+        }
+        Ok(())
+    }
+
     /// Rejects what the frames of films do not have.
     pub(super) fn check_film(&self) -> Result<(), Exit> {
+        self.check_full(
+            "every place of a film is sampled once, as finely as its closest frame needs",
+        )?;
         for (option, given, why) in [
             ("--bits", &self.bits, "films have 8 bits a channel"),
             ("--relief", &self.relief, "frames are painted from places of many sizes"),
@@ -159,7 +171,9 @@ impl PictureOptions {
         if self.channel.is_some() {
             picture.channel.clone_from(&self.channel);
         }
-        picture.samples = self.samples.unwrap_or(picture.samples);
+        if let Some(SamplesChoice { along, adaptive }) = self.samples {
+            (picture.samples, picture.adaptive) = (along, adaptive);
+        }
         picture.curve &= !self.no_curve;
         picture.legend |= self.legend;
         picture.reverse |= self.reverse;
@@ -188,6 +202,27 @@ impl PictureOptions {
             let times: Option<Vec<f64>> = text.split(',').map(number).collect();
             times.ok_or("it must be times in seconds separated by commas, view or budget")
         })
+    }
+}
+
+/// The number of samples per pixel along each axis, and true if it is only for pixels where colours
+/// change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SamplesChoice {
+    along: u32,
+    adaptive: bool,
+}
+
+impl FromStr for SamplesChoice {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text == "auto" {
+            return Ok(SamplesChoice { along: PictureTable::ADAPTIVE, adaptive: true });
+        }
+        let along = text.parse().ok().filter(|along| PictureTable::SAMPLES.contains(along));
+        let along = along.ok_or("it must be auto or lie between 1 and 8")?;
+        Ok(SamplesChoice { along, adaptive: false })
     }
 }
 

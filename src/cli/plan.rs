@@ -133,7 +133,9 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     }
     let words = &options.film.words;
     let mut document = words.apply(words.base(options.film.scene())?)?;
+    options.film.picture.check_full("shards know nothing of their neighbours' colours")?;
     options.film.picture.apply(&mut document)?;
+    document.picture.adaptive = false;
     let spec = options.film.run.settle(&mut document)?;
     document.view = document.view.fitted(spec.size().map(f64::from));
     document.picture.check()?;

@@ -10,8 +10,9 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
+use flipmap::scene::palette::AnswerColours;
 use flipmap::scene::{Document, Grid, Scene};
-use flipmap::tiles::{self, Counts, Renderer};
+use flipmap::tiles::{self, Counts, PlainPixels, Renderer};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
@@ -81,6 +82,14 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         let mut work = renderer.work(&scene, size).with_cells(options.cells);
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
+        }
+        let picture = &document.picture;
+        if pass.along > 1 && picture.is_adaptive(scene.question.ask) {
+            let colours = AnswerColours::new(&scene, picture)?;
+            let (what, how) = ((&scene, options.cells), (&colours, pass.along));
+            let go_on = |_: &Counts| !stop::asked();
+            let plain = PlainPixels::find(&mut renderer, what, spec.size(), how, &go_on)?;
+            work = work.sparing(plain.ok_or(Exit::Interrupted)?);
         }
         let mut progress = Progress::new(options.progress, u64::from(size[0]) * u64::from(size[1]));
         let mut go_on = |counts: &Counts| {

@@ -19,6 +19,9 @@ pub struct PictureTable {
     pub curve: bool,
     /// Samples per pixel along each axis.
     pub samples: u32,
+    /// True if pixels that look like all their neighbours get one sample only.
+    #[serde(skip_serializing_if = "is_default")]
+    pub adaptive: bool,
     /// True if late flips have the palette's first colour.
     #[serde(skip_serializing_if = "is_default")]
     pub reverse: bool,
@@ -65,6 +68,7 @@ impl Default for PictureTable {
             palette: Palette::DEFAULT.to_string(),
             curve: true,
             samples: 1,
+            adaptive: false,
             reverse: false,
             cycles: 1.0,
             mirror: false,
@@ -152,6 +156,10 @@ impl PictureTable {
 
     /// Range of samples per pixel along each axis.
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
+    /// Samples per pixel along each axis where colours change, in adaptive sampling.
+    pub const ADAPTIVE: u32 = 3;
+    /// Largest number of pixels of a picture that is sampled adaptively: all are held at once.
+    const MOST_ADAPTIVE: u64 = 1 << 25;
     /// Range of the number of times that the palette can be run through.
     pub const CYCLES: std::ops::RangeInclusive<f64> = 1.0..=100.0;
     /// Range of the palette's offset.
@@ -181,7 +189,22 @@ impl PictureTable {
             let value = format!("{value} with --samples {}", self.samples);
             return refuse(value, "at most 1048576 samples fit in a row");
         }
+        if self.adaptive
+            && size.iter().map(|side| u64::from(*side)).product::<u64>() > Self::MOST_ADAPTIVE
+        {
+            let value = format!("{value} with --samples auto");
+            return refuse(
+                value,
+                "at most 33554432 pixels are sampled adaptively; --samples 3 has no such limit",
+            );
+        }
         Ok(())
+    }
+
+    /// Returns true if a picture of a question is sampled adaptively: one with a single time, which is
+    /// the same all over a pixel that looks so.
+    pub fn is_adaptive(&self, ask: Ask) -> bool {
+        self.adaptive && self.samples > 1 && ask.is_time() && ask.kind().channels.len() == 1
     }
 
     /// The part of a question's answers that is shown.
@@ -264,6 +287,10 @@ mod tests {
     fn sizes_end_where_rows_get_too_long() {
         let picture = PictureTable { samples: 2, ..PictureTable::default() };
         picture.check_size([524_288, 1_000_000]).unwrap();
+        let adaptive = PictureTable { adaptive: true, ..picture.clone() };
+        adaptive.check_size([7680, 4320]).unwrap();
+        let error = adaptive.check_size([8192, 8192]).unwrap_err().to_string();
+        assert!(error.contains("--samples auto") && error.contains("--samples 3"), "{error}");
         for size in [[0, 1], [1, 1_000_001], [524_289, 1]] {
             let error = picture.check_size(size).unwrap_err().to_string();
             assert!(error.contains(&format!("--size is {}x{}", size[0], size[1])), "{error}");
@@ -284,6 +311,8 @@ mod tests {
             bits: 16,
             relief: 0.5,
             light: 90.0,
+            samples: 3,
+            adaptive: true,
             ..PictureTable::default()
         };
         assert_eq!(toml::from_str::<PictureTable>(&toml::to_string(&rich).unwrap()).unwrap(), rich);

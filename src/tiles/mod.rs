@@ -6,6 +6,7 @@
 //! energy forbids, or that a mirror image or an earlier run answers, never reach the engine.
 //!
 //! - [`Work`] (`work.rs`) computes a picture in bands of rows from the top, each a [`Tile`].
+//!   [`PlainPixels`] spare most of several samples per pixel.
 //! - [`patch_work::PatchWork`] computes the [`patches`] of a film: cells of the lattice, each as
 //!   fine as the closest frame that shows it needs, in the order given.
 //! - [`explorer::Explorer`] computes what a window shows: cells of a lattice that does not move
@@ -14,6 +15,7 @@
 //!
 //! Nothing here depends on a graphics card: the tests run on the mock engine.
 
+mod adaptive;
 pub mod cache;
 pub mod descent;
 pub mod explorer;
@@ -35,6 +37,7 @@ mod saved_pixels;
 pub mod view_target;
 mod work;
 
+pub use adaptive::PlainPixels;
 pub use feasible::{check_feasible, check_steps};
 pub use opinion::opinion;
 pub use outlook::outlook;

@@ -46,7 +46,7 @@ impl OpenTile {
         scene: &Scene,
         config: IntegratorConfig,
         cells: &[Cell],
-        side: u32,
+        (side, leaf_pixels): (u32, u32),
         known: impl Fn(usize, u32) -> Option<Known> + Sync,
     ) -> Self {
         let in_cell = side * side;
@@ -57,7 +57,7 @@ impl OpenTile {
         };
         let deep = grids.first().filter(|grid| config.is_deep(grid.pixel_rad()));
         let plane = deep.and_then(Grid::cell_plane);
-        let groups = plane.map(|plane| (plane, leaves_of(cells, side, config.leaf_pixels())));
+        let groups = plane.map(|plane| (plane, leaves_of(cells, side, leaf_pixels)));
         OpenTile::sorted(cells.len() as u32 * in_cell, groups, pixel)
     }
 

@@ -10,7 +10,7 @@ use super::view_target::ViewTarget;
 use crate::scene::lattice::{Cell, DEEPEST, Region, side_rad};
 
 /// Levels from one pass to the next finer one, which has a quarter of the sample distance.
-const LEVEL_STEP: u32 = 2;
+pub(super) const LEVEL_STEP: u32 = 2;
 /// Number of passes before the finest.
 const COARSE_PASSES: u32 = 2;
 

@@ -87,7 +87,8 @@ impl TileSource for PatchWork {
         if cells.is_empty() {
             return None;
         }
-        let open = OpenTile::of_cells(&self.scene, self.config, &cells, PATCH_SIDE, |_, _| None);
+        let sizes = (PATCH_SIDE, self.config.leaf_pixels());
+        let open = OpenTile::of_cells(&self.scene, self.config, &cells, sizes, |_, _| None);
         let (question, config) = (self.question, self.config);
         Some(NextTile { tile: cells, open, question, config, keeps_states: false, ask: Ask::Flip })
     }

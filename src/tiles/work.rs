@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, VecDeque};
 use std::ops::Range;
 use std::time::Instant;
 
+use super::adaptive::PlainPixels;
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
 use super::plan::{Tile, plan};
@@ -38,6 +39,8 @@ pub struct Work {
     counts: Counts,
     /// Pixels known from an earlier run, and those that a later one will need.
     kept: Option<SavedPixels>,
+    /// Pixels whose samples are all known, if the rest of the picture gets several each.
+    plain: Option<PlainPixels>,
 }
 
 /// Maximum size in bytes of a mirrored half, whose samples wait until its rows are due.
@@ -87,6 +90,7 @@ impl Work {
             finished: Vec::new(),
             counts: Counts::default(),
             kept: None,
+            plain: None,
         }
     }
 
@@ -106,6 +110,12 @@ impl Work {
     /// Continues from the pixels that an earlier run saved, and saves those that a later one needs.
     pub fn keeping(mut self, kept: SavedPixels) -> Self {
         self.kept = Some(kept);
+        self
+    }
+
+    /// Takes the samples of plain pixels as known.
+    pub fn sparing(mut self, plain: PlainPixels) -> Self {
+        self.plain = Some(plain);
         self
     }
 
@@ -165,8 +175,12 @@ impl Work {
         self.kept.as_ref().filter(|_| !is_deep)
     }
 
-    fn known(&self, pixel: [u32; 2]) -> Option<SavedPixel> {
-        self.saved().and_then(|saved| saved.known(self.index(pixel)))
+    fn known(&self, pixel: [u32; 2]) -> Option<(SavedPixel, Trust)> {
+        if let Some(plain) = &self.plain {
+            return plain.known(pixel);
+        }
+        let saved = self.saved().and_then(|saved| saved.known(self.index(pixel)))?;
+        Some((saved, Trust::Unchecked))
     }
 
     /// Index of a pixel in the picture, row by row from the top.
@@ -228,7 +242,7 @@ impl TileSource for Work {
     fn next_tile(&mut self, _job_size: usize) -> Option<NextTile<Tile>> {
         let tile = self.waiting.pop_front()?;
         let pixels: Vec<_> = tile.pixels().collect();
-        let known = |pixel| self.known(pixel).map(|known| (known, Trust::Unchecked));
+        let known = |pixel| self.known(pixel);
         let mut open = OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known);
         let keeps_states = self.kept.is_some();
         let (ask, question, config) = (self.ask, self.question, self.config);

@@ -19,6 +19,8 @@ pub struct ExportForm {
     pub as_window: bool,
     /// Number of samples per pixel along each axis.
     pub samples: u32,
+    /// True if they are taken only where colours change.
+    pub adaptive: bool,
     /// The content of the file.
     pub what: ExportSubject,
 }
@@ -90,6 +92,7 @@ impl Default for ExportForm {
             size: [1920, 1080],
             as_window: true,
             samples: PictureTable::default().samples,
+            adaptive: false,
             what: ExportSubject::Png,
         }
     }
@@ -98,8 +101,8 @@ impl Default for ExportForm {
 impl ExportForm {
     /// Follows the window: its map's size in pixels, unless another was chosen, and the samples of
     /// what is shown.
-    pub fn follow(&mut self, map_px: [u32; 2], samples: u32) {
-        self.samples = samples;
+    pub fn follow(&mut self, map_px: [u32; 2], picture: &PictureTable) {
+        (self.samples, self.adaptive) = (picture.samples, picture.adaptive);
         if self.as_window {
             self.size = map_px;
         }
@@ -113,7 +116,8 @@ impl ExportForm {
         if Path::new(&self.path).is_dir() {
             return Some("This is a folder: name a file in it.".to_string());
         }
-        let picture = PictureTable { samples: self.samples, ..PictureTable::default() };
+        let (samples, adaptive) = (self.samples, self.adaptive);
+        let picture = PictureTable { samples, adaptive, ..PictureTable::default() };
         picture.check_size(self.size).err().map(|error| error.to_string())
     }
 
@@ -149,6 +153,11 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
                 new.samples = samples.round() as u32;
             }
             ui.end_row();
+            if new.samples > 1 {
+                ui.label("");
+                ui.checkbox(&mut new.adaptive, "only where colours change");
+                ui.end_row();
+            }
         }
     });
     if new != *form {
@@ -311,11 +320,12 @@ mod tests {
     #[test]
     fn the_size_is_that_of_the_window_until_another_is_chosen() {
         let mut form = ExportForm::default();
-        form.follow([970, 776], 3);
-        assert_eq!((form.size, form.samples), ([970, 776], 3));
+        let fine = PictureTable { samples: 3, adaptive: true, ..PictureTable::default() };
+        form.follow([970, 776], &fine);
+        assert_eq!((form.size, form.samples, form.adaptive), ([970, 776], 3, true));
         form.as_window = false;
-        form.follow([640, 480], 1);
-        assert_eq!((form.size, form.samples), ([970, 776], 1));
+        form.follow([640, 480], &PictureTable::default());
+        assert_eq!((form.size, form.samples, form.adaptive), ([970, 776], 1, false));
     }
 
     #[test]

@@ -1,0 +1,107 @@
+//! Adaptive sampling: several samples per pixel where colours change, one in the rest of a picture.
+//!
+//! A first run computes a sample in the middle of each pixel. A pixel is *plain* if no neighbour's
+//! colour differs from its own by more than the eye notices; all its samples are taken to be that
+//! one. The others get the full number:
+//!
+//! ```text
+//!   ┌───┬───┬───┬───┐        ┌───┬───┬───┬───┐
+//!   │ a │ a │ a │ b │        │ a │ a │·:·│:·:│
+//!   ├───┼───┼───┼───┤  ──▶   ├───┼───┼───┼───┤
+//!   │ a │ a │ a │ b │        │ a │ a │·:·│:·:│
+//!   └───┴───┴───┴───┘        └───┴───┴───┴───┘
+//! ```
+//!
+//! Which pixels are plain follows from the whole picture, never from tiles or jobs.
+
+use super::preview::preview;
+use super::saved_pixels::SavedPixel;
+use super::{Counts, Renderer, Samples};
+use crate::engine::{Cells, EngineError, Trust};
+use crate::scene::Scene;
+use crate::scene::palette::{AnswerColours, Tint};
+
+/// Largest difference of a channel of neighbouring colours, on a scale of 255, that is no edge.
+const EDGE: f32 = 6.0;
+
+/// The plain pixels of a picture, and the sample of each.
+#[derive(Clone, Debug)]
+pub struct PlainPixels {
+    /// A sample for each pixel, row by row from the top.
+    samples: Samples,
+    is_plain: Vec<bool>,
+    width: u32,
+    /// Samples per pixel along each axis where colours change.
+    along: u32,
+}
+
+impl PlainPixels {
+    /// Finds the plain pixels of a checked scene in `size` pixels and `colours`, which get `along` ×
+    /// `along` samples elsewhere; none once `go_on`, which takes the counts so far, says no.
+    pub fn find(
+        renderer: &mut Renderer,
+        (scene, cells): (&Scene, Cells),
+        size: [u32; 2],
+        (colours, along): (&AnswerColours, u32),
+        go_on: &dyn Fn(&Counts) -> bool,
+    ) -> Result<Option<Self>, EngineError> {
+        let mut work = renderer.work(scene, size).with_cells(cells);
+        let Some(samples) = preview(&mut work, size, renderer.engine(), go_on)? else {
+            return Ok(None);
+        };
+        let tint = |k: usize| colours.tint(samples.get(k).status, samples.values(k));
+        let tints: Vec<Tint> = (0..samples.len()).map(tint).collect();
+        let is_plain = plain(&tints, size[0] as usize);
+        Ok(Some(PlainPixels { samples, is_plain, width: size[0], along }))
+    }
+
+    /// Number of plain pixels.
+    pub fn count(&self) -> usize {
+        self.is_plain.iter().filter(|plain| **plain).count()
+    }
+
+    /// What is known of a sample, by its column and row among all samples.
+    pub(super) fn known(&self, [x, y]: [u32; 2]) -> Option<(SavedPixel, Trust)> {
+        let pixel = (y / self.along * self.width + x / self.along) as usize;
+        let known = || (SavedPixel::Over(self.samples.get(pixel)), self.samples.trust(pixel));
+        self.is_plain[pixel].then(known)
+    }
+}
+
+/// Tells which pixels of a picture with rows of `width` have the colour of all their neighbours.
+fn plain(tints: &[Tint], width: usize) -> Vec<bool> {
+    let height = tints.len() / width.max(1);
+    let apart = |a: Tint, b: Tint| (0..3).any(|i| (a[i] - b[i]).abs() > EDGE);
+    let is_plain = |pixel: usize| {
+        let (x, y) = (pixel % width, pixel / width);
+        let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+        let columns = x.saturating_sub(1)..=(x + 1).min(width - 1);
+        let mut around = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
+        !around.any(|other| apart(tints[pixel], tints[other]))
+    };
+    (0..tints.len()).map(is_plain).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_at_edges_are_not_plain_and_slow_gradients_are() {
+        // A step between columns 3 and 4, on a gradient too slow to be seen.
+        let tint = |k: usize| {
+            let (x, y) = (k % 8, k / 8);
+            let step = if x > 3 { 90.0 } else { 0.0 };
+            [step + 0.5 * y as f32, 20.0, 30.0]
+        };
+        let tints: Vec<Tint> = (0..40).map(tint).collect();
+        for (k, is_plain) in plain(&tints, 8).into_iter().enumerate() {
+            assert_eq!(is_plain, !matches!(k % 8, 3 | 4), "pixel {k}");
+        }
+    }
+
+    #[test]
+    fn a_single_pixel_is_plain() {
+        assert_eq!(plain(&[[0.1; 3]], 1), [true]);
+    }
+}
