@@ -6,6 +6,7 @@
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::choice::{ChoiceError, Chosen};
@@ -51,6 +52,18 @@ pub struct Background {
     adapter: String,
     offered: Offered,
     stats: Arc<Mutex<Option<GpuStats>>>,
+    /// The end of the thread, the last to be dropped: it comes once `orders` is gone.
+    _ended: Option<JoinOnDrop>,
+}
+
+/// Waits for the end of a thread. A driver that is still at work when the process ends may crash it.
+struct JoinOnDrop(Option<JoinHandle<()>>);
+
+impl Drop for JoinOnDrop {
+    fn drop(&mut self) {
+        // A panic there has been reported as the loss of the device.
+        let _ = self.0.take().map(JoinHandle::join);
+    }
 }
 
 /// The configurations that an engine on another thread has.
@@ -106,10 +119,10 @@ pub fn on_its_own_thread(
 ) -> std::io::Result<Background> {
     let words = (why.to_string(), config, Following::default());
     let (background, served) = Background::beside(&engine, words, Box::new(offered));
-    std::thread::Builder::new()
+    let thread = std::thread::Builder::new()
         .name("device".to_string())
         .spawn(move || serve(&mut engine, &served, &|| ()))?;
-    Ok(background)
+    Ok(Background { _ended: Some(JoinOnDrop(Some(thread))), ..background })
 }
 
 /// The thread's ends of the channels.
@@ -194,6 +207,7 @@ impl Background {
             adapter: engine.adapter(),
             offered,
             stats: stats.clone(),
+            _ended: None,
         };
         (background, Served { orders: taken, answers: given, stats })
     }
@@ -362,6 +376,18 @@ mod tests {
         engine.submit(job(3)).unwrap();
         let finished = engine.poll(Wait::UntilFinished).unwrap();
         assert_eq!((finished[0].id, engine.gpu_stats()), (3, None));
+    }
+
+    #[test]
+    fn a_thread_has_ended_once_its_caller_is_gone() {
+        let ended = Arc::new(Mutex::new(false));
+        let end = Arc::clone(&ended);
+        let thread = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(50));
+            *end.lock().unwrap() = true;
+        });
+        drop(JoinOnDrop(Some(thread)));
+        assert!(*ended.lock().unwrap());
     }
 
     #[test]

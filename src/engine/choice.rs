@@ -63,7 +63,7 @@ impl Default for EngineRequest {
             setting,
             ends: Ends::None,
             tuning: GpuTuning::default(),
-            own_thread: false,
+            own_thread: true,
         }
     }
 }

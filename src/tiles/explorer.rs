@@ -17,11 +17,11 @@ use std::time::Instant;
 use super::cache::{Cache, CachedCell};
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
-use super::order::{self, LEVEL_STEP};
+use super::order;
 use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::view_target::{Physics, ViewTarget};
-use crate::engine::{DepthStats, Engine, EngineError, IntegratorConfig, IntegratorState, Wait};
+use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Wait};
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
 
 /// The progress of the newest target.
@@ -322,15 +322,6 @@ impl Explorer {
     }
 }
 
-/// Samples along a leaf of cells of one level. The last pass before the finest has the leaves of the
-/// finest, so that what is followed for it is not followed again; the first one has larger ones,
-/// since it is to be seen soon.
-fn leaf_pixels(config: IntegratorConfig, finest: u32, cells: &[Cell]) -> u32 {
-    let coarser = cells.first().map_or(0, |cell| finest.saturating_sub(cell.level));
-    let shared = if coarser <= LEVEL_STEP { coarser } else { 0 };
-    (config.leaf_pixels() >> shared).max(1)
-}
-
 impl TileSource for Explorer {
     type Tile = Batch;
 
@@ -353,8 +344,8 @@ impl TileSource for Explorer {
             known?.known(place)
         };
         let (scene, question) = (target.scene(), target.question());
-        let leaf_pixels = leaf_pixels(config, target.level, &batch.cells);
-        let sizes = (SIDE, leaf_pixels);
+        let level = batch.cells[0].level;
+        let sizes = (SIDE, order::leaf_pixels(config.leaf_pixels(), target.level, level));
         let mut open = OpenTile::of_cells(&scene, config, &batch.cells, sizes, before);
         if !ask.is_time() {
             let grids: Vec<_> = batch.cells.iter().map(|cell| cell.grid(&scene, SIDE)).collect();

@@ -10,7 +10,7 @@ use super::view_target::ViewTarget;
 use crate::scene::lattice::{Cell, DEEPEST, Region, side_rad};
 
 /// Levels from one pass to the next finer one, which has a quarter of the sample distance.
-pub(super) const LEVEL_STEP: u32 = 2;
+const LEVEL_STEP: u32 = 2;
 /// Number of passes before the finest.
 const COARSE_PASSES: u32 = 2;
 
@@ -47,4 +47,35 @@ fn nearest_first(target: &ViewTarget, region: &Region, level: u32) -> Vec<Cell> 
     };
     placed.sort_by(|a, b| distance(a.offset).total_cmp(&distance(b.offset)));
     placed.into_iter().map(|placed| placed.cell.computed(mirrors).0).collect()
+}
+
+/// Samples along a leaf of the cells of a pass, `finest` of them in the finest. The pass before that has
+/// the same leaves, so that what is followed for it need not be followed again, and the last digits
+/// of its samples are those of this target; the first pass has larger ones, since it is to be seen soon.
+pub(super) fn leaf_pixels(finest: u32, target_level: u32, level: u32) -> u32 {
+    let coarser = target_level.saturating_sub(level);
+    let shared = if coarser <= LEVEL_STEP { coarser } else { 0 };
+    (finest >> shared).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{Scalar, Theta};
+    use crate::scene::lattice::SIDE;
+
+    #[test]
+    fn the_last_two_passes_have_the_same_leaves() {
+        let target = 40;
+        let place = [2.2, -1.9].map(Theta::from_f64);
+        let leaf_level = |level: u32, finest| {
+            let leaf = leaf_pixels(finest, target, level);
+            Cell::around(place, level).leaves(SIDE, leaf)[0].0.level
+        };
+        for finest in [16, 64] {
+            let [first, last, own] = [36, 38, 40].map(|level| leaf_level(level, finest));
+            assert_eq!((first, last), (own - 4, own), "{finest} samples along a leaf");
+        }
+        assert_eq!(leaf_pixels(2, target, 38), 1, "a leaf has a sample");
+    }
 }
