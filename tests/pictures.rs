@@ -252,16 +252,17 @@ fn adaptive_sampling_looks_like_full_sampling_and_costs_less() {
     assert!(rough > 4.0 && near < rough / 8.0, "{rough} {near}");
     assert!(fewer < most * 6 / 10, "{fewer} of {most}");
     // The picture opens again as it was sampled.
-    done(&folder, &["auto.png", "--size", "300x200", "--budget", "10", "-o", "again.png"]);
+    done(&folder, &["auto.png", "-o", "again.png"]);
     assert_eq!(pixels(&at("again.png")), auto);
 }
 
 #[test]
 fn adaptive_sampling_is_for_whole_stills() {
     let folder = folder();
-    let most = refused(&folder, 2, &["render", "--size", "8192x8192", "--samples", "auto"]);
+    let most = ["render", "--size", "8192x8192", "--samples", "auto", "-o", "most.png"];
+    let most = refused(&folder, 2, &most);
     assert!(most.contains("33554432 pixels"), "{most}");
-    let wrong = refused(&folder, 2, &["render", "--samples", "some"]);
+    let wrong = refused(&folder, 2, &["render", "--samples", "some", "-o", "a.png"]);
     assert!(wrong.contains("it must be auto or lie between 1 and 8"), "{wrong}");
     let plan = ["plan", "--shards", "2", "-o", "big.toml", "--samples", "auto"];
     assert!(refused(&folder, 2, &plan).contains("--samples auto is for render"));

@@ -83,13 +83,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
-        let picture = &document.picture;
-        if pass.along > 1 && picture.is_adaptive(scene.question.ask) {
-            let colours = AnswerColours::new(&scene, picture)?;
-            let (what, how) = ((&scene, options.cells), (&colours, pass.along));
-            let go_on = |_: &Counts| !stop::asked();
-            let plain = PlainPixels::find(&mut renderer, what, spec.size(), how, &go_on)?;
-            work = work.sparing(plain.ok_or(Exit::Interrupted)?);
+        if let Some(plain) = plain_pixels(&mut renderer, &document, &spec, pass.along, options)? {
+            work = work.sparing(plain);
         }
         let mut progress = Progress::new(options.progress, u64::from(size[0]) * u64::from(size[1]));
         let mut go_on = |counts: &Counts| {
@@ -128,6 +123,24 @@ fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Docume
     check_state(options, &document, &spec)?;
     check_picture(&document, spec.size())?;
     Ok((document.settled(), spec))
+}
+
+/// Finds the pixels that need one sample only, if the others get several.
+fn plain_pixels(
+    renderer: &mut Renderer,
+    document: &Document,
+    spec: &RunSpec,
+    along: u32,
+    options: &Options,
+) -> anyhow::Result<Option<PlainPixels>> {
+    let (scene, picture) = (document.scene(), &document.picture);
+    if along == 1 || !picture.is_adaptive(scene.question.ask) {
+        return Ok(None);
+    }
+    let (what, colours) = ((&scene, options.cells), AnswerColours::new(&scene, picture)?);
+    let (how, go_on) = ((&colours, along), |_: &Counts| !stop::asked());
+    let plain = PlainPixels::find(renderer, what, spec.size(), how, &go_on)?;
+    Ok(Some(plain.ok_or(Exit::Interrupted)?))
 }
 
 /// Completes all files and returns the time it took.

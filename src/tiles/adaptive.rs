@@ -60,7 +60,7 @@ impl PlainPixels {
         self.is_plain.iter().filter(|plain| **plain).count()
     }
 
-    /// What is known of a sample, by its column and row among all samples.
+    /// Returns the known answer of a sample, by its column and row among all samples.
     pub(super) fn known(&self, [x, y]: [u32; 2]) -> Option<(SavedPixel, Trust)> {
         let pixel = (y / self.along * self.width + x / self.along) as usize;
         let known = || (SavedPixel::Over(self.samples.get(pixel)), self.samples.trust(pixel));
