@@ -240,10 +240,10 @@ mod checks {
                 display.point(300.0, 240.0);
                 display.key("d");
                 // The map follows the descent, half a decade in a second and a half or more.
-                sleep(Duration::from_secs(45));
+                sleep(Duration::from_secs(60));
                 display.key("Escape");
             },
-            |told| told.is_idle() && told.width_rad() < 1e-3,
+            |told| told.is_idle() && told.width_rad() < 2e-3,
         );
         assert!(deep.scene().question.budget.auto);
         session.shot("deep");
