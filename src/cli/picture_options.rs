@@ -23,7 +23,7 @@ pub(super) struct PictureOptions {
     /// Average the colours of N × N samples per pixel, N from 1 to 8; auto: 3 × 3 where colours
     /// change, one elsewhere
     #[arg(long, value_name = "N")]
-    pub samples: Option<SamplesChoice>,
+    pub samples: Option<String>,
     /// Reverse the palette: early flips get its last colour and late ones its first
     #[arg(hide_short_help = true, long)]
     reverse: bool,
@@ -128,7 +128,7 @@ impl PictureOptions {
 
     /// Rejects adaptive sampling, for a reason.
     pub(super) fn check_full(&self, why: &str) -> Result<(), Exit> {
-        if self.samples.is_some_and(|choice| choice.adaptive) {
+        if self.samples.as_deref() == Some(ADAPTIVE) {
             return Err(Exit::Usage(format!("--samples auto is for render: {why}")));
         }
         Ok(())
@@ -171,9 +171,9 @@ impl PictureOptions {
         if self.channel.is_some() {
             picture.channel.clone_from(&self.channel);
         }
-        if let Some(SamplesChoice { along, adaptive }) = self.samples {
-            (picture.samples, picture.adaptive) = (along, adaptive);
-        }
+        let mut samples = (picture.samples, picture.adaptive);
+        set(&mut samples, "--samples", &self.samples, samples_of)?;
+        (picture.samples, picture.adaptive) = samples;
         picture.curve &= !self.no_curve;
         picture.legend |= self.legend;
         picture.reverse |= self.reverse;
@@ -205,25 +205,17 @@ impl PictureOptions {
     }
 }
 
-/// The number of samples per pixel along each axis, and true if it is only for pixels where colours
-/// change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct SamplesChoice {
-    along: u32,
-    adaptive: bool,
-}
+/// The word for samples where colours change.
+const ADAPTIVE: &str = "auto";
 
-impl FromStr for SamplesChoice {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        if text == "auto" {
-            return Ok(SamplesChoice { along: PictureTable::ADAPTIVE, adaptive: true });
-        }
-        let along = text.parse().ok().filter(|along| PictureTable::SAMPLES.contains(along));
-        let along = along.ok_or("it must be auto or lie between 1 and 8")?;
-        Ok(SamplesChoice { along, adaptive: false })
+/// Reads the number of samples per pixel along each axis, and true if it is only for pixels where
+/// colours change.
+fn samples_of(text: &str) -> Result<(u32, bool), &'static str> {
+    if text == ADAPTIVE {
+        return Ok((PictureTable::ADAPTIVE, true));
     }
+    let along = text.parse().ok().filter(|along| PictureTable::SAMPLES.contains(along));
+    along.map(|along| (along, false)).ok_or("it must be auto or lie between 1 and 8")
 }
 
 /// The palette that a scene names: a gradient file becomes its colours.
