@@ -46,7 +46,7 @@ impl AppModel {
                 return Vec::new();
             }
         };
-        let fades = self.map_renderer.is_quick && self.state.look.animate;
+        let fades = self.animates();
         self.map_renderer.fading.begin(fades.then_some(now_secs));
         let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
         if self.map_renderer.fading.is_running() || self.map_renderer.glide.is_under_way() {
@@ -87,11 +87,15 @@ impl AppModel {
         if layers.curve { curve_of(drawn) } else { None }
     }
 
+    /// Returns true if tiles fade in and colours glide: where the processor draws, it has better to do.
+    fn animates(&self) -> bool {
+        self.map_renderer.is_quick && self.state.look.animate
+    }
+
     /// Returns the colours of the map, which may be on their way to others.
     fn colours(&mut self, scene: &Scene, now_secs: f64) -> Result<CardColours, SceneError> {
-        let AppState { picture, layers, look, .. } = &self.state;
-        // Where the processor draws, it has better to do than to draw the ways between colours.
-        let glides = self.map_renderer.is_quick && look.animate;
+        let glides = self.animates();
+        let AppState { picture, layers, .. } = &self.state;
         let answers = AnswerColours::new(scene, picture)?;
         let scale = answers.times().map(|(_, tones)| tones.scale());
         let glide = &mut self.map_renderer.glide;

@@ -13,12 +13,11 @@ use crate::engine::run_settings::{RunSettingsError, RunSpec};
 use crate::engine::{Cells, Engine, Question};
 use crate::output::{
     Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, is_one_file,
-    read_text, render_pass, sentence,
+    pass_work, read_text, render_pass, sentence,
 };
 use crate::scene::keys::{Easing, Keys};
-use crate::scene::palette::AnswerColours;
 use crate::scene::{Document, DocumentError, RunTable};
-use crate::tiles::{Counts, PlainPixels, Renderer, Work};
+use crate::tiles::{Counts, Renderer, Work};
 
 /// The content of an exported file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -204,14 +203,8 @@ fn run(
     renderer.second_opinion(&scene, request.size, &|| !stopped())?;
     for pass in sinks.passes(document.picture.samples) {
         let size = request.size.map(|side| side * pass.along);
-        let mut work = renderer.work(&scene, size);
-        let picture = &document.picture;
-        if pass.along > 1 && picture.is_adaptive(scene.question.ask) {
-            let colours = AnswerColours::new(&scene, picture).map_err(DocumentError::from)?;
-            let (what, how) = ((&scene, Cells::Auto), (&colours, pass.along));
-            let plain = PlainPixels::find(&mut renderer, what, request.size, how, &|_| !stopped())?;
-            work = work.sparing(plain.ok_or(RenderError::Stopped)?);
-        }
+        let what = (&document, Cells::Auto);
+        let mut work = pass_work(&mut renderer, what, request.size, &pass, &|| !stopped())?;
         run_pass(&mut work, size, renderer.engine(), &mut sinks, &pass, (set, stopped))?;
     }
     Ok(sinks.finish().map_err(RenderError::from)?)

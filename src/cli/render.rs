@@ -9,10 +9,9 @@ use flipmap::engine::choice::{Chosen, IntegrationSetting};
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
-use flipmap::output::{RenderClock, RenderError, Sinks, render_pass};
-use flipmap::scene::palette::AnswerColours;
+use flipmap::output::{RenderClock, RenderError, Sinks, pass_work, render_pass};
 use flipmap::scene::{Document, Grid, Scene};
-use flipmap::tiles::{self, Counts, PlainPixels, Renderer};
+use flipmap::tiles::{self, Counts, Renderer};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
@@ -79,12 +78,11 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let size = spec.size().map(|side| side * pass.along);
-        let mut work = renderer.work(&scene, size).with_cells(options.cells);
+        let (what, go_on) = ((&document, options.cells), || !stop::asked());
+        let work = pass_work(&mut renderer, what, spec.size(), &pass, &go_on);
+        let mut work = work.or_else(interrupted)?;
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
-        }
-        if let Some(plain) = plain_pixels(&mut renderer, &document, &spec, pass.along, options)? {
-            work = work.sparing(plain);
         }
         let mut progress = Progress::new(options.progress, u64::from(size[0]) * u64::from(size[1]));
         let mut go_on = |counts: &Counts| {
@@ -125,24 +123,6 @@ fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Docume
     Ok((document.settled(), spec))
 }
 
-/// Finds the pixels that need one sample only, if the others get several.
-fn plain_pixels(
-    renderer: &mut Renderer,
-    document: &Document,
-    spec: &RunSpec,
-    along: u32,
-    options: &Options,
-) -> anyhow::Result<Option<PlainPixels>> {
-    let (scene, picture) = (document.scene(), &document.picture);
-    if along == 1 || !picture.is_adaptive(scene.question.ask) {
-        return Ok(None);
-    }
-    let (what, colours) = ((&scene, options.cells), AnswerColours::new(&scene, picture)?);
-    let (how, go_on) = ((&colours, along), |_: &Counts| !stop::asked());
-    let plain = PlainPixels::find(renderer, what, spec.size(), how, &go_on)?;
-    Ok(Some(plain.ok_or(Exit::Interrupted)?))
-}
-
 /// Completes all files and returns the time it took.
 fn finish(sinks: Sinks, continued: Option<Continued>) -> anyhow::Result<Duration> {
     let finishing = Instant::now();
@@ -180,7 +160,7 @@ struct RunSummary<'a> {
 }
 
 /// Converts an error; a stop has an exit code of its own.
-fn interrupted(error: RenderError) -> anyhow::Result<()> {
+fn interrupted<T>(error: RenderError) -> anyhow::Result<T> {
     match error {
         RenderError::Stopped => Err(Exit::Interrupted.into()),
         error => Err(error.into()),

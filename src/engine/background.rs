@@ -53,10 +53,10 @@ pub struct Background {
     offered: Offered,
     stats: Arc<Mutex<Option<GpuStats>>>,
     /// The end of the thread, the last to be dropped: it comes once `orders` is gone.
-    _ended: Option<JoinOnDrop>,
+    _ended: JoinOnDrop,
 }
 
-/// Waits for the end of a thread. A driver that is still at work when the process ends may crash it.
+/// Waits for the end of a thread, if there is one to wait for. A driver that is still at work when the process ends may crash it.
 struct JoinOnDrop(Option<JoinHandle<()>>);
 
 impl Drop for JoinOnDrop {
@@ -122,7 +122,7 @@ pub fn on_its_own_thread(
     let thread = std::thread::Builder::new()
         .name("device".to_string())
         .spawn(move || serve(&mut engine, &served, &|| ()))?;
-    Ok(Background { _ended: Some(JoinOnDrop(Some(thread))), ..background })
+    Ok(Background { _ended: JoinOnDrop(Some(thread)), ..background })
 }
 
 /// The thread's ends of the channels.
@@ -207,7 +207,7 @@ impl Background {
             adapter: engine.adapter(),
             offered,
             stats: stats.clone(),
-            _ended: None,
+            _ended: JoinOnDrop(None),
         };
         (background, Served { orders: taken, answers: given, stats })
     }

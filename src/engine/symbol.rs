@@ -25,7 +25,6 @@
 //! * Nodes that no result needs are not printed. Operands precede their users on the tape.
 //! * Products with a sum of pairs of f32 are one function; results are made `normal` again.
 //! * Error terms of sums pass through `guard`, because drivers fold them to zero otherwise.
-//! * Operators are never inlined: recording is not hot, and the equations of a kernel have thousands.
 //! * Every value is a scalar: on software Vulkan three times faster than the same maths in structs.
 
 use std::cell::RefCell;
@@ -149,7 +148,6 @@ impl Symbol {
 
 impl Add for Symbol {
     type Output = Symbol;
-    #[inline(never)]
     fn add(self, other: Symbol) -> Symbol {
         match (self.value(), other.value()) {
             (Some(a), Some(b)) => literal(a + b),
@@ -165,7 +163,6 @@ impl Add for Symbol {
 
 impl Sub for Symbol {
     type Output = Symbol;
-    #[inline(never)]
     fn sub(self, other: Symbol) -> Symbol {
         match (self.value(), other.value()) {
             (Some(a), Some(b)) => literal(a - b),
@@ -181,7 +178,6 @@ impl Sub for Symbol {
 
 impl Mul for Symbol {
     type Output = Symbol;
-    #[inline(never)]
     fn mul(self, other: Symbol) -> Symbol {
         match (self.value(), other.value()) {
             (Some(a), Some(b)) => literal(a * b),
@@ -205,7 +201,6 @@ impl Symbol {
 
 impl Div for Symbol {
     type Output = Symbol;
-    #[inline(never)]
     fn div(self, other: Symbol) -> Symbol {
         match (self.value(), other.value()) {
             (Some(a), Some(b)) => literal(a / b),
@@ -217,7 +212,6 @@ impl Div for Symbol {
 
 impl Neg for Symbol {
     type Output = Symbol;
-    #[inline(never)]
     fn neg(self) -> Symbol {
         match (self.value(), self.negated()) {
             (Some(a), _) => literal(-a),
@@ -234,7 +228,6 @@ impl Real for Symbol {
 
     /// Records a product and a sum: drivers that have a fused unit use it by themselves. Pairs of
     /// f32 have a function for both.
-    #[inline(never)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         let is_pair = with_tape(|tape| tape.dialect.precision == Precision::Df32);
         let is_short = |factor: Symbol| matches!(factor.value(), Some(0.0 | 1.0 | -1.0));
@@ -245,7 +238,6 @@ impl Real for Symbol {
     }
 
     /// Puts every rounding behind `guard`, which no optimiser can see through.
-    #[inline(never)]
     fn fast_two_sum(self, other: Self) -> (Self, Self) {
         let guard = |x: Symbol| push(SymbolNode::Guard(x.0));
         let sum = guard(self + other);

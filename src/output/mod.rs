@@ -47,7 +47,7 @@ pub use picture_file::PictureFile;
 pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
 pub use pyramid::{Pyramid, PyramidFolder, TILE_SIDE};
 pub use read::{ReadError, named_document, read_document};
-pub use render::{RenderClock, render_pass};
+pub use render::{RenderClock, pass_work, render_pass};
 pub use rows::RowOrder;
 pub use safe::{Destination, SafeFile};
 pub use shell::shell_word;

@@ -13,8 +13,10 @@ use std::time::{Duration, Instant};
 
 use super::failure::{OutputError, RenderError};
 use super::{RowOrder, SinkPass, Sinks};
-use crate::engine::Engine;
-use crate::tiles::{Counts, Samples, Work};
+use crate::engine::{Cells, Engine};
+use crate::scene::Document;
+use crate::scene::palette::AnswerColours;
+use crate::tiles::{Counts, PlainPixels, Renderer, Samples, Work};
 
 /// Time spent on a render.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,6 +33,27 @@ const PATIENCE: Duration = Duration::from_millis(50);
 const PAUSE: Duration = Duration::from_millis(2);
 /// Number of bands that wait for the writer.
 const AHEAD: usize = 2;
+
+/// The work of a pass over a picture of `size` pixels. In adaptive sampling, a run over the pixels'
+/// centres comes first; it ends as stopped once `go_on` says no.
+pub fn pass_work(
+    renderer: &mut Renderer,
+    (document, cells): (&Document, Cells),
+    size: [u32; 2],
+    pass: &SinkPass,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Work, RenderError> {
+    let (scene, picture) = (document.scene(), &document.picture);
+    let fine = size.map(|side| side * pass.along);
+    let work = renderer.work(&scene, fine).with_cells(cells);
+    if pass.along == 1 || !picture.is_adaptive(scene.question.ask) {
+        return Ok(work);
+    }
+    let colours = AnswerColours::new(&scene, picture).map_err(OutputError::from)?;
+    let (what, how) = ((&scene, cells), (&colours, pass.along));
+    let plain = PlainPixels::find(renderer, what, size, how, &|_| go_on())?;
+    Ok(work.sparing(plain.ok_or(RenderError::Stopped)?))
+}
 
 /// Runs one pass and hands its samples to `sinks`, rows from the top. `go_on` takes the counts so
 /// far, at least every few hundredths of a second, and returns false to stop.

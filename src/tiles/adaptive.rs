@@ -55,11 +55,6 @@ impl PlainPixels {
         Ok(Some(PlainPixels { samples, is_plain, width: size[0], along }))
     }
 
-    /// Number of plain pixels.
-    pub fn count(&self) -> usize {
-        self.is_plain.iter().filter(|plain| **plain).count()
-    }
-
     /// Returns the known answer of a sample, by its column and row among all samples.
     pub(super) fn known(&self, [x, y]: [u32; 2]) -> Option<(SavedPixel, Trust)> {
         let pixel = (y / self.along * self.width + x / self.along) as usize;

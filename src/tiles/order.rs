@@ -49,9 +49,10 @@ fn nearest_first(target: &ViewTarget, region: &Region, level: u32) -> Vec<Cell> 
     placed.into_iter().map(|placed| placed.cell.computed(mirrors).0).collect()
 }
 
-/// Samples along a leaf of the cells of a pass, `finest` of them in the finest. The pass before that has
-/// the same leaves, so that what is followed for it need not be followed again, and the last digits
-/// of its samples are those of this target; the first pass has larger ones, since it is to be seen soon.
+/// Number of samples along a leaf of the cells of a level; those of the target's level have `finest`. The
+/// pass before the finest has the same leaves, so that what is followed for it need not be followed
+/// again; the last digits of its samples then depend on the target. The first pass has larger leaves,
+/// since it is to be seen soon.
 pub(super) fn leaf_pixels(finest: u32, target_level: u32, level: u32) -> u32 {
     let coarser = target_level.saturating_sub(level);
     let shared = if coarser <= LEVEL_STEP { coarser } else { 0 };

@@ -55,8 +55,7 @@ const COMMANDS: [&str; 6] = ["whole", "zoom in", "borders", "light", "dark", "sm
 const LOSE_EVERY: Duration = Duration::from_secs(15);
 
 /// Expected warnings: the machine has no real screen, clipboard manager or file dialogs, the device is
-/// lost on purpose, there are no file dialogs, and the random user pins too many pixels and wants to go
-/// deeper where that cannot be.
+/// lost on purpose, and the random user pins too many pixels and wants to go deeper where that cannot be.
 const EXPECTED: [&str; 8] = [
     "winit::platform_impl",
     "clipboard manager",
