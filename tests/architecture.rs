@@ -77,6 +77,38 @@ fn data_flows_one_way() {
     assert!(arrows_back("tiles", "use crate::{engine::{app, Job}, scene};").is_empty());
 }
 
+/// The string literals of a file that spell an option such as `--width`.
+fn options_in(text: &str) -> Vec<&str> {
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let spells = |line: &&str| {
+        let option = |rest: &str| rest.starts_with(|letter: char| letter.is_ascii_lowercase());
+        line.split("--").skip(1).any(option) && !line.contains("flipmap ")
+    };
+    lines.filter(spells).collect()
+}
+
+/// Elsewhere a setting is called by its name in backquotes; `cli/option_names.rs` makes it an option.
+#[test]
+fn options_are_spelt_in_the_command_line_alone() {
+    assert_eq!(
+        options_in("\"--width is 0\"\n// --width\n\"flipmap run --shard 1\""),
+        ["\"--width is 0\""]
+    );
+    for path in rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")) {
+        // The stylesheet of the report has properties that begin so.
+        if path.components().any(|part| part.as_os_str() == "cli")
+            || path.ends_with("report/html.rs")
+        {
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        let found = options_in(&text);
+        let found: Vec<_> =
+            found.into_iter().filter(|line| !line.contains("--{setting}")).collect();
+        assert!(found.is_empty(), "{}: {found:?}", path.display());
+    }
+}
+
 #[test]
 fn files_are_short() {
     for file in rust_files(Path::new("src")).into_iter().chain(rust_files(Path::new("tests"))) {

@@ -252,6 +252,50 @@ fn shards_of_a_film_are_the_film() {
     assert!(error.contains("a film is an .mp4"), "{error}");
 }
 
+#[test]
+fn shards_of_films_of_other_answers_are_those_films() {
+    let folder = folder();
+    let plane = ["home", "--size", "16x12", "--frames", "5"];
+    let films: [(&str, &[&str]); 3] = [
+        // Trajectories go on from frame to frame; every frame is its own mirror image.
+        ("state", &["--ask", "state", "--budget", "6", "--vary", "at=0..6"]),
+        // Each frame has pendulums of its own, and several samples per pixel.
+        (
+            "flips",
+            &["--ask", "flips", "--budget", "4", "--vary", "gravity=5..12", "--samples", "2"],
+        ),
+        // Checked samples are computed anew for each frame.
+        ("growth", &["--ask", "growth", "--budget", "3", "--vary", "at=1..3", "--verify"]),
+    ];
+    for (name, what) in films {
+        let what = [&plane[..], what].concat();
+        let file = format!("{name}.toml");
+        plan(&folder, &file, "3", &what);
+        for shard in ["3", "1", "2"] {
+            done(&folder, &["run", &file, "--shard", shard]);
+        }
+        let merged = format!("{name}-merged");
+        done(&folder, &["merge", &file, "-o", &merged]);
+        done(&folder, &[&["video", "-o", name], &CPU[..], &what[..]].concat());
+        let [found, whole] = [&merged, name].map(|name| all(&folder.path().join(name)));
+        assert!(found.len() == 11 && found == whole, "{name}: {:?}", found.keys());
+        let (first, last) = (whole.get("000000.png"), whole.get("000004.png"));
+        assert!(first.is_some() && first != last, "{name} shows something");
+    }
+    // Some parts are lost: their shards are named, and what is computed again is the same.
+    let lost = parts(&folder, "state.parts");
+    assert_eq!(lost.len(), 15, "a part for every shard and frame");
+    lost.iter().step_by(4).for_each(|part| fs::remove_file(part).unwrap());
+    refused(&folder, 4, &["verify", "state.toml"]);
+    refused(&folder, 4, &["merge", "state.toml", "-o", "again"]);
+    done(&folder, &["run", "state.toml"]);
+    done(&folder, &["merge", "state.toml", "-o", "again"]);
+    let [again, whole] = ["again", "state"].map(|name| all(&folder.path().join(name)));
+    assert!(again == whole);
+    let error = refused(&folder, 2, &["merge", "flips.toml", "-o", "x", "--samples", "3"]);
+    assert!(error.contains("--samples is 2 in the plan"), "{error}");
+}
+
 /// Path of a job file of `docs/farm`.
 fn job_file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/farm").join(name)

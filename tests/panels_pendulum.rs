@@ -51,7 +51,7 @@ fn harness(pins: Pins, theme: Theme) -> Harness<'static, Shown> {
         shown.asked.extend(actions);
     };
     let mut harness = Harness::builder()
-        .with_size([340.0, 730.0])
+        .with_size([340.0, 770.0])
         .with_theme(theme)
         .build_ui_state(show, Shown { pins, asked: Vec::new() });
     harness.run_steps(3);

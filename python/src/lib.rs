@@ -22,7 +22,7 @@ mod _flipmap {
     /// Adds the words and codes that Python needs, so that they are written once.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        let words = Word::ALL.map(|(option, _)| option.trim_start_matches("--"));
+        let words = Word::ALL.map(|(name, _)| name);
         module.add("WORDS", words.to_vec())?;
         let scenes: Vec<_> = BuiltIn::names().split(", ").map(str::to_string).collect();
         module.add("SCENES", scenes)?;

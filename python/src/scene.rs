@@ -20,7 +20,7 @@ pub(crate) fn document(scene: Option<&str>, words: &[(String, String)]) -> PyRes
         None => BuiltIn::home().document(),
     };
     let words = words.iter().map(|(name, text)| {
-        let word = Word::ALL.iter().find(|(option, _)| option.strip_prefix("--") == Some(name));
+        let word = Word::ALL.iter().find(|(word, _)| word == name);
         let (_, word) = word.ok_or_else(|| value_error(format!("there is no word {name}")))?;
         Ok((*word, text.as_str()))
     });

@@ -322,7 +322,7 @@ mod tests {
         for (request, words) in [
             (request(nowhere), "none does not exist"),
             (request("/dev/full".into()), "cannot write /dev/full"),
-            (bad, "--cycles is 0"),
+            (bad, "`cycles` is 0"),
             (large, "2000000"),
         ] {
             let stage = Export::start(request, fast(), || ()).wait();

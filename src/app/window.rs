@@ -35,7 +35,7 @@ pub enum WindowError {
     )]
     Lost,
     /// The measurements could not be written.
-    #[error("--stats: cannot write {path}: {source}")]
+    #[error("`stats`: cannot write {path}: {source}")]
     Stats {
         /// Path of the file.
         path: String,

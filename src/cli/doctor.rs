@@ -10,6 +10,8 @@ use flipmap::engine::profile::{Profile, TimedPairs};
 use flipmap::engine::selfcheck::Verdict;
 use serde_json::{Value, json};
 
+use super::option_names::with_options;
+
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Measure every engine at every accuracy level, and save the profile
@@ -65,7 +67,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     describe_profile(&mut text, &profile)?;
     write!(text, "\nWould use: {used}\n  because {}", chosen.why)?;
-    super::say(&text)
+    super::say(&with_options(&text))
 }
 
 fn describe_finding(text: &mut String, finding: &AdapterFinding) -> anyhow::Result<()> {

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use flipmap::engine::choice::{Chosen, EngineRequest};
 use flipmap::farm::merge::{self, FilmSink, MergeError};
-use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, run};
+use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, WorkPiece, run};
 use flipmap::output::{read_text, shell_word};
 use flipmap::scene::Document;
-use flipmap::scene::film::Film;
+use flipmap::scene::film::{Film, FilmKind};
 use flipmap::scene::palette::Palette;
-use flipmap::tiles::Renderer;
+use flipmap::tiles::{Counts, Renderer};
 
 use super::exit::Exit;
 use super::picture_options::PictureOptions;
@@ -61,30 +61,28 @@ pub(super) fn compute(
     drop(parts);
     let Chosen { engine, config, following, .. } = chosen;
     let mut renderer = Renderer::of(engine, config, task.plan.verify, threads)?;
-    // Every shard integrates the same pixels directly, and so marks what the others mark.
-    if let TaskKind::Still(document, passes) = &task.work {
-        let size = passes[0].size.map(|side| side / passes[0].along);
-        let opinion = renderer.second_opinion(&document.scene(), size, &|| !stop::asked())?;
-        if let Some(warning) = opinion.and_then(|opinion| opinion.warning()) {
-            super::tell(&format!("flipmap: {warning}"));
-        }
-    }
-    let engine = renderer.engine();
     super::tell(&format!(
         "flipmap: {total} of {} samples to compute, {} engine, {} {} in {}",
         task.samples(),
-        engine.kind(),
+        renderer.engine().kind(),
         task.config.method.name(),
         task.config.method.setting(),
         task.config.precision,
     ));
     let mut progress = Progress::of(mode, total, "samples");
-    let counts = run(task, pieces, engine, &mut |counts| {
-        progress.set(counts.pixels, following.words());
-        !stop::asked()
-    });
+    let mut counts = Counts::default();
+    for pieces in pieces.chunk_by(|a, b| still_of(task, a) == still_of(task, b)) {
+        hear_second_opinion(task, &pieces[0], &mut renderer)?;
+        let before = counts;
+        let computed = run(task, pieces.to_vec(), renderer.engine(), &mut |now| {
+            counts = before;
+            counts += *now;
+            progress.set(counts.pixels, following.words());
+            !stop::asked()
+        });
+        computed.map_err(stopped)?;
+    }
     drop(progress);
-    let counts = counts.map_err(stopped)?;
     super::tell(&format!(
         "flipmap: {} samples, {} of them simulated, in {}",
         counts.pixels,
@@ -92,6 +90,36 @@ pub(super) fn compute(
         task.folder.display()
     ));
     Ok(None)
+}
+
+/// The still to which a piece belongs: the frame, or the only one.
+fn still_of(task: &Task, piece: &WorkPiece) -> Option<usize> {
+    match (piece, &task.work) {
+        (WorkPiece::Rows(frame, _), TaskKind::Frames(..)) => Some(*frame),
+        _ => None,
+    }
+}
+
+/// Lets pixels of the piece's still be integrated directly. Every shard takes the same pixels, and so
+/// marks what the others mark.
+fn hear_second_opinion(
+    task: &Task,
+    piece: &WorkPiece,
+    renderer: &mut Renderer,
+) -> anyhow::Result<()> {
+    let (scene, pass) = match (piece, &task.work) {
+        (WorkPiece::Rows(..), TaskKind::Still(document, passes)) => (document.scene(), &passes[0]),
+        (WorkPiece::Rows(frame, _), TaskKind::Frames(_, frames)) => {
+            (frames[*frame].shot.scene.clone(), &frames[*frame].pass)
+        }
+        _ => return Ok(()),
+    };
+    let size = pass.size.map(|side| side / pass.along);
+    let opinion = renderer.second_opinion(&scene, size, &|| !stop::asked())?;
+    if let Some(warning) = opinion.and_then(|opinion| opinion.warning()) {
+        super::tell(&format!("flipmap: {warning}"));
+    }
+    Ok(())
 }
 
 fn stopped(error: RunError) -> anyhow::Error {
@@ -129,19 +157,15 @@ pub(super) fn paint(
     output: &Path,
     mode: Mode,
 ) -> anyhow::Result<()> {
-    let TaskKind::Film(film, _) = &task.work else { return Ok(()) };
+    let (TaskKind::Film(film, _) | TaskKind::Frames(film, _)) = &task.work else { return Ok(()) };
     let mut document = film.keys[0].scene.clone();
     let samples = document.picture.samples;
     options.apply(&mut document)?;
     check_samples(samples, &document)?;
-    let (decades, least_rad) = depth(film);
-    if options.spreads_film(&document, decades, least_rad) {
-        spread(task, decades, &mut parts, options, &mut document)?;
-    }
-    document.picture.check()?;
-    // All frames share one colour scale, and each of them records it.
-    if document.picture.times.is_empty() {
-        document.picture.times = merge::tones(film, &document.picture)?.range_secs().to_vec();
+    if film.kind() == FilmKind::Flips {
+        settle_times(task, film, &mut parts, options, &mut document)?;
+    } else {
+        document = document.checked()?;
     }
     let sink = FilmSink::open(output, film, &document)?;
     let mut progress = Progress::of(mode, u64::from(film.frames), "frames");
@@ -149,7 +173,13 @@ pub(super) fn paint(
         progress.set(frames, None);
         !stop::asked()
     };
-    let painted = merge::film(task, &document.picture, &mut parts, sink, &mut go_on);
+    let picture = &document.picture;
+    let painted = match &task.work {
+        TaskKind::Frames(_, frames) => {
+            merge::frames(film, frames, picture, &mut parts, sink, &mut go_on)
+        }
+        _ => merge::film(task, picture, &mut parts, sink, &mut go_on),
+    };
     drop(progress);
     painted.map_err(|error| match error {
         MergeError::Stopped => anyhow::Error::from(Exit::Again),
@@ -164,6 +194,25 @@ pub(super) fn paint(
         film.fps,
         output.display()
     ));
+    Ok(())
+}
+
+/// Settles the one colour scale of a film of flips, which each frame records.
+fn settle_times(
+    task: &Task,
+    film: &Film,
+    parts: &mut Parts,
+    options: &PictureOptions,
+    document: &mut Document,
+) -> anyhow::Result<()> {
+    let (decades, least_rad) = depth(film);
+    if options.spreads_film(document, decades, least_rad) {
+        spread(task, decades, parts, options, document)?;
+    }
+    document.picture.check()?;
+    if document.picture.times.is_empty() {
+        document.picture.times = merge::tones(film, &document.picture)?.range_secs().to_vec();
+    }
     Ok(())
 }
 

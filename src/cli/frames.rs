@@ -1,11 +1,11 @@
 //! Films whose frames are made one after another: states as their time goes on, with every trajectory
 //! computed once, and stills of any question.
 
-use flipmap::engine::Cells;
 use flipmap::engine::run_settings::RunSpec;
+use flipmap::engine::{Cells, IntegratorConfig};
 use flipmap::farm::merge::FilmSink;
 use flipmap::output::RowPainter;
-use flipmap::scene::film::{Film, FilmKind, Shot};
+use flipmap::scene::film::{Film, Shot};
 use flipmap::tiles::Renderer;
 use flipmap::tiles::moments::Moments;
 
@@ -26,18 +26,11 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     let chosen = start(&request)?;
     stop::listen()?;
     let size = film.size.map(|side| side * document.picture.samples);
-    for key in &film.keys {
-        check_numbers(&key.scene.scene(), size, chosen.config, Cells::Auto)?;
-    }
+    check_film(film, size, chosen.config)?;
     let threads = options.film.run.engine.threads();
     let mut renderer = Renderer::of(chosen.engine, chosen.config, spec.verify, threads)?;
     let mut sink = FilmSink::open(&options.output, film, &document)?;
-    // Checks, and numbers that cannot be carried on, begin every frame anew.
-    let first = &film.keys[0].scene.scene();
-    let goes_on = film.kind() == FilmKind::Moments
-        && !spec.verify
-        && Moments::are_possible(first, &chosen.config);
-    let mut moments = goes_on.then(|| {
+    let mut moments = Moments::make(film, spec.verify, &chosen.config).then(|| {
         let job_size = renderer.engine().job_size();
         Moments::new(&film.shot(0).scene, size, chosen.config, job_size)
     });
@@ -72,6 +65,17 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
         options.output.display()
     ));
     Ok(())
+}
+
+/// Rejects a film whose keys the numbers cannot tell apart.
+pub(super) fn check_film(
+    film: &Film,
+    size: [u32; 2],
+    config: IntegratorConfig,
+) -> Result<(), Exit> {
+    film.keys
+        .iter()
+        .try_for_each(|key| check_numbers(&key.scene.scene(), size, config, Cells::Auto))
 }
 
 /// Rejects what such a film does not have.

@@ -18,6 +18,7 @@ mod hunt;
 #[cfg(feature = "window")]
 mod lab;
 mod manual;
+mod option_names;
 mod options;
 mod outputs;
 mod picture_options;

@@ -7,6 +7,7 @@ use clap::Args;
 use flipmap::output::Paths;
 
 use super::exit::Exit;
+use super::option_names::by_option;
 use super::same_file::{Named, keep_apart};
 
 /// Options that name the output files.
@@ -68,7 +69,7 @@ impl OutputOptions {
     ) -> Result<(), Exit> {
         let usage = |message: String| Err(Exit::Usage(message));
         let paths = self.paths();
-        let named = paths.named();
+        let named = by_option(&paths);
         if named.is_empty() {
             let message = "nothing to write: give one or more of -o FILE.png, --pyramid FOLDER, \
                            --raw FILE.npy and --exr FILE.exr";

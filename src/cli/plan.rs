@@ -14,6 +14,8 @@ use flipmap::scene::film::FilmKind;
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
+use super::frames::check_film;
+use super::option_names::by_option;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::{Mode, Progress};
@@ -88,6 +90,12 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     let request = options.film.run.engine.request(spec.setting).answering(&scene.question);
     let mut chosen = start(&request)?;
     check_steps(&scene, chosen.config)?;
+    if let PlannedOutput::Film(film) = &what
+        && film.kind() != FilmKind::Flips
+    {
+        let samples = film.keys[0].scene.picture.samples;
+        check_film(film, film.size.map(|side| side * samples), chosen.config)?;
+    }
     if let PlannedOutput::Still(document) = &mut what
         && options.film.picture.spreads(document)
     {
@@ -125,10 +133,6 @@ pub(super) fn spares_others(option: &str, path: &Path) -> Result<(), Exit> {
 fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     if options.film.says_film() {
         let (film, spec) = options.film.film()?;
-        if film.kind() != FilmKind::Flips {
-            let message = "this film is made by flipmap video: plans are for stills of any question, and for films of first flips from rest";
-            return Err(Exit::Usage(message.to_string()).into());
-        }
         return Ok((PlannedOutput::Film(film), spec));
     }
     let words = &options.film.words;
@@ -191,9 +195,9 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     let task = farm::open(&options.plan)?;
     stop::listen()?;
     match &task.work {
-        TaskKind::Film(film, _) => {
+        TaskKind::Film(film, _) | TaskKind::Frames(film, _) => {
             let paths = options.outputs.paths();
-            let [("-o", output)] = paths.named()[..] else {
+            let [("-o", output)] = by_option(&paths)[..] else {
                 let only = "a film takes one output: -o FILM.mp4, -o FILM.mkv or -o FOLDER";
                 return Err(Exit::Usage(only.to_string()).into());
             };
@@ -218,7 +222,7 @@ fn spares_parts(parts: &Path, paths: &Paths) -> Result<(), Exit> {
         let places = [whole(path), folder.as_deref().and_then(whole)];
         places.into_iter().flatten().any(|place| place.starts_with(&parts))
     };
-    match paths.named().into_iter().find(is_inside) {
+    match by_option(paths).into_iter().find(is_inside) {
         Some((option, _)) => Err(Exit::Usage(format!(
             "{option} lies in {}, which holds the plan's parts: name a file elsewhere",
             parts.display()

@@ -100,7 +100,7 @@ pub enum ChoiceError {
     #[error("{0}")]
     NoAdapter(String),
     /// The requested adapter is not present.
-    #[error("--adapter '{wanted}' matches none of: {found}")]
+    #[error("`adapter` '{wanted}' matches none of: {found}")]
     UnknownAdapter {
         /// Part of an adapter's name, as requested.
         wanted: String,
@@ -133,7 +133,7 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
     let chosen = match (request.kind, &request.adapter) {
         (Some(EngineKind::Cpu), _) => cpu(request, "asked for".to_string())?,
         (Some(EngineKind::Gpu), _) | (None, Some(_)) => first_sound(request)?
-            .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use --engine cpu")))?,
+            .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use `engine` cpu")))?,
         (None, None) => automatic(request, tell)?,
     };
     let engine =

@@ -355,7 +355,7 @@ impl Steps {
         if count > f64::from(MOST_STEPS) {
             return Err(EngineError::Unsupported(format!(
                 "a budget of {} s is {count:.1e} steps of {step_secs} s; at most {MOST_STEPS} \
-                 are possible, so use a longer --step or a shorter --budget",
+                 are possible, so use a longer `step` or a shorter `budget`",
                 question.budget_secs
             )));
         }
@@ -424,7 +424,7 @@ mod tests {
     #[test]
     fn too_many_steps_are_refused() {
         let error = Steps::new(&question(1e9), 1e-6, Precision::F64).unwrap_err();
-        assert!(error.to_string().contains("--step"), "{error}");
+        assert!(error.to_string().contains("step"), "{error}");
     }
 
     #[test]

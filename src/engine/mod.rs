@@ -218,7 +218,7 @@ pub enum Wait {
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
     /// A buffer could not be allocated.
-    #[error("the device has no room for {mib} MiB more; use a smaller --size, or --engine cpu")]
+    #[error("the device has no room for {mib} MiB more; use a smaller `size`, or `engine` cpu")]
     OutOfMemory {
         /// Size of the buffer in MiB.
         mib: u64,
@@ -242,7 +242,7 @@ pub enum EngineError {
     /// A device finished a job without ending all its pendulums.
     #[error(
         "the graphics device lost {lost} of {count} pendulums of a job; its answers cannot be \
-         trusted; use --engine cpu"
+         trusted; use `engine` cpu"
     )]
     LostPendulums {
         /// Number of pendulums without an answer.

@@ -8,7 +8,7 @@ use super::choice::IntegrationSetting;
 use super::{Accuracy, IntegratorConfig, Method, Precision};
 use crate::scene::RunTable;
 
-/// Words that contradict each other or mean nothing, with a sentence that names the option.
+/// Words that contradict each other or mean nothing, with a sentence that names the setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct RunSettingsError(String);
@@ -53,7 +53,7 @@ impl RunSpec {
 
 fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSettingsError> {
     let mut accuracy = Accuracy::default();
-    set(&mut accuracy, "--accuracy", &words.accuracy, Accuracy::from_str)?;
+    set(&mut accuracy, "accuracy", &words.accuracy, Accuracy::from_str)?;
     let (verify, size) = (words.verify, words.size);
     let explicit = [&words.method, &words.step, &words.tolerance, &words.precision];
     if explicit.iter().all(|word| word.is_none()) {
@@ -102,7 +102,7 @@ fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunS
         (None, Some(_)) => Precision::F32,
         (None, None) => level.precision,
     };
-    set(&mut precision, "--precision", &words.precision, Precision::from_str)?;
+    set(&mut precision, "precision", &words.precision, Precision::from_str)?;
     let name = match (&words.method, &words.step) {
         (Some(name), _) => name.as_str(),
         (None, Some(_)) => "rk4",
@@ -114,13 +114,13 @@ fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunS
     };
     let Some(mut method) = Method::named(name, precision) else {
         let names = Method::NAMES.join(", ");
-        return Err(RunSettingsError(format!("--method is '{name}'; the methods are {names}")));
+        return Err(RunSettingsError(format!("`method` is '{name}'; the methods are {names}")));
     };
     let Some(least) = method.least_tolerance(precision) else {
         let fitting = Precision::ALL.iter().filter(|(_, p)| method.least_tolerance(*p).is_some());
         let fitting: Vec<&str> = fitting.map(|(word, _)| *word).collect();
         return Err(RunSettingsError(format!(
-            "--precision is '{precision}'; --method {name} runs in {}",
+            "`precision` is '{precision}'; `method` {name} runs in {}",
             fitting.join(", ")
         )));
     };
@@ -136,7 +136,7 @@ fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunS
 fn with_step(method: Method, step: &str) -> Result<Method, RunSettingsError> {
     let Method::Rk4 { .. } = method else {
         return Err(RunSettingsError(format!(
-            "--step is for rk4; {} chooses its steps by --tolerance",
+            "`step` is for rk4; {} chooses its steps by `tolerance`",
             method.name()
         )));
     };
@@ -149,7 +149,7 @@ fn with_step(method: Method, step: &str) -> Result<Method, RunSettingsError> {
     match step_secs {
         Some(step_secs) if (1e-9..=1.0).contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
         _ => Err(RunSettingsError(format!(
-            "--step is '{step}'; it must be seconds between 1e-9 and 1, as a number or a fraction"
+            "`step` is '{step}'; it must be seconds between 1e-9 and 1, as a number or a fraction"
         ))),
     }
 }
@@ -165,10 +165,10 @@ fn with_tolerance(
 ) -> Result<Method, RunSettingsError> {
     let Some(tolerant) = number(text).and_then(|tolerance| method.with_tolerance(tolerance)) else {
         return Err(RunSettingsError(match method {
-            Method::Rk4 { .. } => "--tolerance is for methods that choose their steps; rk4 takes \
-                                   --step"
+            Method::Rk4 { .. } => "`tolerance` is for methods that choose their steps; rk4 takes \
+                                   `step`"
                 .to_string(),
-            _ => format!("--tolerance is '{text}'; it must be a number"),
+            _ => format!("`tolerance` is '{text}'; it must be a number"),
         }));
     };
     let within = |tolerance: f64| (least..=LARGEST_TOLERANCE).contains(&tolerance);
@@ -176,21 +176,21 @@ fn with_tolerance(
         return Ok(tolerant);
     }
     Err(RunSettingsError(format!(
-        "--tolerance is '{text}'; in {precision} it must lie between {least:e} and \
+        "`tolerance` is '{text}'; in {precision} it must lie between {least:e} and \
          {LARGEST_TOLERANCE:e}"
     )))
 }
 
-/// Replaces `value` by the meaning of a word, if there is one; an error names the option.
+/// Replaces `value` by the meaning of a word, if there is one; an error names the setting.
 fn set<T, Why: std::fmt::Display>(
     value: &mut T,
-    option: &str,
+    setting: &str,
     word: &Option<String>,
     parse: impl Fn(&str) -> Result<T, Why>,
 ) -> Result<(), RunSettingsError> {
     if let Some(word) = word {
-        *value =
-            parse(word).map_err(|why| RunSettingsError(format!("{option} is '{word}'; {why}")))?;
+        *value = parse(word)
+            .map_err(|why| RunSettingsError(format!("`{setting}` is '{word}'; {why}")))?;
     }
     Ok(())
 }
@@ -240,7 +240,7 @@ mod tests {
         assert_eq!(config(&[("step", "1e-3")]).method, Method::Rk4 { step_secs: 1e-3 });
         for bad in ["0", "-1/120", "nan", "inf", "1/0", "2", "x", "1/"] {
             let message = said(&[("step", bad)]).unwrap_err();
-            assert!(message.contains("--step") && message.contains("between 1e-9 and 1"), "{bad}");
+            assert!(message.contains("step") && message.contains("between 1e-9 and 1"), "{bad}");
         }
     }
 
@@ -268,12 +268,12 @@ mod tests {
     #[test]
     fn what_does_not_go_together_is_refused_with_what_does() {
         for (words, parts) in [
-            (&[("method", "dop853"), ("step", "0.01")][..], &["--step", "--tolerance"][..]),
-            (&[("method", "rk4"), ("tolerance", "1e-9")], &["--tolerance", "--step"]),
-            (&[("tolerance", "1e-17")], &["--tolerance", "f64", "1e-15", "1e-2"]),
+            (&[("method", "dop853"), ("step", "0.01")][..], &["step", "tolerance"][..]),
+            (&[("method", "rk4"), ("tolerance", "1e-9")], &["tolerance", "step"]),
+            (&[("tolerance", "1e-17")], &["tolerance", "f64", "1e-15", "1e-2"]),
             (&[("tolerance", "1e-9"), ("precision", "f32")], &["1e-8"]),
             (&[("tolerance", "one")], &["number"]),
-            (&[("method", "taylor"), ("precision", "f32")], &["--precision", "f64, dd"]),
+            (&[("method", "taylor"), ("precision", "f32")], &["precision", "f64, dd"]),
             (&[("method", "euler")], &["rk4, dopri5, dop853, taylor"]),
             (&[("accuracy", "perfect")], &["lesson, fast, balanced, exact"]),
         ] {

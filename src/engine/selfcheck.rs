@@ -61,7 +61,7 @@ impl Verdict {
             return Ok(());
         }
         if precision == Precision::Dd {
-            return Err("graphics adapters have no dd; use --engine cpu".to_string());
+            return Err("graphics adapters have no dd; use `engine` cpu".to_string());
         }
         let failed: Vec<String> = self
             .checks
@@ -70,7 +70,7 @@ impl Verdict {
             .map(|check| format!("{} ({})", check.name, check.detail))
             .collect();
         Err(format!(
-            "this adapter is not trusted with --precision {precision}: {}",
+            "this adapter is not trusted with `precision` {precision}: {}",
             failed.join(", ")
         ))
     }

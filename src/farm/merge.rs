@@ -3,11 +3,11 @@
 use std::io;
 use std::path::Path;
 
-use super::task::{FrameGroupTask, StillPass, TaskKind};
+use super::task::{FrameGroupTask, FrameTask, StillPass, TaskKind};
 use super::{PartError, Parts, Task};
 use crate::film::ffmpeg::{Codec, Encoder, FfmpegError};
 use crate::film::{Colours, FlipWindow, FrameError, FramePainter, Frames, Mip};
-use crate::output::{Destination, OutputError, Paths, SafeFile, Sinks};
+use crate::output::{Destination, OutputError, Paths, RowPainter, SafeFile, Sinks};
 use crate::physics::Status;
 use crate::scene::film::{Film, Shot};
 use crate::scene::palette::{Tones, equalised};
@@ -129,6 +129,35 @@ impl FilmSink {
             FilmSink::Encoder(encoder) => Ok(encoder.finish()?),
         }
     }
+}
+
+/// Paints a film whose frames are stills from their parts. `go_on` takes the number of frames done and
+/// returns false to stop.
+pub fn frames(
+    film: &Film,
+    frames: &[FrameTask],
+    picture: &PictureTable,
+    parts: &mut Parts,
+    mut sink: FilmSink,
+    go_on: &mut dyn FnMut(u64) -> bool,
+) -> Result<(), MergeError> {
+    for (number, FrameTask { shot, pass }) in (0..).zip(frames) {
+        if sink.has(number, shot) {
+            continue;
+        }
+        let mut painter = RowPainter::new(&shot.scene, film.size, picture)?;
+        let (mut rgb, mut row) = (Vec::new(), 0);
+        while row < pass.size[1] {
+            let samples = some_rows(pass, parts, row)?;
+            row += (samples.len() / pass.size[0] as usize) as u32;
+            rgb.extend(painter.paint(&samples));
+        }
+        sink.write(number, shot, &rgb)?;
+        if !go_on(u64::from(number) + 1) {
+            return Err(MergeError::Stopped);
+        }
+    }
+    sink.finish()
 }
 
 /// Consecutive frames of a group that show the same flips.

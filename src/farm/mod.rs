@@ -14,4 +14,4 @@ mod task;
 pub use parts::{PartError, PartForm, PartForms, PartWriter, Parts};
 pub use plan::{Plan, PlanError, PlannedOutput};
 pub use run::{RunError, run};
-pub use task::{FrameGroupTask, StillPass, Task, TaskKind, WorkPiece};
+pub use task::{FrameGroupTask, FrameTask, StillPass, Task, TaskKind, WorkPiece};

@@ -216,7 +216,7 @@ mod tests {
         let large = forged(|plan| {
             plan.still.as_mut().unwrap().run.size = Some([u32::MAX; 2]);
         });
-        assert!(large.contains("--size is 4294967295x4294967295"), "{large}");
+        assert!(large.contains("`size` is 4294967295x4294967295"), "{large}");
     }
 
     #[test]

@@ -1,12 +1,16 @@
 //! Computing what is missing, and keeping it as it comes.
 
+use std::cell::RefCell;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use super::task::{TaskKind, WorkPiece};
+use super::task::{FrameTask, StillPass, TaskKind, WorkPiece};
 use super::{PartError, PartWriter, Task};
 use crate::engine::{Engine, EngineError};
 use crate::output::RowOrder;
+use crate::scene::Scene;
 use crate::scene::lattice::Cell;
+use crate::tiles::moments::Moments;
 use crate::tiles::patch_work::PatchWork;
 use crate::tiles::{Counts, Samples, Work};
 
@@ -50,7 +54,13 @@ pub fn run(
             counts += now;
             go_on(&counts)
         };
-        drive(open(task, piece, engine.job_size())?.as_mut(), engine, begun, &mut go_on)?;
+        match (&piece, &task.work) {
+            (WorkPiece::Motion(moved, rows), TaskKind::Frames(_, frames)) => {
+                let moved: Vec<_> = moved.iter().map(|frame| &frames[*frame]).collect();
+                motion(task, &moved, rows.clone(), engine, &mut go_on)?;
+            }
+            _ => drive(open(task, piece, engine.job_size())?.as_mut(), engine, begun, &mut go_on)?,
+        }
     }
     Ok(counts)
 }
@@ -76,15 +86,12 @@ fn open<'a>(
 ) -> Result<Box<dyn Going + 'a>, PartError> {
     Ok(match (piece, &task.work) {
         (WorkPiece::Rows(pass, rows), TaskKind::Still(document, passes)) => {
-            let (scene, pass) = (document.scene(), &passes[pass]);
-            Box::new(PendingRows {
-                writer: PartWriter::open(&task.folder, &pass.of)?,
-                width: pass.size[0],
-                first: rows.start,
-                order: RowOrder::from(rows.start),
-                work: Work::of_rows(&scene, pass.size, task.config, job_size, rows),
-                loose: Samples::default(),
-            })
+            let work = (&document.scene(), &passes[pass]);
+            Box::new(PendingRows::open(task, work, rows, job_size)?)
+        }
+        (WorkPiece::Rows(frame, rows), TaskKind::Frames(_, frames)) => {
+            let FrameTask { shot, pass } = &frames[frame];
+            Box::new(PendingRows::open(task, (&shot.scene, pass), rows, job_size)?)
         }
         (WorkPiece::Patches(group, cells), TaskKind::Film(_, groups)) => {
             let group = &groups[group];
@@ -127,6 +134,36 @@ fn drive(
     }
 }
 
+/// Computes the same rows of several frames, later and later ones, and keeps each as it comes.
+fn motion(
+    task: &Task,
+    frames: &[&FrameTask],
+    rows: Range<u32>,
+    engine: &mut dyn Engine,
+    go_on: &mut dyn FnMut(Counts) -> bool,
+) -> Result<(), RunError> {
+    let [first, ..] = frames else { return Ok(()) };
+    let (size, job_size) = (first.pass.size, engine.job_size());
+    let mut moments =
+        Moments::of_rows(&first.shot.scene, size, task.config, job_size, rows.clone());
+    let (mut counts, go_on) = (Counts::default(), RefCell::new(go_on));
+    for FrameTask { shot, pass } in frames {
+        let goes_on = || (go_on.borrow_mut())(counts);
+        let at_secs = shot.scene.question.end_secs();
+        let Some(samples) = moments.at(engine, at_secs, &goes_on)? else {
+            return Err(RunError::Stopped);
+        };
+        let writer = PartWriter::open(&task.folder, &pass.of)?;
+        writer.rows(size[0], rows.start, samples.clone())?;
+        counts.pixels += samples.len() as u64;
+        counts.simulated += moments.moving() as u64;
+        if !(go_on.borrow_mut())(counts) {
+            return Err(RunError::Stopped);
+        }
+    }
+    Ok(())
+}
+
 struct PendingRows {
     writer: PartWriter,
     width: u32,
@@ -135,6 +172,24 @@ struct PendingRows {
     order: RowOrder,
     work: Work,
     loose: Samples,
+}
+
+impl PendingRows {
+    fn open(
+        task: &Task,
+        (scene, pass): (&Scene, &StillPass),
+        rows: Range<u32>,
+        job_size: usize,
+    ) -> Result<Self, PartError> {
+        Ok(PendingRows {
+            writer: PartWriter::open(&task.folder, &pass.of)?,
+            width: pass.size[0],
+            first: rows.start,
+            order: RowOrder::from(rows.start),
+            work: Work::of_rows(scene, pass.size, task.config, job_size, rows),
+            loose: Samples::default(),
+        })
+    }
 }
 
 impl Going for PendingRows {

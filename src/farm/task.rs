@@ -8,9 +8,11 @@ use super::{PartForm, PartForms, Parts, Plan, PlanError, PlannedOutput};
 use crate::engine::IntegratorConfig;
 use crate::film::{FrameGroup, frame_groups};
 use crate::output::sha256;
-use crate::scene::film::Film;
+use crate::question::Ask;
+use crate::scene::film::{Film, FilmKind, Shot};
 use crate::scene::lattice::Cell;
 use crate::scene::{Build, Document, QuestionTable, Scene, View};
+use crate::tiles::moments::Moments;
 use crate::tiles::patches::{PATCH_SAMPLES, canonical};
 
 /// Largest number of patches in a hand, which is dealt to one shard.
@@ -34,8 +36,10 @@ pub struct Task {
 pub enum TaskKind {
     /// A still: its rows, once for every number of samples per pixel.
     Still(Box<Document>, Vec<StillPass>),
-    /// A film: the patches of its groups.
+    /// A film of first flips: the patches of its groups.
     Film(Film, Vec<FrameGroupTask>),
+    /// A film of other answers: the rows of each frame, which is a still of its own.
+    Frames(Film, Vec<FrameTask>),
 }
 
 /// The rows of a still at one number of samples per pixel.
@@ -48,6 +52,14 @@ pub struct StillPass {
     pub rows: u32,
     /// Digest of everything that decides its samples.
     pub of: String,
+}
+
+/// A frame with its work.
+pub struct FrameTask {
+    /// The scene and the moment that it shows.
+    pub shot: Shot,
+    /// The rows of the frame.
+    pub pass: StillPass,
 }
 
 /// A group of a film's frames with its work.
@@ -63,8 +75,10 @@ pub struct FrameGroupTask {
 /// A piece of work, with the index of its pass or group.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WorkPiece {
-    /// Rows of a still.
+    /// Rows of a still, or of a frame.
     Rows(usize, Range<u32>),
+    /// The same rows of several frames, whose pendulums go on from each to the next.
+    Motion(Vec<usize>, Range<u32>),
     /// Patches of a film.
     Patches(usize, Vec<Cell>),
 }
@@ -83,6 +97,10 @@ impl Task {
                 let passes = passes(&document, plan.numbers, &how);
                 TaskKind::Still(document, passes)
             }
+            PlannedOutput::Film(film) if film.kind() != FilmKind::Flips => {
+                let frames = frames(&film, &how);
+                TaskKind::Frames(film, frames)
+            }
             PlannedOutput::Film(film) => {
                 let groups = tasks(frame_groups(&film), &how);
                 TaskKind::Film(film, groups)
@@ -94,12 +112,11 @@ impl Task {
     /// Number of samples to be computed in all.
     pub fn samples(&self) -> u64 {
         match &self.work {
-            TaskKind::Still(_, passes) => {
-                passes.iter().map(|pass| u64::from(pass.rows) * u64::from(pass.size[0])).sum()
-            }
+            TaskKind::Still(_, passes) => passes.iter().map(StillPass::samples).sum(),
             TaskKind::Film(_, groups) => {
                 groups.iter().map(|group| (group.cells.len() * PATCH_SAMPLES) as u64).sum()
             }
+            TaskKind::Frames(_, frames) => frames.iter().map(|frame| frame.pass.samples()).sum(),
         }
     }
 
@@ -107,12 +124,11 @@ impl Task {
     pub fn forms(&self) -> PartForms {
         match &self.work {
             TaskKind::Still(document, passes) => {
-                let channels = document.question.ask.kind().channels.len();
-                let form = |pass: &StillPass| {
-                    let form = PartForm::Rows { width: pass.size[0], rows: pass.rows, channels };
-                    (pass.of.clone(), form)
-                };
-                passes.iter().map(form).collect()
+                passes.iter().map(|pass| pass.form(document.question.ask)).collect()
+            }
+            TaskKind::Frames(_, frames) => {
+                let form = |frame: &FrameTask| frame.pass.form(frame.shot.scene.question.ask);
+                frames.iter().map(form).collect()
             }
             TaskKind::Film(_, groups) => {
                 groups.iter().map(|group| (group.of.clone(), PartForm::Patches)).collect()
@@ -132,6 +148,7 @@ impl Task {
                 })
                 .collect(),
             TaskKind::Film(_, groups) => self.missing_patches(groups, shard, parts),
+            TaskKind::Frames(film, frames) => self.missing_frames(film, frames, shard, parts),
         }
     }
 
@@ -146,6 +163,32 @@ impl Task {
         let at =
             |shard: u32| (u64::from(rows) * u64::from(shard) / u64::from(self.plan.shards)) as u32;
         at(shard - 1)..at(shard)
+    }
+
+    /// The missing rows of a shard, which are the same in each frame: a shard has its pendulums for the
+    /// whole film.
+    fn missing_frames(
+        &self,
+        film: &Film,
+        frames: &[FrameTask],
+        shard: u32,
+        parts: &Parts,
+    ) -> Vec<WorkPiece> {
+        let goes_on = Moments::make(film, self.plan.verify, &self.config);
+        let (mut pieces, mut waiting) = (Vec::new(), Vec::new());
+        for (k, frame) in frames.iter().enumerate() {
+            let found = parts.missing_rows(&frame.pass.of, self.rows_of(shard, frame.pass.rows));
+            if goes_on && !found.is_empty() {
+                waiting.push(k);
+            } else {
+                pieces.extend(found.into_iter().map(|rows| WorkPiece::Rows(k, rows)));
+            }
+        }
+        if let Some(&first) = waiting.first() {
+            let rows = self.rows_of(shard, frames[first].pass.rows);
+            pieces.push(WorkPiece::Motion(waiting, rows));
+        }
+        pieces
     }
 
     /// The missing patches of a shard. Patches are dealt like cards, since deep ones take longer.
@@ -177,6 +220,19 @@ impl Task {
     }
 }
 
+impl StillPass {
+    /// Number of samples to compute.
+    fn samples(&self) -> u64 {
+        u64::from(self.rows) * u64::from(self.size[0])
+    }
+
+    /// The digest of the pass, and the form of the samples that answer a question.
+    fn form(&self, ask: Ask) -> (String, PartForm) {
+        let channels = ask.kind().channels.len();
+        (self.of.clone(), PartForm::Rows { width: self.size[0], rows: self.rows, channels })
+    }
+}
+
 impl WorkPiece {
     /// Number of samples in the piece.
     pub fn samples(&self, task: &Task) -> u64 {
@@ -185,7 +241,14 @@ impl WorkPiece {
                 u64::from(rows.end - rows.start) * u64::from(passes[*pass].size[0])
             }
             (WorkPiece::Patches(_, cells), _) => (cells.len() * PATCH_SAMPLES) as u64,
-            (WorkPiece::Rows(..), TaskKind::Film(..)) => 0,
+            (WorkPiece::Rows(frame, rows), TaskKind::Frames(_, frames)) => {
+                u64::from(rows.end - rows.start) * u64::from(frames[*frame].pass.size[0])
+            }
+            (WorkPiece::Motion(moved, rows), TaskKind::Frames(_, frames)) => {
+                let width = moved.first().map_or(0, |frame| frames[*frame].pass.size[0]);
+                moved.len() as u64 * u64::from(rows.end - rows.start) * u64::from(width)
+            }
+            (WorkPiece::Rows(..), TaskKind::Film(..)) | (WorkPiece::Motion(..), _) => 0,
         }
     }
 }
@@ -199,13 +262,26 @@ fn passes(document: &Document, numbers: bool, how: &str) -> Vec<StillPass> {
     if numbers && samples > 1 {
         all.push(1);
     }
-    let pass = |along: u32| {
-        let size = size.map(|side| side * along);
-        let rows = if scene.is_symmetric() { size[1].div_ceil(2) } else { size[1] };
-        let of = sha256(format!("still {} {size:?} {how}", what_of(&scene)).as_bytes());
-        StillPass { along, size, rows, of }
+    all.into_iter().map(|along| pass(&scene, size, along, how)).collect()
+}
+
+/// The pass of a picture of `size` pixels with `along` samples per pixel along each axis.
+fn pass(scene: &Scene, size: [u32; 2], along: u32, how: &str) -> StillPass {
+    let size = size.map(|side| side * along);
+    let rows = if scene.is_symmetric() { size[1].div_ceil(2) } else { size[1] };
+    let of = sha256(format!("still {} {size:?} {how}", what_of(scene)).as_bytes());
+    StillPass { along, size, rows, of }
+}
+
+/// The work for the frames of a film that are stills.
+fn frames(film: &Film, how: &str) -> Vec<FrameTask> {
+    let along = film.keys[0].scene.picture.samples;
+    let frame = |frame| {
+        let shot = film.shot(frame);
+        let pass = pass(&shot.scene, film.size, along, how);
+        FrameTask { shot, pass }
     };
-    all.into_iter().map(pass).collect()
+    (0..film.frames).map(frame).collect()
 }
 
 /// The work for the groups of a film.
@@ -269,7 +345,7 @@ mod tests {
         assert_eq!(what_of(&home), old);
         let changes: [fn(&mut Scene); 5] = [
             |scene| scene.build.friction[1] = Decimal::from(0.1),
-            |scene| scene.question.ask = crate::question::Ask::State,
+            |scene| scene.question.ask = Ask::State,
             |scene| scene.question.count = 2,
             |scene| scene.plane.origin[3] = "1".to_string(),
             |scene| scene.plane.kind = "speeds".parse().unwrap(),
@@ -319,7 +395,7 @@ mod tests {
                     WorkPiece::Rows(pass, rows) => {
                         rows.map(move |row| (pass, row)).collect::<Vec<_>>()
                     }
-                    WorkPiece::Patches(..) => panic!("a still has rows"),
+                    _ => panic!("a still has rows"),
                 })
                 .collect();
             rows.sort_unstable();
@@ -346,7 +422,7 @@ mod tests {
                     WorkPiece::Patches(group, cells) => {
                         cells.into_iter().map(|cell| (group, cell)).collect::<Vec<_>>()
                     }
-                    WorkPiece::Rows(..) => panic!("a film has patches"),
+                    _ => panic!("a film has patches"),
                 })
                 .collect();
             let count = dealt.len();
@@ -365,6 +441,7 @@ mod tests {
         let name = |what: PlannedOutput| match task(what, 1).work {
             TaskKind::Still(_, passes) => passes[0].of.clone(),
             TaskKind::Film(_, groups) => groups[0].of.clone(),
+            TaskKind::Frames(..) => panic!("a film of flips"),
         };
         let home = name(still([8, 8], 1));
         assert_ne!(home, name(still([8, 9], 1)));

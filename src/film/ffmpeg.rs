@@ -39,12 +39,12 @@ pub enum FfmpegError {
     Codec(&'static str, &'static str),
     /// An odd side, where the codec takes only even ones.
     #[error(
-        "--size is {}x{}; an .mp4 needs even sides, such as {}x{}; .mkv takes any",
+        "`size` is {}x{}; an .mp4 needs even sides, such as {}x{}; .mkv takes any",
         .0[0], .0[1], .0[0].next_multiple_of(2), .0[1].next_multiple_of(2)
     )]
     Odd([u32; 2]),
     /// A single row or column, which no codec takes.
-    #[error("--size is {}x{}; a film needs 2 pixels a side or more, a folder takes any", .0[0], .0[1])]
+    #[error("`size` is {}x{}; a film needs 2 pixels a side or more, a folder takes any", .0[0], .0[1])]
     Thin([u32; 2]),
     /// A failure of ffmpeg, in its own words.
     #[error("ffmpeg failed: {0}")]

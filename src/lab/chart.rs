@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo,
-    pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, Vec2,
+    WidgetInfo, pos2, vec2,
 };
 
 use super::drawing::Tint;
@@ -126,7 +126,7 @@ impl ChartAxis {
 }
 
 /// Returns the next number of the form 1, 2 or 5 times a power of ten that is at least `least`.
-pub fn round_step(least: f64) -> f64 {
+fn round_step(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
     factor.unwrap_or(10.0) * power
@@ -139,8 +139,8 @@ pub fn plain(value: f64) -> String {
 }
 
 impl Chart {
-    /// Shows the chart; `told` is its description for a screen reader.
-    pub fn show(&self, ui: &mut Ui, size: Vec2, told: &str) {
+    /// Shows the chart and returns its response; `told` is its description for a screen reader.
+    pub fn show(&self, ui: &mut Ui, size: Vec2, told: &str) -> Response {
         let (response, painter) = ui.allocate_painter(size, Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told));
         let tint = Tint::of(ui);
@@ -164,6 +164,7 @@ impl Chart {
         for mark in &self.marks {
             inside.circle_filled(self.place(area, mark), 4.0, tint.ink);
         }
+        response
     }
 
     fn place(&self, area: Rect, [x, y]: &[f64; 2]) -> Pos2 {
@@ -256,6 +257,14 @@ mod tests {
         assert_eq!(signed.share(0.0), 0.5);
         assert!((signed.share(1e-2) + signed.share(-1e-2) - 1.0).abs() < 1e-6);
         assert!(signed.share(1e-2) > signed.share(1e-4) && signed.share(1e300) == 1.0);
+    }
+
+    #[test]
+    fn steps_are_round() {
+        let steps = [6.0, 0.9, 2.0, 130.0, 0.03].map(round_step);
+        for (step, expected) in steps.into_iter().zip([10.0, 1.0, 2.0, 200.0, 0.05]) {
+            assert!((step / expected - 1.0).abs() < 1e-12, "{step} for {expected}");
+        }
     }
 
     #[test]

@@ -12,10 +12,10 @@ use crate::scene::SceneError;
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// A file that could not be begun.
-    #[error("{option}: cannot write {name}")]
+    #[error("`{setting}`: cannot write {name}")]
     Create {
-        /// The option that named the file.
-        option: &'static str,
+        /// The setting that named the file.
+        setting: &'static str,
         /// The destination.
         name: Destination,
         /// The cause.

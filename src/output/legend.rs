@@ -189,7 +189,7 @@ impl Sheet {
         let margin = self.letter as u32;
         if width + margin > size[0] || height + margin > size[1] {
             return Err(SceneError {
-                option: "--legend",
+                setting: "legend",
                 value: format!("set for a picture of {}x{}", size[0], size[1]),
                 range: "the legend needs a picture of at least 320x160 pixels",
             });
@@ -242,7 +242,7 @@ mod tests {
     #[test]
     fn a_picture_without_room_is_refused() {
         let refused = legend(Ask::Flip, [200, 200]).unwrap_err().to_string();
-        assert!(refused.contains("--legend is set for a picture of 200x200"), "{refused}");
+        assert!(refused.contains("`legend` is set for a picture of 200x200"), "{refused}");
         assert!(legend(Ask::State, [320, 160]).is_ok() && legend(Ask::Flip, [320, 160]).is_ok());
     }
 }

@@ -14,39 +14,39 @@ use crate::scene::palette::{Tint, rounded};
 use crate::scene::{Document, PictureTable, Shown};
 use crate::tiles::Samples;
 
-/// Paths of the outputs, by option.
+/// Paths of the outputs, by setting.
 #[derive(Clone, Debug, Default)]
 pub struct Paths {
-    /// The picture, from `-o`.
+    /// The picture.
     pub picture: Option<PathBuf>,
-    /// The pyramid of tiles, from `--pyramid`.
+    /// The pyramid of tiles.
     pub pyramid: Option<PathBuf>,
-    /// The array of flip times, from `--raw`.
+    /// The array of flip times.
     pub raw: Option<PathBuf>,
-    /// The image with all channels, from `--exr`.
+    /// The image with all channels.
     pub exr: Option<PathBuf>,
-    /// The picture of trust, from `--trust`.
+    /// The picture of trust.
     pub trust: Option<PathBuf>,
 }
 
 impl Paths {
-    /// Each path that is given, with its option.
+    /// Each path that is given, with its setting.
     pub fn named(&self) -> Vec<(&'static str, &Path)> {
         let all = [
             (PICTURE, &self.picture),
             (PYRAMID, &self.pyramid),
-            ("--raw", &self.raw),
-            ("--exr", &self.exr),
+            ("raw", &self.raw),
+            ("exr", &self.exr),
             (TRUST, &self.trust),
         ];
-        all.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))).collect()
+        all.into_iter().filter_map(|(setting, path)| Some((setting, path.as_deref()?))).collect()
     }
 
     /// Refuses what could not be written, long before it is.
     pub fn check(&self, picture: &PictureTable) -> Result<(), OutputError> {
-        self.named().into_iter().try_for_each(|(option, path)| {
+        self.named().into_iter().try_for_each(|(setting, path)| {
             let name = Destination::from(path);
-            let begun = match option {
+            let begun = match setting {
                 PYRAMID => PyramidFolder::create(path).map(drop),
                 PICTURE if picture.bits == 16 => {
                     check_depth(path).and_then(|()| SafeFile::check(&name))
@@ -54,16 +54,16 @@ impl Paths {
                 PICTURE | TRUST => format_of(path).and_then(|_| SafeFile::check(&name)),
                 _ => SafeFile::check(&name),
             };
-            begun.map_err(|source| OutputError::Create { option, name, source })
+            begun.map_err(|source| OutputError::Create { setting, name, source })
         })
     }
 }
 
-/// The options whose outputs are pictures in the format of their name.
-const PICTURE: &str = "-o";
-const TRUST: &str = "--trust";
-/// The option whose output is a folder.
-const PYRAMID: &str = "--pyramid";
+/// The settings whose outputs are pictures in the format of their name.
+const PICTURE: &str = "output";
+const TRUST: &str = "trust";
+/// The setting whose output is a folder.
+const PYRAMID: &str = "pyramid";
 
 /// One run over the picture, for the outputs that need its samples.
 pub struct SinkPass {
@@ -103,28 +103,28 @@ enum Complete {
 impl Sink {
     /// Begins an output; refuses at once one that cannot be created.
     fn begin(
-        option: &'static str,
+        setting: &'static str,
         path: &Path,
         document: &Document,
         size: [u32; 2],
     ) -> Result<Self, OutputError> {
         let name = Destination::from(path);
-        let refused = |source| OutputError::Create { option, name: name.clone(), source };
-        if option == PYRAMID {
+        let refused = |source| OutputError::Create { setting, name: name.clone(), source };
+        if setting == PYRAMID {
             let begun = Pyramid::create(path, size, document).map_err(refused)?;
             return Ok(Sink::Pyramid(Box::new(begun)));
         }
-        if option == PICTURE && document.picture.bits == 16 {
+        if setting == PICTURE && document.picture.bits == 16 {
             let begun = PictureFile::create_deep(path, size, document).map_err(refused)?;
             return Ok(Sink::DeepPicture(begun));
         }
-        if option == PICTURE || option == TRUST {
+        if setting == PICTURE || setting == TRUST {
             let begun = PictureFile::create(path, size, Some(document)).map_err(refused)?;
-            return Ok(if option == PICTURE { Sink::Picture(begun) } else { Sink::Trust(begun) });
+            return Ok(if setting == PICTURE { Sink::Picture(begun) } else { Sink::Trust(begun) });
         }
         let file = SafeFile::create(&name).map_err(refused)?;
-        let begun = match option {
-            "--raw" => NpyWriter::new(file, size, channels_of(document))
+        let begun = match setting {
+            "raw" => NpyWriter::new(file, size, channels_of(document))
                 .map(Sink::Raw)
                 .map_err(PngError::from),
             _ => Spool::new(file)
@@ -202,8 +202,8 @@ pub struct Sinks {
 impl Sinks {
     /// Opens every output.
     pub fn open(paths: &Paths, document: &Document, size: [u32; 2]) -> Result<Self, OutputError> {
-        let begin = |(option, path): (&'static str, &Path)| {
-            Ok((Sink::begin(option, path, document, size)?, Destination::from(path)))
+        let begin = |(setting, path): (&'static str, &Path)| {
+            Ok((Sink::begin(setting, path, document, size)?, Destination::from(path)))
         };
         let open: Vec<_> =
             paths.named().into_iter().map(begin).collect::<Result<_, OutputError>>()?;

@@ -78,10 +78,10 @@ pub enum StateError {
         now: String,
     },
     /// A state beyond the budget that is requested.
-    #[error("has gone to {kept} s already; {option} is {now} and must be at least that")]
+    #[error("has gone to {kept} s already; `{setting}` is {now} and must be at least that")]
     Further {
-        /// The option that is too small.
-        option: &'static str,
+        /// The setting that is too small.
+        setting: &'static str,
         /// Budget that the state has reached, s.
         kept: f64,
         /// Budget of this run, s.
@@ -129,9 +129,9 @@ impl RenderState {
         differ("rule", kept.question.rule.to_string(), now.question.rule.to_string())?;
         differ("view", line(&kept.view), line(&now.view))?;
         differ("size", line(&kept.run.size), line(&now.run.size))?;
-        let option = if now.question.at.is_some() { "--at" } else { "--budget" };
+        let setting = if now.question.at.is_some() { "at" } else { "budget" };
         let (kept, now) = (kept.question.end_secs(), now.question.end_secs());
-        if now < kept { Err(StateError::Further { option, kept, now }) } else { Ok(()) }
+        if now < kept { Err(StateError::Further { setting, kept, now }) } else { Ok(()) }
     }
 
     /// Refuses to resume with another engine or integrator config.

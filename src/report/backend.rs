@@ -117,7 +117,7 @@ fn fitting(field: &BackendFilter) -> Result<Vec<wgpu::Adapter>, ChoiceError> {
     }
     let found = adapters();
     if found.is_empty() && (field.only_gpu || field.adapter.is_some()) {
-        return Err(ChoiceError::NoAdapter(format!("{INSTALL_HINT}; or use --engine cpu")));
+        return Err(ChoiceError::NoAdapter(format!("{INSTALL_HINT}; or use `engine` cpu")));
     }
     let Some(wanted) = &field.adapter else { return Ok(found) };
     let fits =

@@ -67,7 +67,7 @@ pub enum FilmError {
     /// A clock in a film of other answers than flip times.
     #[error(
         "key {number} has a clock, which lights up first flips from rest; other answers change with \
-         --vary at, budget, energy, friction, gravity, masses or lengths"
+         `vary` at, budget, energy, friction, gravity, masses or lengths"
     )]
     Timeless {
         /// Number of the key, from 1.
@@ -85,7 +85,7 @@ pub enum FilmError {
     },
     /// A frame with more samples than fit in memory while the film is planned.
     #[error(
-        "--size {}x{} with --samples {samples} is too much for a film: at most 500 million samples \
+        "`size` {}x{} with `samples` {samples} is too much for a film: at most 500 million samples \
          fit in a frame", .size[0], .size[1]
     )]
     Large {
@@ -95,10 +95,10 @@ pub enum FilmError {
         samples: u32,
     },
     /// A number out of range.
-    #[error("{option} is {value}; it must lie between {least} and {most}")]
+    #[error("`{setting}` is {value}; it must lie between {least} and {most}")]
     Range {
-        /// The option.
-        option: &'static str,
+        /// The name of the setting.
+        setting: &'static str,
         /// The given value.
         value: f64,
         /// The least value that can be used.
@@ -117,12 +117,12 @@ impl Film {
 
     /// Refuses keys that do not make a film; each key has been checked by itself before.
     pub fn check(&self) -> Result<(), FilmError> {
-        let range = |option, value: f64, least: f64, most: f64| {
+        let range = |setting, value: f64, least: f64, most: f64| {
             let fine = (least..=most).contains(&value);
-            if fine { Ok(()) } else { Err(FilmError::Range { option, value, least, most }) }
+            if fine { Ok(()) } else { Err(FilmError::Range { setting, value, least, most }) }
         };
-        range("--frames", f64::from(self.frames), 2.0, f64::from(Self::MOST_FRAMES))?;
-        range("--fps", self.fps, 0.1, 1000.0)?;
+        range("frames", f64::from(self.frames), 2.0, f64::from(Self::MOST_FRAMES))?;
+        range("fps", self.fps, 0.1, 1000.0)?;
         let [first, _, ..] = &self.keys[..] else { return Err(FilmError::Few(self.keys.len())) };
         let (size, samples) = (self.size, first.scene.picture.samples);
         let [width, height] = size.map(|side| u64::from(side) * u64::from(samples));
@@ -132,9 +132,9 @@ impl Film {
         let is_of_flips = self.kind() == FilmKind::Flips;
         for (key, number) in self.keys.iter().zip(1..) {
             if is_of_flips && key.scene.picture.legend {
-                let (option, value) = ("--legend", "set".to_string());
+                let (setting, value) = ("legend", "set".to_string());
                 let range = "a legend is drawn in stills and in films of other answers than flips";
-                Err(SceneError { option, value, range })?;
+                Err(SceneError { setting, value, range })?;
             }
             let jumps = |what| Err(FilmError::Jumps { number, what });
             let asked = |key: &Key| (key.scene.question.ask, key.scene.question.count);
@@ -385,7 +385,7 @@ mod tests {
         assert!(error.contains("key 2 has a clock and the first lacks"), "{error}");
         let few = Film { frames: 1, ..zoom("1") };
         assert!(
-            few.check().unwrap_err().to_string().contains("--frames is 1; it must lie between 2")
+            few.check().unwrap_err().to_string().contains("`frames` is 1; it must lie between 2")
         );
     }
 }

@@ -150,6 +150,6 @@ mod tests {
         assert!(refused("[[key]]\ntime = 1\n").starts_with("line 2, column 1"));
         assert!(refused("format = 2").contains("format 2; this program reads"));
         let scene = "[[key]]\nsecs = 1\n[key.scene.view]\nwidth = \"0\"\n";
-        assert!(refused(scene).contains("--width is '0'"));
+        assert!(refused(scene).contains("`width` is '0'"));
     }
 }

@@ -34,22 +34,18 @@ pub enum LocationError {
     #[error("the location says {0} twice; leave one of them out")]
     Twice(&'static str),
     /// A value that cannot be used.
-    #[error("the location's {} is {}; {}", name(.0.option), .0.value, .0.range)]
+    #[error("the location's {} is {}; {}", .0.setting, .0.value, .0.range)]
     Scene(#[from] SceneError),
-}
-
-fn name(option: &'static str) -> &'static str {
-    option.trim_start_matches("--")
 }
 
 /// A scene as one line, which [`parse`] turns back into the same scene.
 pub fn text(scene: &Scene) -> String {
     let home = Scene::default();
     let mut parts = Vec::new();
-    for (option, word) in Word::ALL {
+    for (setting, word) in Word::ALL {
         let text = word.text(scene);
         if matches!(word, Word::Center | Word::Width) || text != word.text(&home) {
-            parts.push(format!("{}={text}", name(option)));
+            parts.push(format!("{setting}={text}"));
         }
     }
     format!("{PREFIX}{}", parts.join(";"))
@@ -66,7 +62,7 @@ pub fn parse(text: &str) -> Result<Scene, LocationError> {
             part.split_once('=').ok_or_else(|| LocationError::NoWord(part.to_string()))?;
         let word = known(key.trim())?;
         if said.contains(&word) {
-            return Err(LocationError::Twice(name(word.option())));
+            return Err(LocationError::Twice(word.setting()));
         }
         word.set(&mut scene, value.trim())?;
         said.push(word);
@@ -75,10 +71,10 @@ pub fn parse(text: &str) -> Result<Scene, LocationError> {
 }
 
 fn known(key: &str) -> Result<Word, LocationError> {
-    let found = Word::ALL.iter().find(|(option, _)| name(option) == key);
+    let found = Word::ALL.iter().find(|(setting, _)| *setting == key);
     found.map(|(_, word)| *word).ok_or_else(|| LocationError::Unknown {
         word: key.to_string(),
-        known: Word::ALL.map(|(option, _)| name(option)).join(", "),
+        known: Word::ALL.map(|(setting, _)| setting).join(", "),
     })
 }
 

@@ -226,28 +226,28 @@ impl QuestionTable {
 
     /// Checks what belongs to this question; the budget is checked.
     fn check(&self) -> Result<(), SceneError> {
-        let refuse = |option, value, range| Err(SceneError { option, value, range });
+        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
         if !(1..=Self::MOST_COUNT).contains(&self.count) {
-            return refuse("--count", self.count.to_string(), "it must lie between 1 and 1000000");
+            return refuse("count", self.count.to_string(), "it must lie between 1 and 1000000");
         }
         if self.count > 1 && self.ask != Ask::Flip {
-            return refuse("--count", self.count.to_string(), "only the question flip counts");
+            return refuse("count", self.count.to_string(), "only the question flip counts");
         }
         let Some(at) = self.at else { return Ok(()) };
         if !self.ask.kind().at_a_time {
             return refuse(
-                "--at",
+                "at",
                 at.to_string(),
                 "only the questions flips, state, growth and return last until a given time",
             );
         }
         if at == 0.0 && self.ask.kind().needs == Needs::Growth {
-            let range = "growth takes time: it must lie above 0 and within --budget, in s";
-            return refuse("--at", format!("{at} s"), range);
+            let range = "growth takes time: it must lie above 0 and within `budget`, in s";
+            return refuse("at", format!("{at} s"), range);
         }
         if !(at >= 0.0 && at <= self.budget.secs) {
-            let range = "it must lie within the budget: between 0 and --budget, in s";
-            return refuse("--at", format!("{at} s"), range);
+            let range = "it must lie within the budget: between 0 and `budget`, in s";
+            return refuse("at", format!("{at} s"), range);
         }
         Ok(())
     }
@@ -268,10 +268,10 @@ pub struct Scene {
 
 /// A number of a scene that cannot be used, with the range of those that can.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{option} is {value}; {range}")]
+#[error("`{setting}` is {value}; {range}")]
 pub struct SceneError {
-    /// The option or key.
-    pub option: &'static str,
+    /// The name of the setting: a key of a scene, an option of the command line.
+    pub setting: &'static str,
     /// The given value.
     pub value: String,
     /// The allowed range, as a phrase.
@@ -283,33 +283,33 @@ impl Scene {
     /// [`Scene::settled`].
     pub fn checked(mut self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-        let refuse = |option, value: &dyn std::fmt::Debug, range| {
-            Err(SceneError { option, value: format!("{value:?}"), range })
+        let refuse = |setting, value: &dyn std::fmt::Debug, range| {
+            Err(SceneError { setting, value: format!("{value:?}"), range })
         };
         let Build { masses, lengths, gravity, .. } = self.build;
         if let Some(mass) = masses.iter().find(|m| !WIDE.contains(&m.value())) {
-            return refuse("--masses", mass, "each mass must lie between 1e-9 and 1e9 kg");
+            return refuse("masses", mass, "each mass must lie between 1e-9 and 1e9 kg");
         }
         if let Some(length) = lengths.iter().find(|l| !WIDE.contains(&l.value())) {
-            return refuse("--lengths", length, "each length must lie between 1e-9 and 1e9 m");
+            return refuse("lengths", length, "each length must lie between 1e-9 and 1e9 m");
         }
         if let Some(b) = self.build.friction.iter().find(|b| !(0.0..=1e9).contains(&b.value())) {
-            return refuse("--friction", b, "each must lie between 0 and 1e9 N m s");
+            return refuse("friction", b, "each must lie between 0 and 1e9 N m s");
         }
         if !(gravity == 0.0 || WIDE.contains(&gravity.value())) {
-            return refuse("--gravity", &gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
+            return refuse("gravity", &gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
         }
         self.view.check()?;
         self.question.budget = self.question.budget.guessed(&self.build, &self.view);
         let budget = self.question.budget.secs;
         if !(1e-9..=1e6).contains(&budget) {
-            return refuse("--budget", &budget, "it must lie between 1e-9 and 1e6 s, or be auto");
+            return refuse("budget", &budget, "it must lie between 1e-9 and 1e6 s, or be auto");
         }
         self.question.check()?;
         self.plane.check(&self.build)?;
         if gravity == 0.0 && !self.is_flip_from_rest() {
             let range = "without gravity nothing moves from rest, and nothing else is computed";
-            return refuse("--gravity", &gravity, range);
+            return refuse("gravity", &gravity, range);
         }
         Ok(self)
     }
@@ -332,15 +332,15 @@ impl Scene {
                      takes every question and plane";
         if question.ask != Ask::Flip {
             let value = question.ask.to_string();
-            return Err(SceneError { option: "--ask", value, range });
+            return Err(SceneError { setting: "ask", value, range });
         }
         if question.count > 1 {
             let value = question.count.to_string();
-            return Err(SceneError { option: "--count", value, range });
+            return Err(SceneError { setting: "count", value, range });
         }
         if !plane.is_at_rest() {
             let value = plane.kind.to_string();
-            return Err(SceneError { option: "--plane", value, range });
+            return Err(SceneError { setting: "plane", value, range });
         }
         Ok(())
     }

@@ -181,21 +181,21 @@ impl PictureTable {
     /// Checks that a picture of this size can be painted with these settings.
     pub fn check_size(&self, size: [u32; 2]) -> Result<(), SceneError> {
         let value = format!("{}x{}", size[0], size[1]);
-        let refuse = |value, range| Err(SceneError { option: "--size", value, range });
+        let refuse = |value, range| Err(SceneError { setting: "size", value, range });
         if !size.iter().all(|side| (1..=Self::LONGEST_SIDE).contains(side)) {
             return refuse(value, "both sides must lie between 1 and 1000000 pixels");
         }
         if size[0] * self.samples > Self::LONGEST_ROW {
-            let value = format!("{value} with --samples {}", self.samples);
+            let value = format!("{value} with `samples` {}", self.samples);
             return refuse(value, "at most 1048576 samples fit in a row");
         }
         if self.adaptive
             && size.iter().map(|side| u64::from(*side)).product::<u64>() > Self::MOST_ADAPTIVE
         {
-            let value = format!("{value} with --samples auto");
+            let value = format!("{value} with `samples` auto");
             return refuse(
                 value,
-                "at most 33554432 pixels are sampled adaptively; --samples 3 has no such limit",
+                "at most 33554432 pixels are sampled adaptively; `samples` 3 has no such limit",
             );
         }
         Ok(())
@@ -214,7 +214,7 @@ impl PictureTable {
             return Ok(Shown::Tint(tint));
         }
         ask.channel(name).map(Shown::Channel).ok_or_else(|| SceneError {
-            option: "--channel",
+            setting: "channel",
             value: format!("'{name}'"),
             range: ask.kind().channel_names,
         })
@@ -223,30 +223,30 @@ impl PictureTable {
     /// Checks that every setting can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         Ground::of(self)?;
-        let refuse = |option, value, range| Err(SceneError { option, value, range });
+        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
         if !Self::SAMPLES.contains(&self.samples) {
-            return refuse("--samples", self.samples.to_string(), "it must lie between 1 and 8");
+            return refuse("samples", self.samples.to_string(), "it must lie between 1 and 8");
         }
         if !Self::CYCLES.contains(&self.cycles) {
-            return refuse("--cycles", self.cycles.to_string(), "it must lie between 1 and 100");
+            return refuse("cycles", self.cycles.to_string(), "it must lie between 1 and 100");
         }
         if !matches!(self.bits, 8 | 16) {
-            return refuse("--bits", self.bits.to_string(), "it must be 8 or 16");
+            return refuse("bits", self.bits.to_string(), "it must be 8 or 16");
         }
-        for (option, value, range, words) in [
-            ("--offset", self.offset, Self::OFFSETS, "it must lie between 0 and 1"),
-            ("--relief", self.relief, Self::RELIEFS, "it must lie between 0 and 1"),
-            ("--light", self.light, Self::LIGHTS_DEG, "it must lie between -360 and 360 degrees"),
+        for (setting, value, range, words) in [
+            ("offset", self.offset, Self::OFFSETS, "it must lie between 0 and 1"),
+            ("relief", self.relief, Self::RELIEFS, "it must lie between 0 and 1"),
+            ("light", self.light, Self::LIGHTS_DEG, "it must lie between -360 and 360 degrees"),
         ] {
             if !range.contains(&value) {
-                return refuse(option, value.to_string(), words);
+                return refuse(setting, value.to_string(), words);
             }
         }
         let few = matches!(self.times.len(), 0 | 2..=Self::MOST_TIMES);
         if !few || !self.times.iter().all(|secs| Self::SECS.contains(secs)) || !rise(&self.times) {
             let range = "it must be 2 to 257 times between 1e-9 and 1e6 s, each later than the \
                          one before";
-            return refuse("--times", format!("{:?}", self.times), range);
+            return refuse("times", format!("{:?}", self.times), range);
         }
         Ok(())
     }
@@ -260,17 +260,17 @@ mod tests {
     fn what_cannot_be_painted_is_refused_by_name() {
         type Change = fn(&mut PictureTable);
         let changes: [(&str, Change); 13] = [
-            ("--palette is 'rainbow'; the palettes are iris", |p| p.palette = "rainbow".into()),
-            ("--samples is 9; it must lie between 1 and 8", |p| p.samples = 9),
-            ("--cycles is 0; it must", |p| p.cycles = 0.0),
-            ("--cycles is NaN; it must", |p| p.cycles = f64::NAN),
-            ("--times is [1.0]; it must be 2 to", |p| p.times = vec![1.0]),
+            ("`palette` is 'rainbow'; the palettes are iris", |p| p.palette = "rainbow".into()),
+            ("`samples` is 9; it must lie between 1 and 8", |p| p.samples = 9),
+            ("`cycles` is 0; it must", |p| p.cycles = 0.0),
+            ("`cycles` is NaN; it must", |p| p.cycles = f64::NAN),
+            ("`times` is [1.0]; it must be 2 to", |p| p.times = vec![1.0]),
             ("each later", |p| p.times = vec![2.0, 1.0]),
             ("each later", |p| p.times = vec![1.0, 1.0 + f64::EPSILON]),
-            ("--bits is 12; it must be 8 or 16", |p| p.bits = 12),
-            ("--offset is 1.5; it must", |p| p.offset = 1.5),
-            ("--relief is NaN; it must", |p| p.relief = f64::NAN),
-            ("--light is 400; it must", |p| p.light = 400.0),
+            ("`bits` is 12; it must be 8 or 16", |p| p.bits = 12),
+            ("`offset` is 1.5; it must", |p| p.offset = 1.5),
+            ("`relief` is NaN; it must", |p| p.relief = f64::NAN),
+            ("`light` is 400; it must", |p| p.light = 400.0),
             ("between 1e-9", |p| p.times = vec![0.0, 1.0]),
             ("between 1e-9", |p| p.times = vec![1.0, f64::NAN]),
         ];
@@ -290,10 +290,10 @@ mod tests {
         let adaptive = PictureTable { adaptive: true, ..picture.clone() };
         adaptive.check_size([7680, 4320]).unwrap();
         let error = adaptive.check_size([8192, 8192]).unwrap_err().to_string();
-        assert!(error.contains("--samples auto") && error.contains("--samples 3"), "{error}");
+        assert!(error.contains("`samples` auto") && error.contains("`samples` 3"), "{error}");
         for size in [[0, 1], [1, 1_000_001], [524_289, 1]] {
             let error = picture.check_size(size).unwrap_err().to_string();
-            assert!(error.contains(&format!("--size is {}x{}", size[0], size[1])), "{error}");
+            assert!(error.contains(&format!("`size` is {}x{}", size[0], size[1])), "{error}");
         }
     }
 

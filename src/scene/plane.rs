@@ -165,22 +165,22 @@ impl Plane {
 
     /// Checks that every number can be used for this pendulum.
     pub fn check(&self, build: &Build) -> Result<(), SceneError> {
-        let refuse = |option, value, range| Err(SceneError { option, value, range });
+        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
         if let PlaneKind::Axes([across, up]) = self.kind
             && across == up
         {
-            return refuse("--plane", format!("'{}'", self.kind), "its two axes must differ");
+            return refuse("plane", format!("'{}'", self.kind), "its two axes must differ");
         }
         for value in &self.origin {
             if !Dd::parse(value).is_some_and(|value| value.hi.abs() <= MOST) {
                 let range = "it must be four decimal numbers θ1,θ2,ω1,ω2 between -1e6 and 1e6";
-                return refuse("--origin", format!("'{value}'"), range);
+                return refuse("origin", format!("'{value}'"), range);
             }
         }
         let Pendulum { p, q, .. } = build.pendulum();
         if !self.energy.is_finite() || self.energy.abs() > MOST_ENERGY {
             return refuse(
-                "--energy",
+                "energy",
                 self.energy.to_string(),
                 "it must lie between -1e12 and 1e12 J",
             );
@@ -188,7 +188,7 @@ impl Plane {
         if self.kind == PlaneKind::Section && self.energy < -(p + q) {
             let range = "a section's energy must be at least that of the hanging pendulum, \
                          -(m1 + m2) g l1 - m2 g l2 for points";
-            return refuse("--energy", format!("{} J", self.energy), range);
+            return refuse("energy", format!("{} J", self.energy), range);
         }
         Ok(())
     }
@@ -389,12 +389,12 @@ mod tests {
         };
         Plane::default().check(&Build::default()).unwrap();
         let twice = refused(|plane| plane.kind = PlaneKind::Axes([Axis::Omega1; 2]));
-        assert!(twice.contains("--plane is 'omega1,omega1'; its two axes"), "{twice}");
+        assert!(twice.contains("`plane` is 'omega1,omega1'; its two axes"), "{twice}");
         let far = refused(|plane| plane.origin[2] = "1e9".into());
-        assert!(far.contains("--origin is '1e9'"), "{far}");
+        assert!(far.contains("`origin` is '1e9'"), "{far}");
         let low = refused(|plane| {
             (plane.kind, plane.energy) = (PlaneKind::Section, -30.0);
         });
-        assert!(low.contains("--energy is -30 J"), "{low}");
+        assert!(low.contains("`energy` is -30 J"), "{low}");
     }
 }

@@ -70,17 +70,17 @@ impl View {
             let fine = Theta::parse(coordinate).is_some_and(|x| x.to_f64().abs() <= 1e6);
             let range = "each angle must be a decimal number between -1e6 and 1e6 rad, in at most \
                          1000 characters";
-            refuse_unless(fine, "--center", &shortened(coordinate), range)?;
+            refuse_unless(fine, "center", &shortened(coordinate), range)?;
         }
         let width = Dd::parse(&self.width).is_some_and(|w| (LEAST_WIDTH..=1e3).contains(&w.hi));
         let range = "it must be a decimal number between 1e-100 and 1e3 rad";
-        refuse_unless(width, "--width", &self.width, range)?;
+        refuse_unless(width, "width", &self.width, range)?;
         let rotate = (-360.0..=360.0).contains(&self.rotate);
         let range = "it must lie between -360 and 360 degrees";
-        refuse_unless(rotate, "--rotate", &self.rotate.to_string(), range)?;
+        refuse_unless(rotate, "rotate", &self.rotate.to_string(), range)?;
         let stretch = (1e-6..=1e6).contains(&self.stretch);
         let range = "it must lie between 1e-6 and 1e6";
-        refuse_unless(stretch, "--stretch", &self.stretch.to_string(), range)
+        refuse_unless(stretch, "stretch", &self.stretch.to_string(), range)
     }
 
     /// The centre in rad; call [`View::check`] first. A coordinate that is ±π but for its last
@@ -126,14 +126,14 @@ impl View {
 
 fn refuse_unless(
     fine: bool,
-    option: &'static str,
+    setting: &'static str,
     value: &str,
     range: &'static str,
 ) -> Result<(), SceneError> {
     if fine {
         return Ok(());
     }
-    Err(SceneError { option, value: format!("'{value}'"), range })
+    Err(SceneError { setting, value: format!("'{value}'"), range })
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! The numbers of a scene as words: `--rule either` as an option, `rule=either` in a location.
+//! The numbers of a scene as words: `rule` as an option, a key, or in a location as `rule=either`.
 
 use super::angle_text::in_rad;
 use super::{Kind, PlaneKind, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
 use crate::question::{Ask, Watches};
 
-/// One number of a scene, or a pair of numbers, that has an option.
+/// One number of a scene, or a pair of numbers, that has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Word {
     /// Centre of the view, θ1 and θ2.
@@ -61,57 +61,57 @@ impl Scene {
             }
         }
         let refuse = |word: Word, text: &str, range| {
-            Err(SceneError { option: word.option(), value: format!("'{text}'"), range })
+            Err(SceneError { setting: word.setting(), value: format!("'{text}'"), range })
         };
         if let (Some(rule), Watches::Always(_)) = (rule, self.question.ask.kind().watches) {
-            let range = "only the question flip has a rule: omit --rule, or use --ask flip";
+            let range = "only the question flip has a rule: omit `rule`, or use `ask` flip";
             return refuse(Word::Rule, rule, range);
         }
         if let (Some(energy), false) = (energy, self.plane.kind == PlaneKind::Section) {
             let range =
-                "only the plane section has an energy: omit --energy, or use --plane section";
+                "only the plane section has an energy: omit `energy`, or use `plane` section";
             return refuse(Word::Energy, energy, range);
         }
         self.checked()
     }
 }
 
-/// Value of `--at` for the end of the budget.
+/// The word for the end of the budget.
 const END_OF_BUDGET: &str = "budget";
 
 const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comma between them";
 
 impl Word {
-    /// Every word with its option: the view first, then the question and the pendulum.
+    /// Every word with its name: the view first, then the question and the pendulum.
     pub const ALL: [(&'static str, Word); 17] = [
-        ("--center", Word::Center),
-        ("--width", Word::Width),
-        ("--rotate", Word::Rotate),
-        ("--stretch", Word::Stretch),
-        ("--budget", Word::Budget),
-        ("--rule", Word::Rule),
-        ("--kind", Word::Kind),
-        ("--masses", Word::Masses),
-        ("--lengths", Word::Lengths),
-        ("--gravity", Word::Gravity),
-        ("--friction", Word::Friction),
-        ("--ask", Word::Ask),
-        ("--at", Word::At),
-        ("--count", Word::Count),
-        ("--plane", Word::Plane),
-        ("--origin", Word::Origin),
-        ("--energy", Word::Energy),
+        ("center", Word::Center),
+        ("width", Word::Width),
+        ("rotate", Word::Rotate),
+        ("stretch", Word::Stretch),
+        ("budget", Word::Budget),
+        ("rule", Word::Rule),
+        ("kind", Word::Kind),
+        ("masses", Word::Masses),
+        ("lengths", Word::Lengths),
+        ("gravity", Word::Gravity),
+        ("friction", Word::Friction),
+        ("ask", Word::Ask),
+        ("at", Word::At),
+        ("count", Word::Count),
+        ("plane", Word::Plane),
+        ("origin", Word::Origin),
+        ("energy", Word::Energy),
     ];
 
-    /// The word's option.
-    pub fn option(self) -> &'static str {
+    /// The word's name.
+    pub fn setting(self) -> &'static str {
         Self::ALL[self as usize].0
     }
 
     /// Sets this word of a scene from `text`; [`Scene::checked`] checks the ranges.
     pub fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
         self.apply(scene, text.trim()).map_err(|range| SceneError {
-            option: self.option(),
+            setting: self.setting(),
             value: format!("'{text}'"),
             range,
         })
@@ -215,8 +215,8 @@ mod tests {
 
     #[test]
     fn words_and_kinds_stand_in_their_places() {
-        for (place, (option, word)) in Word::ALL.into_iter().enumerate() {
-            assert_eq!((word as usize, word.option()), (place, option));
+        for (place, (setting, word)) in Word::ALL.into_iter().enumerate() {
+            assert_eq!((word as usize, word.setting()), (place, setting));
         }
         for (place, (_, kind)) in Kind::ALL.into_iter().enumerate() {
             assert_eq!(kind as usize, place);

@@ -15,9 +15,9 @@ pub fn check_feasible(
     check_steps(scene, config)?;
     let grid = Grid::new(scene, size);
     let (cells, why) = if grid.cell_plane().is_some() {
-        (cells, "--cells is never")
+        (cells, "`cells` is never")
     } else {
-        (Cells::Never, "--width is too small for this plane or question")
+        (Cells::Never, "`width` is too small for this plane or question")
     };
     let checked = cells.check(config, grid.pixel_rad());
     checked.map_err(|error| EngineError::Unsupported(format!("{why}; {error}")))

@@ -1,10 +1,13 @@
 //! The answers of a view's pendulums at later and later times: each trajectory is computed once, and
 //! goes on from where the time before found it.
 
+use std::ops::Range;
+
 use super::plan::plan;
 use super::reader::Reader;
 use super::samples::Samples;
 use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Starts, run_job};
+use crate::scene::film::{Film, FilmKind};
 use crate::scene::{Fate, Grid, Scene};
 
 /// The pendulums of a view in motion.
@@ -20,7 +23,7 @@ pub struct Moments {
 
 /// Pendulums of one job.
 struct Batch {
-    /// Indices of their pixels, row by row from the top.
+    /// Indices of their pixels, row by row from the first.
     places: Vec<u32>,
     /// Their starts, or the states in which the last job left them.
     starts: Starts,
@@ -30,15 +33,26 @@ impl Moments {
     /// The pendulums of a checked scene, whose question asks for a time, at their starts, in a picture
     /// of `size` pixels.
     pub fn new(scene: &Scene, size: [u32; 2], config: IntegratorConfig, job_size: usize) -> Self {
+        Moments::of_rows(scene, size, config, job_size, 0..size[1])
+    }
+
+    /// The pendulums of some rows of that picture.
+    pub fn of_rows(
+        scene: &Scene,
+        size: [u32; 2],
+        config: IntegratorConfig,
+        job_size: usize,
+        rows: Range<u32>,
+    ) -> Self {
         let grid = Grid::new(scene, size);
         let question = Question::from(scene);
-        let (ask, count) = (scene.question.ask, (size[0] * size[1]) as usize);
+        let (ask, count) = (scene.question.ask, size[0] as usize * rows.len());
         let mut samples = Samples::unanswered(count, ask.kind().channels.len());
         let mut batches = Vec::new();
-        for tile in plan(size[0], 0..size[1], job_size) {
+        for tile in plan(size[0], rows.clone(), job_size) {
             let (mut places, mut angles, mut launches) = (Vec::new(), Vec::new(), Vec::new());
             for [x, y] in tile.pixels() {
-                let place = y * size[0] + x;
+                let place = (y - rows.start) * size[0] + x;
                 match grid.fate(x, y) {
                     Fate::Known(outcome) => {
                         samples.set_values(place as usize, outcome.status, &[]);
@@ -63,11 +77,23 @@ impl Moments {
         Keep { ends: self.reader.ends(), states: true }
     }
 
+    /// Returns true if the frames of a checked film can be computed as one motion. Checks, and numbers
+    /// that cannot be carried on, begin every frame anew.
+    pub fn make(film: &Film, verify: bool, config: &IntegratorConfig) -> bool {
+        let first = &film.keys[0].scene.scene();
+        film.kind() == FilmKind::Moments && !verify && Moments::are_possible(first, config)
+    }
+
     /// Returns true if an integrator config can let pendulums go on with all that a checked scene's
     /// question needs.
-    pub fn are_possible(scene: &Scene, config: &IntegratorConfig) -> bool {
+    fn are_possible(scene: &Scene, config: &IntegratorConfig) -> bool {
         let ends = scene.question.ask.kind().needs.into();
         Keep { ends, states: true }.check(config).is_ok()
+    }
+
+    /// Number of pendulums that still move.
+    pub fn moving(&self) -> usize {
+        self.batches.iter().map(|batch| batch.places.len()).sum()
     }
 
     /// Lets all pendulums go on until `at_secs`, which must not lie before the time they have

@@ -109,10 +109,10 @@ mod tests {
             assert!((view.rotate - turned).abs() < 1e-12, "{text}");
         }
         for (wrong, words) in [
-            (["x", "0", "1", "0", "1"], "--center is 'x'"),
-            (["0", "0", "0", "0", "1"], "--width is '0'"),
+            (["x", "0", "1", "0", "1"], "`center` is 'x'"),
+            (["0", "0", "0", "0", "1"], "`width` is '0'"),
             (["0", "0", "1", "turn", "1"], "Turn is 'turn'"),
-            (["0", "0", "1", "0", "0"], "--stretch is '0'"),
+            (["0", "0", "1", "0", "0"], "`stretch` is '0'"),
         ] {
             let error = view_of(&texts(wrong)).unwrap_err();
             assert!(error.contains(words), "{error}");

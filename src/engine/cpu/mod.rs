@@ -101,7 +101,7 @@ impl CpuEngine {
         }
         let IntegratorConfig { method, precision } = config;
         let why =
-            format!("the processor has no --method {} in --precision {precision}", method.name());
+            format!("the processor has no `method` {} in `precision` {precision}", method.name());
         Err(EngineError::Unsupported(why))
     }
 

@@ -107,7 +107,7 @@ impl Design {
             Method::Dop853 { .. } => Scheme::Eighth,
             method => {
                 return Err(EngineError::Unsupported(format!(
-                    "graphics adapters have no --method {} in --precision {}",
+                    "graphics adapters have no `method` {} in `precision` {}",
                     method.name(),
                     config.precision
                 )));

@@ -71,7 +71,7 @@ impl Outlook {
         (self.expected_right() < ENOUGH).then(|| {
             format!(
                 "about {:.0} % of the simulated pixels are beyond the horizon, where errors have \
-                 grown too large: --accuracy exact decides or marks them, a smaller budget leaves \
+                 grown too large: `accuracy` exact decides or marks them, a smaller budget leaves \
                  them out",
                 100.0 * (1.0 - self.expected_right())
             )

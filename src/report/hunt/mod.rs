@@ -178,8 +178,10 @@ fn words(outcome: &Outcome) -> String {
 
 /// The command that renders the picture again.
 fn command(scene: &Scene) -> String {
-    let options: Vec<String> =
-        Word::ALL.iter().map(|(option, word)| format!("{option}={}", word.text(scene))).collect();
+    let options: Vec<String> = Word::ALL
+        .iter()
+        .map(|(setting, word)| format!("--{setting}={}", word.text(scene)))
+        .collect();
     format!(
         "flipmap render --accuracy exact --engine cpu --size {SIDE}x{SIDE} {} -o hunted.png",
         options.join(" ")

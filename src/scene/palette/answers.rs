@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(fast(99.0), fast(10.0), "beyond its scale");
         assert_eq!(speed.colour(Status::Forbidden, &[0.0; 6]), Ground::DARK.forbidden);
         let refused = colours(Ask::Flip, Some("theta2")).unwrap_err().to_string();
-        assert_eq!(refused, "--channel is 'theta2'; the question flip has time");
+        assert_eq!(refused, "`channel` is 'theta2'; the question flip has time");
         assert!(colours(Ask::Growth, Some("energy")).is_err());
     }
 

@@ -56,7 +56,7 @@ pub struct GroundTable {
     pub curve: Option<String>,
 }
 
-/// The form of `--colours`.
+/// The form of `colours`.
 const FORM: &str =
     "it must be unflipped, forbidden or curve with a colour, as in unflipped=#101018,curve=#ffffff";
 
@@ -80,7 +80,7 @@ impl GroundTable {
 
 fn colour(text: &str) -> Result<Rgb, SceneError> {
     parse_colour(text).ok_or_else(|| SceneError {
-        option: "--colours",
+        setting: "colours",
         value: format!("'{}'", text.chars().take(40).collect::<String>()),
         range: "each colour is # and six hexadecimal digits, as in #101018",
     })
@@ -126,7 +126,7 @@ mod tests {
         let error = picture.check().unwrap_err().to_string();
         assert_eq!(
             error,
-            "--colours is 'grey'; each colour is # and six hexadecimal digits, as in #101018"
+            "`colours` is 'grey'; each colour is # and six hexadecimal digits, as in #101018"
         );
     }
 }

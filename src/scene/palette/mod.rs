@@ -84,7 +84,7 @@ impl Palette {
         }
         let found = FILES.iter().find(|(known, _)| *known == name);
         let (name, text) = found.ok_or_else(|| SceneError {
-            option: "--palette",
+            setting: "palette",
             value: format!("'{name}'"),
             range: "the palettes are iris, batlow, viridis, magma, cividis, romao, lists of colours \
                     (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl",
@@ -96,7 +96,7 @@ impl Palette {
 
     fn of_list(text: &str) -> Result<Self, SceneError> {
         let stops = gradient::parse_list(text).ok_or_else(|| SceneError {
-            option: "--palette",
+            setting: "palette",
             value: format!("'{text}'"),
             range: "a list is 2 to 256 colours such as #ff8000, separated by commas",
         })?;

@@ -1,48 +1,71 @@
 //! The separation from the ghost against time, on a logarithmic axis.
 
-use egui::emath::RectTransform;
-use egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
-    vec2,
-};
+use std::ops::RangeInclusive;
+
+use egui::{Color32, Ui, vec2};
 
 use super::facts::round_secs;
-use super::{CANVAS, FAINT, INK};
 use crate::app::pins::Pin;
-use crate::lab::chart::round_step;
+use crate::lab::chart::{AxisScale, Chart, ChartAxis, Curve};
+use crate::lab::drawing::Tint;
 use crate::physics::separation::{Growth, Reading, reading_at};
 
-const HEIGHT: f32 = 110.0;
-/// Space for the numbers to the left of the plot and below it, in points.
-const MARGIN: egui::Vec2 = vec2(38.0, 16.0);
-/// Greatest number of points of the curve; more could not be told apart.
-const MOST_POINTS: usize = 400;
+/// Height of the chart in points.
+const HEIGHT: f32 = 140.0;
 
-/// Shows the plot with the current time marked, and the growth rate in words.
+/// Shows the chart with the current time marked, and the growth rate in words.
 pub(super) fn separation(ui: &mut Ui, pin: &Pin) {
     let record = pin.flight.record();
     let growth = Growth::fit(&record.readings);
     ui.label(words(&record.readings, growth, pin.shown_secs()));
-    let (response, painter) =
-        ui.allocate_painter(vec2(ui.available_width(), HEIGHT), Sense::hover());
-    response.widget_info(|| {
-        let name = "Separation in rad from the pendulum one pixel away, against time in s";
-        WidgetInfo::labeled(Role::Image, true, name)
-    });
-    response.clone().on_hover_text(
+    let Some(decades) = decades(&record.readings) else { return };
+    if record.end_secs() <= 0.0 {
+        return;
+    }
+    let curve = points(&record.readings);
+    let mut curves = vec![Curve::line("", pin.badge.colour(), curve)];
+    let ink = Tint::of(ui).ink;
+    if let Some(growth) = growth {
+        let line = [0.0, growth.until_secs].map(|t| [t, growth.separation_rad(t)]);
+        curves.push(Curve::guide("fitted growth", ink, line.to_vec()));
+    }
+    let now = reading_at(&record.readings, pin.shown_secs());
+    curves.extend(now.map(|_| upright(pin.shown_secs(), &decades, ink)));
+    let marks = now.map(|reading| [pin.shown_secs(), reading.separation_rad]);
+    let chart = Chart {
+        across: ChartAxis::new("time, s", 0.0..=record.end_secs(), AxisScale::Linear),
+        up: ChartAxis::new("separation, rad", decades, AxisScale::Log),
+        curves,
+        marks: marks.into_iter().collect(),
+    };
+    let told = "Separation in rad from the pendulum one pixel away, against time in s";
+    chart.show(ui, vec2(ui.available_width(), HEIGHT), told).on_hover_text(
         "How far apart the two pendulums are in phase space: angles in rad, speeds in rad per \
          natural unit of time. The dashed line is the fitted growth.",
     );
-    let Some(axes) = Axes::new(response.rect, &record.readings, record.end_secs()) else { return };
-    axes.frame(&painter, ui.visuals().text_color());
-    let curve = axes.curve(&record.readings);
-    painter.add(Shape::line(curve, Stroke::new(1.5, pin.badge.colour())));
-    if let Some(growth) = growth {
-        let ends = [0.0, growth.until_secs].map(|t| axes.place(t, growth.separation_rad(t)));
-        let stroke = Stroke::new(1.0, INK);
-        painter.extend(Shape::dashed_line(&ends, stroke, 4.0, 3.0));
+}
+
+/// The line that marks a moment.
+fn upright(secs: f64, range: &RangeInclusive<f64>, colour: Color32) -> Curve {
+    Curve::line("", colour, vec![[secs, *range.start()], [secs, *range.end()]])
+}
+
+/// The range of whole decades that holds all separations; `None` while the pendulums are together.
+fn decades(readings: &[Reading]) -> Option<RangeInclusive<f64>> {
+    let logs = readings.iter().map(|r| r.separation_rad.log10()).filter(|log| log.is_finite());
+    let [low, high] = logs
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], log| [low.min(log), high.max(log)]);
+    if low > high {
+        return None;
     }
-    axes.now(&painter, &record.readings, pin.shown_secs());
+    let [low, high] = [low.floor(), high.ceil().max(low.floor() + 1.0)];
+    Some(10f64.powf(low)..=10f64.powf(high))
+}
+
+/// The separations that have a logarithm, against time in s.
+fn points(readings: &[Reading]) -> Vec<[f64; 2]> {
+    let apart = readings.iter().filter(|reading| reading.separation_rad > 0.0);
+    apart.map(|reading| [reading.secs, reading.separation_rad]).collect()
 }
 
 /// Describes the separation at `secs` and its growth rate.
@@ -64,104 +87,23 @@ fn short(value: f64) -> String {
     if (0.01..1000.0).contains(&value) { format!("{value:.2}") } else { format!("{value:.1e}") }
 }
 
-/// The plot's axes: seconds to the right, decades up.
-struct Axes {
-    area: Rect,
-    decades: [i32; 2],
-    end_secs: f64,
-    to_screen: RectTransform,
-}
-
-impl Axes {
-    /// Creates the axes; none while there is nothing to plot.
-    fn new(rect: Rect, readings: &[Reading], end_secs: f64) -> Option<Axes> {
-        let logs = readings.iter().map(|r| r.separation_rad.log10()).filter(|log| log.is_finite());
-        let [low, high] = logs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], log| {
-            [low.min(log), high.max(log)]
-        });
-        if end_secs <= 0.0 || low > high {
-            return None;
-        }
-        let decades = [low.floor() as i32, (high.ceil() as i32).max(low.floor() as i32 + 1)];
-        let area =
-            Rect::from_min_max(rect.min + vec2(MARGIN.x, 4.0), rect.max - vec2(8.0, MARGIN.y));
-        let unit = Rect::from_min_max(
-            pos2(0.0, -decades[1] as f32),
-            pos2(end_secs as f32, -decades[0] as f32),
-        );
-        Some(Axes { area, decades, end_secs, to_screen: RectTransform::from_to(unit, area) })
-    }
-
-    fn place(&self, secs: f64, separation_rad: f64) -> Pos2 {
-        let log = separation_rad.log10().clamp(self.decades[0].into(), self.decades[1].into());
-        self.to_screen.transform_pos(pos2(secs as f32, -log as f32))
-    }
-
-    fn curve(&self, readings: &[Reading]) -> Vec<Pos2> {
-        let seen = readings.iter().filter(|reading| reading.separation_rad > 0.0);
-        let stride = readings.len().div_ceil(MOST_POINTS).max(1);
-        seen.step_by(stride).map(|r| self.place(r.secs, r.separation_rad)).collect()
-    }
-
-    /// Draws the area, its gridlines and their numbers.
-    fn frame(&self, painter: &Painter, text: Color32) {
-        let grid = Stroke::new(1.0, FAINT.gamma_multiply(0.4));
-        let font = FontId::proportional(10.0);
-        painter.rect_filled(self.area, 0.0, CANVAS);
-        let [low, high] = self.decades;
-        let step = ((high - low) as usize).div_ceil(4).max(1);
-        for decade in (low..=high).step_by(step) {
-            let y = self.place(0.0, 10f64.powi(decade)).y;
-            painter.hline(self.area.x_range(), y, grid);
-            let words = format!("1e{decade}");
-            let at = pos2(self.area.left() - 4.0, y);
-            painter.text(at, Align2::RIGHT_CENTER, words, font.clone(), text);
-        }
-        let step_secs = round_step(self.end_secs / 5.0);
-        for tick in 0..=(self.end_secs / step_secs + 1e-9) as u32 {
-            let secs = f64::from(tick) * step_secs;
-            let at = pos2(self.place(secs, 1.0).x, self.area.bottom() + 2.0);
-            painter.vline(at.x, self.area.y_range(), grid);
-            let unit = if tick == 0 { " s" } else { "" };
-            let words = format!("{}{unit}", round_secs(secs));
-            painter.text(at, Align2::CENTER_TOP, words, font.clone(), text);
-        }
-    }
-
-    /// Draws the current time: a vertical line, and a dot on the curve.
-    fn now(&self, painter: &Painter, readings: &[Reading], secs: f64) {
-        let Some(reading) = reading_at(readings, secs) else { return };
-        let at = self.place(secs, reading.separation_rad);
-        painter.vline(at.x, self.area.y_range(), Stroke::new(1.0, INK));
-        painter.circle_filled(at, 3.0, INK);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn steps_are_round() {
-        let steps = [6.0, 0.9, 2.0, 130.0, 0.03].map(round_step);
-        for (step, expected) in steps.into_iter().zip([10.0, 1.0, 2.0, 200.0, 0.05]) {
-            assert!((step / expected - 1.0).abs() < 1e-12, "{step} for {expected}");
-        }
+    fn reading(secs: f64, separation_rad: f64) -> Reading {
+        Reading { secs, energy_error: 0.0, separation_rad }
     }
 
     #[test]
-    fn the_axes_span_whole_decades_and_the_curve_stays_inside() {
-        let rect = Rect::from_min_size(Pos2::ZERO, vec2(300.0, HEIGHT));
-        let reading =
-            |secs: f64, separation_rad| Reading { secs, energy_error: 0.0, separation_rad };
+    fn the_axis_spans_whole_decades() {
         let readings: Vec<Reading> =
-            (0..5000).map(|i| reading(f64::from(i) / 100.0, 3e-7 * f64::from(i + 1))).collect();
-        let axes = Axes::new(rect, &readings, 50.0).expect("something to plot");
-        assert_eq!(axes.decades, [-7, -2]);
-        let curve = axes.curve(&readings);
-        assert!(curve.len() <= MOST_POINTS && curve.len() > MOST_POINTS / 2);
-        assert!(curve.iter().all(|&at| axes.area.expand(0.01).contains(at)));
-        assert!(curve[0].y > curve[curve.len() - 1].y && curve[0].x < curve[curve.len() - 1].x);
-        assert!(Axes::new(rect, &[reading(0.0, 0.0)], 50.0).is_none(), "two that never part");
+            (0..5000).map(|i| reading(f64::from(i) / 100.0, 3e-7 * f64::from(i))).collect();
+        let range = decades(&readings).expect("something to show");
+        assert!((range.start().log10() + 7.0).abs() < 1e-9, "{range:?}");
+        assert!((range.end().log10() + 2.0).abs() < 1e-9, "{range:?}");
+        assert_eq!(points(&readings).len(), 4999, "the first has no logarithm");
+        assert_eq!(decades(&[reading(0.0, 1.0)]), Some(1.0..=10.0));
+        assert_eq!(decades(&[reading(0.0, 0.0)]), None, "two that never part");
     }
 }
