@@ -124,6 +124,34 @@ fn films_of_other_questions_are_stills_one_after_another() {
 }
 
 #[test]
+fn a_legend_covers_its_corner_of_every_frame_of_flips() {
+    let folder = folder();
+    let what = ["--vary", "time=0..10", "--frames", "2", "--size", "320x200", "--samples", "1"];
+    video(&folder, &[&what[..], &["-o", "plain"]].concat());
+    // The samples are there already.
+    let again = ["--legend", "--cache", "plain.samples", "-o", "with"];
+    video(&folder, &[&what[..], &again].concat());
+    let frames = |name: &str| {
+        ["000000.png", "000001.png"].map(|frame| pixels(&folder.path().join(name).join(frame)))
+    };
+    let (plain, with) = (frames("plain"), frames("with"));
+    assert!(plain[0] != plain[1], "time goes on");
+    for (plain, with) in plain.iter().zip(&with) {
+        let differs = |x, y| plain.get_pixel(x, y) != with.get_pixel(x, y);
+        let at = (0..200).flat_map(|y| (0..320).map(move |x| (x, y)));
+        let changed: Vec<_> = at.filter(|(x, y)| differs(*x, *y)).collect();
+        assert!(changed.len() > 2000, "{} pixels", changed.len());
+        assert!(changed.iter().all(|(x, y)| *x < 270 && *y > 105), "only in its corner");
+    }
+    let error = refused(
+        &folder,
+        2,
+        &[&["video", "--legend", "-o", "x"], &what[..5], &["200x100"]].concat(),
+    );
+    assert!(error.contains("--legend is set for a picture of 200x100"), "{error}");
+}
+
+#[test]
 fn other_colours_and_another_time_compute_nothing() {
     let folder = folder();
     fs::write(folder.path().join("keys.toml"), KEYS).unwrap();

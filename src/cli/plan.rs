@@ -133,6 +133,7 @@ pub(super) fn spares_others(option: &str, path: &Path) -> Result<(), Exit> {
 fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     if options.film.says_film() {
         let (film, spec) = options.film.film()?;
+        merge::legend(&film, &film.keys[0].scene.picture)?;
         return Ok((PlannedOutput::Film(film), spec));
     }
     let words = &options.film.words;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flipmap::engine::choice::Chosen;
+use flipmap::farm::merge::legend;
 use flipmap::farm::{Plan, PlannedOutput, Task};
 use flipmap::film::ffmpeg::{Codec, arguments};
 use flipmap::output::read_text;
@@ -49,6 +50,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if film.kind() != FilmKind::Flips {
         return frames::run(options, &film, &spec);
     }
+    legend(&film, &film.keys[0].scene.picture)?;
     farm::check_output(&options.output)?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     std::fs::create_dir_all(&cache)

@@ -7,10 +7,10 @@ use super::task::{FrameGroupTask, FrameTask, StillPass, TaskKind};
 use super::{PartError, Parts, Task};
 use crate::film::ffmpeg::{Codec, Encoder, FfmpegError};
 use crate::film::{Colours, FlipWindow, FrameError, FramePainter, Frames, Mip};
-use crate::output::{Destination, OutputError, Paths, RowPainter, SafeFile, Sinks};
+use crate::output::{Destination, Legend, OutputError, Paths, RowPainter, SafeFile, Sinks};
 use crate::physics::Status;
 use crate::scene::film::{Film, Shot};
-use crate::scene::palette::{Tones, equalised};
+use crate::scene::palette::{AnswerColours, Tones, equalised};
 use crate::scene::{Document, PictureTable, SceneError};
 use crate::tiles::Samples;
 
@@ -177,6 +177,7 @@ pub fn film(
     let TaskKind::Film(film, groups) = &task.work else { return Err(PartError::Gone.into()) };
     let colours = Colours::new(tones(film, picture)?);
     let mut painter = FramePainter::new(film.size, picture);
+    let legend = legend(film, picture)?;
     for group in groups {
         for Alike { shown, mut frames } in alike(film, group) {
             frames.retain(|(frame, shot)| !sink.has(*frame, shot));
@@ -185,7 +186,10 @@ pub fn film(
             }
             let mut mip = coloured(group, parts, &colours, &shown, &task.folder)?;
             for (frame, shot) in frames {
-                let rgb = painter.paint(&shot, &mut mip)?;
+                let mut rgb = painter.paint(&shot, &mut mip)?;
+                if let Some(legend) = &legend {
+                    legend.lay_over(&mut rgb, film.size[0]);
+                }
                 sink.write(frame, &shot, &rgb)?;
                 if !go_on(u64::from(frame) + 1) {
                     return Err(MergeError::Stopped);
@@ -195,6 +199,17 @@ pub fn film(
         }
     }
     sink.finish()
+}
+
+/// The legend of a film of flips, if its picture has one; refuses frames with too little room.
+pub fn legend(film: &Film, picture: &PictureTable) -> Result<Option<Legend>, SceneError> {
+    if !picture.legend {
+        return Ok(None);
+    }
+    let mut scene = film.keys[0].scene.scene();
+    scene.question.budget.secs = film.budget_secs();
+    let colours = AnswerColours::new(&scene, picture)?;
+    Legend::new(&colours, scene.question.ask, film.size).map(Some)
 }
 
 /// The single colour scale of a film.

@@ -5,7 +5,9 @@ use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use super::paint::{blended, mixed};
 use crate::question::Ask;
 use crate::scene::SceneError;
-use crate::scene::palette::{AnswerColours, BarLabels, FAILED, Ground, Rgb, Tint, tint_of};
+use crate::scene::palette::{
+    AnswerColours, BarLabels, FAILED, Ground, Rgb, Tint, rounded, tint_of,
+};
 
 /// The font of all words.
 const FONT: &[u8] = epaint_default_fonts::HACK_REGULAR;
@@ -22,7 +24,7 @@ const INK: Rgb = [0xff; 3];
 
 /// A legend, ready to be laid over a picture.
 #[derive(Clone, Debug)]
-pub(super) struct Legend {
+pub struct Legend {
     /// Column and row of the upper left corner.
     corner: [u32; 2],
     size: [u32; 2],
@@ -33,11 +35,7 @@ pub(super) struct Legend {
 impl Legend {
     /// The legend of the answers to a question, in the lower left corner of a picture of `size`
     /// pixels; refuses a picture with too little room.
-    pub(super) fn new(
-        colours: &AnswerColours,
-        ask: Ask,
-        size: [u32; 2],
-    ) -> Result<Self, SceneError> {
+    pub fn new(colours: &AnswerColours, ask: Ask, size: [u32; 2]) -> Result<Self, SceneError> {
         let letter = (size[1] as f32 * LETTER_SHARE).max(LEAST_LETTER).round();
         let mut sheet = Sheet::new(letter);
         if colours.is_square() {
@@ -47,6 +45,15 @@ impl Legend {
         }
         sheet.statuses(colours.ground(), ask);
         sheet.placed(size)
+    }
+
+    /// Lays the legend over a whole picture `width` pixels wide, three bytes a pixel, rows from the top.
+    pub fn lay_over(&self, rgb: &mut [u8], width: u32) {
+        for (row, bytes) in (0..).zip(rgb.chunks_mut(3 * width as usize)) {
+            for (column, pixel) in (0..).zip(bytes.as_chunks_mut::<3>().0) {
+                *pixel = rounded(self.over(tint_of(*pixel), column, row));
+            }
+        }
     }
 
     /// The picture's colour at a pixel with the legend over it.

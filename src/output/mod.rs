@@ -40,6 +40,7 @@ pub use digest::sha256;
 pub use exr::ExrWriter;
 pub use failure::{OutputError, RenderError, is_broken_pipe, is_stopped, sentence};
 pub use gradient::{GradientError, read_gradient};
+pub use legend::Legend;
 pub use npy::{NpyWriter, number_of};
 pub use one_file::is_one_file;
 pub use paint::{RowPainter, blended};

@@ -100,9 +100,9 @@ fn forced_table(report: &Report) -> Table {
     Table::new("Balanced forced to df32", &head, rows.collect())
 }
 
-/// The chapters on measurements away from the home map.
+/// The chapters on hard windows and cases.
 pub(super) fn beyond(report: &Report) -> Vec<Section> {
-    [windows(report), late(report), questions(report), hard(report)].into_iter().flatten().collect()
+    [windows(report), late(report), hard(report)].into_iter().flatten().collect()
 }
 
 fn flip_cells(flips: &Flips) -> [String; 2] {
@@ -146,26 +146,6 @@ fn windows(report: &Report) -> Option<Section> {
                 is not above suspicion, Taylor expansions in double-double.";
     let blocks = vec![Block::Text(text.to_string()), Block::Table(table)];
     (!report.windows.is_empty()).then(|| section("Windows", blocks))
-}
-
-fn questions(report: &Report) -> Option<Section> {
-    let head = ["question", "budget, s", "engine", "µs/pixel", "right", "within", "compared"];
-    let rows = report.questions.iter().map(|row| {
-        vec![
-            row.question.to_string(),
-            row.budget_secs.to_string(),
-            format!("{}: {}", row.engine, plan::words(&row.config)),
-            short(row.us_per_pixel),
-            share(Some(row.right)),
-            row.tolerance.to_string(),
-            row.compared.to_string(),
-        ]
-    });
-    let table = Table::new("", &head, rows.collect());
-    let text = "Questions other than the first flip, on the home map, against orbits of the gold \
-                standard in double-double.";
-    let blocks = vec![Block::Text(text.to_string()), Block::Table(table)];
-    (!report.questions.is_empty()).then(|| section("Other questions", blocks))
 }
 
 fn late(report: &Report) -> Option<Section> {
@@ -239,13 +219,7 @@ mod tests {
         report.rows.push(forced);
         let sections = [vec![levels(&report).unwrap()], beyond(&report)].concat();
         let titles: Vec<&str> = sections.iter().map(|section| section.title.as_str()).collect();
-        let expected = [
-            "Accuracy levels",
-            "Windows",
-            "Exact beside double-double",
-            "Other questions",
-            "Hard cases",
-        ];
+        let expected = ["Accuracy levels", "Windows", "Exact beside double-double", "Hard cases"];
         assert_eq!(titles, expected);
         for block in sections.iter().flat_map(|section| &section.blocks) {
             if let Block::Table(table) = block {
@@ -253,15 +227,15 @@ mod tests {
             }
         }
         let counts: Vec<usize> = sections.iter().map(|section| table(section).rows.len()).collect();
-        assert_eq!(counts, [1, 1, 2, 1, 1]);
-        assert!(table(&sections[4]).rows[0].contains(&"NO".to_string()));
+        assert_eq!(counts, [1, 1, 2, 1]);
+        assert!(table(&sections[3]).rows[0].contains(&"NO".to_string()));
     }
 
     #[test]
     fn there_is_no_chapter_on_nothing() {
         let mut report = fixtures::report();
         (report.windows, report.late, report.hard) = Default::default();
-        (report.rows, report.exact, report.questions) = Default::default();
+        (report.rows, report.exact) = Default::default();
         assert!(levels(&report).is_none() && beyond(&report).is_empty());
     }
 }

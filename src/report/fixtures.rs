@@ -57,6 +57,8 @@ fn question() -> QuestionRow {
         us_per_pixel: 20.0,
         compared: 256,
         right: 0.996,
+        median_error: Some(2e-9),
+        p90_error: Some(1e-6),
         tolerance: "1e-3 rad",
     }
 }
@@ -125,7 +127,7 @@ fn the_page_needs_nothing_else() {
     for outside in ["http", "src=", "<link", "@import", "url("] {
         assert!(!page.contains(outside), "{outside}");
     }
-    assert!(page.matches("<svg").count() == 6 && page.contains("Hard cases"));
+    assert!(page.matches("<svg").count() == 8 && page.contains("Hard cases"));
 }
 
 #[test]

@@ -26,6 +26,7 @@ pub mod motion;
 pub mod pages;
 pub mod plan;
 mod plot;
+mod question_pages;
 mod questions;
 mod session;
 pub mod statistics;

@@ -7,7 +7,7 @@ use super::backend::short_name;
 use super::motion::TIMES_SECS;
 use super::plot::{Plot, Series};
 use super::statistics::Errors;
-use super::{Report, ReportError, Row, Target, chapters, depth_pages};
+use super::{Report, ReportError, Row, Target, chapters, depth_pages, question_pages};
 
 /// A chapter of a report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -77,6 +77,7 @@ pub fn sections(report: &Report) -> Result<Vec<Section>, ReportError> {
     sections.extend(optional.into_iter().flatten());
     sections.extend(depth_pages::depth(report)?);
     sections.extend(chapters::beyond(report));
+    sections.extend(question_pages::questions(report)?);
     sections.push(how(report));
     Ok(sections)
 }
@@ -222,22 +223,9 @@ const PLOTS: [(&str, &str, Value); 2] = [
     ("Median error of the flip time, over time", "median |Δt|, s", |row| row.errors.median),
 ];
 
-/// Groups the rows' points into series, one per method and precision.
 fn series(rows: &[&Row], value: Value) -> Vec<Series> {
-    let mut all: Vec<Series> = Vec::new();
-    for row in rows {
-        let Some(up) = value(row) else { continue };
-        let point = (row.us_per_pixel, up);
-        let same = |series: &&mut Series| {
-            series.config.method.name() == row.config.method.name()
-                && series.config.precision == row.config.precision
-        };
-        match all.iter_mut().find(same) {
-            Some(series) => series.points.push(point),
-            None => all.push(Series { config: row.config, way: None, points: vec![point] }),
-        }
-    }
-    all
+    let point = |row: &&Row| Some((row.config, (row.us_per_pixel, value(row)?)));
+    Series::by_method(rows.iter().filter_map(point))
 }
 
 type CellText = fn(&Errors) -> String;

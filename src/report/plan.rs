@@ -108,6 +108,23 @@ pub fn specialised(quick: bool) -> &'static [IntegratorConfig] {
     if quick { &[LESSON] } else { &[LESSON, FAST, BALANCED] }
 }
 
+/// The configs by which the questions other than the first flip are answered, from coarse to fine.
+pub fn questions(quick: bool) -> Vec<IntegratorConfig> {
+    if quick {
+        return vec![FAST, BALANCED];
+    }
+    let in_f64 = |method| IntegratorConfig { method, precision: Precision::F64 };
+    let finer = [
+        Method::Dop853 { tolerance: 1e-8 },
+        Method::Dop853 { tolerance: 1e-10 },
+        BALANCED.method,
+        Method::Taylor { tolerance: 1e-15 },
+    ];
+    let coarser = Method::Dopri5 { tolerance: 1e-5 };
+    let coarser = IntegratorConfig { method: coarser, precision: Precision::F32 };
+    [LESSON, coarser, FAST].into_iter().chain(finer.map(in_f64)).collect()
+}
+
 /// Configs of the table of errors in angle and energy.
 pub fn motions() -> Vec<IntegratorConfig> {
     let step = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };

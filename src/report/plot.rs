@@ -136,6 +136,24 @@ fn colour(method: Method) -> RGBColor {
 }
 
 impl Series {
+    /// Groups points into series, one per method and precision.
+    pub(super) fn by_method(
+        points: impl Iterator<Item = (IntegratorConfig, (f64, f64))>,
+    ) -> Vec<Series> {
+        let mut all: Vec<Series> = Vec::new();
+        for (config, point) in points {
+            let same = |series: &&mut Series| {
+                series.config.method.name() == config.method.name()
+                    && series.config.precision == config.precision
+            };
+            match all.iter_mut().find(same) {
+                Some(series) => series.points.push(point),
+                None => all.push(Series { config, way: None, points: vec![point] }),
+            }
+        }
+        all
+    }
+
     fn colour(&self) -> RGBColor {
         match self.way {
             None => colour(self.config.method),

@@ -4,14 +4,13 @@ use super::backend::{self, BackendFilter};
 use super::depth::{FilamentPlace, PLACES, Truths};
 use super::hard::HardCase;
 use super::measure::{Bench, refusal};
-use super::questions::QUESTIONS;
+use super::questions::{QUESTIONS, QuestionTruths};
 use super::windows::{self, Window};
 use super::{
     Backend, HardRow, Machine, Refusal, Report, ReportError, StopTest, TestSet, Thoroughness, hard,
     motion, plan, targets,
 };
 use crate::engine::IntegratorConfig;
-use crate::engine::level::{BALANCED, FAST};
 use crate::question::Ask;
 
 /// A task of a session; its number is an index into the list of backends.
@@ -46,6 +45,7 @@ pub struct Session {
     tasks: Vec<Measurement>,
     done: usize,
     truths: Truths,
+    question_truths: QuestionTruths,
     report: Report,
 }
 
@@ -79,8 +79,19 @@ impl Session {
         };
         report.targets = targets::judge(&report);
         let threads = field.threads;
-        let truths = Truths::default();
-        Ok(Session { backends, test_set, care, threads, tasks, done: 0, truths, report })
+        let (truths, question_truths) = Default::default();
+        let done = 0;
+        Ok(Session {
+            backends,
+            test_set,
+            care,
+            threads,
+            tasks,
+            done,
+            truths,
+            question_truths,
+            report,
+        })
     }
 
     /// The results so far.
@@ -128,7 +139,8 @@ impl Session {
         if stop() {
             return Err(ReportError::Stopped);
         }
-        let Session { test_set, care, threads, backends, truths, report, .. } = self;
+        let Session { test_set, care, threads, backends, truths, question_truths, report, .. } =
+            self;
         let bench = Bench { test_set, care, threads: *threads, stop };
         match task {
             Measurement::Row(index, config) => {
@@ -150,7 +162,8 @@ impl Session {
                 report.depth.push(row);
             }
             Measurement::Asked(index, config, question) => {
-                let row = bench.question(question, config, &mut backends[index])?;
+                let backend = &mut backends[index];
+                let row = bench.question(question, config, backend, question_truths)?;
                 report.questions.push(row);
             }
             Measurement::Hard(index, case) => {
@@ -217,8 +230,10 @@ fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
     }
     for index in 0..backends.len() {
         if index == last || !quick {
-            let all = |config| QUESTIONS.map(|it| Measurement::Asked(index, config, it));
-            tasks.extend([BALANCED, FAST].into_iter().flat_map(all));
+            let all = |config: &IntegratorConfig| {
+                QUESTIONS.map(|it| Measurement::Asked(index, *config, it))
+            };
+            tasks.extend(plan::questions(quick).iter().flat_map(all));
         }
     }
     for (index, backend) in backends.iter().enumerate() {

@@ -131,11 +131,6 @@ impl Film {
         }
         let is_of_flips = self.kind() == FilmKind::Flips;
         for (key, number) in self.keys.iter().zip(1..) {
-            if is_of_flips && key.scene.picture.legend {
-                let (setting, value) = ("legend", "set".to_string());
-                let range = "a legend is drawn in stills and in films of other answers than flips";
-                Err(SceneError { setting, value, range })?;
-            }
             let jumps = |what| Err(FilmError::Jumps { number, what });
             let asked = |key: &Key| (key.scene.question.ask, key.scene.question.count);
             if asked(key) != asked(first) {
