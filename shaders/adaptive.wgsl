@@ -148,11 +148,16 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     outcomes[pixel].turns = bitcast<u32>(insertBits(turns.x, turns.y, 16u, 16u));
 {% endif %}
     let sound = steps < job.most_steps;
+{% if least_energy %}
+{{ maths.energy }}
+    // Too little energy is left ever to pass the top (see src/engine/slowed.rs).
+    let slowed = rough(energy) < {{ least_energy }};
+{% endif %}
     let over = !(rough(time) < budget);
-    if !sound || (over && !suspect) {
+    if !sound || (over && !suspect){% if least_energy %} || slowed{% endif %} {{ '{' }}
         end(pixel, select(FAILED, UNFLIPPED, sound));
     }
-    put_on(SUSPECTS, pixel, sound && suspect);
-    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
+    put_on(SUSPECTS, pixel, sound && suspect{% if least_energy %} && !slowed{% endif %});
+    put_on(1u - queue.turn, pixel, sound && !suspect && !over{% if least_energy %} && !slowed{% endif %});
 }
 

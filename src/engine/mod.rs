@@ -34,6 +34,7 @@ pub mod profile;
 pub mod run_settings;
 pub mod selfcheck;
 pub mod shared;
+mod slowed;
 pub mod start;
 mod starts;
 pub mod symbol;

@@ -66,6 +66,15 @@ pub fn rk4<T: Real>(pendulum: &Pendulum<T>, before: &Phase<T>, length: T) -> Pha
     std::array::from_fn(|i| before[i] + (k1[i] + two * (k2[i] + k3[i]) + k4[i]) * sixth)
 }
 
+impl<T: Real> Pendulum<T> {
+    /// Kinetic plus potential energy in J; zero if both rods are level and at rest.
+    pub fn energy_of(&self, phase: &Phase<T>) -> T {
+        let [x1, _, x2, _, p1, p2] = *phase;
+        let [w1, w2] = self.speeds(phase);
+        x1.lit(0.5) * (p1 * w1 + p2 * w2) - (self.p * x1 + self.q * x2)
+    }
+}
+
 impl<T: Scalar> Pendulum<T> {
     /// Converts `state` to unit vectors and momenta. An angle of exactly ±π in the number type
     /// stands for the top itself.
@@ -76,13 +85,6 @@ impl<T: Scalar> Pendulum<T> {
         let cos = self.c * (x1 * x2 + y1 * y2);
         let [w1, w2] = state.speed;
         [x1, y1, x2, y2, self.a * w1 + cos * w2, cos * w1 + self.b * w2]
-    }
-
-    /// Kinetic plus potential energy in J; zero if both rods are level and at rest.
-    pub fn energy_of(&self, phase: &Phase<T>) -> T {
-        let [x1, _, x2, _, p1, p2] = *phase;
-        let [w1, w2] = self.speeds(phase);
-        T::from_f64(0.5) * (p1 * w1 + p2 * w2) - self.depth([x1, x2])
     }
 
     /// Approximate limit of each momentum, √(inertia × weight), by which errors are judged.

@@ -36,7 +36,7 @@ fn another_question_on_another_plane_is_shown_flown_and_left_again() {
     assert_eq!(speeds.count(), 1, "its speeds are told");
 
     press(&mut desktop, Modifiers::NONE, Key::D);
-    assert!(notices(&desktop).contains("--ask is state"), "{}", notices(&desktop));
+    assert!(notices(&desktop).contains("`ask` is state"), "{}", notices(&desktop));
     desktop.event(Event::Paste("flipmap:center=0,0;width=6.28".to_string()));
     settle(&mut desktop);
     let pin = desktop.state().state.pins.selected().unwrap();

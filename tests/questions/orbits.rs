@@ -69,7 +69,7 @@ fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
         keep: Keep { ends: Ends::Return, states: true },
     };
     let refused = { engine }.submit(job).unwrap_err().to_string();
-    assert!(refused.contains("omit --state"), "{refused}");
+    assert!(refused.contains("omit `state`"), "{refused}");
 }
 
 /// The finest configuration of all.

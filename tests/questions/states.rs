@@ -1,16 +1,16 @@
 //! States at a time, films of them, and friction.
 
-use flipmap::engine::Precision;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
+use flipmap::engine::{Engine, IntegratorConfig, Precision};
 use flipmap::physics::taylor::Orbit;
-use flipmap::physics::{Decimal, State};
+use flipmap::physics::{Decimal, State, Status};
 use flipmap::question::Ask;
 use flipmap::scene::Plane;
 use flipmap::tiles::moments::Moments;
 use flipmap::tiles::{Renderer, Samples};
 
-use crate::common::lesson;
+use crate::common::{gpu_engine, lesson};
 use crate::truth::*;
 
 #[test]
@@ -144,21 +144,40 @@ fn friction_slows_every_method_alike() {
     assert!(share_of_right_states(&scene, 10, &samples, 1e-3) < 0.1, "the test can fail");
 }
 
+/// Checks that a hundred times the budget costs an engine next to nothing where friction has brought all
+/// pendulums to rest, and changes no answer. How far it goes on depends on the length of slices, but no
+/// more than `factor`.
+fn rests(ask: Ask, config: IntegratorConfig, factor: f64, engine: &dyn Fn() -> Box<dyn Engine>) {
+    let spent = |secs: f64| {
+        let plane = plane("speeds", ["1", "-1", "0", "0"]);
+        let mut scene = scene(ask, plane, "10", secs);
+        scene.build.friction = [2.0, 1.0].map(Decimal::from);
+        let mut renderer = Renderer::of(engine(), config, false, Some(2)).unwrap();
+        let samples = renderer.render(&scene, [12; 2]).unwrap();
+        (samples, renderer.counts().effort.steps)
+    };
+    let ((short, less), (long, more)) = (spent(100.0), spent(10_000.0));
+    assert_eq!(short, long, "{ask} {config:?}");
+    assert!(short.iter().any(|outcome| outcome.status == Status::Flipped), "{ask} {config:?}");
+    assert!((more as f64) < factor * less as f64, "{ask} {config:?}: {more} beside {less}");
+}
+
 #[test]
 fn what_friction_has_brought_to_rest_is_done_by_every_method() {
     for config in ALL_METHODS {
-        let spent = |secs: f64| {
-            let plane = plane("speeds", ["1", "-1", "0", "0"]);
-            let mut scene = scene(Ask::Flip, plane, "10", secs);
-            scene.build.friction = [2.0, 1.0].map(Decimal::from);
-            let engine = Box::new(CpuEngine::new(Some(2)).unwrap());
-            let mut renderer = Renderer::of(engine, config, false, Some(2)).unwrap();
-            let samples = renderer.render(&scene, [12; 2]).unwrap();
-            (samples, renderer.counts().effort.rhs_evaluations)
-        };
-        let ((short, less), (long, more)) = (spent(100.0), spent(10_000.0));
-        assert_eq!(short, long, "{config:?}");
-        assert!(2 * more < 3 * less, "{config:?}: {more} beside {less}");
+        for ask in [Ask::Flip, Ask::Flips, Ask::First] {
+            rests(ask, config, 1.5, &|| Box::new(CpuEngine::new(Some(2)).unwrap()));
+        }
+    }
+}
+
+#[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
+#[test]
+fn what_friction_has_brought_to_rest_is_done_on_a_card() {
+    for config in [lesson(Precision::F32), FAST, BALANCED] {
+        for ask in [Ask::Flip, Ask::Flips] {
+            rests(ask, config, 10.0, &|| Box::new(gpu_engine()));
+        }
     }
 }
 

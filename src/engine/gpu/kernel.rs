@@ -17,6 +17,7 @@ use super::pairs::Pairs;
 use crate::engine::integrator_state::{LOG_SCALE, SEARCH, STARTS, carried_names};
 use crate::engine::method::Pace;
 use crate::engine::shared::status_constants;
+use crate::engine::slowed::least_energy;
 use crate::engine::start::{ANGLES, PHASE};
 use crate::engine::{Ends, EngineError, IntegratorConfig, Method, Precision, Question};
 use crate::physics::control::{Control, GROW, LONGEST, SHRINK};
@@ -135,7 +136,7 @@ impl Design {
         self.passes != 1
     }
 
-    fn is_adaptive(&self) -> bool {
+    pub(super) fn is_adaptive(&self) -> bool {
         !matches!(self.scheme, Scheme::Fixed(_))
     }
 
@@ -164,6 +165,9 @@ impl Design {
     pub fn text(&self) -> String {
         let number = number_file(self.precision);
         let mut maths = BTreeMap::from([("step".to_string(), self.step())]);
+        if self.least_energy().is_some() {
+            maths.insert("energy".to_string(), self.energy());
+        }
         if self.ends.are_carried() {
             let file = if self.ends == Ends::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
             let files = ["shared.wgsl", number, "carried.wgsl", "control.wgsl", file, "turn.wgsl"];
@@ -182,6 +186,12 @@ impl Design {
         let values = self.values(maths, self.may_pass());
         let look = if self.counts_passes() { "fixed_passes.wgsl" } else { "fixed_look.wgsl" };
         glue(&["shared.wgsl", number, "flip.wgsl", "fixed.wgsl", look, "turn.wgsl"], &values)
+    }
+
+    /// The energy below which a pendulum is done early, where there is such a bound.
+    fn least_energy(&self) -> Option<f64> {
+        let (pendulum, rule) = self.scene?;
+        least_energy(&pendulum, rule).filter(|_| !self.ends.are_carried())
     }
 
     fn values(&self, maths: BTreeMap<String, String>, may_pass: String) -> Values {
@@ -229,6 +239,7 @@ impl Design {
             quartic: self.scheme == Scheme::Fifth,
             bows: self.bows(),
             maths,
+            least_energy: self.least_energy().map(number),
             texts: TextValues { may_pass, statuses: status_constants() },
         }
     }

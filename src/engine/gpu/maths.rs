@@ -197,6 +197,18 @@ impl Design {
         if passes.is_empty() { "false".to_string() } else { passes.join(" || ") }
     }
 
+    /// The energy of a pendulum, from its state where a slice of steps ends.
+    pub fn energy(&self) -> String {
+        write_maths(Dialect { indent: "    ", ..self.dialect() }, || {
+            let energy = if self.is_adaptive() {
+                self.pendulum().energy_of(&["x1", "y1", "x2", "y2", "p1", "p2"].map(variable))
+            } else {
+                self.pendulum().energy(&state(["t1_kept", "t2_kept", "w1_kept", "w2_kept"]))
+            };
+            vec![("energy".to_string(), energy)]
+        })
+    }
+
     /// The coefficients of the quintic of a bob's angle beyond the top over the step (see
     /// `flip::fraction_of_step`).
     pub fn quintic_of(&self, bob: usize) -> String {

@@ -35,6 +35,8 @@ pub(super) struct Values {
     pub(super) quartic: bool,
     pub(super) bows: Vec<String>,
     pub(super) maths: BTreeMap<String, String>,
+    /// The energy below which a pendulum is done early, as a shader literal.
+    pub(super) least_energy: Option<String>,
     #[serde(flatten)]
     pub(super) texts: TextValues,
 }
