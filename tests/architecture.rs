@@ -12,12 +12,14 @@ use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
 use flipmap::engine::gpu::pairs::Pairs;
+use flipmap::engine::level::{BALANCED, FAST, LESSON};
 use flipmap::engine::method::Pace;
 use flipmap::engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants,
 };
 use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question, Trust};
-use flipmap::physics::{Rule, Status};
+use flipmap::output::sha256;
+use flipmap::physics::{Decimal, Rule, Status};
 use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -345,6 +347,25 @@ fn no_shader_file_has_status_codes_of_its_own() {
         assert!(!own(&fs::read_to_string(&path).unwrap()), "{}", path.display());
     }
     assert!(own("const FLIPPED: u32 = 1u;"), "the test can fail");
+}
+
+/// Whoever adds a question, a plane or a force leaves the kernels of home as they are: their speeds are
+/// those that docs/reports has measured. A change that is meant is measured, and put down here.
+#[test]
+fn the_kernels_of_home_are_those_that_were_measured() {
+    let home = question(Build::default(), Rule::Second, 1);
+    let digest = |config: IntegratorConfig, question: &Question| {
+        let pace = Pace::new(question, &config).unwrap();
+        let design = Design::general(&config, true, true).unwrap().specialised(question, &pace);
+        sha256(design.text().as_bytes())[..16].to_string()
+    };
+    assert_eq!(
+        [LESSON, FAST, BALANCED].map(|config| digest(config, &home)),
+        ["be535ded8c696a19", "758cc4ba701ea329", "67d09c41e9ee92c3"]
+    );
+    let friction = [0.1, 0.1].map(Decimal::from);
+    let slowed = question(Build { friction, ..Build::default() }, Rule::Second, 1);
+    assert_ne!(digest(BALANCED, &slowed), digest(BALANCED, &home), "the test can fail");
 }
 
 #[test]
