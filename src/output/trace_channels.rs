@@ -7,7 +7,7 @@ use crate::physics::phase::Phase;
 use crate::physics::tangents::TangentMap;
 use crate::physics::taylor::TaylorStep;
 use crate::physics::{Dd, Pendulum, State};
-use crate::question::Ask;
+use crate::question::{Followed, Needs, TraceColumns};
 use crate::scene::{QuestionTable, Scene};
 
 /// A question's findings about a pendulum so far.
@@ -40,70 +40,73 @@ impl TraceChannels {
         }
     }
 
+    /// The columns. A trace tells the first flip with the passes of the top already.
+    fn columns(&self) -> Option<&'static TraceColumns> {
+        let kind = self.question.ask.kind();
+        let told = kind.has_count && self.question.count == 1;
+        (!told).then_some(&kind.columns)
+    }
+
     /// Names of the columns.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         let channels = self.question.ask.kind().channels;
-        let added = match self.question.ask {
-            // The first flip is told with the passes of the top.
-            Ask::Flip if self.question.count == 1 => &[][..],
-            // A trace has the angles and the speeds already.
-            Ask::State => &channels[4..],
-            _ => channels,
-        };
+        let added = self.columns().map_or(&[][..], |columns| &channels[columns.from..]);
         added.iter().map(|channel| channel.name)
     }
 
     /// Takes a step and the passes in it, before its rows.
     pub(super) fn add(&mut self, step: &TaylorStep<Dd>, passes: &[Pass]) {
         self.passes.extend(passes);
-        if self.question.ask == Ask::Return {
+        if self.question.ask.kind().needs == Needs::Return {
             self.returns.add(step);
         }
     }
 
-    /// The values at a time; NaN for those that are not there yet.
+    /// The values at a time.
     pub(super) fn values(&mut self, time: Dd, state: &State<Dd>) -> Vec<f64> {
-        let phase = || reduced_phase(&self.pendulum, self.unit_secs, state);
-        match self.question.ask {
-            Ask::Flip => self.counted_flip(time).into_iter().collect(),
-            Ask::First => match self.passed(time).first() {
-                Some(Pass { bob, time, .. }) => vec![*bob as f64, time.hi],
-                None => vec![f64::NAN; 2],
-            },
-            Ask::Flips => self.counts(time).map(|count| count as f64).to_vec(),
-            Ask::State => state.angle.map(|angle| f64::from(whole_turns(angle.hi))).to_vec(),
-            Ask::Growth => vec![self.exponent(time.hi, phase())],
-            Ask::Return => self.returns.nearest(time.hi).to_vec(),
-        }
+        let Some(columns) = self.columns() else { return Vec::new() };
+        (columns.read)(&mut TraceRow { channels: self, time, state })
+    }
+}
+
+/// A row of a trace.
+struct TraceRow<'a> {
+    channels: &'a mut TraceChannels,
+    time: Dd,
+    state: &'a State<Dd>,
+}
+
+impl Followed for TraceRow<'_> {
+    fn passes(&self) -> &[Pass] {
+        let all = &self.channels.passes;
+        &all[..all.partition_point(|pass| pass.time <= self.time)]
     }
 
-    /// The time of the flip that is counted to, where that is a later one than the first; NaN before.
-    fn counted_flip(&self, time: Dd) -> Option<f64> {
-        let QuestionTable { count, .. } = self.question;
-        let watched = self.question.watched().watched();
-        let mut flips = self.passed(time).iter().filter(|pass| watched.contains(&(pass.bob - 1)));
-        let flip = || flips.nth(count as usize - 1).map_or(f64::NAN, |pass| pass.time.hi);
-        (count > 1).then(flip)
+    fn watched_passes(&self) -> Vec<Pass> {
+        let watched = self.channels.question.watched().watched();
+        let all = self.passes().iter();
+        all.filter(|pass| watched.contains(&(pass.bob - 1))).copied().collect()
     }
 
-    /// The passes until a time.
-    fn passed(&self, time: Dd) -> &[Pass] {
-        &self.passes[..self.passes.partition_point(|pass| pass.time <= time)]
+    fn count(&self) -> u32 {
+        self.channels.question.count
     }
 
-    fn counts(&self, time: Dd) -> [usize; 4] {
-        let of = |bob, left| {
-            let counted = self.passed(time).iter();
-            counted.filter(|pass| pass.bob == bob && pass.anticlockwise == left).count()
-        };
-        [of(1, true), of(1, false), of(2, true), of(2, false)]
+    fn turns(&self) -> [i32; 2] {
+        self.state.angle.map(|angle| whole_turns(angle.hi))
     }
 
     /// The growth from the start so far: the last row's, and that of the way since.
-    fn exponent(&mut self, secs: f64, phase: Phase<f64>) -> f64 {
-        let (since, from) = std::mem::replace(&mut self.last, (secs, phase));
-        self.map = self.map.followed_by(&self.pendulum, &from, (secs - since) / self.unit_secs);
-        if secs > 0.0 { self.map.log_growth() / secs } else { f64::NAN }
+    fn exponent(&mut self) -> f64 {
+        let TraceChannels { pendulum, unit_secs, last, map, .. } = &mut *self.channels;
+        let (secs, phase) = (self.time.hi, reduced_phase(pendulum, *unit_secs, self.state));
+        let (since, from) = std::mem::replace(last, (secs, phase));
+        *map = map.followed_by(pendulum, &from, (secs - since) / *unit_secs);
+        if secs > 0.0 { map.log_growth() / secs } else { f64::NAN }
+    }
+
+    fn nearest(&mut self) -> [f64; 2] {
+        self.channels.returns.nearest(self.time.hi)
     }
 }
 

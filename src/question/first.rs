@@ -1,9 +1,13 @@
 //! `first`: the bob that first goes over the top, and when.
 
 use super::flip::TIME;
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
+use super::{
+    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
+};
 use crate::physics::Rule;
 use crate::physics::crossing::bob_at_top;
+use crate::physics::passes::Pass;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "first",
@@ -17,6 +21,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     channel_names: "the question first has bob and time",
     watches: Watches::Always(Rule::Either),
     passes: 1,
+    has_count: false,
     at_a_time: false,
     is_even: true,
     painted: Painted::First,
@@ -24,11 +29,19 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     follows_cells: true,
     needs: Needs::End,
     read,
+    columns: TraceColumns { from: 0, read: columns },
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
     let bob = 1 + bob_at_top(&ending.phase);
     [bob as f64, ending.outcome.time, 0.0, 0.0, 0.0, 0.0]
+}
+
+fn columns(followed: &mut dyn Followed) -> Vec<f64> {
+    match followed.passes().first() {
+        Some(Pass { bob, time, .. }) => vec![*bob as f64, time.hi],
+        None => vec![f64::NAN; 2],
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! `flip`: the moment at which a watched bob first goes over the top.
 
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
+use super::{
+    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
+};
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "flip",
@@ -11,6 +14,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     channel_names: "the question flip has time",
     watches: Watches::TheRule,
     passes: 1,
+    has_count: true,
     at_a_time: false,
     is_even: true,
     painted: Painted::First,
@@ -18,6 +22,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     follows_cells: true,
     needs: Needs::Outcome,
     read,
+    columns: TraceColumns { from: 0, read: column },
 };
 
 /// The time of an event.
@@ -26,4 +31,10 @@ pub(super) const TIME: Channel =
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
     [ending.outcome.time, 0.0, 0.0, 0.0, 0.0, 0.0]
+}
+
+/// The time of the flip that is counted to.
+fn column(followed: &mut dyn Followed) -> Vec<f64> {
+    let flips = followed.watched_passes();
+    vec![flips.get(followed.count() as usize - 1).map_or(f64::NAN, |flip| flip.time.hi)]
 }

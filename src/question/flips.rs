@@ -1,6 +1,9 @@
 //! `flips`: the number of times that each bob goes over the top within the budget, by direction.
 
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
+use super::{
+    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
+};
 use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
@@ -17,6 +20,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     channel_names: "the question flips has first_left, first_right, second_left and second_right",
     watches: Watches::Always(Rule::Either),
     passes: u32::MAX,
+    has_count: false,
     at_a_time: true,
     // A mirror image exchanges left and right.
     is_even: false,
@@ -25,6 +29,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     follows_cells: false,
     needs: Needs::End,
     read,
+    columns: TraceColumns { from: 0, read: columns },
 };
 
 /// Passes in one direction; anticlockwise ones go over the top towards the left.
@@ -35,4 +40,12 @@ const fn count(name: &'static str) -> Channel {
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
     let [a, b, c, d] = ending.gathered.passes.map(f64::from);
     [a, b, c, d, 0.0, 0.0]
+}
+
+fn columns(followed: &mut dyn Followed) -> Vec<f64> {
+    let count = |(bob, left)| {
+        let all = followed.passes().iter();
+        all.filter(|pass| pass.bob == bob && pass.anticlockwise == left).count() as f64
+    };
+    [(1, true), (1, false), (2, true), (2, false)].map(count).to_vec()
 }

@@ -1,6 +1,9 @@
 //! `growth`: the finite-time Lyapunov exponent over the budget.
 
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
+use super::{
+    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
+};
 use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
@@ -17,6 +20,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     channel_names: "the question growth has exponent",
     watches: Watches::Always(Rule::Neither),
     passes: 1,
+    has_count: false,
     at_a_time: true,
     is_even: true,
     painted: Painted::First,
@@ -24,8 +28,13 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     follows_cells: true,
     needs: Needs::Growth,
     read,
+    columns: TraceColumns { from: 0, read: column },
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
     [ending.gathered.log_growth / ending.secs, 0.0, 0.0, 0.0, 0.0, 0.0]
+}
+
+fn column(followed: &mut dyn Followed) -> Vec<f64> {
+    vec![followed.exponent()]
 }

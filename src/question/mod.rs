@@ -19,6 +19,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::physics::passes::Pass;
 use crate::physics::phase::Phase;
 use crate::physics::{Accumulators, Outcome, Pendulum, Rule};
 
@@ -55,9 +56,11 @@ pub struct QuestionKind {
     pub channel_names: &'static str,
     /// The bobs that it watches.
     pub watches: Watches,
-    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none. The
-    /// question `flip` takes the scene's count instead.
+    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none. A question
+    /// that has a count takes the scene's instead.
     pub passes: u32,
+    /// True if it asks for the scene's count-th pass.
+    pub has_count: bool,
     /// True if the answer lies at the time `at`, not at an event.
     pub at_a_time: bool,
     /// True if mirror images, with all angles and speeds negated, have equal answers.
@@ -72,6 +75,32 @@ pub struct QuestionKind {
     pub needs: Needs,
     /// Returns the values of the channels.
     pub read: fn(&Ending) -> [f64; MOST_CHANNELS],
+    /// Columns that it adds to a trace.
+    pub columns: TraceColumns,
+}
+
+/// The columns that a question adds to a trace: channels so far, at the time of each row.
+pub struct TraceColumns {
+    /// The first channel that is a column; a trace has those before it already.
+    pub from: usize,
+    /// Returns the values of the columns; NaN for those that are not there yet.
+    pub read: fn(&mut dyn Followed) -> Vec<f64>,
+}
+
+/// A pendulum that is followed from row to row of a trace.
+pub trait Followed {
+    /// The passes of the top so far.
+    fn passes(&self) -> &[Pass];
+    /// The passes so far by watched bobs.
+    fn watched_passes(&self) -> Vec<Pass>;
+    /// The scene's count.
+    fn count(&self) -> u32;
+    /// Whole turns of both rods.
+    fn turns(&self) -> [i32; 2];
+    /// The exponent of the growth so far, 1/s.
+    fn exponent(&mut self) -> f64;
+    /// The least distance from the start since it was left, and its time in s.
+    fn nearest(&mut self) -> [f64; 2];
 }
 
 /// The bobs that a question watches.

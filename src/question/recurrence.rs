@@ -1,6 +1,9 @@
 //! `return`: how near the pendulum comes back to its start, and when.
 
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
+use super::{
+    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
+};
 use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
@@ -15,6 +18,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     channel_names: "the question return has distance and time",
     watches: Watches::Always(Rule::Neither),
     passes: 1,
+    has_count: false,
     at_a_time: true,
     is_even: true,
     painted: Painted::First,
@@ -22,9 +26,14 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     follows_cells: false,
     needs: Needs::Return,
     read,
+    columns: TraceColumns { from: 0, read: columns },
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
     let [distance, time] = ending.gathered.nearest;
     [distance, time * ending.unit_secs, 0.0, 0.0, 0.0, 0.0]
+}
+
+fn columns(followed: &mut dyn Followed) -> Vec<f64> {
+    followed.nearest().to_vec()
 }

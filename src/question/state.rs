@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::{Channel, ChannelScale, Ending, MOST_CHANNELS, Needs, Painted, QuestionKind, Watches};
+use super::{
+    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
+};
 use crate::physics::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
@@ -22,6 +25,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
                     colours of energy",
     watches: Watches::Always(Rule::Neither),
     passes: 1,
+    has_count: false,
     at_a_time: true,
     is_even: false,
     painted: Painted::TwoAngles,
@@ -29,6 +33,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     follows_cells: true,
     needs: Needs::End,
     read,
+    columns: TraceColumns { from: 4, read: columns },
 };
 
 const fn angle(name: &'static str) -> Channel {
@@ -49,4 +54,8 @@ fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
     let [omega1, omega2] = ending.pendulum.speeds(&ending.phase).map(|w| w / ending.unit_secs);
     let [turns1, turns2] = ending.gathered.turns.map(f64::from);
     [theta1, theta2, omega1, omega2, turns1, turns2]
+}
+
+fn columns(followed: &mut dyn Followed) -> Vec<f64> {
+    followed.turns().map(f64::from).to_vec()
 }

@@ -213,7 +213,7 @@ impl QuestionTable {
 
     /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.
     pub fn passes(&self) -> u32 {
-        if self.ask == Ask::Flip { self.count } else { self.ask.kind().passes }
+        if self.ask.kind().has_count { self.count } else { self.ask.kind().passes }
     }
 
     /// Simulated seconds after which a pendulum is followed no further.
@@ -230,7 +230,7 @@ impl QuestionTable {
         if !(1..=Self::MOST_COUNT).contains(&self.count) {
             return refuse("count", self.count.to_string(), "it must lie between 1 and 1000000");
         }
-        if self.count > 1 && self.ask != Ask::Flip {
+        if self.count > 1 && !self.ask.kind().has_count {
             return refuse("count", self.count.to_string(), "only the question flip counts");
         }
         let Some(at) = self.at else { return Ok(()) };

@@ -86,7 +86,7 @@ fn asked(ui: &mut Ui, question: &mut QuestionTable) {
     if kind.watches == Watches::TheRule {
         rule(ui, &mut question.rule);
     }
-    if question.ask == Ask::Flip {
+    if kind.has_count {
         let most = f64::from(QuestionTable::MOST_COUNT);
         if let Some(count) = number(ui, "Flip number", "", f64::from(question.count), 1.0..=most) {
             question.count = count.round() as u32;

@@ -239,8 +239,11 @@ impl Design {
             quartic: self.scheme == Scheme::Fifth,
             bows: self.bows(),
             maths,
-            least_energy: self.least_energy().map(number),
-            texts: TextValues { may_pass, statuses: status_constants() },
+            texts: TextValues {
+                may_pass,
+                statuses: status_constants(),
+                least_energy: self.least_energy().map(number),
+            },
         }
     }
 

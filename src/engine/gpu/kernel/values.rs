@@ -35,8 +35,6 @@ pub(super) struct Values {
     pub(super) quartic: bool,
     pub(super) bows: Vec<String>,
     pub(super) maths: BTreeMap<String, String>,
-    /// The energy below which a pendulum is done early, as a shader literal.
-    pub(super) least_energy: Option<String>,
     #[serde(flatten)]
     pub(super) texts: TextValues,
 }
@@ -46,6 +44,8 @@ pub(super) struct Values {
 pub(super) struct TextValues {
     pub(super) may_pass: String,
     pub(super) statuses: String,
+    /// The energy below which a pendulum is done early, as a shader literal.
+    pub(super) least_energy: Option<String>,
 }
 
 /// Values of kernels that count turns or passes.
