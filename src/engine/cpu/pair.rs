@@ -163,3 +163,39 @@ impl EmbeddedPair for Dop853 {
         dop853(pendulum, inverse_scale, phase, step)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::lanes::F64Lanes;
+    use super::*;
+    use crate::physics::crossing::approach;
+
+    /// The test for a pass of the top is written once for single numbers and once for lanes, which have
+    /// no branches; both must judge alike.
+    #[test]
+    fn lanes_judge_a_step_as_single_numbers_do() {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut judged = [0, 0];
+        for _ in 0..10_000 {
+            let mut moment = || {
+                let angle = std::f64::consts::PI + 1.2 * (random.f64() - 0.5);
+                let speed = [0.0, 8.0 * (random.f64() - 0.5)];
+                StepState { phase: [1.0, 0.0, angle.cos(), angle.sin(), 0.0, 0.0], speed }
+            };
+            let (before, after) = (moment(), moment());
+            let length = 0.3;
+            let rise = |at: &StepState<f64>| at.speed[1] * at.phase[2] * length;
+            let lit = |value| F64Lanes::splat(pulp::Scalar, value);
+            let ys = [before, after].map(|at| lit(at.phase[3]));
+            let rises = [rise(&before), rise(&after)].map(lit);
+            let by_lanes = OnCubic::<Dop853>::clearance(ys, rises, lit(0.0)).smallest();
+            let alone = approach(&before, &after, 1, length).clearance;
+            assert!(
+                (by_lanes - alone).abs() < 1e-14,
+                "{by_lanes} and {alone}: {before:?} {after:?}"
+            );
+            judged[usize::from(alone > 0.0)] += 1;
+        }
+        assert!(judged.iter().all(|count| *count > 500), "steps of both kinds: {judged:?}");
+    }
+}
