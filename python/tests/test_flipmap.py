@@ -99,17 +99,17 @@ def test_a_map_knows_its_scene_again(tmp_path):
     ("words", "error", "says"),
     [
         ({"widht": 1}, TypeError, "did you mean width"),
-        ({"width": 0}, ValueError, "--width"),
+        ({"width": 0}, ValueError, "`width`"),
         ({"center": 1}, ValueError, "two numbers"),
         ({"scene": "filigre"}, ValueError, "did you mean filigree"),
         ({"scene": "/nowhere/a.toml"}, ValueError, "/nowhere/a.toml"),
         ({"scene": "[view]\nwidth = 3"}, ValueError, "line 2"),
         ({"size": 0}, ValueError, "between 1 and 1000000"),
-        ({"accuracy": "best"}, ValueError, "--accuracy"),
+        ({"accuracy": "best"}, ValueError, "`accuracy`"),
         ({"engine": "abacus"}, ValueError, "cpu or gpu"),
         ({"adapter": "no such card", "engine": "gpu"}, ValueError, "adapter"),
-        ({"ask": "state", "rule": "either"}, ValueError, "--rule"),
-        ({"ask": "flips", "width": "1e-30", "center": "1,1"}, ValueError, "--width is too small"),
+        ({"ask": "state", "rule": "either"}, ValueError, "`rule`"),
+        ({"ask": "flips", "width": "1e-30", "center": "1,1"}, ValueError, "`width` is too small"),
     ],
 )
 def test_what_cannot_be_asked_for_is_said(words, error, says):
