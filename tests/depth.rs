@@ -239,23 +239,28 @@ fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
     }
 }
 
-#[test]
-fn a_grazing_edge_is_one_clean_line_at_every_depth() {
-    // Bisects between two starts, one of which flips in its first swing.
+/// A place θ2 of an edge of the region that flips within `secs` on the line of this θ1, between two places
+/// of which one does, by bisection.
+fn edge(theta1: &str, between: [&str; 2], secs: f64) -> String {
     let flips_early = |theta2: Fixed<4>| {
         let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
-        let angle = [Fixed::<4>::parse("-1.602").unwrap(), theta2];
-        let budget = Fixed::from_f64(2.0);
+        let angle = [Fixed::<4>::parse(theta1).unwrap(), theta2];
+        let budget = Fixed::from_f64(secs);
         oracle::outcome(&pendulum, angle, Rule::Second, budget).status == Status::Flipped
     };
-    let mut ends = ["1.8", "2.1"].map(|text| Fixed::<4>::parse(text).unwrap());
+    let mut ends = between.map(|text| Fixed::<4>::parse(text).unwrap());
     let early = flips_early(ends[1]);
     assert_ne!(flips_early(ends[0]), early);
     for _ in 0..140 {
         let middle = (ends[0] + ends[1]).halved(1);
         ends[usize::from(flips_early(middle) == early)] = middle;
     }
-    let edge = ends[1].resized::<8>().to_string();
+    ends[1].resized::<8>().to_string()
+}
+
+#[test]
+fn a_grazing_edge_is_one_clean_line_at_every_depth() {
+    let edge = edge("-1.602", ["1.8", "2.1"], 2.0);
     for width in ["1e-5", "1e-10", "1e-16", "1e-22", "1e-30"] {
         let scene = scene(["-1.602", &edge], width);
         let size = [24, 24];
@@ -274,6 +279,50 @@ fn a_grazing_edge_is_one_clean_line_at_every_depth() {
         let pixels: Vec<usize> = (3..576).step_by(48).collect();
         let truth = truth::<4>(&scene, size, &pixels);
         assert!(share_right(&samples, &pixels, &truth) >= 0.9, "{width}");
+    }
+}
+
+/// θ1 = π, where the torus closes, to more digits than any of the views has.
+const SEAM: &str = "3.14159265358979323846264338327950288419716939937510582097494459";
+
+#[test]
+fn deep_views_across_the_seam_of_the_torus_are_right() {
+    let edge = edge(SEAM, ["2.0", "2.2"], 1.5);
+    for width in ["1e-6", "1e-12", "1e-20"] {
+        let scene = scene([SEAM, &edge], width);
+        let samples = samples(&scene, [24, 24], BALANCED, &mut engine(), 4096);
+        let pixels: Vec<usize> = (3..576).step_by(24).collect();
+        let truth = truth::<4>(&scene, [24, 24], &pixels);
+        assert!(share_right(&samples, &pixels, &truth) >= 0.95, "{width}");
+        let early = |k: &usize| samples.get(*k).time < 1.5;
+        let early = (0..576).filter(early).count();
+        assert!((100..476).contains(&early), "{early} at {width}: the edge is in view");
+    }
+}
+
+#[test]
+fn threads_change_no_deep_answer() {
+    let (theta1, theta2, width) = PLACES[1];
+    let scene = scene([theta1, theta2], width);
+    let by = |threads: usize| {
+        let cpu = Box::new(CpuEngine::new(Some(threads)).unwrap());
+        let mut engine = DepthEngine::new(cpu, Some(threads)).unwrap();
+        samples(&scene, [40, 40], BALANCED, &mut engine, 1600)
+    };
+    let (one, three) = (by(1), by(3));
+    assert!((0..1600).all(|k| one.get(k) == three.get(k)));
+}
+
+#[test]
+fn lines_are_right_where_bands_are_curved() {
+    for width in ["2e-5", "2e-6"] {
+        let scene = scene([PLACES[0].0, PLACES[0].1], width);
+        let (on_lines, _) = answered(&scene, [60, 45], Keep::NOTHING);
+        let (alone, none_told) = answered(&scene, [60, 45], Keep::ENDS);
+        assert_eq!(none_told, 0);
+        let differs = |(a, b): &(&Outcome, &Outcome)| !is_right(a, b);
+        let differing = on_lines.iter().zip(&alone).filter(differs).count();
+        assert_eq!(differing, 0, "{width}");
     }
 }
 
