@@ -1,6 +1,7 @@
 //! Exports: a view as a picture or as numbers at any size, computed in the background by an engine
 //! of its own, with the same loop and files as `flipmap render`.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -10,14 +11,14 @@ use std::time::{Duration, Instant};
 use crate::engine::choice::{Chosen, EngineRequest, choose};
 use crate::engine::method::Pace;
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
-use crate::engine::{Cells, Engine, Question};
+use crate::engine::{Cells, Question};
 use crate::output::{
-    Destination, Paths, RenderClock, RenderError, SafeFile, SinkPass, Sinks, is_one_file,
-    pass_work, read_text, render_pass, sentence,
+    Destination, Paths, RenderClock, RenderError, SafeFile, Sinks, is_one_file, pass_work,
+    read_text, render_pass, sentence,
 };
 use crate::scene::keys::{Easing, Keys};
 use crate::scene::{Document, DocumentError, RunTable};
-use crate::tiles::{Counts, Renderer, Work};
+use crate::tiles::{Counts, Renderer};
 
 /// The content of an exported file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -204,32 +205,46 @@ fn run(
     for pass in sinks.passes(document.picture.samples) {
         let size = request.size.map(|side| side * pass.along);
         let what = (&document, Cells::Auto);
-        let mut work = pass_work(&mut renderer, what, request.size, &pass, &|| !stopped())?;
-        run_pass(&mut work, size, renderer.engine(), &mut sinks, &pass, (set, stopped))?;
+        let clock = &mut RenderClock::default();
+        let shown = Shown::new(request.size, set);
+        let go_on = |counts: &Counts| {
+            shown.show(counts);
+            !stopped()
+        };
+        let mut work = pass_work(&mut renderer, what, request.size, &pass, clock, &go_on)?;
+        let shown = Shown::new(size, set);
+        let mut go_on = |counts: &Counts| {
+            shown.show(counts);
+            !stopped()
+        };
+        render_pass(&mut work, renderer.engine(), &mut sinks, &pass, clock, &mut go_on)?;
     }
     Ok(sinks.finish().map_err(RenderError::from)?)
 }
 
-fn run_pass(
-    work: &mut Work,
-    size: [u32; 2],
-    engine: &mut dyn Engine,
-    sinks: &mut Sinks,
-    pass: &SinkPass,
-    (set, stopped): (&dyn Fn(ExportStage), &(dyn Fn() -> bool + Sync)),
-) -> Result<(), RenderError> {
-    let total = f64::from(size[0]) * f64::from(size[1]);
-    let begun = Instant::now();
-    let mut told: Option<Instant> = None;
-    let mut go_on = |counts: &Counts| {
-        if told.is_none_or(|told| told.elapsed() >= TICK) {
-            told = Some(Instant::now());
-            let pixels_per_sec = counts.pixels as f64 / begun.elapsed().as_secs_f64().max(1e-3);
-            set(ExportStage::Running { share: counts.pixels as f64 / total, pixels_per_sec });
+/// The display of how far a run is, now and then.
+struct Shown<'a> {
+    total: f64,
+    begun: Instant,
+    told: Cell<Option<Instant>>,
+    set: &'a dyn Fn(ExportStage),
+}
+
+impl<'a> Shown<'a> {
+    fn new(size: [u32; 2], set: &'a dyn Fn(ExportStage)) -> Self {
+        let total = f64::from(size[0]) * f64::from(size[1]);
+        Shown { total, begun: Instant::now(), told: Cell::new(None), set }
+    }
+
+    fn show(&self, counts: &Counts) {
+        if self.told.get().is_some_and(|told| told.elapsed() < TICK) {
+            return;
         }
-        !stopped()
-    };
-    render_pass(work, engine, sinks, pass, &mut RenderClock::default(), &mut go_on)
+        self.told.set(Some(Instant::now()));
+        let done = counts.pixels as f64;
+        let pixels_per_sec = done / self.begun.elapsed().as_secs_f64().max(1e-3);
+        (self.set)(ExportStage::Running { share: done / self.total, pixels_per_sec });
+    }
 }
 
 impl ExportRequest {

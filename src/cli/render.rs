@@ -1,11 +1,13 @@
 //! `flipmap render`: renders a scene as a picture, tiles of one, arrays of flip times, a map of
 //! trust, or all of them.
 
+use std::cell::RefCell;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use flipmap::engine::choice::{Chosen, IntegrationSetting};
+use flipmap::engine::depth::Following;
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
@@ -77,18 +79,17 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let (setup, mut clock) = (begun.elapsed(), RenderClock::default());
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
-        let size = spec.size().map(|side| side * pass.along);
-        let (what, go_on) = ((&document, options.cells), || !stop::asked());
-        let work = pass_work(&mut renderer, what, spec.size(), &pass, &go_on);
+        let heed = Heeding::new(options.progress, spec.size(), &following);
+        let what = (&document, options.cells);
+        let go_on = |counts: &Counts| heed.go_on(counts);
+        let work = pass_work(&mut renderer, what, spec.size(), &pass, &mut clock, &go_on);
         let mut work = work.or_else(interrupted)?;
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
-        let mut progress = Progress::new(options.progress, u64::from(size[0]) * u64::from(size[1]));
-        let mut go_on = |counts: &Counts| {
-            progress.set(counts.pixels, following.words());
-            !stop::asked()
-        };
+        let size = spec.size().map(|side| side * pass.along);
+        let heed = Heeding::new(options.progress, size, &following);
+        let mut go_on = |counts: &Counts| heed.go_on(counts);
         render_pass(&mut work, renderer.engine(), &mut sinks, &pass, &mut clock, &mut go_on)
             .or_else(interrupted)?;
         counts += work.counts();
@@ -106,6 +107,26 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     tell(&ran, &scene);
     Ok(())
+}
+
+/// A run in progress: it is displayed, and requests to stop are heeded.
+struct Heeding<'a> {
+    progress: RefCell<Progress>,
+    following: &'a Following,
+}
+
+impl<'a> Heeding<'a> {
+    /// Starts at zero of a picture's pixels.
+    fn new(mode: Mode, size: [u32; 2], following: &'a Following) -> Self {
+        let progress = Progress::new(mode, u64::from(size[0]) * u64::from(size[1]));
+        Heeding { progress: RefCell::new(progress), following }
+    }
+
+    /// Displays the counts so far; returns false once a stop is asked for.
+    fn go_on(&self, counts: &Counts) -> bool {
+        self.progress.borrow_mut().set(counts.pixels, self.following.words());
+        !stop::asked()
+    }
 }
 
 /// Resolves the options, and rejects what could not be done before anything is computed.

@@ -35,13 +35,14 @@ const PAUSE: Duration = Duration::from_millis(2);
 const AHEAD: usize = 2;
 
 /// The work of a pass over a picture of `size` pixels. In adaptive sampling, a run over the pixels'
-/// centres comes first; it ends as stopped once `go_on` says no.
+/// centres comes first, with counts of its own; it ends as stopped once `go_on` says no.
 pub fn pass_work(
     renderer: &mut Renderer,
     (document, cells): (&Document, Cells),
     size: [u32; 2],
     pass: &SinkPass,
-    go_on: &dyn Fn() -> bool,
+    clock: &mut RenderClock,
+    go_on: &dyn Fn(&Counts) -> bool,
 ) -> Result<Work, RenderError> {
     let (scene, picture) = (document.scene(), &document.picture);
     let fine = size.map(|side| side * pass.along);
@@ -51,7 +52,10 @@ pub fn pass_work(
     }
     let colours = AnswerColours::new(&scene, picture).map_err(OutputError::from)?;
     let (what, how) = ((&scene, cells), (&colours, pass.along));
-    let plain = PlainPixels::find(renderer, what, size, how, &|_| go_on())?;
+    let computing = Instant::now();
+    let plain = PlainPixels::find(renderer, what, size, how, go_on);
+    clock.compute += computing.elapsed();
+    let plain = plain?;
     Ok(work.sparing(plain.ok_or(RenderError::Stopped)?))
 }
 

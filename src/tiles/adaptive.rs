@@ -33,6 +33,8 @@ pub struct PlainPixels {
     width: u32,
     /// Samples per pixel along each axis where colours change.
     along: u32,
+    /// Counts of the run that found them.
+    counts: Counts,
 }
 
 impl PlainPixels {
@@ -52,7 +54,13 @@ impl PlainPixels {
         let tint = |k: usize| colours.tint(samples.get(k).status, samples.values(k));
         let tints: Vec<Tint> = (0..samples.len()).map(tint).collect();
         let is_plain = plain(&tints, size[0] as usize);
-        Ok(Some(PlainPixels { samples, is_plain, width: size[0], along }))
+        Ok(Some(PlainPixels { samples, is_plain, width: size[0], along, counts: work.counts() }))
+    }
+
+    /// Adds the work of the run that found them.
+    pub(super) fn count_work(&self, counts: &mut Counts) {
+        counts.simulated += self.counts.simulated;
+        counts.effort += self.counts.effort;
     }
 
     /// Returns the known answer of a sample, by its column and row among all samples.

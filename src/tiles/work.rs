@@ -113,8 +113,9 @@ impl Work {
         self
     }
 
-    /// Takes the samples of plain pixels as known.
+    /// Takes the samples of plain pixels as known; the run that found them counts as work.
     pub fn sparing(mut self, plain: PlainPixels) -> Self {
+        plain.count_work(&mut self.counts);
         self.plain = Some(plain);
         self
     }

@@ -56,7 +56,7 @@ const LOSE_EVERY: Duration = Duration::from_secs(15);
 
 /// Expected warnings: the machine has no real screen, clipboard manager or file dialogs, the device is
 /// lost on purpose, and the random user pins too many pixels and wants to go deeper where that cannot be.
-const EXPECTED: [&str; 8] = [
+const EXPECTED: [&str; 9] = [
     "winit::platform_impl",
     "clipboard manager",
     "rfd::backend",
@@ -64,7 +64,8 @@ const EXPECTED: [&str; 8] = [
     "device is gone",
     "pins are in use",
     "has no file dialog",
-    "Nothing leads deeper here: --ask is",
+    "Nothing leads deeper here: `ask` is",
+    "Nothing leads deeper here: `plane` is",
 ];
 
 /// SplitMix64 generator: the same actions for the same seed.
