@@ -190,6 +190,7 @@ impl PictureTable {
             return refuse(value, "at most 1048576 samples fit in a row");
         }
         if self.adaptive
+            && self.samples > 1
             && size.iter().map(|side| u64::from(*side)).product::<u64>() > Self::MOST_ADAPTIVE
         {
             let value = format!("{value} with `samples` auto");
@@ -289,6 +290,8 @@ mod tests {
         picture.check_size([524_288, 1_000_000]).unwrap();
         let adaptive = PictureTable { adaptive: true, ..picture.clone() };
         adaptive.check_size([7680, 4320]).unwrap();
+        let single = PictureTable { samples: 1, ..adaptive.clone() };
+        single.check_size([8192, 8192]).unwrap();
         let error = adaptive.check_size([8192, 8192]).unwrap_err().to_string();
         assert!(error.contains("`samples` auto") && error.contains("`samples` 3"), "{error}");
         for size in [[0, 1], [1, 1_000_001], [524_289, 1]] {
