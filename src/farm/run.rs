@@ -134,6 +134,20 @@ fn drive(
     }
 }
 
+/// Keeps rows from `first` on, in parts that are not too large.
+fn keep_rows(
+    writer: &PartWriter,
+    width: u32,
+    first: u32,
+    samples: &Samples,
+) -> Result<(), PartError> {
+    let in_part = (MOST / width as usize).max(1) * width as usize;
+    (0..samples.len()).step_by(in_part).try_for_each(|from| {
+        let part = samples.part(from..(from + in_part).min(samples.len()));
+        writer.rows(width, first + (from / width as usize) as u32, part)
+    })
+}
+
 /// Computes the same rows of several frames, later and later ones, and keeps each as it comes.
 fn motion(
     task: &Task,
@@ -153,8 +167,7 @@ fn motion(
         let Some(samples) = moments.at(engine, at_secs, &goes_on)? else {
             return Err(RunError::Stopped);
         };
-        let writer = PartWriter::open(&task.folder, &pass.of)?;
-        writer.rows(size[0], rows.start, samples.clone())?;
+        keep_rows(&PartWriter::open(&task.folder, &pass.of)?, size[0], rows.start, samples)?;
         counts.pixels += samples.len() as u64;
         counts.simulated += moments.moving() as u64;
         if !(go_on.borrow_mut())(counts) {
@@ -251,5 +264,25 @@ impl Going for Patches {
     fn keep(&mut self) -> Result<(), PartError> {
         let cells = std::mem::take(&mut self.cells);
         self.writer.patches(&cells, std::mem::take(&mut self.loose))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::farm::{PartForm, PartForms, Parts};
+
+    #[test]
+    fn many_rows_are_kept_in_several_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let (width, rows) = (1 << 16, 9);
+        let samples = Samples::unflipped(width as usize * rows as usize);
+        let of = "f".repeat(64);
+        let writer = PartWriter::open(folder.path(), &of).unwrap();
+        keep_rows(&writer, width, 3, &samples).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "of four rows at most");
+        let form = PartForm::Rows { width, rows: 12, channels: 1 };
+        let parts = Parts::scan(folder.path(), PartForms::from([(of.clone(), form)])).unwrap();
+        assert_eq!(parts.missing_rows(&of, 0..12), [0..3]);
     }
 }
