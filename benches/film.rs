@@ -63,7 +63,7 @@ fn whole(film: &Film) -> (u64, f64, f64) {
     let task = Task::new(plan, &folder.path().join("plan.toml")).expect("a plan");
     let begun = Instant::now();
     let pieces = task.missing(1, &Parts::default());
-    run(&task, pieces, &mut engine, &mut |_| true).expect("the engine works");
+    run(&task, &pieces, &mut engine, &mut |_| true).expect("the engine works");
     let computing = begun.elapsed().as_secs_f64();
     let begun = Instant::now();
     let mut parts = Parts::scan(&task.folder, task.forms()).expect("parts");

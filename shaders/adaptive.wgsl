@@ -152,12 +152,13 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {{ maths.energy }}
     // Too little energy is left ever to pass the top (see src/engine/slowed.rs).
     let slowed = rough(energy) < {{ least_energy }};
+    suspect = suspect && !slowed;
 {% endif %}
-    let over = !(rough(time) < budget);
-    if !sound || (over && !suspect){% if least_energy %} || slowed{% endif %} {{ '{' }}
+    let over = !(rough(time) < budget){% if least_energy %} || slowed{% endif %};
+    if !sound || (over && !suspect) {
         end(pixel, select(FAILED, UNFLIPPED, sound));
     }
-    put_on(SUSPECTS, pixel, sound && suspect{% if least_energy %} && !slowed{% endif %});
-    put_on(1u - queue.turn, pixel, sound && !suspect && !over{% if least_energy %} && !slowed{% endif %});
+    put_on(SUSPECTS, pixel, sound && suspect);
+    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
 }
 

@@ -206,44 +206,44 @@ fn run(
         let size = request.size.map(|side| side * pass.along);
         let what = (&document, Cells::Auto);
         let clock = &mut RenderClock::default();
-        let shown = Shown::new(request.size, set);
-        let go_on = |counts: &Counts| {
-            shown.show(counts);
-            !stopped()
-        };
+        let first = Heeding::new(request.size, (set, stopped));
+        let go_on = |counts: &Counts| first.go_on(counts);
         let mut work = pass_work(&mut renderer, what, request.size, &pass, clock, &go_on)?;
-        let shown = Shown::new(size, set);
-        let mut go_on = |counts: &Counts| {
-            shown.show(counts);
-            !stopped()
-        };
+        let whole = Heeding::new(size, (set, stopped));
+        let mut go_on = |counts: &Counts| whole.go_on(counts);
         render_pass(&mut work, renderer.engine(), &mut sinks, &pass, clock, &mut go_on)?;
     }
     Ok(sinks.finish().map_err(RenderError::from)?)
 }
 
-/// The display of how far a run is, now and then.
-struct Shown<'a> {
+/// A run in progress: it is displayed now and then, and requests to stop are heeded.
+struct Heeding<'a> {
     total: f64,
     begun: Instant,
     told: Cell<Option<Instant>>,
     set: &'a dyn Fn(ExportStage),
+    stopped: &'a (dyn Fn() -> bool + Sync),
 }
 
-impl<'a> Shown<'a> {
-    fn new(size: [u32; 2], set: &'a dyn Fn(ExportStage)) -> Self {
+impl<'a> Heeding<'a> {
+    /// Starts at zero of a picture's pixels.
+    fn new(
+        size: [u32; 2],
+        (set, stopped): (&'a dyn Fn(ExportStage), &'a (dyn Fn() -> bool + Sync)),
+    ) -> Self {
         let total = f64::from(size[0]) * f64::from(size[1]);
-        Shown { total, begun: Instant::now(), told: Cell::new(None), set }
+        Heeding { total, begun: Instant::now(), told: Cell::new(None), set, stopped }
     }
 
-    fn show(&self, counts: &Counts) {
-        if self.told.get().is_some_and(|told| told.elapsed() < TICK) {
-            return;
+    /// Displays the counts so far; returns false once a stop is asked for.
+    fn go_on(&self, counts: &Counts) -> bool {
+        if self.told.get().is_none_or(|told| told.elapsed() >= TICK) {
+            self.told.set(Some(Instant::now()));
+            let done = counts.pixels as f64;
+            let pixels_per_sec = done / self.begun.elapsed().as_secs_f64().max(1e-3);
+            (self.set)(ExportStage::Running { share: done / self.total, pixels_per_sec });
         }
-        self.told.set(Some(Instant::now()));
-        let done = counts.pixels as f64;
-        let pixels_per_sec = done / self.begun.elapsed().as_secs_f64().max(1e-3);
-        (self.set)(ExportStage::Running { share: done / self.total, pixels_per_sec });
+        !(self.stopped)()
     }
 }
 

@@ -497,7 +497,7 @@ pub(super) mod tests {
         assert_eq!(state.document().run.step.as_deref(), Some("1/120"));
         document.run.tolerance = Some("much".to_string());
         assert_eq!(state.apply(Action::Show(Box::new(document))), None);
-        assert!(state.notices.iter().next().unwrap().text.contains("tolerance"));
+        assert!(state.notices.iter().next().unwrap().text.contains("`tolerance`"));
     }
 
     #[test]

@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use super::option_names::with_options;
 use flipmap::engine::EngineError;
 use flipmap::engine::choice::ChoiceError;
 use flipmap::output;
 use flipmap::scene::{DocumentError, SceneError};
+
+use super::option_names::with_options;
 
 /// Failures of the program, by exit code.
 #[derive(Debug, thiserror::Error)]
@@ -51,8 +52,8 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
 /// Largest number of characters of a message; what is longer quotes a very long input.
 const MOST_CHARACTERS: usize = 2000;
 
-/// A message as a terminal may show it, with options for the settings that it names: what is quoted from a file or an option can hold control
-/// characters, which a terminal would obey, and be endless.
+/// A message as a terminal may show it, with options for the settings that it names. What is quoted from
+/// a file or an option can hold control characters, which a terminal would obey, and be endless.
 pub(super) fn printable(message: &str) -> String {
     let message = with_options(message);
     let mut text = String::new();

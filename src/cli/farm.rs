@@ -71,10 +71,11 @@ pub(super) fn compute(
     ));
     let mut progress = Progress::of(mode, total, "samples");
     let mut counts = Counts::default();
-    for pieces in pieces.chunk_by(|a, b| still_of(task, a) == still_of(task, b)) {
+    let scene_of = |piece: &WorkPiece| task.still(piece).map(|(scene, _)| scene);
+    for pieces in pieces.chunk_by(|a, b| scene_of(a) == scene_of(b)) {
         hear_second_opinion(task, &pieces[0], &mut renderer)?;
         let before = counts;
-        let computed = run(task, pieces.to_vec(), renderer.engine(), &mut |now| {
+        let computed = run(task, pieces, renderer.engine(), &mut |now| {
             counts = before;
             counts += *now;
             progress.set(counts.pixels, following.words());
@@ -92,14 +93,6 @@ pub(super) fn compute(
     Ok(None)
 }
 
-/// The still to which a piece belongs: the frame, or the only one.
-fn still_of(task: &Task, piece: &WorkPiece) -> Option<usize> {
-    match (piece, &task.work) {
-        (WorkPiece::Rows(frame, _), TaskKind::Frames(..)) => Some(*frame),
-        _ => None,
-    }
-}
-
 /// Lets pixels of the piece's still be integrated directly. Every shard takes the same pixels, and so
 /// marks what the others mark.
 fn hear_second_opinion(
@@ -107,13 +100,7 @@ fn hear_second_opinion(
     piece: &WorkPiece,
     renderer: &mut Renderer,
 ) -> anyhow::Result<()> {
-    let (scene, pass) = match (piece, &task.work) {
-        (WorkPiece::Rows(..), TaskKind::Still(document, passes)) => (document.scene(), &passes[0]),
-        (WorkPiece::Rows(frame, _), TaskKind::Frames(_, frames)) => {
-            (frames[*frame].shot.scene.clone(), &frames[*frame].pass)
-        }
-        _ => return Ok(()),
-    };
+    let Some((scene, pass)) = task.still(piece) else { return Ok(()) };
     let size = pass.size.map(|side| side / pass.along);
     let opinion = renderer.second_opinion(&scene, size, &|| !stop::asked())?;
     if let Some(warning) = opinion.and_then(|opinion| opinion.warning()) {

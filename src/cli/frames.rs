@@ -30,7 +30,7 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     let threads = options.film.run.engine.threads();
     let mut renderer = Renderer::of(chosen.engine, chosen.config, spec.verify, threads)?;
     let mut sink = FilmSink::open(&options.output, film, &document)?;
-    let mut moments = Moments::make(film, spec.verify, &chosen.config).then(|| {
+    let mut moments = Moments::can_make(film, spec.verify, &chosen.config).then(|| {
         let job_size = renderer.engine().job_size();
         Moments::new(&film.shot(0).scene, size, chosen.config, job_size)
     });

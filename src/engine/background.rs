@@ -56,7 +56,8 @@ pub struct Background {
     _ended: JoinOnDrop,
 }
 
-/// Waits for the end of a thread, if there is one to wait for. A driver that is still at work when the process ends may crash it.
+/// Waits for the end of a thread, if there is one to wait for. A driver that is still at work when the
+/// process ends may crash it.
 struct JoinOnDrop(Option<JoinHandle<()>>);
 
 impl Drop for JoinOnDrop {

@@ -424,7 +424,7 @@ mod tests {
     #[test]
     fn too_many_steps_are_refused() {
         let error = Steps::new(&question(1e9), 1e-6, Precision::F64).unwrap_err();
-        assert!(error.to_string().contains("step"), "{error}");
+        assert!(error.to_string().contains("`step`"), "{error}");
     }
 
     #[test]

@@ -240,7 +240,7 @@ mod tests {
         assert_eq!(config(&[("step", "1e-3")]).method, Method::Rk4 { step_secs: 1e-3 });
         for bad in ["0", "-1/120", "nan", "inf", "1/0", "2", "x", "1/"] {
             let message = said(&[("step", bad)]).unwrap_err();
-            assert!(message.contains("step") && message.contains("between 1e-9 and 1"), "{bad}");
+            assert!(message.contains("`step`") && message.contains("between 1e-9 and 1"), "{bad}");
         }
     }
 
@@ -268,12 +268,12 @@ mod tests {
     #[test]
     fn what_does_not_go_together_is_refused_with_what_does() {
         for (words, parts) in [
-            (&[("method", "dop853"), ("step", "0.01")][..], &["step", "tolerance"][..]),
-            (&[("method", "rk4"), ("tolerance", "1e-9")], &["tolerance", "step"]),
-            (&[("tolerance", "1e-17")], &["tolerance", "f64", "1e-15", "1e-2"]),
+            (&[("method", "dop853"), ("step", "0.01")][..], &["`step`", "`tolerance`"][..]),
+            (&[("method", "rk4"), ("tolerance", "1e-9")], &["`tolerance`", "`step`"]),
+            (&[("tolerance", "1e-17")], &["`tolerance`", "f64", "1e-15", "1e-2"]),
             (&[("tolerance", "1e-9"), ("precision", "f32")], &["1e-8"]),
             (&[("tolerance", "one")], &["number"]),
-            (&[("method", "taylor"), ("precision", "f32")], &["precision", "f64, dd"]),
+            (&[("method", "taylor"), ("precision", "f32")], &["`precision`", "f64, dd"]),
             (&[("method", "euler")], &["rk4, dopri5, dop853, taylor"]),
             (&[("accuracy", "perfect")], &["lesson, fast, balanced, exact"]),
         ] {

@@ -4,11 +4,10 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use super::task::{FrameTask, StillPass, TaskKind, WorkPiece};
+use super::task::{FrameTask, TaskKind, WorkPiece};
 use super::{PartError, PartWriter, Task};
 use crate::engine::{Engine, EngineError};
 use crate::output::RowOrder;
-use crate::scene::Scene;
 use crate::scene::lattice::Cell;
 use crate::tiles::moments::Moments;
 use crate::tiles::patch_work::PatchWork;
@@ -41,7 +40,7 @@ const WAIT_SHARE: u32 = 60;
 /// finished is kept then too.
 pub fn run(
     task: &Task,
-    pieces: Vec<WorkPiece>,
+    pieces: &[WorkPiece],
     engine: &mut dyn Engine,
     go_on: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<Counts, RunError> {
@@ -54,7 +53,7 @@ pub fn run(
             counts += now;
             go_on(&counts)
         };
-        match (&piece, &task.work) {
+        match (piece, &task.work) {
             (WorkPiece::Motion(moved, rows), TaskKind::Frames(_, frames)) => {
                 let moved: Vec<_> = moved.iter().map(|frame| &frames[*frame]).collect();
                 motion(task, &moved, rows.clone(), engine, &mut go_on)?;
@@ -81,23 +80,26 @@ trait Going {
 
 fn open<'a>(
     task: &'a Task,
-    piece: WorkPiece,
+    piece: &'a WorkPiece,
     job_size: usize,
 ) -> Result<Box<dyn Going + 'a>, PartError> {
     Ok(match (piece, &task.work) {
-        (WorkPiece::Rows(pass, rows), TaskKind::Still(document, passes)) => {
-            let work = (&document.scene(), &passes[pass]);
-            Box::new(PendingRows::open(task, work, rows, job_size)?)
-        }
-        (WorkPiece::Rows(frame, rows), TaskKind::Frames(_, frames)) => {
-            let FrameTask { shot, pass } = &frames[frame];
-            Box::new(PendingRows::open(task, (&shot.scene, pass), rows, job_size)?)
+        (WorkPiece::Rows(_, rows), _) => {
+            let (scene, pass) = task.still(piece).ok_or(PartError::Gone)?;
+            Box::new(PendingRows {
+                writer: PartWriter::open(&task.folder, &pass.of)?,
+                width: pass.size[0],
+                first: rows.start,
+                order: RowOrder::from(rows.start),
+                work: Work::of_rows(&scene, pass.size, task.config, job_size, rows.clone()),
+                loose: Samples::default(),
+            })
         }
         (WorkPiece::Patches(group, cells), TaskKind::Film(_, groups)) => {
-            let group = &groups[group];
+            let group = &groups[*group];
             Box::new(Patches {
                 writer: PartWriter::open(&task.folder, &group.of)?,
-                work: PatchWork::new(&group.group.scene, task.config, cells.into_iter()),
+                work: PatchWork::new(&group.group.scene, task.config, cells.iter().cloned()),
                 cells: Vec::new(),
                 loose: Samples::default(),
             })
@@ -187,24 +189,6 @@ struct PendingRows {
     loose: Samples,
 }
 
-impl PendingRows {
-    fn open(
-        task: &Task,
-        (scene, pass): (&Scene, &StillPass),
-        rows: Range<u32>,
-        job_size: usize,
-    ) -> Result<Self, PartError> {
-        Ok(PendingRows {
-            writer: PartWriter::open(&task.folder, &pass.of)?,
-            width: pass.size[0],
-            first: rows.start,
-            order: RowOrder::from(rows.start),
-            work: Work::of_rows(scene, pass.size, task.config, job_size, rows),
-            loose: Samples::default(),
-        })
-    }
-}
-
 impl Going for PendingRows {
     fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError> {
         for tile in self.work.work(engine, Some(deadline))? {
@@ -283,6 +267,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "of four rows at most");
         let form = PartForm::Rows { width, rows: 12, channels: 1 };
         let parts = Parts::scan(folder.path(), PartForms::from([(of.clone(), form)])).unwrap();
-        assert_eq!(parts.missing_rows(&of, 0..12), [0..3]);
+        let missing = parts.missing_rows(&of, 0..12);
+        assert_eq!(missing, std::slice::from_ref(&(0..3)));
     }
 }

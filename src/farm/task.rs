@@ -152,6 +152,20 @@ impl Task {
         }
     }
 
+    /// The scene and the pass of which a piece is rows; `None` for other pieces.
+    pub fn still(&self, piece: &WorkPiece) -> Option<(Scene, &StillPass)> {
+        match (piece, &self.work) {
+            (WorkPiece::Rows(pass, _), TaskKind::Still(document, passes)) => {
+                Some((document.scene(), &passes[*pass]))
+            }
+            (WorkPiece::Rows(frame, _), TaskKind::Frames(_, frames)) => {
+                let FrameTask { shot, pass } = &frames[*frame];
+                Some((shot.scene.clone(), pass))
+            }
+            _ => None,
+        }
+    }
+
     /// The shards of which something is missing.
     pub fn missing_shards(&self, parts: &Parts) -> Vec<u32> {
         let shards = 1..=self.plan.shards;
@@ -174,7 +188,7 @@ impl Task {
         shard: u32,
         parts: &Parts,
     ) -> Vec<WorkPiece> {
-        let goes_on = Moments::make(film, self.plan.verify, &self.config);
+        let goes_on = Moments::can_make(film, self.plan.verify, &self.config);
         let (mut pieces, mut waiting) = (Vec::new(), Vec::new());
         for (k, frame) in frames.iter().enumerate() {
             let found = parts.missing_rows(&frame.pass.of, self.rows_of(shard, frame.pass.rows));
@@ -237,18 +251,16 @@ impl WorkPiece {
     /// Number of samples in the piece.
     pub fn samples(&self, task: &Task) -> u64 {
         match (self, &task.work) {
-            (WorkPiece::Rows(pass, rows), TaskKind::Still(_, passes)) => {
-                u64::from(rows.end - rows.start) * u64::from(passes[*pass].size[0])
+            (WorkPiece::Rows(_, rows), _) => {
+                let width = task.still(self).map_or(0, |(_, pass)| pass.size[0]);
+                rows.len() as u64 * u64::from(width)
             }
             (WorkPiece::Patches(_, cells), _) => (cells.len() * PATCH_SAMPLES) as u64,
-            (WorkPiece::Rows(frame, rows), TaskKind::Frames(_, frames)) => {
-                u64::from(rows.end - rows.start) * u64::from(frames[*frame].pass.size[0])
-            }
             (WorkPiece::Motion(moved, rows), TaskKind::Frames(_, frames)) => {
                 let width = moved.first().map_or(0, |frame| frames[*frame].pass.size[0]);
-                moved.len() as u64 * u64::from(rows.end - rows.start) * u64::from(width)
+                (moved.len() * rows.len()) as u64 * u64::from(width)
             }
-            (WorkPiece::Rows(..), TaskKind::Film(..)) | (WorkPiece::Motion(..), _) => 0,
+            (WorkPiece::Motion(..), _) => 0,
         }
     }
 }

@@ -244,7 +244,7 @@ mod tests {
         assert!(refused("[question]\nrule = \"third\"").contains("line 2"));
         assert!(refused("format = 2\nnew = 1").contains("format 2; this program reads"));
         assert!(refused("[view]\nwidth = \"0\"").contains("`width` is '0'"));
-        assert!(refused("[pendulum]\nmasses = [1.0, nan]").contains("masses"));
-        assert!(refused("[pendulum]\ngravity = -9.81").contains("gravity"));
+        assert!(refused("[pendulum]\nmasses = [1.0, nan]").contains("`masses`"));
+        assert!(refused("[pendulum]\ngravity = -9.81").contains("`gravity`"));
     }
 }

@@ -79,7 +79,7 @@ impl Moments {
 
     /// Returns true if the frames of a checked film can be computed as one motion. Checks, and numbers
     /// that cannot be carried on, begin every frame anew.
-    pub fn make(film: &Film, verify: bool, config: &IntegratorConfig) -> bool {
+    pub fn can_make(film: &Film, verify: bool, config: &IntegratorConfig) -> bool {
         let first = &film.keys[0].scene.scene();
         film.kind() == FilmKind::Moments && !verify && Moments::are_possible(first, config)
     }

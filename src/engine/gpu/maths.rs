@@ -201,7 +201,7 @@ impl Design {
     pub fn energy(&self) -> String {
         write_maths(Dialect { indent: "    ", ..self.dialect() }, || {
             let energy = if self.is_adaptive() {
-                self.pendulum().energy_of(&["x1", "y1", "x2", "y2", "p1", "p2"].map(variable))
+                self.pendulum().energy_of(&std::array::from_fn(|i| variable(PHASE[i])))
             } else {
                 self.pendulum().energy(&state(["t1_kept", "t2_kept", "w1_kept", "w2_kept"]))
             };
