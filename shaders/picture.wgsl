@@ -2,8 +2,9 @@
 //
 // A tile lies in a slot of an atlas, one packed word per sample: the value of the time or the colour
 // of another answer, how sure it is, and the status (counterpart: src/app/canvas/sample.rs). Quads say
-// which part of which slot goes where, and how much it covers of what is beneath. Between samples the light of the four nearest is mixed, never their times: the
-// mean of two flip times is the time of no pendulum.
+// which part of which slot goes where, and how much it covers of what is beneath. Between samples the
+// light of the four nearest is mixed, and where many samples lie in a pixel that of all of them, never
+// their times: the mean of two flip times is the time of no pendulum.
 
 struct Canvas {
     // A word's number is a value, the logarithm of a time or its height on the scale of the colours:
@@ -62,6 +63,9 @@ const SIDE: i32 = 128;
 const SLOTS_ALONG: u32 = 8u;
 const TABLE_ENTRIES: f32 = 8192.0;
 const UNCERTAIN: u32 = 4u;
+// Samples along a pixel beyond which all of them are mixed: those of the view's own level are fewer.
+const MANY: f32 = 1.65;
+const MOST_TAPS: i32 = 7;
 
 @vertex
 fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
@@ -138,25 +142,62 @@ fn relief_of(words: vec4<u32>, part: vec2<f32>, texel_x: vec2<f32>, texel_y: vec
     return 1.0 + canvas.relief * calm * calm * (3.0 - 2.0 * calm) * (max(facing, 0.0) - 1.0);
 }
 
+// The four samples around a place, anticlockwise from the lower left, and how far it lies from the
+// upper left one. Beyond the middle of its outermost samples a tile has no neighbours to mix.
+struct Around {
+    words: vec4<u32>,
+    part: vec2<f32>,
+}
+
+fn around(in: Fragment, texel: vec2<f32>) -> Around {
+    let place = clamp(texel, vec2<f32>(0.5), vec2<f32>(f32(SIDE) - 0.5)) - 0.5;
+    let first = min(floor(place), vec2<f32>(f32(SIDE) - 2.0));
+    let corner = (in.origin + first + 1.0) / f32(SIDE * i32(SLOTS_ALONG));
+    return Around(textureGather(0, atlas, nearest, corner, in.layer), place - first);
+}
+
+fn nearest_word(at: Around) -> u32 {
+    let above = select(at.words.wx, at.words.zy, at.part.x >= 0.5);
+    return select(above.x, above.y, at.part.y >= 0.5);
+}
+
+// The mean light of `taps` × `taps` places in the pixel's parallelogram of samples.
+fn mean_light(in: Fragment, taps: i32, texel_x: vec2<f32>, texel_y: vec2<f32>) -> vec3<f32> {
+    var sum = vec3<f32>(0.0);
+    let share = 1.0 / f32(taps);
+    for (var row = 0; row < taps; row += 1) {
+        for (var column = 0; column < taps; column += 1) {
+            let away = (vec2<f32>(f32(column), f32(row)) + 0.5) * share - 0.5;
+            let at = around(in, in.texel + away.x * texel_x + away.y * texel_y);
+            var light = light_of(nearest_word(at));
+            if canvas.relief > 0.0 {
+                light *= relief_of(at.words, at.part, texel_x, texel_y);
+            }
+            sum += light;
+        }
+    }
+    return sum * (share * share);
+}
+
 @fragment
 fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
-    // Beyond the middle of its outermost samples a tile has no neighbours to mix.
-    let place = clamp(in.texel, vec2<f32>(0.5), vec2<f32>(f32(SIDE) - 0.5)) - 0.5;
-    let first = min(floor(place), vec2<f32>(f32(SIDE) - 2.0));
-    let part = place - first;
     let texel_x = dpdx(in.texel);
     let texel_y = dpdy(in.texel);
-    // The four samples around the corner that they share, anticlockwise from the lower left.
-    let corner = (in.origin + first + 1.0) / f32(SIDE * i32(SLOTS_ALONG));
-    let words = textureGather(0, atlas, nearest, corner, in.layer);
-    let upper = mix(light_of(words.w), light_of(words.z), part.x);
-    let lower = mix(light_of(words.x), light_of(words.y), part.x);
-    var light = mix(upper, lower, part.y);
-    if canvas.relief > 0.0 {
-        light *= relief_of(words, part, texel_x, texel_y);
+    let at = around(in, in.texel);
+    let extent = max(abs(texel_x), abs(texel_y));
+    let along = max(extent.x, extent.y);
+    var light: vec3<f32>;
+    if along > MANY {
+        light = mean_light(in, min(i32(ceil(along)), MOST_TAPS), texel_x, texel_y);
+    } else {
+        let upper = mix(light_of(at.words.w), light_of(at.words.z), at.part.x);
+        let lower = mix(light_of(at.words.x), light_of(at.words.y), at.part.x);
+        light = mix(upper, lower, at.part.y);
+        if canvas.relief > 0.0 {
+            light *= relief_of(at.words, at.part, texel_x, texel_y);
+        }
     }
-    let above = select(words.wx, words.zy, part.x >= 0.5);
-    let word = select(above.x, above.y, part.y >= 0.5);
+    let word = nearest_word(at);
     if canvas.trust == 1u && ((word >> 2u) & 7u) == UNCERTAIN {
         // Hatched, so that doubt is not shown by colour alone.
         let stripe = (i32(in.position.x) + i32(in.position.y)) % 6 < 3;

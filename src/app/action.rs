@@ -8,7 +8,7 @@ use super::camera::Camera;
 use super::colour_cycle::ColourCycle;
 use super::flight::playback::Playback;
 use super::pins::PinAction;
-use super::settings::{Layers, Theme};
+use super::settings::{EdgeSamples, Layers, Theme};
 use super::state::Dialog;
 use crate::engine::{Accuracy, EngineKind};
 use crate::lab::Figure;
@@ -142,6 +142,8 @@ pub enum Action {
     Theme(Theme),
     /// Turns smooth moves on or off.
     Animate(bool),
+    /// Chooses the samples of pixels at edges while the view rests.
+    Edges(EdgeSamples),
     /// Switches between full screen and a window.
     FullScreen,
     /// Destroys the graphics device, to check that the window survives its loss.

@@ -48,6 +48,8 @@ impl AppModel {
         };
         let fades = self.animates();
         self.map_renderer.fading.begin(fades.then_some(now_secs));
+        // Many samples to a pixel take the processor too long to draw while the map moves.
+        self.map_renderer.has_finer = self.map_renderer.is_quick || self.state.rests();
         let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
         if self.map_renderer.fading.is_running() || self.map_renderer.glide.is_under_way() {
             ui.ctx().request_repaint();

@@ -9,7 +9,7 @@ use glam::DVec2;
 use super::action::{Action, LabAction, Look};
 use super::favourites::DIGITS;
 use super::flight::playback::Playback;
-use super::settings::{Layers, Theme};
+use super::settings::{EdgeSamples, Layers, Theme};
 use super::side_panel::PANELS;
 use super::state::{AppState, Dialog};
 use crate::engine::Accuracy;
@@ -132,6 +132,9 @@ fn doing(state: &AppState) -> Vec<Command> {
         command("Dark", [], Action::Theme(Theme::Dark)),
         command("Light", [], Action::Theme(Theme::Light)),
         command("Smooth moves on or off", [], Action::Animate(!state.look.animate)),
+        command("Anti-aliasing at rest: none", [], Action::Edges(EdgeSamples::One)),
+        command("Anti-aliasing at rest: 4 samples", [], Action::Edges(EdgeSamples::Four)),
+        command("Anti-aliasing at rest: 16 samples", [], Action::Edges(EdgeSamples::Sixteen)),
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),
     ];

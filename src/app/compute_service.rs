@@ -234,9 +234,12 @@ impl ComputeService {
     /// Sets the view target. While an engine is being opened, the target has the config of the one
     /// before, so that nothing is shown, or told, that answers another question than the view's.
     pub fn aim(&mut self, target: impl FnOnce(IntegratorConfig) -> ViewTarget) {
-        if let Some(config) = self.config {
-            self.explorer.target(&target(config));
-        }
+        let Some(config) = self.config else { return };
+        let target = target(config);
+        // Engines that are compared must have the machine for themselves.
+        let is_free = matches!(self.comparison, Comparison::None);
+        let refinements = if is_free { target.refinements } else { 0 };
+        self.explorer.target(&ViewTarget { refinements, ..target });
     }
 
     /// Sets the view target and advances the work, without waiting for the engine.
@@ -362,6 +365,7 @@ mod tests {
                 region,
                 level: 1,
                 pointer: None,
+                refinements: 0,
             };
             let update = service.turn(target, Instant::now() + Duration::from_millis(2));
             assert_eq!(update.failure, None);

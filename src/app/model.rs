@@ -135,8 +135,8 @@ impl AppModel {
         document.run = spec.table.clone();
         let mut state = AppState::new(&document, spec);
         state.integration.kind = options.request.kind;
-        (state.look.animate, state.look.theme, state.look.ui_scale) =
-            (settings.animate, settings.theme, settings.ui_scale);
+        let Settings { animate, theme, ui_scale, edges, .. } = settings;
+        state.look = Appearance { animate, theme, ui_scale, edges };
         // A window that keeps nothing would greet its user each time.
         state.shown.card = !settings.greeted && store.keeps();
         if options.document.is_none() {
@@ -305,7 +305,8 @@ impl AppModel {
         let (width, [across, _]) = (self.state.camera.width(), self.state.plane.axes());
         let unit = across.unit();
         let diving = self.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
-        let doing = self.compute.following().or(diving).or(self.compute.comparing());
+        let smooths = progress.refines.then(|| "smoothing edges".to_string());
+        let doing = self.compute.following().or(diving).or(self.compute.comparing()).or(smooths);
         let warning = self.estimates.forecast.warning();
         let left_secs = self.estimates.time_left.secs();
         StatusLine {
@@ -324,11 +325,12 @@ impl AppModel {
 
     /// Saves the settings, including how the window was left.
     pub fn save(&mut self) {
-        let AppState { look: Appearance { animate, theme, ui_scale }, layers, shown, .. } =
-            self.state;
+        let AppState { look, layers, shown, .. } = &self.state;
+        let Appearance { animate, theme, ui_scale, edges } = *look;
         let greeted = self.settings.greeted || !shown.card;
         let settings = self.settings.clone();
-        self.settings = Settings { animate, theme, ui_scale, layers, greeted, ..settings };
+        self.settings =
+            Settings { animate, theme, ui_scale, edges, layers: *layers, greeted, ..settings };
         self.settings.last_scene = Some(self.state.document());
         self.saved.at = Instant::now();
         if self.saved.settings.as_ref() == Some(&self.settings) {

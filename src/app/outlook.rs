@@ -46,7 +46,7 @@ struct OutlookThread {
 impl Forecast {
     /// Asks for the outlook on a view, unless it is the one last asked for; `scene` is its scene.
     pub(super) fn ask(&mut self, target: ViewTarget, scene: impl FnOnce() -> Scene, wake: &Wake) {
-        let target = ViewTarget { pointer: None, ..target };
+        let target = ViewTarget { pointer: None, refinements: 0, ..target };
         if self.asked.as_ref() == Some(&target) {
             return;
         }
@@ -154,7 +154,14 @@ mod tests {
             let physics = Physics::of(&scene, BALANCED, false);
             let region = Region { center: [Theta::ZERO; 2], half_rad: [3.0; 2], repeats: true };
             let pointer = None;
-            let target = ViewTarget { physics, budget_secs: secs, region, level: 4, pointer };
+            let target = ViewTarget {
+                physics,
+                budget_secs: secs,
+                region,
+                level: 4,
+                pointer,
+                refinements: 0,
+            };
             forecast.ask(target.clone(), || scene, &wake);
             woken.recv_timeout(Duration::from_secs(60)).unwrap();
             assert!(forecast.listen());

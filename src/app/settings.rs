@@ -19,6 +19,35 @@ pub struct Appearance {
     pub theme: Theme,
     /// Scale of the interface.
     pub ui_scale: f32,
+    /// Samples of pixels at edges while the view rests.
+    pub edges: EdgeSamples,
+}
+
+/// The least number of samples in a pixel of the window where its surroundings have edges, once the
+/// view is known and rests.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EdgeSamples {
+    /// One sample everywhere.
+    #[serde(rename = "1")]
+    One,
+    /// Four samples.
+    #[serde(rename = "4")]
+    Four,
+    /// Four samples, then sixteen.
+    #[default]
+    #[serde(rename = "16")]
+    Sixteen,
+}
+
+impl EdgeSamples {
+    /// All choices with their names.
+    pub const ALL: [(EdgeSamples, &str); 3] =
+        [(EdgeSamples::One, "1"), (EdgeSamples::Four, "4"), (EdgeSamples::Sixteen, "16")];
+
+    /// Number of finer levels that have so many samples.
+    pub fn refinements(self) -> u32 {
+        self as u32
+    }
 }
 
 /// The choices of the user. Numbers out of range are clamped and unknown keys ignored, so that the
@@ -32,6 +61,8 @@ pub struct Settings {
     pub ui_scale: f32,
     /// True if the view moves smoothly.
     pub animate: bool,
+    /// Samples of pixels at edges while the view rests.
+    pub edges: EdgeSamples,
     /// True if the window opens where it was left.
     pub restore: bool,
     /// Size in MiB of the cache of samples for places seen before.
@@ -92,6 +123,7 @@ impl Default for Settings {
             theme: Theme::default(),
             ui_scale: 1.0,
             animate: true,
+            edges: EdgeSamples::default(),
             restore: true,
             cache_mib: 512,
             greeted: false,
@@ -281,6 +313,7 @@ mod tests {
         let mut settings = Settings {
             theme: Theme::Light,
             ui_scale: 1.5,
+            edges: EdgeSamples::Four,
             layers: Layers { grid: true, ..Layers::default() },
             last_scene: Some(Document::default()),
             ..Settings::default()

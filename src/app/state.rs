@@ -13,7 +13,7 @@ use super::integration::Integration;
 use super::notices::Notices;
 use super::pins::{PinAction, Pins};
 use super::reach::Reach;
-use super::settings::{Appearance, Layers, Settings, Theme};
+use super::settings::{Appearance, EdgeSamples, Layers, Settings, Theme};
 use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
@@ -189,7 +189,12 @@ impl AppState {
             },
             notices: Notices::default(),
             pins: Pins::new(&scene),
-            look: Appearance { animate: true, theme: Theme::default(), ui_scale: 1.0 },
+            look: Appearance {
+                animate: true,
+                theme: Theme::default(),
+                ui_scale: 1.0,
+                edges: EdgeSamples::default(),
+            },
             now_secs: 0.0,
         }
     }
@@ -239,7 +244,14 @@ impl AppState {
         let pointer = self.pointer.map(|point| screen.offset_at(point).to_array());
         let physics = Physics::of(&self.scene(), config, self.integration.spec.verify);
         let budget_secs = self.question.budget.secs;
-        ViewTarget { physics, budget_secs, region: screen.region(), level: screen.level(), pointer }
+        let refinements = if self.rests() { self.look.edges.refinements() } else { 0 };
+        let (region, level) = (screen.region(), screen.level());
+        ViewTarget { physics, budget_secs, region, level, pointer, refinements }
+    }
+
+    /// Returns true if neither the user nor a move in progress moves the map.
+    pub fn rests(&self) -> bool {
+        self.moving.is_none() && !self.dragging
     }
 
     /// Advances to a moment of the window's clock. Returns true if anything is in motion.
@@ -324,6 +336,7 @@ impl AppState {
             Action::UiScale(scale) => self.look.ui_scale = Settings::within_ui_scales(scale),
             Action::Theme(theme) => self.look.theme = theme,
             Action::Animate(animate) => self.look.animate = animate,
+            Action::Edges(edges) => self.look.edges = edges,
             Action::FullScreen => return Some(Effect::FullScreen),
             Action::LoseDevice => return Some(Effect::LoseDevice),
             Action::Quit => return Some(Effect::Quit),

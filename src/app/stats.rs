@@ -283,7 +283,7 @@ mod tests {
     use super::*;
 
     fn progress(done: usize, covered: bool) -> ViewProgress {
-        ViewProgress { level: 3, wanted: 10, done, covered, idle: done == 10 }
+        ViewProgress { level: 3, wanted: 10, done, covered, idle: done == 10, refines: false }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::open_tile::Known;
+use super::refinement::{self, Quarters};
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
 use crate::engine::{IntegratorState, Trust};
@@ -19,13 +20,24 @@ pub struct CachedCell {
     pub budget_secs: f64,
     /// Serial number, which changes whenever the samples do and is never used twice.
     pub serial: u64,
+    /// True for the quarters that have edges, which finer samples would show.
+    pub(super) edges: Quarters,
     /// States of unflipped samples with their places, in ascending order of place.
     pub(super) unfinished: Vec<(u32, IntegratorState)>,
     used: u64,
 }
 
-/// The key of a physics, and a canonical cell.
-type CacheKey = (usize, Cell);
+/// The samples that a cell may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SampleSet {
+    /// Key of the physics.
+    pub physics: usize,
+    /// True if only the samples at edges were computed, and the others follow from coarser ones.
+    pub refined: bool,
+}
+
+/// A set of samples, and a canonical cell.
+type CacheKey = (SampleSet, Cell);
 
 /// Computed cells by physics, within a budget of bytes.
 #[derive(Debug)]
@@ -97,22 +109,22 @@ impl Cache {
     }
 
     /// Returns a cell, if it is known, and counts it as used.
-    pub fn get(&mut self, physics: usize, cell: Cell) -> Option<&CachedCell> {
+    pub fn get(&mut self, set: SampleSet, cell: Cell) -> Option<&CachedCell> {
         self.clock += 1;
-        let known = self.known.get_mut(&(physics, cell))?;
+        let known = self.known.get_mut(&(set, cell))?;
         known.used = self.clock;
         Some(known)
     }
 
     /// Returns a cell, if it is known, without counting it as used.
-    pub fn peek(&self, physics: usize, cell: Cell) -> Option<&CachedCell> {
-        self.known.get(&(physics, cell))
+    pub fn peek(&self, set: SampleSet, cell: Cell) -> Option<&CachedCell> {
+        self.known.get(&(set, cell))
     }
 
     /// Replaces the wanted cells, which are not removed and count as used; all others may be
     /// removed. There must not be more of them than [`Cache::room`].
-    pub fn want(&mut self, physics: usize, cells: impl Iterator<Item = Cell>) {
-        self.wanted = cells.map(|cell| (physics, cell)).collect();
+    pub fn want(&mut self, cells: impl Iterator<Item = (SampleSet, Cell)>) {
+        self.wanted = cells.collect();
         self.clock += 1;
         for key in &self.wanted {
             if let Some(known) = self.known.get_mut(key) {
@@ -125,7 +137,7 @@ impl Cache {
     /// Stores a cell's samples in place of earlier ones.
     pub fn insert(
         &mut self,
-        physics: usize,
+        set: SampleSet,
         cell: Cell,
         samples: Samples,
         budget_secs: f64,
@@ -134,11 +146,12 @@ impl Cache {
         unfinished.shrink_to_fit();
         self.clock += 1;
         self.serial += 1;
+        let edges = refinement::edges(&samples);
         let samples = Arc::new(samples);
         let (serial, used) = (self.serial, self.clock);
-        let known = CachedCell { samples, budget_secs, serial, unfinished, used };
+        let known = CachedCell { samples, budget_secs, serial, edges, unfinished, used };
         self.bytes += known.bytes();
-        if let Some(old) = self.known.insert((physics, cell), known) {
+        if let Some(old) = self.known.insert((set, cell), known) {
             self.bytes -= old.bytes();
         }
         self.shrink();
@@ -199,6 +212,8 @@ mod tests {
 
     use crate::scene::Turn;
 
+    const SET: SampleSet = SampleSet { physics: 0, refined: false };
+
     fn cell(x: u32) -> Cell {
         Cell { level: 10, x: Turn::from_f64(x as f64 / 1024.0), y: Turn::ZERO }
     }
@@ -206,24 +221,24 @@ mod tests {
     fn fill(cache: &mut Cache, x: u32, unfinished: usize) {
         let state = IntegratorState::new(0, [0.0; NUMBERS]);
         let unfinished = (0..unfinished as u32).map(|place| (place, state.clone())).collect();
-        cache.insert(0, cell(x), Samples::unflipped(SAMPLES), 30.0, unfinished);
+        cache.insert(SET, cell(x), Samples::unflipped(SAMPLES), 30.0, unfinished);
     }
 
     fn want(cache: &mut Cache, cells: std::ops::Range<u32>) {
-        cache.want(0, cells.map(cell));
+        cache.want(cells.map(|x| (SET, cell(x))));
     }
 
     fn unfinished(cache: &Cache, x: u32) -> usize {
-        cache.peek(0, cell(x)).unwrap().unfinished.len()
+        cache.peek(SET, cell(x)).unwrap().unfinished.len()
     }
 
     #[test]
     fn the_longest_unused_go_first() {
         let mut cache = Cache::new(8 * TILE_BYTES);
         (0..8).for_each(|x| fill(&mut cache, x, 0));
-        cache.get(0, cell(0));
+        cache.get(SET, cell(0));
         fill(&mut cache, 8, 0);
-        assert!(cache.peek(0, cell(1)).is_none() && cache.peek(0, cell(0)).is_some());
+        assert!(cache.peek(SET, cell(1)).is_none() && cache.peek(SET, cell(0)).is_some());
         assert!(cache.bytes() <= 8 * TILE_BYTES);
     }
 
@@ -232,12 +247,12 @@ mod tests {
         let mut cache = Cache::new(4 * TILE_BYTES);
         want(&mut cache, 0..4);
         (0..4).for_each(|x| fill(&mut cache, x, 1000));
-        assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
+        assert!((0..4).all(|x| cache.peek(SET, cell(x)).is_some()));
         assert!(cache.bytes() <= 4 * TILE_BYTES);
         assert_eq!(unfinished(&cache, 0), 0);
         fill(&mut cache, 9, 0);
-        assert!(cache.peek(0, cell(9)).is_none(), "there is no room for what nobody wants");
-        assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
+        assert!(cache.peek(SET, cell(9)).is_none(), "there is no room for what nobody wants");
+        assert!((0..4).all(|x| cache.peek(SET, cell(x)).is_some()));
     }
 
     #[test]
@@ -247,7 +262,7 @@ mod tests {
         want(&mut cache, 1..2);
         fill(&mut cache, 2, 300);
         fill(&mut cache, 3, 0);
-        assert!((0..4).all(|x| cache.peek(0, cell(x)).is_some()));
+        assert!((0..4).all(|x| cache.peek(SET, cell(x)).is_some()));
         assert_eq!(
             (unfinished(&cache, 0), unfinished(&cache, 1), unfinished(&cache, 2)),
             (0, 300, 0)
@@ -258,10 +273,10 @@ mod tests {
     fn replacing_a_tile_counts_its_bytes_once() {
         let mut cache = Cache::new(100 * TILE_BYTES);
         fill(&mut cache, 1, 0);
-        let first = cache.peek(0, cell(1)).unwrap().serial;
+        let first = cache.peek(SET, cell(1)).unwrap().serial;
         fill(&mut cache, 1, 0);
         assert_eq!(cache.bytes(), TILE_BYTES);
-        assert!(cache.peek(0, cell(1)).unwrap().serial > first);
+        assert!(cache.peek(SET, cell(1)).unwrap().serial > first);
         cache.set_budget(TILE_BYTES / 2);
         assert_eq!((cache.bytes(), cache.room(1)), (0, 0));
     }

@@ -11,14 +11,17 @@
 //! The window calls [`Explorer::work`] with a deadline and draws between the calls; a test without
 //! a window calls it without a deadline.
 
+mod known;
+
 use std::collections::{HashSet, VecDeque};
 use std::time::Instant;
 
-use super::cache::{Cache, CachedCell};
+use super::cache::{Cache, SampleSet};
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
-use super::order;
+use super::order::{self, Pass, Wanted};
 use super::reader::Reader;
+use super::refinement::{Refinement, quarter_of};
 use super::samples::{Counts, Samples};
 use super::view_target::{Physics, ViewTarget};
 use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Wait};
@@ -35,21 +38,29 @@ pub struct ViewProgress {
     pub done: usize,
     /// True if every cell in view or one of its ancestors is known.
     pub covered: bool,
-    /// True if nothing is left to do, not even around the view.
+    /// True if nothing is left to do, not even around the view, except finer samples at edges.
     pub idle: bool,
+    /// True if these are being computed.
+    pub refines: bool,
 }
 
 /// Maximum number of cells of a level that are drawn at once.
-pub const MOST_CELLS: usize = 1500;
+pub const MOST_CELLS: usize = 2048;
 /// Maximum number of cells in a job, which fill a large graphics card.
 const MOST_IN_JOB: usize = 64;
 
 /// Cells of one job in flight, with the key of their physics and their budget.
 #[derive(Debug)]
 pub(super) struct Batch {
-    physics: usize,
+    set: SampleSet,
     budget_secs: f64,
     cells: Vec<Cell>,
+}
+
+impl Batch {
+    fn keys(&self) -> impl Iterator<Item = (SampleSet, Cell)> {
+        self.cells.iter().map(|cell| (self.set, *cell))
+    }
 }
 
 /// A physics viewed before, and whether the mirror images of its cells have equal samples.
@@ -71,7 +82,8 @@ pub struct Explorer {
     /// Key of the latest earlier physics that was known all over the view and answers the same question.
     before: Option<usize>,
     /// Cells of the target that are still to be computed, canonical, in order.
-    waiting: VecDeque<Cell>,
+    waiting: VecDeque<Wanted>,
+    refinement: Refinement,
     in_flight: InFlightJobs<Batch>,
     /// True if at most half of the jobs in flight are of use to the target.
     stale: bool,
@@ -89,6 +101,7 @@ impl Explorer {
             key: 0,
             before: None,
             waiting: VecDeque::new(),
+            refinement: Refinement::default(),
             in_flight: InFlightJobs::default(),
             stale: false,
             counts: Counts::default(),
@@ -110,8 +123,22 @@ impl Explorer {
         let ask = |key: usize| self.physics[key].physics.question.ask;
         self.before = self.before.filter(|&before| ask(before) == ask(key));
         self.key = key;
+        let begun = self.target.as_ref().filter(|last| last.is_same_view(target));
+        let begun = begun.map_or(0, |_| self.refinement.begun);
         self.target = Some(target.clone());
+        // Finer samples take at most half of the room: views seen before are worth as much.
+        let channels = target.physics.question.ask.kind().channels.len();
+        self.refinement =
+            Refinement::of(target, MOST_CELLS.min(self.cache.room(channels) / 2), begun);
         self.plan();
+        self.refine();
+    }
+
+    /// Begins the next finer level once nothing else is left to do.
+    fn refine(&mut self) {
+        while self.is_done() && self.refinement.begin_next() {
+            self.plan();
+        }
     }
 
     /// Returns the key of a physics, which is added to the list if it is new.
@@ -128,34 +155,50 @@ impl Explorer {
     fn plan(&mut self) {
         let Some(target) = &self.target else { return };
         let channels = target.physics.question.ask.kind().channels.len();
-        let cells = order::wanted(target, self.cache.room(channels));
-        self.cache.want(self.key, cells.iter().map(|(cell, _)| *cell));
+        let mut cells = order::wanted(target, self.cache.room(channels));
+        cells.extend(order::finer(target, self.refinement.begun));
+        let keys = cells.iter().map(|wanted| (self.set(wanted.pass == Pass::Finer), wanted.cell));
+        let wanted: HashSet<_> = keys.collect();
+        self.cache.want(wanted.iter().copied());
         // Cells in flight to a smaller budget are resumed when they have finished.
-        let jobs = self.in_flight.tiles().filter(|batch| batch.physics == self.key);
-        let jobs: HashSet<Cell> = jobs.flat_map(|batch| batch.cells.iter().copied()).collect();
-        let wanted: HashSet<Cell> = cells.iter().map(|(cell, _)| *cell).collect();
+        let jobs = self.in_flight.tiles();
+        let jobs: HashSet<_> = jobs.flat_map(Batch::keys).collect();
         self.waiting = cells
             .into_iter()
-            .filter(|(cell, finest)| !jobs.contains(cell) && self.needs(*cell, *finest))
-            .map(|(cell, _)| cell)
+            .filter(|wanted| {
+                let set = self.set(wanted.pass == Pass::Finer);
+                !jobs.contains(&(set, wanted.cell)) && self.needs(*wanted)
+            })
             .collect();
-        let useful = |batch: &&Batch| {
-            batch.physics == self.key && batch.cells.iter().any(|cell| wanted.contains(cell))
-        };
+        let useful = |batch: &&Batch| batch.keys().any(|key| wanted.contains(&key));
         let useful = self.in_flight.tiles().filter(useful).count();
         self.stale = !self.in_flight.is_empty() && 2 * useful <= self.in_flight.len();
     }
 
     /// Returns true if a cell has to be computed. A coarse one does not if its parent or all of its
-    /// quarters are known, which are nearly as fine and stand in.
-    fn needs(&self, cell: Cell, finest: bool) -> bool {
-        let known = |cell: Cell| self.peek(cell);
-        if let Some(known) = known(cell) {
+    /// quarters are known, which are nearly as fine and stand in; a finer one only if its parent has
+    /// edges there.
+    fn needs(&self, Wanted { cell, pass }: Wanted) -> bool {
+        let known = match pass {
+            Pass::Finer => self.peek_finer(cell),
+            Pass::Own | Pass::Coarse => self.peek(cell),
+        };
+        if let Some(known) = known {
             let budget_secs = self.target.as_ref().map_or(0.0, |target| target.budget_secs);
-            return finest && known.budget_secs < budget_secs;
+            return pass != Pass::Coarse && known.budget_secs < budget_secs;
         }
-        let instead = |cell: Cell| known(cell).is_some();
-        finest || !(cell.parent().is_some_and(instead) || cell.children().into_iter().all(instead))
+        let instead = |cell: Cell| self.peek(cell).is_some();
+        match pass {
+            Pass::Coarse => {
+                !cell.parent().is_some_and(instead) && !cell.children().into_iter().all(instead)
+            }
+            Pass::Own => true,
+            Pass::Finer => cell.parent().is_some_and(|parent| {
+                let (_, mirrored) = parent.computed(self.mirrors(self.key));
+                let quarter = quarter_of(&cell, &parent, mirrored);
+                self.peek_finer(parent).is_some_and(|parent| parent.edges[quarter])
+            }),
+        }
     }
 
     /// Submits waiting cells to the engine and collects finished ones. With a deadline it never
@@ -175,6 +218,7 @@ impl Explorer {
             news |= self.submit_until(engine, deadline)?;
             let wait = deadline.map_or(Wait::UntilFinished, |_| Wait::Until(Instant::now()));
             news |= self.collect(engine, wait)?;
+            self.refine();
             if let Some(deadline) = deadline {
                 if Instant::now() < deadline {
                     news |= self.submit_until(engine, Some(deadline))?;
@@ -218,17 +262,19 @@ impl Explorer {
         self.plan();
     }
 
-    /// Takes the next cells that can share a job from the queue: cells of one level, either all new
-    /// or all to be resumed.
-    fn next_cells(&mut self, most: usize) -> Vec<Cell> {
-        let continues = |cell: &Cell| {
-            self.cache.peek(self.key, *cell).is_some_and(|known| !known.unfinished.is_empty())
+    /// Takes the next cells that can share a job from the queue: cells of one level and set, either
+    /// all new or all to be resumed.
+    fn next_cells(&mut self, most: usize) -> Option<(SampleSet, Vec<Cell>)> {
+        let traits = |wanted: &Wanted| {
+            let set = self.set(wanted.pass == Pass::Finer);
+            let known = self.cache.peek(set, wanted.cell);
+            let continues = known.is_some_and(|known| !known.unfinished.is_empty());
+            (set, wanted.cell.level, continues)
         };
-        let Some(first) = self.waiting.front().map(continues) else { return Vec::new() };
-        let level = self.waiting.front().map(|cell| cell.level);
-        let alike = |cell: &&Cell| continues(cell) == first && Some(cell.level) == level;
+        let first = traits(self.waiting.front()?);
+        let alike = |wanted: &&Wanted| traits(wanted) == first;
         let count = self.waiting.iter().take(most).take_while(alike).count();
-        self.waiting.drain(..count).collect()
+        Some((first.0, self.waiting.drain(..count).map(|wanted| wanted.cell).collect()))
     }
 
     /// Counts a batch's samples and stores them in the cache, cell by cell.
@@ -243,60 +289,7 @@ impl Explorer {
                 .map(|(place, state)| (place - first, state.clone()))
                 .collect();
             let samples = samples.part(places.clone());
-            self.cache.insert(batch.physics, *cell, samples, batch.budget_secs, unfinished);
-        }
-    }
-
-    /// Returns the physics of the cells that are drawn: the previous one's as long as they stand in
-    /// for the target's.
-    pub fn drawn(&self) -> Option<&Physics> {
-        let key = self.before.filter(|_| !self.progress().covered).unwrap_or(self.key);
-        self.physics.get(key).map(|known| &known.physics)
-    }
-
-    /// Returns what is known of a cell of the target, canonical or not, and true if the samples are
-    /// those of its mirror image, in reverse order.
-    pub fn known(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
-        self.target.as_ref()?;
-        self.look(self.key, cell)
-    }
-
-    /// Returns the same for the previous physics, which is still drawn in places where nothing of
-    /// the target's physics is known.
-    pub fn known_before(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
-        self.look(self.before?, cell)
-    }
-
-    fn look(&mut self, key: usize, cell: Cell) -> Option<(&CachedCell, bool)> {
-        let (computed, mirrored) = cell.computed(self.mirrors(key));
-        self.cache.get(key, computed).map(|known| (known, mirrored))
-    }
-
-    /// Returns what is known of a cell of the target's physics, without counting it as used.
-    fn peek(&self, cell: Cell) -> Option<&CachedCell> {
-        self.cache.peek(self.key, cell.computed(self.mirrors(self.key)).0)
-    }
-
-    fn mirrors(&self, key: usize) -> bool {
-        self.physics.get(key).is_some_and(|known| known.mirrors)
-    }
-
-    /// Returns the progress of the newest target.
-    pub fn progress(&self) -> ViewProgress {
-        let Some(target) = &self.target else { return ViewProgress::default() };
-        let known = |cell: Cell| self.peek(cell);
-        let placed = target.region.cells(target.level, MOST_CELLS);
-        let fine =
-            |cell: Cell| known(cell).is_some_and(|known| known.budget_secs >= target.budget_secs);
-        let drawn = |cell: Cell| {
-            std::iter::successors(Some(cell), Cell::parent).any(|cell| known(cell).is_some())
-        };
-        ViewProgress {
-            level: target.level,
-            wanted: placed.len(),
-            done: placed.iter().filter(|placed| fine(placed.cell)).count(),
-            covered: !placed.is_empty() && placed.iter().all(|placed| drawn(placed.cell)),
-            idle: self.is_done(),
+            self.cache.insert(batch.set, *cell, samples, batch.budget_secs, unfinished);
         }
     }
 
@@ -331,17 +324,17 @@ impl TileSource for Explorer {
 
     fn next_tile(&mut self, job_size: usize) -> Option<NextTile<Batch>> {
         let target = self.target.clone()?;
-        let cells = self.next_cells((job_size / (2 * SAMPLES)).clamp(1, MOST_IN_JOB));
-        if cells.is_empty() {
-            return None;
-        }
-        let batch = Batch { physics: self.key, budget_secs: target.budget_secs, cells };
+        let most = (job_size / (2 * SAMPLES)).clamp(1, MOST_IN_JOB);
+        let (set, cells) = self.next_cells(most)?;
+        let coarser = if set.refined { self.coarser(&cells) } else { Vec::new() };
+        let batch = Batch { set, budget_secs: target.budget_secs, cells };
         let (config, ask) = (target.physics.config, target.physics.question.ask);
         // Only times of flips stay the same when the budget grows.
         let continues = ask.is_time();
-        let before = |k: usize, place| {
-            let known = self.cache.peek(batch.physics, batch.cells[k]).filter(|_| continues);
-            known?.known(place)
+        let before = |k: usize, place| match &coarser[..] {
+            _ if !continues => None,
+            [] => self.cache.peek(batch.set, batch.cells[k])?.known(place),
+            coarser => coarser[k].as_ref()?.known(place),
         };
         let (scene, question) = (target.scene(), target.question());
         let level = batch.cells[0].level;
@@ -355,7 +348,7 @@ impl TileSource for Explorer {
             };
             open.samples = Reader::new(ask, &question).complete(open.samples, start);
         }
-        let keeps_states = target.physics.keeps_states();
+        let keeps_states = target.physics.keeps_states() && !set.refined;
         Some(NextTile { tile: batch, open, question, config, keeps_states, ask })
     }
 

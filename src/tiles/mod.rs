@@ -10,7 +10,8 @@
 //! - [`patch_work::PatchWork`] computes the [`patches`] of a film: cells of the lattice, each as
 //!   fine as the closest frame that shows it needs, in the order given.
 //! - [`explorer::Explorer`] computes what a window shows: cells of a lattice that does not move
-//!   with the view, first coarse ones, then those near the pointer or the middle.
+//!   with the view, first coarse ones, then those near the pointer or the middle, last the finer
+//!   samples at edges.
 //! - [`descent`] and [`Renderer`] build on [`Work`]; [`outlook()`] and [`opinion()`] judge answers.
 //!
 //! Nothing here depends on a graphics card: the tests run on the mock engine.
@@ -31,6 +32,7 @@ pub mod patches;
 mod plan;
 pub mod preview;
 mod reader;
+mod refinement;
 mod renderer;
 mod samples;
 mod saved_pixels;

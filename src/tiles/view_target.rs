@@ -54,9 +54,17 @@ pub struct ViewTarget {
     pub level: u32,
     /// Offset of the pointer from the region's centre, rad.
     pub pointer: Option<[f64; 2]>,
+    /// Number of finer levels of which the samples at edges are computed once all else is known.
+    pub refinements: u32,
 }
 
 impl ViewTarget {
+    /// Returns true if another target differs at most in what comes first and what comes after.
+    pub(super) fn is_same_view(&self, other: &ViewTarget) -> bool {
+        let ViewTarget { pointer, refinements, .. } = *self;
+        ViewTarget { pointer, refinements, ..other.clone() } == *self
+    }
+
     /// Returns a scene with the pendulum, the question and the plane; its view is not used, because the
     /// lattice places the samples.
     pub(super) fn scene(&self) -> Scene {

@@ -8,6 +8,7 @@ mod adapter;
 mod common;
 mod doubtful;
 mod fading;
+mod finer;
 mod moments;
 mod offscreen;
 mod smooth;
@@ -85,6 +86,7 @@ fn target(screen: &Screen, scene: &Scene) -> ViewTarget {
         region: screen.region(),
         level: screen.level(),
         pointer: None,
+        refinements: 0,
     }
 }
 
@@ -134,6 +136,13 @@ fn wrong(pixels: &[u8], colours: &[Rgb]) -> f64 {
 
 fn share_of(colour: Rgb, colours: &[Rgb]) -> f64 {
     colours.iter().filter(|other| **other == colour).count() as f64 / colours.len() as f64
+}
+
+/// The sRGB value of linear light, by the formula of the standard.
+fn encoded(light: f64) -> u8 {
+    let curve = 1.055 * light.powf(1.0 / 2.4) - 0.055;
+    let value = if light <= 0.003_130_8 { 12.92 * light } else { curve };
+    (255.0 * value).round() as u8
 }
 
 /// Picture settings that use the colour table in different ways.
@@ -253,13 +262,6 @@ mod checks {
                 assert!(wrong(&pixels, &painted(&shown, &scene, picture)) <= 0.001);
             }
         }
-    }
-
-    /// The sRGB value of linear light, by the formula of the standard.
-    fn encoded(light: f64) -> u8 {
-        let curve = 1.055 * light.powf(1.0 / 2.4) - 0.055;
-        let value = if light <= 0.003_130_8 { 12.92 * light } else { curve };
-        (255.0 * value).round() as u8
     }
 
     /// The light of the four samples around a point of a tile, interpolated by distance.

@@ -24,7 +24,7 @@ pub(crate) struct Paint<'a> {
 pub(crate) struct Studio {
     gpu: Gpu,
     canvas: Canvas,
-    map_renderer: MapRenderer,
+    pub map_renderer: MapRenderer,
     format: wgpu::TextureFormat,
     /// Last moment of the flips that are drawn, if not the budget.
     pub until_secs: Option<f64>,

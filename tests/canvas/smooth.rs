@@ -70,6 +70,7 @@ mod checks {
                 region: screen.region(),
                 level: screen.level(),
                 pointer: None,
+                refinements: 0,
             });
             explorer.work(&mut engine(), None).unwrap();
             let samples = rendered(&scene, BALANCED, &mut engine());

@@ -34,6 +34,7 @@ pub(crate) fn target(center: [f64; 2], level: u32) -> ViewTarget {
         },
         level,
         pointer: None,
+        refinements: 0,
     }
 }
 

@@ -2,6 +2,7 @@
 //! does nothing twice whatever the user does, and shows exactly what the engine answered.
 
 mod common;
+mod finer;
 mod ledger;
 mod order;
 mod planes;

@@ -31,6 +31,7 @@ fn target(scene: &Scene, cell: Cell) -> ViewTarget {
         region: Region { center: cell.center(), half_rad: [half; 2], repeats },
         level: cell.level,
         pointer: None,
+        refinements: 0,
     }
 }
 

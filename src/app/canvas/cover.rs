@@ -13,8 +13,8 @@ use crate::tiles::explorer::{Explorer, MOST_CELLS};
 pub struct Patch {
     /// The cell whose samples are drawn, or those of its mirror image.
     pub source: Cell,
-    /// True if the samples belong to the previous target's physics.
-    pub before: bool,
+    /// Set that the samples belong to.
+    pub set: PatchSet,
     /// The first (upper left) corner, in points from the middle of the canvas, y down.
     pub corner: DVec2,
     /// The side from the first corner to the right, in points.
@@ -29,20 +29,95 @@ pub struct Patch {
     pub alpha: f32,
 }
 
+impl Patch {
+    /// Returns the quarter of the patch in a column, and a row counted from below.
+    fn quarter(&self, [column, from_below]: [f64; 2]) -> Patch {
+        let (right, down, span) = (self.right / 2.0, self.down / 2.0, self.span / 2.0);
+        let at = DVec2::new(column, 1.0 - from_below);
+        let corner = self.corner + right * at.x + down * at.y;
+        Patch { corner, right, down, texel: self.texel + span * at, span, ..*self }
+    }
+}
+
+/// The samples that a patch may show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PatchSet {
+    /// Those of the previous target's physics.
+    Before,
+    /// Those of the target.
+    Own,
+    /// The finer ones of the target, of which only those at edges were computed.
+    Finer,
+}
+
 /// Number of finer levels that stand in for an unknown cell, as after zooming out.
 const FINER_LEVELS: u32 = 2;
 
-/// Returns the patches of a screen at its level, in drawing order; new ones appear gradually.
-pub fn cover(screen: &Screen, explorer: &mut Explorer, fading: &mut Fading) -> Vec<Patch> {
+/// Number of finer levels at edges.
+const EDGE_LEVELS: u32 = 2;
+
+/// Returns the patches of a screen at its level, in drawing order; new ones appear gradually. With
+/// `has_finer`, those of finer samples replace others where they are known.
+pub fn cover(
+    screen: &Screen,
+    explorer: &mut Explorer,
+    fading: &mut Fading,
+    has_finer: bool,
+) -> Vec<Patch> {
     let mut patches = Vec::new();
     for placed in screen.region().cells(screen.level(), MOST_CELLS) {
         let now = best(screen, explorer, &placed, false, fading);
         if !now.whole {
             patches.extend(best(screen, explorer, &placed, true, fading).patches);
         }
-        patches.extend(now.patches);
+        match now.patches[..] {
+            [own] if has_finer && own.source == placed.cell && own.alpha >= 1.0 => {
+                refine(screen, explorer, &placed, own, EDGE_LEVELS, &mut patches);
+            }
+            _ => patches.extend(now.patches),
+        }
     }
     patches
+}
+
+/// Appends a patch of a cell's own samples, or, where finer ones are known, patches of these, down
+/// `levels` levels.
+fn refine(
+    screen: &Screen,
+    explorer: &mut Explorer,
+    placed: &Placed,
+    own: Patch,
+    levels: u32,
+    patches: &mut Vec<Patch>,
+) {
+    let children = children(placed);
+    let finer = children.map(|child| {
+        let known = explorer.known_finer(child.cell).filter(|_| levels > 0);
+        known.map(|(_, mirrored)| KnownSource { cell: child.cell, mirrored })
+    });
+    if finer.iter().all(Option::is_none) {
+        patches.push(own);
+        return;
+    }
+    for (child, finer) in children.iter().zip(finer) {
+        match finer {
+            Some(source) => {
+                let patch = patch(screen, child, source, PatchSet::Finer);
+                refine(screen, explorer, child, patch, levels - 1, patches);
+            }
+            None => patches.push(own.quarter(child.cell.index_in(&placed.cell))),
+        }
+    }
+}
+
+/// The quarters of a cell, where they lie.
+fn children(placed: &Placed) -> [Placed; 4] {
+    let quarter = side_rad(placed.cell.level) / 4.0;
+    placed.cell.children().map(|cell| {
+        let away = cell.index_in(&placed.cell).map(|side| (2.0 * side - 1.0) * quarter);
+        let offset = [placed.offset[0] + away[0], placed.offset[1] + away[1]];
+        Placed { cell, offset }
+    })
 }
 
 /// The best that is known of a cell.
@@ -70,12 +145,16 @@ fn best(
     if alpha < 1.0 {
         let mut coarser = std::iter::successors(placed.cell.parent(), Cell::parent);
         let coarser = coarser.find_map(|cell| known(explorer, cell, before));
-        patches.extend(coarser.map(|source| patch(screen, placed, source, before)));
+        patches.extend(coarser.map(|source| patch(screen, placed, source, set_of(before))));
     }
     let whole = own.is_some() || !patches.is_empty();
     match own {
-        Some(source) if patches.is_empty() => patches.push(patch(screen, placed, source, before)),
-        Some(source) => patches.push(Patch { alpha, ..patch(screen, placed, source, before) }),
+        Some(source) if patches.is_empty() => {
+            patches.push(patch(screen, placed, source, set_of(before)))
+        }
+        Some(source) => {
+            patches.push(Patch { alpha, ..patch(screen, placed, source, set_of(before)) })
+        }
         None => {
             if !before {
                 fading.stand_in(placed.cell);
@@ -107,21 +186,21 @@ fn finer(
     levels: u32,
     patches: &mut Vec<Patch>,
 ) {
-    let quarter = side_rad(placed.cell.level) / 4.0;
-    for cell in placed.cell.children() {
-        let away = cell.index_in(&placed.cell).map(|side| (2.0 * side - 1.0) * quarter);
-        let offset = [placed.offset[0] + away[0], placed.offset[1] + away[1]];
-        let child = Placed { cell, offset };
-        if let Some(source) = known(explorer, cell, before) {
-            patches.push(patch(screen, &child, source, before));
+    for child in children(placed) {
+        if let Some(source) = known(explorer, child.cell, before) {
+            patches.push(patch(screen, &child, source, set_of(before)));
         } else if levels > 1 {
             finer(screen, explorer, &child, before, levels - 1, patches);
         }
     }
 }
 
+fn set_of(before: bool) -> PatchSet {
+    if before { PatchSet::Before } else { PatchSet::Own }
+}
+
 /// Returns the part of `source`'s samples that covers a cell inside it.
-fn patch(screen: &Screen, placed: &Placed, source: KnownSource, before: bool) -> Patch {
+fn patch(screen: &Screen, placed: &Placed, source: KnownSource, set: PatchSet) -> Patch {
     let KnownSource { cell: source, mirrored } = source;
     let side = side_rad(placed.cell.level);
     let middle = DVec2::from_array(placed.offset);
@@ -139,5 +218,5 @@ fn patch(screen: &Screen, placed: &Placed, source: KnownSource, before: bool) ->
         (texel, DVec2::splat(samples))
     };
     let (right, down) = (at(1.0, 1.0) - corner, at(-1.0, -1.0) - corner);
-    Patch { source, before, corner, right, down, texel, span, alpha: 1.0 }
+    Patch { source, set, corner, right, down, texel, span, alpha: 1.0 }
 }

@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use self::atlas::{Atlas, AtlasPlace};
 use self::colours::CardColours;
-use self::cover::{Patch, cover};
+use self::cover::{Patch, PatchSet, cover};
 use self::fading::Fading;
 use self::glide::Glide;
 use self::pipeline::{MapFrame, Quad};
@@ -44,6 +44,8 @@ pub struct MapRenderer {
     pub glide: Glide,
     /// True if the card draws so quickly that tiles can appear gradually.
     pub is_quick: bool,
+    /// True if finer samples are drawn where they are known.
+    pub has_finer: bool,
 }
 
 /// Data of the last frame for the card. They are part of the next one, too, if the frame was thrown
@@ -66,6 +68,7 @@ impl Default for MapRenderer {
             fading: Fading::default(),
             glide: Glide::default(),
             is_quick: false,
+            has_finer: false,
         }
     }
 }
@@ -94,11 +97,11 @@ impl MapRenderer {
             self.table.clear();
         }
         let mut quads = Vec::new();
-        for patch in cover(screen, explorer, &mut self.fading) {
-            let known = if patch.before {
-                explorer.known_before(patch.source)
-            } else {
-                explorer.known(patch.source)
+        for patch in cover(screen, explorer, &mut self.fading, self.has_finer) {
+            let known = match patch.set {
+                PatchSet::Before => explorer.known_before(patch.source),
+                PatchSet::Own => explorer.known(patch.source),
+                PatchSet::Finer => explorer.known_finer(patch.source),
             };
             let Some((known, _)) = known else { continue };
             let slot = match self.atlas.place(known.serial) {

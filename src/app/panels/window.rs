@@ -3,7 +3,7 @@
 use egui::{Slider, Ui};
 
 use crate::app::action::Action;
-use crate::app::settings::{Settings, Theme};
+use crate::app::settings::{EdgeSamples, Settings, Theme};
 use crate::app::state::{AppState, Dialog};
 
 /// Shows the settings; returns the user's actions.
@@ -30,6 +30,17 @@ pub fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Settings) -> V
     if ui.checkbox(&mut animate, "Smooth moves").changed() {
         actions.push(Action::Animate(animate));
     }
+    ui.horizontal(|ui| {
+        ui.label("Samples a pixel at rest").on_hover_text(
+            "Computed where the map has edges, once all of it is known: they smooth what is finer \
+             than a pixel",
+        );
+        for (edges, word) in EdgeSamples::ALL {
+            if ui.radio(state.look.edges == edges, word).clicked() {
+                actions.push(Action::Edges(edges));
+            }
+        }
+    });
     ui.checkbox(&mut settings.restore, "Open where the window was left");
     let label = ui.label("Memory for places seen before, MiB (from the next start)");
     let slider = Slider::new(&mut settings.cache_mib, Settings::CACHE_MIB).logarithmic(true);

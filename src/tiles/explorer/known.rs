@@ -1,0 +1,96 @@
+//! All that is known of the cells of a window, and how much of what is wanted.
+
+use std::sync::Arc;
+
+use super::{Explorer, MOST_CELLS, ViewProgress};
+use crate::scene::lattice::Cell;
+use crate::tiles::cache::{CachedCell, SampleSet};
+use crate::tiles::refinement::Coarser;
+use crate::tiles::view_target::Physics;
+
+impl Explorer {
+    /// Returns the physics of the cells that are drawn: the previous one's as long as they stand in
+    /// for the target's.
+    pub fn drawn(&self) -> Option<&Physics> {
+        let key = self.before.filter(|_| !self.progress().covered).unwrap_or(self.key);
+        self.physics.get(key).map(|known| &known.physics)
+    }
+
+    /// Returns what is known of a cell of the target, canonical or not, and true if the samples are
+    /// those of its mirror image, in reverse order.
+    pub fn known(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
+        self.target.as_ref()?;
+        self.look(self.key, cell)
+    }
+
+    /// Returns the same for the previous physics, which is still drawn in places where nothing of
+    /// the target's physics is known.
+    pub fn known_before(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
+        self.look(self.before?, cell)
+    }
+
+    /// Returns the same for the target's physics and a cell of which perhaps only the samples at edges
+    /// were computed.
+    pub fn known_finer(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
+        let refined = self.peek(cell).is_none();
+        let (computed, mirrored) = cell.computed(self.mirrors(self.key));
+        self.cache.get(self.set(refined), computed).map(|known| (known, mirrored))
+    }
+
+    fn look(&mut self, physics: usize, cell: Cell) -> Option<(&CachedCell, bool)> {
+        let (computed, mirrored) = cell.computed(self.mirrors(physics));
+        let set = SampleSet { physics, refined: false };
+        self.cache.get(set, computed).map(|known| (known, mirrored))
+    }
+
+    /// A set of samples of the target's physics.
+    pub(super) fn set(&self, refined: bool) -> SampleSet {
+        SampleSet { physics: self.key, refined }
+    }
+
+    /// Returns what is known of a cell of the target's physics, without counting it as used.
+    pub(super) fn peek(&self, cell: Cell) -> Option<&CachedCell> {
+        self.cache.peek(self.set(false), cell.computed(self.mirrors(self.key)).0)
+    }
+
+    /// Returns the same of a cell of which perhaps only the samples at edges were computed.
+    pub(super) fn peek_finer(&self, cell: Cell) -> Option<&CachedCell> {
+        let refined = || self.cache.peek(self.set(true), cell.computed(self.mirrors(self.key)).0);
+        self.peek(cell).or_else(refined)
+    }
+
+    /// Returns the samples from which those far from edges follow, for each of these cells.
+    pub(super) fn coarser(&self, cells: &[Cell]) -> Vec<Option<Coarser>> {
+        let of = |cell: &Cell| {
+            let parent = cell.parent()?;
+            let (_, mirrored) = parent.computed(self.mirrors(self.key));
+            let samples = Arc::clone(&self.peek_finer(parent)?.samples);
+            Some(Coarser::of(cell, &parent, samples, mirrored))
+        };
+        cells.iter().map(of).collect()
+    }
+
+    pub(super) fn mirrors(&self, key: usize) -> bool {
+        self.physics.get(key).is_some_and(|known| known.mirrors)
+    }
+
+    /// Returns the progress of the newest target.
+    pub fn progress(&self) -> ViewProgress {
+        let Some(target) = &self.target else { return ViewProgress::default() };
+        let known = |cell: Cell| self.peek(cell);
+        let placed = target.region.cells(target.level, MOST_CELLS);
+        let fine =
+            |cell: Cell| known(cell).is_some_and(|known| known.budget_secs >= target.budget_secs);
+        let drawn = |cell: Cell| {
+            std::iter::successors(Some(cell), Cell::parent).any(|cell| known(cell).is_some())
+        };
+        ViewProgress {
+            level: target.level,
+            wanted: placed.len(),
+            done: placed.iter().filter(|placed| fine(placed.cell)).count(),
+            covered: !placed.is_empty() && placed.iter().all(|placed| drawn(placed.cell)),
+            idle: self.is_done() || self.refinement.begun > 0,
+            refines: !self.is_done() && self.refinement.begun > 0,
+        }
+    }
+}

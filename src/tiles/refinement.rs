@@ -1,0 +1,220 @@
+//! Finer samples at edges, computed once a view is known and nothing else is left to do.
+//!
+//! A sample is *plain* if it and its neighbours in the cell have the same status and, where they have
+//! values, these lie on straight lines. All that finer samples could show there is known: the values
+//! between them. So a quarter of plain samples is left as it is, and in the others only the samples
+//! at edges are computed:
+//!
+//! ```text
+//!   ┌───┬───┬───┬───┐        ┌───┬───┬───┬───┐
+//!   │ a │ a │ a │ b │        │ aaaaaa│a·:│:·b│   a, b: from the line through their neighbours
+//!   ├───┼───┼───┼───┤  ──▶   │ aaaaaa├───┼───┤   · :   computed
+//!   │ a │ a │ b │ b │        │ aaa│a·:│:·b│bb│
+//!   └───┴───┴───┴───┘        └───┴───┴───┴───┘
+//! ```
+//!
+//! Lines end at the borders of a cell, so that what is plain does not depend on which of its neighbours
+//! are known.
+
+use std::sync::Arc;
+
+use super::open_tile::Known;
+use super::samples::Samples;
+use super::saved_pixels::SavedPixel;
+use super::view_target::ViewTarget;
+use crate::physics::{Outcome, Status};
+use crate::scene::lattice::{Cell, DEEPEST, SIDE};
+
+/// Something about the quarters of a cell, row by row from the upper left.
+pub(super) type Quarters = [bool; 4];
+
+/// Greatest bend of a line, as a share of its rise, at which the values between are known from it.
+const STRAIGHT: f64 = 0.125;
+/// Greatest bend as a share of the value itself: rounding.
+const ROUNDING: f64 = 1e-9;
+/// Steps to the neighbours on one side of the four lines through a sample; the first two give its slope.
+const LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
+
+/// The finer levels of a view: how many it may have, and how many have begun.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Refinement {
+    pub begun: u32,
+    last: u32,
+}
+
+impl Refinement {
+    /// The finer levels of a target of which no more than `most` cells are in view; `begun` of them
+    /// had begun for the same view.
+    pub(super) fn of(target: &ViewTarget, most: usize, begun: u32) -> Self {
+        let fits = |n: &u32| {
+            let level = target.level + n;
+            level <= DEEPEST && !target.region.cells(level, most).is_empty()
+        };
+        let last = (1..=target.refinements).take_while(fits).last().unwrap_or(0);
+        Refinement { begun: begun.min(last), last }
+    }
+
+    /// Begins the next finer level; false if there is none.
+    pub(super) fn begin_next(&mut self) -> bool {
+        let goes_on = self.begun < self.last;
+        self.begun += u32::from(goes_on);
+        goes_on
+    }
+}
+
+/// Returns the quarters of a cell's samples that are not all plain.
+pub(super) fn edges(samples: &Samples) -> Quarters {
+    let half = (SIDE / 2) as i32;
+    [[0, 0], [half, 0], [0, half], [half, half]].map(|[left, top]| {
+        let mut places = (top..top + half).flat_map(|y| (left..left + half).map(move |x| [x, y]));
+        places.any(|place| slope(samples, place).is_none())
+    })
+}
+
+/// Returns how the first value of a plain sample rises from column to column and from row to row; none
+/// if the sample is not plain.
+fn slope(samples: &Samples, place: [i32; 2]) -> Option<[f64; 2]> {
+    let status = samples.get(index(place)?).status;
+    let mut slope = [0.0; 2];
+    for (k, [dx, dy]) in LINES.into_iter().enumerate() {
+        let sides = [[-dx, -dy], [dx, dy]].map(|[dx, dy]| index([place[0] + dx, place[1] + dy]));
+        let differs = |side: &usize| samples.get(*side).status != status;
+        if sides.iter().flatten().any(differs) {
+            return None;
+        }
+        if status != Status::Flipped {
+            continue;
+        }
+        let rise = line(samples, index(place)?, sides)?;
+        if k < 2 {
+            slope[k] = rise;
+        }
+    }
+    Some(slope)
+}
+
+/// Returns the rise of the first value from sample to sample along a line through one, to those of its
+/// neighbours that are in the cell; none if the values of a channel do not lie on a line.
+fn line(samples: &Samples, middle: usize, sides: [Option<usize>; 2]) -> Option<f64> {
+    let of = |side: usize, channel: usize| samples.values(side)[channel];
+    let [before, after] = sides;
+    let (Some(before), Some(after)) = (before, after) else {
+        let rise = |side: usize, sign: f64| sign * (of(side, 0) - of(middle, 0));
+        return Some(
+            after
+                .map(|side| rise(side, 1.0))
+                .or(before.map(|side| rise(side, -1.0)))
+                .unwrap_or(0.0),
+        );
+    };
+    let is_straight = |channel: usize| {
+        let [a, b, c] = [before, middle, after].map(|side| of(side, channel));
+        let rise = (b - a).abs() + (c - b).abs();
+        (a - 2.0 * b + c).abs() <= STRAIGHT * rise + ROUNDING * b.abs()
+    };
+    let all = (0..samples.channels()).all(is_straight);
+    all.then(|| 0.5 * (of(after, 0) - of(before, 0)))
+}
+
+/// Returns the index of the sample at a column and a row, if it is in the cell.
+fn index([x, y]: [i32; 2]) -> Option<usize> {
+    let side = 0..SIDE as i32;
+    (side.contains(&x) && side.contains(&y)).then(|| (y * side.end + x) as usize)
+}
+
+/// The samples of a cell from which those of one of its quarters follow.
+#[derive(Debug)]
+pub(super) struct Coarser {
+    samples: Arc<Samples>,
+    /// True if the samples are those of the cell's mirror image, in reverse order.
+    mirrored: bool,
+    /// The first column and row of the quarter among the cell's samples.
+    first: [u32; 2],
+}
+
+/// Returns the index of a child's quarter among those of its parent's samples.
+pub(super) fn quarter_of(child: &Cell, parent: &Cell, mirrored: bool) -> usize {
+    let [column, from_below] = child.index_in(parent);
+    let quarter = column as usize + 2 * (1 - from_below as usize);
+    if mirrored { 3 - quarter } else { quarter }
+}
+
+impl Coarser {
+    /// The samples of a child's parent, or of the parent's mirror image.
+    pub(super) fn of(child: &Cell, parent: &Cell, samples: Arc<Samples>, mirrored: bool) -> Self {
+        let quarter = quarter_of(child, parent, false) as u32;
+        let first = [quarter % 2, quarter / 2].map(|half| half * SIDE / 2);
+        Coarser { samples, mirrored, first }
+    }
+
+    /// Returns what is known of a place in the quarter's own cell; none if it has to be computed.
+    pub(super) fn known(&self, place: u32) -> Option<Known> {
+        let [x, y] = [place % SIDE, place / SIDE];
+        let [mut column, mut row] = [self.first[0] + x / 2, self.first[1] + y / 2];
+        // From the middle of the coarse sample to that of the fine one.
+        let mut away = [x, y].map(|fine| if fine % 2 == 0 { -0.25 } else { 0.25 });
+        if self.mirrored {
+            [column, row] = [column, row].map(|coarse| SIDE - 1 - coarse);
+            away = away.map(|away: f64| -away);
+        }
+        let slope = slope(&self.samples, [column as i32, row as i32])?;
+        let index = (row * SIDE + column) as usize;
+        let Outcome { status, time } = self.samples.get(index);
+        let time = time + away[0] * slope[0] + away[1] * slope[1];
+        Some((SavedPixel::Over(Outcome { status, time }), self.samples.trust(index)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::lattice::SAMPLES;
+
+    /// A cell whose samples flip at these times; those with a negative one do not.
+    fn cell(time: impl Fn(f64, f64) -> f64) -> Samples {
+        let mut samples = Samples::unflipped(SAMPLES);
+        for place in 0..SAMPLES {
+            let [x, y] = [place as u32 % SIDE, place as u32 / SIDE].map(f64::from);
+            let secs = time(x, y);
+            if secs >= 0.0 {
+                samples.set(place, Outcome::flipped(secs));
+            }
+        }
+        samples
+    }
+
+    #[test]
+    fn only_quarters_with_edges_have_any() {
+        assert_eq!(edges(&cell(|x, y| 3.0 + 0.01 * x - 0.02 * y)), [false; 4], "a slope");
+        assert_eq!(edges(&cell(|_, _| -1.0)), [false; 4], "nothing flips");
+        let jump = |x: f64, y: f64| if x > 100.0 && y > 70.0 { 9.0 } else { 3.0 };
+        assert_eq!(edges(&cell(jump)), [false, false, false, true]);
+        let unflipped = |x: f64, y: f64| if x < 30.0 && y > 99.0 { -1.0 } else { 3.0 };
+        assert_eq!(edges(&cell(unflipped)), [false, false, true, false]);
+        assert_eq!(edges(&cell(|x, y| 5.0 + (7.7 * x * x + 3.1 * y).sin())), [true; 4], "chaos");
+    }
+
+    #[test]
+    fn what_is_plain_follows_from_its_neighbours_also_in_the_mirror() {
+        let secs = |x: f64, y: f64| 3.0 + 0.01 * x - 0.02 * y;
+        let samples = Arc::new(cell(|x, y| if x > 100.0 { 9.0 } else { secs(x, y) }));
+        let [lower_left, _, lower_right, _] = Cell::WHOLE.children();
+        let coarser = |child: &Cell, mirrored| {
+            Coarser::of(child, &Cell::WHOLE, Arc::clone(&samples), mirrored)
+        };
+        let place = |x: u32, y: u32| y * SIDE + x;
+        let at = |coarser: &Coarser, x, y| match coarser.known(place(x, y)) {
+            Some((SavedPixel::Over(outcome), _)) => Some(outcome.time),
+            _ => None,
+        };
+        let right = coarser(&lower_right, false);
+        assert_eq!(at(&right, 73, 10), None, "beside the jump");
+        let expected = secs(64.0 + 5.25, 64.0 + 3.0 - 0.25);
+        assert!((at(&right, 11, 6).unwrap() - expected).abs() < 1e-12);
+        // The mirror image of the lower left quarter is the upper right one, turned by half a turn.
+        let left = coarser(&lower_left, true);
+        let expected = secs(127.0 - 50.25, 127.0 - 64.0 - 3.25);
+        assert!((at(&left, 101, 7).unwrap() - expected).abs() < 1e-12);
+        assert_eq!(at(&left, 54, 7), None, "beside the jump in the mirror");
+    }
+}

@@ -1,0 +1,108 @@
+//! Finer samples at edges, which come last and only where they show something.
+
+use flipmap::engine::mock::MockEngine;
+use flipmap::engine::{Engine, Question};
+use flipmap::physics::{Outcome, Status};
+use flipmap::scene::Fate;
+use flipmap::scene::lattice::{Cell, SAMPLES, SIDE};
+use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap::tiles::view_target::ViewTarget;
+
+use super::common::*;
+use super::ledger::Ledger;
+
+/// The level of the views; at it, a view of two or three cells has an edge across it.
+const LEVEL: u32 = 6;
+
+fn smoothed() -> ViewTarget {
+    ViewTarget { refinements: 2, ..lively(LEVEL) }
+}
+
+fn cells(target: &ViewTarget, level: u32) -> Vec<Cell> {
+    target.region.cells(level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
+}
+
+/// Numbers of samples of finer cells that were known, and that have another status or time than the
+/// mock engine's formula.
+fn compared(explorer: &mut Explorer, target: &ViewTarget, level: u32) -> [usize; 2] {
+    let (scene, question) = (scene(target), Question::from(&scene(target)));
+    let mut counts = [0, 0];
+    for cell in cells(target, level) {
+        let Some((known, mirrored)) = explorer.known_finer(cell) else { continue };
+        let grid = cell.grid(&scene, SIDE);
+        for place in 0..SIDE * SIDE {
+            let truth = match grid.fate(place % SIDE, place / SIDE) {
+                Fate::Known(outcome) => outcome,
+                Fate::Open(angle) => MockEngine::answer(&question, angle),
+                Fate::Thrown(_) => unreachable!("starts at rest"),
+            };
+            let last = SAMPLES - 1;
+            let place = if mirrored { last - place as usize } else { place as usize };
+            let Outcome { status, time } = shown(known.samples.get(place), target.budget_secs);
+            let is_far = truth.status == Status::Flipped && (time - truth.time).abs() > 1e-3;
+            counts[0] += 1;
+            counts[1] += usize::from(status != truth.status || is_far);
+        }
+    }
+    counts
+}
+
+#[test]
+fn they_come_last_and_only_at_edges_and_are_right_everywhere() {
+    let (mut engine, mut plain) = (Ledger::default(), Ledger::default());
+    let (target, mut explorer) = (smoothed(), explored(&smoothed(), &mut engine));
+    explored(&lively(LEVEL), &mut plain);
+    let levels = [LEVEL - 4, LEVEL - 2, LEVEL, LEVEL + 1, LEVEL + 2];
+    let order: Vec<u32> = cells_of(&engine.jobs, &levels).iter().map(|cell| cell.level).collect();
+    assert!(order.is_sorted() && order.last() == Some(&(LEVEL + 2)), "{order:?}");
+    let extra = engine.sent[0] - plain.sent[0];
+    for level in [LEVEL + 1, LEVEL + 2] {
+        let [samples, wrong] = compared(&mut explorer, &target, level);
+        let all = cells(&target, level).len() * SAMPLES;
+        println!("level {level}: {samples} of {all} known, {wrong} wrong, {extra} computed in all");
+        assert!(samples > 0 && samples < all, "smooth quarters have none");
+        assert!(wrong == 0 && extra < all / 10, "few are computed, and none is wrong");
+    }
+    assert_eq!((engine.again, engine.doubled), (0, 0));
+    // The comparison detects a wrong pendulum.
+    let other = ViewTarget { physics: physics(9.0), ..target };
+    assert!(compared(&mut explorer, &other, LEVEL + 1)[1] > 1000);
+}
+
+#[test]
+fn a_view_is_complete_before_them_and_a_pointer_does_not_begin_them_again() {
+    let mut engine = Ledger::default();
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.target(&smoothed());
+    while !explorer.progress().idle {
+        explorer.work(&mut engine, in_time()).unwrap();
+    }
+    let progress = explorer.progress();
+    assert!(progress.refines && progress.done == progress.wanted, "{progress:?}");
+    let pointer = Some([0.0, 0.001]);
+    explorer.target(&ViewTarget { pointer, ..smoothed() });
+    assert!(explorer.progress().refines && engine.cancels == 0);
+    // What moves on needs none of them.
+    explorer.target(&ViewTarget { pointer, ..lively(LEVEL) });
+    explorer.work(&mut engine, None).unwrap();
+    assert!(explorer.is_done() && !explorer.progress().refines);
+    explorer.target(&smoothed());
+    assert!(!explorer.is_done() && explorer.progress().idle);
+    explorer.work(&mut engine, None).unwrap();
+    assert!(explorer.is_done() && engine.again == 0);
+}
+
+#[test]
+fn a_larger_budget_computes_them_anew_where_nothing_had_flipped() {
+    let later = ViewTarget { budget_secs: 60.0, ..smoothed() };
+    let mut engine = Ledger::default();
+    let mut explorer = explored(&smoothed(), &mut engine);
+    explorer.target(&later);
+    explorer.work(&mut engine, None).unwrap();
+    for level in [LEVEL + 1, LEVEL + 2] {
+        let [samples, wrong] = compared(&mut explorer, &later, level);
+        assert!(samples > 0 && wrong == 0, "level {level}: {wrong} of {samples}");
+    }
+    assert_eq!(engine.mock.queue.len(), 0);
+    engine.cancel();
+}
