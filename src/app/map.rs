@@ -30,11 +30,12 @@ pub struct Hovered {
 pub fn map(
     ui: &mut Ui,
     state: &AppState,
-    frame: MapFrame,
+    mut frame: MapFrame,
     hovered: Option<Hovered>,
     curve: Option<(Build, Rule)>,
 ) -> Vec<Action> {
     let rect = ui.available_rect_before_wrap();
+    frame.size_px = size_px(rect, ui.ctx().pixels_per_point());
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     let name = spoken(state, hovered);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
@@ -64,6 +65,13 @@ pub fn map(
         painter.rect_stroke(rect, CornerRadius::ZERO, stroke, StrokeKind::Inside);
     }
     gesture.actions(state.drawing)
+}
+
+/// Returns the size of a part of the window in physical pixels, whose edges are at whole pixels.
+fn size_px(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
+    let edge = |at: f32| (at * pixels_per_point).round();
+    let [min, max] = [rect.min, rect.max].map(|corner| [edge(corner.x), edge(corner.y)]);
+    [0, 1].map(|i| (max[i] - min[i]).max(0.0) as u32)
 }
 
 /// Reads the gesture of the pointer, in points from the middle of the canvas.

@@ -351,9 +351,10 @@ impl ApplicationHandler<Woken> for Runner {
                 open.window.request_redraw();
                 event_loop.set_control_flow(ControlFlow::Wait);
             }
-            (Some(moment), _) => {
-                // A notice that will go is no work.
-                if moment > now + REST {
+            (Some(moment), open) => {
+                // A notice that will go is no work, and finer samples come for as long as they take.
+                let refines = open.as_ref().is_some_and(|open| open.model.progress().refines);
+                if refines || moment > now + REST {
                     self.rest();
                 }
                 event_loop.set_control_flow(ControlFlow::WaitUntil(moment));

@@ -17,6 +17,7 @@ use crate::{
 needs_adapter! {
     checks:
     a_pixel_has_the_mean_light_of_its_samples
+    what_arrives_is_drawn_into_the_picture_that_is_kept
 }
 
 /// Samples along a pixel at the second finer level.
@@ -63,5 +64,25 @@ mod checks {
         assert!(wrong[0][1] > 0.002, "there are edges: {wrong:?}");
         assert!(wrong[1][1] < 0.6 * wrong[0][1], "four samples: {wrong:?}");
         assert!(wrong[2][0] <= 0.001, "sixteen samples: {wrong:?}");
+    }
+
+    pub(crate) fn what_arrives_is_drawn_into_the_picture_that_is_kept() {
+        let (screen, scene, picture) = (screen(middle(), LEVEL), scene(60.0), &pictures()[1]);
+        let paint = Paint { picture, scene: &scene, trust: false };
+        let (mut explorer, mut engine) = (Explorer::new(2000 * TILE_BYTES), Doubtful::default());
+        let mut studio = Studio::new(PLAIN);
+        studio.map_renderer.has_finer = true;
+        let mut last = Vec::new();
+        for refinements in [0, 1, 2] {
+            explorer.target(&ViewTarget { refinements, ..target(&screen, &scene) });
+            explorer.work(&mut engine, None).unwrap();
+            let pixels = studio.draw(&screen, &mut explorer, &paint);
+            let mut anew = Studio::new(PLAIN);
+            anew.map_renderer.has_finer = true;
+            assert!(pixels == anew.draw(&screen, &mut explorer, &paint), "{refinements}");
+            assert_ne!(pixels, last, "{refinements}");
+            assert!(pixels == studio.draw(&screen, &mut explorer, &paint) && studio.uploads == 0);
+            last = pixels;
+        }
     }
 }

@@ -78,6 +78,7 @@ impl Studio {
             view_formats: &[],
         });
         let mut encoder = device.create_command_encoder(&Default::default());
+        self.canvas.draw(&mut encoder);
         self.pass(&mut encoder, &target.create_view(&Default::default()));
         let pixels = device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -100,7 +101,7 @@ impl Studio {
 
     fn pass(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView) {
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view,
                 depth_slice: None,
@@ -109,6 +110,6 @@ impl Studio {
             })],
             ..Default::default()
         });
-        self.canvas.draw(&mut pass.forget_lifetime());
+        self.canvas.show(&mut pass);
     }
 }

@@ -56,16 +56,17 @@ const FINER_LEVELS: u32 = 2;
 /// Number of finer levels at edges.
 const EDGE_LEVELS: u32 = 2;
 
-/// Returns the patches of a screen at its level, in drawing order; new ones appear gradually. With
-/// `has_finer`, those of finer samples replace others where they are known.
+/// Returns the patches of every cell of a screen at its level, in drawing order; new ones appear
+/// gradually. With `has_finer`, those of finer samples replace others where they are known.
 pub fn cover(
     screen: &Screen,
     explorer: &mut Explorer,
     fading: &mut Fading,
     has_finer: bool,
-) -> Vec<Patch> {
-    let mut patches = Vec::new();
+) -> Vec<Vec<Patch>> {
+    let mut cells = Vec::new();
     for placed in screen.region().cells(screen.level(), MOST_CELLS) {
+        let mut patches = Vec::new();
         let now = best(screen, explorer, &placed, false, fading);
         if !now.whole {
             patches.extend(best(screen, explorer, &placed, true, fading).patches);
@@ -76,8 +77,9 @@ pub fn cover(
             }
             _ => patches.extend(now.patches),
         }
+        cells.push(patches);
     }
-    patches
+    cells
 }
 
 /// Appends a patch of a cell's own samples, or, where finer ones are known, patches of these, down

@@ -4,13 +4,15 @@
 //! on the card, and [`pipeline`] uploads and draws them. The card keeps flip times, not colours: a
 //! change of colours uploads another table and computes nothing. The answers to other questions are
 //! painted on the way to the card, and again when their colours change. New tiles appear gradually
-//! ([`fading`]), and so do other ranges of times ([`glide`]).
+//! ([`fading`]), and so do other ranges of times ([`glide`]). The picture is kept, and a frame draws
+//! only the cells that have changed ([`kept`]).
 
 pub mod atlas;
 pub mod colours;
 pub mod cover;
 pub mod fading;
 pub mod glide;
+pub mod kept;
 pub mod pipeline;
 pub mod sample;
 
@@ -96,24 +98,10 @@ impl MapRenderer {
         } else if last.has_table {
             self.table.clear();
         }
-        let mut quads = Vec::new();
-        for patch in cover(screen, explorer, &mut self.fading, self.has_finer) {
-            let known = match patch.set {
-                PatchSet::Before => explorer.known_before(patch.source),
-                PatchSet::Own => explorer.known(patch.source),
-                PatchSet::Finer => explorer.known_finer(patch.source),
-            };
-            let Some((known, _)) = known else { continue };
-            let slot = match self.atlas.place(known.serial) {
-                Some(AtlasPlace::There(slot)) => slot,
-                Some(AtlasPlace::New(slot)) => {
-                    uploads.retain(|(other, _)| *other != slot);
-                    uploads.push((slot, Arc::clone(&known.samples)));
-                    slot
-                }
-                None => break,
-            };
-            quads.push(quad(screen, &patch, slot));
+        let mut cells = Vec::new();
+        for patches in cover(screen, explorer, &mut self.fading, self.has_finer) {
+            let quad = |patch| self.quad(screen, explorer, &patch, &mut uploads);
+            cells.push(patches.into_iter().filter_map(quad).collect());
         }
         let table = (self.table != table).then(|| {
             self.table.clone_from(&table);
@@ -121,7 +109,34 @@ impl MapRenderer {
         });
         let is_loaded = Arc::clone(&self.last.is_loaded);
         (self.last.uploads, self.last.has_table) = (uploads.clone(), table.is_some());
-        MapFrame { quads, uploads, words: Arc::clone(&self.words), uniforms, table, is_loaded }
+        let size_px = (screen.size * screen.pixels_per_point).round().as_uvec2().to_array();
+        let words = Arc::clone(&self.words);
+        MapFrame { cells, uploads, words, uniforms, table, size_px, is_loaded }
+    }
+
+    /// Returns the quad of a patch, whose samples are added to the uploads if they are not on the card;
+    /// none if the frame uses all slots.
+    fn quad(
+        &mut self,
+        screen: &Screen,
+        explorer: &mut Explorer,
+        patch: &Patch,
+        uploads: &mut Vec<(u32, Arc<Samples>)>,
+    ) -> Option<Quad> {
+        let (known, _) = match patch.set {
+            PatchSet::Before => explorer.known_before(patch.source),
+            PatchSet::Own => explorer.known(patch.source),
+            PatchSet::Finer => explorer.known_finer(patch.source),
+        }?;
+        let slot = match self.atlas.place(known.serial)? {
+            AtlasPlace::There(slot) => slot,
+            AtlasPlace::New(slot) => {
+                uploads.retain(|(other, _)| *other != slot);
+                uploads.push((slot, Arc::clone(&known.samples)));
+                slot
+            }
+        };
+        Some(quad(screen, patch, slot))
     }
 }
 

@@ -1,4 +1,5 @@
-//! The graphics card's part of the map: an atlas of samples, a colour table, and quads.
+//! The graphics card's part of the map: an atlas of samples, a colour table, and quads drawn into the
+//! kept picture.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,6 +9,7 @@ use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 use wgpu::util::DeviceExt;
 
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
+use super::kept::{Changes, KeptPicture};
 use super::sample::WordKind;
 use crate::engine::shared::status_constants;
 use crate::scene::lattice::SIDE;
@@ -81,8 +83,8 @@ pub const TABLE_ENTRIES: usize = 8192;
 
 /// One frame of the map.
 pub struct MapFrame {
-    /// The quads in drawing order.
-    pub quads: Vec<Quad>,
+    /// The quads of every cell in view, in drawing order.
+    pub cells: Vec<Vec<Quad>>,
     /// Slots with the samples that are yet to be uploaded to them.
     pub uploads: Vec<(u32, Arc<Samples>)>,
     /// The words that the samples become.
@@ -91,6 +93,8 @@ pub struct MapFrame {
     pub uniforms: Uniforms,
     /// [`TABLE_ENTRIES`] sRGB colours of four bytes each, if they have changed.
     pub table: Option<Vec<u8>>,
+    /// Width and height of the map in physical pixels.
+    pub size_px: [u32; 2],
     /// Set once the frame's data are on the card.
     pub is_loaded: Arc<AtomicBool>,
 }
@@ -104,6 +108,9 @@ pub struct Canvas {
     table: wgpu::Texture,
     quads: wgpu::Buffer,
     count: u32,
+    kept: KeptPicture,
+    /// True if nothing of the picture before stays.
+    clears: bool,
 }
 
 impl Canvas {
@@ -126,7 +133,8 @@ impl Canvas {
         let table = texture(device, "colour table", size, wgpu::TextureFormat::Rgba8UnormSrgb);
         let bindings = bindings(device, &pipeline, &uniforms, &atlas, &table);
         let quads = quad_buffer(device, &[]);
-        Canvas { pipeline, bindings, uniforms, atlas, table, quads, count: 0 }
+        let kept = KeptPicture::new(device, target);
+        Canvas { pipeline, bindings, uniforms, atlas, table, quads, count: 0, kept, clears: false }
     }
 
     /// Uploads a frame's data to the card.
@@ -145,13 +153,14 @@ impl Canvas {
             queue.write_texture(self.table.as_image_copy(), table, layout, size);
         }
         queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&frame.uniforms));
-        let bytes = bytemuck::cast_slice(&frame.quads);
+        let Changes { quads, clears } = self.kept.take(device, frame);
+        let bytes = bytemuck::cast_slice(&quads);
         if bytes.len() as u64 > self.quads.size() {
-            self.quads = quad_buffer(device, &frame.quads);
+            self.quads = quad_buffer(device, &quads);
         } else {
             queue.write_buffer(&self.quads, 0, bytes);
         }
-        self.count = frame.quads.len() as u32;
+        (self.count, self.clears) = (quads.len() as u32, clears);
         frame.is_loaded.store(true, Ordering::Release);
     }
 
@@ -172,12 +181,21 @@ impl Canvas {
         queue.write_texture(target, bytemuck::cast_slice(words), layout, size);
     }
 
-    /// Draws the loaded frame.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'static>) {
+    /// Draws what the loaded frame changes into the kept picture.
+    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder) {
+        if self.count == 0 && !self.clears {
+            return;
+        }
+        let Some(mut pass) = self.kept.pass(encoder, self.clears) else { return };
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bindings, &[]);
         pass.set_vertex_buffer(0, self.quads.slice(..));
         pass.draw(0..4, 0..self.count);
+    }
+
+    /// Shows the kept picture in the viewport of a pass.
+    pub fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.kept.show(pass);
     }
 }
 
@@ -297,11 +315,12 @@ impl CallbackTrait for MapFrame {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         _: &ScreenDescriptor,
-        _: &mut wgpu::CommandEncoder,
+        encoder: &mut wgpu::CommandEncoder,
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(canvas) = resources.get_mut::<Canvas>() {
             canvas.load(device, queue, self);
+            canvas.draw(encoder);
         }
         Vec::new()
     }
@@ -313,7 +332,7 @@ impl CallbackTrait for MapFrame {
         resources: &CallbackResources,
     ) {
         if let Some(canvas) = resources.get::<Canvas>() {
-            canvas.draw(pass);
+            canvas.show(pass);
         }
     }
 }
