@@ -415,6 +415,7 @@ pub(super) mod tests {
     use super::*;
     use crate::app::action::Look;
     use crate::engine::choice::IntegrationSetting;
+    use crate::engine::level::BALANCED;
     use crate::engine::{Method, Precision};
     use crate::physics::Scalar;
     use crate::question::Ask;
@@ -437,6 +438,22 @@ pub(super) mod tests {
         let screen = state.screen();
         let now = screen.point_of(screen.camera.offset_of(angle));
         assert!((now - (grabbed + DVec2::new(-700.0, 55.0))).length() < 1e-6, "{now}");
+    }
+
+    #[test]
+    fn finer_samples_are_wanted_only_while_the_view_rests() {
+        let mut state = state();
+        let wanted = |state: &AppState| state.view_target(BALANCED).refinements;
+        assert_eq!(wanted(&state), 2);
+        state.dragging = true;
+        assert_eq!(wanted(&state), 0);
+        state.dragging = false;
+        look(&mut state, Look::Zoom { factor: 4.0, about: DVec2::ZERO });
+        assert_eq!(wanted(&state), 0, "on the way");
+        state.tick(1.0);
+        assert_eq!(wanted(&state), 2);
+        state.apply(Action::Edges(EdgeSamples::One));
+        assert_eq!(wanted(&state), 0);
     }
 
     #[test]
