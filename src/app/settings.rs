@@ -41,8 +41,11 @@ pub enum EdgeSamples {
 
 impl EdgeSamples {
     /// All choices with their names.
-    pub const ALL: [(EdgeSamples, &str); 3] =
-        [(EdgeSamples::One, "1"), (EdgeSamples::Four, "4"), (EdgeSamples::Sixteen, "16")];
+    pub const ALL: [(EdgeSamples, &str); 3] = [
+        (EdgeSamples::One, "1 sample"),
+        (EdgeSamples::Four, "4 samples"),
+        (EdgeSamples::Sixteen, "16 samples"),
+    ];
 
     /// Number of finer levels that have so many samples.
     pub fn refinements(self) -> u32 {

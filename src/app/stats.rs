@@ -79,8 +79,10 @@ pub struct Holdings {
     pub tiles: usize,
     /// Number of those tiles that are computed.
     pub tiles_done: usize,
-    /// True if nothing is left to compute, not even around the view.
+    /// True if nothing is left to compute, not even around the view, except finer samples at edges.
     pub idle: bool,
+    /// True if these are being computed.
+    pub refines: bool,
     /// Starts of the pinned pixels in rad.
     pub pins: Vec<[f64; 2]>,
     /// Number of pins whose pendulum was followed to its end.
@@ -141,6 +143,7 @@ impl Holdings {
             tiles: progress.wanted,
             tiles_done: progress.done,
             idle: progress.idle,
+            refines: progress.refines,
             pins: state.pins.iter().map(|pin| pin.start.angle.map(Scalar::to_f64)).collect(),
             flown: state.pins.iter().filter(|p| p.flight.record().ending.is_some()).count(),
             notices: state.notices.iter().map(|notice| notice.text.clone()).collect(),

@@ -29,6 +29,31 @@ fn digits_bring_kept_colours_back_also_in_the_next_window() {
 }
 
 #[test]
+fn edges_are_smoothed_while_the_map_rests_as_far_as_is_asked() {
+    let coast = BuiltIn::named("tip").unwrap().document();
+    let mut desktop = model(Folders::none(), Some(coast));
+    let simulated = counts(&desktop).simulated;
+    click(&mut desktop, "Window");
+    until(&mut desktop, "the panel", |desktop| desktop.query_by_label("4 samples").is_some());
+    let refined = |desktop: &Desktop| desktop.state().compute.explorer.is_done();
+    for choice in ["4 samples", "16 samples"] {
+        let before = counts(&desktop).simulated;
+        click(&mut desktop, choice);
+        assert!(desktop.state().progress().refines && !refined(&desktop), "{choice}");
+        desktop.get_by_label("smoothing edges");
+        let progress = desktop.state().progress();
+        assert!(progress.idle && progress.done == progress.wanted, "the view stays complete");
+        until(&mut desktop, "finer samples", refined);
+        assert!(counts(&desktop).simulated > before + simulated / 20, "{choice}");
+        assert!(desktop.query_by_label("smoothing edges").is_none());
+    }
+    let all = counts(&desktop).simulated;
+    click(&mut desktop, "1 sample");
+    desktop.run_steps(5);
+    assert_eq!(counts(&desktop).simulated, all);
+}
+
+#[test]
 fn the_colours_run_and_compute_nothing() {
     let mut desktop = home();
     let simulated = counts(&desktop).simulated;

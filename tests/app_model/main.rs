@@ -20,7 +20,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{AccessKitNode, NodeT, Queryable};
 use flipmap::app::folders::Folders;
 use flipmap::app::model::{AppModel, WindowOptions};
-use flipmap::app::settings::Theme;
+use flipmap::app::settings::{EdgeSamples, Theme};
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::lab::Figure;
@@ -44,7 +44,11 @@ fn model(folders: Folders, document: Option<Document>) -> Desktop {
 }
 
 fn model_of(options: &WindowOptions) -> Desktop {
-    let model = AppModel::new(options, Arc::new(|| ()));
+    let mut model = AppModel::new(options, Arc::new(|| ()));
+    // Finer samples would be computed on and on under tests of other things.
+    if model.state.look.edges == EdgeSamples::default() {
+        model.state.look.edges = EdgeSamples::One;
+    }
     let show = |ui: &mut egui::Ui, model: &mut AppModel| {
         model.state.tick(ui.input(|input| input.time));
         model.work();
@@ -271,6 +275,7 @@ fn what_was_chosen_is_there_again() {
     click(&mut first, "light");
     click(&mut first, "Larger");
     click(&mut first, "Smooth moves");
+    click(&mut first, "4 samples");
     settle(&mut first);
     let there = place(&first);
     first.state_mut().save();
@@ -278,7 +283,7 @@ fn what_was_chosen_is_there_again() {
     let state = &again.state().state;
     assert_eq!(place(&again), there);
     assert!(state.layers.grid && !state.look.animate && state.look.theme == Theme::Light);
-    assert!(state.look.ui_scale > 1.0);
+    assert!(state.look.ui_scale > 1.0 && state.look.edges == EdgeSamples::Four);
     // A requested scene takes precedence over the saved view.
     let shore = BuiltIn::named("shore").unwrap().document();
     let asked = model(Folders::under(folder.path()), Some(shore.clone()));
@@ -369,6 +374,10 @@ fn a_pinned_pixel_opens_in_the_lab_and_a_start_aimed_there_on_the_map() {
     press(&mut desktop, Modifiers::NONE, Key::P);
     let pin =
         desktop.state().state.pins.selected().unwrap().start.angle.map(|theta| theta.to_f64());
+    // The panel grows while the pendulum flies, and what is clicked must still be there.
+    until(&mut desktop, "the flight", |desktop| {
+        desktop.state().state.pins.iter().all(|pin| pin.flight.record().ending.is_some())
+    });
     click(&mut desktop, "twenty");
     assert_eq!(desktop.state().figure_shown(), Some("twenty"));
     assert_eq!(desktop.state().lab.set()[..2], pin);

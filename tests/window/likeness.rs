@@ -91,6 +91,15 @@ pub(crate) fn is_right(told: &Told, shot: &RgbImage) -> bool {
     here.calm > ENOUGH && beside.iter().all(|share| share + MARGIN < here.all)
 }
 
+/// The mean bend of the light from pixel to pixel along the rows of the map.
+pub(crate) fn roughness(told: &Told, shot: &RgbImage) -> f64 {
+    let [width, height] = told.map_px().map(|side| side as u32);
+    let light = |x: u32, y: u32| f64::from(shot.get_pixel(x, y).0[1]);
+    let bend = |x: u32, y: u32| (light(x - 1, y) - 2.0 * light(x, y) + light(x + 1, y)).abs();
+    let rows = (0..height).flat_map(|y| (1..width - 1).map(move |x| bend(x, y)));
+    rows.sum::<f64>() / f64::from(height * (width - 2))
+}
+
 /// The colour of starts that can never flip.
 fn forbidden(Scene { build, question, .. }: &Scene) -> Rgb<u8> {
     let tones =

@@ -16,7 +16,7 @@ use display::{LEFT, wait_for};
 use flipmap::scene::{BuiltIn, Scene, location};
 use image::RgbImage;
 use image::imageops::{crop_imm, flip_horizontal};
-use likeness::{expected, is_right, likeness, picture};
+use likeness::{expected, is_right, likeness, picture, roughness};
 use rustix::process::Signal;
 use session::{Session, Told, WINDOW};
 
@@ -42,6 +42,7 @@ window_tests! {
     keys_and_commands_are_found
     a_lost_device_is_opened_again
     a_window_at_rest_costs_nothing
+    edges_are_smoothed_while_the_map_rests
     going_deeper_finds_structure_by_itself
     the_laboratory_is_live
     closing_keeps_where_it_was
@@ -301,6 +302,28 @@ mod checks {
             |display| display.key("plus"),
             |zoomed| zoomed.width_rad() < told.width_rad(),
         );
+        session.quit();
+    }
+
+    pub(crate) fn edges_are_smoothed_while_the_map_rests() {
+        let home = tempfile::tempdir().unwrap();
+        let settings = home.path().join(".config/flipmap/settings.toml");
+        fs::create_dir_all(settings.parent().unwrap()).unwrap();
+        fs::write(settings, "greeted = true\nedges = \"4\"\n").unwrap();
+        let mut session = Session::open_in(home, "edges", &["filigree"]);
+        let before = session.rest("all around", Told::is_idle);
+        let rough = roughness(&before, &session.shot("rough"));
+        let after = session.rest("finer samples", |told| told.is_idle() && !told.is("refines"));
+        assert!(after.number("simulated") > 1.5 * before.number("simulated"));
+        let smooth = roughness(&after, &session.shot("smooth"));
+        println!("{rough} {smooth}");
+        assert!(smooth < 0.8 * rough, "{smooth} after {rough}");
+        let moved = session.after(
+            "a zoom",
+            |display| display.key("plus"),
+            |told| told.is_idle() && told.width_rad() < after.width_rad(),
+        );
+        assert!(moved.number("simulated") > after.number("simulated"));
         session.quit();
     }
 

@@ -48,6 +48,11 @@ impl Told {
         self.0[key].as_f64().unwrap_or_else(|| panic!("{key} of {}", self.0))
     }
 
+    /// A condition of the statistics.
+    pub(crate) fn is(&self, key: &str) -> bool {
+        self.0[key].as_bool().unwrap_or_else(|| panic!("{key} of {}", self.0))
+    }
+
     /// A text of the statistics.
     pub(crate) fn text(&self, key: &str) -> &str {
         self.0[key].as_str().unwrap_or_else(|| panic!("{key} of {}", self.0))
@@ -107,12 +112,13 @@ impl Told {
     }
 }
 
-/// Keeps the card of the first start from covering the map; what is kept already stays.
+/// Keeps the card of the first start from covering the map, and finer samples at edges from being computed
+/// on and on; what is kept already stays.
 fn greet(home: &Path) {
     let settings = home.join(".config/flipmap/settings.toml");
     if !settings.exists() {
         fs::create_dir_all(settings.parent().unwrap()).unwrap();
-        fs::write(settings, "greeted = true\n").unwrap();
+        fs::write(settings, "greeted = true\nedges = \"1\"\n").unwrap();
     }
 }
 

@@ -31,9 +31,9 @@ pub fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Settings) -> V
         actions.push(Action::Animate(animate));
     }
     ui.horizontal(|ui| {
-        ui.label("Samples a pixel at rest").on_hover_text(
-            "Computed where the map has edges, once all of it is known: they smooth what is finer \
-             than a pixel",
+        ui.label("Edges at rest").on_hover_text(
+            "Samples of a pixel where the map has edges, computed once all of it is known: they \
+             smooth what is finer than a pixel",
         );
         for (edges, word) in EdgeSamples::ALL {
             if ui.radio(state.look.edges == edges, word).clicked() {
