@@ -5,6 +5,7 @@ use std::path::Path;
 use egui::{Button, ComboBox, Grid, Label, ProgressBar, RichText, TextEdit, Ui};
 
 use super::field::number;
+use super::sentence::sentence;
 use crate::app::export::ExportStage;
 use crate::scene::PictureTable;
 
@@ -243,7 +244,8 @@ fn begin(ui: &mut Ui, form: &ExportForm, actions: &mut Vec<ExportAction>) {
         actions.push(ExportAction::Start);
     }
     if let Some(problem) = problem {
-        ui.label(problem);
+        let colour = ui.visuals().text_color();
+        ui.label(sentence(ui, &problem, colour));
     }
 }
 

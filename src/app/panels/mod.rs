@@ -16,6 +16,7 @@ pub mod pendulum;
 pub mod places;
 mod plane_diagram;
 pub mod scene;
+mod sentence;
 pub mod status;
 mod stops;
 pub mod timeline;

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use egui::{Align2, Area, Color32, Frame, RichText, Vec2, vec2};
 
+use super::sentence::sentence;
 use crate::app::action::Action;
 use crate::app::notices::Notices;
 
@@ -33,7 +34,8 @@ pub fn notices(ctx: &egui::Context, notices: &Notices, now_secs: f64) -> Vec<Act
                                 .color(Color32::from_rgb(230, 120, 60)),
                         );
                     }
-                    ui.label(&notice.text);
+                    let colour = ui.visuals().text_color();
+                    ui.label(sentence(ui, &notice.text, colour));
                     if ui.small_button("Close").clicked() {
                         actions.push(Action::Dismiss(notice.id));
                     }

@@ -2,6 +2,7 @@
 
 use egui::{Grid, Key, TextEdit, Ui};
 
+use super::sentence::sentence;
 use crate::app::action::{Action, Look};
 use crate::app::camera::Camera;
 use crate::scene::{Axis, View, in_rad};
@@ -73,7 +74,7 @@ pub fn view_panel(
     form.typed.as_ref()?;
     let view = view_of(&texts);
     if let Err(error) = &view {
-        ui.colored_label(ui.visuals().warn_fg_color, error);
+        ui.label(sentence(ui, error, ui.visuals().warn_fg_color));
     }
     let mut asked = false;
     ui.horizontal(|ui| {
