@@ -16,8 +16,8 @@ use super::vitals::Watch;
 
 /// Memory that the process may use in addition to its tile cache, MiB: the map's tiles on the card, which a
 /// software driver keeps in main memory and which a device's successor has again before the device is
-/// gone, two times 64; the driver and the interface, about 200; and deep views on their way.
-const BESIDE_MIB: f64 = 500.0;
+/// gone, two times 128; the driver and the interface, about 200; and deep views on their way.
+const BESIDE_MIB: f64 = 630.0;
 
 /// Keys that neither quit nor can select from a list by accident.
 const KEYS: [&str; 24] = [
