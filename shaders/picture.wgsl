@@ -28,6 +28,8 @@ struct Canvas {
     failed: vec4<f32>,
     // The direction to the light from the side, and the pixels from the left of the map to the right.
     toward: vec4<f32>,
+    // Largest number of places along a pixel whose light is mixed where samples are many.
+    most_taps: u32,
 }
 
 struct Quad {
@@ -63,9 +65,9 @@ const SIDE: i32 = 128;
 const SLOTS_ALONG: u32 = 8u;
 const TABLE_ENTRIES: f32 = 8192.0;
 const UNCERTAIN: u32 = 4u;
-// Samples along a pixel beyond which all of them are mixed: those of the view's own level are fewer.
+// Samples along a pixel beyond which all of them are mixed: those of the view's own level are fewer,
+// unless the view is stretched.
 const MANY: f32 = 1.65;
-const MOST_TAPS: i32 = 7;
 
 @vertex
 fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
@@ -161,12 +163,12 @@ fn nearest_word(at: Around) -> u32 {
     return select(above.x, above.y, at.part.y >= 0.5);
 }
 
-// The mean light of `taps` × `taps` places in the pixel's parallelogram of samples.
-fn mean_light(in: Fragment, taps: i32, texel_x: vec2<f32>, texel_y: vec2<f32>) -> vec3<f32> {
+// The mean light of this many places along both sides of the pixel's parallelogram of samples.
+fn mean_light(in: Fragment, taps: vec2<u32>, texel_x: vec2<f32>, texel_y: vec2<f32>) -> vec3<f32> {
     var sum = vec3<f32>(0.0);
-    let share = 1.0 / f32(taps);
-    for (var row = 0; row < taps; row += 1) {
-        for (var column = 0; column < taps; column += 1) {
+    let share = 1.0 / vec2<f32>(taps);
+    for (var row = 0u; row < taps.y; row += 1u) {
+        for (var column = 0u; column < taps.x; column += 1u) {
             let away = (vec2<f32>(f32(column), f32(row)) + 0.5) * share - 0.5;
             let at = around(in, in.texel + away.x * texel_x + away.y * texel_y);
             var light = light_of(nearest_word(at));
@@ -176,7 +178,7 @@ fn mean_light(in: Fragment, taps: i32, texel_x: vec2<f32>, texel_y: vec2<f32>) -
             sum += light;
         }
     }
-    return sum * (share * share);
+    return sum * (share.x * share.y);
 }
 
 @fragment
@@ -184,11 +186,15 @@ fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
     let texel_x = dpdx(in.texel);
     let texel_y = dpdy(in.texel);
     let at = around(in, in.texel);
-    let extent = max(abs(texel_x), abs(texel_y));
-    let along = max(extent.x, extent.y);
+    let along = vec2<f32>(
+        max(abs(texel_x.x), abs(texel_x.y)),
+        max(abs(texel_y.x), abs(texel_y.y))
+    );
+    let most = canvas.most_taps;
     var light: vec3<f32>;
-    if along > MANY {
-        light = mean_light(in, min(i32(ceil(along)), MOST_TAPS), texel_x, texel_y);
+    if most > 1u && any(along > vec2<f32>(MANY)) {
+        let taps = clamp(vec2<u32>(ceil(along)), vec2<u32>(1u), vec2<u32>(most));
+        light = mean_light(in, taps, texel_x, texel_y);
     } else {
         let upper = mix(light_of(at.words.w), light_of(at.words.z), at.part.x);
         let lower = mix(light_of(at.words.x), light_of(at.words.y), at.part.x);

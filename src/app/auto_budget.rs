@@ -6,7 +6,15 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::camera::Camera;
 use super::compute_service::Wake;
 use super::model::AppModel;
-use crate::scene::{Budget, Build, Scene};
+use crate::scene::{Budget, Build, QuestionTable, Scene};
+
+/// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
+pub(super) fn following(scene: &Scene) -> QuestionTable {
+    let budget = scene.question.budget;
+    let guess = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
+    let auto = budget.auto || guess.secs == budget.secs;
+    QuestionTable { budget: Budget { auto, ..budget }, ..scene.question }
+}
 
 /// The automatic budget of the newest view.
 #[derive(Default)]

@@ -13,6 +13,7 @@ use super::panels::export::ExportSubject;
 use super::panels::map_legend::map_legend;
 use super::panels::pendulum;
 use super::panels::toolbar::toolbar;
+use super::settings::EdgeSamples;
 use super::state::AppState;
 use super::{hover, overlay};
 use crate::physics::Rule;
@@ -49,7 +50,8 @@ impl AppModel {
         let fades = self.animates();
         self.map_renderer.fading.begin(fades.then_some(now_secs));
         // Many samples to a pixel take the processor too long to draw while the map moves.
-        self.map_renderer.has_finer = self.map_renderer.is_quick || self.state.rests();
+        let has_time = self.map_renderer.is_quick || self.state.rests();
+        self.map_renderer.has_finer = has_time && self.state.look.edges != EdgeSamples::One;
         let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
         if self.map_renderer.fading.is_running() || self.map_renderer.glide.is_under_way() {
             ui.ctx().request_repaint();

@@ -1,9 +1,10 @@
 //! Incoming scenes: from files, bookmarks and pasted locations.
 
+use super::auto_budget::following;
 use super::camera::Camera;
 use super::history::History;
 use super::reach::Reach;
-use super::state::{AppState, Effect, following};
+use super::state::{AppState, Effect};
 use crate::engine::run_settings::RunSpec;
 use crate::scene::{Document, RunTable, Scene, location};
 

@@ -305,7 +305,8 @@ impl AppModel {
         let (width, [across, _]) = (self.state.camera.width(), self.state.plane.axes());
         let unit = across.unit();
         let diving = self.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
-        let smooths = progress.refines.then(|| "smoothing edges".to_string());
+        let smooths = progress.refines && !self.lab_hides_map();
+        let smooths = smooths.then(|| "smoothing edges".to_string());
         let doing = self.compute.following().or(diving).or(self.compute.comparing()).or(smooths);
         let warning = self.estimates.forecast.warning();
         let left_secs = self.estimates.time_left.secs();

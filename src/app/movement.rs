@@ -7,6 +7,11 @@ use super::camera::{Camera, Move, MovePace};
 use super::state::AppState;
 
 impl AppState {
+    /// Returns true if neither the user nor a move in progress moves the map.
+    pub fn rests(&self) -> bool {
+        self.moving.is_none() && !self.dragging
+    }
+
     /// Carries out a movement of the view.
     pub(super) fn look(&mut self, look: Look) {
         match look {

@@ -23,6 +23,13 @@ pub struct Appearance {
     pub edges: EdgeSamples,
 }
 
+impl Default for Appearance {
+    fn default() -> Self {
+        let Settings { animate, theme, ui_scale, edges, .. } = Settings::default();
+        Appearance { animate, theme, ui_scale, edges }
+    }
+}
+
 /// The least number of samples in a pixel of the window where its surroundings have edges, once the
 /// view is known and rests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::action::{Action, LabAction};
+use super::auto_budget::following;
 use super::camera::{Camera, Move, Screen};
 use super::colour_cycle::ColourCycle;
 use super::flight::playback::Playback;
@@ -13,12 +14,12 @@ use super::integration::Integration;
 use super::notices::Notices;
 use super::pins::{PinAction, Pins};
 use super::reach::Reach;
-use super::settings::{Appearance, EdgeSamples, Layers, Settings, Theme};
+use super::settings::{Appearance, Layers, Settings};
 use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
 use crate::physics::{State, Theta};
-use crate::scene::{Budget, Build, Document, PictureTable, Plane, QuestionTable, Scene};
+use crate::scene::{Build, Document, PictureTable, Plane, QuestionTable, Scene};
 use crate::tiles::view_target::{Physics, ViewTarget};
 
 /// A panel or window that opens over or beside the map.
@@ -145,14 +146,6 @@ pub struct AppState {
     pub now_secs: f64,
 }
 
-/// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
-pub(super) fn following(scene: &Scene) -> QuestionTable {
-    let budget = scene.question.budget;
-    let guess = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
-    let auto = budget.auto || guess.secs == budget.secs;
-    QuestionTable { budget: Budget { auto, ..budget }, ..scene.question }
-}
-
 impl AppState {
     /// Creates the state of a document with its resolved settings.
     pub fn new(document: &Document, spec: RunSpec) -> Self {
@@ -189,12 +182,7 @@ impl AppState {
             },
             notices: Notices::default(),
             pins: Pins::new(&scene),
-            look: Appearance {
-                animate: true,
-                theme: Theme::default(),
-                ui_scale: 1.0,
-                edges: EdgeSamples::default(),
-            },
+            look: Appearance::default(),
             now_secs: 0.0,
         }
     }
@@ -247,11 +235,6 @@ impl AppState {
         let refinements = if self.rests() { self.look.edges.refinements() } else { 0 };
         let (region, level) = (screen.region(), screen.level());
         ViewTarget { physics, budget_secs, region, level, pointer, refinements }
-    }
-
-    /// Returns true if neither the user nor a move in progress moves the map.
-    pub fn rests(&self) -> bool {
-        self.moving.is_none() && !self.dragging
     }
 
     /// Advances to a moment of the window's clock. Returns true if anything is in motion.
@@ -414,6 +397,7 @@ impl AppState {
 pub(super) mod tests {
     use super::*;
     use crate::app::action::Look;
+    use crate::app::settings::EdgeSamples;
     use crate::engine::choice::IntegrationSetting;
     use crate::engine::level::BALANCED;
     use crate::engine::{Method, Precision};

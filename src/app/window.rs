@@ -175,7 +175,8 @@ impl Runner {
         // The view of this frame is known only now.
         let news = if model.work() { news_after(self.frame_took) } else { Duration::MAX };
         let moving = moving || model.state.moving.is_some();
-        let again = if moving || model.compute.is_waiting() { Duration::ZERO } else { again };
+        let works = model.compute.is_waiting() && !model.lab_hides_map();
+        let again = if moving || works { Duration::ZERO } else { again };
         let again = again.min(news);
         if again < Duration::from_secs(3600) {
             self.draw_at(Instant::now() + again);
@@ -353,8 +354,9 @@ impl ApplicationHandler<Woken> for Runner {
             }
             (Some(moment), open) => {
                 // A notice that will go is no work, and finer samples come for as long as they take.
-                let refines = open.as_ref().is_some_and(|open| open.model.progress().refines);
-                if refines || moment > now + REST {
+                let refines =
+                    || open.as_ref().is_some_and(|open| open.model.compute.explorer.refines());
+                if moment > now + REST || refines() {
                     self.rest();
                 }
                 event_loop.set_control_flow(ControlFlow::WaitUntil(moment));

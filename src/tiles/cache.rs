@@ -32,7 +32,7 @@ pub struct CachedCell {
 pub struct SampleSet {
     /// Key of the physics.
     pub physics: usize,
-    /// True if only the samples at edges were computed, and the others follow from coarser ones.
+    /// True if samples of times were computed only at edges, and the others follow from coarser ones.
     pub refined: bool,
 }
 

@@ -114,6 +114,7 @@ impl Explorer {
         if self.target.as_ref() == Some(target) {
             return;
         }
+        let is_same_view = self.target.as_ref().is_some_and(|last| last.is_same_view(target));
         let key = self.key_of(&target.physics);
         // A physics that was passed so quickly that little of it is known cannot stand in.
         if key != self.key && self.progress().covered {
@@ -123,14 +124,16 @@ impl Explorer {
         let ask = |key: usize| self.physics[key].physics.question.ask;
         self.before = self.before.filter(|&before| ask(before) == ask(key));
         self.key = key;
-        let begun = self.target.as_ref().filter(|last| last.is_same_view(target));
-        let begun = begun.map_or(0, |_| self.refinement.begun);
+        let begun = if is_same_view { self.refinement.begun } else { 0 };
         self.target = Some(target.clone());
         // Finer samples take at most half of the room: views seen before are worth as much.
         let channels = target.physics.question.ask.kind().channels.len();
         self.refinement =
             Refinement::of(target, MOST_CELLS.min(self.cache.room(channels) / 2), begun);
-        self.plan();
+        // A pointer has no order to change where nothing waits.
+        if !(is_same_view && self.is_done()) {
+            self.plan();
+        }
         self.refine();
     }
 
@@ -159,7 +162,9 @@ impl Explorer {
         cells.extend(order::finer(target, self.refinement.begun));
         let keys = cells.iter().map(|wanted| (self.set(wanted.pass == Pass::Finer), wanted.cell));
         let wanted: HashSet<_> = keys.collect();
-        self.cache.want(wanted.iter().copied());
+        // Cells seen closer before are as good as finer ones.
+        let sets = [false, true].map(|refined| self.set(refined));
+        self.cache.want(wanted.iter().flat_map(|&(_, cell)| sets.map(|set| (set, cell))));
         // Cells in flight to a smaller budget are resumed when they have finished.
         let jobs = self.in_flight.tiles();
         let jobs: HashSet<_> = jobs.flat_map(Batch::keys).collect();
@@ -179,26 +184,27 @@ impl Explorer {
     /// quarters are known, which are nearly as fine and stand in; a finer one only if its parent has
     /// edges there.
     fn needs(&self, Wanted { cell, pass }: Wanted) -> bool {
-        let known = match pass {
-            Pass::Finer => self.peek_finer(cell),
-            Pass::Own | Pass::Coarse => self.peek(cell),
-        };
-        if let Some(known) = known {
+        let is_known = |cell: Cell| self.peek(cell).is_some();
+        let is_known_to_budget = |cell: Cell| {
             let budget_secs = self.target.as_ref().map_or(0.0, |target| target.budget_secs);
-            return pass != Pass::Coarse && known.budget_secs < budget_secs;
-        }
-        let instead = |cell: Cell| self.peek(cell).is_some();
+            self.peek(cell).is_some_and(|known| known.budget_secs >= budget_secs)
+        };
         match pass {
             Pass::Coarse => {
-                !cell.parent().is_some_and(instead) && !cell.children().into_iter().all(instead)
+                let mut quarters = cell.children().into_iter();
+                !(is_known(cell) || cell.parent().is_some_and(is_known) || quarters.all(is_known))
             }
-            Pass::Own => true,
-            Pass::Finer => cell.parent().is_some_and(|parent| {
-                let (_, mirrored) = parent.computed(self.mirrors(self.key));
-                let quarter = quarter_of(&cell, &parent, mirrored);
-                self.peek_finer(parent).is_some_and(|parent| parent.edges[quarter])
-            }),
+            Pass::Own => !is_known_to_budget(cell),
+            Pass::Finer => self.peek_finer(cell).is_none() && self.has_edges(cell),
         }
+    }
+
+    /// Returns true if the parent of a cell has edges where the cell lies.
+    fn has_edges(&self, cell: Cell) -> bool {
+        let Some(parent) = cell.parent() else { return false };
+        let (_, mirrored) = parent.computed(self.mirrors(self.key));
+        let quarter = quarter_of(&cell, &parent, mirrored);
+        self.peek_finer(parent).is_some_and(|parent| parent.edges[quarter])
     }
 
     /// Submits waiting cells to the engine and collects finished ones. With a deadline it never

@@ -3,7 +3,7 @@
 //! A sample is *plain* if it and its neighbours in the cell have the same status and, where they have
 //! values, these lie on straight lines. All that finer samples could show there is known: the values
 //! between them. So a quarter of plain samples is left as it is, and in the others only the samples
-//! at edges are computed:
+//! at edges are computed, if the question asks for a time; of others all are:
 //!
 //! ```text
 //!   ┌───┬───┬───┬───┐        ┌───┬───┬───┬───┐

@@ -10,9 +10,7 @@ use flipmap::tiles::view_target::ViewTarget;
 
 use crate::doubtful::Doubtful;
 use crate::offscreen::{Paint, SIZE, Studio};
-use crate::{
-    LEVEL, PLAIN, beyond, encoded, middle, outcome, painted, pictures, scene, screen, target,
-};
+use crate::{LEVEL, PLAIN, beyond, middle, outcome, painted, pictures, scene, screen, target};
 
 needs_adapter! {
     checks:
@@ -22,6 +20,13 @@ needs_adapter! {
 
 /// Samples along a pixel at the second finer level.
 const ALONG: u32 = 4;
+
+/// The sRGB value of linear light, by the formula of the standard.
+pub(crate) fn encoded(light: f64) -> u8 {
+    let curve = 1.055 * light.powf(1.0 / 2.4) - 0.055;
+    let value = if light <= 0.003_130_8 { 12.92 * light } else { curve };
+    (255.0 * value).round() as u8
+}
 
 /// The colours of pixels of 4 × 4 samples, computed from starts and not from tiles.
 fn mean(grid: &Grid, scene: &Scene, tones: &Tones) -> Vec<Rgb> {

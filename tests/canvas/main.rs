@@ -14,6 +14,7 @@ mod offscreen;
 mod smooth;
 
 use doubtful::{Doubtful, fails, is_uncertain};
+use finer::encoded;
 use flipmap::app::camera::{Camera, Screen};
 use flipmap::app::hover::sample_at;
 use flipmap::app::reach::Reach;
@@ -136,13 +137,6 @@ fn wrong(pixels: &[u8], colours: &[Rgb]) -> f64 {
 
 fn share_of(colour: Rgb, colours: &[Rgb]) -> f64 {
     colours.iter().filter(|other| **other == colour).count() as f64 / colours.len() as f64
-}
-
-/// The sRGB value of linear light, by the formula of the standard.
-fn encoded(light: f64) -> u8 {
-    let curve = 1.055 * light.powf(1.0 / 2.4) - 0.055;
-    let value = if light <= 0.003_130_8 { 12.92 * light } else { curve };
-    (255.0 * value).round() as u8
 }
 
 /// Picture settings that use the colour table in different ways.

@@ -77,8 +77,8 @@ impl Studio {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
+        self.canvas.draw(device, queue);
         let mut encoder = device.create_command_encoder(&Default::default());
-        self.canvas.draw(&mut encoder);
         self.pass(&mut encoder, &target.create_view(&Default::default()));
         let pixels = device.create_buffer(&wgpu::BufferDescriptor {
             label: None,

@@ -93,6 +93,21 @@ fn a_view_is_complete_before_them_and_a_pointer_does_not_begin_them_again() {
 }
 
 #[test]
+fn what_was_seen_closer_with_a_smaller_budget_is_no_finer_sample() {
+    let mut engine = Ledger::default();
+    let mut explorer = explored(&lively(LEVEL + 1), &mut engine);
+    let later = ViewTarget { budget_secs: 60.0, ..smoothed() };
+    explorer.target(&later);
+    explorer.work(&mut engine, None).unwrap();
+    let [samples, wrong] = compared(&mut explorer, &later, LEVEL + 1);
+    assert!(samples > 0 && wrong == 0, "{wrong} of {samples}");
+    let sent = engine.jobs.len();
+    explorer.target(&ViewTarget { pointer: Some([0.0; 2]), ..later });
+    explorer.work(&mut engine, None).unwrap();
+    assert_eq!(engine.jobs.len(), sent, "nor is it computed again and again");
+}
+
+#[test]
 fn a_larger_budget_computes_them_anew_where_nothing_had_flipped() {
     let later = ViewTarget { budget_secs: 60.0, ..smoothed() };
     let mut engine = Ledger::default();
@@ -103,6 +118,13 @@ fn a_larger_budget_computes_them_anew_where_nothing_had_flipped() {
         let [samples, wrong] = compared(&mut explorer, &later, level);
         assert!(samples > 0 && wrong == 0, "level {level}: {wrong} of {samples}");
     }
+    // Nor is a cell of the view drawn, or computed again and again, that was known to less.
+    let sent = engine.jobs.len();
+    for refinements in [0, 2, 1, 2] {
+        explorer.target(&ViewTarget { refinements, ..later.clone() });
+        explorer.work(&mut engine, None).unwrap();
+    }
+    assert_eq!(engine.jobs.len(), sent);
     assert_eq!(engine.mock.queue.len(), 0);
     engine.cancel();
 }

@@ -46,7 +46,7 @@ pub enum PatchSet {
     Before,
     /// Those of the target.
     Own,
-    /// The finer ones of the target, of which only those at edges were computed.
+    /// The finer ones of the target, of which perhaps only those at edges were computed.
     Finer,
 }
 
@@ -63,13 +63,16 @@ pub fn cover(
     explorer: &mut Explorer,
     fading: &mut Fading,
     has_finer: bool,
-) -> Vec<Vec<Patch>> {
+) -> Vec<CoveredCell> {
     let mut cells = Vec::new();
     for placed in screen.region().cells(screen.level(), MOST_CELLS) {
         let mut patches = Vec::new();
         let now = best(screen, explorer, &placed, false, fading);
+        let mut whole = now.whole;
         if !now.whole {
-            patches.extend(best(screen, explorer, &placed, true, fading).patches);
+            let before = best(screen, explorer, &placed, true, fading);
+            whole |= before.whole;
+            patches.extend(before.patches);
         }
         match now.patches[..] {
             [own] if has_finer && own.source == placed.cell && own.alpha >= 1.0 => {
@@ -77,7 +80,7 @@ pub fn cover(
             }
             _ => patches.extend(now.patches),
         }
-        cells.push(patches);
+        cells.push(CoveredCell { patches, whole });
     }
     cells
 }
@@ -92,9 +95,13 @@ fn refine(
     levels: u32,
     patches: &mut Vec<Patch>,
 ) {
+    if levels == 0 {
+        patches.push(own);
+        return;
+    }
     let children = children(placed);
     let finer = children.map(|child| {
-        let known = explorer.known_finer(child.cell).filter(|_| levels > 0);
+        let known = explorer.known_finer(child.cell);
         known.map(|(_, mirrored)| KnownSource { cell: child.cell, mirrored })
     });
     if finer.iter().all(Option::is_none) {
@@ -122,12 +129,13 @@ fn children(placed: &Placed) -> [Placed; 4] {
     })
 }
 
-/// The best that is known of a cell.
-struct Best {
+/// The patches that show a cell.
+#[derive(Debug)]
+pub struct CoveredCell {
     /// The patches in drawing order.
-    patches: Vec<Patch>,
-    /// True if the patches cover the whole cell.
-    whole: bool,
+    pub patches: Vec<Patch>,
+    /// True if they cover the whole cell.
+    pub whole: bool,
 }
 
 fn best(
@@ -136,7 +144,7 @@ fn best(
     placed: &Placed,
     before: bool,
     fading: &mut Fading,
-) -> Best {
+) -> CoveredCell {
     let own = known(explorer, placed.cell, before);
     let alpha = match own {
         Some(_) if !before => fading.cover(placed.cell),
@@ -164,7 +172,7 @@ fn best(
             finer(screen, explorer, placed, before, FINER_LEVELS, &mut patches);
         }
     }
-    Best { patches, whole }
+    CoveredCell { patches, whole }
 }
 
 /// A cell whose samples, or those of its mirror image, are known.

@@ -6,7 +6,8 @@
 
 use std::collections::HashSet;
 
-use super::pipeline::{MapFrame, Quad, Uniforms};
+use super::pipeline::{CellQuads, MapFrame, Quad, Uniforms};
+use crate::app::camera::Screen;
 
 /// The kept picture.
 pub struct KeptPicture {
@@ -24,9 +25,17 @@ struct KeptTarget {
 }
 
 /// The content of a picture.
+#[derive(Clone)]
 struct Drawn {
+    screen: Screen,
     uniforms: Uniforms,
-    cells: Vec<Vec<Quad>>,
+    cells: Vec<CellQuads>,
+}
+
+impl Drawn {
+    fn of(frame: &MapFrame) -> Self {
+        Drawn { screen: frame.screen, uniforms: frame.uniforms, cells: frame.cells.clone() }
+    }
 }
 
 /// The changes from one frame to the next.
@@ -46,14 +55,15 @@ impl KeptPicture {
 
     /// Takes a frame as what the picture shows from now on, and returns what has to be drawn.
     pub fn take(&mut self, device: &wgpu::Device, frame: &MapFrame) -> Changes {
-        let size_px = frame.size_px.map(|side| side.max(1));
+        let most = device.limits().max_texture_dimension_2d;
+        let size_px = frame.size_px.map(|side| side.clamp(1, most));
         if self.target.as_ref().is_none_or(|target| target.size_px != size_px) {
             self.target = Some(self.target_of(device, size_px));
             self.drawn = None;
         }
         let before = self.drawn.as_ref().filter(|_| frame.table.is_none());
         let changes = changes(before, frame);
-        self.drawn = Some(Drawn { uniforms: frame.uniforms, cells: frame.cells.clone() });
+        self.drawn = Some(Drawn::of(frame));
         changes
     }
 
@@ -114,20 +124,25 @@ impl KeptPicture {
 /// Returns what a frame changes of a picture; without one before, all.
 fn changes(before: Option<&Drawn>, frame: &MapFrame) -> Changes {
     let uploaded: HashSet<u32> = frame.uploads.iter().map(|(slot, _)| *slot).collect();
-    // A cell of which nothing is known any more would leave what was drawn of it.
+    // What is drawn over a part of a cell leaves the rest of it as it was before.
+    let uncovers =
+        |(old, new): (&CellQuads, &CellQuads)| old != new && !new.whole && !old.quads.is_empty();
     let goes_on = |before: &&Drawn| {
-        let vanishes = |(old, new): (&Vec<Quad>, &Vec<Quad>)| new.is_empty() && !old.is_empty();
-        before.uniforms == frame.uniforms
+        before.screen == frame.screen
+            && before.uniforms == frame.uniforms
             && before.cells.len() == frame.cells.len()
-            && !before.cells.iter().zip(&frame.cells).any(vanishes)
+            && !before.cells.iter().zip(&frame.cells).any(uncovers)
     };
     let Some(before) = before.filter(goes_on) else {
-        return Changes { quads: frame.cells.concat(), clears: true };
+        let quads = frame.cells.iter().flat_map(|cell| cell.quads.iter().copied()).collect();
+        return Changes { quads, clears: true };
     };
     let pairs = before.cells.iter().zip(&frame.cells);
-    let changed = pairs
-        .filter(|(old, new)| old != new || new.iter().any(|quad| uploaded.contains(&quad.slot)));
-    Changes { quads: changed.flat_map(|(_, new)| new.iter().copied()).collect(), clears: false }
+    let changed = pairs.filter(|(old, new)| {
+        old != new || new.quads.iter().any(|quad| uploaded.contains(&quad.slot))
+    });
+    let quads = changed.flat_map(|(_, new)| new.quads.iter().copied()).collect();
+    Changes { quads, clears: false }
 }
 
 fn pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
@@ -170,16 +185,24 @@ mod tests {
 
     use super::*;
     use crate::app::canvas::sample::WordKind;
+    use crate::app::state::tests::state;
     use crate::tiles::Samples;
 
     fn quad(slot: u32) -> Quad {
         Quad { slot, ..Quad::zeroed() }
     }
 
+    /// The quads of a cell, which is not whole if slot 9 is among them.
+    fn cell(slots: &[u32]) -> CellQuads {
+        let quads: Vec<Quad> = slots.iter().copied().map(quad).collect();
+        CellQuads { whole: !quads.is_empty() && !slots.contains(&9), quads }
+    }
+
     fn frame(slots: &[&[u32]], uploaded: &[u32]) -> MapFrame {
         let samples = Arc::new(Samples::unflipped(0));
         MapFrame {
-            cells: slots.iter().map(|slots| slots.iter().copied().map(quad).collect()).collect(),
+            screen: state().screen(),
+            cells: slots.iter().copied().map(cell).collect(),
             uploads: uploaded.iter().map(|slot| (*slot, Arc::clone(&samples))).collect(),
             words: Arc::new(WordKind::Times),
             uniforms: Uniforms::zeroed(),
@@ -193,7 +216,7 @@ mod tests {
     fn only_cells_that_change_are_drawn_again() {
         let first = frame(&[&[1], &[2, 3], &[4]], &[]);
         assert_eq!(changes(None, &first).quads.len(), 4);
-        let drawn = Drawn { uniforms: first.uniforms, cells: first.cells.clone() };
+        let drawn = Drawn::of(&first);
         let drawn_again = |frame: &MapFrame| {
             let Changes { quads, clears } = changes(Some(&drawn), frame);
             (quads.iter().map(|quad| quad.slot).collect::<Vec<_>>(), clears)
@@ -201,8 +224,12 @@ mod tests {
         assert_eq!(drawn_again(&first), (vec![], false), "nothing has changed");
         assert_eq!(drawn_again(&frame(&[&[1], &[2, 5], &[4]], &[])), (vec![2, 5], false));
         assert_eq!(drawn_again(&frame(&[&[1], &[2, 3], &[4]], &[3])), (vec![2, 3], false));
-        assert_eq!(drawn_again(&frame(&[&[1], &[2, 3]], &[])), (vec![1, 2, 3], true), "moved");
+        assert_eq!(drawn_again(&frame(&[&[1], &[2, 3]], &[])), (vec![1, 2, 3], true));
         assert_eq!(drawn_again(&frame(&[&[], &[2, 3], &[4]], &[])), (vec![2, 3, 4], true));
+        assert_eq!(drawn_again(&frame(&[&[1], &[9], &[4]], &[])), (vec![1, 9, 4], true), "a part");
+        let mut moved = frame(&[&[1], &[2, 3], &[4]], &[]);
+        moved.screen.camera.width_rad *= 0.99;
+        assert_eq!(drawn_again(&moved), (vec![1, 2, 3, 4], true));
         let mut recoloured = frame(&[&[1], &[2, 3], &[4]], &[]);
         recoloured.uniforms.trust = 1;
         assert_eq!(drawn_again(&recoloured), (vec![1, 2, 3, 4], true));

@@ -21,10 +21,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use self::atlas::{Atlas, AtlasPlace};
 use self::colours::CardColours;
-use self::cover::{Patch, PatchSet, cover};
+use self::cover::{CoveredCell, Patch, PatchSet, cover};
 use self::fading::Fading;
 use self::glide::Glide;
-use self::pipeline::{MapFrame, Quad};
+use self::pipeline::{CellQuads, MapFrame, Quad};
 use self::sample::WordKind;
 use crate::app::camera::Screen;
 use crate::tiles::Samples;
@@ -32,6 +32,9 @@ use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
 /// Number of layers of the atlas: enough for one tile per cell in view.
 pub const LAYERS: u32 = MOST_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
+
+/// Largest number of places along a pixel whose light is mixed: as many as samples of the finest level.
+const MOST_TAPS: u32 = 7;
 
 /// The map's state between frames.
 #[derive(Debug)]
@@ -84,6 +87,7 @@ impl MapRenderer {
         CardColours { mut uniforms, table, words }: CardColours,
     ) -> MapFrame {
         uniforms.toward[3] = (screen.size.x * screen.pixels_per_point) as f32;
+        uniforms.most_taps = if self.has_finer { MOST_TAPS } else { 1 };
         if *self.words != words {
             // What is on the card has other words.
             self.atlas = Atlas::new(LAYERS);
@@ -99,9 +103,10 @@ impl MapRenderer {
             self.table.clear();
         }
         let mut cells = Vec::new();
-        for patches in cover(screen, explorer, &mut self.fading, self.has_finer) {
+        for CoveredCell { patches, whole } in self.covered(screen, explorer) {
             let quad = |patch| self.quad(screen, explorer, &patch, &mut uploads);
-            cells.push(patches.into_iter().filter_map(quad).collect());
+            let quads: Vec<Quad> = patches.into_iter().filter_map(quad).collect();
+            cells.push(CellQuads { quads, whole });
         }
         let table = (self.table != table).then(|| {
             self.table.clone_from(&table);
@@ -110,8 +115,18 @@ impl MapRenderer {
         let is_loaded = Arc::clone(&self.last.is_loaded);
         (self.last.uploads, self.last.has_table) = (uploads.clone(), table.is_some());
         let size_px = (screen.size * screen.pixels_per_point).round().as_uvec2().to_array();
-        let words = Arc::clone(&self.words);
-        MapFrame { cells, uploads, words, uniforms, table, size_px, is_loaded }
+        let (screen, words) = (*screen, Arc::clone(&self.words));
+        MapFrame { screen, cells, uploads, words, uniforms, table, size_px, is_loaded }
+    }
+
+    /// Returns the patches of every cell; those of finer samples only if the atlas has room for them.
+    fn covered(&mut self, screen: &Screen, explorer: &mut Explorer) -> Vec<CoveredCell> {
+        let covered = cover(screen, explorer, &mut self.fading, self.has_finer);
+        let count: usize = covered.iter().map(|cell| cell.patches.len()).sum();
+        if self.has_finer && count > (LAYERS * atlas::SLOTS_IN_LAYER) as usize {
+            return cover(screen, explorer, &mut self.fading, false);
+        }
+        covered
     }
 
     /// Returns the quad of a patch, whose samples are added to the uploads if they are not on the card;

@@ -11,6 +11,7 @@ use wgpu::util::DeviceExt;
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
 use super::kept::{Changes, KeptPicture};
 use super::sample::WordKind;
+use crate::app::camera::Screen;
 use crate::engine::shared::status_constants;
 use crate::scene::lattice::SIDE;
 use crate::scene::palette::Relief;
@@ -76,15 +77,30 @@ pub struct Uniforms {
     /// Direction to the light from the side (to the right, up, out of the map), and the number of
     /// pixels from the left of the map to the right.
     pub toward: [f32; 4],
+    /// Largest number of places along a pixel whose light is mixed where samples are many.
+    pub most_taps: u32,
+    /// Fills the last sixteen bytes.
+    pub padding: [u32; 3],
 }
 
 /// Number of entries of the colour table: so many that the nearest one is as good as a mixture.
 pub const TABLE_ENTRIES: usize = 8192;
 
+/// The quads that show a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellQuads {
+    /// The quads in drawing order.
+    pub quads: Vec<Quad>,
+    /// True if they cover the whole cell.
+    pub whole: bool,
+}
+
 /// One frame of the map.
 pub struct MapFrame {
-    /// The quads of every cell in view, in drawing order.
-    pub cells: Vec<Vec<Quad>>,
+    /// The screen that is shown.
+    pub screen: Screen,
+    /// The quads of every cell in view.
+    pub cells: Vec<CellQuads>,
     /// Slots with the samples that are yet to be uploaded to them.
     pub uploads: Vec<(u32, Arc<Samples>)>,
     /// The words that the samples become.
@@ -181,16 +197,20 @@ impl Canvas {
         queue.write_texture(target, bytemuck::cast_slice(words), layout, size);
     }
 
-    /// Draws what the loaded frame changes into the kept picture.
-    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder) {
+    /// Draws what the loaded frame changes into the kept picture, at once: the commands of the window's
+    /// frame are thrown away if there is no surface to show it on, as of a window that is covered.
+    pub fn draw(&self, device: &wgpu::Device, queue: &wgpu::Queue) {
         if self.count == 0 && !self.clears {
             return;
         }
-        let Some(mut pass) = self.kept.pass(encoder, self.clears) else { return };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let Some(mut pass) = self.kept.pass(&mut encoder, self.clears) else { return };
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bindings, &[]);
         pass.set_vertex_buffer(0, self.quads.slice(..));
         pass.draw(0..4, 0..self.count);
+        drop(pass);
+        queue.submit([encoder.finish()]);
     }
 
     /// Shows the kept picture in the viewport of a pass.
@@ -315,12 +335,12 @@ impl CallbackTrait for MapFrame {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         _: &ScreenDescriptor,
-        encoder: &mut wgpu::CommandEncoder,
+        _: &mut wgpu::CommandEncoder,
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(canvas) = resources.get_mut::<Canvas>() {
             canvas.load(device, queue, self);
-            canvas.draw(encoder);
+            canvas.draw(device, queue);
         }
         Vec::new()
     }

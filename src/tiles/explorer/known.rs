@@ -30,11 +30,11 @@ impl Explorer {
     }
 
     /// Returns the same for the target's physics and a cell of which perhaps only the samples at edges
-    /// were computed.
+    /// were computed, if they have had the target's budget: beside others, fewer would have flipped.
     pub fn known_finer(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
-        let refined = self.peek(cell).is_none();
+        let set = self.finer_set(cell)?;
         let (computed, mirrored) = cell.computed(self.mirrors(self.key));
-        self.cache.get(self.set(refined), computed).map(|known| (known, mirrored))
+        self.cache.get(set, computed).map(|known| (known, mirrored))
     }
 
     fn look(&mut self, physics: usize, cell: Cell) -> Option<(&CachedCell, bool)> {
@@ -53,10 +53,21 @@ impl Explorer {
         self.cache.peek(self.set(false), cell.computed(self.mirrors(self.key)).0)
     }
 
-    /// Returns the same of a cell of which perhaps only the samples at edges were computed.
+    /// Returns the same as [`Explorer::known_finer`].
     pub(super) fn peek_finer(&self, cell: Cell) -> Option<&CachedCell> {
-        let refined = || self.cache.peek(self.set(true), cell.computed(self.mirrors(self.key)).0);
-        self.peek(cell).or_else(refined)
+        let (computed, _) = cell.computed(self.mirrors(self.key));
+        self.cache.peek(self.finer_set(cell)?, computed)
+    }
+
+    /// Returns the set in which a cell is known to the target's budget.
+    fn finer_set(&self, cell: Cell) -> Option<SampleSet> {
+        let budget_secs = self.target.as_ref()?.budget_secs;
+        let (computed, _) = cell.computed(self.mirrors(self.key));
+        let is_known = |set: &SampleSet| {
+            let known = self.cache.peek(*set, computed);
+            known.is_some_and(|known| known.budget_secs >= budget_secs)
+        };
+        [false, true].map(|refined| self.set(refined)).into_iter().find(is_known)
     }
 
     /// Returns the samples from which those far from edges follow, for each of these cells.
@@ -90,7 +101,12 @@ impl Explorer {
             done: placed.iter().filter(|placed| fine(placed.cell)).count(),
             covered: !placed.is_empty() && placed.iter().all(|placed| drawn(placed.cell)),
             idle: self.is_done() || self.refinement.begun > 0,
-            refines: !self.is_done() && self.refinement.begun > 0,
+            refines: self.refines(),
         }
+    }
+
+    /// Returns true if only finer samples at edges are being computed.
+    pub fn refines(&self) -> bool {
+        !self.is_done() && self.refinement.begun > 0
     }
 }
