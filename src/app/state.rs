@@ -403,6 +403,7 @@ pub(super) mod tests {
     use crate::engine::{Method, Precision};
     use crate::physics::Scalar;
     use crate::question::Ask;
+    use crate::scene::Budget;
 
     /// Returns the state of a window with the home scene.
     pub(crate) fn state() -> AppState {
