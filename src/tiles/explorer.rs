@@ -19,7 +19,7 @@ use std::time::Instant;
 use super::cache::{Cache, SampleSet};
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
-use super::order::{self, Pass, Wanted};
+use super::order::{self, CellPass, Wanted};
 use super::reader::Reader;
 use super::refinement::{Refinement, quarter_of};
 use super::samples::{Counts, Samples};
@@ -160,7 +160,8 @@ impl Explorer {
         let channels = target.physics.question.ask.kind().channels.len();
         let mut cells = order::wanted(target, self.cache.room(channels));
         cells.extend(order::finer(target, self.refinement.begun));
-        let keys = cells.iter().map(|wanted| (self.set(wanted.pass == Pass::Finer), wanted.cell));
+        let keys =
+            cells.iter().map(|wanted| (self.set(wanted.pass == CellPass::Finer), wanted.cell));
         let wanted: HashSet<_> = keys.collect();
         // Cells seen closer before are as good as finer ones.
         let sets = [false, true].map(|refined| self.set(refined));
@@ -171,7 +172,7 @@ impl Explorer {
         self.waiting = cells
             .into_iter()
             .filter(|wanted| {
-                let set = self.set(wanted.pass == Pass::Finer);
+                let set = self.set(wanted.pass == CellPass::Finer);
                 !jobs.contains(&(set, wanted.cell)) && self.needs(*wanted)
             })
             .collect();
@@ -190,12 +191,12 @@ impl Explorer {
             self.peek(cell).is_some_and(|known| known.budget_secs >= budget_secs)
         };
         match pass {
-            Pass::Coarse => {
+            CellPass::Coarse => {
                 let mut quarters = cell.children().into_iter();
                 !(is_known(cell) || cell.parent().is_some_and(is_known) || quarters.all(is_known))
             }
-            Pass::Own => !is_known_to_budget(cell),
-            Pass::Finer => self.peek_finer(cell).is_none() && self.has_edges(cell),
+            CellPass::Own => !is_known_to_budget(cell),
+            CellPass::Finer => self.peek_finer(cell).is_none() && self.has_edges(cell),
         }
     }
 
@@ -272,7 +273,7 @@ impl Explorer {
     /// all new or all to be resumed.
     fn next_cells(&mut self, most: usize) -> Option<(SampleSet, Vec<Cell>)> {
         let traits = |wanted: &Wanted| {
-            let set = self.set(wanted.pass == Pass::Finer);
+            let set = self.set(wanted.pass == CellPass::Finer);
             let known = self.cache.peek(set, wanted.cell);
             let continues = known.is_some_and(|known| !known.unfinished.is_empty());
             (set, wanted.cell.level, continues)

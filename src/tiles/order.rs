@@ -18,7 +18,7 @@ const COARSE_PASSES: u32 = 2;
 
 /// The pass that a cell belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Pass {
+pub(super) enum CellPass {
     /// A level above the target's.
     Coarse,
     /// The target's level.
@@ -31,7 +31,7 @@ pub(super) enum Pass {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Wanted {
     pub cell: Cell,
-    pub pass: Pass,
+    pub pass: CellPass,
 }
 
 /// Returns the first `most` cells that a target needs, each once, without those of finer levels.
@@ -43,13 +43,14 @@ pub(super) fn wanted(target: &ViewTarget, most: usize) -> Vec<Wanted> {
 /// Returns a target's cells pass by pass.
 fn passes(target: &ViewTarget) -> Vec<Vec<Wanted>> {
     let coarse = (1..=COARSE_PASSES).rev().filter_map(|n| target.level.checked_sub(n * LEVEL_STEP));
-    let mut passes: Vec<_> =
-        coarse.map(|level| nearest_first(target, &target.region, level, Pass::Coarse)).collect();
-    passes.push(nearest_first(target, &target.region, target.level, Pass::Own));
+    let mut passes: Vec<_> = coarse
+        .map(|level| nearest_first(target, &target.region, level, CellPass::Coarse))
+        .collect();
+    passes.push(nearest_first(target, &target.region, target.level, CellPass::Own));
     let ring = side_rad(target.level.min(DEEPEST));
     let around =
         Region { half_rad: target.region.half_rad.map(|half| half + 0.5 * ring), ..target.region };
-    passes.push(nearest_first(target, &around, target.level, Pass::Own));
+    passes.push(nearest_first(target, &around, target.level, CellPass::Own));
     passes
 }
 
@@ -57,11 +58,11 @@ fn passes(target: &ViewTarget) -> Vec<Vec<Wanted>> {
 pub(super) fn finer(target: &ViewTarget, levels: u32) -> Vec<Wanted> {
     let mut seen = HashSet::new();
     let cells = (1..=levels)
-        .flat_map(|n| nearest_first(target, &target.region, target.level + n, Pass::Finer));
+        .flat_map(|n| nearest_first(target, &target.region, target.level + n, CellPass::Finer));
     cells.filter(|w| seen.insert(w.cell)).collect()
 }
 
-fn nearest_first(target: &ViewTarget, region: &Region, level: u32, pass: Pass) -> Vec<Wanted> {
+fn nearest_first(target: &ViewTarget, region: &Region, level: u32, pass: CellPass) -> Vec<Wanted> {
     let mirrors = target.physics.mirrors();
     let mut placed = region.cells(level, MOST_CELLS);
     let far = |offset: [f64; 2], from: [f64; 2]| (offset[0] - from[0]).hypot(offset[1] - from[1]);

@@ -42,11 +42,11 @@ impl Patch {
 /// The samples that a patch may show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PatchSet {
-    /// Those of the previous target's physics.
+    /// Samples of the previous target's physics.
     Before,
-    /// Those of the target.
+    /// Samples of the target.
     Own,
-    /// The finer ones of the target, of which perhaps only those at edges were computed.
+    /// Finer samples of the target, of which perhaps only those at edges were computed.
     Finer,
 }
 
