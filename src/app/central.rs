@@ -13,7 +13,6 @@ use super::panels::export::ExportSubject;
 use super::panels::map_legend::map_legend;
 use super::panels::pendulum;
 use super::panels::toolbar::toolbar;
-use super::settings::EdgeSamples;
 use super::state::AppState;
 use super::{hover, overlay};
 use crate::physics::Rule;
@@ -51,7 +50,8 @@ impl AppModel {
         self.map_renderer.fading.begin(fades.then_some(now_secs));
         // Many samples to a pixel take the processor too long to draw while the map moves.
         let has_time = self.map_renderer.is_quick || self.state.rests();
-        self.map_renderer.has_finer = has_time && self.state.look.edges != EdgeSamples::One;
+        self.map_renderer.finer_levels =
+            if has_time { self.state.look.edges.refinements() } else { 0 };
         let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
         if self.map_renderer.fading.is_running() || self.map_renderer.glide.is_under_way() {
             ui.ctx().request_repaint();

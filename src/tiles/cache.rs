@@ -1,7 +1,7 @@
 //! The cache of computed cells, which keeps them as long as their bytes fit.
 
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::open_tile::Known;
 use super::refinement::{self, Quarters};
@@ -20,8 +20,8 @@ pub struct CachedCell {
     pub budget_secs: f64,
     /// Serial number, which changes whenever the samples do and is never used twice.
     pub serial: u64,
-    /// True for the quarters that have edges, which finer samples would show.
-    pub(super) edges: Quarters,
+    /// Quarters that have edges, once somebody has asked.
+    edges: OnceLock<Quarters>,
     /// States of unflipped samples with their places, in ascending order of place.
     pub(super) unfinished: Vec<(u32, IntegratorState)>,
     used: u64,
@@ -56,6 +56,11 @@ pub struct Cache {
 pub const TILE_BYTES: usize = SAMPLES * Samples::bytes(1);
 
 impl CachedCell {
+    /// Returns true for the quarters that have edges, which finer samples would show.
+    pub(super) fn edges(&self) -> Quarters {
+        *self.edges.get_or_init(|| refinement::edges(&self.samples))
+    }
+
     /// Returns the outcome and the trust of the sample at a place.
     pub fn at(&self, place: usize) -> (Outcome, Trust) {
         (self.samples.get(place), self.samples.trust(place))
@@ -146,8 +151,7 @@ impl Cache {
         unfinished.shrink_to_fit();
         self.clock += 1;
         self.serial += 1;
-        let edges = refinement::edges(&samples);
-        let samples = Arc::new(samples);
+        let (samples, edges) = (Arc::new(samples), OnceLock::new());
         let (serial, used) = (self.serial, self.clock);
         let known = CachedCell { samples, budget_secs, serial, edges, unfinished, used };
         self.bytes += known.bytes();

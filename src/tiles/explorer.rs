@@ -45,7 +45,7 @@ pub struct ViewProgress {
 }
 
 /// Maximum number of cells of a level that are drawn at once.
-pub const MOST_CELLS: usize = 2048;
+pub const MOST_CELLS: usize = 1500;
 /// Maximum number of cells in a job, which fill a large graphics card.
 const MOST_IN_JOB: usize = 64;
 
@@ -160,9 +160,7 @@ impl Explorer {
         let channels = target.physics.question.ask.kind().channels.len();
         let mut cells = order::wanted(target, self.cache.room(channels));
         cells.extend(order::finer(target, self.refinement.begun));
-        let keys =
-            cells.iter().map(|wanted| (self.set(wanted.pass == CellPass::Finer), wanted.cell));
-        let wanted: HashSet<_> = keys.collect();
+        let wanted: HashSet<_> = cells.iter().map(|wanted| self.cache_key(wanted)).collect();
         // Cells seen closer before are as good as finer ones.
         let sets = [false, true].map(|refined| self.set(refined));
         self.cache.want(wanted.iter().flat_map(|&(_, cell)| sets.map(|set| (set, cell))));
@@ -171,10 +169,7 @@ impl Explorer {
         let jobs: HashSet<_> = jobs.flat_map(Batch::keys).collect();
         self.waiting = cells
             .into_iter()
-            .filter(|wanted| {
-                let set = self.set(wanted.pass == CellPass::Finer);
-                !jobs.contains(&(set, wanted.cell)) && self.needs(*wanted)
-            })
+            .filter(|wanted| !jobs.contains(&self.cache_key(wanted)) && self.needs(*wanted))
             .collect();
         let useful = |batch: &&Batch| batch.keys().any(|key| wanted.contains(&key));
         let useful = self.in_flight.tiles().filter(useful).count();
@@ -205,7 +200,7 @@ impl Explorer {
         let Some(parent) = cell.parent() else { return false };
         let (_, mirrored) = parent.computed(self.mirrors(self.key));
         let quarter = quarter_of(&cell, &parent, mirrored);
-        self.peek_finer(parent).is_some_and(|parent| parent.edges[quarter])
+        self.peek_finer(parent).is_some_and(|parent| parent.edges()[quarter])
     }
 
     /// Submits waiting cells to the engine and collects finished ones. With a deadline it never
@@ -273,10 +268,10 @@ impl Explorer {
     /// all new or all to be resumed.
     fn next_cells(&mut self, most: usize) -> Option<(SampleSet, Vec<Cell>)> {
         let traits = |wanted: &Wanted| {
-            let set = self.set(wanted.pass == CellPass::Finer);
-            let known = self.cache.peek(set, wanted.cell);
+            let (set, cell) = self.cache_key(wanted);
+            let known = self.cache.peek(set, cell);
             let continues = known.is_some_and(|known| !known.unfinished.is_empty());
-            (set, wanted.cell.level, continues)
+            (set, cell.level, continues)
         };
         let first = traits(self.waiting.front()?);
         let alike = |wanted: &&Wanted| traits(wanted) == first;

@@ -14,7 +14,8 @@
 //! ```
 //!
 //! Lines end at the borders of a cell, so that what is plain does not depend on which of its neighbours
-//! are known.
+//! are known. Nor does it depend on colours, as the plain pixels of a picture do (`adaptive.rs`): they
+//! may change at any time, and compute nothing.
 
 use std::sync::Arc;
 
@@ -74,7 +75,8 @@ pub(super) fn edges(samples: &Samples) -> Quarters {
 /// Returns how the first value of a plain sample rises from column to column and from row to row; none
 /// if the sample is not plain.
 fn slope(samples: &Samples, place: [i32; 2]) -> Option<[f64; 2]> {
-    let status = samples.get(index(place)?).status;
+    let middle = index(place)?;
+    let status = samples.get(middle).status;
     let mut slope = [0.0; 2];
     for (k, [dx, dy]) in LINES.into_iter().enumerate() {
         let sides = [[-dx, -dy], [dx, dy]].map(|[dx, dy]| index([place[0] + dx, place[1] + dy]));
@@ -85,7 +87,7 @@ fn slope(samples: &Samples, place: [i32; 2]) -> Option<[f64; 2]> {
         if status != Status::Flipped {
             continue;
         }
-        let rise = line(samples, index(place)?, sides)?;
+        let rise = line(samples, middle, sides)?;
         if k < 2 {
             slope[k] = rise;
         }
@@ -97,15 +99,11 @@ fn slope(samples: &Samples, place: [i32; 2]) -> Option<[f64; 2]> {
 /// neighbours that are in the cell; none if the values of a channel do not lie on a line.
 fn line(samples: &Samples, middle: usize, sides: [Option<usize>; 2]) -> Option<f64> {
     let of = |side: usize, channel: usize| samples.values(side)[channel];
-    let [before, after] = sides;
-    let (Some(before), Some(after)) = (before, after) else {
-        let rise = |side: usize, sign: f64| sign * (of(side, 0) - of(middle, 0));
-        return Some(
-            after
-                .map(|side| rise(side, 1.0))
-                .or(before.map(|side| rise(side, -1.0)))
-                .unwrap_or(0.0),
-        );
+    let (before, after) = match sides {
+        [Some(before), Some(after)] => (before, after),
+        [Some(before), None] => return Some(of(middle, 0) - of(before, 0)),
+        [None, Some(after)] => return Some(of(after, 0) - of(middle, 0)),
+        [None, None] => return Some(0.0),
     };
     let is_straight = |channel: usize| {
         let [a, b, c] = [before, middle, after].map(|side| of(side, channel));

@@ -61,7 +61,7 @@ mod checks {
             let mut studio = Studio::new(PLAIN);
             let plain = studio.draw(&screen, &mut explorer, &paint);
             assert!(beyond(1, &plain, &painted(&screen, &scene, picture)) <= 0.001, "as before");
-            studio.map_renderer.has_finer = true;
+            studio.map_renderer.finer_levels = 2;
             let pixels = studio.draw(&screen, &mut explorer, &paint);
             wrong.push([1, 24].map(|least| beyond(least, &pixels, &truth)));
         }
@@ -76,14 +76,14 @@ mod checks {
         let paint = Paint { picture, scene: &scene, trust: false };
         let (mut explorer, mut engine) = (Explorer::new(2000 * TILE_BYTES), Doubtful::default());
         let mut studio = Studio::new(PLAIN);
-        studio.map_renderer.has_finer = true;
+        studio.map_renderer.finer_levels = 2;
         let mut last = Vec::new();
         for refinements in [0, 1, 2] {
             explorer.target(&ViewTarget { refinements, ..target(&screen, &scene) });
             explorer.work(&mut engine, None).unwrap();
             let pixels = studio.draw(&screen, &mut explorer, &paint);
             let mut anew = Studio::new(PLAIN);
-            anew.map_renderer.has_finer = true;
+            anew.map_renderer.finer_levels = 2;
             assert!(pixels == anew.draw(&screen, &mut explorer, &paint), "{refinements}");
             assert_ne!(pixels, last, "{refinements}");
             assert!(pixels == studio.draw(&screen, &mut explorer, &paint) && studio.uploads == 0);

@@ -7,7 +7,7 @@ use flipmap::engine::{IntegratorConfig, Job, Method, Precision, Question};
 use flipmap::physics::{Decimal, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
 use flipmap::scene::{Budget, Build, Fate, QuestionTable as Asked, Scene};
-use flipmap::tiles::cache::TILE_BYTES;
+use flipmap::tiles::cache::{CachedCell, TILE_BYTES};
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap::tiles::view_target::{Physics, ViewTarget};
 
@@ -89,7 +89,12 @@ pub(crate) fn cells_of(jobs: &[Job], levels: &[u32]) -> Vec<Cell> {
 }
 
 pub(crate) fn in_view(target: &ViewTarget) -> Vec<Cell> {
-    target.region.cells(target.level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
+    cells(target, target.level)
+}
+
+/// The cells of a level in view.
+pub(crate) fn cells(target: &ViewTarget, level: u32) -> Vec<Cell> {
+    target.region.cells(level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
 }
 
 /// The outcome as a window with this budget shows it.
@@ -103,20 +108,30 @@ pub(crate) fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
 /// Compares a cell's samples with the mock engine's formula. Returns the number of samples that
 /// differ, or `None` if the cell is not known.
 pub(crate) fn wrong(explorer: &mut Explorer, target: &ViewTarget, cell: Cell) -> Option<usize> {
-    let (known, mirrored) = explorer.known(cell)?;
-    let (scene, question) = (scene(target), Question::from(&scene(target)));
-    let grid = cell.grid(&scene, SIDE);
-    let truth = (0..SIDE * SIDE).map(|place| match grid.fate(place % SIDE, place / SIDE) {
-        Fate::Known(outcome) => outcome,
-        Fate::Thrown(_) => unreachable!("starts at rest"),
-        Fate::Open(angle) => MockEngine::answer(&question, angle),
-    });
-    let mut samples: Vec<Outcome> = known.samples.iter().collect();
+    let drawn = drawn(explorer.known(cell)?, target);
+    Some(drawn.into_iter().zip(truth(target, cell)).filter(|(drawn, truth)| drawn != truth).count())
+}
+
+/// The outcomes of a cell that a window draws, in the order of its own samples.
+pub(crate) fn drawn((known, mirrored): (&CachedCell, bool), target: &ViewTarget) -> Vec<Outcome> {
+    let mut samples: Vec<Outcome> =
+        known.samples.iter().map(|outcome| shown(outcome, target.budget_secs)).collect();
     if mirrored {
         samples.reverse();
     }
-    let drawn = samples.into_iter().map(|outcome| shown(outcome, target.budget_secs));
-    Some(drawn.zip(truth).filter(|(drawn, truth)| drawn != truth).count())
+    samples
+}
+
+/// The outcomes of a cell's samples by the mock engine's formula.
+pub(crate) fn truth(target: &ViewTarget, cell: Cell) -> Vec<Outcome> {
+    let (scene, question) = (scene(target), Question::from(&scene(target)));
+    let grid = cell.grid(&scene, SIDE);
+    let outcome = |place: u32| match grid.fate(place % SIDE, place / SIDE) {
+        Fate::Known(outcome) => outcome,
+        Fate::Thrown(_) => unreachable!("starts at rest"),
+        Fate::Open(angle) => MockEngine::answer(&question, angle),
+    };
+    (0..SIDE * SIDE).map(outcome).collect()
 }
 
 /// The cell from which a job's first start comes, searched for among the given levels.

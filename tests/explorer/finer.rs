@@ -1,11 +1,9 @@
 //! Finer samples at edges, which come last and only where they show something.
 
-use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{Engine, Question};
-use flipmap::physics::{Outcome, Status};
-use flipmap::scene::Fate;
-use flipmap::scene::lattice::{Cell, SAMPLES, SIDE};
-use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap::engine::Engine;
+use flipmap::physics::Status;
+use flipmap::scene::lattice::SAMPLES;
+use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::ViewTarget;
 
 use super::common::*;
@@ -18,30 +16,16 @@ fn smoothed() -> ViewTarget {
     ViewTarget { refinements: 2, ..lively(LEVEL) }
 }
 
-fn cells(target: &ViewTarget, level: u32) -> Vec<Cell> {
-    target.region.cells(level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
-}
-
 /// Numbers of samples of finer cells that were known, and that have another status or time than the
 /// mock engine's formula.
 fn compared(explorer: &mut Explorer, target: &ViewTarget, level: u32) -> [usize; 2] {
-    let (scene, question) = (scene(target), Question::from(&scene(target)));
     let mut counts = [0, 0];
     for cell in cells(target, level) {
-        let Some((known, mirrored)) = explorer.known_finer(cell) else { continue };
-        let grid = cell.grid(&scene, SIDE);
-        for place in 0..SIDE * SIDE {
-            let truth = match grid.fate(place % SIDE, place / SIDE) {
-                Fate::Known(outcome) => outcome,
-                Fate::Open(angle) => MockEngine::answer(&question, angle),
-                Fate::Thrown(_) => unreachable!("starts at rest"),
-            };
-            let last = SAMPLES - 1;
-            let place = if mirrored { last - place as usize } else { place as usize };
-            let Outcome { status, time } = shown(known.samples.get(place), target.budget_secs);
-            let is_far = truth.status == Status::Flipped && (time - truth.time).abs() > 1e-3;
+        let Some(known) = explorer.known_finer(cell) else { continue };
+        for (drawn, truth) in drawn(known, target).into_iter().zip(truth(target, cell)) {
+            let is_far = truth.status == Status::Flipped && (drawn.time - truth.time).abs() > 1e-3;
             counts[0] += 1;
-            counts[1] += usize::from(status != truth.status || is_far);
+            counts[1] += usize::from(drawn.status != truth.status || is_far);
         }
     }
     counts

@@ -18,7 +18,7 @@ use image::RgbImage;
 use image::imageops::{crop_imm, flip_horizontal};
 use likeness::{expected, is_right, likeness, picture, roughness};
 use rustix::process::Signal;
-use session::{Session, Told, WINDOW};
+use session::{Session, Told, WINDOW, keep_settings};
 
 macro_rules! window_tests {
     ($($name:ident)*) => {
@@ -307,9 +307,7 @@ mod checks {
 
     pub(crate) fn edges_are_smoothed_while_the_map_rests() {
         let home = tempfile::tempdir().unwrap();
-        let settings = home.path().join(".config/flipmap/settings.toml");
-        fs::create_dir_all(settings.parent().unwrap()).unwrap();
-        fs::write(settings, "greeted = true\nedges = \"16\"\n").unwrap();
+        keep_settings(home.path(), "greeted = true\nedges = \"16\"\n");
         let mut session = Session::open_in(home, "edges", &["tip"]);
         let before = session.rest("all around", Told::is_idle);
         let rough = roughness(&before, &session.shot("rough"));

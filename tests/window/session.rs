@@ -115,11 +115,20 @@ impl Told {
 /// Keeps the card of the first start from covering the map, and finer samples at edges from being computed
 /// on and on; what is kept already stays.
 fn greet(home: &Path) {
-    let settings = home.join(".config/flipmap/settings.toml");
-    if !settings.exists() {
-        fs::create_dir_all(settings.parent().unwrap()).unwrap();
-        fs::write(settings, "greeted = true\nedges = \"1\"\n").unwrap();
+    if !settings_in(home).exists() {
+        keep_settings(home, "greeted = true\nedges = \"1\"\n");
     }
+}
+
+fn settings_in(home: &Path) -> PathBuf {
+    home.join(".config/flipmap/settings.toml")
+}
+
+/// Writes the settings that a window in a home folder opens with.
+pub(crate) fn keep_settings(home: &Path, text: &str) {
+    let settings = settings_in(home);
+    fs::create_dir_all(settings.parent().unwrap()).unwrap();
+    fs::write(settings, text).unwrap();
 }
 
 impl Session {

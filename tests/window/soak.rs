@@ -4,20 +4,19 @@
 //!
 //! `FLIPMAP_SOAK_SECS` sets the duration (default 30), `FLIPMAP_SOAK_SEED` the seed (default 1).
 
-use std::fs;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use flipmap::app::settings::Settings;
 
 use super::display::{Display, LEFT};
-use super::session::{Session, WINDOW};
+use super::session::{Session, WINDOW, keep_settings};
 use super::vitals::Watch;
 
 /// Memory that the process may use in addition to its tile cache, MiB: the map's tiles on the card, which a
 /// software driver keeps in main memory and which a device's successor has again before the device is
-/// gone, two times 128; the driver and the interface, about 200; and deep views on their way.
-const BESIDE_MIB: f64 = 630.0;
+/// gone, two times 64; the driver and the interface, about 200; and deep views on their way.
+const BESIDE_MIB: f64 = 500.0;
 
 /// Keys that neither quit nor can select from a list by accident.
 const KEYS: [&str; 24] = [
@@ -145,9 +144,7 @@ pub(crate) fn soak() {
     let (secs, seed) = (request("FLIPMAP_SOAK_SECS", 30), request("FLIPMAP_SOAK_SEED", 1));
     let home = tempfile::tempdir().unwrap();
     let kept_mib = *Settings::CACHE_MIB.start();
-    fs::create_dir_all(home.path().join(".config/flipmap")).unwrap();
-    let settings = home.path().join(".config/flipmap/settings.toml");
-    fs::write(settings, format!("cache_mib = {kept_mib}\n")).unwrap();
+    keep_settings(home.path(), &format!("cache_mib = {kept_mib}\n"));
     let mut session = Session::open_in(home, "soak", &[]);
     session.display.key("F12");
     let (mut chance, mut size, mut done) = (Chance(seed), WINDOW, 0u32);

@@ -6,6 +6,7 @@ use glam::DVec2;
 use super::fading::Fading;
 use crate::app::camera::Screen;
 use crate::scene::lattice::{Cell, Placed, SIDE, side_rad};
+use crate::tiles::cache::CachedCell;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
 /// A part of a tile's samples, drawn as a parallelogram on the canvas.
@@ -50,33 +51,42 @@ pub enum PatchSet {
     Finer,
 }
 
+impl PatchSet {
+    /// Returns what is known of a cell in the set, and true if the samples are those of its mirror
+    /// image, in reverse order.
+    pub fn known(self, explorer: &mut Explorer, cell: Cell) -> Option<(&CachedCell, bool)> {
+        match self {
+            PatchSet::Before => explorer.known_before(cell),
+            PatchSet::Own => explorer.known(cell),
+            PatchSet::Finer => explorer.known_finer(cell),
+        }
+    }
+}
+
 /// Number of finer levels that stand in for an unknown cell, as after zooming out.
 const FINER_LEVELS: u32 = 2;
 
-/// Number of finer levels at edges.
-const EDGE_LEVELS: u32 = 2;
-
 /// Returns the patches of every cell of a screen at its level, in drawing order; new ones appear
-/// gradually. With `has_finer`, those of finer samples replace others where they are known.
+/// gradually. Those of finer samples replace others where they are known, down `finer_levels` levels.
 pub fn cover(
     screen: &Screen,
     explorer: &mut Explorer,
     fading: &mut Fading,
-    has_finer: bool,
+    finer_levels: u32,
 ) -> Vec<CoveredCell> {
     let mut cells = Vec::new();
     for placed in screen.region().cells(screen.level(), MOST_CELLS) {
         let mut patches = Vec::new();
-        let now = best(screen, explorer, &placed, false, fading);
+        let now = best(screen, explorer, &placed, PatchSet::Own, fading);
         let mut whole = now.whole;
         if !now.whole {
-            let before = best(screen, explorer, &placed, true, fading);
+            let before = best(screen, explorer, &placed, PatchSet::Before, fading);
             whole |= before.whole;
             patches.extend(before.patches);
         }
         match now.patches[..] {
-            [own] if has_finer && own.source == placed.cell && own.alpha >= 1.0 => {
-                refine(screen, explorer, &placed, own, EDGE_LEVELS, &mut patches);
+            [own] if own.source == placed.cell && own.alpha >= 1.0 => {
+                refine(screen, explorer, &placed, own, finer_levels, &mut patches);
             }
             _ => patches.extend(now.patches),
         }
@@ -100,10 +110,7 @@ fn refine(
         return;
     }
     let children = children(placed);
-    let finer = children.map(|child| {
-        let known = explorer.known_finer(child.cell);
-        known.map(|(_, mirrored)| KnownSource { cell: child.cell, mirrored })
-    });
+    let finer = children.map(|child| known(explorer, child.cell, PatchSet::Finer));
     if finer.iter().all(Option::is_none) {
         patches.push(own);
         return;
@@ -111,7 +118,7 @@ fn refine(
     for (child, finer) in children.iter().zip(finer) {
         match finer {
             Some(source) => {
-                let patch = patch(screen, child, source, PatchSet::Finer);
+                let patch = patch(screen, child, source);
                 refine(screen, explorer, child, patch, levels - 1, patches);
             }
             None => patches.push(own.quarter(child.cell.index_in(&placed.cell))),
@@ -142,34 +149,30 @@ fn best(
     screen: &Screen,
     explorer: &mut Explorer,
     placed: &Placed,
-    before: bool,
+    set: PatchSet,
     fading: &mut Fading,
 ) -> CoveredCell {
-    let own = known(explorer, placed.cell, before);
+    let own = known(explorer, placed.cell, set);
     let alpha = match own {
-        Some(_) if !before => fading.cover(placed.cell),
+        Some(_) if set == PatchSet::Own => fading.cover(placed.cell),
         Some(_) => 1.0,
         None => 0.0,
     };
     let mut patches = Vec::new();
     if alpha < 1.0 {
         let mut coarser = std::iter::successors(placed.cell.parent(), Cell::parent);
-        let coarser = coarser.find_map(|cell| known(explorer, cell, before));
-        patches.extend(coarser.map(|source| patch(screen, placed, source, set_of(before))));
+        let coarser = coarser.find_map(|cell| known(explorer, cell, set));
+        patches.extend(coarser.map(|source| patch(screen, placed, source)));
     }
     let whole = own.is_some() || !patches.is_empty();
     match own {
-        Some(source) if patches.is_empty() => {
-            patches.push(patch(screen, placed, source, set_of(before)))
-        }
-        Some(source) => {
-            patches.push(Patch { alpha, ..patch(screen, placed, source, set_of(before)) })
-        }
+        Some(source) if patches.is_empty() => patches.push(patch(screen, placed, source)),
+        Some(source) => patches.push(Patch { alpha, ..patch(screen, placed, source) }),
         None => {
-            if !before {
+            if set == PatchSet::Own {
                 fading.stand_in(placed.cell);
             }
-            finer(screen, explorer, placed, before, FINER_LEVELS, &mut patches);
+            finer(screen, explorer, placed, set, FINER_LEVELS, &mut patches);
         }
     }
     CoveredCell { patches, whole }
@@ -179,12 +182,12 @@ fn best(
 #[derive(Clone, Copy)]
 struct KnownSource {
     cell: Cell,
+    set: PatchSet,
     mirrored: bool,
 }
 
-fn known(explorer: &mut Explorer, cell: Cell, before: bool) -> Option<KnownSource> {
-    let known = if before { explorer.known_before(cell) } else { explorer.known(cell) };
-    known.map(|(_, mirrored)| KnownSource { cell, mirrored })
+fn known(explorer: &mut Explorer, cell: Cell, set: PatchSet) -> Option<KnownSource> {
+    set.known(explorer, cell).map(|(_, mirrored)| KnownSource { cell, set, mirrored })
 }
 
 /// Appends the patches of a cell's known descendants, searched down `levels` levels.
@@ -192,26 +195,22 @@ fn finer(
     screen: &Screen,
     explorer: &mut Explorer,
     placed: &Placed,
-    before: bool,
+    set: PatchSet,
     levels: u32,
     patches: &mut Vec<Patch>,
 ) {
     for child in children(placed) {
-        if let Some(source) = known(explorer, child.cell, before) {
-            patches.push(patch(screen, &child, source, set_of(before)));
+        if let Some(source) = known(explorer, child.cell, set) {
+            patches.push(patch(screen, &child, source));
         } else if levels > 1 {
-            finer(screen, explorer, &child, before, levels - 1, patches);
+            finer(screen, explorer, &child, set, levels - 1, patches);
         }
     }
 }
 
-fn set_of(before: bool) -> PatchSet {
-    if before { PatchSet::Before } else { PatchSet::Own }
-}
-
 /// Returns the part of `source`'s samples that covers a cell inside it.
-fn patch(screen: &Screen, placed: &Placed, source: KnownSource, set: PatchSet) -> Patch {
-    let KnownSource { cell: source, mirrored } = source;
+fn patch(screen: &Screen, placed: &Placed, source: KnownSource) -> Patch {
+    let KnownSource { cell: source, set, mirrored } = source;
     let side = side_rad(placed.cell.level);
     let middle = DVec2::from_array(placed.offset);
     let at = |x: f64, y: f64| screen.point_of(middle + DVec2::new(x, y) * (side / 2.0));

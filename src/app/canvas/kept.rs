@@ -63,7 +63,9 @@ impl KeptPicture {
         }
         let before = self.drawn.as_ref().filter(|_| frame.table.is_none());
         let changes = changes(before, frame);
-        self.drawn = Some(Drawn::of(frame));
+        if changes.clears || !changes.quads.is_empty() {
+            self.drawn = Some(Drawn::of(frame));
+        }
         changes
     }
 

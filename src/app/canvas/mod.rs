@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use self::atlas::{Atlas, AtlasPlace};
 use self::colours::CardColours;
-use self::cover::{CoveredCell, Patch, PatchSet, cover};
+use self::cover::{CoveredCell, Patch, cover};
 use self::fading::Fading;
 use self::glide::Glide;
 use self::pipeline::{CellQuads, MapFrame, Quad};
@@ -49,8 +49,8 @@ pub struct MapRenderer {
     pub glide: Glide,
     /// True if the card draws so quickly that tiles can appear gradually.
     pub is_quick: bool,
-    /// True if finer samples are drawn where they are known.
-    pub has_finer: bool,
+    /// Number of finer levels whose samples are drawn where they are known.
+    pub finer_levels: u32,
 }
 
 /// Data of the last frame for the card. They are part of the next one, too, if the frame was thrown
@@ -73,7 +73,7 @@ impl Default for MapRenderer {
             fading: Fading::default(),
             glide: Glide::default(),
             is_quick: false,
-            has_finer: false,
+            finer_levels: 0,
         }
     }
 }
@@ -87,7 +87,7 @@ impl MapRenderer {
         CardColours { mut uniforms, table, words }: CardColours,
     ) -> MapFrame {
         uniforms.toward[3] = (screen.size.x * screen.pixels_per_point) as f32;
-        uniforms.most_taps = if self.has_finer { MOST_TAPS } else { 1 };
+        uniforms.most_taps = if self.finer_levels > 0 { MOST_TAPS } else { 1 };
         if *self.words != words {
             // What is on the card has other words.
             self.atlas = Atlas::new(LAYERS);
@@ -121,12 +121,12 @@ impl MapRenderer {
 
     /// Returns the patches of every cell; those of finer samples only if the atlas has room for them.
     fn covered(&mut self, screen: &Screen, explorer: &mut Explorer) -> Vec<CoveredCell> {
-        let covered = cover(screen, explorer, &mut self.fading, self.has_finer);
+        let covered = cover(screen, explorer, &mut self.fading, self.finer_levels);
         let count: usize = covered.iter().map(|cell| cell.patches.len()).sum();
-        if self.has_finer && count > (LAYERS * atlas::SLOTS_IN_LAYER) as usize {
-            return cover(screen, explorer, &mut self.fading, false);
+        if count <= (LAYERS * atlas::SLOTS_IN_LAYER) as usize {
+            return covered;
         }
-        covered
+        cover(screen, explorer, &mut self.fading, 0)
     }
 
     /// Returns the quad of a patch, whose samples are added to the uploads if they are not on the card;
@@ -138,11 +138,7 @@ impl MapRenderer {
         patch: &Patch,
         uploads: &mut Vec<(u32, Arc<Samples>)>,
     ) -> Option<Quad> {
-        let (known, _) = match patch.set {
-            PatchSet::Before => explorer.known_before(patch.source),
-            PatchSet::Own => explorer.known(patch.source),
-            PatchSet::Finer => explorer.known_finer(patch.source),
-        }?;
+        let (known, _) = patch.set.known(explorer, patch.source)?;
         let slot = match self.atlas.place(known.serial)? {
             AtlasPlace::There(slot) => slot,
             AtlasPlace::New(slot) => {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::{Explorer, MOST_CELLS, ViewProgress};
 use crate::scene::lattice::Cell;
 use crate::tiles::cache::{CachedCell, SampleSet};
+use crate::tiles::order::{CellPass, Wanted};
 use crate::tiles::refinement::Coarser;
 use crate::tiles::view_target::Physics;
 
@@ -46,6 +47,11 @@ impl Explorer {
     /// A set of samples of the target's physics.
     pub(super) fn set(&self, refined: bool) -> SampleSet {
         SampleSet { physics: self.key, refined }
+    }
+
+    /// Returns where the cache keeps a cell of the target that is wanted.
+    pub(super) fn cache_key(&self, wanted: &Wanted) -> (SampleSet, Cell) {
+        (self.set(wanted.pass == CellPass::Finer), wanted.cell)
     }
 
     /// Returns what is known of a cell of the target's physics, without counting it as used.
