@@ -28,8 +28,6 @@ struct Canvas {
     failed: vec4<f32>,
     // The direction to the light from the side, and the pixels from the left of the map to the right.
     toward: vec4<f32>,
-    // Largest number of places along a pixel whose light is mixed where samples are many.
-    most_taps: u32,
 }
 
 struct Quad {
@@ -59,6 +57,8 @@ struct Fragment {
 
 // True if the target needs its colours encoded here.
 override ENCODE: bool = true;
+// Largest number of places along a pixel whose light is mixed where samples are many.
+override MOST_TAPS: u32 = 1u;
 
 const SIDE: i32 = 128;
 // Slots along a side of a layer of the atlas.
@@ -190,10 +190,9 @@ fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
         max(abs(texel_x.x), abs(texel_x.y)),
         max(abs(texel_y.x), abs(texel_y.y))
     );
-    let most = canvas.most_taps;
     var light: vec3<f32>;
-    if most > 1u && any(along > vec2<f32>(MANY)) {
-        let taps = clamp(vec2<u32>(ceil(along)), vec2<u32>(1u), vec2<u32>(most));
+    if MOST_TAPS > 1u && any(along > vec2<f32>(MANY)) {
+        let taps = clamp(vec2<u32>(ceil(along)), vec2<u32>(1u), vec2<u32>(MOST_TAPS));
         light = mean_light(in, taps, texel_x, texel_y);
     } else {
         let upper = mix(light_of(at.words.w), light_of(at.words.z), at.part.x);

@@ -315,7 +315,6 @@ fn the_picture_shader_is_valid_and_has_the_same_counterparts() {
         ("forbidden", offset_of!(Uniforms, forbidden)),
         ("failed", offset_of!(Uniforms, failed)),
         ("toward", offset_of!(Uniforms, toward)),
-        ("most_taps", offset_of!(Uniforms, most_taps)),
     ];
     let counterpart: Vec<_> = uniforms.iter().map(|(name, at)| (name.to_string(), *at)).collect();
     assert_eq!(members(&module, "Canvas"), counterpart);

@@ -92,8 +92,6 @@ pub fn gliding_colours(
         failed: linear(FAILED),
         // How many pixels lie side by side is known where they are drawn.
         toward: [toward[0], toward[1], toward[2], 0.0],
-        most_taps: 1,
-        padding: [0; 3],
     };
     let bytes = table.colours.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
     Ok(CardColours { uniforms, table: bytes, words: table.words })

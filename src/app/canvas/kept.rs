@@ -1,8 +1,9 @@
 //! The picture of the map, kept on the card from frame to frame.
 //!
 //! Most frames of the window change nothing of the map: a pendulum swings, a menu opens, a tile
-//! arrives. So the map is drawn into a texture of its own, each time only the cells that have changed,
-//! and a frame of the window copies it.
+//! arrives. So a map that stays where it is is drawn into a texture of its own, each time only the cells
+//! that have changed, and a frame of the window copies it. One that moves or changes its colours is drawn
+//! into the window: all of it changes, and a copy would come on top.
 
 use std::collections::HashSet;
 
@@ -14,7 +15,7 @@ pub struct KeptPicture {
     pipeline: wgpu::RenderPipeline,
     format: wgpu::TextureFormat,
     target: Option<KeptTarget>,
-    drawn: Option<Drawn>,
+    content: Content,
 }
 
 /// The texture of a picture.
@@ -25,48 +26,68 @@ struct KeptTarget {
 }
 
 /// The content of a picture.
-#[derive(Clone)]
-struct Drawn {
-    screen: Screen,
-    uniforms: Uniforms,
-    cells: Vec<CellQuads>,
+#[derive(Clone, Default)]
+struct Content {
+    /// Screen, colours and way of drawing of the last frame, in the picture or not.
+    last: Option<(Screen, Uniforms, bool)>,
+    /// Quads in the picture; none if it does not show the last frame.
+    cells: Option<Vec<CellQuads>>,
 }
 
-impl Drawn {
-    fn of(frame: &MapFrame) -> Self {
-        Drawn { screen: frame.screen, uniforms: frame.uniforms, cells: frame.cells.clone() }
-    }
+/// The surface that a frame draws on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawingSurface {
+    /// The window.
+    Window,
+    /// The picture, of which nothing stays.
+    Cleared,
+    /// The picture as it is.
+    Kept,
 }
 
-/// The changes from one frame to the next.
+/// The drawing that a frame needs.
 #[derive(Debug, PartialEq)]
 pub struct Changes {
     /// Quads of the cells that have changed, in drawing order.
     pub quads: Vec<Quad>,
-    /// True if nothing of the picture before stays.
-    pub clears: bool,
+    /// Surface that they are drawn on.
+    pub on: DrawingSurface,
+}
+
+impl Content {
+    /// Takes a frame as what is shown from now on, and returns what has to be drawn.
+    fn take(&mut self, frame: &MapFrame) -> Changes {
+        let shown = Some((frame.screen, frame.uniforms, frame.mixes));
+        let stays = self.last == shown && frame.table.is_none();
+        self.last = shown;
+        if !stays {
+            self.cells = None;
+            return Changes { quads: all(frame), on: DrawingSurface::Window };
+        }
+        let changes = changes(self.cells.as_deref(), frame);
+        if changes.on == DrawingSurface::Cleared || !changes.quads.is_empty() {
+            self.cells = Some(frame.cells.clone());
+        }
+        changes
+    }
 }
 
 impl KeptPicture {
     /// Creates an empty picture that will be shown on targets of a format.
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
-        KeptPicture { pipeline: pipeline(device, format), format, target: None, drawn: None }
+        let (pipeline, content) = (pipeline(device, format), Content::default());
+        KeptPicture { pipeline, format, target: None, content }
     }
 
-    /// Takes a frame as what the picture shows from now on, and returns what has to be drawn.
+    /// Takes a frame as what is shown from now on, and returns what has to be drawn.
     pub fn take(&mut self, device: &wgpu::Device, frame: &MapFrame) -> Changes {
         let most = device.limits().max_texture_dimension_2d;
         let size_px = frame.size_px.map(|side| side.clamp(1, most));
         if self.target.as_ref().is_none_or(|target| target.size_px != size_px) {
             self.target = Some(self.target_of(device, size_px));
-            self.drawn = None;
+            self.content.cells = None;
         }
-        let before = self.drawn.as_ref().filter(|_| frame.table.is_none());
-        let changes = changes(before, frame);
-        if changes.clears || !changes.quads.is_empty() {
-            self.drawn = Some(Drawn::of(frame));
-        }
-        changes
+        self.content.take(frame)
     }
 
     fn target_of(&self, device: &wgpu::Device, size_px: [u32; 2]) -> KeptTarget {
@@ -123,28 +144,27 @@ impl KeptPicture {
     }
 }
 
-/// Returns what a frame changes of a picture; without one before, all.
-fn changes(before: Option<&Drawn>, frame: &MapFrame) -> Changes {
+fn all(frame: &MapFrame) -> Vec<Quad> {
+    frame.cells.iter().flat_map(|cell| cell.quads.iter().copied()).collect()
+}
+
+/// Returns what a frame changes of a picture of the same screen and colours; without one before, all.
+fn changes(before: Option<&[CellQuads]>, frame: &MapFrame) -> Changes {
     let uploaded: HashSet<u32> = frame.uploads.iter().map(|(slot, _)| *slot).collect();
     // What is drawn over a part of a cell leaves the rest of it as it was before.
     let uncovers =
         |(old, new): (&CellQuads, &CellQuads)| old != new && !new.whole && !old.quads.is_empty();
-    let goes_on = |before: &&Drawn| {
-        before.screen == frame.screen
-            && before.uniforms == frame.uniforms
-            && before.cells.len() == frame.cells.len()
-            && !before.cells.iter().zip(&frame.cells).any(uncovers)
+    let goes_on = |before: &&[CellQuads]| {
+        before.len() == frame.cells.len() && !before.iter().zip(&frame.cells).any(uncovers)
     };
     let Some(before) = before.filter(goes_on) else {
-        let quads = frame.cells.iter().flat_map(|cell| cell.quads.iter().copied()).collect();
-        return Changes { quads, clears: true };
+        return Changes { quads: all(frame), on: DrawingSurface::Cleared };
     };
-    let pairs = before.cells.iter().zip(&frame.cells);
-    let changed = pairs.filter(|(old, new)| {
+    let changed = before.iter().zip(&frame.cells).filter(|(old, new)| {
         old != new || new.quads.iter().any(|quad| uploaded.contains(&quad.slot))
     });
     let quads = changed.flat_map(|(_, new)| new.quads.iter().copied()).collect();
-    Changes { quads, clears: false }
+    Changes { quads, on: DrawingSurface::Kept }
 }
 
 fn pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
@@ -204,6 +224,7 @@ mod tests {
         let samples = Arc::new(Samples::unflipped(0));
         MapFrame {
             screen: state().screen(),
+            mixes: true,
             cells: slots.iter().copied().map(cell).collect(),
             uploads: uploaded.iter().map(|slot| (*slot, Arc::clone(&samples))).collect(),
             words: Arc::new(WordKind::Times),
@@ -217,23 +238,32 @@ mod tests {
     #[test]
     fn only_cells_that_change_are_drawn_again() {
         let first = frame(&[&[1], &[2, 3], &[4]], &[]);
-        assert_eq!(changes(None, &first).quads.len(), 4);
-        let drawn = Drawn::of(&first);
-        let drawn_again = |frame: &MapFrame| {
-            let Changes { quads, clears } = changes(Some(&drawn), frame);
-            (quads.iter().map(|quad| quad.slot).collect::<Vec<_>>(), clears)
+        let mut drawn = Content::default();
+        let all = vec![1, 2, 3, 4];
+        let told = |content: &mut Content, frame: &MapFrame| {
+            let Changes { quads, on } = content.take(frame);
+            (quads.iter().map(|quad| quad.slot).collect::<Vec<_>>(), on)
         };
-        assert_eq!(drawn_again(&first), (vec![], false), "nothing has changed");
-        assert_eq!(drawn_again(&frame(&[&[1], &[2, 5], &[4]], &[])), (vec![2, 5], false));
-        assert_eq!(drawn_again(&frame(&[&[1], &[2, 3], &[4]], &[3])), (vec![2, 3], false));
-        assert_eq!(drawn_again(&frame(&[&[1], &[2, 3]], &[])), (vec![1, 2, 3], true));
-        assert_eq!(drawn_again(&frame(&[&[], &[2, 3], &[4]], &[])), (vec![2, 3, 4], true));
-        assert_eq!(drawn_again(&frame(&[&[1], &[9], &[4]], &[])), (vec![1, 9, 4], true), "a part");
+        use DrawingSurface::{Cleared, Kept, Window};
+        assert_eq!(told(&mut drawn, &first), (all.clone(), Window), "it may move on");
+        assert_eq!(told(&mut drawn, &first), (all.clone(), Cleared), "it stays");
+        let drawn_again = |frame: &MapFrame| told(&mut drawn.clone(), frame);
+        assert_eq!(drawn_again(&first), (vec![], Kept), "nothing has changed");
+        assert_eq!(drawn_again(&frame(&[&[1], &[2, 5], &[4]], &[])), (vec![2, 5], Kept));
+        assert_eq!(drawn_again(&frame(&[&[1], &[2, 3], &[4]], &[3])), (vec![2, 3], Kept));
+        assert_eq!(drawn_again(&frame(&[&[1], &[2, 3]], &[])), (vec![1, 2, 3], Cleared));
+        assert_eq!(drawn_again(&frame(&[&[], &[2, 3], &[4]], &[])), (vec![2, 3, 4], Cleared));
+        let part = frame(&[&[1], &[9], &[4]], &[]);
+        assert_eq!(drawn_again(&part), (vec![1, 9, 4], Cleared), "a part");
         let mut moved = frame(&[&[1], &[2, 3], &[4]], &[]);
         moved.screen.camera.width_rad *= 0.99;
-        assert_eq!(drawn_again(&moved), (vec![1, 2, 3, 4], true));
+        assert_eq!(drawn_again(&moved), (all.clone(), Window));
         let mut recoloured = frame(&[&[1], &[2, 3], &[4]], &[]);
         recoloured.uniforms.trust = 1;
-        assert_eq!(drawn_again(&recoloured), (vec![1, 2, 3, 4], true));
+        assert_eq!(drawn_again(&recoloured), (all.clone(), Window));
+        // What was drawn before the move is no longer in the picture.
+        told(&mut drawn, &moved);
+        assert_eq!(told(&mut drawn, &first), (all.clone(), Window));
+        assert_eq!(told(&mut drawn, &first), (all, Cleared));
     }
 }

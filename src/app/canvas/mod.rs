@@ -33,9 +33,6 @@ use crate::tiles::explorer::{Explorer, MOST_CELLS};
 /// Number of layers of the atlas: enough for one tile per cell in view.
 pub const LAYERS: u32 = MOST_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
 
-/// Largest number of places along a pixel whose light is mixed: as many as samples of the finest level.
-const MOST_TAPS: u32 = 7;
-
 /// The map's state between frames.
 #[derive(Debug)]
 pub struct MapRenderer {
@@ -87,7 +84,6 @@ impl MapRenderer {
         CardColours { mut uniforms, table, words }: CardColours,
     ) -> MapFrame {
         uniforms.toward[3] = (screen.size.x * screen.pixels_per_point) as f32;
-        uniforms.most_taps = if self.finer_levels > 0 { MOST_TAPS } else { 1 };
         if *self.words != words {
             // What is on the card has other words.
             self.atlas = Atlas::new(LAYERS);
@@ -116,7 +112,8 @@ impl MapRenderer {
         (self.last.uploads, self.last.has_table) = (uploads.clone(), table.is_some());
         let size_px = (screen.size * screen.pixels_per_point).round().as_uvec2().to_array();
         let (screen, words) = (*screen, Arc::clone(&self.words));
-        MapFrame { screen, cells, uploads, words, uniforms, table, size_px, is_loaded }
+        let mixes = self.finer_levels > 0;
+        MapFrame { screen, mixes, cells, uploads, words, uniforms, table, size_px, is_loaded }
     }
 
     /// Returns the patches of every cell; those of finer samples only if the atlas has room for them.

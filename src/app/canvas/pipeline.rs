@@ -9,7 +9,7 @@ use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 use wgpu::util::DeviceExt;
 
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
-use super::kept::{Changes, KeptPicture};
+use super::kept::{Changes, DrawingSurface, KeptPicture};
 use super::sample::WordKind;
 use crate::app::camera::Screen;
 use crate::engine::shared::status_constants;
@@ -77,10 +77,6 @@ pub struct Uniforms {
     /// Direction to the light from the side (to the right, up, out of the map), and the number of
     /// pixels from the left of the map to the right.
     pub toward: [f32; 4],
-    /// Largest number of places along a pixel whose light is mixed where samples are many.
-    pub most_taps: u32,
-    /// Fills the last sixteen bytes.
-    pub padding: [u32; 3],
 }
 
 /// Number of entries of the colour table: so many that the nearest one is as good as a mixture.
@@ -99,6 +95,8 @@ pub struct CellQuads {
 pub struct MapFrame {
     /// The screen that is shown.
     pub screen: Screen,
+    /// True if the light of all samples in a pixel is mixed, where they are many.
+    pub mixes: bool,
     /// The quads of every cell in view.
     pub cells: Vec<CellQuads>,
     /// Slots with the samples that are yet to be uploaded to them.
@@ -117,17 +115,30 @@ pub struct MapFrame {
 
 /// The resources on the card that live as long as the window's device.
 pub struct Canvas {
-    pipeline: wgpu::RenderPipeline,
-    bindings: wgpu::BindGroup,
+    /// Draws the samples of the view's own level.
+    plain: Brush,
+    /// Draws finer samples, too, at a price that a moving map does not pay.
+    mixing: Brush,
     uniforms: wgpu::Buffer,
     atlas: wgpu::Texture,
     table: wgpu::Texture,
     quads: wgpu::Buffer,
     count: u32,
     kept: KeptPicture,
-    /// True if nothing of the picture before stays.
-    clears: bool,
+    /// Surface that the loaded frame draws on.
+    on: DrawingSurface,
+    /// True if the loaded frame mixes the light of many samples.
+    mixes: bool,
 }
+
+/// A pipeline with its resources.
+struct Brush {
+    pipeline: wgpu::RenderPipeline,
+    bindings: wgpu::BindGroup,
+}
+
+/// Largest number of places along a pixel whose light is mixed: as many as samples of the finest level.
+const MOST_TAPS: u32 = 7;
 
 impl Canvas {
     /// Creates the resources, with an atlas of `layers` layers, for a target format.
@@ -136,7 +147,6 @@ impl Canvas {
             label: Some("picture"),
             source: wgpu::ShaderSource::Wgsl(shader().into()),
         });
-        let pipeline = pipeline(device, &shader, target);
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("canvas"),
             size: size_of::<Uniforms>() as u64,
@@ -147,10 +157,17 @@ impl Canvas {
         let atlas = texture(device, "atlas", [side, side, layers], wgpu::TextureFormat::R32Uint);
         let size = [TABLE_ENTRIES as u32, 1, 1];
         let table = texture(device, "colour table", size, wgpu::TextureFormat::Rgba8UnormSrgb);
-        let bindings = bindings(device, &pipeline, &uniforms, &atlas, &table);
+        let brush = |most_taps| {
+            let pipeline = pipeline(device, &shader, target, most_taps);
+            let bindings = bindings(device, &pipeline, &uniforms, &atlas, &table);
+            Brush { pipeline, bindings }
+        };
+        let (plain, mixing) = (brush(1), brush(MOST_TAPS));
         let quads = quad_buffer(device, &[]);
         let kept = KeptPicture::new(device, target);
-        Canvas { pipeline, bindings, uniforms, atlas, table, quads, count: 0, kept, clears: false }
+        let on = DrawingSurface::Kept;
+        let (count, mixes) = (0, false);
+        Canvas { plain, mixing, uniforms, atlas, table, quads, count, kept, on, mixes }
     }
 
     /// Uploads a frame's data to the card.
@@ -169,14 +186,14 @@ impl Canvas {
             queue.write_texture(self.table.as_image_copy(), table, layout, size);
         }
         queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&frame.uniforms));
-        let Changes { quads, clears } = self.kept.take(device, frame);
+        let Changes { quads, on } = self.kept.take(device, frame);
         let bytes = bytemuck::cast_slice(&quads);
         if bytes.len() as u64 > self.quads.size() {
             self.quads = quad_buffer(device, &quads);
         } else {
             queue.write_buffer(&self.quads, 0, bytes);
         }
-        (self.count, self.clears) = (quads.len() as u32, clears);
+        (self.count, self.on, self.mixes) = (quads.len() as u32, on, frame.mixes);
         frame.is_loaded.store(true, Ordering::Release);
     }
 
@@ -200,22 +217,31 @@ impl Canvas {
     /// Draws what the loaded frame changes into the kept picture, at once: the commands of the window's
     /// frame are thrown away if there is no surface to show it on, as of a window that is covered.
     pub fn draw(&self, device: &wgpu::Device, queue: &wgpu::Queue) {
-        if self.count == 0 && !self.clears {
+        let clears = self.on == DrawingSurface::Cleared;
+        if self.on == DrawingSurface::Window || (self.count == 0 && !clears) {
             return;
         }
         let mut encoder = device.create_command_encoder(&Default::default());
-        let Some(mut pass) = self.kept.pass(&mut encoder, self.clears) else { return };
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.bindings, &[]);
-        pass.set_vertex_buffer(0, self.quads.slice(..));
-        pass.draw(0..4, 0..self.count);
+        let Some(mut pass) = self.kept.pass(&mut encoder, clears) else { return };
+        self.draw_quads(&mut pass);
         drop(pass);
         queue.submit([encoder.finish()]);
     }
 
-    /// Shows the kept picture in the viewport of a pass.
+    /// Shows the map in the viewport of a pass.
     pub fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
-        self.kept.show(pass);
+        match self.on {
+            DrawingSurface::Window => self.draw_quads(pass),
+            DrawingSurface::Cleared | DrawingSurface::Kept => self.kept.show(pass),
+        }
+    }
+
+    fn draw_quads(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let brush = if self.mixes { &self.mixing } else { &self.plain };
+        pass.set_pipeline(&brush.pipeline);
+        pass.set_bind_group(0, &brush.bindings, &[]);
+        pass.set_vertex_buffer(0, self.quads.slice(..));
+        pass.draw(0..4, 0..self.count);
     }
 }
 
@@ -286,6 +312,7 @@ fn pipeline(
     device: &wgpu::Device,
     shader: &wgpu::ShaderModule,
     target: wgpu::TextureFormat,
+    most_taps: u32,
 ) -> wgpu::RenderPipeline {
     let attributes = wgpu::vertex_attr_array![
         0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2, 5 => Uint32,
@@ -315,7 +342,7 @@ fn pipeline(
             module: shader,
             entry_point: Some("colour_of"),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[("ENCODE", encode)],
+                constants: &[("ENCODE", encode), ("MOST_TAPS", f64::from(most_taps))],
                 ..Default::default()
             },
             targets: &[Some(wgpu::ColorTargetState {
