@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use egui::{Context, Ui, ViewportId};
 use egui_wgpu::winit::Painter;
-use egui_wgpu::{RendererOptions, SurfaceConfig, WgpuConfiguration, WgpuSetup};
+use egui_wgpu::{RendererOptions, SurfaceConfig, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy, OwnedDisplayHandle};
 use winit::window::Window;
 
@@ -263,9 +263,17 @@ impl EguiHost {
 
 /// Returns the configuration for a display, with low latency between input and picture.
 fn configuration(display: OwnedDisplayHandle) -> WgpuConfiguration {
+    let mut setup = WgpuSetupCreateNew::from_display_handle(display);
+    let usual = Arc::clone(&setup.device_descriptor);
+    // The map's textures are few and stay: the usual blocks for ones to come would take half as much
+    // of the card's memory again.
+    setup.device_descriptor = Arc::new(move |adapter| wgpu::DeviceDescriptor {
+        memory_hints: wgpu::MemoryHints::MemoryUsage,
+        ..usual(adapter)
+    });
     WgpuConfiguration {
         surface: SurfaceConfig::LOW_LATENCY,
-        wgpu_setup: WgpuSetup::from_display_handle(display),
+        wgpu_setup: WgpuSetup::CreateNew(setup),
         ..WgpuConfiguration::default()
     }
 }

@@ -2,8 +2,8 @@
 
 use super::flip::TIME;
 use super::{
-    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
+    QuestionKind, TraceColumns, Watches,
 };
 use crate::physics::Rule;
 use crate::physics::crossing::bob_at_top;
@@ -30,6 +30,12 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     needs: Needs::End,
     read,
     columns: TraceColumns { from: 0, read: columns },
+    judged: Judgement {
+        budget_secs: 12.0,
+        error: apart,
+        most_error: 1e-3,
+        words: "the bob, and 1 ms",
+    },
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
@@ -42,6 +48,11 @@ fn columns(followed: &mut dyn Followed) -> Vec<f64> {
         Some(Pass { bob, time, .. }) => vec![*bob as f64, time.hi],
         None => vec![f64::NAN; 2],
     }
+}
+
+/// The error of the time; infinite for the wrong bob.
+fn apart(answer: &[f64], truth: &[f64]) -> f64 {
+    if answer[0] == truth[0] { (answer[1] - truth[1]).abs() } else { f64::INFINITY }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! `flip`: the moment at which a watched bob first goes over the top.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
+    QuestionKind, TraceColumns, Watches,
 };
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
@@ -23,6 +23,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     needs: Needs::Outcome,
     read,
     columns: TraceColumns { from: 0, read: column },
+    judged: Judgement { budget_secs: 12.0, error: apart, most_error: 1e-3, words: "1 ms" },
 };
 
 /// The time of an event.
@@ -37,4 +38,9 @@ fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
 fn column(followed: &mut dyn Followed) -> Vec<f64> {
     let flips = followed.watched_passes();
     vec![flips.get(followed.count() as usize - 1).map_or(f64::NAN, |flip| flip.time.hi)]
+}
+
+/// The error of a time.
+fn apart(answer: &[f64], truth: &[f64]) -> f64 {
+    (answer[0] - truth[0]).abs()
 }

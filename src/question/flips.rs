@@ -1,8 +1,8 @@
 //! `flips`: the number of times that each bob goes over the top within the budget, by direction.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
+    QuestionKind, TraceColumns, Watches,
 };
 use crate::physics::Rule;
 
@@ -30,6 +30,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     needs: Needs::End,
     read,
     columns: TraceColumns { from: 0, read: columns },
+    judged: Judgement { budget_secs: 8.0, error: apart, most_error: 0.0, words: "every count" },
 };
 
 /// Passes in one direction; anticlockwise ones go over the top towards the left.
@@ -48,4 +49,9 @@ fn columns(followed: &mut dyn Followed) -> Vec<f64> {
         all.filter(|pass| pass.bob == bob && pass.anticlockwise == left).count() as f64
     };
     [(1, true), (1, false), (2, true), (2, false)].map(count).to_vec()
+}
+
+/// The number of passes too many or too few.
+fn apart(answer: &[f64], truth: &[f64]) -> f64 {
+    answer.iter().zip(truth).map(|(a, b)| (a - b).abs()).sum()
 }

@@ -1,8 +1,8 @@
 //! `growth`: the finite-time Lyapunov exponent over the budget.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
+    QuestionKind, TraceColumns, Watches,
 };
 use crate::physics::Rule;
 
@@ -29,6 +29,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     needs: Needs::Growth,
     read,
     columns: TraceColumns { from: 0, read: column },
+    judged: Judgement { budget_secs: 8.0, error: apart, most_error: 0.01, words: "1 %" },
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
@@ -37,4 +38,9 @@ fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
 
 fn column(followed: &mut dyn Followed) -> Vec<f64> {
     vec![followed.exponent()]
+}
+
+/// The error of the exponent, as a share of the true one.
+fn apart(answer: &[f64], truth: &[f64]) -> f64 {
+    ((answer[0] - truth[0]) / truth[0]).abs()
 }

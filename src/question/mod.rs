@@ -77,6 +77,20 @@ pub struct QuestionKind {
     pub read: fn(&Ending) -> [f64; MOST_CHANNELS],
     /// Columns that it adds to a trace.
     pub columns: TraceColumns,
+    /// How its answers are judged against true ones.
+    pub judged: Judgement,
+}
+
+/// The way in which the report judges answers against true ones.
+pub struct Judgement {
+    /// Budget of the map that is judged, in s.
+    pub budget_secs: f64,
+    /// Returns the error of an answer's channels, given those of the true orbit.
+    pub error: fn(&[f64], &[f64]) -> f64,
+    /// Largest error of a right answer.
+    pub most_error: f64,
+    /// The same in words.
+    pub words: &'static str,
 }
 
 /// The columns that a question adds to a trace: channels so far, at the time of each row.
@@ -235,5 +249,22 @@ impl FromStr for Ask {
     fn from_str(word: &str) -> Result<Self, &'static str> {
         let named = Ask::ALL.into_iter().find(|ask| ask.kind().name == word);
         named.ok_or(Ask::NAMES)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_those_of_the_channels() {
+        let of = |ask: Ask, answer: &[f64], truth: &[f64]| (ask.kind().judged.error)(answer, truth);
+        assert!((of(Ask::State, &[3.1, 0.0], &[-3.1, 0.02]) - 0.0832).abs() < 1e-3, "over the top");
+        assert!((of(Ask::Growth, &[1.1], &[1.0]) - 0.1).abs() < 1e-12);
+        assert_eq!(of(Ask::First, &[1.0, 2.5], &[1.0, 2.0]), 0.5);
+        assert_eq!(of(Ask::First, &[2.0, 2.0], &[1.0, 2.0]), f64::INFINITY);
+        assert_eq!(of(Ask::Flips, &[1.0, 0.0, 2.0, 0.0], &[0.0, 0.0, 4.0, 0.0]), 3.0);
+        assert_eq!(of(Ask::Return, &[0.5, 1.0], &[0.25, 9.0]), 0.25);
+        assert_eq!(of(Ask::Flip, &[1.5], &[1.0]), 0.5);
     }
 }

@@ -1,8 +1,8 @@
 //! `return`: how near the pendulum comes back to its start, and when.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
+    QuestionKind, TraceColumns, Watches,
 };
 use crate::physics::Rule;
 
@@ -27,6 +27,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     needs: Needs::Return,
     read,
     columns: TraceColumns { from: 0, read: columns },
+    judged: Judgement { budget_secs: 5.0, error: apart, most_error: 1e-3, words: "1e-3" },
 };
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
@@ -36,4 +37,9 @@ fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
 
 fn columns(followed: &mut dyn Followed) -> Vec<f64> {
     followed.nearest().to_vec()
+}
+
+/// The error of the distance.
+fn apart(answer: &[f64], truth: &[f64]) -> f64 {
+    (answer[0] - truth[0]).abs()
 }

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, MOST_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
+    QuestionKind, TraceColumns, Watches,
 };
-use crate::physics::Rule;
+use crate::physics::{Dd, Rule};
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "state",
@@ -34,6 +34,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     needs: Needs::End,
     read,
     columns: TraceColumns { from: 4, read: columns },
+    judged: Judgement { budget_secs: 12.0, error: apart, most_error: 1e-3, words: "1e-3 rad" },
 };
 
 const fn angle(name: &'static str) -> Channel {
@@ -58,4 +59,10 @@ fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
 
 fn columns(followed: &mut dyn Followed) -> Vec<f64> {
     followed.turns().map(f64::from).to_vec()
+}
+
+/// The larger error of both angles, rad.
+fn apart(answer: &[f64], truth: &[f64]) -> f64 {
+    let turned = |k: usize| Dd::new(answer[k] - truth[k]).wrapped().hi.abs();
+    turned(0).max(turned(1))
 }

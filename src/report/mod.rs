@@ -27,6 +27,7 @@ pub mod pages;
 pub mod plan;
 mod plot;
 mod question_pages;
+mod question_truth;
 mod questions;
 mod session;
 pub mod statistics;

@@ -4,7 +4,7 @@ use super::backend::{self, BackendFilter};
 use super::depth::{FilamentPlace, PLACES, Truths};
 use super::hard::HardCase;
 use super::measure::{Bench, refusal};
-use super::questions::{QUESTIONS, QuestionTruths};
+use super::questions::{QuestionTruths, measured_questions};
 use super::windows::{self, Window};
 use super::{
     Backend, HardRow, Machine, Refusal, Report, ReportError, StopTest, TestSet, Thoroughness, hard,
@@ -30,8 +30,8 @@ enum Measurement {
     Late(usize, Window),
     /// A config at a deep place on a backend.
     Depth(usize, IntegratorConfig, FilamentPlace),
-    /// A question with its budget in s, by a config on a backend.
-    Asked(usize, IntegratorConfig, (Ask, f64)),
+    /// A question by a config on a backend.
+    Asked(usize, IntegratorConfig, Ask),
     /// A hard case on a backend.
     Hard(usize, HardCase),
 }
@@ -161,9 +161,9 @@ impl Session {
                 let row = bench.depth(&place, config, &mut backends[index], truths)?;
                 report.depth.push(row);
             }
-            Measurement::Asked(index, config, question) => {
+            Measurement::Asked(index, config, ask) => {
                 let backend = &mut backends[index];
-                let row = bench.question(question, config, backend, question_truths)?;
+                let row = bench.question(ask, config, backend, question_truths)?;
                 report.questions.push(row);
             }
             Measurement::Hard(index, case) => {
@@ -230,10 +230,10 @@ fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
     }
     for index in 0..backends.len() {
         if index == last || !quick {
-            let all = |config: &IntegratorConfig| {
-                QUESTIONS.map(|it| Measurement::Asked(index, *config, it))
-            };
-            tasks.extend(plan::questions(quick).iter().flat_map(all));
+            let configs = plan::questions(quick);
+            tasks.extend(configs.iter().flat_map(|config| {
+                measured_questions().map(|ask| Measurement::Asked(index, *config, ask))
+            }));
         }
     }
     for (index, backend) in backends.iter().enumerate() {
@@ -276,7 +276,7 @@ fn what(task: &Measurement) -> String {
         Measurement::Depth(_, config, place) => {
             format!("{} at a width of {}", plan::words(config), place.width)
         }
-        Measurement::Asked(_, config, (ask, _)) => {
+        Measurement::Asked(_, config, ask) => {
             format!("the question {ask} by {}", plan::words(config))
         }
         Measurement::Hard(_, case) => format!("the hard case {}", case.name),
