@@ -14,6 +14,9 @@ pub type Tangents<T> = Phase<Dual<4, T>>;
 /// within a stretch of steps; it rounds nothing.
 pub const LARGE: f64 = (1u64 << 40) as f64;
 
+/// Longest piece in which a tangent map is followed, in units of time.
+const LONGEST_PIECE: f64 = 16.0;
+
 /// A state with the tangents of a start: the derivatives by its own numbers. `pendulum` is in
 /// reduced units.
 #[inline(always)]
@@ -55,6 +58,23 @@ impl TangentMap {
     /// The map to where the orbit is after the reduced time `by` from `phase`, where this one ends.
     #[must_use]
     pub fn followed_by(&self, pendulum: &Pendulum<f64>, phase: &Phase<f64>, by: f64) -> Self {
+        // In pieces, so that no slope overflows.
+        let pieces = (by.abs() / LONGEST_PIECE).ceil().max(1.0);
+        let piece = by / pieces;
+        let (mut map, mut phase) = (*self, *phase);
+        for _ in 0..pieces as u64 {
+            (map, phase) = map.followed_by_piece(pendulum, &phase, piece);
+        }
+        map
+    }
+
+    /// The map after a short time, and the state there.
+    fn followed_by_piece(
+        &self,
+        pendulum: &Pendulum<f64>,
+        phase: &Phase<f64>,
+        by: f64,
+    ) -> (Self, Phase<f64>) {
         let scale = pendulum.momentum_scale().map(|scale| Dual::new(1.0 / scale));
         let dual = pendulum.map(Dual::<4>::new);
         let start = released(pendulum, phase);
@@ -65,7 +85,8 @@ impl TangentMap {
         });
         let largest = columns.as_flattened().iter().fold(1.0, |most: f64, x| most.max(x.abs()));
         let columns = columns.map(|column| column.map(|x| x / largest));
-        TangentMap { columns, log_scale: self.log_scale + largest.ln() }
+        let map = TangentMap { columns, log_scale: self.log_scale + largest.ln() };
+        (map, state.map(|number| number.value))
     }
 
     /// The map of a neighbour, to first order in the share by which the two maps differ: a nudge that
@@ -185,6 +206,9 @@ mod tests {
             phase = transported(&pendulum, &phase, 0.5);
         }
         assert!(whole > 2.0 && (map.log_growth() - whole).abs() < 1e-8, "{whole}");
+        // So long that slopes overflow by far, and no exponent above 1 is known of this pendulum.
+        let long = TangentMap::identity().followed_by(&pendulum, &start, 4000.0).log_growth();
+        assert!(long > 100.0 && long < 4000.0, "{long}");
     }
 
     #[test]

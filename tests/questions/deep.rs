@@ -165,3 +165,19 @@ fn deep_growth_is_that_of_tangents_along_motions_in_long_numbers() {
         }
     }
 }
+
+#[test]
+fn growth_after_a_short_time_is_right_however_narrow_the_view() {
+    let center = ["-1.129", "-0.46"].map(str::to_string);
+    for (width, secs) in [("1e-12", 0.3), ("1e-12", 1.0), ("1e-6", 1.0), ("1e-4", 5.0)] {
+        let view = View { center: center.clone(), width: width.to_string(), ..View::default() };
+        let mut scene = Scene { view, ..Scene::default() };
+        scene.question.ask = Ask::Growth;
+        scene.question.budget = Budget { secs, ..Budget::default() };
+        let samples = rendered(&scene, BALANCED, false);
+        for k in (0..COUNT).step_by(11) {
+            let (answer, truth) = (samples.values(k)[0], exponent(&scene, k as u32));
+            assert!((answer / truth - 1.0).abs() < 1e-4, "{width} after {secs}: {answer} {truth}");
+        }
+    }
+}

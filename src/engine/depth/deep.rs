@@ -2,6 +2,7 @@
 
 use crate::engine::{Deep, Leaf, Starts};
 use crate::physics::{Dd, Launch, State, Theta};
+use crate::scene::lattice::Cell;
 
 impl Deep {
     /// Selects some of the starts, by their indices among all, in order, and moves them by a share
@@ -32,8 +33,12 @@ impl Deep {
     /// The starts, angles in (−π, π] rad and speeds in rad/s; none where a section has no real
     /// solution.
     pub fn exact(&self) -> impl Iterator<Item = Option<State<Theta>>> {
-        let all = self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| (&leaf.cell, at)));
-        all.map(|(cell, at)| self.plane.start(cell, *at))
+        self.places().map(|(cell, at)| self.plane.start(&cell, at))
+    }
+
+    /// The leaf of every start, and its place there.
+    pub(super) fn places(&self) -> impl Iterator<Item = (Cell, [f64; 2])> {
+        self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| (leaf.cell, *at)))
     }
 
     /// The starts to the precision of double-double.

@@ -56,6 +56,8 @@ const LEAST_ACROSS: i32 = -3;
 /// Least area of strips that are no lines, in levels from that of leaves: following a smaller one
 /// costs more than integrating its pixels (measured).
 const LEAST_AREA: i32 = -3;
+/// Growth of the largest nudge from which on all others have grown into it, to that share.
+const ALIGNED: f64 = 1e4;
 /// Number of starts from which on a job's parts are followed on several threads.
 const MANY_STARTS: usize = 1 << 16;
 
@@ -230,7 +232,7 @@ impl DomainSplitting {
                 // Too wide for its polynomials even at rest: there is nothing to take a part of.
                 self.released(part.cell)
             } else {
-                framed.part(&self.dynamics, &frame)
+                self.with_own_nudges(framed.part(&self.dynamics, &frame), &part)
             };
             if node.settle_edge() {
                 branches.push(Branch { part, starts, way: BranchState::Open(Box::new(node)) });
@@ -241,7 +243,30 @@ impl DomainSplitting {
         branches
     }
 
-    /// A start of a section in a cell that no polynomials describe, near the section's end.
+    /// A part that was just cut, with the nudges of its own middle from the release. Once all nudges
+    /// but those across one direction have grown into the same one, those that it has from the part
+    /// that it was cut from are as good.
+    fn with_own_nudges(&self, node: SplitNode, part: &SplitPart) -> SplitNode {
+        if !node.patch.has_grown_less_than(ALIGNED) {
+            return node;
+        }
+        let Some((pendulum, start)) = self.reduced(part.key.anchor, part.frame.middle) else {
+            return node;
+        };
+        let patch =
+            node.patch.with_nudges_from(&self.dynamics, &pendulum.phase(&start).map(Theta::to_f64));
+        SplitNode { patch, ..node }
+    }
+
+    /// Returns true if the starts of a patch are better followed from their release: where no
+    /// polynomials describe it, near the end of a section, and where nudges have grown so little that
+    /// those of the middle are not those of all, and that the digits of any number type are enough.
+    pub(super) fn tells_nothing(&self, patch: &FinishedPatch) -> bool {
+        let is_undescribed = patch.patch.time.0 == 0.0 && !self.plane.is_flat();
+        is_undescribed || patch.patch.has_grown_less_than(ALIGNED)
+    }
+
+    /// A start that is followed alone from its release.
     pub(super) fn start_alone(&self, cell: Cell, at: [f64; 2]) -> MappedStart {
         let Some((pendulum, start)) = self.reduced(cell, at) else { return MappedStart::FORBIDDEN };
         let phase = pendulum.phase(&start);

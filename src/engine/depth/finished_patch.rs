@@ -9,6 +9,7 @@ use crate::engine::{End, Moving, Question};
 use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchCurve, PatchEnd};
 use crate::physics::jet::Jet;
 use crate::physics::phase::Phase;
+use crate::physics::tangents::TangentMap;
 use crate::physics::{Accumulators, Outcome, Status};
 use crate::scene::ExactPlane;
 use crate::scene::lattice::Cell;
@@ -30,8 +31,6 @@ pub(super) struct PartKey {
 #[derive(Debug)]
 pub(super) struct FinishedPatch {
     pub key: PartKey,
-    /// The cell that it is, or for a strip, that it was cut from.
-    pub cell: Cell,
     /// The patch in its last state.
     pub patch: FlowPatch,
     /// The reason why it ended.
@@ -73,7 +72,6 @@ impl FinishedPatch {
         let (key, half_side, area) = (part.key, part.half_side(plane), part.above.iter().sum());
         FinishedPatch {
             key,
-            cell: part.cell,
             patch,
             ending,
             edge,
@@ -167,7 +165,11 @@ impl FinishedPatch {
             }
             (None, false) => {
                 let turns = self.patch.turns_at(&phase);
-                let log_growth = nudges.map_or(0.0, |map| map.log_growth());
+                // Its last step may have led beyond the budget, and its state is brought back later.
+                let back = |map: TangentMap| {
+                    map.followed_by(&dynamics.pendulum, &phase, self.budget - high - low)
+                };
+                let log_growth = nudges.map_or(0.0, |map| back(map).log_growth());
                 let end = End {
                     time: high + low,
                     phase,

@@ -81,6 +81,7 @@ pub(super) fn followed(
     let wanted = SplitRequest { level, budget: question.budget_secs / unit_secs, cancelled, told };
     let begun = Instant::now();
     let distribution = splitting.distribute(&deep, wanted)?;
+    let places: Vec<_> = deep.places().collect();
     let dynamics = &splitting.dynamics;
     let mut lines = (lines && may_use_lines(&job)).then(|| Lines::new(*dynamics, unit_secs));
     let mut awaited = Awaited::of_forbidden(job, count);
@@ -90,8 +91,9 @@ pub(super) fn followed(
     for (patch, starts) in &distribution.patches {
         let before = awaited.moving.len();
         for PlacedStart { index, at } in starts {
-            let start = if patch.patch.time.0 == 0.0 && !splitting.plane.is_flat() {
-                splitting.start_alone(patch.cell, *at)
+            let start = if splitting.tells_nothing(patch) {
+                let (cell, at) = places[*index];
+                splitting.start_alone(cell, at)
             } else {
                 patch.start(dynamics, &question, unit_secs, *at)
             };

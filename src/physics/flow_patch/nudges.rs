@@ -7,6 +7,7 @@
 //! and how that differs from start to start the polynomials tell.
 
 use super::{Dynamics, FlowPatch, middle};
+use crate::physics::phase::Phase;
 use crate::physics::tangents::{TangentMap, nudges};
 
 impl FlowPatch {
@@ -14,6 +15,19 @@ impl FlowPatch {
     #[must_use]
     pub fn with_nudges(self) -> Self {
         FlowPatch { nudges: Some(TangentMap::identity()), ..self }
+    }
+
+    /// Returns true if nudges are followed, and the largest has grown by less than a factor.
+    pub fn has_grown_less_than(&self, factor: f64) -> bool {
+        self.nudges.is_some_and(|map| map.log_growth() < factor.ln())
+    }
+
+    /// The same patch, with the nudges of its middle followed from the state of its release.
+    #[must_use]
+    pub fn with_nudges_from(self, dynamics: &Dynamics, release: &Phase<f64>) -> Self {
+        let secs = self.time.0 + self.time.1;
+        let map = TangentMap::identity().followed_by(&dynamics.pendulum, release, secs);
+        FlowPatch { nudges: Some(map), ..self }
     }
 
     /// The tangent map of the start at a point of the patch, from its release; none where nudges are
