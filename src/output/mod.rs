@@ -45,7 +45,7 @@ pub use npy::{NpyWriter, number_of};
 pub use one_file::is_one_file;
 pub use paint::{RowPainter, blended};
 pub use picture_file::PictureFile;
-pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
+pub use png::{Picture, PngError, PngWriter, carries_scene, document_in_png, picture_in_png};
 pub use pyramid::{Pyramid, PyramidFolder, TILE_SIDE};
 pub use read::{ReadError, named_document, read_document};
 pub use render::{RenderClock, pass_work, render_pass};

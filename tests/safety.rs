@@ -1,0 +1,61 @@
+//! Files that flipmap did not write: films, plans and runs never replace or remove them.
+#![cfg(unix)]
+
+#[path = "common/program.rs"]
+mod program;
+
+use std::fs;
+use std::os::unix::fs::symlink;
+
+use program::*;
+use tempfile::TempDir;
+
+const SMALL: [&str; 6] = ["--engine", "cpu", "--size", "16x16", "--budget", "1"];
+const FILM: [&str; 4] = ["--vary", "time=0..1", "--frames", "3"];
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn film(output: &str) -> Vec<&str> {
+    [&["video", "-o", output], &SMALL[..], &FILM].concat()
+}
+
+#[test]
+fn a_frame_that_is_a_link_is_refused_and_its_target_stays() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    done(&folder, &film("shots"));
+    // Even a picture of flipmap's is not the film's if it lies elsewhere.
+    fs::rename(at("shots/000001.png"), at("precious.png")).unwrap();
+    symlink("../precious.png", at("shots/000001.png")).unwrap();
+    let precious = fs::read(at("precious.png")).unwrap();
+    let other = [&film("shots")[..], &["--palette", "viridis"]].concat();
+    let error = refused(&folder, 1, &other);
+    assert!(error.contains("it holds 000001.png, which is not of a film"), "{error}");
+    assert!(fs::read(at("precious.png")).unwrap() == precious);
+    assert!(at("shots/000001.png").is_symlink());
+}
+
+#[test]
+fn pictures_of_others_under_the_names_of_frames_are_refused_and_stay() {
+    let foreign = image::RgbImage::new(2, 2);
+    for (frames, name) in [("3", "000001.png"), ("2", "000002.png")] {
+        let folder = folder();
+        let path = folder.path().join("shots").join(name);
+        done(&folder, &film("shots"));
+        foreign.save(&path).unwrap();
+        let before = fs::read(&path).unwrap();
+        let words = ["video", "-o", "shots", "--vary", "time=0..1", "--frames", frames];
+        let error = refused(&folder, 1, &[&words[..], &SMALL].concat());
+        assert!(error.contains(&format!("it holds {name}, which is not of a film")), "{error}");
+        assert!(fs::read(&path).unwrap() == before);
+    }
+    // A film that was killed between a frame's two files is continued.
+    let folder = folder();
+    done(&folder, &film("shots"));
+    fs::remove_file(folder.path().join("shots/manifest.json")).unwrap();
+    fs::remove_file(folder.path().join("shots/000002.png")).unwrap();
+    done(&folder, &film("shots"));
+    assert!(folder.path().join("shots/000002.png").is_file());
+}
