@@ -5,7 +5,7 @@
 mod program;
 
 use std::fs;
-use std::os::unix::fs::symlink;
+use std::os::unix::fs::{PermissionsExt, symlink};
 
 use program::*;
 use tempfile::TempDir;
@@ -58,4 +58,19 @@ fn pictures_of_others_under_the_names_of_frames_are_refused_and_stay() {
     fs::remove_file(folder.path().join("shots/000002.png")).unwrap();
     done(&folder, &film("shots"));
     assert!(folder.path().join("shots/000002.png").is_file());
+}
+
+#[test]
+fn write_protected_frames_are_refused_before_the_work() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    done(&folder, &film("shots"));
+    fs::remove_dir_all(at("shots.samples")).unwrap();
+    let manifest = fs::read(at("shots/manifest.json")).unwrap();
+    fs::set_permissions(at("shots/000001.png"), fs::Permissions::from_mode(0o444)).unwrap();
+    let other = [&film("shots")[..], &["--palette", "viridis"]].concat();
+    let error = refused(&folder, 1, &other);
+    assert!(error.contains("it holds 000001.png, which is write-protected"), "{error}");
+    assert!(fs::read(at("shots/manifest.json")).unwrap() == manifest);
+    assert!(!at("shots.samples").exists(), "nothing was computed");
 }

@@ -3,7 +3,7 @@
 //!
 //! A frame's JSON file is written first, so a numbered picture without one was written by others, as
 //! was one that carries no scene: such a folder is refused before anything is computed. So is one in
-//! which a frame is a link, whose target is not the film's.
+//! which a frame is a link, whose target is not the film's, or is write-protected.
 
 use std::fs;
 use std::io::{self, BufReader};
@@ -84,7 +84,7 @@ impl Frames {
     }
 
     /// Creates a folder if necessary. Refuses one that cannot be written, and one with files of
-    /// others under the names of frames or of the manifest.
+    /// others or write-protected files under the names of frames or of the manifest.
     pub fn check(folder: &Path) -> io::Result<()> {
         fs::create_dir_all(folder)?;
         tempfile::tempfile_in(folder)?;
@@ -184,8 +184,11 @@ fn objection(path: &Path) -> Option<&'static str> {
     };
     let found = path.symlink_metadata().ok()?;
     // A pipe or a folder would take no frame, and a link leads to a file that is not the film's.
-    let is_foreign = !found.is_file() || !is_ours(path);
-    is_foreign.then_some("which is not of a film of flipmap's: name another")
+    if !found.is_file() || !is_ours(path) {
+        return Some("which is not of a film of flipmap's: name another");
+    }
+    let protected = found.permissions().readonly();
+    protected.then_some("which is write-protected: remove it, or name another folder")
 }
 
 /// Returns true for the name of a frame or of the JSON file beside it.
