@@ -74,3 +74,25 @@ fn write_protected_frames_are_refused_before_the_work() {
     assert!(fs::read(at("shots/manifest.json")).unwrap() == manifest);
     assert!(!at("shots.samples").exists(), "nothing was computed");
 }
+
+#[test]
+fn a_film_never_replaces_a_scene_that_it_is_made_from() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    done(&folder, &film("sh2"));
+    fs::copy(at("sh2/000002.png"), at("elsewhere.png")).unwrap();
+    symlink("sh2/000002.png", at("link.png")).unwrap();
+    let before = fs::read(at("sh2/000002.png")).unwrap();
+    let made_from = |scenes: [&str; 2]| {
+        let words = ["video", scenes[0], scenes[1], "--frames", "3", "-o", "sh2"];
+        flipmap(&folder, &[&words[..], &SMALL].concat())
+    };
+    for scenes in [["sh2/000002.png", "home"], ["home", "./sh2/000002.png"], ["link.png", "home"]] {
+        let output = made_from(scenes);
+        let error = error_of(&output);
+        assert_eq!(output.status.code(), Some(2), "{scenes:?}: {error}");
+        assert!(error.contains("is a frame in the folder of -o"), "{scenes:?}: {error}");
+        assert!(fs::read(at("sh2/000002.png")).unwrap() == before);
+    }
+    assert!(made_from(["elsewhere.png", "home"]).status.success());
+}

@@ -15,6 +15,7 @@ use super::film_options::FilmOptions;
 use super::plan::spares_others;
 use super::progress::Mode;
 use super::run_options::{check_steps, start};
+use super::same_file::keep_from_frames;
 use super::{farm, frames, stop};
 
 #[derive(Args, Debug)]
@@ -47,6 +48,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(codec) = codec {
         codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
     }
+    keep_from_frames(&options.film.files(), &options.output)?;
     if film.kind() != FilmKind::Flips {
         return frames::run(options, &film, &spec);
     }

@@ -83,6 +83,12 @@ impl Frames {
         })
     }
 
+    /// Returns true for the name of a frame or of the JSON file beside it.
+    pub fn are_named(name: &str) -> bool {
+        let stem = name.strip_suffix(".png").or_else(|| name.strip_suffix(".json"));
+        stem.is_some_and(|stem| stem.len() >= 6 && stem.bytes().all(|byte| byte.is_ascii_digit()))
+    }
+
     /// Creates a folder if necessary. Refuses one that cannot be written, and one with files of
     /// others or write-protected files under the names of frames or of the manifest.
     pub fn check(folder: &Path) -> io::Result<()> {
@@ -179,7 +185,7 @@ fn objection(path: &Path) -> Option<&'static str> {
     let name = path.file_name()?.to_str()?;
     let is_ours = match name {
         MANIFEST => is_manifest,
-        _ if is_frame_name(name) => is_frame,
+        _ if Frames::are_named(name) => is_frame,
         _ => return None,
     };
     let found = path.symlink_metadata().ok()?;
@@ -189,12 +195,6 @@ fn objection(path: &Path) -> Option<&'static str> {
     }
     let protected = found.permissions().readonly();
     protected.then_some("which is write-protected: remove it, or name another folder")
-}
-
-/// Returns true for the name of a frame or of the JSON file beside it.
-fn is_frame_name(name: &str) -> bool {
-    let stem = name.strip_suffix(".png").or_else(|| name.strip_suffix(".json"));
-    stem.is_some_and(|stem| stem.len() >= 6 && stem.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
 /// Returns true if a file with the name of the manifest is one.
