@@ -96,3 +96,21 @@ fn a_film_never_replaces_a_scene_that_it_is_made_from() {
     }
     assert!(made_from(["elsewhere.png", "home"]).status.success());
 }
+
+#[test]
+fn the_samples_of_a_film_replace_no_plan_but_their_own() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("pj")).unwrap();
+    let plan = ["plan", "--shards", "2", "-o", "pj/plan.toml"];
+    for what in [&[][..], &FILM] {
+        done(&folder, &[&plan[..], &SMALL, what].concat());
+        let before = fs::read(at("pj/plan.toml")).unwrap();
+        let error = refused(&folder, 2, &[&film("f")[..], &["--cache", "pj"]].concat());
+        assert!(error.contains("--cache: pj/plan.toml is no plan of this command's"), "{error}");
+        assert!(fs::read(at("pj/plan.toml")).unwrap() == before);
+    }
+    for palette in ["iris", "viridis"] {
+        done(&folder, &[&film("f")[..], &["--cache", "own", "--palette", palette]].concat());
+    }
+}

@@ -59,6 +59,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
     let path = cache.join("plan.toml");
     spares_others("--cache", &path)?;
+    spares_plans(&path)?;
     let mut request = options.film.run.engine.request(spec.setting);
     // Another engine would differ from the existing samples in the last digits.
     if let Some(earlier) = earlier(&path) {
@@ -82,6 +83,17 @@ fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Re
     let plan = Plan::new(PlannedOutput::Film(film), 1, engine, false);
     super::write_whole(path, "--cache", plan.text().as_bytes())?;
     Ok(Task::new(plan, path)?)
+}
+
+/// Refuses to replace a plan that is not a film's own.
+fn spares_plans(path: &Path) -> Result<(), Exit> {
+    match read_text(path) {
+        Ok(text) if !Plan::is_kept_by_film(&text) => Err(Exit::Usage(format!(
+            "--cache: {} is no plan of this command's, which would replace it: name another folder",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 fn earlier(path: &Path) -> Option<Plan> {

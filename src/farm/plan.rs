@@ -116,6 +116,14 @@ impl Plan {
         plan.checked()
     }
 
+    /// Returns true for the text of a plan as a film keeps it with its samples: of a film, in one shard.
+    /// One of another version may have keys of its own.
+    pub fn is_kept_by_film(text: &str) -> bool {
+        let plan = toml::from_str::<toml::Table>(text).unwrap_or_default();
+        let shards = plan.get("shards").and_then(toml::Value::as_integer);
+        plan.contains_key("film") && shards == Some(1)
+    }
+
     /// Largest number of shards.
     pub const MOST_SHARDS: u32 = 100_000;
 
