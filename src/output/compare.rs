@@ -115,6 +115,19 @@ pub enum CompareError {
     },
 }
 
+/// Options of a decoder that looks at the checksums of all chunks and of the pixels.
+fn every_checksum() -> png::DecodeOptions {
+    let mut options = png::DecodeOptions::default();
+    options.set_ignore_checksums(false);
+    options.set_skip_ancillary_crc_failures(false);
+    options
+}
+
+/// The error of a PNG that is not as it was written.
+fn damaged(error: png::DecodingError) -> io::Error {
+    io::Error::other(format!("it is damaged ({error})"))
+}
+
 fn by([width, height]: &[u32; 2]) -> String {
     format!("{width} × {height}")
 }
@@ -127,7 +140,7 @@ impl ResultRows {
         let file = BufReader::new(File::open(path).map_err(unreadable)?);
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         let (size, kind) = if is_png {
-            let mut decoder = png::Decoder::new(file);
+            let mut decoder = png::Decoder::new_with_options(file, every_checksum());
             // Levels are counted out of 255.
             decoder.set_transformations(png::Transformations::STRIP_16);
             let reader = decoder.read_info();
@@ -203,7 +216,7 @@ impl ResultRows {
             ResultKind::Colours(reader) => match reader.next_row() {
                 Ok(Some(row)) => Ok(ResultRow::Colours(row.data().to_vec())),
                 Ok(None) => Err(io::ErrorKind::UnexpectedEof.into()),
-                Err(error) => Err(io::Error::other(error)),
+                Err(error) => Err(damaged(error)),
             },
         };
         row.map_err(|source| {
@@ -213,6 +226,13 @@ impl ResultRows {
             };
             CompareError::File { path: self.path.clone(), source }
         })
+    }
+
+    /// Reads on behind the last row, to the end of a picture's file.
+    fn finish(self) -> Result<(), CompareError> {
+        let ResultKind::Colours(mut reader) = self.kind else { return Ok(()) };
+        let path = self.path;
+        reader.finish().map_err(|error| CompareError::File { path, source: damaged(error) })
     }
 }
 
@@ -351,6 +371,8 @@ pub fn compare(
         differences.iter().for_each(|difference| comparison.add(*difference, tolerance));
         row(&differences).map_err(CompareError::Picture)?;
     }
+    a.finish()?;
+    b.finish()?;
     Ok(comparison)
 }
 
