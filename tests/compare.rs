@@ -149,3 +149,23 @@ fn damaged_pictures_are_refused_by_name() {
         }
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["render", "--engine", "cpu", "--size", "16x16", "--budget", "1"];
+    done(&folder, &[&words[..], &["--raw", "n.npy"]].concat());
+    for name in ["p.npy", "p.png"] {
+        let made = std::process::Command::new("mkfifo").arg(folder.path().join(name)).status();
+        assert!(made.unwrap().success());
+        for words in [["compare", name, "n.npy"], ["compare", "n.npy", name]] {
+            let error = refused(&folder, 1, &words);
+            assert!(error.contains(&format!("cannot read {name}: it is no plain file")), "{error}");
+        }
+    }
+    let piped = format!("{} compare <(cat n.npy) n.npy", env!("CARGO_BIN_EXE_flipmap"));
+    let mut shell = std::process::Command::new("bash");
+    let output = shell.args(["-c", &piped]).current_dir(&folder).output().unwrap();
+    assert!(error_of(&output).contains("it is no plain file"), "{}", error_of(&output));
+}
