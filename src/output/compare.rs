@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 pub use super::comparison::Comparison;
 use super::npy::npy_shape;
+use super::whole_png::check_whole_png;
 use crate::engine::plain_file::open_plain;
 use crate::question::{Ask, Channel, ChannelScale};
 
@@ -116,19 +117,6 @@ pub enum CompareError {
     },
 }
 
-/// Options of a decoder that looks at the checksums of all chunks and of the pixels.
-fn every_checksum() -> png::DecodeOptions {
-    let mut options = png::DecodeOptions::default();
-    options.set_ignore_checksums(false);
-    options.set_skip_ancillary_crc_failures(false);
-    options
-}
-
-/// The error of a PNG that is not as it was written.
-fn damaged(error: png::DecodingError) -> io::Error {
-    io::Error::other(format!("it is damaged ({error})"))
-}
-
 fn by([width, height]: &[u32; 2]) -> String {
     format!("{width} × {height}")
 }
@@ -141,7 +129,7 @@ impl ResultRows {
         let file = BufReader::new(open_plain(path).map_err(unreadable)?);
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         let (size, kind) = if is_png {
-            let mut decoder = png::Decoder::new_with_options(file, every_checksum());
+            let mut decoder = png::Decoder::new(file);
             // Levels are counted out of 255.
             decoder.set_transformations(png::Transformations::STRIP_16);
             let reader = decoder.read_info();
@@ -153,6 +141,8 @@ impl ResultRows {
             if info.interlaced {
                 return Err(foreign("is interlaced, which no output of flipmap is".to_string()));
             }
+            let whole = open_plain(path).and_then(|file| check_whole_png(BufReader::new(file)));
+            whole.map_err(unreadable)?;
             ([info.width, info.height], ResultKind::Colours(Box::new(reader)))
         } else {
             let mut file = file;
@@ -217,7 +207,7 @@ impl ResultRows {
             ResultKind::Colours(reader) => match reader.next_row() {
                 Ok(Some(row)) => Ok(ResultRow::Colours(row.data().to_vec())),
                 Ok(None) => Err(io::ErrorKind::UnexpectedEof.into()),
-                Err(error) => Err(damaged(error)),
+                Err(error) => Err(io::Error::other(error)),
             },
         };
         row.map_err(|source| {
@@ -227,13 +217,6 @@ impl ResultRows {
             };
             CompareError::File { path: self.path.clone(), source }
         })
-    }
-
-    /// Reads on behind the last row, to the end of a picture's file.
-    fn finish(self) -> Result<(), CompareError> {
-        let ResultKind::Colours(mut reader) = self.kind else { return Ok(()) };
-        let path = self.path;
-        reader.finish().map_err(|error| CompareError::File { path, source: damaged(error) })
     }
 }
 
@@ -372,8 +355,6 @@ pub fn compare(
         differences.iter().for_each(|difference| comparison.add(*difference, tolerance));
         row(&differences).map_err(CompareError::Picture)?;
     }
-    a.finish()?;
-    b.finish()?;
     Ok(comparison)
 }
 

@@ -32,6 +32,7 @@ mod state;
 mod trace;
 mod trace_channels;
 mod trust;
+mod whole_png;
 
 pub use crate::engine::plain_file::{open_plain, read_plain, read_text};
 pub use curve::CurveBand;
