@@ -114,3 +114,14 @@ fn the_samples_of_a_film_replace_no_plan_but_their_own() {
         done(&folder, &[&film("f")[..], &["--cache", "own", "--palette", palette]].concat());
     }
 }
+
+#[test]
+fn a_descent_into_a_pipe_that_nobody_reads_is_refused_before_the_work() {
+    let folder = folder();
+    let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
+    assert!(made.unwrap().success());
+    let words = ["deeper", "--to", "1e-2", "-o", "pipe", "--engine", "cpu"];
+    let error = refused(&folder, 1, &words);
+    assert!(error.contains("-o: cannot write pipe: no program reads this pipe"), "{error}");
+    assert!(!error.contains("budget"), "no step of the way was computed: {error}");
+}
