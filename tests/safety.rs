@@ -125,3 +125,26 @@ fn a_descent_into_a_pipe_that_nobody_reads_is_refused_before_the_work() {
     assert!(error.contains("-o: cannot write pipe: no program reads this pipe"), "{error}");
     assert!(!error.contains("budget"), "no step of the way was computed: {error}");
 }
+
+#[test]
+fn a_run_removes_only_parts_of_its_plan_and_refuses_what_stands_in_their_place() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    done(&folder, &[&["plan", "--shards", "1", "-o", "p.toml"], &SMALL[..]].concat());
+    done(&folder, &["run", "p.toml"]);
+    fs::write(at("p.parts/rows-00000000-0000000-5.part"), "mine").unwrap();
+    done(&folder, &["run", "p.toml"]);
+    let kept = fs::read_to_string(at("p.parts/rows-00000000-0000000-5.part")).unwrap();
+    assert_eq!(kept, "mine");
+    fs::remove_file(at("p.parts/rows-00000000-0000000-5.part")).unwrap();
+    let part = fs::read_dir(at("p.parts")).unwrap().next().unwrap().unwrap().path();
+    let name = part.file_name().unwrap().to_str().unwrap();
+    fs::write(&part, "mine").unwrap();
+    for words in
+        [&["run", "p.toml"][..], &["verify", "p.toml"], &["merge", "p.toml", "-o", "a.png"]]
+    {
+        let error = refused(&folder, 1, words);
+        assert!(error.contains(name) && error.contains("is none: move it elsewhere"), "{error}");
+    }
+    assert_eq!(fs::read_to_string(&part).unwrap(), "mine");
+}
