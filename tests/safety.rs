@@ -148,3 +148,21 @@ fn a_run_removes_only_parts_of_its_plan_and_refuses_what_stands_in_their_place()
     }
     assert_eq!(fs::read_to_string(&part).unwrap(), "mine");
 }
+
+#[test]
+fn a_run_does_not_write_its_parts_to_devices() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    done(&folder, &[&["plan", "--shards", "1", "-o", "p.toml"], &SMALL[..]].concat());
+    done(&folder, &["run", "p.toml"]);
+    let part = fs::read_dir(at("p.parts")).unwrap().next().unwrap().unwrap().path();
+    for device in ["/dev/null", "/dev/zero"] {
+        fs::remove_file(&part).unwrap();
+        symlink(device, &part).unwrap();
+        let error = refused(&folder, 1, &["run", "p.toml"]);
+        assert!(error.contains("is none: move it elsewhere"), "{device}: {error}");
+    }
+    fs::remove_file(&part).unwrap();
+    done(&folder, &["run", "p.toml"]);
+    done(&folder, &["verify", "p.toml"]);
+}
