@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use flipmap::engine::choice::Chosen;
-use flipmap::output::{Destination, SafeFile};
+use flipmap::output::{Destination, SafeFile, is_stdout};
 use flipmap::scene::keys::{Easing, Keys};
 use flipmap::scene::{LEAST_WIDTH, Scene, location};
 use flipmap::tiles::descent::{Descent, DescentStep};
@@ -60,7 +60,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         }
         write(file, &keys).context("-o: cannot write the views on the way")?;
     }
-    if options.output.as_deref() != Some(Path::new("-")) {
+    if !options.output.as_deref().is_some_and(is_stdout) {
         super::say(&location::text(&path[path.len() - 1]))?;
     }
     // What was found is kept, whatever ended the descent.

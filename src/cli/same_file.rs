@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use flipmap::film::Frames;
-use flipmap::output::is_one_file;
+use flipmap::output::{is_one_file, is_stdout};
 
 use super::exit::Exit;
 
@@ -22,6 +22,19 @@ pub(super) fn keep_apart(inputs: &[Named], outputs: &[Named]) -> Result<(), Exit
         }
     }
     Ok(())
+}
+
+/// Rejects several outputs on standard output, to which `json` is written, too.
+pub(super) fn one_stream(outputs: &[Named], json: bool) -> Result<(), Exit> {
+    let streams = outputs.iter().filter(|(_, path)| is_stdout(path)).map(|(name, _)| *name);
+    let streams: Vec<&str> = streams.chain(json.then_some("--json")).collect();
+    if streams.len() < 2 {
+        return Ok(());
+    }
+    Err(Exit::Usage(format!(
+        "{} would all be written to standard output, which takes one: name a file for the others",
+        streams.join(" and ")
+    )))
 }
 
 /// Rejects a film whose folder has an input under the name of a frame, which the film would replace.

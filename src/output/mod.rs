@@ -43,7 +43,7 @@ pub use failure::{OutputError, RenderError, is_broken_pipe, is_stopped, sentence
 pub use gradient::{GradientError, read_gradient};
 pub use legend::Legend;
 pub use npy::{NpyWriter, number_of};
-pub use one_file::is_one_file;
+pub use one_file::{is_one_file, is_stdout};
 pub use paint::{RowPainter, blended};
 pub use picture_file::PictureFile;
 pub use png::{Picture, PngError, PngWriter, carries_scene, document_in_png, picture_in_png};
