@@ -166,3 +166,30 @@ fn a_run_does_not_write_its_parts_to_devices() {
     done(&folder, &["run", "p.toml"]);
     done(&folder, &["verify", "p.toml"]);
 }
+
+#[test]
+fn samples_that_cannot_be_kept_are_refused_in_a_sentence() {
+    let folder = folder();
+    fs::write(folder.path().join("file"), "mine").unwrap();
+    let file = "--cache: cannot keep samples in file: it is a file, not a folder";
+    for (cache, why) in [
+        ("file", file),
+        ("file/inside", "--cache: cannot keep samples in file/inside: "),
+        ("/proc/samples", "--cache: cannot keep samples in /proc/samples: "),
+    ] {
+        let error = refused(&folder, 1, &[&film("f")[..], &["--cache", cache]].concat());
+        assert!(error.contains(why), "{cache}: {error}");
+    }
+    let long = format!("{}.mp4", "n".repeat(251));
+    // Whether or not there is an ffmpeg.
+    if let (Some(1), error) = coded(&folder, &film(&long)) {
+        assert!(error.contains("-o: the name nnn") && error.contains("no room for .samples"));
+        done(&folder, &[&film(&long)[..], &["--cache", "kept"]].concat());
+    }
+}
+
+/// The exit code and the message of a run.
+fn coded(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = flipmap(folder, arguments);
+    (output.status.code(), error_of(&output))
+}

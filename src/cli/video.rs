@@ -1,5 +1,6 @@
 //! `flipmap video`: makes a film from keys, from scenes, or of a zoom.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,7 +8,7 @@ use flipmap::engine::choice::Chosen;
 use flipmap::farm::merge::legend;
 use flipmap::farm::{Plan, PlannedOutput, Task};
 use flipmap::film::ffmpeg::{Codec, arguments};
-use flipmap::output::read_text;
+use flipmap::output::{Destination, SafeFile, read_text};
 use flipmap::scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
@@ -55,8 +56,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     legend(&film, &film.keys[0].scene.picture)?;
     farm::check_output(&options.output)?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
-    std::fs::create_dir_all(&cache)
-        .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
+    prepare(&cache, options)?;
     let path = cache.join("plan.toml");
     spares_others("--cache", &path)?;
     spares_plans(&path)?;
@@ -74,6 +74,32 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         None => farm::complete(&task, &path)?,
     };
     farm::paint(&task, parts, &options.film.picture, &options.output, options.progress)
+}
+
+/// Makes the folder of the samples, and rejects one that cannot be written.
+fn prepare(cache: &Path, options: &Options) -> Result<(), Exit> {
+    let made = std::fs::create_dir_all(cache).and_then(|()| SafeFile::check(&plan_in(cache)));
+    made.map_err(|error| {
+        let folder = cache.display();
+        let message = match error.kind() {
+            ErrorKind::InvalidFilename if options.cache.is_none() => {
+                let output = options.output.display();
+                format!(
+                    "-o: the name {output} leaves no room for .samples: shorten it, or give --cache"
+                )
+            }
+            _ if cache.exists() && !cache.is_dir() => {
+                format!("--cache: cannot keep samples in {folder}: it is a file, not a folder")
+            }
+            _ => format!("--cache: cannot keep samples in {folder}: {error}"),
+        };
+        Exit::Failed(message)
+    })
+}
+
+/// The plan beside the samples.
+fn plan_in(cache: &Path) -> Destination {
+    Destination::File(cache.join("plan.toml"))
 }
 
 /// Writes a plan of a single shard next to the samples and returns its task.
