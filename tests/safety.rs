@@ -193,3 +193,25 @@ fn coded(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String) {
     let output = flipmap(folder, arguments);
     (output.status.code(), error_of(&output))
 }
+
+#[test]
+fn a_descent_that_is_stopped_keeps_the_way_and_says_so() {
+    use std::io::BufRead;
+    let folder = folder();
+    let words = ["deeper", "--to", "1e-60", "-o", "way.toml", "--engine", "cpu"];
+    let mut command = program(&folder, &words);
+    let mut child = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let mut errors = std::io::BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    while !said.contains(" rad, budget ") {
+        assert!(errors.read_line(&mut said).unwrap() > 0, "{said}");
+    }
+    let id = child.id().to_string();
+    let killed = std::process::Command::new("kill").args(["-s", "INT", &id]).status();
+    assert!(killed.unwrap().success());
+    errors.lines().map_while(Result::ok).for_each(|line| said += &line);
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
+    assert!(said.contains("stopped; way.toml holds the way so far"), "{said}");
+    let keys = fs::read_to_string(folder.path().join("way.toml")).unwrap();
+    assert!(keys.matches("[[key]]").count() >= 2, "{keys}");
+}

@@ -64,7 +64,14 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         super::say(&location::text(&path[path.len() - 1]))?;
     }
     // What was found is kept, whatever ended the descent.
-    Ok(stop::check()?)
+    match &options.output {
+        _ if !stop::asked() => Ok(()),
+        Some(file) if !is_stdout(file) => {
+            let message = format!("stopped; {} holds the way so far", file.display());
+            Err(Exit::Partly(message).into())
+        }
+        _ => Err(Exit::Partly("stopped; the way so far is printed".to_string()).into()),
+    }
 }
 
 fn open(path: &Path) -> anyhow::Result<SafeFile> {

@@ -31,6 +31,9 @@ pub(crate) enum Exit {
     /// Exit code 75: stopped, and can be resumed.
     #[error("stopped; what was finished is kept: run the same command again to resume")]
     Again,
+    /// Exit code 75: stopped before any output was complete; the samples for it are there as before.
+    #[error("stopped; no file was written, and the samples are kept: run the same command again")]
+    Unwritten,
     /// Exit code 130: stopped, and no unfinished file is left.
     #[error("stopped; no unfinished file was left")]
     Interrupted,
@@ -114,7 +117,7 @@ fn sentence(error: &anyhow::Error) -> String {
         return Exit::Interrupted.to_string();
     }
     match error.downcast_ref() {
-        Some(stopped @ (Exit::Interrupted | Exit::Again)) => stopped.to_string(),
+        Some(stopped @ (Exit::Interrupted | Exit::Again | Exit::Unwritten)) => stopped.to_string(),
         _ => output::sentence(error.as_ref()),
     }
 }
@@ -131,7 +134,7 @@ fn code_of(error: &anyhow::Error) -> u8 {
                 Exit::Usage(_) => 2,
                 Exit::Differs(_) => 3,
                 Exit::Missing(_) => 4,
-                Exit::Again => 75,
+                Exit::Again | Exit::Unwritten => 75,
                 Exit::Interrupted | Exit::Partly(_) => 130,
             };
         }
@@ -153,6 +156,18 @@ fn code_of(error: &anyhow::Error) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stop_says_what_is_there() {
+        let said = |exit: Exit| {
+            let error = anyhow::Error::from(exit);
+            (code_of(&error), sentence(&error))
+        };
+        let (code, unwritten) = said(Exit::Unwritten);
+        assert!(code == 75 && unwritten.contains("no file was written"), "{unwritten}");
+        let (code, again) = said(Exit::Again);
+        assert!(code == 75 && again.contains("what was finished is kept"), "{again}");
+    }
 
     #[test]
     fn messages_hold_nothing_that_a_terminal_obeys_and_have_an_end() {
