@@ -1,7 +1,7 @@
 //! `flipmap deeper`: descends from a scene along a filament, as far as there is structure.
 
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
@@ -50,15 +50,17 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut chosen = start(&options.run.engine.request(spec.setting))?;
     stop::listen()?;
     // A pipe that nobody reads is refused before the work.
-    let file = options.output.as_deref().map(open).transpose()?;
+    let destination = options.output.as_deref().map(Destination::from);
+    let file = destination.as_ref().map(open).transpose()?;
     let path = descend(scene, &mut chosen, to)?;
-    if let Some(file) = file {
+    if let (Some(file), Some(destination)) = (file, &destination) {
         let mut keys = Keys::default();
         for scene in &path {
             // Linear, so that the film does not stop at each view on the way.
             keys.append(document.clone().with_scene(scene.clone()), Easing::Linear);
         }
-        write(file, &keys).context("-o: cannot write the views on the way")?;
+        let written = write(file, &keys);
+        written.with_context(|| format!("-o: cannot write {destination}"))?;
     }
     if !options.output.as_deref().is_some_and(is_stdout) {
         super::say(&location::text(&path[path.len() - 1]))?;
@@ -70,13 +72,12 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             let message = format!("stopped; {} holds the way so far", file.display());
             Err(Exit::Partly(message).into())
         }
-        _ => Err(Exit::Partly("stopped; the way so far is printed".to_string()).into()),
+        _ => Err(Exit::Partly("stopped; the last view on the way is printed".to_string()).into()),
     }
 }
 
-fn open(path: &Path) -> anyhow::Result<SafeFile> {
-    let destination = Destination::from(path);
-    SafeFile::create(&destination).with_context(|| format!("-o: cannot write {destination}"))
+fn open(destination: &Destination) -> anyhow::Result<SafeFile> {
+    SafeFile::create(destination).with_context(|| format!("-o: cannot write {destination}"))
 }
 
 fn write(mut file: SafeFile, keys: &Keys) -> io::Result<()> {
