@@ -102,14 +102,70 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
 fn with_interlaced_header(png: &[u8]) -> Vec<u8> {
     let mut bytes = png.to_vec();
     bytes[28] = 1;
-    // The checksum of the chunk IHDR (ISO 3309).
-    let mut sum = !0u32;
-    for byte in &bytes[12..29] {
-        sum ^= u32::from(*byte);
-        for _ in 0..8 {
-            sum = if sum & 1 == 1 { 0xedb8_8320 ^ (sum >> 1) } else { sum >> 1 };
+    let sum = crc32fast::hash(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&sum.to_be_bytes());
+    bytes
+}
+
+/// A PNG whose pixels lack their last bytes, with a length and a checksum that fit.
+fn with_shorter_pixels(png: &[u8]) -> Vec<u8> {
+    let name = png.windows(4).rposition(|name| name == b"IDAT").unwrap();
+    let length = u32::from_be_bytes(png[name - 4..name].try_into().unwrap()) - 5;
+    let end = name + 4 + length as usize;
+    let sum = crc32fast::hash(&png[name..end]);
+    let head = [&png[..name - 4], &length.to_be_bytes(), &png[name..end], &sum.to_be_bytes()];
+    [&head.concat()[..], &png[end + 5 + 4..]].concat()
+}
+
+#[test]
+fn damaged_pictures_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let words = ["render", "--engine", "cpu", "--size", "32x32", "--budget", "2", "-o", "a.png"];
+    done(&folder, &words);
+    let whole = fs::read(at("a.png")).unwrap();
+    let length = whole.len();
+    let find = |name: &[u8]| whole.windows(4).position(|four| four == name).unwrap();
+    let altered = |byte: usize| {
+        let mut bytes = whole.clone();
+        bytes[byte] ^= 1;
+        bytes
+    };
+    done(&folder, &["compare", "a.png", "a.png"]);
+    for (what, bytes) in [
+        ("no end", whole[..length - 12].to_vec()),
+        ("pixels cut short", whole[..length - 18].to_vec()),
+        ("pixels without their end", with_shorter_pixels(&whole)),
+        ("a checksum of the pixels", altered(length - 13)),
+        ("a checksum of the end", altered(length - 1)),
+        ("a text", altered(find(b"iTXt") + 40)),
+    ] {
+        fs::write(at("cut.png"), bytes).unwrap();
+        for words in [["cut.png", "a.png"], ["a.png", "cut.png"]] {
+            let words = [&["compare"], &words[..], &["-o", "never.png"]].concat();
+            let error = refused(&folder, 1, &words);
+            assert!(error.contains("cut.png"), "{what}: {error}");
+            assert!(!at("never.png").exists(), "{what}");
         }
     }
-    bytes[29..33].copy_from_slice(&(!sum).to_be_bytes());
-    bytes
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["render", "--engine", "cpu", "--size", "16x16", "--budget", "1"];
+    done(&folder, &[&words[..], &["--raw", "n.npy"]].concat());
+    for name in ["p.npy", "p.png"] {
+        let made = std::process::Command::new("mkfifo").arg(folder.path().join(name)).status();
+        assert!(made.unwrap().success());
+        for words in [["compare", name, "n.npy"], ["compare", "n.npy", name]] {
+            let error = refused(&folder, 1, &words);
+            assert!(error.contains(&format!("cannot read {name}: it is no plain file")), "{error}");
+        }
+    }
+    let piped = format!("{} compare <(cat n.npy) n.npy", env!("CARGO_BIN_EXE_flipmap"));
+    let mut shell = std::process::Command::new("bash");
+    let output = shell.args(["-c", &piped]).current_dir(&folder).output().unwrap();
+    assert!(error_of(&output).contains("it is no plain file"), "{}", error_of(&output));
 }

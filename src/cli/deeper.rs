@@ -1,8 +1,12 @@
 //! `flipmap deeper`: descends from a scene along a filament, as far as there is structure.
 
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
+use std::path::PathBuf;
 
+use anyhow::Context;
 use clap::Args;
+use flipmap::engine::choice::Chosen;
+use flipmap::output::{Destination, SafeFile, is_stdout};
 use flipmap::scene::keys::{Easing, Keys};
 use flipmap::scene::{LEAST_WIDTH, Scene, location};
 use flipmap::tiles::descent::{Descent, DescentStep};
@@ -45,6 +49,45 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     scene.require_flip_from_rest()?;
     let mut chosen = start(&options.run.engine.request(spec.setting))?;
     stop::listen()?;
+    // A pipe that nobody reads is refused before the work.
+    let destination = options.output.as_deref().map(Destination::from);
+    let file = destination.as_ref().map(open).transpose()?;
+    let path = descend(scene, &mut chosen, to)?;
+    if let (Some(file), Some(destination)) = (file, &destination) {
+        let mut keys = Keys::default();
+        for scene in &path {
+            // Linear, so that the film does not stop at each view on the way.
+            keys.append(document.clone().with_scene(scene.clone()), Easing::Linear);
+        }
+        let written = write(file, &keys);
+        written.with_context(|| format!("-o: cannot write {destination}"))?;
+    }
+    if !options.output.as_deref().is_some_and(is_stdout) {
+        super::say(&location::text(&path[path.len() - 1]))?;
+    }
+    // What was found is kept, whatever ended the descent.
+    match &options.output {
+        _ if !stop::asked() => Ok(()),
+        Some(file) if !is_stdout(file) => {
+            let message = format!("stopped; {} holds the way so far", file.display());
+            Err(Exit::Partly(message).into())
+        }
+        _ => Err(Exit::Partly("stopped; the last view on the way is printed".to_string()).into()),
+    }
+}
+
+fn open(destination: &Destination) -> anyhow::Result<SafeFile> {
+    SafeFile::create(destination).with_context(|| format!("-o: cannot write {destination}"))
+}
+
+fn write(mut file: SafeFile, keys: &Keys) -> io::Result<()> {
+    file.write_all(keys.text().as_bytes())?;
+    file.finish()
+}
+
+/// The scenes from the first one down to a width of `to` rad, or to where there is no structure or a
+/// stop.
+fn descend(scene: Scene, chosen: &mut Chosen, to: f64) -> anyhow::Result<Vec<Scene>> {
     let mut descent = Descent::new(scene.clone(), chosen.config, [0.0; 2]);
     let mut path = vec![scene];
     while width(&path[path.len() - 1]) > to {
@@ -63,19 +106,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             }
         }
     }
-    if let Some(output) = &options.output {
-        let mut keys = Keys::default();
-        for scene in &path {
-            // Linear, so that the film does not stop at each view on the way.
-            keys.append(document.clone().with_scene(scene.clone()), Easing::Linear);
-        }
-        super::write_whole(output, "-o", keys.text().as_bytes())?;
-    }
-    if options.output.as_deref() != Some(Path::new("-")) {
-        super::say(&location::text(&path[path.len() - 1]))?;
-    }
-    // What was found is kept, whatever ended the descent.
-    Ok(stop::check()?)
+    Ok(path)
 }
 
 fn width(scene: &Scene) -> f64 {

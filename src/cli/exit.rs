@@ -31,6 +31,9 @@ pub(crate) enum Exit {
     /// Exit code 75: stopped, and can be resumed.
     #[error("stopped; what was finished is kept: run the same command again to resume")]
     Again,
+    /// Exit code 75: stopped before any output was complete; the samples for it are there as before.
+    #[error("stopped; no file was written, and the samples are kept: run the same command again")]
+    Unwritten,
     /// Exit code 130: stopped, and no unfinished file is left.
     #[error("stopped; no unfinished file was left")]
     Interrupted,
@@ -52,23 +55,60 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
 /// Largest number of characters of a message; what is longer quotes a very long input.
 const MOST_CHARACTERS: usize = 2000;
 
-/// A message as a terminal may show it, with options for the settings that it names. What is quoted from
-/// a file or an option can hold control characters, which a terminal would obey, and be endless.
+/// A message as a terminal may show it, with options for the settings that it names.
 pub(super) fn printable(message: &str) -> String {
-    let message = with_options(message);
-    let mut text = String::new();
-    for (k, character) in message.chars().enumerate() {
+    clean(&with_options(message))
+}
+
+/// A text as a terminal may show it. What is quoted from a file or an option can hold control characters,
+/// which a terminal would obey, or turn the direction of what follows, and be endless.
+fn clean(text: &str) -> String {
+    let mut cleaned = String::new();
+    for (k, character) in text.chars().enumerate() {
         if k == MOST_CHARACTERS {
-            text.push('…');
+            cleaned.push('…');
             break;
         }
         match character {
-            '\n' => text.push('\n'),
-            other if other.is_control() => text.extend(other.escape_default()),
-            other => text.push(other),
+            '\n' => cleaned.push('\n'),
+            other if other.is_control() || is_direction(other) => {
+                cleaned.extend(other.escape_unicode());
+            }
+            other => cleaned.push(other),
         }
     }
-    text
+    cleaned
+}
+
+/// Returns true for a character that overrides or isolates the direction of writing.
+fn is_direction(character: char) -> bool {
+    matches!(character, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Largest number of characters of a line of a usage error.
+const MOST_IN_LINE: usize = 400;
+
+/// Ends the program with what clap has to say: help, or an error, cleaned like any other and with its
+/// code.
+pub(super) fn leave(error: &clap::Error) -> ! {
+    if !error.use_stderr() {
+        error.exit()
+    }
+    let text = error.render().to_string();
+    let lines: Vec<String> = text.lines().map(shortened).collect();
+    let _ = writeln!(io::stderr(), "{}", clean(&lines.join("\n")).trim_end());
+    std::process::exit(error.exit_code())
+}
+
+/// A line without its middle if it is very long: the ends have the words, and the middle a value.
+fn shortened(line: &str) -> String {
+    let characters: Vec<char> = line.chars().collect();
+    if characters.len() <= MOST_IN_LINE {
+        return line.to_string();
+    }
+    let half = MOST_IN_LINE / 2;
+    let [head, tail] = [&characters[..half], &characters[characters.len() - half..]];
+    head.iter().chain(&['…']).chain(tail).collect()
 }
 
 /// Describes an error and its causes; for a stop, only the stop.
@@ -77,7 +117,7 @@ fn sentence(error: &anyhow::Error) -> String {
         return Exit::Interrupted.to_string();
     }
     match error.downcast_ref() {
-        Some(stopped @ (Exit::Interrupted | Exit::Again)) => stopped.to_string(),
+        Some(stopped @ (Exit::Interrupted | Exit::Again | Exit::Unwritten)) => stopped.to_string(),
         _ => output::sentence(error.as_ref()),
     }
 }
@@ -94,7 +134,7 @@ fn code_of(error: &anyhow::Error) -> u8 {
                 Exit::Usage(_) => 2,
                 Exit::Differs(_) => 3,
                 Exit::Missing(_) => 4,
-                Exit::Again => 75,
+                Exit::Again | Exit::Unwritten => 75,
                 Exit::Interrupted | Exit::Partly(_) => 130,
             };
         }
@@ -118,8 +158,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_stop_says_what_is_there() {
+        let said = |exit: Exit| {
+            let error = anyhow::Error::from(exit);
+            (code_of(&error), sentence(&error))
+        };
+        let (code, unwritten) = said(Exit::Unwritten);
+        assert!(code == 75 && unwritten.contains("no file was written"), "{unwritten}");
+        let (code, again) = said(Exit::Again);
+        assert!(code == 75 && again.contains("what was finished is kept"), "{again}");
+    }
+
+    #[test]
     fn messages_hold_nothing_that_a_terminal_obeys_and_have_an_end() {
         assert_eq!(printable("the name \u{1b}[31m\nθ1"), "the name \\u{1b}[31m\nθ1");
+        assert_eq!(printable("a\u{202e}b\u{2066}\r\u{9b}"), r"a\u{202e}b\u{2066}\u{d}\u{9b}");
         assert_eq!(printable(&"9".repeat(1_000_000)).chars().count(), MOST_CHARACTERS + 1);
     }
 }

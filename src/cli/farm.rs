@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use flipmap::engine::choice::{Chosen, EngineRequest};
 use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, WorkPiece, run};
+use flipmap::film::ffmpeg::Codec;
 use flipmap::output::{read_text, shell_word};
 use flipmap::scene::Document;
 use flipmap::scene::film::{Film, FilmKind};
@@ -169,9 +170,11 @@ pub(super) fn paint(
     };
     drop(progress);
     painted.map_err(|error| match error {
-        MergeError::Stopped => anyhow::Error::from(Exit::Again),
+        // Frames that are written are not made again; a film in one file is.
+        MergeError::Stopped if Codec::of(output).is_none() => anyhow::Error::from(Exit::Again),
+        MergeError::Stopped => Exit::Unwritten.into(),
         // Ctrl-C in a terminal reaches ffmpeg too.
-        MergeError::Ffmpeg(_) if stop::asked() => Exit::Again.into(),
+        MergeError::Ffmpeg(_) if stop::asked() => Exit::Unwritten.into(),
         error => error.into(),
     })?;
     let [width, height] = film.size;

@@ -16,6 +16,7 @@ use super::exit::Exit;
 use super::options::{SceneWords, load, number};
 use super::picture_options::PictureOptions;
 use super::run_options::RunOptions;
+use super::same_file::Named;
 
 #[derive(Args, Debug, Default)]
 pub(super) struct FilmOptions {
@@ -64,6 +65,14 @@ impl FilmOptions {
         let one_scene = self.scenes.len() < 2 && !self.scenes.iter().any(|name| is_keys(name));
         let said = [&self.vary, &self.zoom_to, &self.secs, &self.frames, &self.fps];
         !one_scene || said.into_iter().any(Option::is_some)
+    }
+
+    /// The files that the film is made from.
+    pub(super) fn files(&self) -> Vec<Named<'_>> {
+        let scenes = self.scenes.iter().map(|name| ("the scene", Path::new(name)));
+        let target = self.zoom_to.iter().map(|name| ("--zoom-to", Path::new(name)));
+        let files = scenes.chain(target).filter(|(_, path)| path.exists());
+        files.chain(self.picture.palette_file()).collect()
     }
 
     /// Name of the scene of a still, if one was given.

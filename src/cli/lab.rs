@@ -11,7 +11,7 @@ use flipmap::output::PictureFile;
 
 use super::exit::Exit;
 use super::options::number;
-use super::same_file::keep_apart;
+use super::same_file::{keep_apart, one_stream};
 use super::size;
 
 #[derive(Args, Debug)]
@@ -53,6 +53,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let outputs: Vec<_> =
         named.into_iter().filter_map(|(option, path)| Some((option, path?))).collect();
     keep_apart(&[], &outputs)?;
+    one_stream(&outputs, false)?;
     if figure == Figure::Map {
         return map(options, size);
     }

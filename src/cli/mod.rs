@@ -101,7 +101,8 @@ enum Verb {
 
 /// Parses the command line and runs the subcommand.
 pub(crate) fn run() -> anyhow::Result<()> {
-    let Cli { version, verbose, verb } = Cli::parse();
+    let Cli { version, verbose, verb } =
+        Cli::try_parse().unwrap_or_else(|error| exit::leave(&error));
     if version {
         return version::say(verbose);
     }

@@ -4,11 +4,11 @@ use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use flipmap::output::Paths;
+use flipmap::output::{Paths, is_stdout};
 
 use super::exit::Exit;
 use super::option_names::by_option;
-use super::same_file::{Named, keep_apart};
+use super::same_file::{Named, keep_apart, one_stream};
 
 /// Options that name the output files.
 #[derive(Args, Clone, Debug)]
@@ -75,12 +75,9 @@ impl OutputOptions {
                            --raw FILE.npy and --exr FILE.exr";
             return usage(message.to_string());
         }
-        let is_stream = |(_, path): &&(&str, &Path)| path.as_os_str() == "-";
-        let streams: Vec<&str> = named.iter().filter(is_stream).map(|(name, _)| *name).collect();
-        if streams.len() + usize::from(json) > 1 {
-            return usage("only one of the outputs and --json can use standard output".to_string());
-        }
-        if let ([stream], true) = (&streams[..], stdout().is_terminal()) {
+        one_stream(&named, json)?;
+        let stream = named.iter().find(|(_, path)| is_stdout(path));
+        if let (Some((stream, _)), true) = (stream, stdout().is_terminal()) {
             return usage(format!(
                 "{stream} - would write to a terminal: redirect it, or name a file"
             ));

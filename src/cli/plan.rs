@@ -269,7 +269,7 @@ fn merge_still(
         !stop::asked()
     };
     merge::still(&document, passes, &mut parts, &paths, &mut go_on).map_err(|error| match error {
-        MergeError::Stopped => anyhow::Error::from(Exit::Again),
+        MergeError::Stopped => anyhow::Error::from(Exit::Unwritten),
         error => error.into(),
     })
 }

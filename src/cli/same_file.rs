@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use flipmap::output::is_one_file;
+use flipmap::film::Frames;
+use flipmap::output::{is_one_file, is_stdout};
 
 use super::exit::Exit;
 
@@ -17,6 +18,35 @@ pub(super) fn keep_apart(inputs: &[Named], outputs: &[Named]) -> Result<(), Exit
         {
             return Err(Exit::Usage(format!(
                 "{other} and {name} name the same file; give each its own"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Rejects several outputs on standard output, to which `json` is written, too.
+pub(super) fn one_stream(outputs: &[Named], json: bool) -> Result<(), Exit> {
+    let streams = outputs.iter().filter(|(_, path)| is_stdout(path)).map(|(name, _)| *name);
+    let streams: Vec<&str> = streams.chain(json.then_some("--json")).collect();
+    if streams.len() < 2 {
+        return Ok(());
+    }
+    Err(Exit::Usage(format!(
+        "{} would all be written to standard output, which takes one: name a file for the others",
+        streams.join(" and ")
+    )))
+}
+
+/// Rejects a film whose folder has an input under the name of a frame, which the film would replace.
+pub(super) fn keep_from_frames(inputs: &[Named], folder: &Path) -> Result<(), Exit> {
+    for (name, path) in inputs {
+        let place = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        let Some(file) = place.file_name().and_then(|file| file.to_str()) else { continue };
+        if Frames::are_named(file) && is_one_file(path, &folder.join(file)) {
+            return Err(Exit::Usage(format!(
+                "{name} {} is a frame in the folder of -o, which the film would replace: name \
+                 another folder",
+                path.display()
             )));
         }
     }

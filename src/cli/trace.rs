@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::output::{Advance, Destination, SafeFile, Trace, launch_from_text};
+use flipmap::output::{Advance, Destination, SafeFile, Trace, is_stdout, launch_from_text};
 use flipmap::physics::passes::Pass;
 use flipmap::physics::{Dd, Scalar};
 
@@ -58,7 +58,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         );
         return Err(Exit::Usage(message).into());
     }
-    let to_stdout = options.output.as_ref().is_none_or(|path| path.as_os_str() == "-");
+    let to_stdout = options.output.as_ref().is_none_or(|path| is_stdout(path));
     if options.json && to_stdout {
         return Err(
             Exit::Usage("--json needs -o FILE.csv: both would use standard output".into()).into()

@@ -1,5 +1,6 @@
 //! `flipmap video`: makes a film from keys, from scenes, or of a zoom.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,7 +8,7 @@ use flipmap::engine::choice::Chosen;
 use flipmap::farm::merge::legend;
 use flipmap::farm::{Plan, PlannedOutput, Task};
 use flipmap::film::ffmpeg::{Codec, arguments};
-use flipmap::output::read_text;
+use flipmap::output::{Destination, SafeFile, read_text};
 use flipmap::scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
@@ -15,6 +16,7 @@ use super::film_options::FilmOptions;
 use super::plan::spares_others;
 use super::progress::Mode;
 use super::run_options::{check_steps, start};
+use super::same_file::keep_from_frames;
 use super::{farm, frames, stop};
 
 #[derive(Args, Debug)]
@@ -47,16 +49,17 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(codec) = codec {
         codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
     }
+    keep_from_frames(&options.film.files(), &options.output)?;
     if film.kind() != FilmKind::Flips {
         return frames::run(options, &film, &spec);
     }
     legend(&film, &film.keys[0].scene.picture)?;
     farm::check_output(&options.output)?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
-    std::fs::create_dir_all(&cache)
-        .map_err(|error| Exit::Usage(format!("--cache {}: {error}", cache.display())))?;
+    prepare(&cache, options)?;
     let path = cache.join("plan.toml");
     spares_others("--cache", &path)?;
+    spares_plans(&path)?;
     let mut request = options.film.run.engine.request(spec.setting);
     // Another engine would differ from the existing samples in the last digits.
     if let Some(earlier) = earlier(&path) {
@@ -73,6 +76,32 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     farm::paint(&task, parts, &options.film.picture, &options.output, options.progress)
 }
 
+/// Makes the folder of the samples, and rejects one that cannot be written.
+fn prepare(cache: &Path, options: &Options) -> Result<(), Exit> {
+    let made = std::fs::create_dir_all(cache).and_then(|()| SafeFile::check(&plan_in(cache)));
+    made.map_err(|error| {
+        let folder = cache.display();
+        let message = match error.kind() {
+            ErrorKind::InvalidFilename if options.cache.is_none() => {
+                let output = options.output.display();
+                format!(
+                    "-o: the name {output} leaves no room for .samples: shorten it, or give --cache"
+                )
+            }
+            _ if cache.exists() && !cache.is_dir() => {
+                format!("--cache: cannot keep samples in {folder}: it is a file, not a folder")
+            }
+            _ => format!("--cache: cannot keep samples in {folder}: {error}"),
+        };
+        Exit::Failed(message)
+    })
+}
+
+/// The plan beside the samples.
+fn plan_in(cache: &Path) -> Destination {
+    Destination::File(cache.join("plan.toml"))
+}
+
 /// Writes a plan of a single shard next to the samples and returns its task.
 fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Result<Task> {
     check_steps(&film.keys[0].scene.scene(), chosen.config)?;
@@ -80,6 +109,17 @@ fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Re
     let plan = Plan::new(PlannedOutput::Film(film), 1, engine, false);
     super::write_whole(path, "--cache", plan.text().as_bytes())?;
     Ok(Task::new(plan, path)?)
+}
+
+/// Refuses to replace a plan that is not a film's own.
+fn spares_plans(path: &Path) -> Result<(), Exit> {
+    match read_text(path) {
+        Ok(text) if !Plan::is_kept_by_film(&text) => Err(Exit::Usage(format!(
+            "--cache: {} is no plan of this command's, which would replace it: name another folder",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 fn earlier(path: &Path) -> Option<Plan> {

@@ -7,6 +7,7 @@ use super::depth::{DepthEngine, Following};
 use super::gpu::device::{Gpu, adapters, describe};
 use super::gpu::{GpuEngine, GpuTuning};
 use super::profile::{Profile, ProfileRow};
+use super::threads::threads_beside;
 use super::{
     Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck,
 };
@@ -136,8 +137,8 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
             .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use `engine` cpu")))?,
         (None, None) => automatic(request, tell)?,
     };
-    let engine =
-        DepthEngine::new(chosen.engine, request.threads)?.telling(chosen.following.clone());
+    let engine = DepthEngine::new(chosen.engine, threads_beside(request.threads))?
+        .telling(chosen.following.clone());
     Ok(Chosen { engine: Box::new(engine), ..chosen })
 }
 

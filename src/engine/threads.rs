@@ -1,18 +1,29 @@
 //! The number of threads that nobody chose.
 
-/// Largest number of threads: beyond it a machine is only kept busy with the threads themselves.
-const MOST_THREADS: usize = 1024;
+/// Largest number of threads for each core: beyond it a machine is only kept busy with the threads
+/// themselves.
+const MOST_PER_CORE: usize = 2;
 
-/// Number of threads by default: one per core, or as many as `RAYON_NUM_THREADS` says, at most 1024.
+/// Number of threads of a pool by default: one per core, or as many as `RAYON_NUM_THREADS` says, at most
+/// two per core. Several pools can be at work: that of the engine, that of deep starts, and that of the
+/// whole program.
 pub fn default_threads() -> usize {
     let said = std::env::var("RAYON_NUM_THREADS").ok();
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    bounded(said.as_deref()).unwrap_or_else(cores)
+    bounded(said.as_deref(), cores()).unwrap_or_else(cores)
 }
 
-fn bounded(said: Option<&str>) -> Option<usize> {
-    let threads = said?.parse().ok().filter(|threads| *threads > 0)?;
-    Some(MOST_THREADS.min(threads))
+/// Number of threads of a pool beside one of `chosen` threads: as many, at most two per core.
+pub fn threads_beside(chosen: Option<usize>) -> Option<usize> {
+    chosen.map(|threads| threads.min(MOST_PER_CORE * cores()))
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn bounded(said: Option<&str>, cores: usize) -> Option<usize> {
+    let threads: usize = said?.parse().ok().filter(|threads| *threads > 0)?;
+    Some(threads.min(MOST_PER_CORE * cores))
 }
 
 #[cfg(test)]
@@ -21,7 +32,10 @@ mod tests {
 
     #[test]
     fn threads_are_bounded() {
-        assert_eq!(bounded(Some("100000")), Some(1024));
-        assert_eq!([bounded(Some("3")), bounded(Some("0")), bounded(None)], [Some(3), None, None]);
+        assert_eq!(bounded(Some("18446744073709551615"), 2), Some(4));
+        assert_eq!(bounded(Some("3"), 64), Some(3));
+        assert_eq!([bounded(Some("0"), 2), bounded(Some("all"), 2), bounded(None, 2)], [None; 3]);
+        assert_eq!(threads_beside(None), None);
+        assert!(threads_beside(Some(1024)).is_some_and(|threads| threads <= 2 * cores()));
     }
 }

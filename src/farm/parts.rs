@@ -15,8 +15,9 @@
 //!
 //! - A part is valid if its first line, checksum and encoding are right, and if it has as many samples
 //!   as it says, of the width and channels that the plan wants of this digest. Any other file with the
-//!   name of a part is damaged: its samples count as missing, and it is removed before they are computed
-//!   again. Files with other names are left alone.
+//!   name of a part of this plan is damaged: its samples count as missing, and it is removed before they
+//!   are computed again. One that does not even begin as a part was put there by others, and is refused.
+//!   Files with other names are left alone.
 //! - A part is written under a temporary name and then renamed ([`SafeFile`]), so it is whole or
 //!   not there. A process that is killed leaves at most a temporary file, which the scan ignores.
 //! - Writing does not wait for the disk (no fsync). A part that lost bytes in a power failure, or
@@ -58,6 +59,9 @@ pub enum PartError {
     /// A file that is not as it was written.
     #[error("{0} is cut short or altered ({1}): run its shard again, which computes it anew")]
     Damaged(PathBuf, &'static str),
+    /// A file under the name of a part that was never one.
+    #[error("{0} has the name of a part of this plan and is none: move it elsewhere")]
+    Foreign(PathBuf),
     /// Samples that an earlier scan found and that are missing now.
     #[error("samples are missing that were there a moment ago; run again")]
     Gone,
@@ -194,7 +198,7 @@ impl std::fmt::Debug for Part {
 
 impl Parts {
     /// Reads every part of these forms in a folder from the first byte to the last; a missing folder
-    /// is empty.
+    /// is empty. Refuses files of others under the names of such parts.
     pub fn scan(folder: &Path, forms: PartForms) -> Result<Self, PartError> {
         let mut parts = Parts { forms, ..Parts::default() };
         let entries = match fs::read_dir(folder) {
@@ -203,14 +207,17 @@ impl Parts {
         };
         for entry in entries {
             let path = entry.map_err(failed("read", folder))?.path();
-            // A pipe would be waited for.
+            let is_ours = is_named_by(&path, &parts.forms);
+            // A pipe would be waited for, and a device would swallow what is computed.
+            if is_ours && !path.is_file() {
+                return Err(PartError::Foreign(path));
+            }
             if path.extension().is_some_and(|ending| ending == "part") && path.is_file() {
                 match read(&path, &parts.forms) {
                     Ok(Some(part)) => parts.add(path, &part),
-                    Err(PartError::Damaged(path, why)) if is_named_by_us(&path) => {
-                        parts.damaged.push((path, why));
-                    }
-                    Ok(None) | Err(PartError::Damaged(..)) => {}
+                    Ok(None) => {}
+                    Err(_) if !is_ours => {}
+                    Err(PartError::Damaged(path, why)) => parts.damaged.push((path, why)),
                     Err(error) => return Err(error),
                 }
             }
@@ -324,7 +331,12 @@ const MOST_BYTES: u64 = 1 << 30;
 fn read(path: &Path, forms: &PartForms) -> Result<Option<Part>, PartError> {
     let bytes = read_plain(path, MOST_BYTES).map_err(failed("read", path))?;
     let damaged = |why| PartError::Damaged(path.to_path_buf(), why);
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("its first line is another"))?;
+    let Some(rest) = bytes.strip_prefix(MAGIC) else {
+        return Err(match may_be_lost(&bytes) {
+            true => damaged("its first line is another"),
+            false => PartError::Foreign(path.to_path_buf()),
+        });
+    };
     let cut = || damaged("it ends within its checksum, bytes 15 to 18");
     let (sum, body) = rest.split_first_chunk::<4>().ok_or_else(cut)?;
     if crc32fast::hash(body) != u32::from_le_bytes(*sum) {
@@ -339,8 +351,26 @@ fn read(path: &Path, forms: &PartForms) -> Result<Option<Part>, PartError> {
     Ok(Some(part))
 }
 
-/// Returns true if a file has the name of a part; files of others are left alone.
-fn is_named_by_us(path: &Path) -> bool {
+/// Largest number of bytes of a part's first line that damage may have changed.
+const MOST_CHANGED: usize = 3;
+
+/// Returns true if a file that does not begin as a part may have done so before it was damaged: it is
+/// empty or begins with zeros, as after a power failure, or with nearly the same line.
+fn may_be_lost(bytes: &[u8]) -> bool {
+    let first = &bytes[..bytes.len().min(MAGIC.len())];
+    let changed = first.iter().zip(MAGIC).filter(|(found, byte)| found != byte).count();
+    changed <= MOST_CHANGED.min(first.len() / 2) || first.iter().all(|byte| *byte == 0)
+}
+
+/// Returns true if a file has the name of a part of one of the forms.
+fn is_named_by(path: &Path, forms: &PartForms) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let of = name.split('-').nth(1).unwrap_or_default();
+    is_named_as_part(path) && forms.keys().any(|form| form[..8] == *of)
+}
+
+/// Returns true if a file has the name of a part, of any plan.
+fn is_named_as_part(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let words: Vec<&str> = name.strip_suffix(".part").unwrap_or_default().split('-').collect();
     let is_hex = |word: &str, length| {
@@ -403,7 +433,7 @@ mod tests {
 
     #[test]
     fn only_files_named_exactly_like_ours_are_ours() {
-        let ours = |name: &str| is_named_by_us(Path::new(name));
+        let ours = |name: &str| is_named_as_part(Path::new(name));
         assert!(ours("rows-1f0c92aa-0000128-64.part"));
         assert!(ours("patches-1f0c92aa-77b0e3d91a54c208.part"));
         let others =
@@ -458,5 +488,32 @@ mod tests {
         assert_eq!(parts.damaged().len(), 1);
         parts.remove_damaged().unwrap();
         assert!(!path.exists());
+    }
+
+    #[test]
+    fn files_of_others_are_told_from_damaged_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = sha256(b"a still");
+        let form = PartForm::Rows { width: 3, rows: 10, channels: 1 };
+        let named = |of: &str| folder.path().join(format!("rows-{}-0000000-4.part", &of[..8]));
+        let scan = |bytes: &[u8]| {
+            fs::write(named(&of), bytes).unwrap();
+            Parts::scan(folder.path(), forms(&of, form))
+        };
+        fs::write(named(&"0".repeat(8)), "mine").unwrap();
+        for lost in [&b""[..], &[0; 400], b"flipmap", b"flipnap part 1\n...", MAGIC] {
+            let mut parts = scan(lost).unwrap();
+            assert_eq!(parts.damaged().len(), 1, "{lost:?}");
+            parts.remove_damaged().unwrap();
+            assert!(!named(&of).exists() && named(&"0".repeat(8)).exists());
+        }
+        for foreign in [&b"mine"[..], b"m", b"a letter to somebody", &[0xff; 400]] {
+            let refused = scan(foreign);
+            assert!(matches!(refused, Err(PartError::Foreign(_))), "{foreign:?}: {refused:?}");
+        }
+        fs::remove_file(named(&of)).unwrap();
+        fs::create_dir(named(&of)).unwrap();
+        let refused = Parts::scan(folder.path(), forms(&of, form));
+        assert!(matches!(refused, Err(PartError::Foreign(_))), "{refused:?}");
     }
 }

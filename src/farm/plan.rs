@@ -62,7 +62,10 @@ pub enum PlanError {
     #[error("was made by flipmap {0}, and this is {VERSION}: plan it again with this one")]
     Version(String),
     /// A plan that was edited after it was made.
-    #[error("was changed after it was planned: plan it again with what you want")]
+    #[error(
+        "was changed after it was planned, in some line that its `sha256`, a checksum of the whole, does \
+         not tell: plan it again with what you want"
+    )]
     Changed,
     /// A plan without exactly one still or film, or with one that is not valid.
     #[error("holds {0}: plan it again")]
@@ -108,12 +111,21 @@ impl Plan {
             return Err(PlanError::Version(version));
         }
         let plan: Plan = toml::from_str(text).map_err(|error| {
-            PlanError::Syntax(error.message().lines().next().unwrap_or_default().to_string())
+            let what = error.message().lines().next().unwrap_or_default();
+            PlanError::Syntax(format!("{}{what}", place(&error, text)))
         })?;
         if plan.sha256 != plan.digest() || plan.format != FORMAT {
             return Err(PlanError::Changed);
         }
         plan.checked()
+    }
+
+    /// Returns true for the text of a plan as a film keeps it with its samples: of a film, in one shard.
+    /// One of another version may have keys of its own.
+    pub fn is_kept_by_film(text: &str) -> bool {
+        let plan = toml::from_str::<toml::Table>(text).unwrap_or_default();
+        let shards = plan.get("shards").and_then(toml::Value::as_integer);
+        plan.contains_key("film") && shards == Some(1)
     }
 
     /// Largest number of shards.
@@ -169,6 +181,16 @@ impl Plan {
     fn digest(&self) -> String {
         sha256(Plan { sha256: String::new(), ..self.clone() }.text().as_bytes())
     }
+}
+
+/// Line and column of an error in a text, if it has a place.
+fn place(error: &toml::de::Error, text: &str) -> String {
+    let before = error.span().and_then(|span| text.get(..span.start));
+    before.map_or(String::new(), |before| {
+        let line = before.matches('\n').count() + 1;
+        let column = before.chars().rev().take_while(|&letter| letter != '\n').count() + 1;
+        format!("line {line}, column {column}: ")
+    })
 }
 
 #[derive(Deserialize)]
@@ -230,7 +252,11 @@ mod tests {
         assert!(refused(&version, "version = \"0.0.1\"").contains("flipmap 0.0.1, and this is"));
         assert!(refused("shards = 8", "shards = 9").contains("was changed"));
         assert!(refused("gravity = 9.81", "gravity = 1.62").contains("was changed"));
-        assert!(refused("shards = 8", "chards = 8").contains("is no plan"));
+        let misspelt = refused("shards = 8", "chards = 8");
+        assert!(misspelt.contains("is no plan: line 4, column 1: unknown field"), "{misspelt}");
+        let wrong = refused("shards = 8", "shards = true");
+        assert!(wrong.contains("is no plan: line 4, column 10: invalid type"), "{wrong}");
+        assert!(refused("shards = 8", "shards = 9").contains("a checksum of the whole"));
         assert!(Plan::parse("width = 3").unwrap_err().to_string().contains("is no plan"));
     }
 }

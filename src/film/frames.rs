@@ -1,16 +1,20 @@
 //! Frames as numbered pictures: each a PNG that carries its scene, with a JSON file beside it, and
 //! a manifest once all are there.
 //!
-//! A frame's JSON file is written first, so a numbered picture without one was written by others:
-//! such a folder is refused before anything is computed.
+//! A frame's JSON file is written first, so a numbered picture without one was written by others, as
+//! was one that carries no scene: such a folder is refused before anything is computed. So is one in
+//! which a frame is a link, whose target is not the film's, or is write-protected.
 
 use std::fs;
-use std::io;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::output::{Destination, PngError, PngWriter, SafeFile, read_plain, read_text, sha256};
+use crate::output::{
+    Destination, PngError, PngWriter, SafeFile, carries_scene, open_plain, read_plain, read_text,
+    sha256,
+};
 use crate::scene::film::{Film, Shot};
 use crate::scene::{Document, location};
 
@@ -79,18 +83,22 @@ impl Frames {
         })
     }
 
+    /// Returns true for the name of a frame or of the JSON file beside it.
+    pub fn are_named(name: &str) -> bool {
+        let stem = name.strip_suffix(".png").or_else(|| name.strip_suffix(".json"));
+        stem.is_some_and(|stem| stem.len() >= 6 && stem.bytes().all(|byte| byte.is_ascii_digit()))
+    }
+
     /// Creates a folder if necessary. Refuses one that cannot be written, and one with files of
-    /// others under the names of frames or of the manifest.
+    /// others or write-protected files under the names of frames or of the manifest.
     pub fn check(folder: &Path) -> io::Result<()> {
         fs::create_dir_all(folder)?;
         tempfile::tempfile_in(folder)?;
         for entry in fs::read_dir(folder)? {
             let path = entry?.path();
-            if is_foreign(&path) {
+            if let Some(why) = objection(&path) {
                 let name = path.file_name().unwrap_or_default().display();
-                let why =
-                    format!("it holds {name}, which is not of a film of flipmap's: name another");
-                return Err(io::Error::other(why));
+                return Err(io::Error::other(format!("it holds {name}, {why}")));
             }
         }
         Ok(())
@@ -172,25 +180,40 @@ impl Beside {
     }
 }
 
-/// Returns true for a file that has the name of a frame or of the manifest and was written by
-/// others.
-fn is_foreign(path: &Path) -> bool {
-    let (Some(stem), Some(ending)) = (path.file_stem(), path.extension()) else { return false };
-    if path.file_name().is_some_and(|name| name == MANIFEST) {
-        let text = read_text(path).unwrap_or_default();
-        return serde_json::from_str::<Manifest>(&text).is_err();
+/// The reason why a file that has the name of a frame or of the manifest cannot be replaced.
+fn objection(path: &Path) -> Option<&'static str> {
+    let name = path.file_name()?.to_str()?;
+    let is_ours = match name {
+        MANIFEST => is_manifest,
+        _ if Frames::are_named(name) => is_frame,
+        _ => return None,
+    };
+    let found = path.symlink_metadata().ok()?;
+    // A pipe or a folder would take no frame, and a link leads to a file that is not the film's.
+    if !found.is_file() || !is_ours(path) {
+        return Some("which is not of a film of flipmap's: name another");
     }
-    let is_number = |name: &str| name.len() >= 6 && name.bytes().all(|byte| byte.is_ascii_digit());
-    let is_frame = stem.to_str().is_some_and(is_number) && (ending == "png" || ending == "json");
-    // A pipe or a folder would take no frame.
-    is_frame && (!path.is_file() || Beside::read(&path.with_extension("json")).is_none())
+    let protected = found.permissions().readonly();
+    protected.then_some("which is write-protected: remove it, or name another folder")
+}
+
+/// Returns true if a file with the name of the manifest is one.
+fn is_manifest(path: &Path) -> bool {
+    read_text(path).is_ok_and(|text| serde_json::from_str::<Manifest>(&text).is_ok())
+}
+
+/// Returns true if a file with the name of a frame, or of the JSON file beside it, is one.
+fn is_frame(path: &Path) -> bool {
+    let is_picture = |path: &Path| open_plain(path).is_ok_and(|f| carries_scene(BufReader::new(f)));
+    let is_json = path.extension().is_some_and(|ending| ending == "json");
+    Beside::read(&path.with_extension("json")).is_some() && (is_json || is_picture(path))
 }
 
 /// Removes frames of an earlier, longer film, so that players find only this one in the folder.
 fn remove_from(folder: &Path, frames: u32) -> Result<(), FrameError> {
     for frame in frames.. {
         let [png, json] = ["png", "json"].map(|ending| folder.join(format!("{frame:06}.{ending}")));
-        if Beside::read(&json).is_none() {
+        if Beside::read(&json).is_none() || objection(&png).is_some() {
             return Ok(());
         }
         remove(&png)?;

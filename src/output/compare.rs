@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 pub use super::comparison::Comparison;
 use super::npy::npy_shape;
+use super::whole_png::check_whole_png;
+use crate::engine::plain_file::open_plain;
 use crate::question::{Ask, Channel, ChannelScale};
 
 /// A result that is read row by row, from the top.
@@ -124,7 +126,7 @@ impl ResultRows {
     pub fn open(path: &Path) -> Result<Self, CompareError> {
         let unreadable = |source| CompareError::File { path: path.to_path_buf(), source };
         let foreign = |why: String| CompareError::Kind { path: path.to_path_buf(), why };
-        let file = BufReader::new(File::open(path).map_err(unreadable)?);
+        let file = BufReader::new(open_plain(path).map_err(unreadable)?);
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         let (size, kind) = if is_png {
             let mut decoder = png::Decoder::new(file);
@@ -139,6 +141,8 @@ impl ResultRows {
             if info.interlaced {
                 return Err(foreign("is interlaced, which no output of flipmap is".to_string()));
             }
+            let whole = open_plain(path).and_then(|file| check_whole_png(BufReader::new(file)));
+            whole.map_err(unreadable)?;
             ([info.width, info.height], ResultKind::Colours(Box::new(reader)))
         } else {
             let mut file = file;
@@ -148,7 +152,7 @@ impl ResultRows {
             let values = size.map(u64::from).iter().product::<u64>() * channels as u64;
             let needed = 8 * values + file.stream_position().map_err(unreadable)?;
             let found = file.get_ref().metadata().map_err(unreadable)?;
-            if found.is_file() && found.len() != needed {
+            if found.len() != needed {
                 let why = format!("has {} bytes, and its header says {needed}", found.len());
                 return Err(foreign(why));
             }

@@ -32,6 +32,7 @@ mod state;
 mod trace;
 mod trace_channels;
 mod trust;
+mod whole_png;
 
 pub use crate::engine::plain_file::{open_plain, read_plain, read_text};
 pub use curve::CurveBand;
@@ -42,10 +43,10 @@ pub use failure::{OutputError, RenderError, is_broken_pipe, is_stopped, sentence
 pub use gradient::{GradientError, read_gradient};
 pub use legend::Legend;
 pub use npy::{NpyWriter, number_of};
-pub use one_file::is_one_file;
+pub use one_file::{is_one_file, is_stdout};
 pub use paint::{RowPainter, blended};
 pub use picture_file::PictureFile;
-pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
+pub use png::{Picture, PngError, PngWriter, carries_scene, document_in_png, picture_in_png};
 pub use pyramid::{Pyramid, PyramidFolder, TILE_SIDE};
 pub use read::{ReadError, named_document, read_document};
 pub use render::{RenderClock, pass_work, render_pass};

@@ -16,6 +16,31 @@ pub fn is_one_file(a: &Path, b: &Path) -> bool {
     }
 }
 
+/// Returns true if a path leads to standard output: `-`, /dev/stdout, or the file or pipe that standard
+/// output is.
+pub fn is_stdout(path: &Path) -> bool {
+    let names = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
+    names.iter().any(|name| path == Path::new(name)) || is_file_of_stdout(path)
+}
+
+#[cfg(unix)]
+fn is_file_of_stdout(path: &Path) -> bool {
+    use std::os::fd::AsFd;
+    use std::os::unix::fs::{FileTypeExt, MetadataExt};
+
+    let stdout = std::io::stdout().as_fd().try_clone_to_owned().map(std::fs::File::from);
+    let (Ok(found), Ok(out)) = (path.metadata(), stdout.and_then(|out| out.metadata())) else {
+        return false;
+    };
+    // /dev/null may be named as often as one likes.
+    !found.file_type().is_char_device() && (found.dev(), found.ino()) == (out.dev(), out.ino())
+}
+
+#[cfg(not(unix))]
+fn is_file_of_stdout(_: &Path) -> bool {
+    false
+}
+
 fn is_device(path: &Path) -> bool {
     !path.is_file() && !path.is_dir()
 }

@@ -162,6 +162,12 @@ pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> 
     document_of(reader.info())
 }
 
+/// Returns true if a file begins as a PNG that carries a scene of flipmap's; its pixels are not read.
+pub fn carries_scene(file: impl BufRead + Seek) -> bool {
+    let reader = png::Decoder::new(file).read_info();
+    reader.is_ok_and(|reader| reader.info().utf8_text.iter().any(|text| text.keyword == KEYWORD))
+}
+
 /// Reads a whole picture that flipmap wrote, if no side is longer than `longest_side`.
 pub fn picture_in_png(file: impl BufRead + Seek, longest_side: u32) -> Result<Picture, PngError> {
     let mut decoder = png::Decoder::new(file);

@@ -130,11 +130,11 @@ fn is_device(path: &Path) -> bool {
     path.exists() && !path.is_file() && !path.is_dir()
 }
 
-/// Prefix of the names of unfinished files.
-pub(super) const UNFINISHED: &str = ".flipmap-";
+/// Prefix of the names of unfinished files: longer than anybody else's name may begin by chance.
+pub(super) const UNFINISHED: &str = ".flipmap-unfinished-";
 
 /// Number of random letters and digits after it.
-pub(super) const UNIQUE: usize = 6;
+pub(super) const UNIQUE: usize = 16;
 
 /// File in an unfinished folder that its process holds; a folder without it is worth keeping.
 pub(super) const HELD: &str = "held";
@@ -259,35 +259,34 @@ mod tests {
     fn files_of_killed_runs_are_removed_and_those_of_running_ones_are_not() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
+        let named = |word: &str| format!("{UNFINISHED}{word:0>UNIQUE$}");
         let long_ago = std::time::SystemTime::now() - 2 * ORPHAN_AGE;
         let unfinished = |name: &str, modified| {
             let file = File::create(at(name)).unwrap();
             file.set_modified(modified).unwrap();
             file
         };
-        drop(unfinished(".flipmap-killed", long_ago));
-        let running = unfinished(".flipmap-goeson", long_ago);
+        drop(unfinished(&named("killed"), long_ago));
+        let running = unfinished(&named("goeson"), long_ago);
         hold(&running);
-        drop(unfinished(".flipmap-young1", std::time::SystemTime::now()));
-        for others in ["mine", ".flipmap-keepme2", ".flipmap-keep.me", ".flipmap-"] {
-            drop(unfinished(others, long_ago));
+        drop(unfinished(&named("young1"), std::time::SystemTime::now()));
+        let short = format!("{UNFINISHED}map");
+        let dotted = named("keep.me");
+        let others = ["mine", ".flipmap-abcdef", ".flipmap-", &short, &dotted];
+        for name in others {
+            drop(unfinished(name, long_ago));
         }
-        for folder in [".flipmap-deadma", ".flipmap-goesma", ".flipmap-keptma"] {
-            std::fs::create_dir_all(at(folder).join("new")).unwrap();
+        for folder in ["deadma", "goesma", "keptma"] {
+            std::fs::create_dir_all(at(&named(folder)).join("new")).unwrap();
         }
-        drop(unfinished(".flipmap-deadma/held", long_ago));
-        let running_map = unfinished(".flipmap-goesma/held", long_ago);
+        drop(unfinished(&(named("deadma") + "/held"), long_ago));
+        let running_map = unfinished(&(named("goesma") + "/held"), long_ago);
         hold(&running_map);
         SafeFile::write_whole(&Destination::File(at("map.png")), b"new").unwrap();
         let left = |name: &str| at(name).exists();
-        assert!(!left(".flipmap-killed") && !left(".flipmap-deadma"));
-        assert!(
-            [".flipmap-goeson", ".flipmap-young1", "mine", ".flipmap-keepme2"]
-                .into_iter()
-                .all(left)
-        );
-        assert!([".flipmap-keep.me", ".flipmap-", "map.png"].into_iter().all(left));
-        assert!([".flipmap-goesma", ".flipmap-keptma"].into_iter().all(left));
+        assert!(!left(&named("killed")) && !left(&named("deadma")));
+        assert!(others.into_iter().chain(["map.png"]).all(left));
+        assert!(["goeson", "young1", "goesma", "keptma"].iter().all(|word| left(&named(word))));
     }
 
     #[test]

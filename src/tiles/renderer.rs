@@ -3,6 +3,7 @@
 use super::preview::preview;
 use super::{Counts, Samples, Work, check_feasible, opinion};
 use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
+use crate::engine::threads::threads_beside;
 use crate::engine::trust::{Opinion, TrustEngine};
 use crate::engine::{Accuracy, Cells, Engine, EngineError, IntegratorConfig};
 use crate::scene::Scene;
@@ -49,7 +50,7 @@ impl Renderer {
         threads: Option<usize>,
     ) -> Result<Self, EngineError> {
         let engine = if verify {
-            Maker::Checked(Box::new(TrustEngine::new(engine, threads)?))
+            Maker::Checked(Box::new(TrustEngine::new(engine, threads_beside(threads))?))
         } else {
             Maker::Unchecked(engine)
         };

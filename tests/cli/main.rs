@@ -326,3 +326,28 @@ fn figures_of_the_lesson_are_data_and_a_wrong_name_lists_them() {
     let all: Vec<f64> = text.lines().skip(1).map(separation).collect();
     assert!(all.len() > 400 && all[0] < 1e-5 && all[all.len() - 1] > 1e-2, "{all:?}");
 }
+
+#[test]
+fn standard_output_takes_one_output() {
+    let folder = folder();
+    let draw = ["render", "--engine", "cpu", "--size", "16x16", "--budget", "1"];
+    let lab = ["lab", "double", "--at", "1"];
+    let trace = ["trace", "--start", "2,2", "--until", "1"];
+    for words in [
+        [&draw[..], &["-o", "-", "--raw", "-"]].concat(),
+        [&draw[..], &["-o", "/dev/stdout", "--raw", "-"]].concat(),
+        [&draw[..], &["-o", "-", "--raw", "/dev/fd/1"]].concat(),
+        [&draw[..], &["-o", "/dev/stdout", "--json"]].concat(),
+        [&lab[..], &["-o", "-", "--csv", "-"]].concat(),
+        [&lab[..], &["-o", "/dev/stdout", "--csv", "-"]].concat(),
+        [&trace[..], &["-o", "/dev/stdout", "--json"]].concat(),
+    ] {
+        if !cfg!(unix) && words.iter().any(|word| word.starts_with("/dev")) {
+            continue;
+        }
+        let output = flipmap(&folder, &words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {}", error_of(&output));
+        assert!(error_of(&output).contains("standard output"), "{words:?}: {}", error_of(&output));
+        assert!(output.stdout.is_empty(), "{words:?}");
+    }
+}

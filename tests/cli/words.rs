@@ -136,3 +136,30 @@ fn the_version_is_told_and_whose_the_colour_tables_are() {
     assert_eq!(alone.status.code(), Some(2));
     assert!(error_of(&alone).contains("--version"), "{}", error_of(&alone));
 }
+
+#[test]
+fn mistakes_that_the_parser_finds_are_quoted_safely() {
+    let folder = folder();
+    let long = "9".repeat(100_000);
+    let hostile = "x\u{9b}31m\r\u{202e}\u{1b}[31m\u{2066}y";
+    let unknown = format!("--{hostile}");
+    for words in [
+        &["render", "--threads", &long][..],
+        &["render", "--threads", hostile],
+        &[&long],
+        &[hostile],
+        &["render", &unknown],
+        &["plan", "--shards", hostile, "-o", "p.toml"],
+        &["render", "--progress", &long],
+    ] {
+        let output = flipmap(&folder, words);
+        let error = error_of(&output);
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.starts_with("error: ") && error.contains("--help"), "{error}");
+        assert!(error.chars().count() < 2100, "{} characters", error.chars().count());
+        let obeyed = |c: char| c.is_control() && c != '\n' || ('\u{202a}'..'\u{206a}').contains(&c);
+        assert!(!error.contains(obeyed), "{error:?}");
+    }
+    let help = flipmap(&folder, &["render", "--help"]);
+    assert!(help.status.success() && help.stderr.is_empty());
+}
