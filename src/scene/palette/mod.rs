@@ -5,6 +5,7 @@ pub mod gradient;
 mod ground;
 mod legend;
 mod relief;
+mod steps;
 mod time_scale;
 mod tones;
 
