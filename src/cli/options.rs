@@ -109,6 +109,12 @@ impl SceneWords {
         }
     }
 
+    /// Returns true for each word that was given as an option.
+    pub(super) fn says(&self, words: [Word; 2]) -> [bool; 2] {
+        let said = self.said();
+        words.map(|word| said.iter().any(|(other, said)| *other == word && said.is_some()))
+    }
+
     /// Applies the options to a document and checks the result.
     pub(super) fn apply(&self, document: Document) -> Result<Document, SceneError> {
         let said = self.said().into_iter();

@@ -203,11 +203,9 @@ impl Sheet {
         let (width, height) = (self.width, self.rows.len() as u32);
         let margin = self.letter as u32;
         if width + margin > size[0] || height + margin > size[1] {
-            return Err(SceneError {
-                setting: "legend",
-                value: format!("set for a picture of {}x{}", size[0], size[1]),
-                range: "the legend needs a picture of at least 320x160 pixels",
-            });
+            let value = format!("set for a picture of {}x{}", size[0], size[1]);
+            let range = "the legend needs a picture of at least 320x160 pixels";
+            return Err(SceneError::new("legend", value, range));
         }
         let corner = [margin, size[1] - margin - height];
         let pixels = self.rows.into_iter().flatten().collect();

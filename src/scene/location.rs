@@ -4,7 +4,7 @@
 //! The words are those of the command line. Centre and width are always present, the other words
 //! only where they differ from the home scene.
 
-use super::words::Word;
+use super::words::{Word, set_all};
 use super::{Scene, SceneError};
 
 /// Prefix of every location.
@@ -61,12 +61,12 @@ pub fn parse(text: &str) -> Result<Scene, LocationError> {
         let (key, value) =
             part.split_once('=').ok_or_else(|| LocationError::NoWord(part.to_string()))?;
         let word = known(key.trim())?;
-        if said.contains(&word) {
+        if said.iter().any(|(other, _)| *other == word) {
             return Err(LocationError::Twice(word.setting()));
         }
-        word.set(&mut scene, value.trim())?;
-        said.push(word);
+        said.push((word, value.trim()));
     }
+    set_all(&mut scene, &said)?;
     Ok(scene.checked()?)
 }
 

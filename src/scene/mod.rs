@@ -36,6 +36,8 @@ pub use turn::Turn;
 pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 
 use self::exact_length::exactly;
@@ -226,7 +228,9 @@ impl QuestionTable {
 
     /// Checks what belongs to this question; the budget is checked.
     fn check(&self) -> Result<(), SceneError> {
-        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
+        let refuse = |setting, value: String, range: &'static str| {
+            Err(SceneError::new(setting, value, range))
+        };
         if !(1..=Self::MOST_COUNT).contains(&self.count) {
             return refuse("count", self.count.to_string(), "it must lie between 1 and 1000000");
         }
@@ -241,13 +245,15 @@ impl QuestionTable {
                 "only the questions flips, state, growth and return last until a given time",
             );
         }
+        let budget = self.budget.secs;
         if at == 0.0 && self.ask.kind().needs == Needs::Growth {
-            let range = "growth takes time: it must lie above 0 and within `budget`, in s";
-            return refuse("at", format!("{at} s"), range);
+            let range =
+                format!("growth takes time: it must lie above 0 and within the budget, {budget} s");
+            return Err(SceneError::new("at", format!("{at} s"), range));
         }
-        if !(at >= 0.0 && at <= self.budget.secs) {
-            let range = "it must lie within the budget: between 0 and `budget`, in s";
-            return refuse("at", format!("{at} s"), range);
+        if !(at >= 0.0 && at <= budget) {
+            let range = format!("it must lie within the budget, between 0 and {budget} s");
+            return Err(SceneError::new("at", format!("{at} s"), range));
         }
         Ok(())
     }
@@ -275,7 +281,18 @@ pub struct SceneError {
     /// The given value.
     pub value: String,
     /// The allowed range, as a phrase.
-    pub range: &'static str,
+    pub range: Cow<'static, str>,
+}
+
+impl SceneError {
+    /// The refusal of a value, with the range of those that can be used.
+    pub fn new(
+        setting: &'static str,
+        value: impl Into<String>,
+        range: impl Into<Cow<'static, str>>,
+    ) -> Self {
+        SceneError { setting, value: value.into(), range: range.into() }
+    }
 }
 
 impl Scene {
@@ -283,8 +300,8 @@ impl Scene {
     /// [`Scene::settled`].
     pub fn checked(mut self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-        let refuse = |setting, value: &dyn std::fmt::Debug, range| {
-            Err(SceneError { setting, value: format!("{value:?}"), range })
+        let refuse = |setting, value: &dyn std::fmt::Debug, range: &'static str| {
+            Err(SceneError::new(setting, format!("{value:?}"), range))
         };
         let Build { masses, lengths, gravity, .. } = self.build;
         if let Some(mass) = masses.iter().find(|m| !WIDE.contains(&m.value())) {
@@ -299,7 +316,7 @@ impl Scene {
         if !(gravity == 0.0 || WIDE.contains(&gravity.value())) {
             return refuse("gravity", &gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
         }
-        self.view.check()?;
+        self.view.check(self.plane.axes())?;
         self.question.budget = self.question.budget.guessed(&self.build, &self.view);
         let budget = self.question.budget.secs;
         if !(1e-9..=1e6).contains(&budget) {
@@ -332,15 +349,15 @@ impl Scene {
                      takes every question and plane";
         if question.ask != Ask::Flip {
             let value = question.ask.to_string();
-            return Err(SceneError { setting: "ask", value, range });
+            return Err(SceneError::new("ask", value, range));
         }
         if question.count > 1 {
             let value = question.count.to_string();
-            return Err(SceneError { setting: "count", value, range });
+            return Err(SceneError::new("count", value, range));
         }
         if !plane.is_at_rest() {
             let value = plane.kind.to_string();
-            return Err(SceneError { setting: "plane", value, range });
+            return Err(SceneError::new("plane", value, range));
         }
         Ok(())
     }

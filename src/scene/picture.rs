@@ -181,7 +181,8 @@ impl PictureTable {
     /// Checks that a picture of this size can be painted with these settings.
     pub fn check_size(&self, size: [u32; 2]) -> Result<(), SceneError> {
         let value = format!("{}x{}", size[0], size[1]);
-        let refuse = |value, range| Err(SceneError { setting: "size", value, range });
+        let refuse =
+            |value: String, range: &'static str| Err(SceneError::new("size", value, range));
         if !size.iter().all(|side| (1..=Self::LONGEST_SIDE).contains(side)) {
             return refuse(value, "both sides must lie between 1 and 1000000 pixels");
         }
@@ -214,17 +215,16 @@ impl PictureTable {
         if let Some((_, tint)) = ask.kind().tint.filter(|(tint, _)| tint == name) {
             return Ok(Shown::Tint(tint));
         }
-        ask.channel(name).map(Shown::Channel).ok_or_else(|| SceneError {
-            setting: "channel",
-            value: format!("'{name}'"),
-            range: ask.kind().channel_names,
-        })
+        let refused = || SceneError::new("channel", format!("'{name}'"), ask.kind().channel_names);
+        ask.channel(name).map(Shown::Channel).ok_or_else(refused)
     }
 
     /// Checks that every setting can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         Ground::of(self)?;
-        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
+        let refuse = |setting, value: String, range: &'static str| {
+            Err(SceneError::new(setting, value, range))
+        };
         if !Self::SAMPLES.contains(&self.samples) {
             return refuse("samples", self.samples.to_string(), "it must lie between 1 and 8");
         }

@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::angle_text::in_rad;
 use super::exact_length::exactly;
 use super::{Build, SceneError};
 use crate::physics::{Dd, Launch, Pendulum, Real, Scalar};
@@ -99,6 +100,12 @@ impl Axis {
         }
     }
 
+    /// The text of a coordinate as a decimal number in the unit: angles may be in degrees or in parts
+    /// of π.
+    pub fn in_unit(self, text: &str) -> String {
+        if self.wraps() { in_rad(text) } else { text.trim().to_string() }
+    }
+
     /// Index of the quantity among (θ1, θ2, ω1, ω2); the momentum takes the place of ω2.
     pub(super) fn place(self) -> usize {
         match self {
@@ -165,7 +172,9 @@ impl Plane {
 
     /// Checks that every number can be used for this pendulum.
     pub fn check(&self, build: &Build) -> Result<(), SceneError> {
-        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
+        let refuse = |setting, value: String, range: &'static str| {
+            Err(SceneError::new(setting, value, range))
+        };
         if let PlaneKind::Axes([across, up]) = self.kind
             && across == up
         {
@@ -186,9 +195,11 @@ impl Plane {
             );
         }
         if self.kind == PlaneKind::Section && self.energy < -(p + q) {
-            let range = "a section's energy must be at least that of the hanging pendulum, \
-                         -(m1 + m2) g l1 - m2 g l2 for points";
-            return refuse("energy", format!("{} J", self.energy), range);
+            let range = format!(
+                "a section's energy must be at least that of the hanging pendulum, {} J",
+                -(p + q)
+            );
+            return Err(SceneError::new("energy", format!("{} J", self.energy), range));
         }
         Ok(())
     }

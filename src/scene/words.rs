@@ -1,7 +1,6 @@
 //! The numbers of a scene as words: `rule` as an option, a key, or in a location as `rule=either`.
 
-use super::angle_text::in_rad;
-use super::{Kind, PlaneKind, Scene, SceneError};
+use super::{Axis, Kind, PlaneKind, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
 use crate::question::{Ask, Watches};
 
@@ -52,16 +51,17 @@ impl Scene {
         words: impl IntoIterator<Item = (Word, &'a str)>,
     ) -> Result<Self, SceneError> {
         let (mut rule, mut energy) = (None, None);
+        let words: Vec<_> = words.into_iter().collect();
+        set_all(&mut self, &words)?;
         for (word, text) in words {
-            word.set(&mut self, text)?;
             match word {
                 Word::Rule => rule = Some(text),
                 Word::Energy => energy = Some(text),
                 _ => {}
             }
         }
-        let refuse = |word: Word, text: &str, range| {
-            Err(SceneError { setting: word.setting(), value: format!("'{text}'"), range })
+        let refuse = |word: Word, text: &str, range: &'static str| {
+            Err(SceneError::new(word.setting(), format!("'{text}'"), range))
         };
         if let (Some(rule), Watches::Always(_)) = (rule, self.question.ask.kind().watches) {
             let range = "only the question flip has a rule: omit `rule`, or use `ask` flip";
@@ -74,6 +74,14 @@ impl Scene {
         }
         self.checked()
     }
+}
+
+/// Sets words of a scene, the plane first: it decides the units of its coordinates.
+pub(super) fn set_all(scene: &mut Scene, words: &[(Word, &str)]) -> Result<(), SceneError> {
+    let is_plane = |word: &Word| *word == Word::Plane;
+    let planes = words.iter().filter(|(word, _)| is_plane(word));
+    let others = words.iter().filter(|(word, _)| !is_plane(word));
+    planes.chain(others).try_for_each(|(word, text)| word.set(scene, text))
 }
 
 /// The word for the end of the budget.
@@ -110,24 +118,21 @@ impl Word {
 
     /// Sets this word of a scene from `text`; [`Scene::checked`] checks the ranges.
     pub fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
-        self.apply(scene, text.trim()).map_err(|range| SceneError {
-            setting: self.setting(),
-            value: format!("'{text}'"),
-            range,
-        })
+        self.apply(scene, text.trim())
+            .map_err(|range| SceneError::new(self.setting(), format!("'{text}'"), range))
     }
 
     fn apply(self, scene: &mut Scene, text: &str) -> Result<(), &'static str> {
         let Scene { build, question, view, plane } = scene;
         let number = |range| text.parse().map_err(|_| range);
+        let [across, up] = plane.axes();
         match self {
             Word::Center => {
                 let pair = text.split_once(',');
-                let (theta1, theta2) =
-                    pair.ok_or("it must be two numbers with a comma between them")?;
-                view.center = [theta1, theta2].map(in_rad);
+                let (x, y) = pair.ok_or("it must be two numbers with a comma between them")?;
+                view.center = [across.in_unit(x), up.in_unit(y)];
             }
-            Word::Width => (view.width, view.fit) = (in_rad(text), false),
+            Word::Width => (view.width, view.fit) = (across.in_unit(text), false),
             Word::Rotate => {
                 view.rotate = number("it must be a number of degrees between -360 and 360")?;
             }
@@ -165,9 +170,10 @@ impl Word {
             }
             Word::Plane => plane.kind = text.parse()?,
             Word::Origin => {
-                let parts: Vec<String> = text.split(',').map(in_rad).collect();
-                plane.origin =
+                let parts: Vec<&str> = text.split(',').collect();
+                let parts: [&str; 4] =
                     parts.try_into().map_err(|_| "it must be four numbers θ1,θ2,ω1,ω2")?;
+                plane.origin = [0, 1, 2, 3].map(|i| Axis::OF_STARTS[i].in_unit(parts[i]));
             }
             Word::Energy => plane.energy = number("it must be a number of joules")?,
         }

@@ -5,7 +5,7 @@ use std::fs;
 use crate::{error_of, folder, render};
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
-const MISTAKES: [(&[&str], i32, &[&str]); 60] = [
+const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -62,7 +62,20 @@ const MISTAKES: [(&[&str], i32, &[&str]); 60] = [
     (&["--ask", "state", "--at", "31"], 2, &["--at", "within the budget"]),
     (&["--at", "3"], 2, &["--at", "flips, state, growth and return"]),
     (&["--ask", "growth", "--at", "0"], 2, &["--at", "above 0"]),
-    (&["--plane", "section", "--energy", "-40"], 2, &["--energy", "least"]),
+    (&["--plane", "section", "--energy", "-40"], 2, &["--energy", "least", "-29.43 J"]),
+    (&["--plane", "speeds", "--center", "1e9,0"], 2, &["--center", "coordinate", "1e6 rad/s"]),
+    (&["--plane", "second", "--center", "0,1e9"], 2, &["--center", "1e6 rad/s"]),
+    (&["--plane", "section", "--center", "0,1e9"], 2, &["--center", "1e6 kg m²/s"]),
+    (&["--plane", "speeds", "--width", "1e9"], 2, &["--width", "1e3 rad/s"]),
+    (&["--width", "10deg", "--plane", "speeds"], 2, &["--width is '10deg'", "rad/s"]),
+    (&["--center", "1,0.5pi", "--plane", "first"], 2, &["--center is '0.5pi'", "rad/s"]),
+    (&["--plane", "speeds", "--origin", "1deg,0,1deg,0"], 2, &["--origin is '1deg'"]),
+    (
+        &["--plane", "speeds", "--ask", "flips", "--width", "1e-14"],
+        2,
+        &["--width is too small", "rad/s apart"],
+    ),
+    (&["--ask", "state", "--at", "3", "--budget", "2"], 2, &["--at is 3 s", "between 0 and 2 s"]),
     (&["--energy", "3"], 2, &["--energy is '3'", "--plane section"]),
     (&["--friction", "-1,0"], 2, &["--friction", "between 0 and"]),
     (&["--origin", "1,2,3"], 2, &["--origin", "four numbers"]),
@@ -75,8 +88,8 @@ fn every_mistake_gets_a_sentence_a_code_and_leaves_files_alone() {
     for (arguments, code, words) in MISTAKES {
         let output = render(&folder, &[arguments, &["-o", "map.png"]].concat());
         let error = error_of(&output);
-        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
-        for word in words {
+        assert_eq!(output.status.code(), Some(*code), "{arguments:?}: {error}");
+        for word in *words {
             assert!(error.contains(word), "{arguments:?}: {error}");
         }
         assert_eq!(fs::read_to_string(folder.path().join("map.png")).unwrap(), "mine");
