@@ -362,6 +362,10 @@ fn what_is_no_film_is_refused_by_name() {
             &["--budget", "30", "--vary", "at=0..50", "-o", "f"],
             "--vary is 'at=0..50': at is 50 s; it must lie within the budget, between 0 and 30 s",
         ),
+        (
+            &["--vary", "energy=0..9", "-o", "f"],
+            "energy is '9'; only the plane section has an energy",
+        ),
         (&["--ask", "first", "--vary", "at=0..3", "-o", "f"], "only the questions flips, state"),
         (&["--zoom-to", "nowhere", "-o", "f"], "no scene 'nowhere'"),
     ] {

@@ -148,6 +148,10 @@ mod tests {
         assert!(refused("flipmap:width=0").contains("the location's width is '0'; it must be"));
         assert!(refused("flipmap:rule=third").contains("the rules are second, first, either"));
         assert!(refused("flipmap:budget=inf").contains("the location's budget is inf; it must"));
+        let energy = refused("flipmap:plane=speeds;energy=5");
+        assert!(energy.contains("energy is '5'; only the plane section"), "{energy}");
+        assert_eq!(refused("flipmap:energy=5;plane=speeds"), energy);
+        assert!(parse("flipmap:energy=5;plane=section").is_ok());
         assert!(refused("1,2,nan").contains("width is 'nan'"));
     }
 

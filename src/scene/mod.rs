@@ -331,6 +331,16 @@ impl Scene {
         Ok(self)
     }
 
+    /// The same scene without the values that its question or its plane does not have, once another
+    /// question or plane has been chosen.
+    #[must_use]
+    pub fn without_strays(mut self) -> Self {
+        if self.plane.kind != PlaneKind::Section {
+            self.plane.energy = 0.0;
+        }
+        self
+    }
+
     /// Returns true if it asks for the flips of pendulums released from rest, the question and the
     /// plane that every part of the program knows.
     pub fn is_flip_from_rest(&self) -> bool {

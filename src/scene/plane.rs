@@ -125,6 +125,10 @@ impl Default for Plane {
 }
 
 impl Plane {
+    /// The planes that have an energy, as a phrase.
+    pub(super) const ENERGY_IS_FOR: &str =
+        "only the plane section has an energy: omit `energy`, or use `plane` section";
+
     /// The quantities across and up.
     pub fn axes(&self) -> [Axis; 2] {
         match self.kind {
@@ -186,6 +190,10 @@ impl Plane {
                 return refuse("origin", format!("'{value}'"), range);
             }
         }
+        let is_section = self.kind == PlaneKind::Section;
+        if !is_section && self.energy != 0.0 {
+            return refuse("energy", format!("'{}'", self.energy), Self::ENERGY_IS_FOR);
+        }
         let Pendulum { p, q, .. } = build.pendulum();
         if !self.energy.is_finite() || self.energy.abs() > MOST_ENERGY {
             return refuse(
@@ -194,7 +202,7 @@ impl Plane {
                 "it must lie between -1e12 and 1e12 J",
             );
         }
-        if self.kind == PlaneKind::Section && self.energy < -(p + q) {
+        if is_section && self.energy < -(p + q) {
             let range = format!(
                 "a section's energy must be at least that of the hanging pendulum, {} J",
                 -(p + q)
@@ -407,5 +415,7 @@ mod tests {
             (plane.kind, plane.energy) = (PlaneKind::Section, -30.0);
         });
         assert!(low.contains("`energy` is -30 J"), "{low}");
+        let none = refused(|plane| plane.energy = 5.0);
+        assert!(none.contains("`energy` is '5'; only the plane section"), "{none}");
     }
 }

@@ -1,6 +1,6 @@
 //! The numbers of a scene as words: `rule` as an option, a key, or in a location as `rule=either`.
 
-use super::{Axis, Kind, PlaneKind, Scene, SceneError};
+use super::{Axis, Kind, Plane, PlaneKind, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
 use crate::question::{Ask, Watches};
 
@@ -68,20 +68,22 @@ impl Scene {
             return refuse(Word::Rule, rule, range);
         }
         if let (Some(energy), false) = (energy, self.plane.kind == PlaneKind::Section) {
-            let range =
-                "only the plane section has an energy: omit `energy`, or use `plane` section";
-            return refuse(Word::Energy, energy, range);
+            return refuse(Word::Energy, energy, Plane::ENERGY_IS_FOR);
         }
         self.checked()
     }
 }
 
-/// Sets words of a scene, the plane first: it decides the units of its coordinates.
+/// Sets words of a scene. Question and plane come first: they leave out what only earlier ones have,
+/// and the plane decides the units of its coordinates.
 pub(super) fn set_all(scene: &mut Scene, words: &[(Word, &str)]) -> Result<(), SceneError> {
-    let is_plane = |word: &Word| *word == Word::Plane;
-    let planes = words.iter().filter(|(word, _)| is_plane(word));
-    let others = words.iter().filter(|(word, _)| !is_plane(word));
-    planes.chain(others).try_for_each(|(word, text)| word.set(scene, text))
+    let (kinds, others): (Vec<_>, Vec<_>) =
+        words.iter().partition(|(word, _)| matches!(word, Word::Ask | Word::Plane));
+    for (word, text) in kinds {
+        word.set(scene, text)?;
+        *scene = scene.clone().without_strays();
+    }
+    others.into_iter().try_for_each(|(word, text)| word.set(scene, text))
 }
 
 /// The word for the end of the budget.
