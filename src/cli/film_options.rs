@@ -262,10 +262,12 @@ fn varied(
                 budget.auto &= budget.secs > latest;
             }
             "at" => {
-                let question = &mut key.scene.question;
-                if !has_ask && !question.ask.kind().at_a_time {
-                    question.ask = Ask::State;
+                if !has_ask && !key.scene.question.ask.kind().at_a_time {
+                    key.scene.question.ask = Ask::State;
+                    let scene = key.scene.scene().without_strays();
+                    key.scene = key.scene.with_scene(scene);
                 }
+                let question = &mut key.scene.question;
                 question.at = Some(one()?);
                 question.budget.secs = question.budget.secs.max(latest);
             }

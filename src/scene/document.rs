@@ -246,6 +246,8 @@ mod tests {
         assert!(refused("[view]\nwidth = \"0\"").contains("`width` is '0'"));
         assert!(refused("[pendulum]\nmasses = [1.0, nan]").contains("`masses`"));
         assert!(refused("[pendulum]\ngravity = -9.81").contains("`gravity`"));
+        let rule = refused("[question]\nask = \"state\"\nrule = \"first\"");
+        assert!(rule.contains("`rule` is 'first'; only the question flip"), "{rule}");
         let energy = refused("[plane]\nkind = \"angles\"\nenergy = 5.0");
         assert!(energy.contains("only the plane section has an energy"), "{energy}");
     }

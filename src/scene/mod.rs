@@ -42,7 +42,7 @@ use serde::{Deserialize, Serialize};
 
 use self::exact_length::exactly;
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
-use crate::question::{Ask, Needs};
+use crate::question::{Ask, Needs, Watches};
 
 /// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -203,6 +203,14 @@ impl QuestionTable {
     /// Largest number of a flip that can be asked for.
     pub const MOST_COUNT: u32 = 1_000_000;
 
+    /// The questions that have a rule, as a phrase.
+    const RULE_IS_FOR: &str = "only the question flip has a rule: omit `rule`, or use `ask` flip";
+
+    /// Returns true if the question watches the bobs of the rule.
+    fn has_rule(&self) -> bool {
+        self.ask.kind().watches == Watches::TheRule
+    }
+
     /// The bobs that are watched.
     pub fn watched(&self) -> Rule {
         self.ask.watched(self.rule)
@@ -233,6 +241,9 @@ impl QuestionTable {
         };
         if !(1..=Self::MOST_COUNT).contains(&self.count) {
             return refuse("count", self.count.to_string(), "it must lie between 1 and 1000000");
+        }
+        if self.rule != Rule::default() && !self.has_rule() {
+            return refuse("rule", format!("'{}'", self.rule), Self::RULE_IS_FOR);
         }
         if self.count > 1 && !self.ask.kind().has_count {
             return refuse("count", self.count.to_string(), "only the question flip counts");
@@ -335,6 +346,16 @@ impl Scene {
     /// question or plane has been chosen.
     #[must_use]
     pub fn without_strays(mut self) -> Self {
+        let (kind, question) = (self.question.ask.kind(), &mut self.question);
+        if !question.has_rule() {
+            question.rule = Rule::default();
+        }
+        if !kind.has_count {
+            question.count = 1;
+        }
+        if !kind.at_a_time {
+            question.at = None;
+        }
         if self.plane.kind != PlaneKind::Section {
             self.plane.energy = 0.0;
         }

@@ -1,8 +1,8 @@
 //! The numbers of a scene as words: `rule` as an option, a key, or in a location as `rule=either`.
 
-use super::{Axis, Kind, Plane, PlaneKind, Scene, SceneError};
+use super::{Axis, Kind, Plane, PlaneKind, QuestionTable, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
-use crate::question::{Ask, Watches};
+use crate::question::Ask;
 
 /// One number of a scene, or a pair of numbers, that has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,9 +63,8 @@ impl Scene {
         let refuse = |word: Word, text: &str, range: &'static str| {
             Err(SceneError::new(word.setting(), format!("'{text}'"), range))
         };
-        if let (Some(rule), Watches::Always(_)) = (rule, self.question.ask.kind().watches) {
-            let range = "only the question flip has a rule: omit `rule`, or use `ask` flip";
-            return refuse(Word::Rule, rule, range);
+        if let (Some(rule), false) = (rule, self.question.has_rule()) {
+            return refuse(Word::Rule, rule, QuestionTable::RULE_IS_FOR);
         }
         if let (Some(energy), false) = (energy, self.plane.kind == PlaneKind::Section) {
             return refuse(Word::Energy, energy, Plane::ENERGY_IS_FOR);
@@ -220,6 +219,7 @@ fn pair(text: &str) -> Option<[Decimal; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::BuiltIn;
 
     #[test]
     fn words_and_kinds_stand_in_their_places() {
@@ -229,6 +229,24 @@ mod tests {
         for (place, (_, kind)) in Kind::ALL.into_iter().enumerate() {
             assert_eq!(kind as usize, place);
         }
+    }
+
+    #[test]
+    fn another_question_or_plane_leaves_out_what_it_does_not_have() {
+        let scene = |name: &str| BuiltIn::named(name).unwrap().document().scene();
+        let with = |name: &str, words: &[(Word, &str)]| scene(name).with_words(words.to_vec());
+        let either = with("either", &[(Word::Ask, "state")]).unwrap();
+        assert_eq!((either.question.rule, either.question.ask), (Rule::Second, Ask::State));
+        assert_eq!(with("moment", &[(Word::Ask, "flip")]).unwrap().question.at, None);
+        assert_eq!(with("moment", &[(Word::Ask, "state")]).unwrap().question.at, Some(12.0));
+        for said in [(Word::Rule, "either"), (Word::Rule, "second"), (Word::Count, "2")] {
+            assert!(with("either", &[(Word::Ask, "state"), said]).is_err(), "{said:?}");
+        }
+        let mut section = scene("section");
+        section.plane.energy = 5.0;
+        let kept = section.clone().with_words([(Word::Plane, "section")]).unwrap();
+        assert_eq!(kept.plane.energy, 5.0);
+        assert_eq!(section.with_words([(Word::Plane, "speeds")]).unwrap().plane.energy, 0.0);
     }
 
     #[test]
