@@ -356,8 +356,12 @@ impl Scene {
         if !kind.at_a_time {
             question.at = None;
         }
-        if self.plane.kind != PlaneKind::Section {
-            self.plane.energy = 0.0;
+        let section = self.plane.kind == PlaneKind::Section;
+        let Plane { origin, energy, .. } = Plane::default();
+        if section {
+            self.plane.origin = origin;
+        } else {
+            self.plane.energy = energy;
         }
         self
     }

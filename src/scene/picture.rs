@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SceneError;
 use super::palette::{Ground, GroundTable, Palette, rise};
-use crate::question::{Ask, Painted};
+use crate::question::{Ask, ChannelScale, Painted};
 
 /// The table `[picture]` of a scene's file. Keys added after the first release are written only
 /// where they differ from their defaults, so that older pictures remain the same files.
@@ -217,6 +217,17 @@ impl PictureTable {
         }
         let refused = || SceneError::new("channel", format!("'{name}'"), ask.kind().channel_names);
         ask.channel(name).map(Shown::Channel).ok_or_else(refused)
+    }
+
+    /// Returns true if the colours are those of times, for a question that has the channel.
+    pub fn paints_times(&self, ask: Ask) -> bool {
+        let kind = ask.kind();
+        let channel = match self.shown(ask) {
+            Ok(Shown::Channel(channel)) => Some(channel),
+            Ok(Shown::Natural) if kind.painted == Painted::First => Some(0),
+            _ => None,
+        };
+        channel.is_some_and(|channel| kind.channels[channel].scale == ChannelScale::Times)
     }
 
     /// Checks that every setting can be used.

@@ -129,6 +129,10 @@ impl Plane {
     pub(super) const ENERGY_IS_FOR: &str =
         "only the plane section has an energy: omit `energy`, or use `plane` section";
 
+    /// The plane that has no origin, as a phrase.
+    pub(super) const NO_ORIGIN: &str =
+        "the plane section has no origin: omit `origin`, or use another `plane`";
+
     /// The quantities across and up.
     pub fn axes(&self) -> [Axis; 2] {
         match self.kind {
@@ -191,6 +195,10 @@ impl Plane {
             }
         }
         let is_section = self.kind == PlaneKind::Section;
+        let is_zero = |value: &String| Dd::parse(value) == Some(Dd::new(0.0));
+        if is_section && !self.origin.iter().all(is_zero) {
+            return refuse("origin", format!("'{}'", self.origin.join(",")), Self::NO_ORIGIN);
+        }
         if !is_section && self.energy != 0.0 {
             return refuse("energy", format!("'{}'", self.energy), Self::ENERGY_IS_FOR);
         }
@@ -415,6 +423,10 @@ mod tests {
             (plane.kind, plane.energy) = (PlaneKind::Section, -30.0);
         });
         assert!(low.contains("`energy` is -30 J"), "{low}");
+        let origin = refused(|plane| {
+            (plane.kind, plane.origin[3]) = (PlaneKind::Section, "1".into());
+        });
+        assert!(origin.contains("`origin` is '0,0,0,1'; the plane section has no"), "{origin}");
         let none = refused(|plane| plane.energy = 5.0);
         assert!(none.contains("`energy` is '5'; only the plane section"), "{none}");
     }

@@ -45,18 +45,20 @@ pub enum Word {
 
 impl Scene {
     /// Sets words of the scene and checks the result. A rule for a question that has none is refused,
-    /// and so is an energy for a plane that has none.
+    /// and so are an energy, an origin and an automatic budget where these have no effect.
     pub fn with_words<'a>(
         mut self,
         words: impl IntoIterator<Item = (Word, &'a str)>,
     ) -> Result<Self, SceneError> {
-        let (mut rule, mut energy) = (None, None);
+        let (mut rule, mut energy, mut origin, mut budget) = (None, None, None, None);
         let words: Vec<_> = words.into_iter().collect();
         set_all(&mut self, &words)?;
         for (word, text) in words {
             match word {
                 Word::Rule => rule = Some(text),
                 Word::Energy => energy = Some(text),
+                Word::Origin => origin = Some(text),
+                Word::Budget => budget = Some(text),
                 _ => {}
             }
         }
@@ -68,6 +70,16 @@ impl Scene {
         }
         if let (Some(energy), false) = (energy, self.plane.kind == PlaneKind::Section) {
             return refuse(Word::Energy, energy, Plane::ENERGY_IS_FOR);
+        }
+        if let (Some(origin), true) = (origin, self.plane.kind == PlaneKind::Section) {
+            return refuse(Word::Origin, origin, Plane::NO_ORIGIN);
+        }
+        if let (Some(budget), true) =
+            (budget, self.question.budget.auto && !self.is_flip_from_rest())
+        {
+            let range = "automatic budgets are for first flips of pendulums released from rest: it \
+                         must be a number of seconds between 1e-9 and 1e6";
+            return refuse(Word::Budget, budget, range);
         }
         self.checked()
     }
