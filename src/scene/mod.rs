@@ -336,7 +336,8 @@ impl Scene {
         self.question.check()?;
         self.plane.check(&self.build)?;
         if gravity == 0.0 && !self.is_flip_from_rest() {
-            let range = "without gravity nothing moves from rest, and nothing else is computed";
+            let range = "for this question and plane it must lie between 1e-9 and 1e9 m/s²; without \
+                         gravity only flips from rest are answered";
             return refuse("gravity", &gravity, range);
         }
         Ok(self)

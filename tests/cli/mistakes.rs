@@ -14,6 +14,11 @@ const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["--lengths", "1,0"], 2, &["--lengths"]),
     (&["--gravity", "-9.81"], 2, &["--gravity", "it must be 0 or"]),
     (&["--gravity", "nan"], 2, &["--gravity"]),
+    (
+        &["--gravity", "0", "--plane", "speeds", "--ask", "state"],
+        2,
+        &["--gravity is 0", "for this question and plane", "1e9 m/s²"],
+    ),
     (&["--width", "0"], 2, &["--width", "between"]),
     (&["--width", "-1"], 2, &["--width"]),
     (&["--width", "inf"], 2, &["--width"]),
