@@ -50,7 +50,8 @@ pub(super) struct PictureOptions {
         allow_hyphen_values = true
     )]
     times: Option<String>,
-    /// Channel of the question to paint, and to write to --raw (default: all of them)
+    /// Channel of the question to paint, and to write to --raw and --exr (default: all of them). With
+    /// --ask state also energy, which is painted only: --raw and --exr then have all channels
     #[arg(hide_short_help = true, long, value_name = "NAME")]
     channel: Option<String>,
     /// Light from the side on a landscape whose height is the time, 0 to 1
