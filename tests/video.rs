@@ -366,6 +366,10 @@ fn what_is_no_film_is_refused_by_name() {
             &["--vary", "energy=0..9", "-o", "f"],
             "energy is '9'; only the plane section has an energy",
         ),
+        (
+            &["--rule", "either", "--vary", "at=0..3", "-o", "f"],
+            "rule is 'either'; only the question",
+        ),
         (&["--ask", "first", "--vary", "at=0..3", "-o", "f"], "only the questions flips, state"),
         (&["--zoom-to", "nowhere", "-o", "f"], "no scene 'nowhere'"),
     ] {

@@ -110,7 +110,7 @@ impl FilmOptions {
             }
             ([] | [_], None, Some(vary)) => {
                 let scene = self.words.apply(self.words.base(self.scene())?)?.settled();
-                return varied(scene, vary, self.words.says([Word::Ask, Word::Budget]));
+                return varied(scene, vary, &self.words);
             }
             ([] | [_], Some(to), None) => self.zoom(to)?,
             ([keys], None, None) if is_toml(keys) => read_keys(keys)?,
@@ -229,12 +229,8 @@ fn spaced(scenes: Vec<Document>) -> Vec<Key> {
     scenes.into_iter().map(key).collect()
 }
 
-/// Keys of one view in which one quantity changes; a question or a budget that was given stays.
-fn varied(
-    scene: Document,
-    vary: &str,
-    [has_ask, has_budget]: [bool; 2],
-) -> anyhow::Result<Vec<Key>> {
+/// Keys of one view in which one quantity changes; a question or a budget among the words stays.
+fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec<Key>> {
     let wrong = || {
         Exit::Usage(format!(
             "--vary is '{vary}'; it must be time, at, budget, energy, friction, gravity, masses or \
@@ -247,7 +243,7 @@ fn varied(
         let mut key = Key { secs, easing: Easing::Linear, clock: None, scene: scene.clone() };
         let one = || number(text).ok_or_else(wrong);
         let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
-        let latest = if has_budget { 0.0 } else { latest };
+        let latest = if words.says(Word::Budget) { 0.0 } else { latest };
         let exact = |text: &str| Decimal::from_str(text.trim()).map_err(|()| wrong());
         let two = || {
             let (first, second) = text.split_once(',').ok_or_else(wrong)?;
@@ -262,10 +258,8 @@ fn varied(
                 budget.auto &= budget.secs > latest;
             }
             "at" => {
-                if !has_ask && !key.scene.question.ask.kind().at_a_time {
-                    key.scene.question.ask = Ask::State;
-                    let scene = key.scene.scene().without_strays();
-                    key.scene = key.scene.with_scene(scene);
+                if !words.says(Word::Ask) && !key.scene.question.ask.kind().at_a_time {
+                    key.scene = asking_state(key.scene, words);
                 }
                 let question = &mut key.scene.question;
                 question.at = Some(one()?);
@@ -283,6 +277,16 @@ fn varied(
         Ok(key)
     };
     Ok(vec![key(0.0, from)?, key(SECS_IN_PLACE, to)?])
+}
+
+/// The scene with the question state; a rule or a count among the words is left to be refused.
+fn asking_state(mut scene: Document, words: &SceneWords) -> Document {
+    scene.question.ask = Ask::State;
+    if words.says(Word::Rule) || words.says(Word::Count) {
+        return scene;
+    }
+    let without_strays = scene.scene().without_strays();
+    scene.with_scene(without_strays)
 }
 
 /// The refusal of a value that varies.

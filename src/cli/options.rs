@@ -109,10 +109,9 @@ impl SceneWords {
         }
     }
 
-    /// Returns true for each word that was given as an option.
-    pub(super) fn says(&self, words: [Word; 2]) -> [bool; 2] {
-        let said = self.said();
-        words.map(|word| said.iter().any(|(other, said)| *other == word && said.is_some()))
+    /// Returns true if a word was given as an option.
+    pub(super) fn says(&self, word: Word) -> bool {
+        self.said().iter().any(|(other, said)| *other == word && said.is_some())
     }
 
     /// Applies the options to a document and checks the result.

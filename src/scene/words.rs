@@ -50,38 +50,29 @@ impl Scene {
         mut self,
         words: impl IntoIterator<Item = (Word, &'a str)>,
     ) -> Result<Self, SceneError> {
-        let (mut rule, mut energy, mut origin, mut budget) = (None, None, None, None);
         let words: Vec<_> = words.into_iter().collect();
         set_all(&mut self, &words)?;
         for (word, text) in words {
-            match word {
-                Word::Rule => rule = Some(text),
-                Word::Energy => energy = Some(text),
-                Word::Origin => origin = Some(text),
-                Word::Budget => budget = Some(text),
-                _ => {}
+            if let Some(range) = self.without_effect(word) {
+                return Err(SceneError::new(word.setting(), format!("'{text}'"), range));
             }
         }
-        let refuse = |word: Word, text: &str, range: &'static str| {
-            Err(SceneError::new(word.setting(), format!("'{text}'"), range))
-        };
-        if let (Some(rule), false) = (rule, self.question.has_rule()) {
-            return refuse(Word::Rule, rule, QuestionTable::RULE_IS_FOR);
-        }
-        if let (Some(energy), false) = (energy, self.plane.kind == PlaneKind::Section) {
-            return refuse(Word::Energy, energy, Plane::ENERGY_IS_FOR);
-        }
-        if let (Some(origin), true) = (origin, self.plane.kind == PlaneKind::Section) {
-            return refuse(Word::Origin, origin, Plane::NO_ORIGIN);
-        }
-        if let (Some(budget), true) =
-            (budget, self.question.budget.auto && !self.is_flip_from_rest())
-        {
-            let range = "automatic budgets are for first flips of pendulums released from rest: it \
-                         must be a number of seconds between 1e-9 and 1e6";
-            return refuse(Word::Budget, budget, range);
-        }
         self.checked()
+    }
+
+    /// The reason why a word has no effect on this scene, if it has none.
+    fn without_effect(&self, word: Word) -> Option<&'static str> {
+        let is_section = self.plane.kind == PlaneKind::Section;
+        match word {
+            Word::Rule if !self.question.has_rule() => Some(QuestionTable::RULE_IS_FOR),
+            Word::Energy if !is_section => Some(Plane::ENERGY_IS_FOR),
+            Word::Origin if is_section => Some(Plane::NO_ORIGIN),
+            Word::Budget if self.question.budget.auto && !self.is_flip_from_rest() => Some(
+                "automatic budgets are for first flips of pendulums released from rest: it must be \
+                 a number of seconds between 1e-9 and 1e6",
+            ),
+            _ => None,
+        }
     }
 }
 
