@@ -100,7 +100,7 @@ fn every_mistake_gets_a_sentence_a_code_and_leaves_files_alone() {
     let folder = folder();
     fs::write(folder.path().join("map.png"), "mine").unwrap();
     for (arguments, code, words) in MISTAKES {
-        let output = render(&folder, &[arguments, &["-o", "map.png"]].concat());
+        let output = render(&folder, &[*arguments, &["-o", "map.png"]].concat());
         let error = error_of(&output);
         assert_eq!(output.status.code(), Some(*code), "{arguments:?}: {error}");
         for word in *words {
