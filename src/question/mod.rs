@@ -77,7 +77,7 @@ pub struct QuestionKind {
     pub read: fn(&Ending) -> [f64; MOST_CHANNELS],
     /// Columns that it adds to a trace.
     pub columns: TraceColumns,
-    /// How its answers are judged against true ones.
+    /// Judgement of its answers by true ones.
     pub judged: Judgement,
 }
 

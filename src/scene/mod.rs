@@ -19,6 +19,7 @@ pub mod location;
 pub mod palette;
 mod picture;
 mod plane;
+mod scene_error;
 mod turn;
 mod view;
 mod words;
@@ -32,11 +33,10 @@ pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
 pub use picture::{PictureTable, Scale, Shown};
 pub use plane::{Axis, Plane, PlaneKind};
+pub use scene_error::SceneError;
 pub use turn::Turn;
 pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
-
-use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
@@ -281,29 +281,6 @@ pub struct Scene {
     pub view: View,
     /// The plane of starts that it is part of.
     pub plane: Plane,
-}
-
-/// A number of a scene that cannot be used, with the range of those that can.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{setting}` is {value}; {range}")]
-pub struct SceneError {
-    /// The name of the setting: a key of a scene, an option of the command line.
-    pub setting: &'static str,
-    /// The given value.
-    pub value: String,
-    /// The allowed range, as a phrase.
-    pub range: Cow<'static, str>,
-}
-
-impl SceneError {
-    /// The refusal of a value, with the range of those that can be used.
-    pub fn new(
-        setting: &'static str,
-        value: impl Into<String>,
-        range: impl Into<Cow<'static, str>>,
-    ) -> Self {
-        SceneError { setting, value: value.into(), range: range.into() }
-    }
 }
 
 impl Scene {
