@@ -28,6 +28,14 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
     let questions = compared(&[&at("fine.png"), &at("grown.png")]);
     assert_eq!(questions.status.code(), Some(2), "{questions:?}");
     assert!(error_of(&questions).contains("answers the question flip on"), "{questions:?}");
+    // Arrays do not tell what they answer.
+    let arrays = compared(&[&at("fine.npy"), &at("grown.npy")]);
+    assert!(
+        error_of(&arrays).contains("more than 0.001 in the unit of the channel;"),
+        "{arrays:?}"
+    );
+    let flips = compared(&[&at("fine.npy"), &at("coarse.npy"), "--ask", "flip"]);
+    assert!(error_of(&flips).contains("more than 0.001 s;"), "{flips:?}");
     map("third", &["--count", "3"], "48x48");
     map("thrown", &["--plane", "speeds", "--width", "20"], "48x48");
     for other in ["third.png", "thrown.png"] {

@@ -358,6 +358,19 @@ fn what_is_no_film_is_refused_by_name() {
         (&["--zoom-to", "deep", "--fps", "fast", "-o", "f"], "--fps is 'fast'; it must lie"),
         (&["--vary", "colour=1..2", "-o", "f"], "--vary is 'colour=1..2'; it must be time"),
         (&["--vary", "masses=1,1..0,1", "-o", "f"], "each mass must lie between"),
+        (
+            &["--budget", "30", "--vary", "at=0..50", "-o", "f"],
+            "--vary is 'at=0..50': at is 50 s; it must lie within the budget, between 0 and 30 s",
+        ),
+        (
+            &["--vary", "energy=0..9", "-o", "f"],
+            "energy is '9'; only the plane section has an energy",
+        ),
+        (
+            &["--rule", "either", "--vary", "at=0..3", "-o", "f"],
+            "rule is 'either'; only the question",
+        ),
+        (&["--ask", "first", "--vary", "at=0..3", "-o", "f"], "only the questions flips, state"),
         (&["--zoom-to", "nowhere", "-o", "f"], "no scene 'nowhere'"),
     ] {
         let error = video(words);

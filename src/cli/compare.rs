@@ -20,12 +20,12 @@ pub(super) struct Options {
     /// Second result, of the same kind and size
     b: PathBuf,
     /// Question that two arrays answer; it decides units, and angles are compared on the circle
-    /// (default: flip where they have one channel)
+    /// (default: differences as they are)
     #[arg(long, value_name = "NAME")]
     ask: Option<String>,
-    /// Largest difference that does not count: in seconds (default: 0.001), in the unit of the
-    /// question's channel or, with several channels, in multiples of what counts as right
-    /// (default: that); for pictures in levels of 255 (default: 0)
+    /// Largest difference that does not count: in the unit of the channel (default: what counts as
+    /// right with --ask, else 0.001) or, with --ask and several channels, in multiples of what counts
+    /// as right (default: 1); for pictures in levels of 255 (default: 0)
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tolerance: Option<String>,
     /// Share of pixels that may differ by more, 0 to 1
@@ -68,7 +68,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             "{} of {} pixels differ by more than {}; the allowed share is {allowed}",
             comparison.differing,
             comparison.pixels,
-            format!("{tolerance} {unit}").trim_end()
+            in_words(&tolerance.to_string(), unit)
         );
         return Err(Exit::Differs(why).into());
     }
@@ -78,7 +78,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 /// The yardstick of the question that the arrays answer.
 fn yardstick(options: &Options, a: &ResultRows, b: &ResultRows) -> anyhow::Result<Yardstick> {
     let Some(name) = &options.ask else {
-        return Ok(a.suggested_ask().map_or(Yardstick::Plain, Yardstick::of));
+        return Ok(Yardstick::Plain);
     };
     let ask: Ask =
         name.parse().map_err(|names| Exit::Usage(format!("--ask is '{name}'; {names}")))?;
@@ -164,6 +164,12 @@ fn tell(options: &Options, comparison: &Comparison, unit: &str) -> anyhow::Resul
         quantiles[0],
         quantiles[1],
         quantiles[2],
-        format!("{largest:.1e} {unit}").trim_end()
+        in_words(&format!("{largest:.1e}"), unit)
     ))
+}
+
+/// A difference with its unit; an array does not tell its own.
+fn in_words(difference: &str, unit: &str) -> String {
+    let unit = if unit.is_empty() { "in the unit of the channel" } else { unit };
+    format!("{difference} {unit}")
 }

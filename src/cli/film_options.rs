@@ -10,7 +10,7 @@ use flipmap::physics::Decimal;
 use flipmap::question::Ask;
 use flipmap::scene::film::Film;
 use flipmap::scene::keys::{Easing, Key, Keys};
-use flipmap::scene::{Budget, Document, Scene, View};
+use flipmap::scene::{Budget, Document, DocumentError, Scene, SceneError, View, Word};
 
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};
@@ -84,9 +84,6 @@ impl FilmOptions {
     /// the first.
     pub(super) fn film(&self) -> anyhow::Result<(Film, RunSpec)> {
         let mut keys = self.keys()?;
-        for key in &mut keys {
-            key.scene = self.words.apply(std::mem::take(&mut key.scene))?;
-        }
         same_sizes(&keys, &self.run)?;
         let Some(first) = keys.first_mut() else {
             let message = "the file has no keys; each begins with a line [[key]]";
@@ -113,23 +110,35 @@ impl FilmOptions {
         Ok((film, spec))
     }
 
+    /// The keys, with the scene's options applied to each, or to the scene in which something varies.
     fn keys(&self) -> anyhow::Result<Vec<Key>> {
         let usage = |message: &str| Err(Exit::Usage(message.to_string()).into());
-        match (&self.scenes[..], &self.zoom_to, &self.vary) {
-            (_, Some(_), Some(_)) => usage("--zoom-to and --vary exclude each other; give one"),
-            ([] | [_], Some(to), None) => self.zoom(to),
-            ([] | [_], None, Some(vary)) => varied(self.words.base(self.scene())?.settled(), vary),
-            ([keys], None, None) if is_toml(keys) => Ok(read_keys(keys)?),
+        let mut keys = match (&self.scenes[..], &self.zoom_to, &self.vary) {
+            (_, Some(_), Some(_)) => {
+                return usage("--zoom-to and --vary exclude each other; give one");
+            }
+            ([] | [_], None, Some(vary)) => {
+                let scene = self.words.apply(self.words.base(self.scene())?)?.settled();
+                return varied(scene, vary, &self.words);
+            }
+            ([] | [_], Some(to), None) => self.zoom(to)?,
+            ([keys], None, None) if is_toml(keys) => read_keys(keys)?,
             ([_, _, ..], None, None) => {
                 let scenes: anyhow::Result<Vec<Document>> =
                     self.scenes.iter().map(|name| load(name)).collect();
-                Ok(spaced(scenes?))
+                spaced(scenes?)
             }
-            _ => usage(
-                "a film needs a file of keys, two or more scenes, --zoom-to SCENE, or --vary \
-                 WHAT=FROM..TO",
-            ),
+            _ => {
+                return usage(
+                    "a film needs a file of keys, two or more scenes, --zoom-to SCENE, or --vary \
+                     WHAT=FROM..TO",
+                );
+            }
+        };
+        for key in &mut keys {
+            key.scene = self.words.apply(std::mem::take(&mut key.scene))?;
         }
+        Ok(keys)
     }
 
     /// Keys of a zoom to a scene, from the named one or from home with the target's own question.
@@ -229,8 +238,8 @@ fn spaced(scenes: Vec<Document>) -> Vec<Key> {
     scenes.into_iter().map(key).collect()
 }
 
-/// Keys of one view in which one quantity changes.
-fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
+/// Keys of one view in which one quantity changes; a question or a budget among the words stays.
+fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec<Key>> {
     let wrong = || {
         Exit::Usage(format!(
             "--vary is '{vary}'; it must be time, at, budget, energy, friction, gravity, masses or \
@@ -242,6 +251,8 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
     let key = |secs: f64, text: &str| -> anyhow::Result<Key> {
         let mut key = Key { secs, easing: Easing::Linear, clock: None, scene: scene.clone() };
         let one = || number(text).ok_or_else(wrong);
+        let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
+        let latest = if words.says(Word::Budget) { 0.0 } else { latest };
         let exact = |text: &str| Decimal::from_str(text.trim()).map_err(|()| wrong());
         let two = || {
             let (first, second) = text.split_once(',').ok_or_else(wrong)?;
@@ -251,17 +262,17 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
             "time" => {
                 key.clock = Some(one()?);
                 // The budget reaches the latest time, so that flips can be seen until then.
-                let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
                 let budget = &mut key.scene.question.budget;
                 budget.secs = budget.secs.max(latest);
                 budget.auto &= budget.secs > latest;
             }
             "at" => {
-                key.scene.question.ask = Ask::State;
-                key.scene.question.at = Some(one()?);
-                let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
-                let budget = &mut key.scene.question.budget;
-                budget.secs = budget.secs.max(latest);
+                if !words.says(Word::Ask) && !key.scene.question.ask.kind().at_a_time {
+                    key.scene = asking_state(key.scene, words);
+                }
+                let question = &mut key.scene.question;
+                question.at = Some(one()?);
+                question.budget.secs = question.budget.secs.max(latest);
             }
             "budget" => key.scene.question.budget = Budget::secs(one()?),
             "energy" => key.scene.plane.energy = one()?,
@@ -271,10 +282,30 @@ fn varied(scene: Document, vary: &str) -> anyhow::Result<Vec<Key>> {
             "lengths" => key.scene.pendulum.lengths = two()?,
             _ => return Err(wrong().into()),
         }
-        key.scene.check()?;
+        key.scene.check().map_err(|why| refused(vary, why))?;
         Ok(key)
     };
     Ok(vec![key(0.0, from)?, key(SECS_IN_PLACE, to)?])
+}
+
+/// The scene with the question state; a rule or a count among the words is left to be refused.
+fn asking_state(mut scene: Document, words: &SceneWords) -> Document {
+    scene.question.ask = Ask::State;
+    if words.says(Word::Rule) || words.says(Word::Count) {
+        return scene;
+    }
+    let without_strays = scene.scene().without_strays();
+    scene.with_scene(without_strays)
+}
+
+/// The refusal of a value that varies.
+fn refused(vary: &str, why: DocumentError) -> Exit {
+    Exit::Usage(match why {
+        DocumentError::Scene(SceneError { setting, value, range }) => {
+            format!("--vary is '{vary}': {setting} is {value}; {range}")
+        }
+        other => format!("--vary is '{vary}': {other}"),
+    })
 }
 
 /// Rejects keys that were made at different sizes, unless `--size` gives one.

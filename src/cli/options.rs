@@ -109,6 +109,11 @@ impl SceneWords {
         }
     }
 
+    /// Returns true if a word was given as an option.
+    pub(super) fn says(&self, word: Word) -> bool {
+        self.said().iter().any(|(other, said)| *other == word && said.is_some())
+    }
+
     /// Applies the options to a document and checks the result.
     pub(super) fn apply(&self, document: Document) -> Result<Document, SceneError> {
         let said = self.said().into_iter();

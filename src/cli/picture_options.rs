@@ -50,7 +50,8 @@ pub(super) struct PictureOptions {
         allow_hyphen_values = true
     )]
     times: Option<String>,
-    /// Channel of the question to paint, and to write to --raw (default: all of them)
+    /// Channel of the question to paint, and to write to --raw and --exr (default: all of them). With
+    /// --ask state also energy, which is painted only: --raw and --exr then have all channels
     #[arg(hide_short_help = true, long, value_name = "NAME")]
     channel: Option<String>,
     /// Light from the side on a landscape whose height is the time, 0 to 1
@@ -201,7 +202,33 @@ impl PictureOptions {
             }
             let times: Option<Vec<f64>> = text.split(',').map(number).collect();
             times.ok_or("it must be times in seconds separated by commas, view or budget")
-        })
+        })?;
+        self.check_times(document)
+    }
+
+    /// Rejects options for colours of times where something else is painted.
+    fn check_times(&self, document: &Document) -> Result<(), Exit> {
+        let (picture, ask) = (&document.picture, document.question.ask);
+        if picture.paints_times(ask) || picture.shown(ask).is_err() {
+            return Ok(());
+        }
+        let said = [
+            ("--reverse", self.reverse),
+            ("--cycles", self.cycles.is_some()),
+            ("--repeat", self.repeat.is_some()),
+            ("--offset", self.offset.is_some()),
+            ("--scale", self.scale.is_some()),
+            ("--times", self.times.is_some()),
+            ("--relief", self.relief.is_some()),
+            ("--light", self.light.is_some()),
+        ];
+        match said.into_iter().find(|(_, said)| *said) {
+            Some((option, _)) => Err(Exit::Usage(format!(
+                "{option} is for colours of times: those of --ask flip, and of the channel time of \
+                 first and return"
+            ))),
+            None => Ok(()),
+        }
     }
 }
 

@@ -213,8 +213,9 @@ pub(super) fn check_numbers(
     let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);
     if pixel < TOO_SMALL_FOR_ROUND_CENTRES && given < needed {
         super::tell(&format!(
-            "flipmap: warning: pixels are {pixel:.1e} rad apart, but --center has {given} digits \
+            "flipmap: warning: pixels are {pixel:.1e} {} apart, but --center has {given} digits \
              after the decimal point: {} are missing, unless the centre is meant to be that round",
+            scene.plane.axes()[0].unit(),
             needed - given
         ));
     }

@@ -20,13 +20,22 @@ pub enum Cells {
 /// Starts that a number type cannot tell apart were to be integrated from their release.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "starts {pixel_rad:.1e} rad apart cannot be integrated from their release in {precision}, which \
-     tells them apart down to {least_rad:.1e} rad"
+    "starts {pixel_rad:.1e} {unit} apart cannot be integrated from their release in {precision}, \
+     which tells them apart down to {least_rad:.1e} {unit}"
 )]
 pub struct Indistinguishable {
     pixel_rad: f64,
     least_rad: f64,
     precision: Precision,
+    unit: &'static str,
+}
+
+impl Indistinguishable {
+    /// The same about starts on a plane whose coordinates have another unit than rad.
+    #[must_use]
+    pub fn in_unit(self, unit: &'static str) -> Self {
+        Indistinguishable { unit, ..self }
+    }
 }
 
 /// Least distance of starts that are told apart, in roundings of an angle.
@@ -51,7 +60,7 @@ impl Cells {
         let precision = config.precision;
         let least_rad = ROUNDINGS * std::f64::consts::PI * precision.epsilon();
         if self == Cells::Never && pixel_rad < least_rad {
-            return Err(Indistinguishable { pixel_rad, least_rad, precision });
+            return Err(Indistinguishable { pixel_rad, least_rad, precision, unit: "rad" });
         }
         Ok(())
     }
@@ -87,7 +96,8 @@ mod tests {
         assert!(Cells::Never.check(&BALANCED, 1e-12).is_ok());
         let refused = Cells::Never.check(&BALANCED, 1e-15).unwrap_err().to_string();
         assert!(refused.contains("1.0e-15 rad") && refused.contains("f64"), "{refused}");
-        assert!(Cells::Never.check(&FAST, 1e-9).is_err());
+        let speeds = Cells::Never.check(&FAST, 1e-9).unwrap_err().in_unit("rad/s").to_string();
+        assert!(speeds.contains("starts 1.0e-9 rad/s apart") && speeds.ends_with("rad/s"));
         assert!(Cells::Auto.check(&FAST, 1e-9).is_ok());
         assert!(Cells::Auto.are_followed(&BALANCED, 1e-9));
         assert!(!Cells::Never.are_followed(&BALANCED, 1e-9));

@@ -176,11 +176,6 @@ impl ResultRows {
         }
     }
 
-    /// Returns the question that an array's number of channels suggests: the flip where it has one.
-    pub fn suggested_ask(&self) -> Option<Ask> {
-        (self.channels() == 1).then_some(Ask::Flip)
-    }
-
     /// Returns true if it holds flip times.
     pub fn has_times(&self) -> bool {
         matches!(self.kind, ResultKind::Times(..))

@@ -6,7 +6,7 @@ use super::paint::{blended, mixed};
 use crate::question::Ask;
 use crate::scene::SceneError;
 use crate::scene::palette::{
-    AnswerColours, BarLabels, FAILED, Ground, Rgb, Tint, rounded, tint_of,
+    AnswerColours, BarLabels, FAILED, Ground, LegendTitle, Rgb, Tint, rounded, tint_of,
 };
 
 /// The font of all words.
@@ -145,16 +145,24 @@ impl Sheet {
     /// Draws the bar of a quantity with its name above and values below.
     fn bar(&mut self, colours: &AnswerColours, ask: Ask) {
         let (left, length, letter) = (self.left(), self.length(), self.letter);
-        let title = colours.title(ask);
-        let unit = if title.unit.is_empty() { String::new() } else { format!(", {}", title.unit) };
-        let BarLabels { from, values } = colours.bar_labels();
-        let from = from.map_or(String::new(), |from| format!(" − {from}"));
-        self.write(&format!("{}{from}{unit}", title.name), left, self.next, 0.0);
         let top = (self.next + 1.4 * letter).round();
         self.fill([left.round(), top], [length, 1.2 * letter], |[x, _]| colours.colour_along(x));
-        let step = if values.iter().any(|value| value.chars().count() > LONG) { 2 } else { 1 };
-        for (value, align) in values.iter().zip([0.0, 0.25, 0.5, 0.75, 1.0]).step_by(step) {
-            self.write(value, left + length * align, top + 1.5 * letter, align);
+        let below = top + 1.5 * letter;
+        let LegendTitle { name, unit } = colours.title(ask);
+        let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
+        if let Some(labels) = colours.step_labels(f64::from(BAR_LETTERS)) {
+            self.write(&format!("{name}{unit}"), left, self.next, 0.0);
+            for (place, label) in labels {
+                self.write(&label, left + length * place as f32, below, 0.5);
+            }
+        } else {
+            let BarLabels { from, values } = colours.bar_labels();
+            let from = from.map_or(String::new(), |from| format!(" − {from}"));
+            self.write(&format!("{name}{from}{unit}"), left, self.next, 0.0);
+            let step = if values.iter().any(|value| value.chars().count() > LONG) { 2 } else { 1 };
+            for (value, align) in values.iter().zip([0.0, 0.25, 0.5, 0.75, 1.0]).step_by(step) {
+                self.write(value, left + length * align, below, align);
+            }
         }
         self.next = top + 3.1 * letter;
     }
@@ -195,11 +203,9 @@ impl Sheet {
         let (width, height) = (self.width, self.rows.len() as u32);
         let margin = self.letter as u32;
         if width + margin > size[0] || height + margin > size[1] {
-            return Err(SceneError {
-                setting: "legend",
-                value: format!("set for a picture of {}x{}", size[0], size[1]),
-                range: "the legend needs a picture of at least 320x160 pixels",
-            });
+            let value = format!("set for a picture of {}x{}", size[0], size[1]);
+            let range = "the legend needs a picture of at least 320x160 pixels";
+            return Err(SceneError::new("legend", value, range));
         }
         let corner = [margin, size[1] - margin - height];
         let pixels = self.rows.into_iter().flatten().collect();
@@ -244,6 +250,21 @@ mod tests {
         };
         assert!((100..400).contains(&colours_seen(Ask::Flip)));
         assert!(colours_seen(Ask::State) > 2000);
+    }
+
+    #[test]
+    fn a_bar_of_counts_has_one_colour_for_each() {
+        let rows = |ask| {
+            let Legend { size, pixels, .. } = legend(ask, [400, 300]).unwrap();
+            // Through the middle of the bar, without the margins beside it.
+            let row = &pixels[(28 * size[0]) as usize..(29 * size[0]) as usize];
+            let bar: Vec<_> = row.iter().filter(|(_, cover)| *cover == 1.0).collect();
+            1 + bar.windows(2).filter(|pair| pair[0].0 != pair[1].0).count()
+        };
+        assert_eq!(rows(Ask::First), 2);
+        // 0 to 38 passes in 30 s.
+        assert_eq!(rows(Ask::Flips), 39);
+        assert!(rows(Ask::Flip) > 100, "the test can fail");
     }
 
     #[test]

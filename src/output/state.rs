@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::engine::EngineKind;
-use crate::scene::Document;
+use crate::scene::{Document, Word};
 use crate::tiles::SavedPixels;
 
 /// First bytes of every state file; the number is the format's.
@@ -68,7 +68,7 @@ pub enum StateError {
     )]
     Unchecked,
     /// A state of something else.
-    #[error("belongs to another {what}: it has {kept}, and now it is {now}")]
+    #[error("belongs to another {what}: it has {kept}, and this run {now}")]
     Different {
         /// The property that differs.
         what: &'static str,
@@ -88,6 +88,16 @@ pub enum StateError {
         now: f64,
     },
 }
+
+/// Words of a scene that a resumed render has, too, with the name of what they describe.
+const MUST_BE_EQUAL: &[(&str, &[Word])] = &[
+    ("pendulum", &[Word::Kind, Word::Masses, Word::Lengths, Word::Gravity, Word::Friction]),
+    ("question", &[Word::Ask]),
+    ("number of flips", &[Word::Count]),
+    ("plane", &[Word::Plane, Word::Origin, Word::Energy]),
+    ("rule", &[Word::Rule]),
+    ("view", &[Word::Center, Word::Width, Word::Rotate, Word::Stretch]),
+];
 
 impl RenderState {
     /// Reads a state from the bytes of its file.
@@ -118,17 +128,21 @@ impl RenderState {
     pub fn check_scene(&self, now: &Document) -> Result<(), StateError> {
         let kept = Document::parse(&self.document);
         let kept = kept.map_err(|_| StateError::Damaged("its scene is none"))?.settled();
-        let differ = |what, kept: String, now: String| {
-            if kept == now { Ok(()) } else { Err(StateError::Different { what, kept, now }) }
+        let differ = |what, setting: &str, [kept, now]: [String; 2]| {
+            if kept == now {
+                return Ok(());
+            }
+            let kept = format!("`{setting}` {kept}");
+            Err(StateError::Different { what, kept, now })
         };
-        let line = |value: &dyn std::fmt::Debug| format!("{value:?}");
-        differ("pendulum", line(&kept.pendulum), line(&now.pendulum))?;
-        differ("question", kept.question.ask.to_string(), now.question.ask.to_string())?;
-        differ("number of flips", kept.question.count.to_string(), now.question.count.to_string())?;
-        differ("plane", line(&kept.plane), line(&now.plane))?;
-        differ("rule", kept.question.rule.to_string(), now.question.rule.to_string())?;
-        differ("view", line(&kept.view), line(&now.view))?;
-        differ("size", line(&kept.run.size), line(&now.run.size))?;
+        let scenes = [kept.scene(), now.scene()];
+        for (what, words) in MUST_BE_EQUAL {
+            for word in *words {
+                differ(what, word.setting(), scenes.each_ref().map(|scene| word.text(scene)))?;
+            }
+        }
+        let sizes = [kept.run.size, now.run.size].map(Option::unwrap_or_default);
+        differ("size", "size", sizes.map(|[width, height]| format!("{width}x{height}")))?;
         let setting = if now.question.at.is_some() { "at" } else { "budget" };
         let (kept, now) = (kept.question.end_secs(), now.question.end_secs());
         if now < kept { Err(StateError::Further { setting, kept, now }) } else { Ok(()) }
@@ -213,7 +227,14 @@ mod tests {
             change(&mut other);
             let error = state.check_scene(&other).unwrap_err().to_string();
             assert!(error.contains(word), "{error}");
+            assert!(!error.contains('{'), "in words: {error}");
         }
+        let mut heavy = home.clone();
+        heavy.pendulum.masses[1] = 2.0.into();
+        assert_eq!(
+            state.check_scene(&heavy).unwrap_err().to_string(),
+            "belongs to another pendulum: it has `masses` 1,1, and this run 1,2"
+        );
     }
 
     #[test]

@@ -13,10 +13,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "first",
     about: "Each pixel is a pendulum, coloured by the bob that goes over the top before the other. \
             The channel `time` tells when.",
-    channels: &[
-        Channel { name: "bob", unit: "", right: 0.0, scale: ChannelScale::Between(0.0, 3.0) },
-        TIME,
-    ],
+    channels: &[Channel { name: "bob", unit: "", right: 0.0, scale: ChannelScale::Bobs }, TIME],
     counted: ["flipped", "unflipped"],
     channel_names: "the question first has bob and time",
     watches: Watches::Always(Rule::Either),

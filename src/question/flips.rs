@@ -35,7 +35,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
 
 /// Passes in one direction; anticlockwise ones go over the top towards the left.
 const fn count(name: &'static str) -> Channel {
-    Channel { name, unit: "", right: 0.0, scale: ChannelScale::Between(0.0, 10.0) }
+    Channel { name, unit: "", right: 0.0, scale: ChannelScale::Counts(0, 10) }
 }
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {

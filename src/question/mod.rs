@@ -77,7 +77,7 @@ pub struct QuestionKind {
     pub read: fn(&Ending) -> [f64; MOST_CHANNELS],
     /// Columns that it adds to a trace.
     pub columns: TraceColumns,
-    /// How its answers are judged against true ones.
+    /// Judgement of its answers by true ones.
     pub judged: Judgement,
 }
 
@@ -177,6 +177,10 @@ pub enum ChannelScale {
     Cyclic,
     /// Values from the first to the second.
     Between(f64, f64),
+    /// Whole numbers from the first to the second; larger and smaller ones have the colours of these.
+    Counts(i32, i32),
+    /// The number of a bob, 1 or 2.
+    Bobs,
     /// Rates, from 0 to this many per natural unit of time of the pendulum.
     Rates(f64),
 }

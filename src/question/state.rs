@@ -46,7 +46,7 @@ const fn speed(name: &'static str) -> Channel {
 }
 
 const fn turns(name: &'static str) -> Channel {
-    Channel { name, unit: "", right: 0.0, scale: ChannelScale::Between(-5.0, 5.0) }
+    Channel { name, unit: "", right: 0.0, scale: ChannelScale::Counts(-5, 5) }
 }
 
 fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {

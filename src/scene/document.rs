@@ -184,9 +184,10 @@ pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
     Err(DocumentError::Future { found: found.to_string() })
 }
 
-/// A TOML error as one sentence, with its line and column.
+/// A TOML error as one sentence, with its line and column. Keys and values of the file are in plain
+/// quotes: words in backquotes are settings, which the command line calls by its options.
 pub(super) fn one_line(error: &toml::de::Error, text: &str) -> String {
-    let message = error.message().replace('\n', ", ");
+    let message = error.message().replace('\n', ", ").replace('`', "'");
     let Some(span) = error.span() else {
         return message;
     };
@@ -222,7 +223,7 @@ mod tests {
     #[test]
     fn bad_files_are_refused_where_they_are_bad() {
         assert!(
-            refused("[pendulum]\nmass = 1").starts_with("line 2, column 1: unknown field `mass`")
+            refused("[pendulum]\nmass = 1").starts_with("line 2, column 1: unknown field 'mass'")
         );
         assert!(refused("[question]\nbudget = \"long\"").contains("line 2, column 10"));
         let three = refused("[pendulum]\nmasses = [1.0, 2.0, 3.0]");
@@ -242,9 +243,15 @@ mod tests {
             );
         }
         assert!(refused("[question]\nrule = \"third\"").contains("line 2"));
+        let unknown = refused("[question]\nask = \"why\"");
+        assert!(unknown.contains("'flips', 'state'") && !unknown.contains('`'), "{unknown}");
         assert!(refused("format = 2\nnew = 1").contains("format 2; this program reads"));
         assert!(refused("[view]\nwidth = \"0\"").contains("`width` is '0'"));
         assert!(refused("[pendulum]\nmasses = [1.0, nan]").contains("`masses`"));
         assert!(refused("[pendulum]\ngravity = -9.81").contains("`gravity`"));
+        let rule = refused("[question]\nask = \"state\"\nrule = \"first\"");
+        assert!(rule.contains("`rule` is 'first'; only the question flip"), "{rule}");
+        let energy = refused("[plane]\nkind = \"angles\"\nenergy = 5.0");
+        assert!(energy.contains("only the plane section has an energy"), "{energy}");
     }
 }

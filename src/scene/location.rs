@@ -4,7 +4,7 @@
 //! The words are those of the command line. Centre and width are always present, the other words
 //! only where they differ from the home scene.
 
-use super::words::Word;
+use super::words::{Word, set_all};
 use super::{Scene, SceneError};
 
 /// Prefix of every location.
@@ -61,12 +61,12 @@ pub fn parse(text: &str) -> Result<Scene, LocationError> {
         let (key, value) =
             part.split_once('=').ok_or_else(|| LocationError::NoWord(part.to_string()))?;
         let word = known(key.trim())?;
-        if said.contains(&word) {
+        if said.iter().any(|(other, _)| *other == word) {
             return Err(LocationError::Twice(word.setting()));
         }
-        word.set(&mut scene, value.trim())?;
-        said.push(word);
+        said.push((word, value.trim()));
     }
+    set_all(&mut scene, &said)?;
     Ok(scene.checked()?)
 }
 
@@ -148,6 +148,10 @@ mod tests {
         assert!(refused("flipmap:width=0").contains("the location's width is '0'; it must be"));
         assert!(refused("flipmap:rule=third").contains("the rules are second, first, either"));
         assert!(refused("flipmap:budget=inf").contains("the location's budget is inf; it must"));
+        let energy = refused("flipmap:plane=speeds;energy=5");
+        assert!(energy.contains("energy is '5'; only the plane section"), "{energy}");
+        assert_eq!(refused("flipmap:energy=5;plane=speeds"), energy);
+        assert!(parse("flipmap:energy=5;plane=section").is_ok());
         assert!(refused("1,2,nan").contains("width is 'nan'"));
     }
 

@@ -19,6 +19,7 @@ pub mod location;
 pub mod palette;
 mod picture;
 mod plane;
+mod scene_error;
 mod turn;
 mod view;
 mod words;
@@ -32,6 +33,7 @@ pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
 pub use picture::{PictureTable, Scale, Shown};
 pub use plane::{Axis, Plane, PlaneKind};
+pub use scene_error::SceneError;
 pub use turn::Turn;
 pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
@@ -40,7 +42,7 @@ use serde::{Deserialize, Serialize};
 
 use self::exact_length::exactly;
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
-use crate::question::{Ask, Needs};
+use crate::question::{Ask, Needs, Watches};
 
 /// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -201,6 +203,14 @@ impl QuestionTable {
     /// Largest number of a flip that can be asked for.
     pub const MOST_COUNT: u32 = 1_000_000;
 
+    /// The questions that have a rule, as a phrase.
+    const RULE_IS_FOR: &str = "only the question flip has a rule: omit `rule`, or use `ask` flip";
+
+    /// Returns true if the question watches the bobs of the rule.
+    fn has_rule(&self) -> bool {
+        self.ask.kind().watches == Watches::TheRule
+    }
+
     /// The bobs that are watched.
     pub fn watched(&self) -> Rule {
         self.ask.watched(self.rule)
@@ -226,9 +236,14 @@ impl QuestionTable {
 
     /// Checks what belongs to this question; the budget is checked.
     fn check(&self) -> Result<(), SceneError> {
-        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
+        let refuse = |setting, value: String, range: &'static str| {
+            Err(SceneError::new(setting, value, range))
+        };
         if !(1..=Self::MOST_COUNT).contains(&self.count) {
             return refuse("count", self.count.to_string(), "it must lie between 1 and 1000000");
+        }
+        if self.rule != Rule::default() && !self.has_rule() {
+            return refuse("rule", format!("'{}'", self.rule), Self::RULE_IS_FOR);
         }
         if self.count > 1 && !self.ask.kind().has_count {
             return refuse("count", self.count.to_string(), "only the question flip counts");
@@ -241,13 +256,15 @@ impl QuestionTable {
                 "only the questions flips, state, growth and return last until a given time",
             );
         }
+        let budget = self.budget.secs;
         if at == 0.0 && self.ask.kind().needs == Needs::Growth {
-            let range = "growth takes time: it must lie above 0 and within `budget`, in s";
-            return refuse("at", format!("{at} s"), range);
+            let range =
+                format!("growth takes time: it must lie above 0 and within the budget, {budget} s");
+            return Err(SceneError::new("at", format!("{at} s"), range));
         }
-        if !(at >= 0.0 && at <= self.budget.secs) {
-            let range = "it must lie within the budget: between 0 and `budget`, in s";
-            return refuse("at", format!("{at} s"), range);
+        if !(at >= 0.0 && at <= budget) {
+            let range = format!("it must lie within the budget, between 0 and {budget} s");
+            return Err(SceneError::new("at", format!("{at} s"), range));
         }
         Ok(())
     }
@@ -266,25 +283,13 @@ pub struct Scene {
     pub plane: Plane,
 }
 
-/// A number of a scene that cannot be used, with the range of those that can.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{setting}` is {value}; {range}")]
-pub struct SceneError {
-    /// The name of the setting: a key of a scene, an option of the command line.
-    pub setting: &'static str,
-    /// The given value.
-    pub value: String,
-    /// The allowed range, as a phrase.
-    pub range: &'static str,
-}
-
 impl Scene {
     /// Checks every number, so that nothing later needs to. An automatic budget is guessed; see
     /// [`Scene::settled`].
     pub fn checked(mut self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-        let refuse = |setting, value: &dyn std::fmt::Debug, range| {
-            Err(SceneError { setting, value: format!("{value:?}"), range })
+        let refuse = |setting, value: &dyn std::fmt::Debug, range: &'static str| {
+            Err(SceneError::new(setting, format!("{value:?}"), range))
         };
         let Build { masses, lengths, gravity, .. } = self.build;
         if let Some(mass) = masses.iter().find(|m| !WIDE.contains(&m.value())) {
@@ -299,7 +304,7 @@ impl Scene {
         if !(gravity == 0.0 || WIDE.contains(&gravity.value())) {
             return refuse("gravity", &gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
         }
-        self.view.check()?;
+        self.view.check(self.plane.axes())?;
         self.question.budget = self.question.budget.guessed(&self.build, &self.view);
         let budget = self.question.budget.secs;
         if !(1e-9..=1e6).contains(&budget) {
@@ -308,10 +313,35 @@ impl Scene {
         self.question.check()?;
         self.plane.check(&self.build)?;
         if gravity == 0.0 && !self.is_flip_from_rest() {
-            let range = "without gravity nothing moves from rest, and nothing else is computed";
+            let range = "for this question and plane it must lie between 1e-9 and 1e9 m/s²; without \
+                         gravity only flips from rest are answered";
             return refuse("gravity", &gravity, range);
         }
         Ok(self)
+    }
+
+    /// The same scene without the values that its question or its plane does not have, once another
+    /// question or plane has been chosen.
+    #[must_use]
+    pub fn without_strays(mut self) -> Self {
+        let (kind, question) = (self.question.ask.kind(), &mut self.question);
+        if !question.has_rule() {
+            question.rule = Rule::default();
+        }
+        if !kind.has_count {
+            question.count = 1;
+        }
+        if !kind.at_a_time {
+            question.at = None;
+        }
+        let section = self.plane.kind == PlaneKind::Section;
+        let Plane { origin, energy, .. } = Plane::default();
+        if section {
+            self.plane.origin = origin;
+        } else {
+            self.plane.energy = energy;
+        }
+        self
     }
 
     /// Returns true if it asks for the flips of pendulums released from rest, the question and the
@@ -332,15 +362,15 @@ impl Scene {
                      takes every question and plane";
         if question.ask != Ask::Flip {
             let value = question.ask.to_string();
-            return Err(SceneError { setting: "ask", value, range });
+            return Err(SceneError::new("ask", value, range));
         }
         if question.count > 1 {
             let value = question.count.to_string();
-            return Err(SceneError { setting: "count", value, range });
+            return Err(SceneError::new("count", value, range));
         }
         if !plane.is_at_rest() {
             let value = plane.kind.to_string();
-            return Err(SceneError { setting: "plane", value, range });
+            return Err(SceneError::new("plane", value, range));
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SceneError;
 use super::palette::{Ground, GroundTable, Palette, rise};
-use crate::question::{Ask, Painted};
+use crate::question::{Ask, ChannelScale, Painted};
 
 /// The table `[picture]` of a scene's file. Keys added after the first release are written only
 /// where they differ from their defaults, so that older pictures remain the same files.
@@ -181,7 +181,8 @@ impl PictureTable {
     /// Checks that a picture of this size can be painted with these settings.
     pub fn check_size(&self, size: [u32; 2]) -> Result<(), SceneError> {
         let value = format!("{}x{}", size[0], size[1]);
-        let refuse = |value, range| Err(SceneError { setting: "size", value, range });
+        let refuse =
+            |value: String, range: &'static str| Err(SceneError::new("size", value, range));
         if !size.iter().all(|side| (1..=Self::LONGEST_SIDE).contains(side)) {
             return refuse(value, "both sides must lie between 1 and 1000000 pixels");
         }
@@ -214,17 +215,27 @@ impl PictureTable {
         if let Some((_, tint)) = ask.kind().tint.filter(|(tint, _)| tint == name) {
             return Ok(Shown::Tint(tint));
         }
-        ask.channel(name).map(Shown::Channel).ok_or_else(|| SceneError {
-            setting: "channel",
-            value: format!("'{name}'"),
-            range: ask.kind().channel_names,
-        })
+        let refused = || SceneError::new("channel", format!("'{name}'"), ask.kind().channel_names);
+        ask.channel(name).map(Shown::Channel).ok_or_else(refused)
+    }
+
+    /// Returns true if the colours are those of times, for a question that has the channel.
+    pub fn paints_times(&self, ask: Ask) -> bool {
+        let kind = ask.kind();
+        let channel = match self.shown(ask) {
+            Ok(Shown::Channel(channel)) => Some(channel),
+            Ok(Shown::Natural) if kind.painted == Painted::First => Some(0),
+            _ => None,
+        };
+        channel.is_some_and(|channel| kind.channels[channel].scale == ChannelScale::Times)
     }
 
     /// Checks that every setting can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         Ground::of(self)?;
-        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
+        let refuse = |setting, value: String, range: &'static str| {
+            Err(SceneError::new(setting, value, range))
+        };
         if !Self::SAMPLES.contains(&self.samples) {
             return refuse("samples", self.samples.to_string(), "it must lie between 1 and 8");
         }

@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::angle_text::in_rad;
 use super::exact_length::exactly;
 use super::{Build, SceneError};
 use crate::physics::{Dd, Launch, Pendulum, Real, Scalar};
@@ -99,6 +100,12 @@ impl Axis {
         }
     }
 
+    /// The text of a coordinate as a decimal number in the unit: angles may be in degrees or in parts
+    /// of π.
+    pub fn in_unit(self, text: &str) -> String {
+        if self.wraps() { in_rad(text) } else { text.trim().to_string() }
+    }
+
     /// Index of the quantity among (θ1, θ2, ω1, ω2); the momentum takes the place of ω2.
     pub(super) fn place(self) -> usize {
         match self {
@@ -118,6 +125,14 @@ impl Default for Plane {
 }
 
 impl Plane {
+    /// The planes that have an energy, as a phrase.
+    pub(super) const ENERGY_IS_FOR: &str =
+        "only the plane section has an energy: omit `energy`, or use `plane` section";
+
+    /// The plane that has no origin, as a phrase.
+    pub(super) const NO_ORIGIN: &str =
+        "the plane section has no origin: omit `origin`, or use another `plane`";
+
     /// The quantities across and up.
     pub fn axes(&self) -> [Axis; 2] {
         match self.kind {
@@ -165,7 +180,9 @@ impl Plane {
 
     /// Checks that every number can be used for this pendulum.
     pub fn check(&self, build: &Build) -> Result<(), SceneError> {
-        let refuse = |setting, value, range| Err(SceneError { setting, value, range });
+        let refuse = |setting, value: String, range: &'static str| {
+            Err(SceneError::new(setting, value, range))
+        };
         if let PlaneKind::Axes([across, up]) = self.kind
             && across == up
         {
@@ -177,6 +194,14 @@ impl Plane {
                 return refuse("origin", format!("'{value}'"), range);
             }
         }
+        let is_section = self.kind == PlaneKind::Section;
+        let is_zero = |value: &String| Dd::parse(value) == Some(Dd::new(0.0));
+        if is_section && !self.origin.iter().all(is_zero) {
+            return refuse("origin", format!("'{}'", self.origin.join(",")), Self::NO_ORIGIN);
+        }
+        if !is_section && self.energy != 0.0 {
+            return refuse("energy", format!("'{}'", self.energy), Self::ENERGY_IS_FOR);
+        }
         let Pendulum { p, q, .. } = build.pendulum();
         if !self.energy.is_finite() || self.energy.abs() > MOST_ENERGY {
             return refuse(
@@ -185,10 +210,12 @@ impl Plane {
                 "it must lie between -1e12 and 1e12 J",
             );
         }
-        if self.kind == PlaneKind::Section && self.energy < -(p + q) {
-            let range = "a section's energy must be at least that of the hanging pendulum, \
-                         -(m1 + m2) g l1 - m2 g l2 for points";
-            return refuse("energy", format!("{} J", self.energy), range);
+        if is_section && self.energy < -(p + q) {
+            let range = format!(
+                "a section's energy must be at least that of the hanging pendulum, {} J",
+                -(p + q)
+            );
+            return Err(SceneError::new("energy", format!("{} J", self.energy), range));
         }
         Ok(())
     }
@@ -396,5 +423,11 @@ mod tests {
             (plane.kind, plane.energy) = (PlaneKind::Section, -30.0);
         });
         assert!(low.contains("`energy` is -30 J"), "{low}");
+        let origin = refused(|plane| {
+            (plane.kind, plane.origin[3]) = (PlaneKind::Section, "1".into());
+        });
+        assert!(origin.contains("`origin` is '0,0,0,1'; the plane section has no"), "{origin}");
+        let none = refused(|plane| plane.energy = 5.0);
+        assert!(none.contains("`energy` is '5'; only the plane section"), "{none}");
     }
 }

@@ -1,9 +1,11 @@
 //! The part of the plane of starts that a picture shows.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 
 use super::exact_length::exactly;
-use super::{BuiltIn, Plane, PlaneKind, SceneError};
+use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError};
 use crate::physics::{Dd, Scalar, Theta};
 
 /// Smallest width of a view in rad.
@@ -64,16 +66,19 @@ impl View {
         }
     }
 
-    /// Checks that every number can be used.
-    pub fn check(&self) -> Result<(), SceneError> {
-        for coordinate in &self.center {
+    /// Checks that every number can be used on a plane with these axes.
+    pub fn check(&self, axes: [Axis; 2]) -> Result<(), SceneError> {
+        let units = axes.map(Axis::unit);
+        for (coordinate, unit) in self.center.iter().zip(units) {
             let fine = Theta::parse(coordinate).is_some_and(|x| x.to_f64().abs() <= 1e6);
-            let range = "each angle must be a decimal number between -1e6 and 1e6 rad, in at most \
-                         1000 characters";
+            let range = format!(
+                "each coordinate must be a decimal number between -1e6 and 1e6 {unit}, in at most \
+                 1000 characters"
+            );
             refuse_unless(fine, "center", &shortened(coordinate), range)?;
         }
         let width = Dd::parse(&self.width).is_some_and(|w| (LEAST_WIDTH..=1e3).contains(&w.hi));
-        let range = "it must be a decimal number between 1e-100 and 1e3 rad";
+        let range = format!("it must be a decimal number between 1e-100 and 1e3 {}", units[0]);
         refuse_unless(width, "width", &self.width, range)?;
         let rotate = (-360.0..=360.0).contains(&self.rotate);
         let range = "it must lie between -360 and 360 degrees";
@@ -128,12 +133,9 @@ fn refuse_unless(
     fine: bool,
     setting: &'static str,
     value: &str,
-    range: &'static str,
+    range: impl Into<Cow<'static, str>>,
 ) -> Result<(), SceneError> {
-    if fine {
-        return Ok(());
-    }
-    Err(SceneError { setting, value: format!("'{value}'"), range })
+    if fine { Ok(()) } else { Err(SceneError::new(setting, format!("'{value}'"), range)) }
 }
 
 #[cfg(test)]
@@ -148,7 +150,7 @@ mod tests {
     fn a_fitted_view_shows_both_axes_in_any_shape() {
         for (size, wider) in [([1920.0, 1080.0], 1920.0 / 1080.0), ([600.0, 900.0], 1.0)] {
             let fitted = home().fitted(size);
-            assert!(!fitted.fit && fitted.check().is_ok());
+            assert!(!fitted.fit && fitted.check([Axis::Theta1, Axis::Theta2]).is_ok());
             assert!((fitted.width_rad() - Dd::TAU * Dd::new(wider)).abs().hi < 1e-15);
             let height_rad = fitted.width_rad().hi * size[1] / size[0];
             assert!(height_rad >= std::f64::consts::TAU - 1e-12);

@@ -1,9 +1,8 @@
 //! The numbers of a scene as words: `rule` as an option, a key, or in a location as `rule=either`.
 
-use super::angle_text::in_rad;
-use super::{Kind, PlaneKind, Scene, SceneError};
+use super::{Axis, Kind, Plane, PlaneKind, QuestionTable, Scene, SceneError};
 use crate::physics::{Decimal, Rule};
-use crate::question::{Ask, Watches};
+use crate::question::Ask;
 
 /// One number of a scene, or a pair of numbers, that has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,34 +45,47 @@ pub enum Word {
 
 impl Scene {
     /// Sets words of the scene and checks the result. A rule for a question that has none is refused,
-    /// and so is an energy for a plane that has none.
+    /// and so are an energy, an origin and an automatic budget where these have no effect.
     pub fn with_words<'a>(
         mut self,
         words: impl IntoIterator<Item = (Word, &'a str)>,
     ) -> Result<Self, SceneError> {
-        let (mut rule, mut energy) = (None, None);
+        let words: Vec<_> = words.into_iter().collect();
+        set_all(&mut self, &words)?;
         for (word, text) in words {
-            word.set(&mut self, text)?;
-            match word {
-                Word::Rule => rule = Some(text),
-                Word::Energy => energy = Some(text),
-                _ => {}
+            if let Some(range) = self.without_effect(word) {
+                return Err(SceneError::new(word.setting(), format!("'{text}'"), range));
             }
-        }
-        let refuse = |word: Word, text: &str, range| {
-            Err(SceneError { setting: word.setting(), value: format!("'{text}'"), range })
-        };
-        if let (Some(rule), Watches::Always(_)) = (rule, self.question.ask.kind().watches) {
-            let range = "only the question flip has a rule: omit `rule`, or use `ask` flip";
-            return refuse(Word::Rule, rule, range);
-        }
-        if let (Some(energy), false) = (energy, self.plane.kind == PlaneKind::Section) {
-            let range =
-                "only the plane section has an energy: omit `energy`, or use `plane` section";
-            return refuse(Word::Energy, energy, range);
         }
         self.checked()
     }
+
+    /// The reason why a word has no effect on this scene, if it has none.
+    fn without_effect(&self, word: Word) -> Option<&'static str> {
+        let is_section = self.plane.kind == PlaneKind::Section;
+        match word {
+            Word::Rule if !self.question.has_rule() => Some(QuestionTable::RULE_IS_FOR),
+            Word::Energy if !is_section => Some(Plane::ENERGY_IS_FOR),
+            Word::Origin if is_section => Some(Plane::NO_ORIGIN),
+            Word::Budget if self.question.budget.auto && !self.is_flip_from_rest() => Some(
+                "automatic budgets are for first flips of pendulums released from rest: it must be \
+                 a number of seconds between 1e-9 and 1e6",
+            ),
+            _ => None,
+        }
+    }
+}
+
+/// Sets words of a scene. Question and plane come first: they leave out what only earlier ones have,
+/// and the plane decides the units of its coordinates.
+pub(super) fn set_all(scene: &mut Scene, words: &[(Word, &str)]) -> Result<(), SceneError> {
+    let (kinds, others): (Vec<_>, Vec<_>) =
+        words.iter().partition(|(word, _)| matches!(word, Word::Ask | Word::Plane));
+    for (word, text) in kinds {
+        word.set(scene, text)?;
+        *scene = scene.clone().without_strays();
+    }
+    others.into_iter().try_for_each(|(word, text)| word.set(scene, text))
 }
 
 /// The word for the end of the budget.
@@ -110,24 +122,21 @@ impl Word {
 
     /// Sets this word of a scene from `text`; [`Scene::checked`] checks the ranges.
     pub fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
-        self.apply(scene, text.trim()).map_err(|range| SceneError {
-            setting: self.setting(),
-            value: format!("'{text}'"),
-            range,
-        })
+        self.apply(scene, text.trim())
+            .map_err(|range| SceneError::new(self.setting(), format!("'{text}'"), range))
     }
 
     fn apply(self, scene: &mut Scene, text: &str) -> Result<(), &'static str> {
         let Scene { build, question, view, plane } = scene;
         let number = |range| text.parse().map_err(|_| range);
+        let [across, up] = plane.axes();
         match self {
             Word::Center => {
                 let pair = text.split_once(',');
-                let (theta1, theta2) =
-                    pair.ok_or("it must be two numbers with a comma between them")?;
-                view.center = [theta1, theta2].map(in_rad);
+                let (x, y) = pair.ok_or("it must be two numbers with a comma between them")?;
+                view.center = [across.in_unit(x), up.in_unit(y)];
             }
-            Word::Width => (view.width, view.fit) = (in_rad(text), false),
+            Word::Width => (view.width, view.fit) = (across.in_unit(text), false),
             Word::Rotate => {
                 view.rotate = number("it must be a number of degrees between -360 and 360")?;
             }
@@ -165,9 +174,10 @@ impl Word {
             }
             Word::Plane => plane.kind = text.parse()?,
             Word::Origin => {
-                let parts: Vec<String> = text.split(',').map(in_rad).collect();
-                plane.origin =
+                let parts: Vec<&str> = text.split(',').collect();
+                let parts: [&str; 4] =
                     parts.try_into().map_err(|_| "it must be four numbers θ1,θ2,ω1,ω2")?;
+                plane.origin = [0, 1, 2, 3].map(|i| Axis::OF_STARTS[i].in_unit(parts[i]));
             }
             Word::Energy => plane.energy = number("it must be a number of joules")?,
         }
@@ -212,6 +222,7 @@ fn pair(text: &str) -> Option<[Decimal; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::BuiltIn;
 
     #[test]
     fn words_and_kinds_stand_in_their_places() {
@@ -221,6 +232,24 @@ mod tests {
         for (place, (_, kind)) in Kind::ALL.into_iter().enumerate() {
             assert_eq!(kind as usize, place);
         }
+    }
+
+    #[test]
+    fn another_question_or_plane_leaves_out_what_it_does_not_have() {
+        let scene = |name: &str| BuiltIn::named(name).unwrap().document().scene();
+        let with = |name: &str, words: &[(Word, &str)]| scene(name).with_words(words.to_vec());
+        let either = with("either", &[(Word::Ask, "state")]).unwrap();
+        assert_eq!((either.question.rule, either.question.ask), (Rule::Second, Ask::State));
+        assert_eq!(with("moment", &[(Word::Ask, "flip")]).unwrap().question.at, None);
+        assert_eq!(with("moment", &[(Word::Ask, "state")]).unwrap().question.at, Some(12.0));
+        for said in [(Word::Rule, "either"), (Word::Rule, "second"), (Word::Count, "2")] {
+            assert!(with("either", &[(Word::Ask, "state"), said]).is_err(), "{said:?}");
+        }
+        let mut section = scene("section");
+        section.plane.energy = 5.0;
+        let kept = section.clone().with_words([(Word::Plane, "section")]).unwrap();
+        assert_eq!(kept.plane.energy, 5.0);
+        assert_eq!(section.with_words([(Word::Plane, "speeds")]).unwrap().plane.energy, 0.0);
     }
 
     #[test]

@@ -20,7 +20,10 @@ pub fn check_feasible(
         (Cells::Never, "`width` is too small for this plane or question")
     };
     let checked = cells.check(config, grid.pixel_rad());
-    checked.map_err(|error| EngineError::Unsupported(format!("{why}; {error}")))
+    checked.map_err(|error| {
+        let error = error.in_unit(scene.plane.axes()[0].unit());
+        EngineError::Unsupported(format!("{why}; {error}"))
+    })
 }
 
 /// Returns an error if a configuration needs too many steps for a scene's budget.

@@ -177,12 +177,14 @@ fn scenes_that_are_none_are_refused_by_name() {
     put("cut.png", &good[..good.len() / 2]);
     put("text.png", b"not a picture");
     put("unknown.toml", b"[pendulum]\ncolour = 1");
+    put("ask.toml", b"[question]\nask = \"why\"");
     put("type.toml", b"[question]\nbudget = true");
     put("future.toml", b"format = 2");
     let cases = [
         ("cut.png", "not a complete PNG"),
         ("text.png", "not a complete PNG"),
-        ("unknown.toml", "line 2, column 1: unknown field `colour`"),
+        ("unknown.toml", "line 2, column 1: unknown field 'colour'"),
+        ("ask.toml", "expected one of 'flip', 'first', 'flips', 'state', 'growth', 'return'"),
         ("type.toml", "line 2, column 10"),
         ("future.toml", "format 2"),
     ];

@@ -5,7 +5,7 @@ use std::fs;
 use crate::{error_of, folder, render};
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
-const MISTAKES: [(&[&str], i32, &[&str]); 60] = [
+const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["--masses", "0,1"], 2, &["--masses", "1e-9"]),
     (&["--masses", "1"], 2, &["--masses", "two numbers"]),
     (&["--masses", "1,-1"], 2, &["--masses"]),
@@ -14,6 +14,11 @@ const MISTAKES: [(&[&str], i32, &[&str]); 60] = [
     (&["--lengths", "1,0"], 2, &["--lengths"]),
     (&["--gravity", "-9.81"], 2, &["--gravity", "it must be 0 or"]),
     (&["--gravity", "nan"], 2, &["--gravity"]),
+    (
+        &["--gravity", "0", "--plane", "speeds", "--ask", "state"],
+        2,
+        &["--gravity is 0", "for this question and plane", "1e9 m/s²"],
+    ),
     (&["--width", "0"], 2, &["--width", "between"]),
     (&["--width", "-1"], 2, &["--width"]),
     (&["--width", "inf"], 2, &["--width"]),
@@ -62,7 +67,29 @@ const MISTAKES: [(&[&str], i32, &[&str]); 60] = [
     (&["--ask", "state", "--at", "31"], 2, &["--at", "within the budget"]),
     (&["--at", "3"], 2, &["--at", "flips, state, growth and return"]),
     (&["--ask", "growth", "--at", "0"], 2, &["--at", "above 0"]),
-    (&["--plane", "section", "--energy", "-40"], 2, &["--energy", "least"]),
+    (&["--plane", "section", "--energy", "-40"], 2, &["--energy", "least", "-29.43 J"]),
+    (&["--plane", "speeds", "--center", "1e9,0"], 2, &["--center", "coordinate", "1e6 rad/s"]),
+    (&["--plane", "second", "--center", "0,1e9"], 2, &["--center", "1e6 rad/s"]),
+    (&["--plane", "section", "--center", "0,1e9"], 2, &["--center", "1e6 kg m²/s"]),
+    (&["--plane", "speeds", "--width", "1e9"], 2, &["--width", "1e3 rad/s"]),
+    (&["--width", "10deg", "--plane", "speeds"], 2, &["--width is '10deg'", "rad/s"]),
+    (&["--center", "1,0.5pi", "--plane", "first"], 2, &["--center is '0.5pi'", "rad/s"]),
+    (&["--plane", "speeds", "--origin", "1deg,0,1deg,0"], 2, &["--origin is '1deg'"]),
+    (
+        &["--plane", "speeds", "--ask", "flips", "--width", "1e-14"],
+        2,
+        &["--width is too small", "rad/s apart"],
+    ),
+    (&["--ask", "state", "--at", "3", "--budget", "2"], 2, &["--at is 3 s", "between 0 and 2 s"]),
+    (&["--plane", "section", "--origin", "0,0,1,1"], 2, &["--origin is '0,0,1,1'", "no origin"]),
+    (&["--plane", "section", "--origin", "0,0,0,0"], 2, &["--origin is '0,0,0,0'", "no origin"]),
+    (&["--ask", "state", "--times", "1,2"], 2, &["--times is for colours of times", "--ask flip"]),
+    (&["--ask", "first", "--times", "view"], 2, &["--times is for colours of times"]),
+    (&["--ask", "flips", "--scale", "log"], 2, &["--scale is for colours of times"]),
+    (&["--ask", "state", "--relief", "0.5"], 2, &["--relief is for colours of times"]),
+    (&["--ask", "growth", "--reverse"], 2, &["--reverse is for colours of times"]),
+    (&["--plane", "speeds", "--budget", "auto"], 2, &["--budget is 'auto'", "released from rest"]),
+    (&["--ask", "growth", "--budget", "auto"], 2, &["--budget is 'auto'", "1e-9 and 1e6"]),
     (&["--energy", "3"], 2, &["--energy is '3'", "--plane section"]),
     (&["--friction", "-1,0"], 2, &["--friction", "between 0 and"]),
     (&["--origin", "1,2,3"], 2, &["--origin", "four numbers"]),
@@ -73,10 +100,10 @@ fn every_mistake_gets_a_sentence_a_code_and_leaves_files_alone() {
     let folder = folder();
     fs::write(folder.path().join("map.png"), "mine").unwrap();
     for (arguments, code, words) in MISTAKES {
-        let output = render(&folder, &[arguments, &["-o", "map.png"]].concat());
+        let output = render(&folder, &[*arguments, &["-o", "map.png"]].concat());
         let error = error_of(&output);
-        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {error}");
-        for word in words {
+        assert_eq!(output.status.code(), Some(*code), "{arguments:?}: {error}");
+        for word in *words {
             assert!(error.contains(word), "{arguments:?}: {error}");
         }
         assert_eq!(fs::read_to_string(folder.path().join("map.png")).unwrap(), "mine");

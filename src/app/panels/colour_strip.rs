@@ -51,11 +51,20 @@ fn square(ui: &mut Ui, colours: &AnswerColours) {
     ui.label("θ1 across, θ2 up, −π to π");
 }
 
-/// Shows values at the quarters of the strip.
+/// Shows values at the quarters of the strip, or at its steps.
 fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
     let (rect, _) = ui.allocate_exact_size(vec2(strip.width(), 16.0), Sense::hover());
     let font = egui::TextStyle::Small.resolve(ui.style());
     let ink = ui.visuals().text_color();
+    if let Some(labels) = colours.step_labels(f64::from(rect.width() / LETTER_POINTS)) {
+        for (place, label) in labels {
+            let x = rect.left() + rect.width() * place as f32;
+            ui.painter().vline(x, rect.top() - 3.0..=rect.top(), (1.0, ink));
+            let middle = pos2(x, rect.top() + 1.0);
+            ui.painter().text(middle, Align2::CENTER_TOP, label, font.clone(), ink);
+        }
+        return;
+    }
     let BarLabels { from, values } = colours.bar_labels();
     let long = values.iter().any(|value| value.chars().count() > LONG);
     for (quarter, value) in (0..=4u8).zip(values).step_by(if long { 2 } else { 1 }) {
@@ -74,6 +83,8 @@ fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
     }
 }
 
+/// Width of a small letter in points.
+const LETTER_POINTS: f32 = 6.0;
 /// Letters of a value beside which there is no room for those of the quarters.
 const LONG: usize = 6;
 

@@ -30,7 +30,7 @@ pub fn scene_panel(ui: &mut Ui, scene: &Scene) -> Option<Scene> {
     if new == *scene {
         return None;
     }
-    new.checked().ok()
+    new.without_strays().checked().ok()
 }
 
 fn built(ui: &mut Ui, build: &mut Build) {

@@ -30,19 +30,19 @@ fn degrees(text: &str) -> Option<f64> {
 }
 
 /// Reads the texts of the fields. Angles may be in degrees or in parts of π.
-fn view_of(texts: &[String; 5]) -> Result<View, String> {
+fn view_of(texts: &[String; 5], axes: [Axis; 2]) -> Result<View, String> {
     let number = |text: &str, name: &str| {
         text.trim().parse::<f64>().map_err(|_| format!("{name} is '{text}', which is no number"))
     };
     let [x, y, width, rotate, stretch] = texts;
     let view = View {
-        center: [in_rad(x), in_rad(y)],
-        width: in_rad(width),
+        center: [axes[0].in_unit(x), axes[1].in_unit(y)],
+        width: axes[0].in_unit(width),
         rotate: degrees(rotate).map_or_else(|| number(rotate, "Turn"), Ok)?,
         stretch: number(stretch, "Stretch")?,
         fit: false,
     };
-    view.check().map_err(|error| error.to_string())?;
+    view.check(axes).map_err(|error| error.to_string())?;
     Ok(view)
 }
 
@@ -72,7 +72,7 @@ pub fn view_panel(
         form.typed = Some(texts.clone());
     }
     form.typed.as_ref()?;
-    let view = view_of(&texts);
+    let view = view_of(&texts, axes);
     if let Err(error) = &view {
         ui.label(sentence(ui, error, ui.visuals().warn_fg_color));
     }
@@ -102,11 +102,12 @@ mod tests {
 
     #[test]
     fn typed_views_are_read_with_degrees_and_refused_in_words() {
-        let view = view_of(&texts(["90deg", "-0.5pi", "1e-3", "30", "2"])).unwrap();
+        let axes = [Axis::Theta1, Axis::Theta2];
+        let view = view_of(&texts(["90deg", "-0.5pi", "1e-3", "30", "2"]), axes).unwrap();
         assert!((view.center_rad()[0].to_f64() - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert_eq!((view.width.as_str(), view.rotate, view.stretch), ("1e-3", 30.0, 2.0));
         for (text, turned) in [("45", 45.0), ("45deg", 45.0), ("-0.25pi", -45.0)] {
-            let view = view_of(&texts(["0", "0", "1", text, "1"])).unwrap();
+            let view = view_of(&texts(["0", "0", "1", text, "1"]), axes).unwrap();
             assert!((view.rotate - turned).abs() < 1e-12, "{text}");
         }
         for (wrong, words) in [
@@ -115,8 +116,11 @@ mod tests {
             (["0", "0", "1", "turn", "1"], "Turn is 'turn'"),
             (["0", "0", "1", "0", "0"], "`stretch` is '0'"),
         ] {
-            let error = view_of(&texts(wrong)).unwrap_err();
+            let error = view_of(&texts(wrong), axes).unwrap_err();
             assert!(error.contains(words), "{error}");
         }
+        let speeds = [Axis::Omega1, Axis::Omega2];
+        let error = view_of(&texts(["90deg", "0", "1", "0", "1"]), speeds).unwrap_err();
+        assert!(error.contains("`center` is '90deg'") && error.contains("rad/s"), "{error}");
     }
 }

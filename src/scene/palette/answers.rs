@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::steps::WholeNumbers;
 use super::{FAILED, Ground, Palette, Rgb, Tint, Tones, rounded, tint_of};
 use crate::physics::{Pendulum, State, Status};
 use crate::question::{ChannelScale, Painted};
@@ -28,6 +29,8 @@ pub(super) enum Way {
     Between(usize, [f64; 2], Palette),
     /// Two angles at once.
     Torus,
+    /// A channel of whole numbers, with the values at the ends of the palette.
+    Whole(usize, [f64; 2], WholeNumbers, Palette),
     /// The sum of all channels, from 0 to a number.
     Counts(f64, Palette),
     /// The kinetic share of this pendulum's energy above hanging.
@@ -80,6 +83,19 @@ impl AnswerColours {
             ChannelScale::Between(from, to) => {
                 Way::Between(channel, [from, to], Palette::named(&picture.palette)?)
             }
+            ChannelScale::Counts(from, to) => {
+                let ends = [from, to].map(f64::from);
+                Way::Whole(
+                    channel,
+                    ends,
+                    WholeNumbers::counts(i64::from(from), i64::from(to)),
+                    Palette::named(&picture.palette)?,
+                )
+            }
+            ChannelScale::Bobs => {
+                let palette = Palette::named(&picture.palette)?;
+                Way::Whole(channel, [0.0, 3.0], WholeNumbers::BOBS, palette)
+            }
         };
         Ok(AnswerColours { way, ground: Ground::of(picture)? })
     }
@@ -116,7 +132,8 @@ impl AnswerColours {
         match &self.way {
             Way::Times(channel, tones) => tones.tint_at(values[*channel]),
             Way::Angle(channel, palette) => palette.tint((values[*channel] + PI) / TAU),
-            Way::Between(channel, [from, to], palette) => {
+            Way::Between(channel, [from, to], palette)
+            | Way::Whole(channel, [from, to], _, palette) => {
                 palette.tint((values[*channel] - from) / (to - from))
             }
             Way::Torus => torus([values[0], values[1]]),

@@ -79,10 +79,10 @@ impl GroundTable {
 }
 
 fn colour(text: &str) -> Result<Rgb, SceneError> {
-    parse_colour(text).ok_or_else(|| SceneError {
-        setting: "colours",
-        value: format!("'{}'", text.chars().take(40).collect::<String>()),
-        range: "each colour is # and six hexadecimal digits, as in #101018",
+    parse_colour(text).ok_or_else(|| {
+        let value = format!("'{}'", text.chars().take(40).collect::<String>());
+        let range = "each colour is # and six hexadecimal digits, as in #101018";
+        SceneError::new("colours", value, range)
     })
 }
 

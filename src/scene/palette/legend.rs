@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::answers::{AnswerColours, Way, torus};
+use super::steps::WholeNumbers;
 use super::{Rgb, rounded};
 use crate::question::Ask;
 
@@ -39,25 +40,47 @@ impl AnswerColours {
 
     /// The colour at a share of the bar, from 0 to 1.
     pub fn colour_along(&self, share: f64) -> Rgb {
+        let value = self.value_along(share);
         match &self.way {
-            Way::Times(_, tones) => tones.colour_at(tones.secs_at(share)),
-            Way::Angle(_, palette)
-            | Way::Between(_, _, palette)
-            | Way::Counts(_, palette)
-            | Way::EnergySplit(_, palette) => palette.colour(share),
+            Way::Times(_, tones) => tones.colour_at(value),
+            Way::Angle(_, palette) | Way::Between(_, _, palette) | Way::EnergySplit(_, palette) => {
+                palette.colour(share)
+            }
+            Way::Whole(_, [from, to], _, palette) => palette.colour((value - from) / (to - from)),
+            Way::Counts(most, palette) => palette.colour(value / most),
             Way::Torus => self.colour_in_square([share, 0.5]),
         }
     }
 
     /// The value at a share of the bar, from 0 to 1, in the unit of [`AnswerColours::title`].
     pub fn value_along(&self, share: f64) -> f64 {
+        if let Some(numbers) = self.whole_numbers() {
+            return numbers.at(share) as f64;
+        }
         match &self.way {
             Way::Times(_, tones) => tones.secs_at(share),
             Way::Angle(..) | Way::Torus => TAU * share - PI,
-            Way::Between(_, [from, to], _) => from + share * (to - from),
+            Way::Between(_, [from, to], _) | Way::Whole(_, [from, to], ..) => {
+                from + share * (to - from)
+            }
             Way::Counts(most, _) => share * most,
             Way::EnergySplit(..) => share,
         }
+    }
+
+    /// The whole numbers along the bar, if it has no other values.
+    fn whole_numbers(&self) -> Option<WholeNumbers> {
+        match self.way {
+            Way::Whole(_, _, numbers, _) => Some(numbers),
+            Way::Counts(most, _) => Some(WholeNumbers::counts(0, most.ceil() as i64)),
+            _ => None,
+        }
+    }
+
+    /// Places from 0 to 1, and labels, of the steps of a bar that is so many letters long; none if its
+    /// colours are continuous.
+    pub fn step_labels(&self, letters: f64) -> Option<Vec<(f64, String)>> {
+        Some(self.whole_numbers()?.labels(letters))
     }
 
     /// The labels of the bar.
@@ -69,7 +92,10 @@ impl AnswerColours {
     pub fn title(&self, ask: Ask) -> LegendTitle {
         let channels = ask.kind().channels;
         match self.way {
-            Way::Times(channel, _) | Way::Angle(channel, _) | Way::Between(channel, ..) => {
+            Way::Times(channel, _)
+            | Way::Angle(channel, _)
+            | Way::Between(channel, ..)
+            | Way::Whole(channel, ..) => {
                 LegendTitle { name: channels[channel].name, unit: channels[channel].unit }
             }
             Way::Torus => LegendTitle { name: "theta1, theta2", unit: "rad" },
@@ -113,13 +139,20 @@ fn digits(value: f64, count: i32) -> String {
 mod tests {
     use super::*;
     use crate::physics::Status;
-    use crate::scene::{PictureTable, QuestionTable, Scene};
+    use crate::scene::{Budget, PictureTable, QuestionTable, Scene};
 
     #[test]
     fn the_bar_has_the_colours_of_its_values() {
-        for (ask, channel) in
-            [(Ask::Flip, 0), (Ask::State, 1), (Ask::State, 2), (Ask::Growth, 0), (Ask::Return, 0)]
-        {
+        for (ask, channel) in [
+            (Ask::Flip, 0),
+            (Ask::State, 1),
+            (Ask::State, 2),
+            (Ask::State, 4),
+            (Ask::First, 0),
+            (Ask::Flips, 3),
+            (Ask::Growth, 0),
+            (Ask::Return, 0),
+        ] {
             let question = QuestionTable { ask, ..QuestionTable::default() };
             let name = ask.kind().channels[channel].name;
             let picture =
@@ -137,6 +170,36 @@ mod tests {
                 assert!(painted.into_iter().zip(along).all(near), "{name} {share}");
             }
         }
+    }
+
+    #[test]
+    fn counts_have_one_colour_each() {
+        let colours = |ask, channel: Option<&str>, budget| {
+            let question = QuestionTable { ask, budget, ..QuestionTable::default() };
+            let scene = Scene { question, ..Scene::default() };
+            let channel = channel.map(str::to_string);
+            AnswerColours::new(&scene, &PictureTable { channel, ..PictureTable::default() })
+                .unwrap()
+        };
+        let short = Budget::secs(2.0);
+        for (ask, channel, count) in [
+            (Ask::Flips, None, 4),
+            (Ask::Flips, Some("first_left"), 11),
+            (Ask::First, None, 2),
+            (Ask::State, Some("turns2"), 11),
+        ] {
+            let colours = colours(ask, channel, short);
+            let along = |k: u32| colours.colour_along(f64::from(k) / 500.0);
+            let changes = (0..500).filter(|k| along(*k) != along(k + 1)).count();
+            assert_eq!(changes + 1, count, "{ask} {channel:?}");
+            assert_eq!(colours.step_labels(34.0).unwrap().len(), count, "{ask} {channel:?}");
+        }
+        let flips = colours(Ask::Flips, None, short);
+        for sum in [0.0, 1.0, 2.0, 3.0] {
+            let painted = flips.colour(Status::Flipped, &[sum, 0.0, 0.0, 0.0]);
+            assert_eq!(flips.colour_along((sum + 0.5) / 4.0), painted, "{sum}");
+        }
+        assert!(colours(Ask::Growth, None, short).step_labels(34.0).is_none());
     }
 
     #[test]

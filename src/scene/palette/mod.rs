@@ -5,6 +5,7 @@ pub mod gradient;
 mod ground;
 mod legend;
 mod relief;
+mod steps;
 mod time_scale;
 mod tones;
 
@@ -83,11 +84,10 @@ impl Palette {
             return Self::of_list(name);
         }
         let found = FILES.iter().find(|(known, _)| *known == name);
-        let (name, text) = found.ok_or_else(|| SceneError {
-            setting: "palette",
-            value: format!("'{name}'"),
-            range: "the palettes are iris, batlow, viridis, magma, cividis, romao, lists of colours \
-                    (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl",
+        let (name, text) = found.ok_or_else(|| {
+            let range = "the palettes are iris, batlow, viridis, magma, cividis, romao, lists of \
+                         colours (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl";
+            SceneError::new("palette", format!("'{name}'"), range)
         })?;
         let table = text.lines().filter_map(parse_colour).collect();
         let ground = if *name == Self::DEFAULT { Ground::DARK } else { Ground::LIGHT };
@@ -95,10 +95,9 @@ impl Palette {
     }
 
     fn of_list(text: &str) -> Result<Self, SceneError> {
-        let stops = gradient::parse_list(text).ok_or_else(|| SceneError {
-            setting: "palette",
-            value: format!("'{text}'"),
-            range: "a list is 2 to 256 colours such as #ff8000, separated by commas",
+        let stops = gradient::parse_list(text).ok_or_else(|| {
+            let range = "a list is 2 to 256 colours such as #ff8000, separated by commas";
+            SceneError::new("palette", format!("'{text}'"), range)
         })?;
         Ok(Palette { name: "custom", ground: Ground::DARK, table: gradient::table(&stops) })
     }
