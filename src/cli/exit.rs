@@ -20,6 +20,7 @@ pub(crate) enum Exit {
     #[error("{0}")]
     Failed(String),
     /// Exit code 69: nothing here can do it.
+    #[cfg(feature = "window")]
     #[error("{0}")]
     Unavailable(String),
     /// Exit code 3: results differ too much.
@@ -130,6 +131,7 @@ fn code_of(error: &anyhow::Error) -> u8 {
         if let Some(exit) = cause.downcast_ref() {
             return match exit {
                 Exit::Failed(_) => 1,
+                #[cfg(feature = "window")]
                 Exit::Unavailable(_) => 69,
                 Exit::Usage(_) => 2,
                 Exit::Differs(_) => 3,

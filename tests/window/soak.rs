@@ -13,10 +13,12 @@ use super::display::{Display, LEFT};
 use super::session::{Session, WINDOW, keep_settings};
 use super::vitals::Watch;
 
-/// Memory that the process may use in addition to its tile cache, MiB: the map's tiles on the card, which a
-/// software driver keeps in main memory and which a device's successor has again before the device is
-/// gone, two times 64; the driver and the interface, about 200; and deep views on their way.
-const BESIDE_MIB: f64 = 500.0;
+/// Memory that the process may use in addition to its tile cache, MiB, as measured over ten minutes: the
+/// map's tiles on the card, which a software driver keeps in main memory, about 100; the code of the
+/// driver and the program, 100; what driver, interface and deep views hold, 200; and what the allocator
+/// has free in the heaps of its threads, up to 150. A card's successor has its tiles at once, before
+/// those of the lost one are gone.
+const BESIDE_MIB: f64 = 600.0;
 
 /// Keys that neither quit nor can select from a list by accident.
 const KEYS: [&str; 24] = [
