@@ -73,7 +73,7 @@ impl Bench<'_> {
         backend: &mut Backend,
         truths: &mut QuestionTruths,
     ) -> Result<QuestionRow, ReportError> {
-        let Judgement { budget_secs, most_error, ref words, .. } = ask.kind().judged;
+        let Judgement { budget_secs, most_error, words, .. } = ask.kind().judged;
         let budget = Budget::secs(budget_secs);
         let question = QuestionTable { ask, budget, ..QuestionTable::default() };
         let scene = Scene { question, ..Scene::default() };

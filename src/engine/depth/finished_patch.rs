@@ -70,16 +70,7 @@ impl FinishedPatch {
     ) -> Self {
         let SplitNode { patch, edge } = node;
         let (key, half_side, area) = (part.key, part.half_side(plane), part.above.iter().sum());
-        FinishedPatch {
-            key,
-            patch,
-            ending,
-            edge,
-            half_side,
-            area,
-            budget,
-            curve: OnceLock::new(),
-        }
+        FinishedPatch { key, patch, ending, edge, half_side, area, budget, curve: OnceLock::new() }
     }
 
     /// The patch with the forbidden region's edge.
