@@ -19,7 +19,7 @@ fn scene(ask: Ask, plane: &str) -> Scene {
     let question = QuestionTable { ask, budget: Budget::secs(0.6), ..QuestionTable::default() };
     let origin = ["0.4", "2.5", "0", "-1"].map(str::to_string);
     let plane = Plane { kind: plane.parse().unwrap(), origin, energy: 3.0 };
-    Scene { question, plane, ..Scene::default() }.checked().unwrap()
+    Scene { question, plane, ..Scene::default() }.without_strays().checked().unwrap()
 }
 
 fn target(scene: &Scene, cell: Cell) -> ViewTarget {
