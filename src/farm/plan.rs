@@ -111,7 +111,8 @@ impl Plan {
             return Err(PlanError::Version(version));
         }
         let plan: Plan = toml::from_str(text).map_err(|error| {
-            let what = error.message().lines().next().unwrap_or_default();
+            // Words in backquotes are settings, which the command line calls by its options.
+            let what = error.message().lines().next().unwrap_or_default().replace('`', "'");
             PlanError::Syntax(format!("{}{what}", place(&error, text)))
         })?;
         if plan.sha256 != plan.digest() || plan.format != FORMAT {
@@ -253,7 +254,10 @@ mod tests {
         assert!(refused("shards = 8", "shards = 9").contains("was changed"));
         assert!(refused("gravity = 9.81", "gravity = 1.62").contains("was changed"));
         let misspelt = refused("shards = 8", "chards = 8");
-        assert!(misspelt.contains("is no plan: line 4, column 1: unknown field"), "{misspelt}");
+        assert!(
+            misspelt.contains("is no plan: line 4, column 1: unknown field 'chards'"),
+            "{misspelt}"
+        );
         let wrong = refused("shards = 8", "shards = true");
         assert!(wrong.contains("is no plan: line 4, column 10: invalid type"), "{wrong}");
         assert!(refused("shards = 8", "shards = 9").contains("a checksum of the whole"));
