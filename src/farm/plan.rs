@@ -9,7 +9,7 @@ use crate::engine::run_settings::RunSpec;
 use crate::engine::{Engine, EngineKind, IntegratorConfig, run_settings};
 use crate::output::sha256;
 use crate::scene::film::Film;
-use crate::scene::{Document, DocumentError, RunTable};
+use crate::scene::{Document, DocumentError, RunTable, one_line};
 
 /// The plan format that this program reads and writes.
 const FORMAT: u32 = 1;
@@ -110,11 +110,8 @@ impl Plan {
         {
             return Err(PlanError::Version(version));
         }
-        let plan: Plan = toml::from_str(text).map_err(|error| {
-            // Words in backquotes are settings, which the command line calls by its options.
-            let what = error.message().lines().next().unwrap_or_default().replace('`', "'");
-            PlanError::Syntax(format!("{}{what}", place(&error, text)))
-        })?;
+        let plan: Plan =
+            toml::from_str(text).map_err(|error| PlanError::Syntax(one_line(&error, text)))?;
         if plan.sha256 != plan.digest() || plan.format != FORMAT {
             return Err(PlanError::Changed);
         }
@@ -182,16 +179,6 @@ impl Plan {
     fn digest(&self) -> String {
         sha256(Plan { sha256: String::new(), ..self.clone() }.text().as_bytes())
     }
-}
-
-/// Line and column of an error in a text, if it has a place.
-fn place(error: &toml::de::Error, text: &str) -> String {
-    let before = error.span().and_then(|span| text.get(..span.start));
-    before.map_or(String::new(), |before| {
-        let line = before.matches('\n').count() + 1;
-        let column = before.chars().rev().take_while(|&letter| letter != '\n').count() + 1;
-        format!("line {line}, column {column}: ")
-    })
 }
 
 #[derive(Deserialize)]

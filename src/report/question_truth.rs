@@ -1,11 +1,12 @@
 //! True answers of questions: a question reads the end of an orbit of the gold standard in
 //! double-double as it reads an engine's.
 
+use crate::engine::start::whole_turns;
 use crate::physics::passes::{Pass, passes_until};
 use crate::physics::phase::distance;
 use crate::physics::taylor::Orbit;
 use crate::physics::{Accumulators, Dd, Outcome, State, Status, tangents};
-use crate::question::{Ask, Ending, Needs};
+use crate::question::{Ending, Needs};
 use crate::scene::Scene;
 
 /// The channels of the true orbit from a start; `None` if it has no answer.
@@ -13,7 +14,7 @@ pub(super) fn true_answer(scene: &Scene, start: State<Dd>) -> Option<Vec<f64>> {
     let kind = scene.question.ask.kind();
     let most_secs = scene.question.end_secs();
     let all = passes_until(orbit(scene, start), most_secs);
-    let event = event(scene.question.ask, scene, &all);
+    let event = event(scene, &all);
     if event.is_none() && !kind.at_a_time {
         return None;
     }
@@ -43,10 +44,10 @@ fn rounded(state: State<Dd>) -> State<f64> {
 }
 
 /// The time of the pass that ends the orbit, in s.
-fn event(ask: Ask, scene: &Scene, all: &[Pass]) -> Option<Dd> {
-    let bobs = ask.watched(scene.question.rule).watched();
+fn event(scene: &Scene, all: &[Pass]) -> Option<Dd> {
+    let bobs = scene.question.watched().watched();
     let mut watched = all.iter().filter(|pass| bobs.contains(&(pass.bob - 1)));
-    watched.nth(ask.kind().passes as usize - 1).map(|pass| pass.time)
+    watched.nth(scene.question.ask.kind().passes as usize - 1).map(|pass| pass.time)
 }
 
 /// The quantities that the question needs, gathered from the start to a state after `secs`.
@@ -63,7 +64,7 @@ fn gathered(
     };
     let needs = scene.question.ask.kind().needs;
     Accumulators {
-        turns: state.angle.map(|angle| ((angle - angle.wrapped()) / Dd::TAU).hi.round() as i32),
+        turns: state.angle.map(|angle| whole_turns(angle.hi)),
         passes: [count(1, true), count(1, false), count(2, true), count(2, false)],
         nearest: match needs {
             Needs::Return => nearest(scene, start, secs),
@@ -120,6 +121,7 @@ fn nearest(scene: &Scene, start: State<Dd>, secs: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::question::Ask;
     use crate::scene::{Budget, QuestionTable};
 
     fn scene(ask: Ask, secs: f64) -> Scene {

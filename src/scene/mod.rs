@@ -27,6 +27,7 @@ mod words;
 pub use angle_text::in_rad;
 pub use budget::Budget;
 pub use built_in::{BUILT_IN, BuiltIn};
+pub(crate) use document::one_line;
 pub use document::{Document, DocumentError, RunTable};
 pub use exact_plane::ExactPlane;
 pub use grid::{Fate, Grid};

@@ -1,5 +1,6 @@
 //! Deep jobs whose cells are followed, and what is known of their answers.
 
+use std::cell::LazyCell;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -81,7 +82,7 @@ pub(super) fn followed(
     let wanted = SplitRequest { level, budget: question.budget_secs / unit_secs, cancelled, told };
     let begun = Instant::now();
     let distribution = splitting.distribute(&deep, wanted)?;
-    let places: Vec<_> = deep.places().collect();
+    let places = LazyCell::new(|| deep.places().collect::<Vec<_>>());
     let dynamics = &splitting.dynamics;
     let mut lines = (lines && may_use_lines(&job)).then(|| Lines::new(*dynamics, unit_secs));
     let mut awaited = Awaited::of_forbidden(job, count);
