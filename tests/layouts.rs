@@ -93,7 +93,14 @@ fn flown() -> Pins {
 fn window() -> Harness<'static, AppModel> {
     let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
     let folders = Folders::none();
-    let options = WindowOptions { document: None, run: None, request, folders, stats: None };
+    let options = WindowOptions {
+        document: None,
+        run: None,
+        request,
+        folders,
+        stats: None,
+        film_command: None,
+    };
     let model = AppModel::new(&options, Arc::new(|| ()));
     let mut window = Harness::builder().with_size([720.0, 440.0]).build_ui_state(
         |ui, model: &mut AppModel| {

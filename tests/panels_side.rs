@@ -6,6 +6,8 @@
 mod adapter;
 #[path = "panels_side/colours.rs"]
 mod colour_tests;
+#[path = "panels_side/film.rs"]
+mod film_tests;
 
 use egui::{Key, Role, Theme, Ui};
 use egui_kittest::Harness;
@@ -15,7 +17,7 @@ use flipmap::app::export::ExportStage;
 use flipmap::app::folders::Folders;
 use flipmap::app::panels::colours::{ColourAction, colours_panel};
 use flipmap::app::panels::export::{
-    ExportAction, ExportForm, ExportStatus, ExportSubject, export_panel,
+    ExportAction, ExportForm, ExportStatus, export_panel,
 };
 use flipmap::app::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_panel};
 use flipmap::app::panels::scene::scene_panel;
@@ -249,8 +251,8 @@ fn colours_follow_what_is_pressed_and_typed() {
 
 #[test]
 fn exports_begin_and_stop_by_name() {
-    let running = ExportStage::Running { share: 0.5, pixels_per_sec: 1e6 };
-    let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage };
+    let running = ExportStage::Running { share: 0.5, pace: "1 pixels/s".to_string() };
+    let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage, is_film: false };
     let exports = vec![of("a.png", running), of("b.png", ExportStage::Done { secs: 2.0 })];
     let mut harness = export(exports);
     press(&mut harness, "raw numbers");
@@ -275,10 +277,6 @@ fn exports_begin_and_stop_by_name() {
     let last = &asked[asked.len() - 4..];
     use ExportAction::{Browse, Cancel, Dismiss, Start};
     assert_eq!(last, [Browse, Start, Cancel(0), Dismiss(1)]);
-    press(&mut harness, "film key");
-    assert_eq!(harness.state().state.what, ExportSubject::Key);
-    harness.get_by_label("Add this view to the film");
-    assert!(harness.query_by_label("Width").is_none());
 }
 
 #[test]
@@ -335,7 +333,8 @@ fn the_keyboard_reaches_every_button_of_an_export() {
         let focused = harness.root().children_recursive().find(|node| node.is_focused());
         reached.extend(focused.and_then(|node| node.accesskit_node().label()));
     }
-    for name in ["picture", "film key", "File", "Browse…", "Size", "Width", "Height", "Export"] {
+    for name in ["picture", "raw numbers", "File", "Browse…", "Size", "Width", "Height", "Export"]
+    {
         assert!(reached.iter().any(|label| label == name), "{name} is not in {reached:?}");
     }
 }
@@ -346,6 +345,7 @@ needs_adapter! {
     the_colours_look_as_they_should
     exports_look_as_they_should
     places_look_as_they_should
+    films_look_as_they_should
 }
 
 mod pictures {
@@ -362,11 +362,15 @@ mod pictures {
     }
 
     pub(crate) fn exports_look_as_they_should() {
-        let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage };
-        let running = ExportStage::Running { share: 0.42, pixels_per_sec: 1_234_567.0 };
+        let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage, is_film: false };
+        let running = ExportStage::Running { share: 0.42, pace: "1\u{a0}234\u{a0}567 pixels/s".to_string() };
         let why = "cannot write late.png: no storage space".to_string();
         export(vec![of("map.png", running), of("late.png", ExportStage::Failed(why))])
             .snapshot("side_export");
+    }
+
+    pub(crate) fn films_look_as_they_should() {
+        film_tests::panel(&["6.3", "0.2", "1e-5"]).snapshot("side_film");
     }
 
     pub(crate) fn places_look_as_they_should() {

@@ -9,7 +9,6 @@ use super::canvas::colours::{CardColours, gliding_colours};
 use super::commands::Command;
 use super::map::{Hovered, map};
 use super::model::AppModel;
-use super::panels::export::ExportSubject;
 use super::panels::map_legend::map_legend;
 use super::panels::pendulum;
 use super::panels::toolbar::toolbar;
@@ -70,7 +69,7 @@ impl AppModel {
         }
         self.swing_at_pointer(ui, rect, &scene, hovered);
         pendulum::next_frame(ui, &self.state.pins);
-        if self.forms.exporting && self.forms.export.what != ExportSubject::Key {
+        if self.forms.exporting {
             overlay::draw_export_frame(&ui.painter_at(rect), rect, self.forms.export.size);
         }
         // The laboratory has tabs of its own.

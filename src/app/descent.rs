@@ -1,6 +1,5 @@
 //! Automatic descents: a background thread goes deeper and deeper, and the window follows.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -70,20 +69,12 @@ impl BackgroundDescent {
 }
 
 /// A descent and the views it has found, as a window keeps them.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct DescentPath {
     /// Descent that is still running, if any.
     pub running: Option<BackgroundDescent>,
     /// Views found so far, starting with the one where the descent began.
     pub scenes: Vec<Scene>,
-    /// Path of the file for film keys.
-    pub path: String,
-}
-
-impl Default for DescentPath {
-    fn default() -> Self {
-        DescentPath { running: None, scenes: Vec::new(), path: "keys.toml".to_string() }
-    }
 }
 
 impl AppModel {
@@ -127,7 +118,9 @@ impl AppModel {
             }
             DescentNews::Over(why) => {
                 self.descent.running = None;
-                self.state.notices.tell(why);
+                let offers = self.offer_film();
+                let offer = if offers { " The panel Film has the way as a film." } else { "" };
+                self.state.notices.tell(format!("{why}{offer}"));
             }
         }
         true
@@ -143,22 +136,35 @@ impl AppModel {
 
     pub(super) fn deeper(&mut self, action: DescentAction) -> Option<Action> {
         match action {
-            DescentAction::Toggle => return Some(Action::GoDeeper),
-            DescentAction::Path(path) => self.descent.path = path,
+            DescentAction::Toggle => Some(Action::GoDeeper),
             DescentAction::Open(k) => {
                 let scene = self.descent.scenes.get(k)?;
-                return Some(Action::Look(Look::To(Camera::from_view(&scene.view, Reach::TORUS))));
+                Some(Action::Look(Look::To(Camera::from_view(&scene.view, Reach::TORUS))))
             }
-            DescentAction::Keep => {
-                let shown = self.state.document();
-                let scenes = self.descent.scenes.iter().cloned();
-                let documents: Vec<Document> =
-                    scenes.map(|scene| shown.clone().with_scene(scene)).collect();
-                let path = PathBuf::from(&self.descent.path);
-                self.add_keys(&path, &documents);
+            DescentAction::Film => {
+                self.film.take_descent(self.descent_documents().into_iter());
+                Some(Action::Panel("Film"))
             }
         }
-        None
+    }
+
+    /// Offers the way of a descent as a film, unless the user has begun another one. Returns true if
+    /// it did.
+    fn offer_film(&mut self) -> bool {
+        let is_free = self.film.keys.is_empty() || self.film.of_descent;
+        if self.descent.scenes.len() < 2 || !is_free {
+            return false;
+        }
+        self.film.take_descent(self.descent_documents().into_iter());
+        (self.state.shown.side, self.state.shown.panel) = (true, Some("Film"));
+        true
+    }
+
+    /// Returns the views of the descent in the colours that are shown.
+    fn descent_documents(&self) -> Vec<Document> {
+        let shown = self.state.document();
+        let scenes = self.descent.scenes.iter().cloned();
+        scenes.map(|scene| shown.clone().with_scene(scene)).collect()
     }
 }
 

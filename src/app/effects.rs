@@ -1,11 +1,10 @@
 //! The effects of actions beyond the plain state: on files, flights and engines.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use super::action::Action;
 use super::dialog::{DialogAnswer, FileDialog};
-use super::export::{Export, ExportKind, ExportRequest, append_keys};
+use super::export::{Export, ExportKind, ExportRequest};
 use super::model::{AppModel, Asking};
 use super::panels::colours::ColourAction;
 use super::panels::export::{ExportAction, ExportSubject};
@@ -13,10 +12,10 @@ use super::panels::places::PlaceAction;
 use super::pin_start::PinStart;
 use super::state::Effect;
 use super::view_samples;
-use crate::output::{Picture, shell_word};
+use crate::output::Picture;
 use crate::physics::Theta;
 use crate::scene::palette::{AnswerColours, equalised};
-use crate::scene::{Document, PictureTable, Scale};
+use crate::scene::{PictureTable, Scale};
 
 const NO_DIALOG: &str = "The desktop has no file dialog (no portal answers): type a path under \
                          Export, or drop a file on the window.";
@@ -27,7 +26,10 @@ const EQUAL_STEPS: usize = 32;
 impl AppModel {
     /// Applies actions in order and returns the effects that only the window can carry out.
     pub(super) fn act(&mut self, actions: Vec<Action>) -> Vec<Effect> {
-        actions.iter().for_each(|action| self.stop_descent_for(action));
+        for action in &actions {
+            self.stop_descent_for(action);
+            self.pause_film_for(action);
+        }
         let actions: Vec<Action> =
             actions.into_iter().map(|action| self.in_place(action)).collect();
         let effects: Vec<Effect> =
@@ -99,7 +101,9 @@ impl AppModel {
     /// Takes the answer of the open file dialog, if there is one.
     pub(super) fn take_answer(&mut self) {
         let answer = match &self.asking {
-            Some(Asking::Open(dialog) | Asking::Export(dialog)) => dialog.poll(),
+            Some(Asking::Open(dialog) | Asking::Export(dialog) | Asking::Film(dialog)) => {
+                dialog.poll()
+            }
             None => None,
         };
         let Some(answer) = answer else { return };
@@ -107,6 +111,9 @@ impl AppModel {
             (Some(Asking::Open(_)), DialogAnswer::File(path)) => self.open(&path),
             (Some(Asking::Export(_)), DialogAnswer::File(path)) => {
                 self.forms.export.path = path.display().to_string();
+            }
+            (Some(Asking::Film(_)), DialogAnswer::File(path)) => {
+                self.film.path = path.display().to_string();
             }
             (_, DialogAnswer::Missing) => self.state.notices.fail(NO_DIALOG),
             _ => {}
@@ -187,36 +194,28 @@ impl AppModel {
         }
     }
 
-    /// Adds film keys to a file, and shows a notice of how many it now has or why none were added.
-    pub(super) fn add_keys(&mut self, path: &Path, documents: &[Document]) {
-        match append_keys(path, documents) {
-            Ok(keys) => {
-                let (name, word) = (path.display(), shell_word(path));
-                self.state.notices.tell(format!(
-                    "{name} has {keys} film keys now; flipmap video {word} -o film.mp4 films them."
-                ));
-            }
-            Err(error) => self.state.notices.fail(error),
-        }
-    }
-
     fn start_export(&mut self) {
         let form = self.forms.export.clone();
         let (document, path) = (self.state.document(), std::path::PathBuf::from(&form.path));
-        if self.exports.iter().any(|export| export.will_write(&path)) {
-            let busy = "is being exported already; wait for it, or choose another name";
-            return self.state.notices.fail(format!("{} {busy}.", path.display()));
+        if self.is_busy(&path) {
+            return;
         }
         let kind = match form.what {
             ExportSubject::Png => ExportKind::Png,
             ExportSubject::Raw => ExportKind::Raw,
-            ExportSubject::Key => {
-                self.add_keys(&path, &[document]);
-                return;
-            }
         };
         let request = ExportRequest { document, size: form.size, path, kind };
         let wake = Arc::clone(&self.wake);
         self.exports.push(Export::start(request, self.request.clone(), move || wake()));
+    }
+
+    /// Returns true, and tells the user, if an export is writing a file already.
+    pub(super) fn is_busy(&mut self, path: &std::path::Path) -> bool {
+        let busy = self.exports.iter().any(|export| export.will_write(path));
+        if busy {
+            let why = "is being exported already; wait for it, or choose another name";
+            self.state.notices.fail(format!("{} {why}.", path.display()));
+        }
+        busy
     }
 }

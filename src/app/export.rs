@@ -1,5 +1,5 @@
 //! Exports: a view as a picture or as numbers at any size, computed in the background by an engine
-//! of its own, with the same loop and files as `flipmap render`.
+//! of its own, with the same loop and files as `flipmap render`; and films (`film_run.rs`).
 
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -8,15 +8,14 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use super::film_run::{FilmRequest, FilmRunError, film};
 use crate::engine::choice::{Chosen, EngineRequest, choose};
 use crate::engine::method::Pace;
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
 use crate::engine::{Cells, Question};
 use crate::output::{
-    Destination, Paths, RenderClock, RenderError, SafeFile, Sinks, is_one_file, pass_work,
-    read_text, render_pass, sentence,
+    Paths, RenderClock, RenderError, Sinks, is_one_file, pass_work, render_pass, sentence,
 };
-use crate::scene::keys::{Easing, Keys};
 use crate::scene::{Document, DocumentError, RunTable};
 use crate::tiles::{Counts, Renderer};
 
@@ -50,10 +49,10 @@ pub enum ExportStage {
     Starting(String),
     /// The export is running.
     Running {
-        /// Share of the pixels that are done.
+        /// Share of the work that is done.
         share: f64,
-        /// Pixels per second.
-        pixels_per_sec: f64,
+        /// The speed of the work or the time that it still takes, in words.
+        pace: String,
     },
     /// The file is complete.
     Done {
@@ -61,7 +60,10 @@ pub enum ExportStage {
         secs: f64,
     },
     /// The export was cancelled; there is no file.
-    Cancelled,
+    Cancelled {
+        /// True if what was computed is kept, so that the same export continues there.
+        resumes: bool,
+    },
     /// The export failed; holds the reason as a sentence. There is no file.
     Failed(String),
 }
@@ -70,6 +72,7 @@ pub enum ExportStage {
 #[derive(Debug)]
 pub struct Export {
     path: PathBuf,
+    is_film: bool,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -94,9 +97,36 @@ impl Export {
         engine_request: EngineRequest,
         wake: impl Fn() + Send + 'static,
     ) -> Self {
+        Export::spawn(request.path.clone(), wake, move |set, stopped| {
+            run(&request, &engine_request, set, stopped)
+        })
+    }
+
+    /// Starts a film; calls `wake` whenever its stage has changed.
+    pub fn start_film(
+        request: FilmRequest,
+        engine_request: EngineRequest,
+        wake: impl Fn() + Send + 'static,
+    ) -> Self {
+        let mut export = Export::spawn(request.path.clone(), wake, move |set, stopped| {
+            Ok(film(&request, &engine_request, set, stopped)?)
+        });
+        export.is_film = true;
+        export
+    }
+
+    /// Does the work of an export on a thread; the work gets a function to call with each stage and
+    /// one that returns true once it is to stop.
+    fn spawn(
+        path: PathBuf,
+        wake: impl Fn() + Send + 'static,
+        work: impl FnOnce(&dyn Fn(ExportStage), &(dyn Fn() -> bool + Sync)) -> Result<(), Failure>
+        + Send
+        + 'static,
+    ) -> Self {
         let stage = Mutex::new(ExportStage::Starting("starting an engine".to_string()));
         let shared = Arc::new(Shared { stage, cancelled: AtomicBool::new(false) });
-        let (path, reporter) = (request.path.clone(), Arc::clone(&shared));
+        let reporter = Arc::clone(&shared);
         let thread = std::thread::spawn(move || {
             let set = |stage| {
                 *reporter.stage() = stage;
@@ -104,18 +134,28 @@ impl Export {
             };
             let begun = Instant::now();
             let stopped = || reporter.cancelled.load(Ordering::Relaxed);
-            set(match run(&request, &engine_request, &set, &stopped) {
+            set(match work(&set, &stopped) {
                 Ok(()) => ExportStage::Done { secs: begun.elapsed().as_secs_f64() },
-                Err(Failure::Render(RenderError::Stopped)) => ExportStage::Cancelled,
+                Err(Failure::Render(RenderError::Stopped)) => {
+                    ExportStage::Cancelled { resumes: false }
+                }
+                Err(Failure::Film(FilmRunError::Stopped)) => {
+                    ExportStage::Cancelled { resumes: true }
+                }
                 Err(failure) => ExportStage::Failed(sentence(&failure)),
             });
         });
-        Export { path, shared, thread: Some(thread) }
+        Export { path, is_film: false, shared, thread: Some(thread) }
     }
 
     /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Returns true if it is a film.
+    pub fn is_film(&self) -> bool {
+        self.is_film
     }
 
     /// Returns the current stage.
@@ -167,6 +207,8 @@ enum Failure {
     Choice(#[from] crate::engine::choice::ChoiceError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    Film(#[from] FilmRunError),
 }
 
 impl From<crate::engine::EngineError> for Failure {
@@ -241,7 +283,8 @@ impl<'a> Heeding<'a> {
             self.told.set(Some(Instant::now()));
             let done = counts.pixels as f64;
             let pixels_per_sec = done / self.begun.elapsed().as_secs_f64().max(1e-3);
-            (self.set)(ExportStage::Running { share: done / self.total, pixels_per_sec });
+            let pace = format!("{} pixels/s", thousands(pixels_per_sec));
+            (self.set)(ExportStage::Running { share: done / self.total, pace });
         }
         !(self.stopped)()
     }
@@ -259,27 +302,12 @@ impl ExportRequest {
     }
 }
 
-/// Adds scenes to a file of film keys, which is created if it does not exist. Returns the number of
-/// keys it then has, or a sentence that says why it was left unchanged.
-pub fn append_keys(path: &Path, documents: &[Document]) -> Result<usize, String> {
-    let refuse = |why: &dyn std::fmt::Display| {
-        format!("The film keys were not changed: {} {why}.", path.display())
-    };
-    let mut keys = if path.is_file() {
-        let text = read_text(path).map_err(|error| refuse(&format!("cannot be read: {error}")))?;
-        Keys::parse(&text).map_err(|error| refuse(&format!("has no film keys: {error}")))?
-    } else {
-        Keys::default()
-    };
-    for (place, document) in documents.iter().enumerate() {
-        // The film passes the views of a descent without stopping.
-        let easing = if place == 0 { Easing::Smooth } else { Easing::Linear };
-        keys.append(document.clone(), easing);
-    }
-    let file = Destination::File(path.to_path_buf());
-    SafeFile::write_whole(&file, keys.text().as_bytes())
-        .map_err(|error| refuse(&format!("cannot be written: {error}")))?;
-    Ok(keys.keys.len())
+/// Formats a count with non-breaking spaces between its thousands.
+pub(super) fn thousands(count: f64) -> String {
+    let digits = format!("{count:.0}");
+    let groups: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().filter_map(|group| str::from_utf8(group).ok()).collect();
+    groups.join("\u{a0}")
 }
 
 #[cfg(test)]
@@ -359,7 +387,7 @@ mod tests {
         while export.will_write(&under_another_name) {
             std::thread::yield_now();
         }
-        assert_eq!(export.wait(), ExportStage::Cancelled);
+        assert_eq!(export.wait(), ExportStage::Cancelled { resumes: false });
         drop(Export::start(request, fast(), || ()));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
@@ -371,19 +399,8 @@ mod tests {
     }
 
     #[test]
-    fn film_keys_are_added_to_a_file_and_a_wrong_one_is_left_as_it_was() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("keys.toml");
-        let document = BuiltIn::named("shore").unwrap().document();
-        assert_eq!(append_keys(&path, &[Document::default()]), Ok(1));
-        assert_eq!(append_keys(&path, std::slice::from_ref(&document)), Ok(2));
-        let keys = Keys::parse(&std::fs::read_to_string(&path).unwrap()).unwrap();
-        assert_eq!((keys.keys[1].secs, &keys.keys[1].scene), (5.0, &document));
-        let other = folder.path().join("diary.toml");
-        std::fs::write(&other, "dear = \"diary\"").unwrap();
-        let why = append_keys(&other, std::slice::from_ref(&document)).unwrap_err();
-        assert!(why.contains("diary.toml has no film keys: line 1"), "{why}");
-        assert_eq!(std::fs::read_to_string(&other).unwrap(), "dear = \"diary\"");
-        assert!(append_keys(Path::new("/dev/full"), &[document]).unwrap_err().contains("written"));
+    fn thousands_are_apart() {
+        assert_eq!(thousands(1234567.4), "1\u{a0}234\u{a0}567");
+        assert_eq!(thousands(12.0), "12");
     }
 }

@@ -15,6 +15,8 @@ use super::compute_service::{ComputeService, Wake};
 use super::descent::DescentPath;
 use super::dialog::FileDialog;
 use super::export::Export;
+use super::film_draft::FilmDraft;
+use super::film_run::FilmCommand;
 use super::folders::Folders;
 use super::meter::Meter;
 use super::outlook::Estimates;
@@ -48,12 +50,15 @@ pub struct WindowOptions {
     pub folders: Folders,
     /// File for the window's own measurements, written at rest and when it closes.
     pub stats: Option<PathBuf>,
+    /// Command that makes a film; without one, the window only plans films.
+    pub film_command: Option<FilmCommand>,
 }
 
 /// The purpose for which the file dialog was opened.
 pub(super) enum Asking {
     Open(FileDialog),
     Export(FileDialog),
+    Film(FileDialog),
 }
 
 /// The forms that the user has begun to fill in.
@@ -84,6 +89,9 @@ pub struct AppModel {
     pub(super) exports: Vec<Export>,
     pub(super) asking: Option<Asking>,
     pub(super) descent: DescentPath,
+    /// Film that is being planned.
+    pub film: FilmDraft,
+    pub(super) film_command: Option<FilmCommand>,
     pub(super) estimates: Estimates,
     /// Figures of the lesson.
     pub lab: Lab,
@@ -164,6 +172,8 @@ impl AppModel {
             exports: Vec::new(),
             asking: None,
             descent: DescentPath::default(),
+            film: FilmDraft::default(),
+            film_command: options.film_command,
             estimates: Estimates::default(),
             lab: Lab::new(Figure::Machine),
             request,
@@ -215,6 +225,7 @@ impl AppModel {
     pub fn show(&mut self, ui: &mut Ui) -> Vec<Effect> {
         let ctx = ui.ctx().clone();
         let mut actions = self.keys(&ctx);
+        actions.extend(self.play_film(&ctx));
         let mut commands = commands(&self.state);
         if self.state.shown.commands {
             commands.extend(choices(&self.state.picture));

@@ -61,6 +61,11 @@ impl AppState {
         self.go_at(to, MovePace::Glide);
     }
 
+    /// Jumps to a camera; `on_the_way` if it will be moved again at once.
+    pub(super) fn jump(&mut self, to: Camera, on_the_way: bool) {
+        (self.camera, self.moving, self.dragging) = (to, None, on_the_way);
+    }
+
     fn go_at(&mut self, to: Camera, pace: MovePace) {
         if self.look.animate {
             self.moving = Some(Move { from: self.camera, to, began_secs: self.now_secs, pace });

@@ -9,6 +9,7 @@ use super::panels::accuracy::{Computing, accuracy_panel};
 use super::panels::colours::colours_panel;
 use super::panels::descent::{self, descent_panel};
 use super::panels::export::{ExportStatus, export_panel};
+use super::panels::film::film_panel;
 use super::panels::layers::layers_panel;
 use super::panels::pendulum::pendulum_panel;
 use super::panels::places::places_panel;
@@ -20,7 +21,7 @@ use crate::lab::Figure;
 use crate::physics::{Scalar, State};
 
 /// The panels, by their headings.
-pub(super) const PANELS: [&str; 10] = [
+pub(super) const PANELS: [&str; 11] = [
     "Pendulum of a pixel",
     "View",
     "Places",
@@ -30,6 +31,7 @@ pub(super) const PANELS: [&str; 10] = [
     "Colours",
     "Layers",
     "Export",
+    "Film",
     "Window",
 ];
 
@@ -75,8 +77,8 @@ impl AppModel {
                 self.recent(ui, &mut actions);
             });
             panels.show("Deeper", false, |ui| {
-                let DescentPath { running: descent, scenes, path } = &self.descent;
-                let view = descent::DescentView { going: descent.is_some(), scenes, path };
+                let DescentPath { running: descent, scenes } = &self.descent;
+                let view = descent::DescentView { going: descent.is_some(), scenes };
                 let done = descent_panel(ui, &view);
                 actions.extend(done.into_iter().filter_map(|action| self.deeper(action)));
             });
@@ -102,6 +104,10 @@ impl AppModel {
                 }
             });
             self.forms.exporting |= exporting;
+            panels.show("Film", false, |ui| {
+                let done = film_panel(ui, &self.film, &self.export_statuses());
+                actions.extend(done.into_iter().filter_map(|action| self.film(action)));
+            });
             panels.show("Window", false, |ui| {
                 actions.extend(window_panel(ui, &self.state, &mut self.settings));
             });
@@ -188,7 +194,11 @@ impl AppModel {
         };
         self.exports
             .iter()
-            .map(|export| ExportStatus { name: name(export.path()), stage: export.stage() })
+            .map(|export| ExportStatus {
+                name: name(export.path()),
+                stage: export.stage(),
+                is_film: export.is_film(),
+            })
             .collect()
     }
 }

@@ -1,9 +1,11 @@
 //! `flipmap explore`: opens the map in a window.
 
 use std::path::PathBuf;
+use std::process::Command;
 use std::time::Instant;
 
 use clap::Args;
+use flipmap::app::film_run::FilmOrder;
 use flipmap::app::folders::Folders;
 use flipmap::app::model;
 use flipmap::app::window::{self, WindowError};
@@ -42,6 +44,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         request: options.run.engine.request(spec.setting),
         folders,
         stats: options.stats.clone(),
+        film_command: Some(film_command),
     };
     let shown = window::run(options, begun, |close| {
         if let Err(error) = stop::listen_and(close) {
@@ -53,4 +56,23 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         Err(why) => Err(why.into()),
         Ok(()) => Ok(stop::check()?),
     }
+}
+
+/// The command line that makes a film from the window.
+fn film_command(order: &FilmOrder) -> std::io::Result<Command> {
+    let mut command = Command::new(std::env::current_exe()?);
+    let [width, height] = order.size;
+    command.arg("video").arg(order.keys).arg("-o").arg(order.output);
+    command.args(["--size", &format!("{width}x{height}"), "--fps", &order.fps.to_string()]);
+    command.args(["--progress", "json"]);
+    if let Some(kind) = order.engine.kind {
+        command.args(["--engine", &kind.to_string()]);
+    }
+    if let Some(adapter) = &order.engine.adapter {
+        command.args(["--adapter", adapter]);
+    }
+    if let Some(threads) = order.engine.threads {
+        command.args(["--threads", &threads.to_string()]);
+    }
+    Ok(command)
 }

@@ -192,11 +192,11 @@ impl Film {
     pub fn shot(&self, frame: u32) -> Shot {
         let [first, last] = [&self.keys[0], &self.keys[self.keys.len() - 1]];
         let share = f64::from(frame) / f64::from((self.frames - 1).max(1));
-        self.at(first.secs + (last.secs - first.secs) * share.min(1.0))
+        self.shot_at(first.secs + (last.secs - first.secs) * share.min(1.0))
     }
 
     /// The content at time `secs` of the keys, in s.
-    fn at(&self, secs: f64) -> Shot {
+    pub fn shot_at(&self, secs: f64) -> Shot {
         let next = self.keys.partition_point(|key| key.secs <= secs);
         let next = next.clamp(1, self.keys.len() - 1);
         let [from, to] = [&self.keys[next - 1], &self.keys[next]];

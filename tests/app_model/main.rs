@@ -2,6 +2,7 @@
 //! names and keyboard, as by a user without a mouse or a screen.
 
 mod commands;
+mod films;
 mod lab;
 mod look;
 mod planes;
@@ -35,7 +36,7 @@ fn options(folders: Folders, document: Option<Document>) -> WindowOptions {
     let request =
         EngineRequest { kind: Some(EngineKind::Cpu), setting, ..EngineRequest::default() };
     let run = RunTable { accuracy: Some("fast".to_string()), ..RunTable::default() };
-    WindowOptions { document, run: Some(run), request, folders, stats: None }
+    WindowOptions { document, run: Some(run), request, folders, stats: None, film_command: None }
 }
 
 /// An app model of fixed size with a complete map.
@@ -298,7 +299,7 @@ fn crowded(folder: &Path) -> Desktop {
     press(&mut desktop, Modifiers::NONE, Key::Space);
     press(&mut desktop, Modifiers::NONE, Key::F12);
     click(&mut desktop, "Keep this view");
-    for panel in ["Scene", "Accuracy", "Colours", "Layers", "Export", "Window"] {
+    for panel in ["Scene", "Accuracy", "Colours", "Layers", "Export", "Film", "Window"] {
         click(&mut desktop, panel);
     }
     // Panels take a moment to unfold.

@@ -21,6 +21,11 @@ impl Default for Playback {
 }
 
 impl Playback {
+    /// Returns a playback that is paused at the release.
+    pub fn at_rest() -> Self {
+        Playback { playing: false, ..Playback::default() }
+    }
+
     /// Simulated seconds since the release.
     pub fn time_secs(&self) -> f64 {
         self.time_secs

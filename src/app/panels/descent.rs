@@ -1,6 +1,6 @@
 //! The descent panel: the views found by descending, and ways to open and keep them.
 
-use egui::{Button, TextEdit, Ui};
+use egui::Ui;
 
 use crate::scene::Scene;
 
@@ -11,8 +11,6 @@ pub struct DescentView<'a> {
     pub going: bool,
     /// The views so far, the widest first.
     pub scenes: &'a [Scene],
-    /// Path of the file for film keys.
-    pub path: &'a str,
 }
 
 /// An action of the user in the panel.
@@ -22,10 +20,8 @@ pub enum DescentAction {
     Toggle,
     /// Opens the view with this index.
     Open(usize),
-    /// Changes the path of the file to this one.
-    Path(String),
-    /// Adds all views to the file as film keys.
-    Keep,
+    /// Makes a film of the views.
+    Film,
 }
 
 /// Shows the descent; returns the user's actions.
@@ -50,17 +46,8 @@ pub fn descent_panel(ui: &mut Ui, way: &DescentView) -> Vec<DescentAction> {
             }
         }
     });
-    ui.horizontal(|ui| {
-        let label = ui.label("File");
-        let mut path = way.path.to_string();
-        let field = TextEdit::singleline(&mut path).desired_width(120.0);
-        if ui.add(field).labelled_by(label.id).changed() {
-            actions.push(DescentAction::Path(path));
-        }
-        let ready = !way.path.trim().is_empty();
-        if ui.add_enabled(ready, Button::new("Keep as film keys")).clicked() {
-            actions.push(DescentAction::Keep);
-        }
-    });
+    if way.scenes.len() > 1 && ui.button("Make a film of the way").clicked() {
+        actions.push(DescentAction::Film);
+    }
     actions
 }

@@ -34,17 +34,12 @@ pub enum ExportSubject {
     Png,
     /// Flip times as raw numbers.
     Raw,
-    /// One more key of a film.
-    Key,
 }
 
 impl ExportSubject {
     /// All contents, each with its name and the extension of its files.
-    pub const ALL: [(&'static str, &'static str, ExportSubject); 3] = [
-        ("picture", "png", ExportSubject::Png),
-        ("raw numbers", "npy", ExportSubject::Raw),
-        ("film key", "toml", ExportSubject::Key),
-    ];
+    pub const ALL: [(&'static str, &'static str, ExportSubject); 2] =
+        [("picture", "png", ExportSubject::Png), ("raw numbers", "npy", ExportSubject::Raw)];
 
     /// Returns the extension of the files.
     pub fn ending(self) -> &'static str {
@@ -59,6 +54,8 @@ pub struct ExportStatus {
     pub name: String,
     /// The progress of the export.
     pub stage: ExportStage,
+    /// True if it is a film, which the panel of films shows.
+    pub is_film: bool,
 }
 
 /// An action of the user in the panel.
@@ -122,9 +119,9 @@ impl ExportForm {
         picture.check_size(self.size).err().map(|error| error.to_string())
     }
 
-    /// Returns true if the export would replace an existing file; film keys are added to theirs.
+    /// Returns true if the export would replace an existing file.
     pub fn replaces(&self) -> bool {
-        self.what != ExportSubject::Key && Path::new(&self.path).is_file()
+        Path::new(&self.path).is_file()
     }
 
     /// Returns the form for another content; an extension that fits the old content changes too.
@@ -144,9 +141,7 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
     Grid::new("export").num_columns(2).show(ui, |ui| {
         kind(ui, &mut new);
         file(ui, &mut new, &mut actions);
-        if new.what != ExportSubject::Key {
-            size(ui, &mut new);
-        }
+        size(ui, &mut new);
         if new.what == ExportSubject::Png {
             let (least, most) = PictureTable::SAMPLES.into_inner();
             let range = f64::from(least)..=f64::from(most);
@@ -165,7 +160,18 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
         actions.push(ExportAction::Change(new));
     }
     begin(ui, form, &mut actions);
-    for (index, export) in exports.iter().enumerate() {
+    actions.extend(statuses(ui, exports, |export| !export.is_film));
+    actions
+}
+
+/// Shows the exports that `shown` accepts; returns the user's actions on them.
+pub(super) fn statuses(
+    ui: &mut Ui,
+    exports: &[ExportStatus],
+    shown: impl Fn(&ExportStatus) -> bool,
+) -> Vec<ExportAction> {
+    let mut actions = Vec::new();
+    for (index, export) in exports.iter().enumerate().filter(|(_, export)| shown(export)) {
         ui.separator();
         ui.push_id(index, |ui| status(ui, index, export, &mut actions));
     }
@@ -235,11 +241,7 @@ fn size(ui: &mut Ui, form: &mut ExportForm) {
 
 fn begin(ui: &mut Ui, form: &ExportForm, actions: &mut Vec<ExportAction>) {
     let problem = form.problem();
-    let name = match form.what {
-        ExportSubject::Key => "Add this view to the film",
-        _ if form.replaces() => "Export and replace the file",
-        _ => "Export",
-    };
+    let name = if form.replaces() { "Export and replace the file" } else { "Export" };
     if ui.add_enabled(problem.is_none(), Button::new(name)).clicked() {
         actions.push(ExportAction::Start);
     }
@@ -254,12 +256,15 @@ fn status(ui: &mut Ui, index: usize, export: &ExportStatus, actions: &mut Vec<Ex
     ui.label(name);
     match &export.stage {
         ExportStage::Starting(what) => ui.label(format!("{what}…")),
-        ExportStage::Running { share, pixels_per_sec } => {
-            let text = format!("{:.0} %, {} pixels/s", share * 100.0, thousands(*pixels_per_sec));
+        ExportStage::Running { share, pace } => {
+            let text = format!("{:.0} %, {pace}", share * 100.0);
             ui.add(ProgressBar::new(*share as f32).text(text))
         }
         ExportStage::Done { secs } => ui.label(format!("Done in {secs:.1} s")),
-        ExportStage::Cancelled => ui.label("Stopped; no file was left"),
+        ExportStage::Cancelled { resumes: false } => ui.label("Stopped; no file was left"),
+        ExportStage::Cancelled { resumes: true } => {
+            ui.label("Stopped; filmed again, it continues where it stopped")
+        }
         ExportStage::Failed(why) => ui.label(format!("Not exported: {why}")),
     };
     let (button, action) = match export.stage {
@@ -277,14 +282,6 @@ fn status(ui: &mut Ui, index: usize, export: &ExportStatus, actions: &mut Vec<Ex
     }
 }
 
-/// Formats a count with non-breaking spaces between its thousands.
-fn thousands(count: f64) -> String {
-    let digits = format!("{count:.0}");
-    let groups: Vec<&str> =
-        digits.as_bytes().rchunks(3).rev().filter_map(|group| str::from_utf8(group).ok()).collect();
-    groups.join("\u{a0}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -293,7 +290,7 @@ mod tests {
     fn another_kind_takes_its_ending_along() {
         let form = ExportForm::default();
         assert_eq!(form.of(ExportSubject::Raw).path, "map.npy");
-        assert_eq!(form.of(ExportSubject::Key).of(ExportSubject::Png), form);
+        assert_eq!(form.of(ExportSubject::Raw).of(ExportSubject::Png), form);
         let own = ExportForm { path: "map".to_string(), ..form };
         assert_eq!(own.of(ExportSubject::Raw).path, "map");
         for (place, (_, _, what)) in ExportSubject::ALL.into_iter().enumerate() {
@@ -328,11 +325,5 @@ mod tests {
         form.as_window = false;
         form.follow([640, 480], &PictureTable::default());
         assert_eq!((form.size, form.samples, form.adaptive), ([970, 776], 1, false));
-    }
-
-    #[test]
-    fn thousands_are_apart() {
-        assert_eq!(thousands(1234567.4), "1\u{a0}234\u{a0}567");
-        assert_eq!(thousands(12.0), "12");
     }
 }

@@ -7,6 +7,7 @@ pub mod colours;
 pub mod descent;
 pub mod export;
 mod field;
+pub mod film;
 mod ground;
 pub mod help;
 pub mod layers;

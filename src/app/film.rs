@@ -1,0 +1,106 @@
+//! Films in the window: planned view by view, previewed on the map, and made in the background.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::action::{Action, Look};
+use super::camera::Camera;
+use super::dialog::FileDialog;
+use super::export::Export;
+use super::film_run::FilmRequest;
+use super::model::{AppModel, Asking};
+use super::panels::film::FilmAction;
+use super::reach::Reach;
+use crate::scene::{Scene, View};
+
+impl AppModel {
+    /// Carries out an action of the film's panel; returns what the map is to do.
+    pub(super) fn film(&mut self, action: FilmAction) -> Option<Action> {
+        let done = match action {
+            FilmAction::Add => {
+                self.film.add(self.state.document());
+                Ok(())
+            }
+            FilmAction::Change(draft) => {
+                self.film = *draft;
+                Ok(())
+            }
+            FilmAction::Preview(clock) => {
+                self.film.clock = clock;
+                return self.previewed();
+            }
+            FilmAction::Go(place) => {
+                let document = self.film.keys.get(place)?.scene.clone();
+                return Some(Action::Show(Box::new(document)));
+            }
+            FilmAction::OpenKeys => self.film.open_keys(),
+            FilmAction::SaveKeys => self.film.save_keys().map(|()| {
+                self.state.notices.tell(format!("The keys are in {}.", self.film.keys_path));
+            }),
+            FilmAction::Browse => {
+                let wake = Arc::clone(&self.wake);
+                let path: &Path = self.film.path.as_ref();
+                self.asking = Some(Asking::Film(FileDialog::save("mp4", path, move || wake())));
+                Ok(())
+            }
+            FilmAction::Start => self.start_film(),
+            FilmAction::Export(action) => {
+                self.export(action);
+                Ok(())
+            }
+        };
+        if let Err(problem) = done {
+            self.state.notices.fail(problem);
+        }
+        None
+    }
+
+    fn start_film(&mut self) -> Result<(), String> {
+        let Some(command) = self.film_command else {
+            return Err("This window cannot make films; save the keys for flipmap video.".into());
+        };
+        let path = PathBuf::from(&self.film.path);
+        if self.is_busy(&path) {
+            return Ok(());
+        }
+        let draft = &self.film;
+        let (keys, size, fps) = (draft.text(), draft.size, draft.fps);
+        let request = FilmRequest { command, keys, size, fps, path };
+        let wake = Arc::clone(&self.wake);
+        self.exports.push(Export::start_film(request, self.request.clone(), move || wake()));
+        Ok(())
+    }
+
+    /// Advances the preview, if it plays; returns what the map is to show next.
+    pub(super) fn play_film(&mut self, ctx: &egui::Context) -> Option<Action> {
+        if !self.film.clock.is_playing() {
+            return None;
+        }
+        ctx.request_repaint();
+        let elapsed_secs = f64::from(ctx.input(|input| input.stable_dt).min(LONGEST_FRAME_SECS));
+        let end_secs = self.film.secs();
+        self.film.clock.advance(elapsed_secs, end_secs, true);
+        self.previewed()
+    }
+
+    /// Shows the moment of the film that its clock tells. Another pendulum or question is an action.
+    fn previewed(&mut self) -> Option<Action> {
+        let scene = self.film.scene()?;
+        let asked = Scene { view: View::default(), ..scene.clone() };
+        let differs = asked != self.state.scene();
+        let reach = Reach::of(&scene);
+        self.state.jump(Camera::from_view(&scene.view, reach), self.film.clock.is_playing());
+        differs.then(|| Action::Scene(Box::new(asked)))
+    }
+
+    /// Pauses the preview if the user moves the view or shows something else.
+    pub(super) fn pause_film_for(&mut self, action: &Action) {
+        let moves = matches!(action, Action::Look(look) if *look != Look::Release);
+        if moves || matches!(action, Action::Escape | Action::Show(_) | Action::GoDeeper) {
+            self.film.clock.pause();
+        }
+    }
+}
+
+/// Longest time in s by which a frame advances the preview: what stalls the window does not skip a part.
+const LONGEST_FRAME_SECS: f32 = 0.2;
