@@ -7,7 +7,7 @@ use flipmap::scene::keys::Keys;
 
 use super::*;
 
-/// The program's own command for a small film of folders of pictures.
+/// The program's own command for a film.
 fn film_command(order: &FilmOrder) -> std::io::Result<Command> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_flipmap"));
     let [width, height] = order.size;
@@ -62,12 +62,12 @@ fn a_film_is_made_as_from_a_terminal_and_what_cannot_be_says_why() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     desktop.state_mut().film.size = [48, 32];
     desktop.state_mut().film.fps = 1.0;
-    type_over(&mut desktop, Role::TextInput, "Film to", &path("none/film"));
+    type_over(&mut desktop, Role::TextInput, "Film to", &path("film.txt"));
     click(&mut desktop, "Film it");
     until(&mut desktop, "the refusal", |desktop| {
-        desktop.query_by_label_contains("Not exported: -o: cannot write").is_some()
+        desktop.query_by_label_contains("film.txt: a film is an .mp4").is_some()
     });
-    click(&mut desktop, "Dismiss film");
+    click(&mut desktop, "Dismiss film.txt");
     type_over(&mut desktop, Role::TextInput, "Film to", &path("film"));
     click(&mut desktop, "Film it");
     until(&mut desktop, "the film", |desktop| desktop.query_by_label_contains("Done in").is_some());
@@ -105,7 +105,7 @@ fn a_film_that_is_stopped_ends_its_process_and_keeps_its_samples() {
     type_over(&mut desktop, Role::TextInput, "Film to", &path);
     click(&mut desktop, "Film it");
     until(&mut desktop, "the first samples", |desktop| {
-        desktop.query_by_label_contains("left").is_some()
+        desktop.query_by_label_contains(" %, ").is_some()
     });
     click(&mut desktop, "Stop film");
     until(&mut desktop, "the stop", |desktop| {
