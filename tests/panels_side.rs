@@ -16,9 +16,7 @@ use flipmap::app::colour_cycle::ColourCycle;
 use flipmap::app::export::ExportStage;
 use flipmap::app::folders::Folders;
 use flipmap::app::panels::colours::{ColourAction, colours_panel};
-use flipmap::app::panels::export::{
-    ExportAction, ExportForm, ExportStatus, export_panel,
-};
+use flipmap::app::panels::export::{ExportAction, ExportForm, ExportStatus, export_panel};
 use flipmap::app::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_panel};
 use flipmap::app::panels::scene::scene_panel;
 use flipmap::app::places::Places;
@@ -363,7 +361,8 @@ mod pictures {
 
     pub(crate) fn exports_look_as_they_should() {
         let of = |name: &str, stage| ExportStatus { name: name.to_string(), stage, is_film: false };
-        let running = ExportStage::Running { share: 0.42, pace: "1\u{a0}234\u{a0}567 pixels/s".to_string() };
+        let running =
+            ExportStage::Running { share: 0.42, pace: "1\u{a0}234\u{a0}567 pixels/s".to_string() };
         let why = "cannot write late.png: no storage space".to_string();
         export(vec![of("map.png", running), of("late.png", ExportStage::Failed(why))])
             .snapshot("side_export");

@@ -80,7 +80,7 @@ pub struct DescentPath {
 impl AppModel {
     /// Starts a descent towards the pointer, or the middle without one; stops a running descent.
     pub(super) fn toggle_descent(&mut self) {
-        if self.descent.running.take().is_some() {
+        if self.films.descent.running.take().is_some() {
             return;
         }
         if let Err(error) = self.state.scene().require_flip_from_rest() {
@@ -93,10 +93,10 @@ impl AppModel {
         // Deep places show nothing unless the budget grows with the depth.
         self.state.question.budget.auto = true;
         let scene = self.state.document().scene();
-        self.descent.scenes = vec![scene.clone()];
+        self.films.descent.scenes = vec![scene.clone()];
         let request =
             EngineRequest { setting: self.state.integration.spec.setting, ..self.request.clone() };
-        self.descent.running =
+        self.films.descent.running =
             Some(BackgroundDescent::start(scene, towards, request, Arc::clone(&self.wake)));
     }
 
@@ -107,17 +107,18 @@ impl AppModel {
         if self.state.moving.is_some() || 2 * done < wanted {
             return false;
         }
-        let Some(news) = self.descent.running.as_ref().and_then(BackgroundDescent::news) else {
+        let Some(news) = self.films.descent.running.as_ref().and_then(BackgroundDescent::news)
+        else {
             return false;
         };
         match news {
             DescentNews::To(scene) => {
                 let Camera { center, width_rad, .. } = Camera::from_view(&scene.view, Reach::TORUS);
                 self.state.glide(Camera { center, width_rad, ..self.state.target() });
-                self.descent.scenes.push(*scene);
+                self.films.descent.scenes.push(*scene);
             }
             DescentNews::Over(why) => {
-                self.descent.running = None;
+                self.films.descent.running = None;
                 let offers = self.offer_film();
                 let offer = if offers { " The panel Film has the way as a film." } else { "" };
                 self.state.notices.tell(format!("{why}{offer}"));
@@ -130,7 +131,7 @@ impl AppModel {
     pub(super) fn stop_descent_for(&mut self, action: &Action) {
         let moves = matches!(action, Action::Look(look) if *look != Look::Release);
         if moves || matches!(action, Action::Escape | Action::Show(_) | Action::Scene(_)) {
-            self.descent.running = None;
+            self.films.descent.running = None;
         }
     }
 
@@ -138,11 +139,11 @@ impl AppModel {
         match action {
             DescentAction::Toggle => Some(Action::GoDeeper),
             DescentAction::Open(k) => {
-                let scene = self.descent.scenes.get(k)?;
+                let scene = self.films.descent.scenes.get(k)?;
                 Some(Action::Look(Look::To(Camera::from_view(&scene.view, Reach::TORUS))))
             }
             DescentAction::Film => {
-                self.film.take_descent(self.descent_documents().into_iter());
+                self.films.draft.take_descent(self.descent_documents().into_iter());
                 Some(Action::Panel("Film"))
             }
         }
@@ -151,11 +152,11 @@ impl AppModel {
     /// Offers the way of a descent as a film, unless the user has begun another one. Returns true if
     /// it did.
     fn offer_film(&mut self) -> bool {
-        let is_free = self.film.keys.is_empty() || self.film.of_descent;
-        if self.descent.scenes.len() < 2 || !is_free {
+        let is_free = self.films.draft.keys.is_empty() || self.films.draft.of_descent;
+        if self.films.descent.scenes.len() < 2 || !is_free {
             return false;
         }
-        self.film.take_descent(self.descent_documents().into_iter());
+        self.films.draft.take_descent(self.descent_documents().into_iter());
         (self.state.shown.side, self.state.shown.panel) = (true, Some("Film"));
         true
     }
@@ -163,7 +164,7 @@ impl AppModel {
     /// Returns the views of the descent in the colours that are shown.
     fn descent_documents(&self) -> Vec<Document> {
         let shown = self.state.document();
-        let scenes = self.descent.scenes.iter().cloned();
+        let scenes = self.films.descent.scenes.iter().cloned();
         scenes.map(|scene| shown.clone().with_scene(scene)).collect()
     }
 }

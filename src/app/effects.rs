@@ -113,7 +113,7 @@ impl AppModel {
                 self.forms.export.path = path.display().to_string();
             }
             (Some(Asking::Film(_)), DialogAnswer::File(path)) => {
-                self.film.path = path.display().to_string();
+                self.films.draft.path = path.display().to_string();
             }
             (_, DialogAnswer::Missing) => self.state.notices.fail(NO_DIALOG),
             _ => {}

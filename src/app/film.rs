@@ -18,28 +18,28 @@ impl AppModel {
     pub(super) fn film(&mut self, action: FilmAction) -> Option<Action> {
         let done = match action {
             FilmAction::Add => {
-                self.film.add(self.state.document());
+                self.films.draft.add(self.state.document());
                 Ok(())
             }
             FilmAction::Change(draft) => {
-                self.film = *draft;
+                self.films.draft = *draft;
                 Ok(())
             }
             FilmAction::Preview(clock) => {
-                self.film.clock = clock;
+                self.films.draft.clock = clock;
                 return self.previewed();
             }
             FilmAction::Go(place) => {
-                let document = self.film.keys.get(place)?.scene.clone();
+                let document = self.films.draft.keys.get(place)?.scene.clone();
                 return Some(Action::Show(Box::new(document)));
             }
-            FilmAction::OpenKeys => self.film.open_keys(),
-            FilmAction::SaveKeys => self.film.save_keys().map(|()| {
-                self.state.notices.tell(format!("The keys are in {}.", self.film.keys_path));
+            FilmAction::OpenKeys => self.films.draft.open_keys(),
+            FilmAction::SaveKeys => self.films.draft.save_keys().map(|()| {
+                self.state.notices.tell(format!("The keys are in {}.", self.films.draft.keys_path));
             }),
             FilmAction::Browse => {
                 let wake = Arc::clone(&self.wake);
-                let path: &Path = self.film.path.as_ref();
+                let path: &Path = self.films.draft.path.as_ref();
                 self.asking = Some(Asking::Film(FileDialog::save("mp4", path, move || wake())));
                 Ok(())
             }
@@ -56,14 +56,14 @@ impl AppModel {
     }
 
     fn start_film(&mut self) -> Result<(), String> {
-        let Some(command) = self.film_command else {
+        let Some(command) = self.films.command else {
             return Err("This window cannot make films; save the keys for flipmap video.".into());
         };
-        let path = PathBuf::from(&self.film.path);
+        let path = PathBuf::from(&self.films.draft.path);
         if self.is_busy(&path) {
             return Ok(());
         }
-        let draft = &self.film;
+        let draft = &self.films.draft;
         let (keys, size, fps) = (draft.text(), draft.size, draft.fps);
         let request = FilmRequest { command, keys, size, fps, path };
         let wake = Arc::clone(&self.wake);
@@ -73,23 +73,23 @@ impl AppModel {
 
     /// Advances the preview, if it plays; returns what the map is to show next.
     pub(super) fn play_film(&mut self, ctx: &egui::Context) -> Option<Action> {
-        if !self.film.clock.is_playing() {
+        if !self.films.draft.clock.is_playing() {
             return None;
         }
         ctx.request_repaint();
         let elapsed_secs = f64::from(ctx.input(|input| input.stable_dt).min(LONGEST_FRAME_SECS));
-        let end_secs = self.film.secs();
-        self.film.clock.advance(elapsed_secs, end_secs, true);
+        let end_secs = self.films.draft.secs();
+        self.films.draft.clock.advance(elapsed_secs, end_secs, true);
         self.previewed()
     }
 
     /// Shows the moment of the film that its clock tells. Another pendulum or question is an action.
     fn previewed(&mut self) -> Option<Action> {
-        let scene = self.film.scene()?;
+        let scene = self.films.draft.scene()?;
         let asked = Scene { view: View::default(), ..scene.clone() };
         let differs = asked != self.state.scene();
         let reach = Reach::of(&scene);
-        self.state.jump(Camera::from_view(&scene.view, reach), self.film.clock.is_playing());
+        self.state.jump(Camera::from_view(&scene.view, reach), self.films.draft.clock.is_playing());
         differs.then(|| Action::Scene(Box::new(asked)))
     }
 
@@ -97,7 +97,7 @@ impl AppModel {
     pub(super) fn pause_film_for(&mut self, action: &Action) {
         let moves = matches!(action, Action::Look(look) if *look != Look::Release);
         if moves || matches!(action, Action::Escape | Action::Show(_) | Action::GoDeeper) {
-            self.film.clock.pause();
+            self.films.draft.clock.pause();
         }
     }
 }

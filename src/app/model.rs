@@ -71,6 +71,16 @@ pub(super) struct Forms {
     pub(super) exporting: bool,
 }
 
+/// Films in a window, and the descent that may become one.
+#[derive(Debug, Default)]
+pub struct Films {
+    /// Film that is being planned.
+    pub draft: FilmDraft,
+    /// Command that makes it, if the window has one.
+    pub(super) command: Option<FilmCommand>,
+    pub(super) descent: DescentPath,
+}
+
 /// The app model behind a window.
 pub struct AppModel {
     /// Plain state that is shown.
@@ -88,10 +98,8 @@ pub struct AppModel {
     pub(super) thumbnails: Thumbnails,
     pub(super) exports: Vec<Export>,
     pub(super) asking: Option<Asking>,
-    pub(super) descent: DescentPath,
-    /// Film that is being planned.
-    pub film: FilmDraft,
-    pub(super) film_command: Option<FilmCommand>,
+    /// Films, and the descent that may become one.
+    pub films: Films,
     pub(super) estimates: Estimates,
     /// Figures of the lesson.
     pub lab: Lab,
@@ -171,9 +179,7 @@ impl AppModel {
             thumbnails: Thumbnails::default(),
             exports: Vec::new(),
             asking: None,
-            descent: DescentPath::default(),
-            film: FilmDraft::default(),
-            film_command: options.film_command,
+            films: Films { command: options.film_command, ..Films::default() },
             estimates: Estimates::default(),
             lab: Lab::new(Figure::Machine),
             request,
@@ -315,7 +321,8 @@ impl AppModel {
         let depth = depth.map(|(depth, config)| depth_words(&depth, config.precision, budget_secs));
         let (width, [across, _]) = (self.state.camera.width(), self.state.plane.axes());
         let unit = across.unit();
-        let diving = self.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
+        let diving =
+            self.films.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
         let smooths = progress.refines && !self.lab_hides_map();
         let smooths = smooths.then(|| "smoothing edges".to_string());
         let doing = self.compute.following().or(diving).or(self.compute.comparing()).or(smooths);

@@ -106,7 +106,7 @@ impl AppModel {
         }
         let progress = self.progress();
         // Views passed during a descent are left before anyone could read a warning about them.
-        let stays = self.state.moving.is_none() && self.descent.running.is_none();
+        let stays = self.state.moving.is_none() && self.films.descent.running.is_none();
         let config =
             self.compute.config().filter(|_| progress.idle && progress.wanted > 0 && stays);
         if let Some(config) = config {

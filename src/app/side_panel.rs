@@ -77,7 +77,7 @@ impl AppModel {
                 self.recent(ui, &mut actions);
             });
             panels.show("Deeper", false, |ui| {
-                let DescentPath { running: descent, scenes } = &self.descent;
+                let DescentPath { running: descent, scenes } = &self.films.descent;
                 let view = descent::DescentView { going: descent.is_some(), scenes };
                 let done = descent_panel(ui, &view);
                 actions.extend(done.into_iter().filter_map(|action| self.deeper(action)));
@@ -104,10 +104,7 @@ impl AppModel {
                 }
             });
             self.forms.exporting |= exporting;
-            panels.show("Film", false, |ui| {
-                let done = film_panel(ui, &self.film, &self.export_statuses());
-                actions.extend(done.into_iter().filter_map(|action| self.film(action)));
-            });
+            panels.show("Film", false, |ui| actions.extend(self.film_section(ui)));
             panels.show("Window", false, |ui| {
                 actions.extend(window_panel(ui, &self.state, &mut self.settings));
             });
@@ -116,6 +113,12 @@ impl AppModel {
             }
         });
         actions
+    }
+
+    /// Shows the panel of films.
+    fn film_section(&mut self, ui: &mut Ui) -> Vec<Action> {
+        let done = film_panel(ui, &self.films.draft, &self.export_statuses());
+        done.into_iter().filter_map(|action| self.film(action)).collect()
     }
 
     /// Shows the panel of colours.

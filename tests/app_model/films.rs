@@ -34,7 +34,7 @@ fn planned() -> Desktop {
 fn the_preview_moves_the_map_along_the_path_until_the_user_does() {
     let mut desktop = planned();
     let widths = |desktop: &Desktop| {
-        let keys = desktop.state().film.keys.iter();
+        let keys = desktop.state().films.draft.keys.iter();
         keys.map(|key| key.scene.view.width_rad().hi).collect::<Vec<_>>()
     };
     let [wide, narrow] = widths(&desktop)[..] else { panic!("two keys") };
@@ -45,10 +45,10 @@ fn the_preview_moves_the_map_along_the_path_until_the_user_does() {
         width < 0.95 * wide && width > 1.05 * narrow
     });
     press(&mut desktop, Modifiers::NONE, Key::ArrowLeft);
-    assert!(!desktop.state().film.clock.is_playing(), "the user looks elsewhere");
+    assert!(!desktop.state().films.draft.clock.is_playing(), "the user looks elsewhere");
     click(&mut desktop, "Preview");
     until(&mut desktop, "the end of the film", |desktop| {
-        !desktop.state().film.clock.is_playing()
+        !desktop.state().films.draft.clock.is_playing()
     });
     settle(&mut desktop);
     assert!((desktop.state().state.camera.width() / narrow - 1.0).abs() < 1e-9);
@@ -60,8 +60,8 @@ fn a_film_is_made_as_from_a_terminal_and_what_cannot_be_says_why() {
     let mut desktop = planned();
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    desktop.state_mut().film.size = [48, 32];
-    desktop.state_mut().film.fps = 1.0;
+    desktop.state_mut().films.draft.size = [48, 32];
+    desktop.state_mut().films.draft.fps = 1.0;
     type_over(&mut desktop, Role::TextInput, "Film to", &path("film.txt"));
     click(&mut desktop, "Film it");
     until(&mut desktop, "the refusal", |desktop| {
@@ -75,7 +75,7 @@ fn a_film_is_made_as_from_a_terminal_and_what_cannot_be_says_why() {
     click(&mut desktop, "Save keys");
     assert!(notices(&desktop).contains("keys.toml"));
     let keys = Keys::parse(&fs::read_to_string(path("keys.toml")).unwrap()).unwrap();
-    assert_eq!(keys.keys, desktop.state().film.keys);
+    assert_eq!(keys.keys, desktop.state().films.draft.keys);
     let again = Command::new(env!("CARGO_BIN_EXE_flipmap"))
         .args(["video", &path("keys.toml"), "-o", &path("again"), "--engine", "cpu"])
         .args(["--size", "48x32", "--fps", "1"])
@@ -101,7 +101,7 @@ fn a_film_that_is_stopped_ends_its_process_and_keeps_its_samples() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film").display().to_string();
     // Large enough to be under way when it is stopped.
-    desktop.state_mut().film.size = [4096, 2160];
+    desktop.state_mut().films.draft.size = [4096, 2160];
     type_over(&mut desktop, Role::TextInput, "Film to", &path);
     click(&mut desktop, "Film it");
     until(&mut desktop, "the first samples", |desktop| {
