@@ -80,7 +80,7 @@ struct Submission {
 pub(super) struct FinishedSlices {
     /// Moment of their submission.
     pub since: Instant,
-    /// Seconds that they took by the device's clock, if it tells.
+    /// Seconds that they took by the device's clock, if it measures them.
     pub device_secs: Option<f64>,
     /// Number of slices.
     pub count: u32,
@@ -197,8 +197,8 @@ impl Slot {
         u64::from(self.head.count) * outcome_size(&self.job)
     }
 
-    /// Submits slices, or with none the request for the answer, and asks for the first `bytes` of
-    /// what they leave.
+    /// Submits slices or, if there are none, the request for the answer, and requests the first
+    /// `bytes` of the result.
     fn fly(&mut self, gpu: &Gpu, encoder: wgpu::CommandEncoder, slices: u32, bytes: u64) {
         let submission = gpu.queue.submit([encoder.finish()]);
         let mapped = Arc::new(AtomicU8::new(PENDING));
