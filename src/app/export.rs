@@ -258,7 +258,7 @@ fn run(
     Ok(sinks.finish().map_err(RenderError::from)?)
 }
 
-/// A run in progress: it is displayed now and then, and requests to stop are heeded.
+/// A run in progress, which is displayed now and then and can be stopped.
 struct Heeding<'a> {
     total: f64,
     begun: Instant,

@@ -1,4 +1,4 @@
-//! The time until a view is complete, told from its progress so far.
+//! The time until a view is complete, estimated from its progress so far.
 
 use std::time::{Duration, Instant};
 
@@ -36,7 +36,7 @@ impl TimeLeft {
         self.latest = Some((now, done));
     }
 
-    /// Returns the seconds until the view is complete; none while they cannot be told.
+    /// Returns the seconds until the view is complete; none while they cannot be estimated.
     pub fn secs(&self) -> Option<f64> {
         let (began, (now, done)) = (self.began.as_ref()?, self.latest?);
         let (gained, took) = (done - began.done, now.duration_since(began.at));

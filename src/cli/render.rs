@@ -109,7 +109,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A run in progress: it is displayed, and requests to stop are heeded.
+/// A run in progress, which is displayed and can be stopped.
 struct Heeding<'a> {
     progress: RefCell<Progress>,
     following: &'a Following,

@@ -1,8 +1,8 @@
 //! An engine on a thread of its own, for callers that must never wait.
 //!
 //! Opening an engine compiles kernels and may measure the machine; polling one may compute. Here
-//! both happen on a thread that takes jobs from a channel, sends answers back, and wakes the
-//! caller when there are any. To the caller it is an [`Engine`] like any other.
+//! both happen on a thread that takes jobs from a channel, sends answers back, and wakes the caller
+//! whenever it has sent some. To the caller it is an [`Engine`] like any other.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex};
@@ -22,7 +22,7 @@ const AHEAD: usize = 1;
 /// A message from the caller to the thread.
 enum Order {
     Submit(Box<Job>),
-    /// Drops all jobs; answers from before carry an older number.
+    /// Drops all jobs; answers to these carry an older number.
     Cancel(u64),
 }
 
@@ -67,7 +67,7 @@ impl Drop for JoinOnDrop {
     }
 }
 
-/// The configurations that an engine on another thread has.
+/// Test of whether an engine on another thread has a configuration.
 type Offered = Box<dyn Fn(&IntegratorConfig) -> bool + Send>;
 
 /// Opens an engine on a new thread; `wake` is called whenever there is news.
@@ -111,7 +111,8 @@ impl PendingEngine {
     }
 }
 
-/// Moves an open engine to a thread of its own. `offered` says which configurations it has.
+/// Moves an open engine to a thread of its own; `offered` returns true for the configurations that
+/// it has.
 pub fn on_its_own_thread(
     mut engine: impl Engine + Send + 'static,
     config: IntegratorConfig,

@@ -8,7 +8,8 @@ use super::{IntegratorConfig, Precision};
 /// The choice of starts that are followed as cells first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cells {
-    /// Starts so close together that it saves time, or that their number type cannot tell apart.
+    /// Starts so close together that following cells saves time, or that their number type cannot
+    /// tell them apart.
     #[default]
     Auto,
     /// No starts at all.
@@ -31,14 +32,14 @@ pub struct Indistinguishable {
 }
 
 impl Indistinguishable {
-    /// The same about starts on a plane whose coordinates have another unit than rad.
+    /// The same error for starts on a plane whose coordinates are not in rad.
     #[must_use]
     pub fn in_unit(self, unit: &'static str) -> Self {
         Indistinguishable { unit, ..self }
     }
 }
 
-/// Least distance of starts that are told apart, in roundings of an angle.
+/// Least distance between starts that can be told apart, in roundings of an angle.
 const ROUNDINGS: f64 = 30.0;
 
 impl Cells {

@@ -1,5 +1,5 @@
-//! The choice of an engine and a configuration: what was requested, what there is, and the reason
-//! for choosing the one.
+//! The choice of an engine and a configuration: what was requested, what is available, and the
+//! reason for the choice.
 
 use super::background::on_its_own_thread;
 use super::cpu::CpuEngine;
@@ -16,7 +16,7 @@ use crate::scene::QuestionTable;
 /// A user's request for an engine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngineRequest {
-    /// The kind of engine; `None` for the fastest of the measured profile.
+    /// The kind of engine; `None` for the fastest in the measured profile.
     pub kind: Option<EngineKind>,
     /// Part of the adapter's name, if an adapter is requested.
     pub adapter: Option<String>,
@@ -24,7 +24,7 @@ pub struct EngineRequest {
     pub threads: Option<usize>,
     /// The accuracy level or the configuration to compute with.
     pub setting: IntegrationSetting,
-    /// The ends that the configuration has to compute, where any of the level's does.
+    /// The ends that the configuration has to compute, if any configuration of the level can.
     pub ends: Ends,
     /// Settings of an adapter that change no answer.
     pub tuning: GpuTuning,
@@ -33,8 +33,9 @@ pub struct EngineRequest {
 }
 
 impl EngineRequest {
-    /// The same request for an engine that answers a question, in a precision that can: unless another
-    /// is named, the processor for growth and returns, for which engines are not compared.
+    /// The same request for an engine and a precision that can answer a question. For growth and
+    /// returns this is the processor unless another engine is named, because engines are not compared
+    /// for these.
     #[must_use]
     pub fn answering(self, question: &QuestionTable) -> Self {
         let ends = Ends::from(question.ask.kind().needs);
@@ -172,8 +173,8 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     }
 }
 
-/// The fastest row that satisfies the setting: of the level's own, or of the level whose
-/// configurations are most like the explicit one.
+/// The fastest row that satisfies the setting: a row of the level itself, or, for an explicit
+/// configuration, of the level whose configurations are most like it.
 fn fastest(profile: &Profile, setting: IntegrationSetting) -> Option<&ProfileRow> {
     match setting {
         IntegrationSetting::Accuracy(accuracy) => profile.fastest(accuracy, |_| true),
@@ -203,8 +204,8 @@ fn cpu(request: &EngineRequest, why: String) -> Result<Chosen, ChoiceError> {
     Ok(Chosen { engine, config: *config, why, following: Following::default() })
 }
 
-/// Opens the first adapter that matches and is trusted with the setting; otherwise returns what was
-/// wrong.
+/// Opens the first adapter that matches and is trusted with the setting; otherwise returns the
+/// reasons why none is.
 fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, ChoiceError> {
     let name = request.adapter.as_deref();
     let all = adapters();
@@ -287,7 +288,7 @@ fn sound(
     engine.tune(tuning);
     let mut refusals = Vec::new();
     for config in configs {
-        // Only orbits that are needed: some kernels take long to compile.
+        // Checks only the orbits that are needed: some kernels take long to compile.
         let checked = engine.require(&config).and_then(|()| engine.check_orbits(&config));
         match checked.and_then(|()| engine.require(&config)) {
             Ok(()) => return Ok((engine, config)),

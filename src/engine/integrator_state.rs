@@ -17,11 +17,11 @@ pub struct IntegratorState {
     /// The state in the kernel's units and in the order that [`super::start`] gives; exact for every
     /// precision.
     pub numbers: [f64; NUMBERS],
-    /// All else that it takes along, where the question needs it.
+    /// The quantities that it carries along besides, where the question needs any.
     pub carried: Option<Box<Carried>>,
 }
 
-/// Quantities that a pendulum takes along besides its state.
+/// Quantities that a pendulum carries along besides its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Carried {
     /// Turns and passes counted since the release.
@@ -37,9 +37,9 @@ pub enum Carried {
     },
     /// Derivatives of unit vectors and momenta by the four numbers of the start.
     Tangents {
-        /// The derivatives, made smaller so that none overflows.
+        /// The derivatives, scaled down so that none overflows.
         slopes: [[f64; 4]; 6],
-        /// Natural logarithm of the factor by which they were made smaller.
+        /// Natural logarithm of the factor by which they were scaled down.
         log_scale: f64,
     },
 }
@@ -53,7 +53,7 @@ pub const SLOPES: [[&str; 4]; 6] = [
     ["p1_a", "p1_b", "p1_c", "p1_d"],
     ["p2_a", "p2_b", "p2_c", "p2_d"],
 ];
-/// Name of the logarithm of the factor by which slopes were made smaller.
+/// Name of the logarithm of the factor by which slopes were scaled down.
 pub const LOG_SCALE: &str = "log_scale";
 /// Names of the unit vectors and momenta of the start.
 pub const STARTS: [&str; 6] =
@@ -62,10 +62,10 @@ pub const STARTS: [&str; 6] =
 /// distance, and its time.
 pub const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
 
-/// Most numbers that a pendulum can take along.
+/// Most numbers that a pendulum can carry along.
 pub const MOST_CARRIED: usize = 25;
 
-/// Names of the numbers that pendulums take along for such ends, as devices keep them.
+/// Names of the numbers that pendulums carry along for such ends, as devices keep them.
 pub fn carried_names(ends: Ends) -> Vec<&'static str> {
     match ends {
         Ends::None | Ends::Plain => Vec::new(),
@@ -90,7 +90,7 @@ impl Carried {
         }
     }
 
-    /// The quantities that have these numbers, where pendulums take any along for such ends.
+    /// The quantities that have these numbers, if pendulums carry any along for such ends.
     fn from_numbers(ends: Ends, numbers: &[f64]) -> Option<Self> {
         match ends {
             Ends::None | Ends::Plain => None,
@@ -110,7 +110,7 @@ impl Carried {
 }
 
 impl IntegratorState {
-    /// A state from all its numbers: its own, and those that it takes along for such ends.
+    /// A state from all its numbers: its own, and those that it carries along for such ends.
     pub fn from_numbers(steps: u32, all: &[f64], ends: Ends) -> Self {
         let (own, carried) = all.split_at(NUMBERS);
         let mut numbers = [0.0; NUMBERS];
@@ -119,18 +119,18 @@ impl IntegratorState {
         IntegratorState { steps, numbers, carried }
     }
 
-    /// A number by its place: one of the state's own, or after them one that it takes along.
+    /// A number by its place: the state's own come first, then those that it carries along.
     pub fn number(&self, place: usize) -> f64 {
         let carried = || self.carried.as_deref().map(|carried| carried.number(place - NUMBERS));
         self.numbers.get(place).copied().or_else(carried).unwrap_or(0.0)
     }
 
-    /// A state that takes nothing else along.
+    /// A state that carries nothing else along.
     pub fn new(steps: u32, numbers: [f64; NUMBERS]) -> Self {
         IntegratorState { steps, numbers, carried: None }
     }
 
-    /// The slopes that it takes along; none where it has no tangents.
+    /// The slopes that it carries along; zeros where it has no tangents.
     pub fn slopes(&self) -> [[f64; 4]; 6] {
         match self.carried.as_deref() {
             Some(Carried::Tangents { slopes, .. }) => *slopes,
@@ -138,7 +138,7 @@ impl IntegratorState {
         }
     }
 
-    /// Natural logarithm of the factor by which the slopes were made smaller.
+    /// Natural logarithm of the factor by which the slopes were scaled down.
     pub fn log_scale(&self) -> f64 {
         match self.carried.as_deref() {
             Some(Carried::Tangents { log_scale, .. }) => *log_scale,

@@ -40,7 +40,7 @@ impl Keep {
     /// Returns an error if an integrator config cannot compute what is kept.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         if self.states && self.ends.are_carried() && config.precision == Precision::Dd {
-            // What they take along is kept in f64.
+            // The quantities that they carry along are kept in f64.
             let why = "growth and returns in dd cannot be continued: omit `state`";
             return Err(EngineError::Unsupported(why.to_string()));
         }
@@ -49,7 +49,7 @@ impl Keep {
 }
 
 impl Ends {
-    /// Returns true if pendulums take numbers along for them (see [`super::Carried`]).
+    /// Returns true if pendulums carry numbers along for them (see [`super::Carried`]).
     pub fn are_carried(self) -> bool {
         matches!(self, Ends::Growth | Ends::Return)
     }

@@ -31,7 +31,7 @@ pub const FAST: IntegratorConfig =
 /// Configuration of `balanced` where f64 is trusted.
 pub const BALANCED: IntegratorConfig =
     IntegratorConfig { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
-/// Configuration of `balanced` where f64 is not trusted, or slower.
+/// Configuration of `balanced` where f64 is not trusted, or is slower.
 pub const BALANCED_DF32: IntegratorConfig =
     IntegratorConfig { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
 
@@ -48,8 +48,8 @@ impl Accuracy {
         ("exact", Accuracy::Exact),
     ];
 
-    /// The configurations that keep the level's promise, in order of preference where nothing is
-    /// measured; which of them is the fastest depends on the adapter.
+    /// The configurations that keep the level's promise, in the order of preference that holds
+    /// until they are measured; which of them is the fastest depends on the adapter.
     pub fn configs(self) -> Vec<IntegratorConfig> {
         match self {
             Accuracy::Lesson => vec![LESSON],

@@ -122,8 +122,8 @@ impl IntegratorConfig {
     }
 
     /// Distance between starts, in rad, below which they are followed as cells and integrated from
-    /// where the cells end. Adaptive methods gain by it early; fixed steps run from the release as
-    /// long as their number type can tell the starts apart.
+    /// where the cells end. Adaptive methods benefit from cells early; fixed steps run from the
+    /// release as long as their number type can tell the starts apart.
     pub fn deep_below(&self) -> f64 {
         match (self.method, self.precision) {
             (_, Precision::Dd) => 1e-22,
@@ -148,7 +148,7 @@ pub const COLUMNS: usize = 9;
 pub enum Precision {
     /// Single precision, 24 bits, with a compensated state where the device can be trusted with it.
     F32,
-    /// Two f32: 48 bits, on devices whose error terms survive.
+    /// Two f32: 48 bits, on devices whose compilers keep error terms.
     Df32,
     /// Double precision, 53 bits.
     F64,
@@ -269,7 +269,7 @@ impl Pace {
 pub struct Adaptive {
     /// The step size control.
     pub control: Control,
-    /// Reduced time from which on a pendulum takes no further step.
+    /// Reduced time after which a pendulum takes no further step.
     pub budget: f64,
     /// Number of tried steps beyond which a pendulum has failed.
     pub most_steps: u32,
@@ -294,8 +294,8 @@ impl Adaptive {
         }
     }
 
-    /// The same steps, with as many as a pendulum needs that sets out with the reduced angular
-    /// velocity `fastest`.
+    /// The same steps, with their greatest number raised for pendulums that set out with reduced
+    /// angular velocities up to `fastest`.
     #[must_use]
     pub(super) fn for_launches(self, question: &Question, fastest: f64) -> Self {
         let (reduced, _) = question.reduced();

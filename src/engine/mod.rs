@@ -13,7 +13,7 @@
 //! * [`trust`] checks the answers of another engine until two methods agree;
 //! * [`selfcheck`] decides which arithmetic of an adapter is trusted, [`profile`] measures what the
 //!   configurations cost, [`choice`] selects an engine and a configuration, and [`run_settings`]
-//!   reads from words what a person asks for.
+//!   turns the words of a request into settings.
 
 pub mod background;
 mod cells;
@@ -148,7 +148,7 @@ impl Job {
             }
         };
         Ok(match (pace, self.config.method, &self.starts) {
-            // These keep one tolerance throughout.
+            // These methods keep one tolerance throughout.
             (_, Method::Taylor { .. } | Method::Extrapolation { .. }, Starts::Moving(_)) => pace,
             (Pace::Adaptive(adaptive), _, Starts::Moving(moving)) => {
                 // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a larger

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::{Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Question, Starts, Wait};
 
-/// Longest wait before `go_on` is asked again.
+/// Longest wait before `go_on` is called again.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Runs one job on an engine and returns its result; none once `go_on` returns false.

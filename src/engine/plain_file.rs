@@ -1,5 +1,5 @@
-//! Plain files, read as far as any of ours can be long: a pipe would be waited for, and a device has
-//! no end.
+//! Plain files, read up to the greatest length that a file of flipmap's can have. Anything else is
+//! refused, because a pipe would make flipmap wait and a device has no end.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -65,7 +65,7 @@ mod tests {
         assert!(read_plain(&path, 4096).unwrap_err().to_string().contains("larger than 4 KiB"));
         std::fs::write(&path, [0xff]).unwrap();
         assert_eq!(read_text(&path).unwrap_err().kind(), io::ErrorKind::InvalidData);
-        // Sparse: it takes no room on the disk.
+        // The file is sparse: it takes no room on the disk.
         File::create(&path).unwrap().set_len(1 << 40).unwrap();
         assert!(read_text(&path).unwrap_err().to_string().contains("64 MiB"));
         assert!(read_text(folder.path()).is_err());

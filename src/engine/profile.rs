@@ -59,16 +59,16 @@ pub struct ProfileRow {
 const SIDE: u32 = 160;
 /// Side in pixels of the largest one: as many starts as a job on a graphics card has.
 const LARGEST_SIDE: u32 = 8 * SIDE;
-/// Seconds from which on a run has filled a graphics card long enough to show its throughput.
+/// Seconds after which a run has filled a graphics card long enough to show its throughput.
 const LONG_SECS: f64 = 0.3;
 /// Number of starts that a slow configuration is timed on.
 const FEW: usize = 512;
-/// One start in so many is compared with the gold standard.
+/// Number of starts of which one is compared with the gold standard.
 const JUDGED_SHARE: usize = 41;
 /// Amount by which a share of so few judged starts may fall below that of the whole map: two
 /// standard deviations at a share of 0.9.
 const SAMPLING_ERROR: f64 = 0.03;
-/// Microseconds per pixel from which on a configuration is timed on a few starts only.
+/// Microseconds per pixel above which a configuration is timed on a few starts only.
 const SLOW_US: f64 = 50.0;
 
 impl Profile {
@@ -90,7 +90,7 @@ impl Profile {
         profile
     }
 
-    /// Returns the profile that an earlier run cached, if it is of this machine in its present
+    /// Returns the profile that an earlier run cached, if it fits this machine in its present
     /// state.
     pub fn kept(threads: Option<usize>) -> Option<Profile> {
         let kept = path().as_deref().and_then(read)?;
@@ -199,7 +199,8 @@ impl TimedPairs {
 }
 
 impl ProfileRow {
-    /// Returns true if the answers were as right as the level promises, as far as so few tell.
+    /// Returns true if the answers were as right as the level promises, as far as so few of them
+    /// can show.
     fn keeps_promise(&self) -> bool {
         self.right >= self.accuracy.promised_share() - SAMPLING_ERROR
     }
@@ -237,7 +238,7 @@ impl Sample {
     }
 
     /// Measures microseconds per pixel and the share of answers that are right. The pictures grow up
-    /// to the side `largest`, until one takes long enough to tell the throughput of a whole picture.
+    /// to the side `largest`, until one takes long enough to show the throughput of a whole picture.
     fn time(
         &self,
         engine: &mut dyn Engine,

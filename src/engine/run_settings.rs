@@ -20,8 +20,8 @@ pub struct RunSpec {
     pub setting: IntegrationSetting,
     /// True if every pixel is checked.
     pub verify: bool,
-    /// The run table that asks for the same with nothing left open. With a level, its `verify` is
-    /// only what was requested beyond the level.
+    /// The equivalent run table with every setting filled in. With a level, its `verify` is only
+    /// what was requested beyond the level.
     pub table: RunTable,
 }
 
@@ -73,7 +73,7 @@ fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSetting
         step,
         tolerance: config.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
         precision: Some(config.precision.to_string()),
-        // Of the level, only its checks remain.
+        // Only the level's checks remain in force.
         verify: verify || accuracy.verifies(),
     };
     Ok((IntegrationSetting::Explicit(config), run))

@@ -42,7 +42,7 @@ pub struct Verdict {
     pub compensated: bool,
     /// True if pairs of f32 keep 44 bits or more.
     pub df32: bool,
-    /// The cheapest way in which they do.
+    /// The cheapest way in which pairs of f32 do so.
     pub pairs: Pairs,
     /// True if f64 arithmetic is present and sound.
     pub f64: bool,
@@ -104,7 +104,8 @@ pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, E
     Ok(Verdict { pairs, ..verdict(checks) })
 }
 
-/// The cheapest way in which pairs of f32 pass all checks, with these; the last way if none does.
+/// The cheapest way in which pairs of f32 pass all checks, with the results of these; the last way
+/// if none passes.
 fn cheapest_pairs(
     gpu: &Gpu,
     edit: &dyn Fn(String) -> String,
@@ -182,14 +183,14 @@ fn scattered() -> impl Iterator<Item = usize> {
 }
 
 /// The configuration by which a scheme is checked in a precision, and the largest error of a flip
-/// time that is allowed, s: far below what arithmetic of the next lower precision does to these
-/// orbits. Fixed steps are bounded by the method's own error.
+/// time that is allowed, s: far below the error that arithmetic of the next lower precision makes
+/// in these orbits. Fixed steps are bounded by the method's own error.
 fn orbit_config(config: &IntegratorConfig) -> Option<(IntegratorConfig, f64)> {
     let (method, allowed_secs) = match (config.method, config.precision) {
         (Method::Rk4 { .. }, Precision::F32) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-3),
         (Method::Rk4 { .. }, _) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-6),
         (Method::Dopri5 { .. }, Precision::F32) => (Method::Dopri5 { tolerance: 1e-7 }, 5e-3),
-        // Four times the steps of the next method add up as many roundings.
+        // Four times as many steps as in the next method add up four times as many roundings.
         (Method::Dopri5 { .. }, Precision::Df32) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-7),
         (Method::Dopri5 { .. }, _) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-8),
         (Method::Dop853 { .. }, Precision::F32) => (Method::Dop853 { tolerance: 1e-7 }, 5e-3),
@@ -199,7 +200,7 @@ fn orbit_config(config: &IntegratorConfig) -> Option<(IntegratorConfig, f64)> {
     Some((IntegratorConfig { method, ..*config }, allowed_secs))
 }
 
-/// Compares orbits with the truth. A pendulum that has no answer, or not a number for one, fails.
+/// Compares orbits with the truth. A pendulum whose answer is missing or is not a number fails.
 pub fn judge_orbits(
     config: &IntegratorConfig,
     allowed_secs: f64,

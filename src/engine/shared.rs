@@ -46,11 +46,11 @@ pub struct JobHead {
     pub start: f32,
     /// Amount that a unit of time adds to `start`.
     pub rise: f32,
-    /// Value at which that rise ends.
+    /// Value beyond which `start` does not rise.
     pub ceiling: f32,
 }
 
-/// The scene, which a general kernel reads besides the head.
+/// The scene, which a general kernel reads in addition to the head.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct JobScene {

@@ -117,7 +117,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     Err(EngineError::Unsupported(why.to_string()))
 }
 
-/// The states in which a job's pendulums begin, with all that they take along.
+/// The states in which a job's pendulums begin, with everything that they carry along.
 pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let (reduced, _) = job.question.reduced();
     if let (Starts::Moving(moving), Ends::Growth) = (&job.starts, job.keep.ends) {
@@ -141,7 +141,7 @@ pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     Ok(states.into_iter().map(begun).collect())
 }
 
-/// A start that looks for its nearest return, as unit vectors and momenta at every pace.
+/// A start that looks for its nearest return, kept as unit vectors and momenta at every pace.
 fn with_start(reduced: &Pendulum<f64>, pace: &Pace, state: IntegratorState) -> IntegratorState {
     let (start, nearest) = (phase_at(reduced, pace, &state), Accumulators::NONE.nearest);
     let carried = Some(Box::new(Carried::Return { start, has_left: false, nearest }));
@@ -154,7 +154,7 @@ fn with_start(reduced: &Pendulum<f64>, pace: &Pace, state: IntegratorState) -> I
     IntegratorState { numbers, carried, ..state }
 }
 
-/// A start with the tangents of itself, as unit vectors and momenta at every pace.
+/// A start with its own tangents, kept as unit vectors and momenta at every pace.
 fn with_tangents(
     reduced: &Pendulum<f64>,
     (config, pace): (&IntegratorConfig, &Pace),
@@ -163,7 +163,7 @@ fn with_tangents(
     let phase = phase_at(reduced, pace, start);
     let mut numbers = [0.0; NUMBERS];
     if config.precision == Precision::Dd {
-        // All digits of the start; the tangents need no more than f64.
+        // The start keeps all its digits; the tangents need no more than f64.
         numbers = start.numbers;
     } else {
         numbers[..6].copy_from_slice(&phase);
@@ -222,7 +222,8 @@ fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
 const ABOVE_REST: f64 = 0.05;
 
 /// The greatest reduced angular velocity of starts that may move faster than after any release from
-/// rest; none where none does. The energy of those that come from cells tells how they began.
+/// rest; none where no start does. For starts that come from cells, their energy shows how they
+/// began.
 pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Option<f64> {
     let (reduced, unit_secs) = question.reduced();
     let greatest = |speed: [f64; 2]| speed[0].abs().max(speed[1].abs());
@@ -291,8 +292,8 @@ pub fn angles_of(numbers: &[f64]) -> [f64; 2] {
     [numbers[0] + numbers[4], numbers[1] + numbers[5]]
 }
 
-/// The unit vectors and momenta of a state at this pace; with tangents or a start to return to,
-/// states of all paces have them.
+/// The unit vectors and momenta of a state at this pace. A state with tangents, or with a start to
+/// return to, is kept in this form at every pace.
 pub fn phase_at(reduced: &Pendulum<f64>, pace: &Pace, state: &IntegratorState) -> Phase<f64> {
     let IntegratorState { numbers, carried, .. } = state;
     match (pace, carried.as_deref()) {

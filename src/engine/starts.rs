@@ -24,7 +24,7 @@ pub enum Starts {
     },
     /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
     Moving(MovingStarts),
-    /// Begun at places too close together for the number types of engines; only
+    /// Starts at places too close together for the number types of engines; only
     /// [`super::depth::DepthEngine`] can begin them.
     Deep(Deep),
 }
@@ -52,7 +52,7 @@ pub struct Leaf {
 /// Pendulums that set out at about the same time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MovingStarts {
-    /// Reduced time from which on their tolerance rises.
+    /// Reduced time at which their tolerance begins to rise.
     pub since: f64,
     /// Their states.
     pub states: Vec<Moving>,
@@ -73,7 +73,7 @@ pub struct Moving {
     pub grown: f64,
     /// Whole turns of each bob so far.
     pub turns: [i32; 2],
-    /// Tangent map so far, where growth is asked for.
+    /// Tangent map so far, where growth is requested.
     pub nudges: Option<Box<TangentMap>>,
 }
 

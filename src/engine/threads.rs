@@ -1,7 +1,7 @@
-//! The number of threads that nobody chose.
+//! The number of threads where the user chose none.
 
-/// Largest number of threads for each core: beyond it a machine is only kept busy with the threads
-/// themselves.
+/// Largest number of threads for each core: more would only keep the machine busy with switching
+/// between them.
 const MOST_PER_CORE: usize = 2;
 
 /// Number of threads of a pool by default: one per core, or as many as `RAYON_NUM_THREADS` says, at most

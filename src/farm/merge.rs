@@ -248,8 +248,8 @@ fn coloured(
     Mip::build(&group.group.patches, folder, &mut light)
 }
 
-/// Stride of a patch's samples that the spread of colours looks at: every second row, one column
-/// further each time.
+/// Stride between the samples of a patch that the spread of colours uses: every second row, one
+/// column further each time.
 const LOOKED_AT: usize = 65;
 
 /// The times over which a deep film's colours are spread: all its depths count alike, and the times

@@ -208,7 +208,8 @@ impl Parts {
         for entry in entries {
             let path = entry.map_err(failed("read", folder))?.path();
             let is_ours = is_named_by(&path, &parts.forms);
-            // A pipe would be waited for, and a device would swallow what is computed.
+            // Reading a pipe would wait for its writer, and a device would swallow the computed
+            // samples.
             if is_ours && !path.is_file() {
                 return Err(PartError::Foreign(path));
             }

@@ -27,7 +27,7 @@ pub enum RunError {
     Stopped,
 }
 
-/// Interval at which a request to stop is looked for.
+/// Interval between checks for a request to stop.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Number of samples at which a part is written.
 const MOST: usize = 1 << 18;

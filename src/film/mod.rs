@@ -17,7 +17,7 @@
 //! every cell above them up to the whole torus; the [`FramePainter`] takes each frame out of it.
 //!
 //! - A zoom costs as many samples as a few frames per octave, however many frames it has.
-//! - A place has the same samples in every frame, so no pixel changes its mind between two frames.
+//! - A place has the same samples in every frame, so no pixel flickers between two frames.
 //! - Other colours, and other times to show ([`FlipWindow`]), compute nothing. Another pendulum is
 //!   another [`FrameGroup`] with samples of its own.
 //! - All samples have the largest budget of the keys; a frame with a smaller one hides later flips.

@@ -1,4 +1,4 @@
-//! The energy curve as pixels show it, looked for near itself only.
+//! The energy curve as pixels show it; only pixels near it are examined.
 
 use crate::scene::Grid;
 

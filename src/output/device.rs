@@ -34,7 +34,7 @@ const AT_ONCE: usize = 4096;
 pub struct Device(File);
 
 impl Device {
-    /// Opens a pipe or a device. A named pipe blocks whoever opens it until somebody reads it; this
+    /// Opens a pipe or a device. Opening a named pipe normally blocks until somebody reads it; this
     /// waits for a reader, but not forever.
     #[cfg(unix)]
     pub(super) fn open(path: &Path) -> io::Result<Self> {

@@ -1,7 +1,8 @@
 //! Samples as an OpenEXR image with the channels of the question (such as `time` in s; `+inf` for
-//! unflipped and failed, `nan` for forbidden), `height` where the question asks for a time (its natural
-//! logarithm, and that of the budget where there is none, so that it is a number everywhere), `status` (0 unflipped, 1 flipped or answered, 2
-//! forbidden, 3 failed) and `uncertain` (0 or 1), all f32, row 0 at the top.
+//! unflipped and failed, `nan` for forbidden), `height` where the question asks for a time (the natural
+//! logarithm of the time, or of the budget where there is no time, so that it is finite everywhere),
+//! `status` (0 unflipped, 1 flipped or answered, 2 forbidden, 3 failed) and `uncertain` (0 or 1), all
+//! f32, row 0 at the top.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::slice::from_ref;

@@ -14,8 +14,8 @@ use crate::scene::Document;
 /// JPEG quality, 1 to 100: high, because a map is full of thin filaments.
 const JPEG_QUALITY: u8 = 95;
 
-/// The format that the ending of a picture's name asks for; `None` for PNG, which is also that of
-/// names that tell nothing.
+/// The format that the ending of a picture's name asks for; `None` for PNG, which is also the
+/// format of names without a known ending.
 pub(super) fn format_of(path: &Path) -> io::Result<Option<ImageFormat>> {
     match ImageFormat::from_path(path) {
         Err(_) | Ok(ImageFormat::Png) => Ok(None),

@@ -27,7 +27,7 @@ pub struct RenderClock {
     pub output: Duration,
 }
 
-/// Interval at which a request to stop is looked for.
+/// Interval between checks for a request to stop.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Interval at which bands are offered again to a writer that is behind.
 const PAUSE: Duration = Duration::from_millis(2);
@@ -35,7 +35,7 @@ const PAUSE: Duration = Duration::from_millis(2);
 const AHEAD: usize = 2;
 
 /// The work of a pass over a picture of `size` pixels. In adaptive sampling, a run over the pixels'
-/// centres comes first, with counts of its own; it ends as stopped once `go_on` says no.
+/// centres comes first, with counts of its own; it ends as stopped once `go_on` returns false.
 pub fn pass_work(
     renderer: &mut Renderer,
     (document, cells): (&Document, Cells),

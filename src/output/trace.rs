@@ -8,7 +8,7 @@ use crate::physics::taylor::{Orbit, TaylorStep};
 use crate::physics::{Dd, Launch, Pendulum, Scalar, State};
 use crate::scene::{Scene, in_rad};
 
-/// The motion left the numbers: it is too fast for its pendulum.
+/// The numbers of a motion are no longer finite: it is too fast for its pendulum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the motion is no longer finite")]
 pub struct NotFinite;
@@ -20,7 +20,7 @@ pub enum Advance {
     Row(Vec<f64>),
     /// A step of the integration, without a row.
     Step,
-    /// The end: every row was brought.
+    /// The end: every row has been returned.
     End,
 }
 

@@ -40,7 +40,8 @@ impl TraceChannels {
         }
     }
 
-    /// The columns. A trace tells the first flip with the passes of the top already.
+    /// The columns; none for the first flip, which a trace already reports among the passes of the
+    /// top.
     fn columns(&self) -> Option<&'static TraceColumns> {
         let kind = self.question.ask.kind();
         let told = kind.has_count && self.question.count == 1;

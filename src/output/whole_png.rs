@@ -1,4 +1,4 @@
-//! A look at a whole PNG: a decoder is content when it has the last row, whatever comes after it.
+//! A check of a whole PNG file: a decoder stops at the last row, whatever comes after it.
 
 use std::io::{self, Read};
 

@@ -1,8 +1,8 @@
-//! Quantities gathered along a motion, which its end alone does not tell.
+//! Quantities gathered along a motion, which its end alone does not give.
 
 use serde::{Deserialize, Serialize};
 
-/// Quantities gathered along a pendulum's motion, where they were asked for.
+/// Quantities gathered along a pendulum's motion; each is filled in only if the question needs it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Accumulators {
     /// Whole turns of each bob since the release, anticlockwise ones positive; only counted where
@@ -26,8 +26,8 @@ impl Accumulators {
         log_growth: 0.0,
     };
 
-    /// Returns true if the least distances and the growth of another run are the same, as far as
-    /// answers need to be right. States that agree tell whether turns and passes do.
+    /// Returns true if the least distances and the growth of another run are the same, to the
+    /// accuracy that answers need. Turns and passes are not compared: they agree if the states do.
     pub fn agrees_with(&self, other: &Accumulators) -> bool {
         let near = |i: usize, allowed: f64| {
             let (mine, its) = (self.nearest[i], other.nearest[i]);

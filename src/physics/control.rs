@@ -6,8 +6,8 @@
 //! where it would begin to show in the regular starts, whose errors do not grow: at the power 2/3
 //! of its initial value.
 //!
-//! Everything is kept in binary logarithms of squares, because lanes and shaders have those at
-//! hand.
+//! Everything is kept in binary logarithms of squares, because these are cheap in lanes and
+//! shaders.
 
 /// The parameters of step size control, in reduced time units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,8 @@ pub const FIRST: f64 = 2e-3;
 
 /// Rise of the tolerance per unit of time: 0.2 decades per second for the default pendulum.
 const DECADES_PER_UNIT: f64 = 0.2 * 0.319_275_428_5;
-/// Safety factor, by measurement: with 0.9 one step in six is wasted, with this one in fifty.
+/// Safety factor, by measurement: with 0.9, one step in six is wasted; with this value, one in
+/// fifty.
 const SAFETY: f64 = 0.75;
 
 impl Control {
@@ -53,9 +54,9 @@ impl Control {
         }
     }
 
-    /// The control for pendulums that begin at the time `since` where the path of a whole cell ended.
-    /// Differences between neighbours are smaller than the cell then, so the tolerance is `finer`
-    /// times smaller than its ceiling. It rises from there as it does after the release.
+    /// The control for pendulums that begin at the time `since`, where the path of a whole cell
+    /// ended. Differences between neighbours are smaller than the cell then, so the tolerance is
+    /// `finer` times smaller than its ceiling. It rises from there as it does after the release.
     pub fn after_a_cell(self, since: f64, finer: f64) -> Self {
         Control { start: self.ceiling - 2.0 * finer.log2() - self.rise * since, ..self }
     }

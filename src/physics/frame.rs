@@ -10,11 +10,11 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame whose coordinates are those of the other one.
+    /// The frame that is the whole of the other one, with the same coordinates.
     pub const WHOLE: Frame = Frame { middle: [0.0; 2], axes: [[1.0, 0.0], [0.0, 1.0]] };
 
-    /// The parts of a rectangle that is cut in half along some axes: those at smaller coordinates
-    /// first, the second coordinate running faster.
+    /// The parts of a rectangle that is cut in half along some axes, in order of their coordinates,
+    /// the second running faster.
     pub fn parts(cut: [bool; 2]) -> impl Iterator<Item = Frame> {
         let places = |cut: bool| if cut { &[-0.5, 0.5][..] } else { &[0.0] };
         let size = cut.map(|cut| if cut { 0.5 } else { 1.0 });
@@ -29,7 +29,8 @@ impl Frame {
         step * usize::from(cut[0] && x >= 0.0) + usize::from(cut[1] && y >= 0.0)
     }
 
-    /// The smallest square around the whole whose first axis has a direction.
+    /// The smallest square that contains the whole and whose first axis points in the direction
+    /// `angle` (rad).
     pub fn turned(angle: f64) -> Frame {
         let (sin, cos) = angle.sin_cos();
         let reach = sin.abs() + cos.abs();
@@ -49,7 +50,7 @@ impl Frame {
         self.axes.map(|[u, v]| (by[0] * u + by[1] * v) / (u * u + v * v))
     }
 
-    /// A frame in the coordinates of this one, in those of the other.
+    /// Converts a frame given in the coordinates of this one to those of the other.
     pub fn outside(&self, inner: &Frame) -> Frame {
         let [a, b] = self.axes;
         let turned = |[x, y]: [f64; 2]| [0, 1].map(|i| x * a[i] + y * b[i]);

@@ -1,6 +1,6 @@
 //! The growth of small differences along one pendulum's motion, over any number of decades.
 //!
-//! The motion itself is followed in so many digits that its error, which grows as the differences
+//! The motion itself is followed in enough digits that its error, which grows as the differences
 //! do, stays far below them; its tangents need no more than f64. As growth proceeds, digits are
 //! dropped.
 
@@ -21,9 +21,9 @@ const LONGEST: f64 = 0.5;
 /// Bits by which the trajectory is more precise than the growth that is still to come demands.
 const SPARE_BITS: f64 = 40.0;
 
-/// The reduced time after which a small difference between starts near `angle` (rad) first has grown
-/// by `decades`, as unit vectors and scaled momenta; none if that takes longer than `most`. The
-/// pendulum is in reduced units.
+/// The reduced time after which a small difference between starts near `angle` (rad) has first grown
+/// by `decades`, measured in unit vectors and scaled momenta; none if that takes longer than `most`.
+/// The pendulum is in reduced units.
 pub fn time_to_grow(
     pendulum: &Pendulum<Theta>,
     angle: [Theta; 2],
@@ -44,7 +44,8 @@ pub fn time_to_grow(
     None
 }
 
-/// Precision that the trajectory needs before so many decades of growth, in bits after the point.
+/// Precision, in bits after the point, that the trajectory needs when so many decades of growth are
+/// still to come.
 fn bits(decades: f64) -> u32 {
     (decades * std::f64::consts::LOG2_10 + SPARE_BITS).max(0.0) as u32
 }

@@ -12,14 +12,15 @@ use super::real::Scalar;
 use super::series::MotionSeries;
 use super::{Dd, Rule, Theta};
 
-/// Number of coefficients of the expansions in time; every second one vanishes.
+/// Number of coefficients of the expansions in time, every second of which vanishes.
 const ORDER: usize = 14;
 /// Number of coefficients of the polynomials in the square of time.
 const COUNT: usize = ORDER / 2;
 /// Approximate angle in rad through which the fastest bob turns in an opening. Each power of the
 /// square of time contributes less than the previous one by a factor of the square of this angle.
 const TURN: f64 = 0.03;
-/// Rounding error of a coefficient, in epsilons of the largest value that it can have.
+/// Rounding error of a coefficient, as a multiple of epsilon times the largest value that it can
+/// have.
 const ROUNDINGS: f64 = 256.0;
 /// Difference below which two times of a pass count as the same, in lengths of the opening.
 const SAME: f64 = 1e-9;
@@ -82,7 +83,7 @@ impl Opening {
     }
 
     /// Returns true if a watched bob is released so near the top that [`Opening::begin`] must
-    /// decide; `angle` within [−π, π].
+    /// decide; `angle` lies within [−π, π].
     pub fn concerns(&self, angle: [f64; 2]) -> bool {
         // With friction the motion is no series in the square of time.
         if self.rounded.friction.is_some() {
@@ -91,7 +92,7 @@ impl Opening {
         self.rule.watched().iter().any(|&bob| from_top(angle[bob]).abs() <= 1.01 * self.near_rad)
     }
 
-    /// Decides the course of the opening after a release at rest; `angle` within (−π, π].
+    /// Decides the course of the opening after a release from rest; `angle` lies within (−π, π].
     pub fn begin(&self, angle: [Theta; 2]) -> Begin {
         let from_top = angle.map(from_top);
         let plain = self.rounded.to_f64();
@@ -195,7 +196,7 @@ fn first_motion<T: Scalar>(way: &[T; COUNT], doubt: T) -> Option<T> {
 }
 
 /// The square of the time at which a bob is first beyond the top, if the first coefficient of its
-/// motion is off by `by`.
+/// motion is wrong by `by`.
 fn pass<T: Scalar>(way: &[T; COUNT], by: T) -> Option<T> {
     let mut way = *way;
     // A start exactly at the top counts as on the side to which it moves.

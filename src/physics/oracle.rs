@@ -1,4 +1,5 @@
-//! The oracle: gold-standard flip times from the Taylor integrator, every pass of the top found.
+//! The oracle: gold-standard flip times from the Taylor integrator, which finds every pass of the
+//! top.
 //!
 //! Bounds, not samples, decide whether a bob is at the top inside a step: the step is halved until
 //! on each part the polynomial provably stays away or provably moves one way, or the part is too
@@ -28,7 +29,7 @@ pub fn outcome<T: Scalar>(
     first_flip(Orbit::new(*pendulum, State::rest(settled(pendulum, angle))), rule, budget)
 }
 
-/// The outcome of a start in rad (within (−π, π]) and rad/s that may have speeds, likewise.
+/// The outcome, likewise, of a start in rad (within (−π, π]) that may have speeds in rad/s.
 pub fn outcome_from<T: Scalar>(
     pendulum: &Pendulum<T>,
     start: &State<T>,
@@ -67,7 +68,7 @@ pub fn is_balanced<T: Scalar>(angle: [T; 2]) -> bool {
     angle.iter().all(|&theta| theta == T::zero() || theta.abs() == T::pi())
 }
 
-/// Seconds into `step` at which `rule` is first met, if it is.
+/// Seconds into `step` at which `rule` is first met; none if it is not met.
 pub fn flip_within<T: Scalar>(step: &TaylorStep<T>, rule: Rule) -> Option<T> {
     let units = step.length * T::from_f64(1.0 / step.unit_secs);
     rule.watched()

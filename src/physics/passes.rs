@@ -96,7 +96,8 @@ mod tests {
         let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0).map(Dd::new);
         let omega = (2.0 - 2f64.sqrt()).sqrt();
         let speed = [1.0, 2f64.sqrt()].map(|mode| Dd::new(1e-6 * mode * omega));
-        // So slow a swing stays within the angle that counts as left, so it is never back.
+        // So slow a swing never exceeds the angle at which it counts as having left, so it never
+        // returns either.
         let start = State { angle: [Dd::new(0.0); 2], speed };
         assert_eq!(section_return(&unit, start, 20.0), None);
         let start = State { speed: speed.map(|w| w * Dd::new(2e4)), ..start };

@@ -31,8 +31,8 @@ pub struct Pendulum<T> {
     pub q: T,
     /// Least value of the determinant, AB − C², in kg² m⁴.
     pub least_det: T,
-    /// Friction b1 and b2 at the two pivots in N m s; none where nothing slows it down, so that
-    /// kernels and loops hold no trace of it.
+    /// Friction b1 and b2 at the two pivots in N m s; none without friction, so that kernels and
+    /// loops then contain no code for it.
     pub friction: Option<[T; 2]>,
 }
 
@@ -163,7 +163,7 @@ impl<T: Scalar> Pendulum<T> {
         self.forbids_depth(rule, self.depth(angle.map(|theta| theta.sin_cos().1)))
     }
 
-    /// Returns the same as [`Pendulum::forbids`], from a start's [`Pendulum::depth`].
+    /// Returns the same as [`Pendulum::forbids`], given a start's [`Pendulum::depth`].
     pub fn forbids_depth(&self, rule: Rule, depth: T) -> bool {
         self.q <= T::zero() || depth > self.least_depth(rule)
     }

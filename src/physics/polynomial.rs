@@ -214,7 +214,8 @@ mod tests {
 
     #[test]
     fn a_pass_between_two_turns_is_found() {
-        // Up over zero, down and up again: both ends lie below zero, so neither shows the pass.
+        // The polynomial rises over zero, falls and rises again: both ends lie below zero, so
+        // neither shows the pass.
         for over in [1e-2, 1e-5, 1e-9] {
             let f = |x: f64| over - 8.0 * (x - 0.3).powi(2) * (1.1 - x);
             let fit: [f64; 4] = [over - 0.792, 6.0, -13.6, 8.0];

@@ -13,9 +13,10 @@ use super::{Fixed, Pendulum, State, Theta};
 
 /// A trajectory known to more digits than f64 holds, in reduced units.
 pub trait Reference: Send {
-    /// Time from now up to which the trajectory is known; always positive.
+    /// Time from the present moment up to which the trajectory is known; always positive.
     fn reach(&mut self) -> f64;
-    /// Unit vectors and momenta at the time `after` from now, which is at most the reach.
+    /// Unit vectors and momenta at the time `after` from the present moment, which is at most the
+    /// reach.
     fn phase(&self, after: f64) -> Phase<f64>;
     /// The sine of `bob`'s angle where it turns round near `after`, close to the top.
     fn turn(&self, bob: usize, after: f64) -> f64;

@@ -52,7 +52,8 @@ pub const SATURATED_RAD: f64 = 0.1;
 pub struct Growth {
     /// Growth rate: the number of factors of e per second.
     pub rate_per_sec: f64,
-    /// One standard error of the rate; neighbouring readings err alike and so count as fewer.
+    /// One standard error of the rate; neighbouring readings have similar errors, and so count as
+    /// fewer readings.
     pub uncertainty_per_sec: f64,
     /// Value of the fitted line at time 0, in rad.
     pub at_release_rad: f64,

@@ -10,8 +10,8 @@ use super::transport::transported_as;
 /// A state with its derivatives by the four numbers of its start.
 pub type Tangents<T> = Phase<Dual<4, T>>;
 
-/// Largest slope before all are made smaller by this power of two, so that none overflows in f32
-/// within a stretch of steps; it rounds nothing.
+/// Largest slope before all slopes are divided by this power of two, so that none overflows in f32
+/// within a stretch of steps; the division rounds nothing.
 pub const LARGE: f64 = (1u64 << 40) as f64;
 
 /// Longest piece in which a tangent map is followed, in units of time.
@@ -35,16 +35,16 @@ pub fn released<T: Real>(pendulum: &Pendulum<T>, phase: &Phase<T>) -> Tangents<T
     let dual = pendulum.map(Dual::<4, T>::new);
     let coupling = dual.c * (x1 * x2 + y1 * y2);
     let momenta = [dual.a * w1 + coupling * w2, coupling * w1 + dual.b * w2];
-    // Their values are known to more digits than the speeds give.
+    // The momenta's own values are known to more digits than the speeds give.
     [x1, y1, x2, y2, Dual { value: p1, ..momenta[0] }, Dual { value: p2, ..momenta[1] }]
 }
 
 /// The product of the tangent maps along an orbit, one after another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentMap {
-    /// Columns of the map, made smaller so that none overflows.
+    /// Columns of the map, scaled down so that none overflows.
     columns: [[f64; 4]; 4],
-    /// Natural logarithm of the factor by which they were made smaller.
+    /// Natural logarithm of the factor by which they were scaled down.
     log_scale: f64,
 }
 
@@ -55,7 +55,8 @@ impl TangentMap {
         TangentMap { columns, log_scale: 0.0 }
     }
 
-    /// The map to where the orbit is after the reduced time `by` from `phase`, where this one ends.
+    /// The map continued along the orbit for the reduced time `by` from `phase`, where this map
+    /// ends.
     #[must_use]
     pub fn followed_by(&self, pendulum: &Pendulum<f64>, phase: &Phase<f64>, by: f64) -> Self {
         // In pieces, so that no slope overflows.
@@ -89,8 +90,8 @@ impl TangentMap {
         (map, state.map(|number| number.value))
     }
 
-    /// The map of a neighbour, to first order in the share by which the two maps differ: a nudge that
-    /// grows faster than all others leads this orbit `here` and the neighbour `there`.
+    /// The map of a neighbour, to first order in the relative difference of the two maps. The nudge
+    /// that grows faster than all others becomes `here` on this orbit and `there` on the neighbour's.
     #[must_use]
     pub fn of_neighbour(&self, here: [f64; 4], there: [f64; 4]) -> Self {
         let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
@@ -102,8 +103,8 @@ impl TangentMap {
         TangentMap { columns, ..*self }
     }
 
-    /// The derivatives of the state `phase` to which the map leads by the four numbers of the start,
-    /// and the natural logarithm of the factor by which they were made smaller.
+    /// The derivatives of the state `phase`, to which the map leads, by the four numbers of the
+    /// start, and the natural logarithm of the factor by which they were scaled down.
     pub fn slopes(&self, pendulum: &Pendulum<f64>, phase: &Phase<f64>) -> (Phase<[f64; 4]>, f64) {
         let through = |own: [f64; 4]| {
             self.columns.map(|column| (0..4).map(|j| own[j] * column[j]).sum::<f64>())
@@ -206,7 +207,8 @@ mod tests {
             phase = transported(&pendulum, &phase, 0.5);
         }
         assert!(whole > 2.0 && (map.log_growth() - whole).abs() < 1e-8, "{whole}");
-        // So long that slopes overflow by far, and no exponent above 1 is known of this pendulum.
+        // The time is so long that slopes would overflow by far; no exponent above 1 is known for
+        // this pendulum.
         let long = TangentMap::identity().followed_by(&pendulum, &start, 4000.0).log_growth();
         assert!(long > 100.0 && long < 4000.0, "{long}");
     }

@@ -8,17 +8,17 @@ use super::{Pendulum, Real};
 const STEP_TOLERANCE: f64 = 1e-13;
 /// First step to try, in units of time.
 const FIRST_STEP: f64 = 0.1;
-/// Shortest step, in units of time: what needs shorter ones is no motion of a pendulum.
+/// Shortest step, in units of time: a motion that needs shorter steps is not that of a pendulum.
 const SHORTEST_STEP: f64 = 1e-9;
 
 /// The state that `phase` becomes after the reduced time `by`, which may be negative; NaN if it cannot
-/// be followed, as from a state that is no number. `pendulum` is in reduced units.
+/// be followed, as when the state is not finite. `pendulum` is in reduced units.
 pub fn transported(pendulum: &Pendulum<f64>, phase: &Phase<f64>, by: f64) -> Phase<f64> {
     let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
     transported_as(pendulum, inverse_scale, phase, by, |number| number)
 }
 
-/// The same for any number type, by the `value` of its numbers.
+/// The same for any number type; `value` converts its numbers to f64, by which steps are judged.
 pub fn transported_as<T: Real>(
     pendulum: &Pendulum<T>,
     inverse_scale: [T; 2],
@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn long_ways_are_followed_to_their_ends() {
         let pendulum = Pendulum::points([1.0, 1.0], [1.0, 1.0], 9.81).reduced().0;
-        // It swings as one, so that errors hardly grow in some thousand steps.
+        // Both rods swing together, so that errors hardly grow in some thousand steps.
         let start = pendulum.phase(&State { angle: [0.2, 0.3], speed: [0.0; 2] });
         let whole = transported(&pendulum, &start, 300.0);
         let parts = (0..30).fold(start, |phase, _| transported(&pendulum, &phase, 10.0));

@@ -1,7 +1,7 @@
 //! Sine and cosine from sums and products only.
 //!
-//! SIMD lanes and graphics cards take theirs from here: the shading language promises its own only
-//! to 2⁻¹¹, and for f64 drivers return garbage (wgpu issue 6087).
+//! SIMD lanes and graphics cards use these: the shading language guarantees its own sine and cosine
+//! only to 2⁻¹¹, and in f64 drivers return garbage (wgpu issue 6087).
 
 use super::real::{Angle, Real};
 
@@ -110,7 +110,8 @@ fn pair<T: Real, const N: usize>(x: T, terms: &[f64; N], k: usize) -> T {
     if k + 1 < N { x.mul_add(x.lit(terms[k + 1]), x.lit(terms[k])) } else { x.lit(terms[k]) }
 }
 
-/// Method by which the directions of a step's inner stages are found from that at its beginning.
+/// Method by which the directions of a step's inner stages are found from the direction at its
+/// beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turning {
     /// A sine and cosine computed afresh for each stage.

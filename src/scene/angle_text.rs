@@ -42,7 +42,7 @@ mod tests {
         assert!(
             in_rad("180deg").starts_with("3.14159265358979323846264338327950288419716939937510")
         );
-        // What is already in rad keeps every character of its own, and what is wrong is told as typed.
+        // A text already in rad keeps every character, and a wrong one is reported as typed.
         for as_it_is in ["0.100", "1e-30", "deg", "fivedeg", "pipi", ""] {
             assert_eq!(in_rad(as_it_is), as_it_is);
         }

@@ -22,7 +22,7 @@ pub struct Budget {
 const LEAST_UNITS: f64 = 93.962_758_580_194_95;
 /// Decades by which the pixels of a picture are closer together than its sides.
 const PIXEL_DECADES: f64 = 3.0;
-/// Units of time per decade of width where growth is not waited for. On most filaments that views
+/// Units of time per decade of width where growth is not measured. On most filaments that views
 /// descend along, neighbours move apart by about 0.3 decades a second: ten times in 3.3 s.
 const UNITS_A_DECADE: f64 = 10.44;
 /// Longest time that growth is waited for, as a multiple of [`UNITS_A_DECADE`]: in views wider than
@@ -52,9 +52,9 @@ impl Budget {
         Budget { secs, ..self }
     }
 
-    /// The same budget, fitted to a checked view if it is automatic: the time after which a turn
-    /// lies between the pendulums of pixels that are next to each other in its middle, at least
-    /// that of the home map. What flips later is noise from pixel to pixel.
+    /// The same budget, fitted to a checked view if it is automatic: the time after which the
+    /// pendulums of neighbouring pixels in its middle are a full turn apart, and at least that of
+    /// the home map. Later flips are noise from pixel to pixel.
     ///
     /// Each decade of depth takes a few milliseconds, and more at great depths.
     pub fn for_view(self, build: &Build, view: &View) -> Self {
@@ -101,7 +101,7 @@ fn expected_units(width: f64) -> f64 {
     (UNITS_A_DECADE * decades(width)).max(LEAST_UNITS)
 }
 
-/// The budget of so many units of time, at least that of the home map, in s.
+/// The budget in s that lasts `units` units of time, at least that of the home map.
 fn in_steps(build: &Build, units: f64) -> f64 {
     let steps = (units.max(LEAST_UNITS) / STEP_UNITS).ceil();
     // Whole seconds for the default pendulum.

@@ -57,8 +57,8 @@ pub struct RunTable {
 }
 
 impl RunTable {
-    /// Returns this table, kept in a scene's file, with what is said now over it: a level replaces any
-    /// method, and another method replaces the step or tolerance. The size is that of `said`.
+    /// Returns this table from a scene's file, overridden by the settings in `said`: a level replaces
+    /// any method, and another method replaces the step or tolerance. The size is that of `said`.
     #[must_use]
     pub fn overlaid(&self, said: RunTable) -> RunTable {
         let kept = if said.accuracy.is_some() { RunTable::default() } else { self.clone() };

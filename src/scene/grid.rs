@@ -52,7 +52,7 @@ fn beside_pi(by: Dd, other: Dd) -> Dd {
     if angle >= -Dd::PI { angle } else { angle.wrapped() }
 }
 
-/// Distance from the top below which double-double does not tell its two sides apart, rad.
+/// Distance from the top in rad below which double-double cannot tell its two sides apart.
 const INDISTINCT_RAD: f64 = 1e-29;
 /// Depth below which the energy is computed in double-double, as a share of P + Q.
 const NEAR: f64 = 1e-9;
@@ -202,7 +202,7 @@ impl Grid {
         let middle = self.angle_from_pixel(x, y).map(|theta| theta.hi);
         let half = size.map(|side| f64::from(side / 2));
         let reach = half[0] * right + half[1] * up + pixels * right.hypot(up);
-        // Beyond the depth from which on all pixels are measured in f64.
+        // All pixels beyond this depth are measured in f64.
         self.energy_depth(middle).abs() > reach + 2.0 * NEAR * (p.abs() + q.abs())
     }
 

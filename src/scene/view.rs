@@ -88,8 +88,8 @@ impl View {
         refuse_unless(stretch, "stretch", &self.stretch.to_string(), range)
     }
 
-    /// The centre in rad; call [`View::check`] first. A coordinate that is ±π but for its last
-    /// digits, far below a pixel, is exactly that, so that symmetry is seen.
+    /// The centre in rad; call [`View::check`] first. A coordinate that differs from ±π only in its
+    /// last digits, far below a pixel, counts as exactly ±π, so that symmetry is detected.
     pub fn center_rad(&self) -> [Theta; 2] {
         let error_rad = MOST_ERROR_OF_PI * self.width_rad().hi;
         self.center.each_ref().map(|text| {

@@ -39,7 +39,7 @@ pub struct PlainPixels {
 
 impl PlainPixels {
     /// Finds the plain pixels of a checked scene in `size` pixels and `colours`, which get `along` ×
-    /// `along` samples elsewhere; none once `go_on`, which takes the counts so far, says no.
+    /// `along` samples elsewhere; none once `go_on`, which takes the counts so far, returns false.
     pub fn find(
         renderer: &mut Renderer,
         (scene, cells): (&Scene, Cells),
@@ -71,7 +71,8 @@ impl PlainPixels {
     }
 }
 
-/// Tells which pixels of a picture with rows of `width` have the colour of all their neighbours.
+/// Returns true for the pixels of a picture with rows of `width` that have the colour of all their
+/// neighbours.
 fn plain(tints: &[Tint], width: usize) -> Vec<bool> {
     let height = tints.len() / width.max(1);
     let apart = |a: Tint, b: Tint| (0..3).any(|i| (a[i] - b[i]).abs() > EDGE);

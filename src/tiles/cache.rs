@@ -20,7 +20,7 @@ pub struct CachedCell {
     pub budget_secs: f64,
     /// Serial number, which changes whenever the samples do and is never used twice.
     pub serial: u64,
-    /// Quarters that have edges, once somebody has asked.
+    /// Quarters that have edges, determined when they are first needed.
     edges: OnceLock<Quarters>,
     /// States of unflipped samples with their places, in ascending order of place.
     pub(super) unfinished: Vec<(u32, IntegratorState)>,

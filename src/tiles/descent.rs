@@ -1,9 +1,10 @@
 //! The descent from a view to ever smaller ones that still have structure.
 //!
-//! Where neighbours flip at different times, and late, there is more to see below: early flips have
-//! long stopped telling neighbours apart. Each step computes a small picture, goes to the liveliest
-//! place near a preferred point, and enlarges it. It looks ahead: a view is gone to only if its own
-//! small picture has somewhere to go, so that no descent ends in an edge between two colours.
+//! Where neighbours flip at different times, and late, there is more to see below: deep down,
+//! neighbours that flip early all flip at the same time. Each step computes a small picture, goes
+//! to the liveliest place near a preferred point, and enlarges it. It looks ahead: a view is chosen
+//! only if its own small picture offers a next place, so that no descent ends in an edge between
+//! two colours.
 
 use super::preview::preview;
 use super::{Samples, Work};
@@ -23,18 +24,18 @@ const NEXT_VIEW: i32 = 5;
 const ENOUGH_UNITS: f64 = 3.0;
 /// Mean difference, in those units, at or below which a place has no structure.
 const LEAST_UNITS: f64 = 0.05;
-/// Number of distinct times in a next view from which it is more than an edge or two.
+/// Least number of distinct times in a next view that is more than an edge or two.
 const SEVERAL: usize = 4;
-/// Number of distinct times in a next view beyond which more of them count no more.
+/// Number of distinct times in a next view beyond which further ones make no difference.
 const MANY: usize = 12;
 /// Distance from the preferred point, in pixels, at which a place counts for half: at the first
 /// step, which follows a pointer, and at later ones, which stay near the filament.
 const NEAR: [f64; 2] = [3.0, 8.0];
-/// Number of places of a picture whose next views are looked at before the descent ends.
+/// Number of places of a picture whose next views are examined before the descent ends.
 const MOST_TRIES: usize = 4;
 /// Least distance in pixels between two of those places.
 const APART: f64 = 4.0;
-/// Share of the budget before which flips no longer tell deep neighbours apart.
+/// Share of the budget before which flips are the same for deep neighbours.
 const LATE: f64 = 0.4;
 
 /// A descent from each view to the next deeper one.

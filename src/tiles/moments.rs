@@ -1,5 +1,5 @@
 //! The answers of a view's pendulums at later and later times: each trajectory is computed once, and
-//! goes on from where the time before found it.
+//! continues from the state that it had at the time before.
 
 use std::ops::Range;
 
@@ -84,7 +84,7 @@ impl Moments {
         film.kind() == FilmKind::Moments && !verify && Moments::are_possible(first, config)
     }
 
-    /// Returns true if an integrator config can let pendulums go on with all that a checked scene's
+    /// Returns true if an integrator config can continue pendulums with all that a checked scene's
     /// question needs.
     fn are_possible(scene: &Scene, config: &IntegratorConfig) -> bool {
         let ends = scene.question.ask.kind().needs.into();
@@ -96,7 +96,7 @@ impl Moments {
         self.batches.iter().map(|batch| batch.places.len()).sum()
     }
 
-    /// Lets all pendulums go on until `at_secs`, which must not lie before the time they have
+    /// Continues all pendulums until `at_secs`, which must not lie before the time they have
     /// reached, and returns the answers there; none once `go_on` returns false.
     pub fn at(
         &mut self,

@@ -24,8 +24,8 @@ pub(super) struct OpenTile {
 }
 
 impl OpenTile {
-    /// Creates a tile of some pixels of a grid; `known` returns what an earlier run found out about
-    /// a pixel.
+    /// Creates a tile of some pixels of a grid; `known` returns an earlier run's result for a
+    /// pixel.
     pub(super) fn of_pixels(
         grid: &Grid,
         config: IntegratorConfig,
@@ -62,7 +62,8 @@ impl OpenTile {
     }
 
     /// Sorts `count` pixels into known samples and starts. `pixel` returns the grid of a pixel, its
-    /// column and row, and what is known of it; deep pixels come with their `groups` by leaf and the plane of these.
+    /// column and row, and what is known of it; deep pixels come with their `groups` by leaf and with
+    /// the plane of the leaves.
     fn sorted<'a>(
         count: u32,
         groups: Option<(ExactPlane, Grouped)>,

@@ -109,7 +109,8 @@ impl Renderer {
         Ok(samples.expect("it is never stopped"))
     }
 
-    /// The samples of a checked scene; `None` once `go_on`, which takes the counts so far, says no.
+    /// The samples of a checked scene; `None` once `go_on`, which takes the counts so far, returns
+    /// false.
     pub fn render_while(
         &mut self,
         scene: &Scene,

@@ -169,7 +169,7 @@ impl Work {
     }
 
     /// Returns the pixels of an earlier run that need not be computed again. Those of deep views do:
-    /// what a line of samples tells depends on the budget, in the last digits.
+    /// answers from a line of samples depend on the budget in their last digits.
     fn saved(&self) -> Option<&SavedPixels> {
         let is_deep = self.grid.cell_plane().is_some()
             && self.cells.are_followed(&self.config, self.grid.pixel_rad());

@@ -10,7 +10,7 @@ use crate::tiles::explorer::ViewProgress;
 pub struct StatusLine {
     /// The progress of the view.
     pub progress: ViewProgress,
-    /// Seconds until the view is complete, if they can be told.
+    /// Seconds until the view is complete, if they can be estimated.
     pub left_secs: Option<f64>,
     /// Width of the view, in the unit that follows.
     pub width: f64,

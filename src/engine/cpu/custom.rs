@@ -16,10 +16,10 @@ use crate::engine::{
 use crate::physics::control::Control;
 use crate::physics::{Dd, Outcome};
 
-/// Integrates pendulums from rest at `angles` (rad) by a pair of one's own, in f64 on the widest
-/// lanes of the processor and on all of its threads, with an error of `tolerance` allowed in a step
-/// at the release. Step size control and the search for crossings of the top are those of the
-/// methods that flipmap has.
+/// Integrates pendulums from rest at `angles` (rad) by a pair defined outside this crate, in f64 on
+/// the widest lanes of the processor and on all of its threads, with an error of `tolerance`
+/// allowed in a step at the release. Step size control and the search for crossings of the top are
+/// those of flipmap's own methods.
 pub fn outcomes<P: EmbeddedPair>(
     question: &Question,
     tolerance: f64,

@@ -63,7 +63,7 @@ pub(super) fn run<L: Lanes, const TERMS: usize>(
     Some(fixed.scheduler.answer)
 }
 
-/// The f32 next below π: lanes compare with it, the exact test follows in f64.
+/// The f32 just below π, with which lanes compare; the exact test follows in f64.
 const PI_BELOW: f64 = 3.141_592_5;
 
 /// Largest angle from hanging, in rad, that a watched bob of any lane may have reached in a step

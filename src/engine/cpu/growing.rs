@@ -16,7 +16,7 @@ struct Growing<'a, R, P> {
     pendulum: &'a Pendulum<Dual<4, R>>,
     inverse_scale: [Dual<4, R>; 2],
     state: Tangents<R>,
-    /// Natural logarithm of the factor by which the slopes were made smaller.
+    /// Natural logarithm of the factor by which the slopes were scaled down.
     log_scale: f64,
     progress: WalkProgress,
     pair: PhantomData<P>,

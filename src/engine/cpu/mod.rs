@@ -49,7 +49,7 @@ use crate::physics::{Dd, Outcome, Status};
 
 /// Number of starts in a chunk: enough to keep lanes full, few enough to share out evenly.
 const CHUNK: usize = 512;
-/// Number of starts in a chunk in double-double, where a few pendulums take as long.
+/// Number of starts in a chunk in double-double, where these few take as long.
 const DD_CHUNK: usize = 8;
 const JOB_SIZE: usize = 1 << 15;
 

@@ -1,4 +1,4 @@
-//! Returns: how near a pendulum comes back to its start once it has left it.
+//! Returns to the start: how near a pendulum comes to its start again after having left it.
 //!
 //! The distance is that of unit vectors and scaled momenta. It falls where the state moves towards
 //! the start; a minimum lies in a step in which it stops falling, and is found by shorter steps from
@@ -14,7 +14,7 @@ use crate::physics::phase::{Phase, distance};
 use crate::physics::{Accumulators, Pendulum, Scalar};
 use std::marker::PhantomData;
 
-/// Halvings in the search for a minimum: its time to a billionth of a step.
+/// Halvings in the search for a minimum, enough to find its time to a billionth of a step.
 const HALVINGS: u32 = 30;
 
 /// One pendulum on its way back to its start, in the number type `R`, in steps of `P`.

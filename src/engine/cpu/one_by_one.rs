@@ -1,5 +1,5 @@
-//! Pendulums that last as long as the budget, in scalar steps, one at a time: the loop around what they
-//! take along.
+//! The loop for pendulums that are followed to the end of the budget one at a time, in scalar steps,
+//! with the quantities that they carry along.
 
 use std::sync::atomic::Ordering;
 
@@ -69,8 +69,8 @@ pub(super) fn run<W: Walker>(
     Some(result)
 }
 
-/// Takes whole steps while they end within the budget, from where a larger one goes on; then shorter
-/// ones to its end. None if the job was cancelled.
+/// Takes whole steps while they end within the budget; a later job with a larger budget continues
+/// from there. Then takes shorter ones to the end of the budget. None if the job was cancelled.
 fn walk<W: Walker>(
     walker: &mut W,
     chunk: &Chunk,

@@ -48,7 +48,8 @@ pub(super) trait TopTest {
         least - bend * y0.lit(SLACK)
     }
 
-    /// Finds out what becomes of a bob in a step of one pendulum, by shorter and shorter steps.
+    /// Finds out whether and when a bob passes the top in a step of one pendulum, by shorter and
+    /// shorter steps.
     fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
         let at = |fraction| step.shortened::<Self::Pair>(fraction);
         within(at, bob, &step.before, &step.after, step.length)
@@ -98,7 +99,7 @@ impl EmbeddedPair for Dopri5 {
     }
 }
 
-/// DOPRI5, with crossings found on the quartic that it gives over its step.
+/// DOPRI5, with crossings found on the quartic that it provides over its step.
 pub(super) struct OnQuartic;
 
 impl TopTest for OnQuartic {

@@ -25,8 +25,8 @@ struct TangentLanes<L> {
     step: L,
     /// Reduced time at which they end.
     end: L,
-    /// False while only whole steps within the budget are taken, from where a larger one goes on;
-    /// then steps are cut to its end.
+    /// False while only whole steps within the budget are taken, from whose end a job with a larger
+    /// budget continues; true once steps are cut to the end of the budget.
     cuts: bool,
 }
 
@@ -71,7 +71,7 @@ pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Opti
     Some(result)
 }
 
-/// Number of steps after which slopes are looked at.
+/// Number of steps after which the size of the slopes is checked.
 const STRETCH: u32 = 32;
 
 impl<L: Lanes> TangentLanes<L> {
@@ -159,7 +159,8 @@ impl<L: Lanes> TangentLanes<L> {
         self.time_low = Lanes::select(low, test, self.time_low);
     }
 
-    /// Makes the slopes of a lane smaller where they have grown large, and notes it in `logs`.
+    /// Scales down the slopes of a lane where they have grown large, and adds the logarithm of the
+    /// factor to `logs`.
     #[inline(always)]
     fn keep_small(&mut self, set: L::Set, logs: &mut [f64; MOST_LANES]) {
         let mut most = self.time.lit(0.0);

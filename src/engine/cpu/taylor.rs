@@ -189,9 +189,9 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
 }
 
 /// The first `most` moments in (0, length] at which the point with the polynomials `x` and `y` on
-/// the unit circle crosses the top, (−1, 0), each with true if it does so anticlockwise, and how
-/// near it comes without crossing until then. Near the top `y` keeps its leading digits, however
-/// small it is.
+/// the unit circle crosses the top, (−1, 0), each with true if it does so anticlockwise, and the
+/// least distance from the top that it reaches without crossing before then. Near the top `y` keeps
+/// its leading digits, however small it is.
 fn passages_of_top<T: Scalar, const M: usize>(
     x: &[T; M],
     y: &[T; M],

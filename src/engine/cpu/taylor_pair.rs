@@ -1,4 +1,5 @@
-//! Taylor steps for what pendulums take along: the terms of the last two orders are the error.
+//! Taylor steps for the quantities that pendulums carry along: the terms of the last two orders are
+//! the error.
 
 use super::pair::EmbeddedPair;
 use crate::physics::embedded::Trial;

@@ -43,7 +43,7 @@ impl Deep {
 
     /// The starts to the precision of double-double.
     pub fn rounded(&self) -> Starts {
-        // What does not exist is forbidden on every start map, so it never gets here.
+        // A start that does not exist is forbidden on every start map, so none gets here.
         let nowhere = Launch { angle: [Dd::new(f64::NAN); 2], speed: [Dd::new(f64::NAN); 2] };
         let rounded = |state: Option<State<Theta>>| {
             state.map_or(nowhere, |state| Launch {

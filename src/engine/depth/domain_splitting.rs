@@ -48,17 +48,18 @@ const TOLERANCE: f64 = 1e-12;
 const STRICT_TOLERANCE: f64 = 1e-13;
 /// Largest number of finished patches that are kept, of some 2 kB each.
 const MOST_FINISHED: usize = 20_000;
-/// Largest extent of a strip's states along the bands, as a share of that across them.
+/// Largest extent of a strip's states along the bands, as a share of their extent across them.
 const MOST_ALONG: f64 = 0.25;
-/// Least width of strips that are lines, in levels from that of leaves. There are few of them, and
+/// Least width of strips that are lines, in levels relative to leaves. There are few of them, and
 /// what is followed in one need not be integrated for every pixel.
 const LEAST_ACROSS: i32 = -3;
-/// Least area of strips that are no lines, in levels from that of leaves: following a smaller one
+/// Least area of strips that are not lines, in levels relative to leaves: following a smaller one
 /// costs more than integrating its pixels (measured).
 const LEAST_AREA: i32 = -3;
-/// Growth of the largest nudge from which on all others have grown into it, to that share.
+/// Growth of the largest nudge beyond which all other nudges have grown into it, to one part in
+/// this number.
 const ALIGNED: f64 = 1e4;
-/// Number of starts from which on a job's parts are followed on several threads.
+/// Least number of starts for which a job's parts are followed on several threads.
 const MANY_STARTS: usize = 1 << 16;
 
 /// The domain splitting of one pendulum, rule and plane.
@@ -98,7 +99,7 @@ impl DomainSplitting {
     pub(super) fn new(question: &Question, deep: &Deep, nudges: bool) -> Self {
         let mut dynamics = Dynamics::new(question.reduced().0, question.rule);
         if !deep.plane.is_at_rest() {
-            // What is thrown can pass the top at once.
+            // A thrown pendulum can pass the top at once.
             dynamics.opening = 0.0;
         }
         DomainSplitting {
@@ -137,8 +138,8 @@ impl DomainSplitting {
         leaf * 0.5f64.powi(levels_above_leaf.max(0))
     }
 
-    /// Follows branches to their ends. Many starts are shared among threads; few go together in
-    /// lanes.
+    /// Follows branches to their ends. Many starts are shared out among threads; few are followed
+    /// together in lanes.
     fn followed(&self, branches: Vec<Branch>, wanted: SplitRequest) -> Distribution {
         let starts: usize = branches.iter().map(|branch| branch.starts.len()).sum();
         if starts < MANY_STARTS {
@@ -229,7 +230,8 @@ impl DomainSplitting {
                 continue;
             }
             let mut node = if finished.patch.time.0 == 0.0 {
-                // Too wide for its polynomials even at rest: there is nothing to take a part of.
+                // The cell is too wide for its polynomials even at rest: there is nothing to take a
+                // part of.
                 self.released(part.cell)
             } else {
                 self.with_own_nudges(framed.part(&self.dynamics, &frame), &part)
@@ -244,8 +246,8 @@ impl DomainSplitting {
     }
 
     /// A part that was just cut, with the nudges of its own middle from the release. Once all nudges
-    /// but those across one direction have grown into the same one, those that it has from the part
-    /// that it was cut from are as good.
+    /// except those across one direction have grown into the same one, the nudges inherited from the
+    /// part that it was cut from are as good.
     fn with_own_nudges(&self, node: SplitNode, part: &SplitPart) -> SplitNode {
         if !node.patch.has_grown_less_than(ALIGNED) {
             return node;
@@ -258,9 +260,10 @@ impl DomainSplitting {
         SplitNode { patch, ..node }
     }
 
-    /// Returns true if the starts of a patch are better followed from their release: where no
-    /// polynomials describe it, near the end of a section, and where nudges have grown so little that
-    /// those of the middle are not those of all, and that the digits of any number type are enough.
+    /// Returns true if the starts of a patch are better followed from their release. This is so near
+    /// the end of a section, where no polynomials describe the patch, and where nudges have grown so
+    /// little that those of the middle do not stand for all, and that the digits of any number type
+    /// are enough.
     pub(super) fn tells_nothing(&self, patch: &FinishedPatch) -> bool {
         let is_undescribed = patch.patch.time.0 == 0.0 && !self.plane.is_flat();
         is_undescribed || patch.patch.has_grown_less_than(ALIGNED)
@@ -308,9 +311,9 @@ impl DomainSplitting {
         })
     }
 
-    /// The axes along which a strip is cut: to the width of a leaf first, then as long as that
-    /// costs less than what it saves. Cutting narrow strips that are no lines along too, where they
-    /// are long, takes as long or longer (measured).
+    /// The axes along which a strip is cut: to the width of a leaf first, then for as long as
+    /// cutting costs less than it saves. Cutting narrow but long strips that are not lines along
+    /// their length too takes as long or longer (measured).
     fn axes_of_strip(
         &self,
         [across, along]: [i32; 2],

@@ -56,8 +56,8 @@ pub(super) enum MappedStart {
     Moving(Moving),
 }
 
-/// Largest residual, as a share of half its length along the curve, of a patch that is taken for a
-/// line.
+/// Largest residual of a patch that is taken for a line, as a share of half its length along the
+/// curve.
 const MOST_ASIDE: f64 = 1e-4;
 
 impl FinishedPatch {
@@ -78,7 +78,7 @@ impl FinishedPatch {
         SplitNode { patch: self.patch.clone(), edge: self.edge }
     }
 
-    /// Returns true if nothing is known about most of its starts but their states.
+    /// Returns true if only the states are known of most of its starts.
     pub(super) fn is_open(&self) -> bool {
         matches!(self.ending, PatchEnd::Spread | PatchEnd::Unclear)
     }
@@ -91,11 +91,11 @@ impl FinishedPatch {
     /// Mean rate at which neighbours moved apart, in decades per second; 0 where they did not.
     fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
         let decades = (self.patch.spread(dynamics) / self.half_side).log10();
-        // A path not much longer than the opening tells nothing.
+        // A path not much longer than the opening gives no reliable rate.
         if self.patch.time.0 > 10.0 * dynamics.opening { decades.max(0.0) / secs } else { 0.0 }
     }
 
-    /// Statistics of its starts, of which so many are open.
+    /// Statistics of its starts, of which `open` are not known.
     pub(super) fn stats(&self, dynamics: &Dynamics, unit_secs: f64, open: usize) -> DepthStats {
         let secs = self.patch.time.0 * unit_secs;
         DepthStats {
@@ -156,7 +156,8 @@ impl FinishedPatch {
             }
             (None, false) => {
                 let turns = self.patch.turns_at(&phase);
-                // Its last step may have led beyond the budget, and its state is brought back later.
+                // The last step may have gone beyond the budget; the state itself is brought back
+                // later.
                 let back = |map: TangentMap| {
                     map.followed_by(&dynamics.pendulum, &phase, self.budget - high - low)
                 };

@@ -41,8 +41,8 @@ pub(super) struct Awaited {
     pub effort: Effort,
 }
 
-/// Returns the domain splitting of a question in the plane of some starts, with nudges if their growth is asked for; made if
-/// there is none yet.
+/// Returns the domain splitting of a question in the plane of some starts, with nudges if the question
+/// asks for their growth; creates it if there is none yet.
 pub(super) fn splitting_of(
     splittings: &Splittings,
     question: &Question,
@@ -61,8 +61,8 @@ pub(super) fn splitting_of(
     splittings[splittings.len() - 1].clone()
 }
 
-/// Follows the cells of a job and maps its starts through them, with `lines` if they may tell some;
-/// returns none if cancelled.
+/// Follows the cells of a job and maps its starts through them, using lines where `lines` allows
+/// it; returns none if cancelled.
 pub(super) fn followed(
     mut job: Job,
     splitting: &DomainSplitting,
@@ -146,7 +146,7 @@ impl Awaited {
         self.unfinished.extend(unfinished);
     }
 
-    /// Takes what lines tell; what is left has to be integrated alone.
+    /// Takes the outcomes that lines give; the starts that are left have to be integrated alone.
     pub(super) fn take_lines(&mut self, lines: Lines) {
         self.effort.depth = self.effort.depth.map(|depth| lines.counted(depth));
         let Lines { known, mut alone, .. } = lines;
@@ -180,8 +180,8 @@ impl Awaited {
     }
 }
 
-/// Returns true if a job's starts may be told from those beside them on a line: it wants outcomes
-/// alone, of a method whose errors are far below what neighbours differ by.
+/// Returns true if a job's starts may be answered from their neighbours on a line: the job wants
+/// only outcomes, by a method whose errors are far smaller than the differences between neighbours.
 fn may_use_lines(job: &Job) -> bool {
     let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
     adaptive && job.config.precision != Precision::F32 && job.keep.ends == Ends::None

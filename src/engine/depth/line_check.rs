@@ -1,5 +1,5 @@
-//! Checks of lines: some starts at the corners of a patch, as far from its line as any, are
-//! integrated in full and have to flip when the line says.
+//! Checks of lines: some starts at the corners of a patch, which lie as far from its line as any,
+//! are integrated in full and have to flip at the times that the line gives.
 //!
 //! ```text
 //!   ┌─────────────┐
@@ -21,7 +21,8 @@ use crate::physics::phase::Phase;
 const CORNERS: [[f64; 2]; 4] = [[-0.6, -0.9], [-0.6, 0.9], [0.6, -0.9], [0.6, 0.9]];
 /// Distance along the line from a corner's place to the places before and after it.
 const BESIDE: f64 = 1e-4;
-/// Share of the error that is called right by which a corner may miss its line.
+/// Largest difference between a corner and its line, as a share of the error with which an answer
+/// is still right.
 const SHARE: f64 = 0.5;
 /// Distance of the ends before and after a corner's place below which the line is steady there.
 const NEAR: f64 = 0.01;
@@ -97,7 +98,7 @@ impl LineCheck<'_> {
     }
 
     /// Returns true if the start at a corner ends as its place on the line does, or if the line
-    /// changes too quickly there to tell.
+    /// changes too quickly there for a comparison.
     fn agree(&self, point: CurvePoint, [off, before, after]: [Sample; 3]) -> bool {
         let most_secs = SHARE * right_secs(self.unit_secs);
         let [late, early] = [after.outcome.time, before.outcome.time];

@@ -1,4 +1,4 @@
-//! Intervals of a line, and what the samples in one tell about the starts between them.
+//! Intervals of a line, and the answers that the samples in one give for the starts between them.
 
 use crate::engine::End;
 use crate::physics::flip::right_secs;
@@ -7,26 +7,27 @@ use crate::physics::{Outcome, Status};
 
 /// Level of the longest intervals; an interval of level n is 2^−n half patches long.
 pub(super) const COARSEST: i32 = 1;
-/// Level of the shortest intervals, where a jump is closed in on to a hundredth of a pixel.
+/// Level of the shortest intervals, at which a jump is narrowed down to a hundredth of a pixel.
 pub(super) const FINEST: i32 = 9;
-/// Level from which on intervals with several jumps are not halved: they are a sixteenth of a pixel
+/// Level beyond which intervals with several jumps are not halved: they are a sixteenth of a pixel
 /// long.
 const UNRESOLVED: i32 = 6;
-/// Number of jumps between samples that make several.
+/// Least number of jumps between samples that counts as several.
 const SEVERAL: usize = 2;
-/// Level at which the samples all over the line of a patch as large as a leaf would be an eighth of
-/// its pixels.
+/// Level at which sampling the whole line of a patch as large as a leaf would take an eighth as
+/// many samples as the patch has pixels.
 const DEEPEST_IN_LEAF: i32 = 6;
 /// Number of samples of an interval, both ends included.
 pub(super) const SAMPLES: usize = 5;
-/// Share of the error that is called right which interpolation may make, and again the residual.
+/// Largest error of interpolation, and also that of the residual, as a share of the error with
+/// which an answer is still right.
 const SHARE: f64 = 0.2;
-/// Ratio of the distance that a bob must have kept from the top to the second differences of the
-/// samples' ends, for no start between them to have flipped there. The heights of a bob's turns bend
-/// less than the ends, which come later; only by bending could one reach the top and return between
-/// two samples.
+/// Least ratio of the distance that a bob has kept from the top to the second differences of the
+/// samples' ends at which no start between them can have flipped there. The heights of a bob's turns
+/// bend less than the ends, which come later; only by bending could one reach the top and return
+/// between two samples.
 const CLEAR: f64 = 4.0;
-/// Largest distance of neighbouring ends by which they still belong together.
+/// Largest distance between neighbouring ends that still belong together.
 const MOST_APART: f64 = 0.3;
 
 /// An interval of s, from `place` · 2^−`level` to (`place` + 1) · 2^−`level`, with starts in it.
@@ -51,7 +52,8 @@ pub(super) enum IntervalVerdict {
     Flips([f64; SAMPLES]),
     /// None flips.
     Unflipped,
-    /// Something happens in between; with the number of neighbours that do not belong together.
+    /// Something happens in between. The value is the number of neighbouring pairs that do not
+    /// belong together.
     Rough(usize),
 }
 
@@ -87,8 +89,8 @@ impl Interval {
         halves.into_iter().filter(|half| !half.starts.is_empty())
     }
 
-    /// Finds the outcomes of the starts in a smooth interval. Those whose residual may count have to
-    /// be integrated `alone`.
+    /// Finds the outcomes of the starts in a smooth interval. Starts whose residual may matter are
+    /// added to `alone`, to be integrated one by one.
     pub(super) fn settle(
         &self,
         verdict: &IntervalVerdict,

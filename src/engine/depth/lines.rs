@@ -19,10 +19,10 @@
 //!
 //! T(s) is sampled on dyadic intervals. An interval is *smooth* if a polynomial of degree 4 goes
 //! through its five samples and no bob came so near the top that a start between them could have
-//! flipped there. Others are halved, so that jumps are closed in on; starts in those that stay rough
-//! or are full of jumps, and starts whose residual could shift their flip, are integrated one by one
-//! as everywhere else. Before anything is told by a line, some starts off it are integrated too, and
-//! one that contradicts it sends all of the patch's starts off alone.
+//! flipped there. Others are halved, which narrows jumps down; starts in those that stay rough or
+//! are full of jumps, and starts whose residual could shift their flip, are integrated one by one as
+//! everywhere else. Before a line is used, some starts off it are integrated too; if one of them
+//! contradicts the line, all of the patch's starts are integrated one by one.
 //!
 //! Intervals, samples and all decisions belong to the patch, never to the request, so an answer
 //! depends on nothing but its place in the lattice. Jobs share the samples.
@@ -50,7 +50,7 @@ pub(super) enum Place {
     Check(CheckPlace),
 }
 
-/// The samples of lines that have been taken or asked for, of one question and configuration.
+/// The samples of lines that have been taken or requested, for one question and configuration.
 pub(super) struct LineSamples {
     question: Question,
     config: IntegratorConfig,
@@ -76,7 +76,7 @@ pub(super) struct Lines {
 pub(super) enum Need {
     /// Samples, by their places, with the pendulums that have to be integrated to their ends.
     Samples(Vec<((PartKey, Place), Moving)>),
-    /// Samples that other jobs have asked for.
+    /// Samples that other jobs have requested.
     Others,
     /// No more samples.
     Nothing,
@@ -101,12 +101,12 @@ impl LineSamples {
         self.question == *question && self.config == *config
     }
 
-    /// Forgets samples that were asked for and will not come.
+    /// Forgets samples that were requested and will not come.
     pub(super) fn cancel(&mut self) {
         self.asked.clear();
     }
 
-    /// Takes the results of samples that were asked for.
+    /// Takes the results of samples that were requested.
     pub(super) fn insert(&mut self, places: Vec<(PartKey, Place)>, results: &JobResult) {
         self.count += places.len();
         let samples = results.outcomes.iter().zip(&results.ends);
@@ -123,7 +123,7 @@ const MOST_SAMPLES: usize = 1 << 19;
 /// Largest number of questions and configurations whose samples are kept.
 const MOST_QUESTIONS: usize = 4;
 
-/// Returns the samples for a job's question and configuration, none of them if there are too many.
+/// Returns the samples for a job's question and configuration, emptied first if there are too many.
 pub(super) fn samples_of<'a>(all: &'a mut Vec<LineSamples>, job: &Job) -> &'a mut LineSamples {
     let known = all.iter().position(|samples| samples.are_of(&job.question, &job.config));
     let mut samples = match known {
@@ -214,8 +214,8 @@ impl Lines {
 }
 
 impl Line {
-    /// Confirms the line by the starts that check it, once these are known; sends all starts off
-    /// alone if they contradict it.
+    /// Confirms the line by the starts that check it, once these are known; if they contradict it,
+    /// all starts have to be integrated one by one.
     fn confirm(
         &mut self,
         check: &LineCheck,

@@ -19,12 +19,12 @@
 //! Where the polynomials leave out too much, or cannot tell what happens at the top, a cell is cut
 //! into parts that continue on their own (automatic domain splitting; Wittig et al., Celest. Mech.
 //! Dyn. Astr. 122, 2015; polynomial arithmetic on flows is Berz's differential algebra): into quarters
-//! at first, and into strips once one direction has grown far beyond the other
-//! ([`domain_splitting`]). The *finished patches* say which starts are forbidden, flip at a known time
-//! or stay unflipped, and in which states the others are, far enough apart by then that any number
-//! type can integrate them. By then most patches have one direction alone; a few samples along it tell
-//! most of their starts ([`lines`]). Samples, and the starts that these do not tell, go to the
-//! wrapped engine as pendulums in motion ([`takeoff`]), and all other jobs are passed on to it.
+//! at first, and into strips once one direction has grown far beyond the other ([`domain_splitting`]).
+//! The *finished patches* say which starts are forbidden, flip at a known time or stay unflipped, and
+//! in which states the others are, far enough apart by then that any number type can integrate them.
+//! By then the states of most patches differ in one direction only; a few samples along it answer most
+//! of their starts ([`lines`]). The samples, and the starts that they do not answer, go to the wrapped
+//! engine as pendulums in motion ([`takeoff`]); all other jobs are passed on to it.
 //!
 //! * An answer depends on its place in the lattice alone, not on jobs or other requests.
 //! * Anchors, finished patches and samples are kept for later jobs. Cells are followed on threads of
@@ -78,7 +78,7 @@ pub struct DepthEngine<'a> {
     following: usize,
     /// Samples of lines, for the questions and configurations met so far, the latest last.
     samples: Vec<LineSamples>,
-    /// True if samples of lines may tell starts.
+    /// True if samples of lines may answer starts.
     lines: bool,
     cancelled: Arc<AtomicBool>,
     told: Following,
@@ -89,7 +89,7 @@ pub struct DepthEngine<'a> {
 /// Identifier of the first takeoff, far above those of jobs that are passed on.
 const FIRST_TAKEOFF: u64 = 1 << 63;
 
-/// Longest wait for one source of answers before the other is looked at.
+/// Longest wait for one source of answers before the other is polled.
 const TURN: Duration = Duration::from_millis(2);
 
 impl<'a> DepthEngine<'a> {
@@ -148,8 +148,8 @@ impl<'a> DepthEngine<'a> {
         });
     }
 
-    /// Queues the next samples of a job's lines; once these tell all they can, the starts that are
-    /// left. Returns the job's result if all of it is known.
+    /// Queues the next samples of a job's lines or, once these have answered all they can, the
+    /// starts that are left. Returns the job's result if all of it is known.
     fn go_on(&mut self, mut awaited: Awaited) -> Option<JobResult> {
         if let Some(mut lines) = awaited.lines.take() {
             match lines.ask(samples_of(&mut self.samples, &awaited.job)) {
@@ -215,8 +215,8 @@ impl<'a> DepthEngine<'a> {
         self.landed()
     }
 
-    /// Goes on with the jobs that have no takeoffs out, one that has completed its own or that waits
-    /// for samples of others; returns the results of those that are complete.
+    /// Continues the jobs that have no takeoffs in flight, because theirs are complete or because
+    /// they wait for samples of other jobs; returns the results of those that are complete.
     fn landed(&mut self) -> Vec<JobResult> {
         let is_ready = |awaited: &Awaited| awaited.takeoffs == 0;
         let mut ready: Vec<u64> = Vec::new();

@@ -34,7 +34,7 @@ impl<'a> SplitLanes<'a> {
         SplitLanes { splitting, wanted, waiting, lanes: Vec::new(), all: Distribution::default() }
     }
 
-    /// Follows all branches to their ends; some, if cancelled.
+    /// Follows all branches to their ends, or only some if cancelled.
     pub(super) fn run(mut self) -> Distribution {
         loop {
             self.fill();

@@ -19,7 +19,7 @@ pub struct DepthStats {
     pub cell_secs: f64,
     /// Number of samples of lines that were integrated.
     pub line_samples: u64,
-    /// Number of starts whose answer was told by their neighbours on a line. About the others that
+    /// Number of starts that were answered from their neighbours on a line. For all others that
     /// were not integrated, everything was known from polynomials.
     pub told_by_lines: u64,
     /// Times at which the first and the last of these integrations began, in s.
@@ -63,9 +63,9 @@ impl DepthStats {
         }
     }
 
-    /// The horizon, in s: the time up to which answers can be trusted. Roundings grow from the
-    /// beginning of the last integration on, and reach a thousandth of a radian there; infinite
-    /// where nothing grows.
+    /// The horizon, in s: the time up to which answers can be trusted. It is where rounding errors,
+    /// which grow from the beginning of the last integration on, reach a thousandth of a radian;
+    /// infinite where nothing grows.
     pub fn horizon_secs(&self, precision: Precision) -> f64 {
         if self.decades_a_second <= 0.0 {
             return f64::INFINITY;

@@ -32,8 +32,8 @@ impl Takeoff {
     }
 }
 
-/// Groups pendulums by the time at which they set out, with the last time at which any of a group can,
-/// so that what becomes of each follows from its own time alone.
+/// Groups pendulums by the time at which they set out. Each group comes with the last time at which
+/// any of it can set out, so that every pendulum's answer depends on its own time alone.
 pub(super) fn by_time<T>(all: Vec<(T, Moving)>) -> impl Iterator<Item = (f64, Vec<(T, Moving)>)> {
     let mut groups: BTreeMap<i64, Vec<(T, Moving)>> = BTreeMap::new();
     for one in all {

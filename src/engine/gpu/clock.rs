@@ -37,7 +37,7 @@ fn kind_of(design: &Design) -> Design {
 }
 
 impl StepClock {
-    /// Takes note of the seconds that a step of `running` pendulums took.
+    /// Records the seconds that a step of `running` pendulums took.
     pub(super) fn note(&mut self, design: &Design, running: u32, secs_per_step: f64) {
         let (kind, running) = (kind_of(design), running.max(1));
         let same = |speed: &Speed| speed.kind == kind && speed.running.ilog2() == running.ilog2();

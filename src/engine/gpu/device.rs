@@ -42,7 +42,7 @@ fn rank(info: &wgpu::AdapterInfo) -> [u8; 2] {
 }
 
 /// Returns true if two adapters are one device, seen through two back-ends. Not every back-end
-/// tells where on the bus a device is.
+/// reports where on the bus a device is.
 pub fn is_one_device(one: &wgpu::AdapterInfo, other: &wgpu::AdapterInfo) -> bool {
     let [one_bus, other_bus] = [one, other].map(|info| info.device_pci_bus_id.as_str());
     one.backend != other.backend
@@ -151,8 +151,8 @@ impl Gpu {
         }
     }
 
-    /// Returns true if the device has f64 at all; the self-check decides whether it computes
-    /// rightly.
+    /// Returns true if the device has f64 at all; the self-check decides whether its f64 arithmetic
+    /// is right.
     pub fn has_f64(&self) -> bool {
         self.device.features().contains(wgpu::Features::SHADER_F64)
     }

@@ -126,7 +126,7 @@ impl GpuEngine {
         Ok(())
     }
 
-    /// Takes more checks into account, which can only cost trust.
+    /// Takes more checks into account, which can only reduce trust.
     fn judge_by(&mut self, checks: Vec<Check>) {
         let before = std::mem::take(&mut self.verdict);
         let pairs = before.pairs;
@@ -183,7 +183,7 @@ impl GpuEngine {
         self.gpu.check()
     }
 
-    /// Submits as many steps of a slot as keep the pace.
+    /// Submits as many steps of a slot as the pace allows.
     fn submit_slices(&self, slot: &mut Slot) {
         let kernel = &self.kernels[slot.kernel];
         let typical = slot.pace.typical_steps();

@@ -1,8 +1,8 @@
 //! The ways in which pairs of f32 keep the errors of their roundings from the optimiser.
 //!
-//! Compilers of shaders reorder sums, so that the error of a rounded sum comes out as zero. What
-//! stops them is an operand that only the host knows. Which way is right is a property of the
-//! adapter, which the self-check finds out; `shaders/df32.wgsl` has all of them.
+//! Compilers of shaders reorder sums, so that the error of a rounded sum comes out as zero. An
+//! operand that only the host knows stops them. Which way works depends on the adapter, and the
+//! self-check finds it; `shaders/df32.wgsl` has all of them.
 
 /// A way in which pairs of f32 are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,8 +10,8 @@ pub enum Pairs {
     /// Sums are fused multiply-adds with a 1 from a buffer, and the error of a product is one
     /// fused multiply-add.
     Fused,
-    /// Sums as in [`Pairs::Fused`]; products split their factors, where multiply-adds are not
-    /// fused.
+    /// Sums as in [`Pairs::Fused`], and products that split their factors, for adapters whose
+    /// multiply-adds are not fused.
     Fenced,
     /// Every rounding passes through an exclusive or with a 0 from a buffer.
     #[default]

@@ -22,9 +22,9 @@
 //! * The rare, long search for a flip is a kernel of its own, as in wavefront path tracing (Laine,
 //!   Karras and Aila, *Megakernels considered harmful*, 2013), so the step loop needs no registers
 //!   for it.
-//! * The dispatch size is written on the device (indirect dispatch), so several slices can be
-//!   submitted at once, and the host only learns when to stop. Its reads are asynchronous; outcomes, and states if they are kept, come once, at the
-//!   end.
+//! * The dispatch size is written on the device (indirect dispatch), so several slices can be submitted
+//!   at once, and the host only learns when to stop. Its reads are asynchronous; outcomes, and states if
+//!   they are kept, are read once, at the end.
 //! * The job is kept whole: if the device is lost, it starts again on a fresh one.
 
 mod answer;
@@ -56,7 +56,8 @@ pub(super) struct Slot {
     pub kernel: usize,
     /// The steps over the budget.
     pub pace: Pace,
-    /// Indices in an [`crate::engine::IntegratorState`] of each number of the device's state and of its remainder.
+    /// Indices in a [`crate::engine::IntegratorState`] of each number of the device's state and of its
+    /// remainder.
     places: Vec<[Option<usize>; 2]>,
     lane_steps: u64,
     head: JobHead,
@@ -80,7 +81,7 @@ struct Submission {
 pub(super) struct FinishedSlices {
     /// Moment of their submission.
     pub since: Instant,
-    /// Seconds that they took by the device's clock, if it tells.
+    /// Seconds that they took by the device's clock, if it measures them.
     pub device_secs: Option<f64>,
     /// Number of slices.
     pub count: u32,
@@ -197,8 +198,8 @@ impl Slot {
         u64::from(self.head.count) * outcome_size(&self.job)
     }
 
-    /// Submits slices, or with none the request for the answer, and asks for the first `bytes` of
-    /// what they leave.
+    /// Submits slices or, if there are none, the request for the answer, and requests the first
+    /// `bytes` of the result.
     fn fly(&mut self, gpu: &Gpu, encoder: wgpu::CommandEncoder, slices: u32, bytes: u64) {
         let submission = gpu.queue.submit([encoder.finish()]);
         let mapped = Arc::new(AtomicU8::new(PENDING));

@@ -9,10 +9,10 @@
 //! down to the rarest cases that could be counted. Runs with errors of their own multiply their
 //! chances, and an answer is sure when the product is below [`MOST_CHANCE`].
 //!
-//! The tolerance is not only that of the flip's time. Errors in the state must also be far below
-//! the height by which any earlier turn missed the top, and below the height by which the flip
-//! itself cleared it: then no run can have taken a miss for a crossing. For a pendulum that does
-//! not flip, only the missed turns count.
+//! The tolerance applies to more than the time of the flip. Errors in the state must also be far
+//! below the height by which any earlier turn missed the top, and below the height by which the
+//! flip itself cleared it: then no run can have taken a miss for a crossing. For a pendulum that
+//! does not flip, only the missed turns count.
 //!
 //! At least one of the runs that agree must use another method with another test for crossings, and
 //! where a run is far off, growth as the others show it must explain that.
@@ -85,7 +85,7 @@ impl Judge {
         (finest.1.1, self.is_sure(finest, others))
     }
 
-    /// Returns true if `finest` is sure by what the `others` are, each with its error scale.
+    /// Returns true if the `others`, each with its error scale, make `finest` sure.
     fn is_sure(&self, finest: &Scaled, others: &[Scaled]) -> bool {
         let (finest_scale, (run, answer)) = finest;
         match answer.outcome.status {

@@ -59,8 +59,8 @@ impl Run {
         other_way && self.config.method.name() != other.config.method.name()
     }
 
-    /// Error scale in rad of an answer of this run with this end; `leaf_half_rad` is half the side
-    /// of the leaves of start maps.
+    /// Error scale in rad of this run's answer that ended in `end`; `leaf_half_rad` is half the
+    /// side of the leaves of start maps.
     pub(super) fn error_scale(&self, end: &End, leaf_half_rad: f64) -> f64 {
         let nudge = self.nudge[0].hypot(self.nudge[1]);
         match self.from {
@@ -135,8 +135,8 @@ const LAST: IntegratorConfig = dd_run(Method::Taylor { tolerance: 1e-28 });
 const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 });
 
 /// The rungs to climb, one after the other, as long as a start is not sure; `leaf_half_rad` is half
-/// the side of the leaves of deep starts. The first rung begins with its finest run. Runs that do
-/// not return what is to be kept are left out.
+/// the side of the leaves of deep starts. The first rung begins with its finest run. Runs that
+/// cannot return what is to be kept are left out.
 pub(super) fn rungs(
     config: &IntegratorConfig,
     keep: Keep,
@@ -153,8 +153,8 @@ pub(super) fn rungs(
     rungs
 }
 
-/// Returns true if a run returns such ends, and not in a scalar loop that takes a hundred times as
-/// long as the others.
+/// Returns true if a run can return such ends without a scalar loop, which takes a hundred times as
+/// long as the other runs.
 fn can_keep(ends: Ends, config: &IntegratorConfig) -> bool {
     let is_scalar = ends.are_carried() && matches!(config.method, Method::Taylor { .. });
     !is_scalar && ends.check(config).is_ok()

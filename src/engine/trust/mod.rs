@@ -23,7 +23,7 @@
 //! wrong if its flip time is off by more than is allowed, or if its run may have taken a near miss
 //! of the top for a crossing. This is a statistical argument, not an enclosure.
 //!
-//! Nine in ten starts of the home map leave after the first rung. [`TrustEngine`] wraps another
+//! Nine in ten starts of the home map are sure after the first rung. [`TrustEngine`] wraps another
 //! engine and adds a [`Trust`] to each of its answers. Deep starts climb a ladder of their own, and
 //! some are integrated directly ([`Opinion`]); unchecked pictures have an [`Outlook`].
 
@@ -94,7 +94,7 @@ pub struct TrustEngine<'a> {
     distrusts: bool,
 }
 
-/// Longest wait for one engine before the other is looked at.
+/// Longest wait for one engine before the other is polled.
 const TURN: Duration = Duration::from_millis(2);
 
 impl<'a> TrustEngine<'a> {

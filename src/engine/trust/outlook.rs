@@ -1,9 +1,9 @@
 //! The outlook on unchecked answers: the share of a sample of starts whose errors grow beyond what
-//! is right.
+//! still counts as right.
 //!
 //! Every start is computed twice, the second time from a place moved by many times the error scale
-//! of the configuration. The distance by which that moves its answer is its growth, and so its
-//! error.
+//! of the configuration. The distance by which this moves the answer measures the growth of its
+//! errors, and hence its error.
 
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};

@@ -1,8 +1,8 @@
 //! Patches on their way: each is followed step by step, several at a time in SIMD lanes.
 //!
-//! What a step costs is the carrying of its polynomials; that is done for [`JET_LANES`] patches at
-//! once. All else, the lengths of steps and the events at the top, is decided for each patch alone,
-//! so that a patch's path does not depend on those beside it.
+//! Nearly all the cost of a step is in carrying its polynomials, so that is done for [`JET_LANES`]
+//! patches at once. Everything else, such as the lengths of steps and the events at the top, is
+//! decided for each patch alone, so that a patch's path does not depend on those beside it.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -40,7 +40,7 @@ impl Follower {
         Follower { clear: patch.clone(), patch, pass_began: None, budget, tolerance }
     }
 
-    /// Plans the next step, or returns the end of the way.
+    /// Plans the next step, or returns the reason why the patch ends here.
     pub fn plan(
         &mut self,
         dynamics: &Dynamics,
@@ -61,14 +61,14 @@ impl Follower {
         Ok(self.patch.plan_step(dynamics, reference))
     }
 
-    /// Goes back to where the patch can end.
+    /// Goes back to the latest patch that may be the end.
     fn stopped(&mut self, end: PatchEnd) -> PatchEnd {
         self.patch.clone_from(&self.clear);
         end
     }
 
-    /// Takes a step to the states `after`, or a part of it later on; returns the end of the way if
-    /// the step leads there.
+    /// Takes a step to the states `after`, or a part of it later on; returns the reason for the
+    /// patch's end if the step ends it.
     pub fn take(
         &mut self,
         dynamics: &Dynamics,

@@ -79,7 +79,7 @@ pub enum PatchEnd {
     Unclear,
     /// All starts that had not yet flipped do so in one crossing.
     Passed(Box<PatchCrossing>),
-    /// All of the patch has flipped in grazes.
+    /// The whole patch has flipped in grazes.
     Grazed,
     /// The budget has been reached.
     Over,
@@ -161,7 +161,8 @@ fn middle(phase: &Phase<Jet>) -> Phase<f64> {
 }
 
 impl FlowPatch {
-    /// A cell released from rest, `half` rad around the angles of `sin_cos` (as precise as can be).
+    /// A cell released from rest, `half` rad around the angles whose sines and cosines are
+    /// `sin_cos` (to full precision).
     pub fn release(sin_cos: [(f64, f64); 2], half: f64) -> Self {
         let [(y1, x1), (y2, x2)] =
             [0, 1].map(|axis| Jet::sin_cos_around(sin_cos[axis], Jet::coordinate(axis, half)));
@@ -169,8 +170,8 @@ impl FlowPatch {
         FlowPatch::begun([x1, y1, x2, y2, zero, zero])
     }
 
-    /// A cell of starts thrown with speeds, around the state `middle` (as precise as can be); `by`
-    /// are the differences of the others from it in both angles (rad) and both reduced speeds.
+    /// A cell of starts thrown with speeds, around the state `middle` (to full precision); `by` are
+    /// the differences of the other starts from it in both angles (rad) and both reduced speeds.
     pub fn thrown(dynamics: &Dynamics, middle: &Phase<f64>, by: [Jet; 4]) -> Self {
         let [x1, y1, x2, y2, p1, p2] = *middle;
         let [by1, by2, faster1, faster2] = by;
@@ -181,7 +182,7 @@ impl FlowPatch {
         let Pendulum { a, b, c, .. } = dynamics.jets;
         let coupling = c * (x1 * x2 + y1 * y2);
         let momenta = [a * w1 + coupling * w2, coupling * w1 + b * w2];
-        // The middle's are known to more digits than its speeds give.
+        // The middle's momenta are known to more digits than its speeds give.
         FlowPatch::begun([x1, y1, x2, y2, momenta[0].with_middle(p1), momenta[1].with_middle(p2)])
     }
 
@@ -240,7 +241,7 @@ impl FlowPatch {
         FlowPatch { phase, turns, grazes, nudges, steps: 0, ..*self }
     }
 
-    /// Whole turns of each bob since the release of the start that is in a state now.
+    /// Whole turns of each bob, since its release, of the start that is now in the state `phase`.
     pub fn turns_at(&self, phase: &Phase<f64>) -> [i32; 2] {
         let since = turns_between(&middle(&self.phase), phase);
         [0, 1].map(|bob| self.turns[bob] + since[bob])
@@ -267,8 +268,8 @@ impl FlowPatch {
         is_described && dynamics.tail(&self.phase) <= tolerance
     }
 
-    /// Follows the flow until the patch ends, at most to `budget`, as long as its polynomials leave
-    /// out no more than `tolerance`; along a reference if there is one.
+    /// Follows the flow, along a reference if there is one, until the patch ends: at the latest at
+    /// `budget`, and only as long as its polynomials leave out no more than `tolerance`.
     pub fn follow(
         &mut self,
         dynamics: &Dynamics,

@@ -1,10 +1,10 @@
 //! The growth of nudges in a patch: the tangent map of its middle, and from that those of its other
 //! starts.
 //!
-//! The polynomials know how two nudges grow, those within the plane of the patch; a tangent map is
-//! made of four. It is followed along the middle, where it costs little beside the polynomials. Of a
-//! patch that has come far, all nudges but those across one direction have grown into the same one,
-//! and how that differs from start to start the polynomials tell.
+//! The polynomials give the growth of two nudges, those within the plane of the patch; a tangent map
+//! consists of four. It is followed along the middle, where it costs little beside the polynomials.
+//! Late in a patch's motion, all nudges except those across one direction have grown into the same
+//! one, and the polynomials give its differences from start to start.
 
 use super::{Dynamics, FlowPatch, middle};
 use crate::physics::phase::Phase;

@@ -15,7 +15,7 @@ pub struct AnswerColours {
     ground: Ground,
 }
 
-/// Number of passes in each natural unit of time from which on colours stay the same.
+/// Number of passes in each natural unit of time beyond which colours stay the same.
 const MOST_A_UNIT: f64 = 0.4;
 
 /// The way in which the channels become a colour.
@@ -160,7 +160,7 @@ fn palette_or(picture: &PictureTable, other: &str) -> Result<Palette, SceneError
 
 /// The colour of two angles: θ1 goes once round the hues, and θ2 round a circle of lightness and
 /// chroma, so that every pair has a colour of its own, with no seam at ±π. In Oklab (Ottosson, *A
-/// perceptual color space for image processing*, 2020). Lightness alone tells |θ2|, whatever
+/// perceptual color space for image processing*, 2020). Lightness alone shows |θ2|, whatever
 /// colours an eye can see.
 pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Tint {
     let (sin2, cos2) = theta2.sin_cos();

@@ -60,7 +60,7 @@ const MOST_SEAM: u8 = 6;
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
 
 impl Palette {
-    /// Each palette's own words about itself: its name, where it is from, and its licence.
+    /// A line about each palette: its name, its source and its licence.
     pub fn notes() -> impl Iterator<Item = String> {
         FILES.iter().map(|(_, text)| {
             let lines = text.lines().map_while(|line| line.strip_prefix("# "));
@@ -122,10 +122,10 @@ impl Palette {
         FILES.iter().map(|(name, _)| *name)
     }
 
-    /// The colour at `position` in [0, 1], from early to late, mixed of the two nearest entries.
+    /// The colour at `position` in [0, 1], from early to late, mixed from the two nearest entries.
     pub fn tint(&self, position: f64) -> Tint {
         let last = self.table.len() - 1;
-        // What is no number has the first colour.
+        // A NaN has the first colour.
         let place = if position > 0.0 { position.min(1.0) * last as f64 } else { 0.0 };
         let first = (place as usize).min(last - 1);
         let share = (place - first as f64) as f32;

@@ -18,8 +18,8 @@ impl Relief {
     /// Slope of a plane that rises from the first height to the last across the picture. Sets how
     /// steep everything looks.
     pub const STEEPNESS: f32 = 0.6;
-    /// Difference of heights between neighbouring samples from which on a place is an edge, and is not
-    /// lit: times differ for no reason there. Light fades towards it.
+    /// Difference of heights between neighbouring samples beyond which a place is an edge and is not
+    /// lit, because times there do not form a slope. Light fades towards it.
     pub const EDGE: f32 = 0.05;
 
     /// The light of a picture; none if it is flat.

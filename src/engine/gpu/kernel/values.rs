@@ -79,7 +79,7 @@ impl PairValues {
     }
 }
 
-/// Values of kernels whose pendulums take numbers along.
+/// Values of kernels whose pendulums carry additional numbers along.
 #[derive(Serialize)]
 pub(super) struct CarriedValues {
     pub(super) slopes: &'static [&'static str],

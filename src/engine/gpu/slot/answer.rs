@@ -165,8 +165,8 @@ impl Slot {
     }
 }
 
-/// The statuses of pendulums that have all ended; an error if a device gave some of them back as
-/// they were, or with flips at no moment.
+/// The statuses of pendulums that have all ended; an error if a device returned some of them
+/// unchanged, or with flips that have no time.
 fn statuses(raw: &[RawOutcome]) -> Result<Vec<Status>, EngineError> {
     let status = |raw: &RawOutcome| {
         let is_sound = |status: &Status| {

@@ -73,7 +73,7 @@ impl BufferPool {
             return Ok(self.free.remove(place).1);
         }
         gpu.buffer(label, size, usage).or_else(|_| {
-            // What waits here may be what there is no room for.
+            // The free buffers may be what takes the missing memory.
             self.free.clear();
             gpu.buffer(label, bytes, usage)
         })
