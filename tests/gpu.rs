@@ -10,17 +10,17 @@ use std::time::{Duration, Instant};
 use common::*;
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting, choose};
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::gpu::GpuEngine;
 use flipmap::engine::gpu::device::Gpu;
 use flipmap::engine::gpu::pairs::Pairs;
+use flipmap::engine::gpu::{GpuEngine, MOST_KERNELS};
 use flipmap::engine::level::FAST_TO_COMPILE;
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
     Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, JobResult, Keep,
     Method, Precision, Question, Starts, Wait,
 };
-use flipmap::physics::Rule;
-use flipmap::scene::Scene;
+use flipmap::physics::{Decimal, Rule};
+use flipmap::scene::{Build, Scene};
 
 /// The `lesson` configurations in both precisions, and those of `fast` and `balanced`.
 fn configs() -> Vec<IntegratorConfig> {
@@ -37,6 +37,8 @@ needs_adapter! {
     an_engine_on_its_own_thread_gives_the_same_answers_and_tells_what_it_did
     orbits_are_checked_once_before_the_first_job_of_a_method_and_precision
     a_general_kernel_is_as_right_as_one_made_for_the_scene
+    a_picture_is_computed_by_the_kernel_that_it_was_begun_with
+    a_slider_in_motion_compiles_nothing_and_kernels_are_bounded
     two_f32_are_nearly_as_right_as_f64
     a_lost_device_is_replaced_and_its_jobs_done_again
     the_selfcheck_passes_here_and_its_answers_are_judged
@@ -222,6 +224,60 @@ mod checks {
                 assert!((right[0] - right[1]).abs() < 0.01, "{rule} {config:?}: {right:?}");
             }
         }
+    }
+
+    /// The question at one of the positions of a slider of masses.
+    fn slid(step: u32) -> Question {
+        let masses = [1.0, 1.5 + 0.01 * f64::from(step)].map(Decimal::from);
+        let build = Build { masses, ..Build::default() };
+        question(&Scene { build, ..Scene::default() })
+    }
+
+    pub(crate) fn a_picture_is_computed_by_the_kernel_that_it_was_begun_with() {
+        let (question, starts) = (slid(0), open_starts(&Scene::default(), 64, 1));
+        let config = lesson(Precision::F32);
+        let [own, general] = [true, false].map(|specialised| {
+            let mut engine = gpu_engine();
+            engine.set_specialised(specialised);
+            answers(&mut engine, &question, config, &starts)
+        });
+        assert_ne!(own, general, "this test would see no switch");
+        let mut engine = gpu_engine();
+        engine.tune(GpuTuning { at_once: true, ..GpuTuning::default() });
+        assert_eq!(answers(&mut engine, &question, config, &starts), general);
+        let rest = Starts::Rest(starts.clone());
+        let job = Job { id: 0, question, config, starts: rest, keep: Keep::NOTHING };
+        let begun = Instant::now();
+        while !engine.has_own_kernel(&job).unwrap() {
+            assert!(begun.elapsed() < Duration::from_secs(120), "it is never compiled");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        assert_eq!(answers(&mut engine, &question, config, &starts), general, "the same picture");
+        engine.begin_picture();
+        assert_eq!(answers(&mut engine, &question, config, &starts), own, "the next picture");
+    }
+
+    pub(crate) fn a_slider_in_motion_compiles_nothing_and_kernels_are_bounded() {
+        let (config, starts) = (lesson(Precision::F32), open_starts(&Scene::default(), 4, 1));
+        let mut engine = gpu_engine();
+        engine.tune(GpuTuning { at_once: true, ..GpuTuning::default() });
+        answers(&mut engine, &slid(0), config, &starts);
+        // The kernel of the orbits, the general one, and perhaps one at which the machine stalled.
+        let before = engine.kernel_count();
+        for step in 1..40 {
+            engine.begin_picture();
+            answers(&mut engine, &slid(step), config, &starts);
+        }
+        let after = engine.kernel_count();
+        assert!(after <= before + 2, "{after} kernels after {before}");
+        // Without a general kernel every scene has its own, and the oldest give way.
+        engine.tune(GpuTuning::default());
+        let first = answers(&mut engine, &slid(1), config, &starts);
+        for step in 2..MOST_KERNELS as u32 + 4 {
+            answers(&mut engine, &slid(step), config, &starts);
+        }
+        assert_eq!(engine.kernel_count(), MOST_KERNELS);
+        assert_eq!(answers(&mut engine, &slid(1), config, &starts), first);
     }
 
     pub(crate) fn two_f32_are_nearly_as_right_as_f64() {

@@ -319,7 +319,7 @@ fn open(
     tell: &dyn Fn(&str),
 ) -> Result<Chosen, choice::ChoiceError> {
     step_back();
-    let tuning = GpuTuning { pace: PACE, ..request.tuning };
+    let tuning = GpuTuning { pace: PACE, at_once: true, ..request.tuning };
     // The whole engine gets a thread of its own here.
     let request = EngineRequest { tuning, own_thread: false, ..request.clone() };
     let Chosen { engine, config, why, following } = choice::choose(&request, tell)?;

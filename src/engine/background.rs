@@ -24,6 +24,7 @@ enum Order {
     Submit(Box<Job>),
     /// Drops all jobs; answers to these carry an older number.
     Cancel(u64),
+    BeginPicture,
 }
 
 /// A message from the thread to the caller, with the number of the last cancellation it has seen.
@@ -155,6 +156,10 @@ fn serve(engine: &mut dyn Engine, served: &Served, wake: &dyn Fn()) {
                 (number, in_flight) = (latest, 0);
                 Ok(Vec::new())
             }
+            Ok(Order::BeginPicture) => {
+                engine.begin_picture();
+                Ok(Vec::new())
+            }
             Err(TryRecvError::Empty) => engine.poll(Wait::Until(Instant::now() + TURN)),
             Err(TryRecvError::Disconnected) => return,
         };
@@ -270,6 +275,11 @@ impl Engine for Background {
         let _ = self.orders.send(Order::Cancel(self.cancellations));
     }
 
+    fn begin_picture(&mut self) {
+        // As with a cancellation, the next job reports an engine that is gone.
+        let _ = self.orders.send(Order::BeginPicture);
+    }
+
     fn slots(&self) -> usize {
         self.slots
     }
@@ -358,6 +368,19 @@ mod tests {
             ids.extend(engine.poll(Wait::UntilFinished).unwrap().iter().map(|f| f.id));
         }
         assert_eq!(ids, [7]);
+    }
+
+    #[test]
+    fn jobs_of_another_picture_come_after_its_beginning() {
+        let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+        let (told, events) = channel();
+        let engine = MockEngine { told: Some(told), ..MockEngine::default() };
+        let mut engine = on_its_own_thread(engine, config, "a test", |_| true).unwrap();
+        engine.submit(job(1)).unwrap();
+        engine.begin_picture();
+        engine.submit(job(2)).unwrap();
+        drop(engine);
+        assert_eq!(events.iter().collect::<Vec<_>>(), ["job 1", "picture", "job 2"]);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! answer to a start is a formula in its angles, and jobs finish only when polled.
 
 use std::collections::VecDeque;
+use std::sync::mpsc::Sender;
 
 use super::{
     Effort, End, Ends, Engine, EngineError, EngineKind, IntegratorState, Job, JobResult, Leaf,
@@ -27,6 +28,8 @@ pub struct MockEngine {
     pub most_in_flight: usize,
     /// Jobs in flight.
     pub queue: VecDeque<Job>,
+    /// Listener to the jobs and the beginnings of pictures, in their order.
+    pub told: Option<Sender<String>>,
 }
 
 impl Default for MockEngine {
@@ -39,6 +42,7 @@ impl Default for MockEngine {
             answered: 0,
             most_in_flight: 0,
             queue: VecDeque::new(),
+            told: None,
         }
     }
 }
@@ -62,6 +66,11 @@ impl MockEngine {
         } else {
             Outcome::without_time(Status::Unflipped)
         }
+    }
+
+    fn tell(&self, what: String) {
+        // A test may have stopped listening.
+        let _ = self.told.as_ref().map(|told| told.send(what));
     }
 
     /// The state of a start that did not flip within the question's budget.
@@ -106,6 +115,7 @@ impl Engine for MockEngine {
             return Err(EngineError::OutOfMemory { mib: 1 });
         }
         self.submitted += 1;
+        self.tell(format!("job {}", job.id));
         self.queue.push_back(job);
         self.most_in_flight = self.most_in_flight.max(self.queue.len());
         Ok(())
@@ -137,6 +147,10 @@ impl Engine for MockEngine {
         let ended = outcomes.iter().filter(|_| keep.ends == Ends::Plain);
         let ends: Vec<End> = ended.map(end).collect();
         Ok(vec![JobResult { id, outcomes, unfinished, ends, effort, ..JobResult::default() }])
+    }
+
+    fn begin_picture(&mut self) {
+        self.tell("picture".to_string());
     }
 
     fn cancel(&mut self) {

@@ -265,6 +265,9 @@ pub trait Engine {
     fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError>;
     /// Drops all jobs in flight; their answers will not arrive.
     fn cancel(&mut self);
+    /// Begins another picture, which may be computed by a faster kernel with other roundings than the
+    /// one before.
+    fn begin_picture(&mut self) {}
     /// Number of jobs in flight that keep the engine busy.
     fn slots(&self) -> usize;
     /// Number of starts in a job of good size.
@@ -293,6 +296,10 @@ impl<E: Engine + ?Sized> Engine for &mut E {
 
     fn cancel(&mut self) {
         (**self).cancel();
+    }
+
+    fn begin_picture(&mut self) {
+        (**self).begin_picture();
     }
 
     fn slots(&self) -> usize {

@@ -87,6 +87,8 @@ pub struct Explorer {
     in_flight: InFlightJobs<Batch>,
     /// True if at most half of the jobs in flight are of use to the target.
     stale: bool,
+    /// True if the target is of another view, of which no job has been submitted yet.
+    begins: bool,
     counts: Counts,
     depth: Option<DepthStats>,
 }
@@ -104,6 +106,7 @@ impl Explorer {
             refinement: Refinement::default(),
             in_flight: InFlightJobs::default(),
             stale: false,
+            begins: false,
             counts: Counts::default(),
             depth: None,
         }
@@ -125,6 +128,7 @@ impl Explorer {
         self.before = self.before.filter(|&before| ask(before) == ask(key));
         self.key = key;
         let begun = if is_same_view { self.refinement.begun } else { 0 };
+        self.begins |= !is_same_view;
         self.target = Some(target.clone());
         // Finer samples take at most half of the room: views seen before are worth as much.
         let channels = target.physics.question.ask.kind().channels.len();
@@ -214,6 +218,9 @@ impl Explorer {
         if std::mem::take(&mut self.stale) {
             self.in_flight.cancel(engine);
             self.plan();
+        }
+        if std::mem::take(&mut self.begins) {
+            engine.begin_picture();
         }
         let mut news = false;
         loop {

@@ -4,6 +4,7 @@
 use std::collections::HashSet;
 
 use flipmap::engine::Keep;
+use flipmap::engine::mock::MockEngine;
 use flipmap::physics::{Outcome, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
@@ -35,6 +36,27 @@ fn a_view_seen_before_is_not_computed_again() {
         explorer.work(&mut engine, None).unwrap();
     }
     assert_eq!((explorer.counts().simulated, engine.jobs.len()), (simulated, jobs));
+}
+
+#[test]
+fn another_view_begins_another_picture_and_a_moving_pointer_does_not() {
+    let (told, events) = std::sync::mpsc::channel();
+    let mut engine = MockEngine { told: Some(told), ..MockEngine::default() };
+    let mut explorer = Explorer::new(ROOMY);
+    let mut pictures = |target: &ViewTarget| {
+        explorer.target(target);
+        explorer.work(&mut engine, None).unwrap();
+        let events: Vec<String> = events.try_iter().collect();
+        let begins = events.iter().position(|event| event == "picture");
+        assert!(begins.is_none_or(|place| place == 0), "before its first job: {events:?}");
+        events.iter().filter(|event| *event == "picture").count()
+    };
+    let view = lively(5);
+    assert_eq!(pictures(&view), 1);
+    let pointed = ViewTarget { pointer: Some([0.01, 0.0]), refinements: 2, ..view.clone() };
+    assert_eq!(pictures(&pointed), 0);
+    assert_eq!(pictures(&ViewTarget { physics: physics(3.71), ..view.clone() }), 1);
+    assert_eq!(pictures(&ViewTarget { budget_secs: 60.0, ..view }), 1);
 }
 
 /// Number of unflipped samples in the known cells of the view and the ring around it, at the

@@ -284,6 +284,10 @@ impl Engine for DepthEngine<'_> {
         }
     }
 
+    fn begin_picture(&mut self) {
+        self.inner.begin_picture();
+    }
+
     fn cancel(&mut self) {
         self.cancelled.store(true, Ordering::Relaxed);
         self.cancelled = Arc::default();

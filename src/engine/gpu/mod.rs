@@ -9,6 +9,7 @@
 mod clock;
 pub mod device;
 pub mod kernel;
+mod kernels;
 mod maths;
 pub mod pairs;
 pub mod pipeline;
@@ -18,11 +19,14 @@ mod tuning;
 
 use crate::engine::EngineKind;
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use self::clock::StepClock;
 use self::device::Gpu;
 use self::kernel::Design;
+pub use self::kernels::MOST_KERNELS;
+use self::kernels::{Haste, Kernels};
 use self::pipeline::Kernel;
 use self::slot::{BufferPool, FinishedSlices, Slot, SlotEvent};
 pub use self::stats::GpuStats;
@@ -41,8 +45,10 @@ pub struct GpuEngine {
     verdict: Verdict,
     /// Methods and precisions whose orbits have been checked.
     checked: Vec<(&'static str, Precision)>,
+    /// Methods and precisions whose general kernels have been checked, and whether they passed.
+    generals: Vec<(&'static str, Precision, bool)>,
     tuning: GpuTuning,
-    kernels: Vec<Kernel>,
+    kernels: Kernels,
     slots: VecDeque<Slot>,
     pool: BufferPool,
     clock: StepClock,
@@ -58,8 +64,9 @@ impl GpuEngine {
             gpu,
             verdict,
             checked: Vec::new(),
+            generals: Vec::new(),
             tuning: GpuTuning::default(),
-            kernels: Vec::new(),
+            kernels: Kernels::default(),
             slots: VecDeque::new(),
             pool: BufferPool::default(),
             clock: StepClock::default(),
@@ -69,7 +76,7 @@ impl GpuEngine {
         }
     }
 
-    /// Changes settings that change no answer. Kernels are compiled again where they have to be.
+    /// Changes settings of speed. Kernels are compiled again where they have to be.
     pub fn tune(&mut self, tuning: GpuTuning) {
         if tuning.workgroup != self.tuning.workgroup && self.slots.is_empty() {
             self.kernels.clear();
@@ -111,19 +118,48 @@ impl GpuEngine {
             return Ok(());
         }
         self.checked.push(checked);
-        // Jobs in flight wait meanwhile.
+        let tuning = GpuTuning { at_once: false, ..self.tuning };
+        let checks = self.orbits(config, tuning);
+        if checks.is_err() {
+            self.checked.pop();
+        }
+        self.judge_by(checks?);
+        if let (true, Ok(general)) = (self.tuning.at_once, self.general(config)) {
+            self.kernels.wish(&self.gpu, general, self.tuning.workgroup, Haste::Now);
+        }
+        Ok(())
+    }
+
+    /// Computes the check of orbits with other settings, while jobs in flight wait.
+    fn orbits(
+        &mut self,
+        config: &IntegratorConfig,
+        tuning: GpuTuning,
+    ) -> Result<Vec<Check>, EngineError> {
         let (busy, losses) = (std::mem::take(&mut self.slots), self.losses);
+        let own = std::mem::replace(&mut self.tuning, tuning);
         let checks = selfcheck::orbits(self, &[*config]);
+        self.tuning = own;
         if self.losses == losses {
             self.slots = busy;
         } else {
             busy.into_iter().try_for_each(|slot| self.start(slot.job))?;
         }
-        if checks.is_err() {
-            self.checked.pop();
+        checks
+    }
+
+    /// Returns true if the general kernel of a method and precision computes orbits rightly, which is
+    /// checked before its first use.
+    fn is_general_sound(&mut self, config: &IntegratorConfig) -> Result<bool, EngineError> {
+        let (name, precision) = (config.method.name(), config.precision);
+        let known = self.generals.iter().find(|known| (known.0, known.1) == (name, precision));
+        if let Some((.., is_sound)) = known {
+            return Ok(*is_sound);
         }
-        self.judge_by(checks?);
-        Ok(())
+        let tuning = GpuTuning { at_once: false, general: true, ..self.tuning };
+        let is_sound = self.orbits(config, tuning)?.iter().all(|check| check.passed);
+        self.generals.push((name, precision, is_sound));
+        Ok(is_sound)
     }
 
     /// Takes more checks into account, which can only reduce trust.
@@ -146,12 +182,28 @@ impl GpuEngine {
         &self.gpu
     }
 
-    fn design(&self, job: &Job) -> Result<Design, EngineError> {
+    /// Number of kernels in memory.
+    pub fn kernel_count(&self) -> usize {
+        self.kernels.len()
+    }
+
+    /// Returns true if the kernel made for a job's scene is compiled.
+    pub fn has_own_kernel(&mut self, job: &Job) -> Result<bool, EngineError> {
+        let own = self.general(&job.config)?.specialised(&job.question, &job.pace()?);
+        Ok(self.kernels.has(&own))
+    }
+
+    /// The kernel of a configuration that takes any scene.
+    fn general(&self, config: &IntegratorConfig) -> Result<Design, EngineError> {
+        let subgroups = self.tuning.subgroups && self.gpu.has_subgroups();
+        let general = Design::general(config, self.verdict.compensated, subgroups)?;
+        Ok(general.with_pairs(self.verdict.pairs))
+    }
+
+    fn design(&mut self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
         job.keep.check(&job.config)?;
-        let subgroups = self.tuning.subgroups && self.gpu.has_subgroups();
-        let general = Design::general(&job.config, self.verdict.compensated, subgroups)?
-            .with_pairs(self.verdict.pairs);
+        let general = self.general(&job.config)?;
         // The general kernel counts nothing, carries nothing along and knows no friction.
         let (question, ends) = (&job.question, job.keep.ends);
         let is_special = question.counts() || ends.are_carried() || question.build.has_friction();
@@ -159,24 +211,43 @@ impl GpuEngine {
             return Ok(general);
         }
         let special = general.specialised(question, &job.pace()?);
-        Ok(if ends.are_carried() { special.computing(ends) } else { special })
+        if ends.are_carried() {
+            return Ok(special.computing(ends));
+        }
+        if self.tuning.at_once && !is_special {
+            return self.design_at_once(special, general, &job.config);
+        }
+        Ok(special)
     }
 
-    /// Index of the job's kernel in the list; compiles it if it is new.
-    fn kernel_for(&mut self, job: &Job) -> Result<usize, EngineError> {
-        let design = self.design(job)?;
-        if let Some(index) = self.kernels.iter().position(|kernel| kernel.design == design) {
-            return Ok(index);
+    /// The design that the present picture was begun with; for a new one, that of the scene's own
+    /// kernel if it is compiled, or else the general one, while the own kernel is compiled.
+    fn design_at_once(
+        &mut self,
+        special: Design,
+        general: Design,
+        config: &IntegratorConfig,
+    ) -> Result<Design, EngineError> {
+        let design = match self.kernels.chosen(&special) {
+            Some(chosen) => chosen,
+            None if self.kernels.has(&special) || !self.is_general_sound(config)? => special,
+            None => general,
+        };
+        self.kernels.choose(special, design);
+        if design == general {
+            self.kernels.wish(&self.gpu, special, self.tuning.workgroup, Haste::AfterRest);
         }
-        let begun = Instant::now();
-        self.kernels.push(Kernel::new(&self.gpu, design, self.tuning.workgroup)?);
-        self.stats.compile_secs += begun.elapsed().as_secs_f64();
-        Ok(self.kernels.len() - 1)
+        Ok(design)
+    }
+
+    /// The job's kernel; compiles it if it is new.
+    fn kernel_for(&mut self, job: &Job) -> Result<Arc<Kernel>, EngineError> {
+        let design = self.design(job)?;
+        self.kernels.get(&self.gpu, design, self.tuning.workgroup)
     }
 
     fn start(&mut self, job: Job) -> Result<(), EngineError> {
-        let index = self.kernel_for(&job)?;
-        let kernel = (index, &self.kernels[index]);
+        let kernel = self.kernel_for(&job)?;
         let mut slot = Slot::new(&self.gpu, &mut self.pool, kernel, job)?;
         self.submit_slices(&mut slot);
         self.slots.push_back(slot);
@@ -185,10 +256,9 @@ impl GpuEngine {
 
     /// Submits as many steps of a slot as the pace allows.
     fn submit_slices(&self, slot: &mut Slot) {
-        let kernel = &self.kernels[slot.kernel];
-        let typical = slot.pace.typical_steps();
-        let slices = self.clock.slices(&self.tuning, &kernel.design, slot.running(), typical);
-        slot.submit_slices(&self.gpu, kernel, slices);
+        let (design, typical) = (&slot.kernel.design, slot.pace.typical_steps());
+        let slices = self.clock.slices(&self.tuning, design, slot.running(), typical);
+        slot.submit_slices(&self.gpu, slices);
     }
 
     /// Takes everything that has been read back and submits what follows from it.
@@ -198,10 +268,10 @@ impl GpuEngine {
             match slot.land(&self.gpu) {
                 SlotEvent::InFlight => {}
                 SlotEvent::Slices(ran) => {
-                    self.measure(slot.kernel, &ran);
+                    self.measure(&slot.kernel.design, &ran);
                     self.submit_slices(&mut slot);
                 }
-                SlotEvent::Complete(ran) => self.measure(slot.kernel, &ran),
+                SlotEvent::Complete(ran) => self.measure(&slot.kernel.design, &ran),
                 // The device may not have reported its loss yet; it is of no use either way.
                 SlotEvent::Failed => self.gpu.give_up(),
                 SlotEvent::Answer(answer) => {
@@ -217,7 +287,7 @@ impl GpuEngine {
 
     /// Measures the time of a step by that of a submission: by the device's clock, or else since it
     /// was submitted, or since the one before it ended.
-    fn measure(&mut self, kernel: usize, ran: &FinishedSlices) {
+    fn measure(&mut self, design: &Design, ran: &FinishedSlices) {
         let now = Instant::now();
         let began = self.last_landing.map_or(ran.since, |last| last.max(ran.since));
         self.last_landing = Some(now);
@@ -227,7 +297,7 @@ impl GpuEngine {
         let is_sound = |secs: &f64| *secs > 0.0 && *secs <= whole;
         let secs = ran.device_secs.filter(is_sound).unwrap_or(elapsed).max(1e-6);
         let secs_per_step = secs * f64::from(ran.running) / ran.pendulum_steps.max(1.0);
-        self.clock.note(&self.kernels[kernel].design, ran.running, secs_per_step);
+        self.clock.note(design, ran.running, secs_per_step);
         self.stats.slices += u64::from(ran.count);
         self.stats.submissions += 1;
         self.stats.gpu_secs += secs;
@@ -297,6 +367,10 @@ impl Engine for GpuEngine {
         self.slots.clear();
     }
 
+    fn begin_picture(&mut self) {
+        self.kernels.begin_picture();
+    }
+
     fn slots(&self) -> usize {
         self.tuning.slots
     }
@@ -320,6 +394,7 @@ impl Engine for GpuEngine {
 
     fn gpu_stats(&self) -> Option<GpuStats> {
         let [upload_bytes, download_bytes] = self.gpu.traffic();
-        Some(GpuStats { upload_bytes, download_bytes, ..self.stats })
+        let compile_secs = self.kernels.compile_secs();
+        Some(GpuStats { upload_bytes, download_bytes, compile_secs, ..self.stats })
     }
 }

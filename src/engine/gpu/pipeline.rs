@@ -20,7 +20,14 @@ pub struct Kernel {
 impl Kernel {
     /// Compiles `design` with this number of invocations in a workgroup.
     pub fn new(gpu: &Gpu, design: Design, workgroup: u32) -> Result<Self, EngineError> {
-        let device = &gpu.device;
+        let kernel = Kernel::compile(&gpu.device, design, workgroup);
+        gpu.check()?;
+        Ok(kernel)
+    }
+
+    /// Compiles `design` on any thread; its errors go to the error scopes there, or to the device's
+    /// report of errors.
+    pub(super) fn compile(device: &wgpu::Device, design: Design, workgroup: u32) -> Self {
         let text = in_workgroups(&design.text(), workgroup);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("tile"),
@@ -32,15 +39,13 @@ impl Kernel {
             let groups: Vec<_> = layouts[..groups].iter().map(Some).collect();
             compute_pipeline(device, &module, entry, &groups)
         };
-        let kernel = Kernel {
+        Kernel {
             design,
             turn: pipeline("turn", 2),
             advance: pipeline("advance", 1),
             look: pipeline("look", 1),
             layouts: layouts.clone(),
-        };
-        gpu.check()?;
-        Ok(kernel)
+        }
     }
 
     /// Creates a bind group of this kernel.

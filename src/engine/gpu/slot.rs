@@ -52,8 +52,8 @@ use crate::engine::{EngineError, Job, JobResult, Keep};
 pub(super) struct Slot {
     /// The job, kept whole so that it can be repeated on another device.
     pub job: Job,
-    /// Index of the kernel in the engine's list.
-    pub kernel: usize,
+    /// The kernel that computes it to its end.
+    pub kernel: Arc<Kernel>,
     /// The steps over the budget.
     pub pace: Pace,
     /// Indices in a [`crate::engine::IntegratorState`] of each number of the device's state and of its
@@ -110,7 +110,7 @@ impl Slot {
     pub(super) fn new(
         gpu: &Gpu,
         pool: &mut BufferPool,
-        (index, kernel): (usize, &Kernel),
+        kernel: Arc<Kernel>,
         job: Job,
     ) -> Result<Self, EngineError> {
         let pace = job.pace()?;
@@ -119,13 +119,13 @@ impl Slot {
         let buffers = Buffers::new(gpu, pool, &job, places.len())?;
         let slot = Slot {
             job,
-            kernel: index,
             pace,
             places,
             lane_steps: 0,
             running: head.count,
             head,
-            groups: buffers.groups(gpu, kernel),
+            groups: buffers.groups(gpu, &kernel),
+            kernel,
             buffers,
             flight: None,
         };
@@ -136,12 +136,12 @@ impl Slot {
 
     /// Submits slices, one after the other; each fits its dispatches to the pendulums that the one
     /// before left.
-    pub(super) fn submit_slices(&mut self, gpu: &Gpu, kernel: &Kernel, slices: Slices) {
+    pub(super) fn submit_slices(&mut self, gpu: &Gpu, slices: Slices) {
         self.head.slice_steps = slices.steps;
         gpu.write(&self.buffers.job, 0, bytes_of(&self.head));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         for slice in 0..slices.count {
-            self.record_slice(&mut encoder, kernel, slice, slice + 1 == slices.count);
+            self.record_slice(&mut encoder, slice, slice + 1 == slices.count);
         }
         if let Some(ticks) = &self.buffers.ticks {
             encoder.resolve_query_set(&ticks.set, 0..2, &ticks.buffer, 0);
@@ -151,13 +151,8 @@ impl Slot {
         self.fly(gpu, encoder, slices.count, TICKS_AT + TICK_BYTES);
     }
 
-    fn record_slice(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        kernel: &Kernel,
-        slice: u32,
-        is_last: bool,
-    ) {
+    fn record_slice(&self, encoder: &mut wgpu::CommandEncoder, slice: u32, is_last: bool) {
+        let kernel = &self.kernel;
         let ticks = |moment, wanted: bool| {
             let ticks = self.buffers.ticks.as_ref().filter(|_| wanted);
             let timestamp_writes = ticks.map(|ticks| ticks.writes(moment));

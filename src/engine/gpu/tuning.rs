@@ -1,8 +1,8 @@
-//! Settings of the engine that change its speed and no answer, for measurements on a device.
+//! Settings of the engine that change its speed, for measurements on a device and for windows.
 
 use std::time::Duration;
 
-/// Settings that change the speed of a device and no answer.
+/// Settings that change the speed of a device; the last one or two change the roundings of answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GpuTuning {
     /// Longest time that a submission may run.
@@ -21,6 +21,9 @@ pub struct GpuTuning {
     pub subgroups: bool,
     /// True if kernels read their scene as data, false if they are made for it.
     pub general: bool,
+    /// True if the general kernel answers at once while the scene's own is compiled, which a picture
+    /// after the present one is computed by: for windows, because answers then depend on time.
+    pub at_once: bool,
 }
 
 /// Longest time that a submission may run when no window is open; drivers reset at 2 s.
@@ -37,6 +40,7 @@ impl Default for GpuTuning {
             workgroup: 64,
             subgroups: true,
             general: false,
+            at_once: false,
         }
     }
 }

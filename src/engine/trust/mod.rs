@@ -212,6 +212,10 @@ impl Engine for TrustEngine<'_> {
         }
     }
 
+    fn begin_picture(&mut self) {
+        self.inner.begin_picture();
+    }
+
     fn cancel(&mut self) {
         self.inner.cancel();
         if let Some(checker) = &mut self.checker {
