@@ -65,7 +65,7 @@ impl AppModel {
     pub(super) fn settle_budget(&mut self) -> bool {
         let state = &self.state;
         let budgets = &mut self.estimates.auto_budget;
-        // Only flips from rest are searched for longer where the view is deeper.
+        // Only flips from rest get a longer budget where the view is deeper.
         if !state.question.budget.auto || !state.scene().is_flip_from_rest() {
             *budgets = AutoBudget::default();
             return false;

@@ -161,7 +161,7 @@ fn preview(ui: &mut Ui, draft: &FilmDraft, actions: &mut Vec<FilmAction>) {
 fn keys_file(ui: &mut Ui, draft: &mut FilmDraft, actions: &mut Vec<FilmAction>) {
     ui.horizontal(|ui| {
         let label = ui.label("Keys in");
-        let width = (ui.available_width() - 120.0).max(60.0);
+        let width = (ui.available_width() - 165.0).max(60.0);
         let field = TextEdit::singleline(&mut draft.keys_path).desired_width(width);
         ui.add(field).labelled_by(label.id);
         let named = !draft.keys_path.trim().is_empty();
