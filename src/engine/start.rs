@@ -222,8 +222,7 @@ fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
 const ABOVE_REST: f64 = 0.05;
 
 /// The greatest reduced angular velocity of starts that may move faster than after any release from
-/// rest; none where no start does. For starts that come from cells, their energy shows how they
-/// began.
+/// rest; none where no start does. Those that come from cells are known by their energy.
 pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Option<f64> {
     let (reduced, unit_secs) = question.reduced();
     let greatest = |speed: [f64; 2]| speed[0].abs().max(speed[1].abs());
