@@ -140,13 +140,9 @@ impl PictureOptions {
         self.check_full(
             "every place of a film is sampled once, as finely as its closest frame needs",
         )?;
-        for (option, given, why) in [
-            ("--bits", &self.bits, "films have 8 bits a channel"),
-            ("--relief", &self.relief, "frames are painted from places of many sizes"),
-        ] {
-            if given.is_some() {
-                return Err(Exit::Usage(format!("{option} is for stills: {why}")));
-            }
+        if self.bits.is_some() {
+            let why = "--bits is for stills: films have 8 bits a channel";
+            return Err(Exit::Usage(why.to_string()));
         }
         Ok(())
     }

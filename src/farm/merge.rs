@@ -175,7 +175,7 @@ pub fn film(
     go_on: &mut dyn FnMut(u64) -> bool,
 ) -> Result<(), MergeError> {
     let TaskKind::Film(film, groups) = &task.work else { return Err(PartError::Gone.into()) };
-    let colours = Colours::new(tones(film, picture)?);
+    let colours = Colours::new(tones(film, picture)?, picture.relief > 0.0);
     let mut painter = FramePainter::new(film.size, picture);
     let legend = legend(film, picture)?;
     for group in groups {
@@ -245,7 +245,7 @@ fn coloured(
         let samples = if mirrored { samples.reversed() } else { samples };
         Ok(colours.light(&samples, shown))
     };
-    Mip::build(&group.group.patches, folder, &mut light)
+    Mip::build(&group.group.patches, colours.channels(), folder, &mut light)
 }
 
 /// Stride between the samples of a patch that the spread of colours uses: every second row, one

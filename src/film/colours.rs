@@ -1,11 +1,14 @@
 //! The samples of a patch as linear light.
 
 use super::WAITING;
-use super::mip::Light;
+use super::mip::{HEIGHT, Light};
 use crate::physics::{Outcome, Status};
 use crate::scene::film::Shot;
 use crate::scene::palette::{Rgb, Tones, light_table};
 use crate::tiles::Samples;
+
+/// Number of steps between the lowest and the highest height.
+pub(super) const HIGHEST: f64 = 65534.0;
 
 /// The flips that a frame shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,22 +28,40 @@ impl FlipWindow {
     }
 }
 
-/// The colours of a whole film: a time has the same colour in every frame.
+/// The colours of a whole film, and the heights if it is lit from the side: a time has the same
+/// colour and height in every frame.
 pub struct Colours {
     tones: Tones,
     light: [u16; 256],
+    lit: bool,
 }
 
 impl Colours {
-    /// The colours of a film with these tones.
-    pub fn new(tones: Tones) -> Self {
-        Colours { tones, light: light_table() }
+    /// The colours of a film with these tones; with heights if it is lit from the side.
+    pub fn new(tones: Tones, lit: bool) -> Self {
+        Colours { tones, light: light_table(), lit }
+    }
+
+    /// Number of numbers per sample, 3 or 4.
+    pub fn channels(&self) -> usize {
+        HEIGHT + usize::from(self.lit)
     }
 
     /// The light of a patch's samples.
     pub fn light(&self, samples: &Samples, shown: &FlipWindow) -> Light {
-        let colours = samples.iter().map(|outcome| self.colour(&outcome, shown));
-        colours.flat_map(|rgb| rgb.map(|channel| self.light[usize::from(channel)])).collect()
+        let of = |outcome: Outcome| {
+            let rgb = self.colour(&outcome, shown).map(|channel| self.light[usize::from(channel)]);
+            rgb.into_iter().chain(self.lit.then(|| self.height(&outcome, shown)))
+        };
+        samples.iter().flat_map(of).collect()
+    }
+
+    /// The height of a flip that is shown, 1 to 65535; 0 without one.
+    fn height(&self, outcome: &Outcome, shown: &FlipWindow) -> u16 {
+        if outcome.status != Status::Flipped || outcome.time > shown.secs {
+            return 0;
+        }
+        1 + (self.tones.scale().height(outcome.time) * HIGHEST).round() as u16
     }
 
     fn colour(&self, outcome: &Outcome, shown: &FlipWindow) -> Rgb {

@@ -27,6 +27,7 @@
 mod colours;
 pub mod ffmpeg;
 mod frames;
+mod lit_frame;
 mod mip;
 mod paint;
 

@@ -11,19 +11,24 @@ use std::io;
 use rayon::prelude::*;
 
 use super::Mip;
-use super::mip::Light;
+use super::colours::HIGHEST;
+use super::lit_frame::LitFrame;
+use super::mip::{HEIGHT, Light};
 use crate::output::{CurveBand, blended};
 use crate::scene::palette::encoded;
 
 use crate::scene::Turn;
 use crate::scene::film::Shot;
 use crate::scene::lattice::Cell;
-use crate::scene::palette::{Ground, Rgb};
+use crate::scene::palette::{Ground, Relief, Rgb};
 use crate::scene::{Grid, PictureTable, Scene};
 use crate::tiles::patches::{PATCH_SIDE, SLACK, Sight, offset_rad, patch_pitch_rad};
 
 /// Colour of starts that have not flipped yet while the clock runs.
 pub const WAITING: Rgb = [0x16, 0x18, 0x1d];
+
+/// The light of white.
+const MOST_LIGHT: f32 = 65535.0;
 
 /// Paints frames from a mip.
 pub struct FramePainter {
@@ -31,6 +36,8 @@ pub struct FramePainter {
     samples: u32,
     /// The colour of the energy curve, if it is drawn.
     curve: Option<Rgb>,
+    /// The light from the side, if there is any.
+    relief: Option<Relief>,
     /// The sRGB value of every linear light.
     encode: Vec<u8>,
     /// Light of the cells that the previous frame used.
@@ -44,6 +51,8 @@ struct Layer {
     origin: [f64; 2],
     columns: usize,
     cells: Vec<Option<Entry>>,
+    /// Number of numbers per sample.
+    channels: usize,
 }
 
 /// Place of a cell's samples: in its own colours, or in those of a coarser patch around it.
@@ -58,7 +67,8 @@ impl FramePainter {
     pub fn new(size: [u32; 2], picture: &PictureTable) -> Self {
         let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
         let curve = Ground::of(picture).ok().filter(|_| picture.curve).map(|ground| ground.curve);
-        FramePainter { size, samples: picture.samples, curve, encode, used: HashMap::new() }
+        let (samples, relief) = (picture.samples, Relief::of(picture));
+        FramePainter { size, samples, curve, relief, encode, used: HashMap::new() }
     }
 
     /// Forgets the previous frame's colours, because other colours follow.
@@ -78,12 +88,17 @@ impl FramePainter {
         self.used = now;
         let grid = Grid::new(&shot.scene, self.size);
         let curve = self.curve.filter(|_| shot.scene.build.pendulum().q > 0.0);
+        let layers = [&coarse, &fine];
+        let height = |pixel| self.height(pixel, &grid, layers, fine_share);
+        let lit = self.relief.map(|relief| LitFrame::new(relief, self.size, height));
         let mut bytes = vec![0; 3 * self.size[0] as usize * self.size[1] as usize];
         bytes.par_chunks_mut(3 * self.size[0] as usize).enumerate().for_each(|(row, bytes)| {
             let curve = curve.map(|rgb| (rgb, CurveBand::around(&grid, row as u32)));
             for (column, rgb) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                let light = self.light([column, row], &grid, [&coarse, &fine], fine_share);
-                *rgb = light.map(|light| self.encode[(light + 0.5) as usize]);
+                let light = self.light([column, row], &grid, layers, fine_share);
+                let factor = lit.as_ref().map_or(1.0, |lit| lit.factor([column, row]));
+                *rgb =
+                    light.map(|light| self.encode[(light * factor + 0.5).min(MOST_LIGHT) as usize]);
                 if let Some((colour, band)) = &curve {
                     *rgb = blended(*rgb, *colour, band.cover(&grid, column as u32, row as u32));
                 }
@@ -100,14 +115,12 @@ impl FramePainter {
         [coarse, fine]: [&Layer; 2],
         fine_share: f32,
     ) -> [f32; 3] {
-        let [right, up] = grid.pixel_axes();
         let along = self.samples;
         let mut sum = [0.0; 3];
         for point in 0..along * along {
-            let within = |k: u32| (f64::from(k) + 0.5) / f64::from(along);
-            let across = column as f64 + within(point % along) - 0.5 * f64::from(self.size[0]);
-            let above = 0.5 * f64::from(self.size[1]) - row as f64 - within(point / along);
-            let from_center = [0, 1].map(|i| across * right[i] + above * up[i]);
+            let within =
+                [point % along, point / along].map(|k| (f64::from(k) + 0.5) / f64::from(along));
+            let from_center = self.from_center([column, row], within, grid);
             let light = coarse.light(from_center).unwrap_or_default();
             let finer = fine.light(from_center).unwrap_or(light);
             for channel in 0..3 {
@@ -115,6 +128,29 @@ impl FramePainter {
             }
         }
         sum.map(|sum| sum / (along * along) as f32)
+    }
+
+    /// The height of a pixel's middle, from 0 to 1; none where a sample has none.
+    fn height(
+        &self,
+        pixel: [usize; 2],
+        grid: &Grid,
+        [coarse, fine]: [&Layer; 2],
+        fine_share: f32,
+    ) -> Option<f32> {
+        let from_center = self.from_center(pixel, [0.5; 2], grid);
+        let height = coarse.height(from_center)?;
+        let finer = fine.height(from_center).unwrap_or(height);
+        Some(height + (finer - height) * fine_share)
+    }
+
+    /// The offset in rad from the frame's centre to a place in a pixel, given in pixels from its
+    /// upper left corner.
+    fn from_center(&self, [column, row]: [usize; 2], within: [f64; 2], grid: &Grid) -> [f64; 2] {
+        let [right, up] = grid.pixel_axes();
+        let across = column as f64 + within[0] - 0.5 * f64::from(self.size[0]);
+        let above = 0.5 * f64::from(self.size[1]) - row as f64 - within[1];
+        [0, 1].map(|i| across * right[i] + above * up[i])
     }
 
     /// The cells of a level that a frame touches, with their colours.
@@ -147,7 +183,7 @@ impl FramePainter {
         }
         let origin = [(0, &x), (1, &y)]
             .map(|(i, range)| corner[i] + (*range.start() * i64::from(PATCH_SIDE)) as f64);
-        Ok(Layer { level, origin, columns: x.count(), cells })
+        Ok(Layer { level, origin, columns: x.count(), cells, channels: mip.channels() })
     }
 
     /// Finds the colours for a cell: its own, or those of the patch in which it lies.
@@ -178,28 +214,42 @@ impl FramePainter {
 impl Layer {
     /// The light at a place in rad from the frame's centre, interpolated between four samples.
     fn light(&self, from_center: [f64; 2]) -> Option<[f32; 3]> {
-        let pitch = patch_pitch_rad(self.level);
-        let at = [0, 1].map(|i| from_center[i] / pitch - self.origin[i] - 0.5);
-        let first = at.map(f64::floor);
-        let [across, above] = [0, 1].map(|i| (at[i] - first[i]) as f32);
-        let first = first.map(|index| index as i64);
         let mut sum = [0.0; 3];
-        for (x, y, weight) in [
-            (0, 0, (1.0 - across) * (1.0 - above)),
-            (1, 0, across * (1.0 - above)),
-            (0, 1, (1.0 - across) * above),
-            (1, 1, across * above),
-        ] {
-            let sample = self.sample([first[0] + x, first[1] + y])?;
-            for channel in 0..3 {
-                sum[channel] += weight * f32::from(sample[channel]);
+        for (sample, weight) in self.around(from_center)? {
+            for (sum, number) in sum.iter_mut().zip(sample) {
+                *sum += weight * f32::from(*number);
             }
         }
         Some(sum)
     }
 
+    /// The height at such a place, from 0 to 1; none beside a sample without one.
+    fn height(&self, from_center: [f64; 2]) -> Option<f32> {
+        let mut sum = 0.0;
+        for (sample, weight) in self.around(from_center)? {
+            let steps = sample.get(HEIGHT)?.checked_sub(1)?;
+            sum += weight * f32::from(steps);
+        }
+        Some(sum / HIGHEST as f32)
+    }
+
+    /// The four samples around such a place, with their weights.
+    fn around(&self, from_center: [f64; 2]) -> Option<[(&[u16], f32); 4]> {
+        let pitch = patch_pitch_rad(self.level);
+        let at = [0, 1].map(|i| from_center[i] / pitch - self.origin[i] - 0.5);
+        let first = at.map(f64::floor);
+        let [across, above] = [0, 1].map(|i| (at[i] - first[i]) as f32);
+        let [x, y] = first.map(|index| index as i64);
+        Some([
+            (self.sample([x, y])?, (1.0 - across) * (1.0 - above)),
+            (self.sample([x + 1, y])?, across * (1.0 - above)),
+            (self.sample([x, y + 1])?, (1.0 - across) * above),
+            (self.sample([x + 1, y + 1])?, across * above),
+        ])
+    }
+
     /// The sample at a place, counted from the lower left corner.
-    fn sample(&self, [x, y]: [i64; 2]) -> Option<&[u16; 3]> {
+    fn sample(&self, [x, y]: [i64; 2]) -> Option<&[u16]> {
         let side = i64::from(PATCH_SIDE);
         let [column, row] = [x, y].map(|at| usize::try_from(at.div_euclid(side)));
         let column = column.ok().filter(|column| *column < self.columns)?;
@@ -208,7 +258,7 @@ impl Layer {
             |at: i64, first: u32| ((at.rem_euclid(side) as u32 + first) >> entry.shift) as usize;
         let (column, below) = (within(x, entry.first[0]), within(y, entry.first[1]));
         let place = (PATCH_SIDE as usize - 1 - below) * PATCH_SIDE as usize + column;
-        entry.light.as_chunks::<3>().0.get(place)
+        entry.light.get(place * self.channels..(place + 1) * self.channels)
     }
 }
 
@@ -256,7 +306,7 @@ mod tests {
             Ok::<Light, io::Error>(numbers.collect())
         };
         let folder = tempfile::tempdir().unwrap();
-        Mip::build(&cells, folder.path(), &mut light).unwrap()
+        Mip::build(&cells, 3, folder.path(), &mut light).unwrap()
     }
 
     fn wave([theta1, theta2]: [f64; 2], wave_rad: f64) -> f64 {

@@ -47,40 +47,16 @@ impl LitRows {
 
     /// Lights a row of those that wait.
     fn row(&self, row: usize) -> Vec<Tint> {
-        let rows = |row: usize| self.heights.get(row * self.across..(row + 1) * self.across);
-        let here = rows(row).unwrap_or_default();
-        let above = if row > 0 { rows(row - 1) } else { Some(&*self.above) };
-        let above = above.filter(|above| !above.is_empty()).unwrap_or(here);
-        let below = rows(row + 1).unwrap_or(here);
+        let row_of = |row: usize| self.heights.get(row * self.across..(row + 1) * self.across);
+        let before = Some(&*self.above).filter(|above| !above.is_empty());
+        let above = if row > 0 { row_of(row - 1) } else { before };
+        let rows = [above, row_of(row), row_of(row + 1)];
         let lit = |column: usize| {
-            let [left, right] = [column.saturating_sub(1), (column + 1).min(self.across - 1)];
-            let beside = [here[left], here[right], below[column], above[column]];
-            let most = most_apart(here[column], beside);
-            let rise = [
-                (here[right] - here[left]) / ((right - left).max(1)) as f32,
-                (above[column] - below[column]) / self.rows_between(row) as f32,
-            ];
-            let factor = self.relief.factor(rise, most, self.across as f32);
+            let factor = self.relief.factor_beside(rows, column);
             brighter(self.tints[row * self.across + column], factor)
         };
         (0..self.across).map(lit).collect()
     }
-
-    /// Number of rows from the one below a row that waits to the one above it.
-    fn rows_between(&self, row: usize) -> u32 {
-        let above = u32::from(row > 0 || !self.above.is_empty());
-        let below = u32::from(row as u32 + 1 < self.rows_left);
-        (above + below).max(1)
-    }
-}
-
-/// The largest difference of heights; NaN if one of them is.
-fn most_apart(here: f32, beside: [f32; 4]) -> f32 {
-    let apart = beside.map(|other| (other - here).abs());
-    if apart.iter().any(|apart| apart.is_nan()) {
-        return f32::NAN;
-    }
-    apart.into_iter().fold(0.0, f32::max)
 }
 
 /// A colour with this factor of its light, as far as there is a brighter one.

@@ -44,6 +44,31 @@ impl Relief {
         let calm = calm * calm * (3.0 - 2.0 * calm);
         1.0 + self.strength * calm * (facing.max(0.0) - 1.0)
     }
+
+    /// The factor of the light at a column of the middle one of three rows of heights, from the top;
+    /// the first and the last row of a picture have none above or below. Heights that are no numbers
+    /// are not lit, nor are their neighbours.
+    pub fn factor_beside(&self, [above, here, below]: [Option<&[f32]>; 3], column: usize) -> f32 {
+        let Some(here) = here else { return 1.0 };
+        let [left, right] = [column.saturating_sub(1), (column + 1).min(here.len() - 1)];
+        let rows_apart = [above, below].into_iter().flatten().count().max(1);
+        let [above, below] = [above, below].map(|row| row.unwrap_or(here)[column]);
+        let beside = [here[left], here[right], below, above];
+        let rise = [
+            (here[right] - here[left]) / (right - left).max(1) as f32,
+            (above - below) / rows_apart as f32,
+        ];
+        self.factor(rise, most_apart(here[column], beside), here.len() as f32)
+    }
+}
+
+/// The largest difference of heights; NaN if one of them is.
+fn most_apart(here: f32, beside: [f32; 4]) -> f32 {
+    let apart = beside.map(|other| (other - here).abs());
+    if apart.iter().any(|apart| apart.is_nan()) {
+        return f32::NAN;
+    }
+    apart.into_iter().fold(0.0, f32::max)
 }
 
 #[cfg(test)]
