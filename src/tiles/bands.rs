@@ -16,9 +16,9 @@ const MOST_UNITS: f64 = 1.0;
 /// Coherence from which the direction is sure. Most bands of a small picture are thinner than its
 /// pixels, so that few of them are coherent; noise of 32 × 32 pixels has about 0.1.
 const SURE: f64 = 0.4;
-/// Share of the way to sure bands by which a picture turns: the directions of single pictures
-/// vary by ten degrees, and those of many average out.
-const MOST_SHARE: f64 = 0.5;
+/// Share of the way to sure bands by which a picture turns and stretches: the directions of single
+/// pictures vary by ten degrees, and those of many average out.
+const SHARE: f64 = 0.5;
 /// Largest factor by which bands are stretched apart.
 const MOST_STRETCH: f64 = 2.0;
 
@@ -49,16 +49,17 @@ impl Bands {
         Bands { along_deg: across_deg + 90.0, coherence }
     }
 
-    /// Returns the angle in degrees to which a picture that is turned by `from_deg` turns, so that
-    /// one of its sides comes nearer to the direction of the bands, and the factor that stretches it
-    /// across them. The less sure the bands, the less it turns and stretches.
-    pub(super) fn opened(&self, from_deg: f64) -> (f64, f64) {
+    /// Returns the angle in degrees and the stretch of the next picture after one with these: it turns
+    /// by the smallest angle that brings one of its sides nearer to the direction of the bands, and
+    /// stretches across them. The less sure the bands, the less it does.
+    pub(super) fn opened(&self, [from_deg, from_stretch]: [f64; 2]) -> [f64; 2] {
         let sure = (self.coherence / SURE).min(1.0);
         let quarter_turns = ((self.along_deg - from_deg) / 90.0).round();
         let by_deg = self.along_deg - 90.0 * quarter_turns - from_deg;
         let lying = quarter_turns.rem_euclid(2.0) < 0.5;
-        let stretch = MOST_STRETCH.powf(sure);
-        (from_deg + MOST_SHARE * sure * by_deg, if lying { stretch } else { 1.0 / stretch })
+        let stretch = MOST_STRETCH.powf(if lying { sure } else { -sure });
+        let stretch = from_stretch * (stretch / from_stretch).powf(SHARE);
+        [from_deg + SHARE * sure * by_deg, stretch]
     }
 }
 
@@ -118,12 +119,17 @@ mod tests {
 
     #[test]
     fn pictures_turn_by_the_smallest_angle_and_open_across_the_bands() {
-        let opened = |along_deg, from_deg| Bands { along_deg, coherence: 1.0 }.opened(from_deg);
+        let opened = |along_deg, from_deg| {
+            let [rotate_deg, stretch] = Bands { along_deg, coherence: 1.0 }.opened([from_deg, 1.0]);
+            (rotate_deg, (stretch * stretch * 1e9).round() / 1e9)
+        };
         assert_eq!(opened(20.0, 0.0), (10.0, 2.0), "bands lie: the vertical axis opens them");
         assert_eq!(opened(80.0, 0.0), (-5.0, 0.5), "bands stand");
         assert_eq!(opened(170.0, 6.0), (-2.0, 2.0));
         assert_eq!(opened(80.0, 100.0), (90.0, 2.0), "a turned picture goes on from its angle");
         assert_eq!(opened(4.0, 200.0), (192.0, 2.0));
-        assert_eq!(Bands { along_deg: 20.0, coherence: 0.0 }.opened(-17.0), (-17.0, 1.0));
+        let unsure = Bands { along_deg: 20.0, coherence: 0.0 };
+        assert_eq!(unsure.opened([-17.0, 1.0]), [-17.0, 1.0]);
+        assert_eq!(unsure.opened([-17.0, 4.0]), [-17.0, 2.0], "without bands it closes again");
     }
 }

@@ -43,8 +43,8 @@ const LATE: f64 = 0.4;
 pub struct Descent {
     /// The current view, neither turned nor stretched.
     scene: Scene,
-    /// Angle by which the last view was turned, in degrees.
-    rotate_deg: f64,
+    /// Angle in degrees by which the last view was turned, and its stretch.
+    turned: [f64; 2],
     config: IntegratorConfig,
     /// Samples of the view's small picture, once they are known.
     samples: Option<Samples>,
@@ -71,12 +71,12 @@ impl Descent {
     pub fn new(mut scene: Scene, config: IntegratorConfig, wish: [f64; 2]) -> Self {
         scene.question.budget =
             Budget { auto: true, ..scene.question.budget }.for_view(&scene.build, &scene.view);
-        let rotate_deg = scene.view.rotate;
+        let turned = [scene.view.rotate, scene.view.stretch];
         (scene.view.rotate, scene.view.stretch) = (0.0, 1.0);
         let side = f64::from(SIDE);
         // A tall window has more above and below than the picture, which is square.
         let wish = wish.map(|part| (part * side).clamp(-side / 2.0, side / 2.0));
-        Descent { scene, rotate_deg, config, samples: None, wish, near: NEAR[0] }
+        Descent { scene, turned, config, samples: None, wish, near: NEAR[0] }
     }
 
     /// Returns the next view, which is smaller by half a decade; calls `go_on` now and then.
@@ -140,11 +140,11 @@ impl Descent {
     /// Returns a scene turned and stretched so that the bands of its picture open.
     fn opened(&mut self, scene: &Scene, samples: &Samples) -> Scene {
         let bands = Bands::of(&flips_units(scene, samples), SIDE as usize);
-        let (rotate_deg, stretch) = bands.opened(self.rotate_deg);
+        let [rotate_deg, stretch] = bands.opened(self.turned);
         // Whole turns lead back into the range of views.
-        self.rotate_deg = rotate_deg % 360.0;
+        self.turned = [rotate_deg % 360.0, stretch];
         let mut opened = scene.clone();
-        (opened.view.rotate, opened.view.stretch) = (self.rotate_deg, stretch);
+        [opened.view.rotate, opened.view.stretch] = self.turned;
         opened
     }
 
