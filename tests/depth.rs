@@ -1,8 +1,10 @@
 //! Deep zoom: cells that are followed as polynomials, compared with pendulums that are integrated
 //! one by one in as many digits as they need.
 
+use std::time::{Duration, Instant};
+
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::depth::DepthEngine;
+use flipmap::engine::depth::{DepthEngine, Following};
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{
@@ -136,9 +138,8 @@ fn no_answer_depends_on_tiles_or_on_what_else_is_asked() {
     }
 }
 
-/// A deep job's outcomes, and the number of starts that were told by their neighbours on a line. A
-/// job that keeps the ends of its pendulums integrates each of them.
-fn answered(scene: &Scene, size: [u32; 2], keep: Keep) -> (Vec<Outcome>, u64) {
+/// A deep job of a picture's pixels.
+fn deep_job(scene: &Scene, size: [u32; 2], keep: Keep) -> Job {
     let grid = Grid::new(scene, size);
     let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
     let leaves = grid.grouped(BALANCED.leaf_pixels(), pixels).into_iter();
@@ -152,8 +153,14 @@ fn answered(scene: &Scene, size: [u32; 2], keep: Keep) -> (Vec<Outcome>, u64) {
         strict: false,
     });
     let question = Question::from(scene);
+    Job { id: 3, question, config: BALANCED, starts, keep }
+}
+
+/// A deep job's outcomes, and the number of starts that were told by their neighbours on a line. A
+/// job that keeps the ends of its pendulums integrates each of them.
+fn answered(scene: &Scene, size: [u32; 2], keep: Keep) -> (Vec<Outcome>, u64) {
     let mut engine = engine();
-    engine.submit(Job { id: 3, question, config: BALANCED, starts, keep }).unwrap();
+    engine.submit(deep_job(scene, size, keep)).unwrap();
     let result = engine.poll(Wait::UntilFinished).unwrap().remove(0);
     (result.outcomes, result.effort.depth.unwrap().told_by_lines)
 }
@@ -336,4 +343,85 @@ fn exact_works_at_depth() {
     assert!(pixels.len() >= 140, "{} are sure", pixels.len());
     let some: Vec<usize> = pixels.into_iter().step_by(9).collect();
     assert_eq!(share_right(&samples, &some, &truth::<4>(&scene, [12, 12], &some)), 1.0);
+}
+
+/// A place θ2 of the edge of the forbidden region on the line of this θ1, below which starts are forbidden,
+/// by bisection.
+fn rim(theta1: &str, between: [&str; 2], rule: Rule) -> String {
+    let is_forbidden = |theta2: Fixed<4>| {
+        let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
+        let angle = [Fixed::<4>::parse(theta1).unwrap(), theta2];
+        let budget = Fixed::from_f64(1e-3);
+        oracle::outcome(&pendulum, angle, rule, budget).status == Status::Forbidden
+    };
+    let [mut low, mut high] = between.map(|text| Fixed::<4>::parse(text).unwrap());
+    assert!(is_forbidden(low) && !is_forbidden(high));
+    for _ in 0..140 {
+        let middle = (low + high).halved(1);
+        *(if is_forbidden(middle) { &mut low } else { &mut high }) = middle;
+    }
+    high.resized::<8>().to_string()
+}
+
+#[test]
+fn views_cut_by_the_energy_curve_are_right_in_every_way() {
+    let size = [24, 18];
+    let rims = [("1.2", ["1.2", "1.4"], Rule::Second), ("2.0", ["1.6", "1.8"], Rule::First)];
+    for (theta1, between, rule) in rims {
+        let theta2 = rim(theta1, between, rule);
+        for width in ["1e-3", "1e-6", "1e-9", "1e-20"] {
+            let mut scene = scene([theta1, &theta2], width);
+            scene.question.rule = rule;
+            scene.question.budget = Budget::secs(12.0);
+            let by = |cells, mut engine: DepthEngine<'static>| {
+                let work = Work::new(&scene, size, BALANCED, 4096).with_cells(cells);
+                all_samples(work, size, &mut engine)
+            };
+            let cells = by(Cells::Always, engine().without_lines());
+            let lines = by(Cells::Always, engine());
+            let is_forbidden = |k: &usize| cells.get(*k).status == Status::Forbidden;
+            let forbidden = (0..432).filter(is_forbidden).count();
+            assert!((100..332).contains(&forbidden), "{forbidden} are forbidden at {width}");
+            let mut ways = vec![lines];
+            if width != "1e-20" {
+                ways.push(by(Cells::Never, engine()));
+            }
+            for way in ways {
+                let differs = |k: &usize| !is_right(&way.get(*k), &cells.get(*k));
+                assert_eq!((0..432).filter(differs).count(), 0, "{rule:?} at {width}");
+            }
+            let pixels: Vec<usize> = (5..432).step_by(48).collect();
+            let truth = truth::<4>(&scene, size, &pixels);
+            assert_eq!(share_right(&cells, &pixels, &truth), 1.0, "{rule:?} at {width}");
+        }
+    }
+}
+
+#[test]
+fn cancelled_deep_work_stops_at_once() {
+    let following = Following::default();
+    let mut engine = engine().telling(following.clone());
+    let mut deep = scene(["-1.6601", "0.1003"], "1e-60");
+    deep.question.budget = Budget::secs(1000.0);
+    engine.submit(deep_job(&deep, [24, 24], Keep::NOTHING)).unwrap();
+    let begun = Instant::now();
+    while following.secs().is_none_or(|[secs, _]| secs < 1.0) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "nothing is followed");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let cancelled = Instant::now();
+    engine.cancel();
+    // A slice that had begun goes on to its end, but no further: two units of 0.32 s.
+    let most_secs = following.secs().map_or(0.0, |[secs, _]| secs) + 0.7;
+    while let Some([secs, _]) = following.secs() {
+        assert!(secs < most_secs, "it goes on to {secs} s");
+        assert!(cancelled.elapsed() < Duration::from_secs(10), "it does not stop");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(engine.poll(Wait::UntilFinished).unwrap().is_empty());
+    let (theta1, theta2, width) = PLACES[0];
+    let after = scene([theta1, theta2], width);
+    engine.submit(deep_job(&after, [8, 8], Keep::NOTHING)).unwrap();
+    let result = engine.poll(Wait::UntilFinished).unwrap().remove(0);
+    assert_eq!(result.outcomes, answered(&after, [8, 8], Keep::NOTHING).0);
 }
