@@ -1,5 +1,5 @@
-//! Pictures other than PNG: pyramids, images that cannot be written from front to back, and formats by
-//! name, tested through the command line.
+//! Pictures other than PNG: pyramids, images that cannot be written from front to back, formats by
+//! name, and light from the side, tested through the command line.
 
 #[path = "common/program.rs"]
 mod program;
@@ -101,6 +101,48 @@ fn light_from_the_side_is_in_pictures_and_their_tiles_and_not_in_numbers() {
     for (option, text) in [("--relief", "2"), ("--relief", "much"), ("--light", "1e9")] {
         let output = render(&folder, &["-o", "a.png", option, text]);
         assert!(error_of(&output).contains(&format!("{option} is ")), "{}", error_of(&output));
+    }
+}
+
+/// Keys of a film from the whole map to a part of it.
+const KEYS: &str = "[[key]]\nsecs = 0\n[[key]]\nsecs = 2\neasing = \"linear\"\n\
+                    [key.scene.view]\ncenter = [\"-1.66\", \"0.1\"]\nwidth = \"0.4\"\n";
+
+#[test]
+fn films_are_lit_as_stills_are() {
+    let folder = folder();
+    fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
+    let run = |arguments: &[&str]| {
+        let fast = ["--engine", "cpu", "--accuracy", "fast"];
+        let output = flipmap(&folder, &[arguments, &fast].concat());
+        assert!(output.status.success(), "{arguments:?}: {}", error_of(&output));
+    };
+    let film = ["video", "keys.toml", "--frames", "3", "--size", "160x120", "-o"];
+    run(&[&film[..], &["flat"]].concat());
+    let light = ["lit", "--relief", "0.8", "--light", "90", "--cache", "flat.samples"];
+    run(&[&film[..], &light].concat());
+    for frame in ["000000.png", "000001.png", "000002.png"] {
+        let both = |still: &str, of: &str| {
+            let scene = format!("{of}/{frame}");
+            run(&["render", &scene, "-o", still]);
+            [scene.as_str(), still].map(|name| pixels(&folder.path().join(name)))
+        };
+        let ([flat_film, flat], [lit_film, lit]) =
+            (both("flat.png", "flat"), both("lit.png", "lit"));
+        let (mut changed, mut apart) = (0, [0, 0]);
+        for (x, y, pixel) in lit.enumerate_pixels() {
+            let from_lit = |other: &image::RgbImage| -> u32 {
+                let other = other.get_pixel(x, y);
+                (0..3).map(|k| u32::from(pixel[k].abs_diff(other[k]))).sum()
+            };
+            if from_lit(&flat) > 24 {
+                changed += 1;
+                apart[0] += from_lit(&flat_film);
+                apart[1] += from_lit(&lit_film);
+            }
+        }
+        assert!(changed > 1000, "{frame}: {changed} pixels are lit");
+        assert!(2 * apart[1] < apart[0], "{frame}: flat and lit films are {apart:?} apart");
     }
 }
 

@@ -56,38 +56,6 @@ fn frames_are_what_render_draws_there() {
 }
 
 #[test]
-fn slopes_are_lit_as_in_stills() {
-    let folder = folder();
-    fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
-    let film = ["keys.toml", "--frames", "3", "--size", "160x120", "-o"];
-    video(&folder, &[&film[..], &["flat"]].concat());
-    let light = ["lit", "--relief", "0.8", "--light", "90", "--cache", "flat.samples"];
-    video(&folder, &[&film[..], &light].concat());
-    for frame in ["000000.png", "000001.png", "000002.png"] {
-        for (still, of) in [("flat.png", "flat"), ("lit.png", "lit")] {
-            let scene = format!("{of}/{frame}");
-            done(&folder, &[&["render", &scene, "-o", still], &CPU[..]].concat());
-        }
-        let at = |name: &str| pixels(&folder.path().join(name));
-        let stills = [at("flat.png"), at("lit.png")];
-        let films = ["flat", "lit"].map(|of| at(&format!("{of}/{frame}")));
-        let (mut lit, mut apart) = (0, [0, 0]);
-        for (x, y, pixel) in stills[1].enumerate_pixels() {
-            let from_still = |other: &image::RgbImage| -> u32 {
-                let other = other.get_pixel(x, y);
-                (0..3).map(|k| u32::from(pixel[k].abs_diff(other[k]))).sum()
-            };
-            if from_still(&stills[0]) > 24 {
-                lit += 1;
-                apart = [0, 1].map(|k| apart[k] + from_still(&films[k]));
-            }
-        }
-        assert!(lit > 1000, "{frame}: {lit} pixels are lit");
-        assert!(2 * apart[1] < apart[0], "{frame}: flat and lit films differ by {apart:?}");
-    }
-}
-
-#[test]
 fn what_others_wrote_is_never_replaced() {
     let how = ["--vary", "time=0..2", "--frames", "3", "--size", "24x16", "-o", "f"];
     for name in ["000003.png", "000001.json", "manifest.json"] {

@@ -57,7 +57,9 @@ impl Bands {
         let quarter_turns = ((self.along_deg - from_deg) / 90.0).round();
         let by_deg = self.along_deg - 90.0 * quarter_turns - from_deg;
         let lying = quarter_turns.rem_euclid(2.0) < 0.5;
-        let stretch = MOST_STRETCH.powf(if lying { sure } else { -sure });
+        // A stretched view needs as many more samples: only straight bands are worth them.
+        let straight = self.coherence * self.coherence;
+        let stretch = MOST_STRETCH.powf(if lying { straight } else { -straight });
         let stretch = from_stretch * (stretch / from_stretch).powf(SHARE);
         [from_deg + SHARE * sure * by_deg, stretch]
     }
