@@ -121,7 +121,8 @@ fn films_are_lit_as_stills_are() {
     run(&[&film[..], &["flat"]].concat());
     let light = ["lit", "--relief", "0.8", "--light", "90", "--cache", "flat.samples"];
     run(&[&film[..], &light].concat());
-    for frame in ["000000.png", "000001.png", "000002.png"] {
+    // The last frame is mostly chaos, which is not lit.
+    for frame in ["000000.png", "000001.png"] {
         let both = |still: &str, of: &str| {
             let scene = format!("{of}/{frame}");
             run(&["render", &scene, "-o", still]);

@@ -113,7 +113,8 @@ impl AppModel {
         };
         match news {
             DescentNews::To(scene) => {
-                self.state.glide(Camera::from_view(&scene.view, Reach::TORUS));
+                let Camera { center, width_rad, .. } = Camera::from_view(&scene.view, Reach::TORUS);
+                self.state.glide(Camera { center, width_rad, ..self.state.target() });
                 self.films.descent.scenes.push(*scene);
             }
             DescentNews::Over(why) => {

@@ -72,7 +72,8 @@ impl Kernels {
         }
     }
 
-    /// Has a design compiled beside the work, unless it is compiled or was the last to be wished for.
+    /// Requests that a design be compiled beside the work, unless it is compiled or was the last to be
+    /// requested.
     pub(super) fn wish(&mut self, gpu: &Gpu, design: Design, workgroup: u32, haste: Haste) {
         if self.has(&design) {
             return;
@@ -149,9 +150,9 @@ impl<T> RecentlyUsed<T> {
 /// Moment at which a kernel is compiled beside the work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Haste {
-    /// As soon as possible.
+    /// The kernel is compiled as soon as possible.
     Now,
-    /// Once no other has been wished for in a while.
+    /// The kernel is compiled once no other has been requested for a while.
     AfterRest,
 }
 
