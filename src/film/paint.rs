@@ -120,7 +120,7 @@ impl FramePainter {
         for point in 0..along * along {
             let within =
                 [point % along, point / along].map(|k| (f64::from(k) + 0.5) / f64::from(along));
-            let from_center = self.from_center([column, row], within, grid);
+            let from_center = self.offset_of([column, row], within, grid);
             let light = coarse.light(from_center).unwrap_or_default();
             let finer = fine.light(from_center).unwrap_or(light);
             for channel in 0..3 {
@@ -138,7 +138,7 @@ impl FramePainter {
         [coarse, fine]: [&Layer; 2],
         fine_share: f32,
     ) -> Option<f32> {
-        let from_center = self.from_center(pixel, [0.5; 2], grid);
+        let from_center = self.offset_of(pixel, [0.5; 2], grid);
         let height = coarse.height(from_center)?;
         let finer = fine.height(from_center).unwrap_or(height);
         Some(height + (finer - height) * fine_share)
@@ -146,7 +146,7 @@ impl FramePainter {
 
     /// The offset in rad from the frame's centre to a place in a pixel, given in pixels from its
     /// upper left corner.
-    fn from_center(&self, [column, row]: [usize; 2], within: [f64; 2], grid: &Grid) -> [f64; 2] {
+    fn offset_of(&self, [column, row]: [usize; 2], within: [f64; 2], grid: &Grid) -> [f64; 2] {
         let [right, up] = grid.pixel_axes();
         let across = column as f64 + within[0] - 0.5 * f64::from(self.size[0]);
         let above = 0.5 * f64::from(self.size[1]) - row as f64 - within[1];
