@@ -32,8 +32,8 @@ impl AppModel {
         let canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
         self.state.resize(canvas, f64::from(ui.ctx().pixels_per_point()));
         // What follows may be drawn before the work's next turn.
-        let state = &self.state;
-        self.compute.aim(|config| state.view_target(config));
+        let (state, descent) = (&self.state, &self.films.descent);
+        self.compute.aim(|config| descent.passing(state.view_target(config)));
         let screen = self.state.screen();
         let scene = self.state.scene();
         let now_secs = ui.input(|input| input.time);

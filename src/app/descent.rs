@@ -15,6 +15,7 @@ use crate::engine::{EngineError, EngineKind};
 use crate::scene::{Document, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
 use crate::tiles::explorer::ViewProgress;
+use crate::tiles::view_target::ViewTarget;
 
 /// A descent on a thread with an engine of its own. Dropping it stops the descent.
 #[derive(Debug)]
@@ -75,6 +76,15 @@ pub struct DescentPath {
     pub running: Option<BackgroundDescent>,
     /// Views found so far, starting with the one where the descent began.
     pub scenes: Vec<Scene>,
+}
+
+impl DescentPath {
+    /// Returns the target for a view. Views that a descent passes are drawn at half the resolution, so
+    /// that it does not wait long for each to be half drawn.
+    pub(super) fn passing(&self, target: ViewTarget) -> ViewTarget {
+        let passes = self.running.is_some() && self.scenes.len() > 1;
+        if passes { target.coarser() } else { target }
+    }
 }
 
 impl AppModel {

@@ -198,8 +198,9 @@ impl AppModel {
             return false;
         }
         let settled = self.make_answerable() || self.settle_budget();
-        let state = &self.state;
-        let turn = self.compute.turn(|config| state.view_target(config), Instant::now() + WORK);
+        let (state, descent) = (&self.state, &self.films.descent);
+        let target = |config| descent.passing(state.view_target(config));
+        let turn = self.compute.turn(target, Instant::now() + WORK);
         self.meter.read(Instant::now(), self.compute.explorer.counts().simulated);
         if let Some(failure) = turn.failure {
             self.state.notices.fail(failure);

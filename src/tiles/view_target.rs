@@ -59,6 +59,12 @@ pub struct ViewTarget {
 }
 
 impl ViewTarget {
+    /// The same target with samples twice as far apart, a quarter of the work: for a view that is left
+    /// again soon.
+    pub fn coarser(self) -> Self {
+        ViewTarget { level: self.level.saturating_sub(1), ..self }
+    }
+
     /// Returns true if another target differs at most in what comes first and what comes after.
     pub(super) fn is_same_view(&self, other: &ViewTarget) -> bool {
         let ViewTarget { pointer, refinements, .. } = *self;
