@@ -123,8 +123,7 @@ impl AppModel {
         };
         match news {
             DescentNews::To(scene) => {
-                let Camera { center, width_rad, .. } = Camera::from_view(&scene.view, Reach::TORUS);
-                self.state.glide(Camera { center, width_rad, ..self.state.target() });
+                self.state.glide(Camera::from_view(&scene.view, Reach::TORUS));
                 self.films.descent.scenes.push(*scene);
             }
             DescentNews::Over(why) => {

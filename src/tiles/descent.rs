@@ -4,12 +4,13 @@
 //! neighbours that flip early all flip at the same time. Each step computes a small picture, goes
 //! to the liveliest place near a preferred point, and enlarges it. It looks ahead: a view is chosen
 //! only if its own small picture offers a next place, so that no descent ends in an edge between
-//! two colours.
+//! two colours. Each view is turned and stretched so that its bands lie along a side and open.
 
+use super::bands::Bands;
 use super::preview::preview;
 use super::{Samples, Work};
 use crate::engine::{Engine, EngineError, IntegratorConfig};
-use crate::physics::{Scalar, Status, Theta};
+use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::{Budget, Scene};
 
 /// Side in pixels of the small pictures.
@@ -40,7 +41,10 @@ const LATE: f64 = 0.4;
 
 /// A descent from each view to the next deeper one.
 pub struct Descent {
+    /// The current view, neither turned nor stretched.
     scene: Scene,
+    /// Angle in degrees by which the last view was turned, and its stretch.
+    turned: [f64; 2],
     config: IntegratorConfig,
     /// Samples of the view's small picture, once they are known.
     samples: Option<Samples>,
@@ -67,11 +71,12 @@ impl Descent {
     pub fn new(mut scene: Scene, config: IntegratorConfig, wish: [f64; 2]) -> Self {
         scene.question.budget =
             Budget { auto: true, ..scene.question.budget }.for_view(&scene.build, &scene.view);
+        let turned = [scene.view.rotate, scene.view.stretch];
         (scene.view.rotate, scene.view.stretch) = (0.0, 1.0);
         let side = f64::from(SIDE);
         // A tall window has more above and below than the picture, which is square.
         let wish = wish.map(|part| (part * side).clamp(-side / 2.0, side / 2.0));
-        Descent { scene, config, samples: None, wish, near: NEAR[0] }
+        Descent { scene, turned, config, samples: None, wish, near: NEAR[0] }
     }
 
     /// Returns the next view, which is smaller by half a decade; calls `go_on` now and then.
@@ -92,9 +97,9 @@ impl Descent {
             };
             (self.wish, self.near) = ([0.0; 2], NEAR[1]);
             if !self.lively_places(&scene, &samples).is_empty() {
-                self.samples = Some(samples);
-                self.scene = scene.clone();
-                return Ok(DescentStep::Scene(Box::new(scene)));
+                let opened = self.opened(&scene, &samples);
+                (self.samples, self.scene) = (Some(samples), scene);
+                return Ok(DescentStep::Scene(Box::new(opened)));
             }
         }
         Ok(DescentStep::End)
@@ -132,6 +137,17 @@ impl Descent {
         Some(scene)
     }
 
+    /// Returns a scene turned and stretched so that the bands of its picture open.
+    fn opened(&mut self, scene: &Scene, samples: &Samples) -> Scene {
+        let bands = Bands::of(&flips_units(scene, samples), SIDE as usize);
+        let [rotate_deg, stretch] = bands.opened(self.turned);
+        // Whole turns lead back into the range of views.
+        self.turned = [rotate_deg % 360.0, stretch];
+        let mut opened = scene.clone();
+        [opened.view.rotate, opened.view.stretch] = self.turned;
+        opened
+    }
+
     /// Returns offsets from the middle, in pixels, of places of a scene's picture that differ from
     /// their neighbours and whose next views have several distinct times, the best first: those
     /// that differ most and lie near the preferred point.
@@ -166,6 +182,14 @@ impl Descent {
     }
 }
 
+/// Returns the flip times of a scene's pixels in natural units; none where a pixel has none.
+fn flips_units(scene: &Scene, samples: &Samples) -> Vec<Option<f64>> {
+    let unit_secs = scene.build.unit_secs();
+    let flip =
+        |outcome: Outcome| (outcome.status == Status::Flipped).then_some(outcome.time / unit_secs);
+    (0..samples.len()).map(|k| flip(samples.get(k))).collect()
+}
+
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
@@ -177,13 +201,9 @@ struct SmallPicture {
 
 impl SmallPicture {
     fn new(scene: &Scene, samples: &Samples) -> Self {
-        let from_secs = LATE * scene.question.budget.secs;
-        let late = |k| {
-            let outcome = samples.get(k);
-            let is_late = outcome.status == Status::Flipped && outcome.time > from_secs;
-            is_late.then_some(outcome.time / scene.build.unit_secs())
-        };
-        SmallPicture { late_units: (0..samples.len()).map(late).collect() }
+        let from_units = LATE * scene.question.budget.secs / scene.build.unit_secs();
+        let late = |flip: Option<f64>| flip.filter(|flip_units| *flip_units > from_units);
+        SmallPicture { late_units: flips_units(scene, samples).into_iter().map(late).collect() }
     }
 
     /// Returns the late flips up to a distance along each axis, as far as the picture reaches.
@@ -218,7 +238,6 @@ mod tests {
     use super::*;
     use crate::engine::EngineKind;
     use crate::engine::choice::{Chosen, EngineRequest, choose};
-    use crate::physics::Outcome;
     use crate::scene::BuiltIn;
 
     /// Returns a picture of the home scene with a time in s for each pixel.
@@ -247,6 +266,30 @@ mod tests {
         assert_eq!(found.len(), MOST_TRIES);
         assert!(distance(found[0], [0.0; 2]) < NEAR[0], "the middle is the wish: {found:?}");
         assert!((1..MOST_TRIES).all(|k| distance(found[0], found[k]) >= APART));
+    }
+
+    #[test]
+    fn the_bands_of_a_deep_view_lie_along_its_sides() {
+        let mut chosen = processor();
+        let home = BuiltIn::home().document().scene();
+        let mut turned = home.clone();
+        turned.view.rotate = 30.0;
+        let mut descent = Descent::new(turned, chosen.config, [0.2, 0.12]);
+        let (mut apart_deg, mut width) = (Vec::new(), 1.0);
+        while width > 1e-6 {
+            let step = descent.next(chosen.engine.as_mut(), &|| true).unwrap();
+            let DescentStep::Scene(mut scene) = step else { panic!("{step:?}") };
+            assert!((0.5..=2.0).contains(&scene.view.stretch) && scene.view.stretch != 1.0);
+            width = scene.view.width_rad().to_f64();
+            // The bands of the view as it is turned, but for the stretching.
+            scene.view.stretch = 1.0;
+            let samples = descent.picture(&scene, chosen.engine.as_mut(), &|| true).unwrap();
+            let bands = Bands::of(&flips_units(&scene, &samples.unwrap()), SIDE as usize);
+            apart_deg.push((bands.along_deg + 45.0).rem_euclid(90.0) - 45.0);
+        }
+        // From home they lay 40 degrees from the sides.
+        let deepest = &apart_deg[apart_deg.len() - 5..];
+        assert!(deepest.iter().all(|apart| apart.abs() < 12.0), "{apart_deg:?}");
     }
 
     #[test]

@@ -17,6 +17,7 @@
 //! Nothing here depends on a graphics card: the tests run on the mock engine.
 
 mod adaptive;
+mod bands;
 pub mod cache;
 pub mod descent;
 pub mod explorer;
