@@ -81,7 +81,7 @@ pub struct DescentPath {
 impl DescentPath {
     /// Returns the target for a view. Views that a descent passes are drawn at half the resolution, so
     /// that it does not wait long for each to be half drawn.
-    pub(super) fn passing(&self, target: ViewTarget) -> ViewTarget {
+    pub fn passing(&self, target: ViewTarget) -> ViewTarget {
         let passes = self.running.is_some() && self.scenes.len() > 1;
         if passes { target.coarser() } else { target }
     }

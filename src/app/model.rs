@@ -78,7 +78,8 @@ pub struct Films {
     pub draft: FilmDraft,
     /// Command that makes it, if the window has one.
     pub(super) command: Option<FilmCommand>,
-    pub(super) descent: DescentPath,
+    /// Descent that is running, or the views of the last one.
+    pub descent: DescentPath,
 }
 
 /// The app model behind a window.

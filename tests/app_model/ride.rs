@@ -17,13 +17,15 @@ use super::*;
 fn share_left(desktop: &mut Desktop) -> f64 {
     let config = desktop.state().compute.config().unwrap();
     let begun = Instant::now();
+    // Views on the way are drawn at half the resolution.
+    let target = |model: &AppModel| model.films.descent.passing(model.state.view_target(config));
     loop {
-        let before = desktop.state().state.view_target(config);
+        let before = target(desktop.state());
         let camera = desktop.state().state.target();
         desktop.step();
         let model = desktop.state_mut();
         if model.state.target().width_rad < 0.9 * camera.width_rad {
-            let now = model.state.view_target(config);
+            let now = target(model);
             model.compute.explorer.target(&before);
             let progress = model.progress();
             model.compute.explorer.target(&now);
@@ -44,7 +46,12 @@ fn a_descent_glides_on_when_a_view_is_half_drawn_and_stops_at_escape() {
         let moving = desktop.state().state.moving.expect("it glides");
         assert_eq!(moving.pace, MovePace::Glide);
     }
+    let level = |desktop: &Desktop| desktop.state().progress().level;
+    desktop.step();
+    let passing = level(&desktop);
     press(&mut desktop, Modifiers::NONE, Key::Escape);
+    desktop.run_steps(2);
+    assert_eq!(level(&desktop), passing + 1, "the last view is drawn in full");
     let there = desktop.state().state.target();
     desktop.run_steps(200);
     assert_eq!(desktop.state().state.target(), there);
