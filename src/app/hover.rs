@@ -39,6 +39,9 @@ pub fn answer_at(
     level: u32,
     until_secs: Option<f64>,
 ) -> Option<Answer> {
+    if explorer.is_behind() {
+        return None;
+    }
     let answer = known_at(explorer, Cell::around(angle, level), angle)?;
     // A sample computed for a larger budget may flip after the end of this one.
     let is_flipped = answer.status == Status::Flipped;

@@ -12,6 +12,7 @@
 //! a window calls it without a deadline.
 
 mod known;
+mod morphing;
 
 use std::collections::{HashSet, VecDeque};
 use std::time::Instant;
@@ -77,8 +78,12 @@ pub struct Explorer {
     /// All physics viewed so far; the index of each is its key.
     physics: Vec<KnownPhysics>,
     target: Option<ViewTarget>,
+    /// Target that follows once the current one is known coarsely.
+    next: Option<ViewTarget>,
     /// Key of the target's physics.
     key: usize,
+    /// Moment at which that physics became the target's.
+    key_since: Option<Instant>,
     /// Key of the latest earlier physics that was known all over the view and answers the same question.
     before: Option<usize>,
     /// Cells of the target that are still to be computed, canonical, in order.
@@ -100,7 +105,9 @@ impl Explorer {
             cache: Cache::new(cache_bytes),
             physics: Vec::new(),
             target: None,
+            next: None,
             key: 0,
+            key_since: None,
             before: None,
             waiting: VecDeque::new(),
             refinement: Refinement::default(),
@@ -112,9 +119,15 @@ impl Explorer {
         }
     }
 
-    /// Replaces the target.
+    /// Replaces the target; one that differs in the pendulum alone follows as soon as the current one
+    /// is known coarsely.
     pub fn target(&mut self, target: &ViewTarget) {
+        self.next = None;
         if self.target.as_ref() == Some(target) {
+            return;
+        }
+        if self.holds(target) {
+            self.next = Some(target.clone());
             return;
         }
         let is_same_view = self.target.as_ref().is_some_and(|last| last.is_same_view(target));
@@ -122,6 +135,9 @@ impl Explorer {
         // A physics that was passed so quickly that little of it is known cannot stand in.
         if key != self.key && self.progress().covered {
             self.before = Some(self.key);
+        }
+        if key != self.key || self.key_since.is_none() {
+            self.key_since = Some(Instant::now());
         }
         // Samples with other channels have no colour in this question's picture.
         let ask = |key: usize| self.physics[key].physics.question.ask;
@@ -215,15 +231,16 @@ impl Explorer {
         engine: &mut dyn Engine,
         deadline: Option<Instant>,
     ) -> Result<bool, EngineError> {
-        if std::mem::take(&mut self.stale) {
-            self.in_flight.cancel(engine);
-            self.plan();
-        }
-        if std::mem::take(&mut self.begins) {
-            engine.begin_picture();
-        }
         let mut news = false;
         loop {
+            self.follow();
+            if std::mem::take(&mut self.stale) {
+                self.in_flight.cancel(engine);
+                self.plan();
+            }
+            if std::mem::take(&mut self.begins) {
+                engine.begin_picture();
+            }
             news |= self.submit_until(engine, deadline)?;
             let wait = deadline.map_or(Wait::UntilFinished, |_| Wait::Until(Instant::now()));
             news |= self.collect(engine, wait)?;
@@ -260,9 +277,9 @@ impl Explorer {
         self.target.is_some() && self.in_flight.is_empty() && !self.waiting.is_empty()
     }
 
-    /// Returns true if no cell is waiting or in flight.
+    /// Returns true if no cell is waiting or in flight, and no target.
     pub fn is_done(&self) -> bool {
-        self.waiting.is_empty() && self.in_flight.is_empty()
+        self.waiting.is_empty() && self.in_flight.is_empty() && self.next.is_none()
     }
 
     /// Forgets the jobs in flight of an engine that is gone; nothing that was computed is lost.

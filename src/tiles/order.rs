@@ -42,8 +42,13 @@ pub(super) fn wanted(target: &ViewTarget, most: usize) -> Vec<Wanted> {
 
 /// Returns a target's cells pass by pass.
 fn passes(target: &ViewTarget) -> Vec<Vec<Wanted>> {
-    let coarse = (1..=COARSE_PASSES).rev().filter_map(|n| target.level.checked_sub(n * LEVEL_STEP));
+    // The coarsest level of all has a pass, too: it takes a moment, and is a whole map.
+    let mut coarse: Vec<_> =
+        (1..=COARSE_PASSES).rev().map(|n| target.level.saturating_sub(n * LEVEL_STEP)).collect();
+    coarse.dedup();
+    coarse.retain(|&level| level < target.level);
     let mut passes: Vec<_> = coarse
+        .into_iter()
         .map(|level| nearest_first(target, &target.region, level, CellPass::Coarse))
         .collect();
     passes.push(nearest_first(target, &target.region, target.level, CellPass::Own));

@@ -26,6 +26,8 @@ pub(crate) struct Ledger {
     pub mock: MockEngine,
     /// True if the next poll fails and drops the jobs in flight, as a lost device does.
     pub fail_poll: bool,
+    /// Number of polls that find nothing before one that does.
+    idle_polls: usize,
     /// True if cancelled jobs are answered all the same.
     pub deaf: bool,
     /// Number of pendulums simulated twice over the same time.
@@ -37,6 +39,7 @@ pub(crate) struct Ledger {
     pub jobs: Vec<Job>,
     /// Numbers of starts submitted from rest, and of starts submitted to be resumed.
     pub sent: [usize; 2],
+    polls: usize,
     flying: HashMap<u64, Vec<Span>>,
     done_secs: HashMap<Name, f64>,
 }
@@ -73,6 +76,11 @@ fn resumed(state: &IntegratorState, span: impl Fn([Dd; 2], f64) -> Span) -> Span
 impl Ledger {
     pub(crate) fn over(mock: MockEngine) -> Self {
         Ledger { mock, ..Ledger::default() }
+    }
+
+    /// A ledger of an engine that finishes nothing in two of three frames.
+    pub(crate) fn slow() -> Self {
+        Ledger { idle_polls: 2, ..Ledger::default() }
     }
 
     /// The first start of a job whose starts are at rest.
@@ -117,6 +125,10 @@ impl Engine for Ledger {
         if std::mem::take(&mut self.fail_poll) {
             self.cancel();
             return Err(EngineError::DeviceLost("a test".to_string()));
+        }
+        self.polls += 1;
+        if wait != Wait::UntilFinished && !self.polls.is_multiple_of(self.idle_polls + 1) {
+            return Ok(Vec::new());
         }
         let finished = self.mock.poll(wait)?;
         for answer in &finished {

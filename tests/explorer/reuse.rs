@@ -249,3 +249,46 @@ fn a_refused_job_is_computed_once_the_engine_takes_it() {
     );
     assert_eq!((engine.again, engine.doubled), (0, 0));
 }
+
+#[test]
+fn a_pendulum_that_changes_all_the_time_is_seen_to_change() {
+    let mut engine = Ledger::slow();
+    let home = lively(9);
+    let mut explorer = explored(&home, &mut engine);
+    let mut drawn = Vec::new();
+    // A slider that moves before the coarse map of any value is complete.
+    for k in 1..=200 {
+        let gravity = 9.81 - 0.01 * f64::from(k);
+        explorer.target(&ViewTarget { physics: physics(gravity), ..home.clone() });
+        frame(&mut explorer, &mut engine);
+        let now = explorer.drawn().expect("a map").build.gravity;
+        if drawn.last() != Some(&now) {
+            drawn.push(now);
+        }
+    }
+    assert!((5..150).contains(&drawn.len()), "{} maps of 200 values", drawn.len());
+    explorer.work(&mut engine, None).unwrap();
+    let last = ViewTarget { physics: physics(9.81 - 0.01 * 200.0), ..home };
+    assert!(!explorer.is_behind() && explorer.drawn() == Some(&last.physics));
+    for cell in in_view(&last) {
+        assert_eq!(wrong(&mut explorer, &last, cell), Some(0), "the last value is complete");
+    }
+}
+
+#[test]
+fn another_place_or_question_does_not_wait_for_a_pendulum() {
+    let mut engine = Ledger::slow();
+    let home = lively(9);
+    let mut explorer = explored(&home, &mut engine);
+    let changed = ViewTarget { physics: physics(5.0), ..home.clone() };
+    explorer.target(&changed);
+    explorer.target(&ViewTarget { physics: physics(4.0), ..home.clone() });
+    assert!(explorer.is_behind(), "the first coarse map comes before");
+    explorer.target(&ViewTarget { physics: physics(4.0), ..target([-2.0, 1.0], 9) });
+    assert!(!explorer.is_behind(), "another place");
+    explorer.target(&changed);
+    let mut asked = changed.physics.clone();
+    asked.question.count = 2;
+    explorer.target(&ViewTarget { physics: asked, ..home });
+    assert!(!explorer.is_behind(), "another question");
+}
