@@ -277,7 +277,7 @@ impl Explorer {
         self.target.is_some() && self.in_flight.is_empty() && !self.waiting.is_empty()
     }
 
-    /// Returns true if no cell is waiting or in flight, and no target.
+    /// Returns true if no cell is waiting or in flight, and no target waits for the current one.
     pub fn is_done(&self) -> bool {
         self.waiting.is_empty() && self.in_flight.is_empty() && self.next.is_none()
     }
