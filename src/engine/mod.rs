@@ -155,7 +155,7 @@ impl Job {
                 // leaf, neighbours differ by less), and doubled in f64 since the tolerance rises.
                 let finer = if self.config.precision == Precision::F32 { 200.0 } else { 2000.0 };
                 let finer = finer * f64::from(self.config.leaf_pixels()) / 16.0;
-                let control = adaptive.control.after_a_cell(moving.since, finer);
+                let control = adaptive.control.after_a_cell(moving.since, moving.end, finer);
                 Pace::Adaptive(method::Adaptive { control, ..adaptive })
             }
             _ => pace,

@@ -54,6 +54,9 @@ pub struct Leaf {
 pub struct MovingStarts {
     /// Reduced time at which their tolerance begins to rise.
     pub since: f64,
+    /// Reduced time at which the budget ends, if the tolerance may depend on how soon that is:
+    /// unless answers are checked, whose expected errors are those of a tolerance from `since` on.
+    pub end: Option<f64>,
     /// Their states.
     pub states: Vec<Moving>,
 }

@@ -182,7 +182,7 @@ impl Awaited {
 
 /// Returns true if a job's starts may be answered from their neighbours on a line: the job wants
 /// only outcomes, by a method whose errors are far smaller than the differences between neighbours.
-fn may_use_lines(job: &Job) -> bool {
+pub(super) fn may_use_lines(job: &Job) -> bool {
     let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
     adaptive && job.config.precision != Precision::F32 && job.keep.ends == Ends::None
 }

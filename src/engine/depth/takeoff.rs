@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::finished_patch::PartKey;
+use super::followed_job::may_use_lines;
 use super::lines::Place;
 use crate::engine::{Job, Keep, Moving, MovingStarts, Starts};
 
@@ -27,7 +28,9 @@ pub(super) enum Load {
 impl Takeoff {
     /// The job that integrates pendulums for a deep job; all have set out by the time `since`.
     pub(super) fn job(id: u64, deep: &Job, keep: Keep, since: f64, states: Vec<Moving>) -> Job {
-        let starts = Starts::Moving(MovingStarts { since, states });
+        let (_, unit_secs) = deep.question.reduced();
+        let end = may_use_lines(deep).then_some(deep.question.budget_secs / unit_secs);
+        let starts = Starts::Moving(MovingStarts { since, end, states });
         Job { id, question: deep.question, config: deep.config, starts, keep }
     }
 }
