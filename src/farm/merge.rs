@@ -221,7 +221,7 @@ fn alike(film: &Film, group: &FrameGroupTask) -> Vec<Alike> {
     let mut all: Vec<Alike> = Vec::new();
     for frame in group.group.frames.clone() {
         let shot = film.shot(frame);
-        let shown = FlipWindow::of(&shot);
+        let shown = FlipWindow::of(film, &shot);
         match all.last_mut() {
             Some(last) if last.shown == shown => last.frames.push((frame, shot)),
             _ => all.push(Alike { shown, frames: vec![(frame, shot)] }),
@@ -241,7 +241,7 @@ fn coloured(
     let mut patches = group.group.patches.iter();
     let mut light = || {
         let (cell, mirrored) = patches.next().ok_or(PartError::Gone)?.canonical();
-        let samples = parts.patch(&group.of, &cell)?;
+        let samples = parts.patch(group.of(&cell), &cell)?;
         let samples = if mirrored { samples.reversed() } else { samples };
         Ok(colours.light(&samples, shown))
     };
@@ -259,7 +259,7 @@ pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
     let mut times = Vec::new();
     for group in groups {
         for cell in group.cells.iter() {
-            let samples = parts.patch(&group.of, cell)?;
+            let samples = parts.patch(group.of(cell), cell)?;
             let some = samples.iter().step_by(LOOKED_AT);
             times.extend(some.filter(|o| o.status == Status::Flipped).map(|o| o.time));
         }

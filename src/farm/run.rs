@@ -96,10 +96,11 @@ fn open<'a>(
             })
         }
         (WorkPiece::Patches(group, cells), TaskKind::Film(_, groups)) => {
-            let group = &groups[*group];
+            let (group, first) = (&groups[*group], cells.first().ok_or(PartError::Gone)?);
+            let scene = group.group.scene_of(first);
             Box::new(Patches {
-                writer: PartWriter::open(&task.folder, &group.of)?,
-                work: PatchWork::new(&group.group.scene, task.config, cells.iter().cloned()),
+                writer: PartWriter::open(&task.folder, group.of(first))?,
+                work: PatchWork::new(&scene, task.config, cells.iter().cloned()),
                 cells: Vec::new(),
                 loose: Samples::default(),
             })

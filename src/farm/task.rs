@@ -68,8 +68,8 @@ pub struct FrameGroupTask {
     pub group: FrameGroup,
     /// Patches to compute, in the order of computation; shared like those of the groups.
     pub cells: Arc<[Cell]>,
-    /// Digest of everything that decides its samples.
-    pub of: String,
+    /// Digests of everything that decides its samples, by level from the coarsest to the finest.
+    of: Vec<String>,
 }
 
 /// A piece of work, with the index of its pass or group.
@@ -131,7 +131,8 @@ impl Task {
                 frames.iter().map(form).collect()
             }
             TaskKind::Film(_, groups) => {
-                groups.iter().map(|group| (group.of.clone(), PartForm::Patches)).collect()
+                let digests = groups.iter().flat_map(|group| group.of.iter().cloned());
+                digests.map(|of| (of, PartForm::Patches)).collect()
             }
         }
     }
@@ -221,16 +222,24 @@ impl Task {
             for dealt_cells in group.cells.chunks(hand) {
                 if dealt % self.plan.shards == shard - 1 {
                     cells.extend(
-                        dealt_cells.iter().filter(|cell| !parts.has_patch(&group.of, cell)),
+                        dealt_cells.iter().filter(|cell| !parts.has_patch(group.of(cell), cell)),
                     );
                 }
                 dealt += 1;
             }
-            if !cells.is_empty() {
-                missing.push(WorkPiece::Patches(k, cells));
-            }
+            // A piece has one budget; the cells are in the order of their levels.
+            let alike = cells.chunk_by(|a, b| group.of(a) == group.of(b));
+            missing.extend(alike.map(|cells| WorkPiece::Patches(k, cells.to_vec())));
         }
         missing
+    }
+}
+
+impl FrameGroupTask {
+    /// The digest of everything that decides the samples of one of its patches.
+    pub fn of(&self, cell: &Cell) -> &str {
+        let last = self.of.len() - 1;
+        &self.of[(cell.level as usize).min(last)]
     }
 }
 
@@ -311,7 +320,12 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
                 cells.into()
             }
         };
-        let of = sha256(format!("film {} {how}", what_of(&group.scene)).as_bytes());
+        let of_level = |level: u32| {
+            let scene = group.scene_of(&Cell { level, ..Cell::WHOLE });
+            sha256(format!("film {} {how}", what_of(&scene)).as_bytes())
+        };
+        let finest = cells.last().map_or(0, |cell| cell.level);
+        let of = (0..=finest).map(of_level).collect();
         tasks.push(FrameGroupTask { group, cells, of });
     }
     tasks
@@ -452,7 +466,7 @@ mod tests {
     fn what_decides_samples_has_a_name_of_its_own() {
         let name = |what: PlannedOutput| match task(what, 1).work {
             TaskKind::Still(_, passes) => passes[0].of.clone(),
-            TaskKind::Film(_, groups) => groups[0].of.clone(),
+            TaskKind::Film(_, groups) => groups[0].of[0].clone(),
             TaskKind::Frames(..) => panic!("a film of flips"),
         };
         let home = name(still([8, 8], 1));

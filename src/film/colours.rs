@@ -3,7 +3,7 @@
 use super::WAITING;
 use super::mip::{HEIGHT, Light};
 use crate::physics::{Outcome, Status};
-use crate::scene::film::Shot;
+use crate::scene::film::{Film, Shot};
 use crate::scene::palette::{Rgb, Tones, light_table};
 use crate::tiles::Samples;
 
@@ -19,11 +19,15 @@ pub struct FlipWindow {
 }
 
 impl FlipWindow {
-    /// The flips that a shot shows: all within its budget, or those within its clock.
-    pub fn of(shot: &Shot) -> Self {
+    /// The flips that a shot of a film shows: those within its clock, all within its budget if the
+    /// camera stays, or all that samples have.
+    pub fn of(film: &Film, shot: &Shot) -> Self {
         match shot.clock_secs {
             Some(secs) => FlipWindow { secs, waits: true },
-            None => FlipWindow { secs: shot.scene.question.budget.secs, waits: false },
+            None if film.stays() => {
+                FlipWindow { secs: shot.scene.question.budget.secs, waits: false }
+            }
+            None => FlipWindow { secs: film.budget_secs(), waits: false },
         }
     }
 }

@@ -103,4 +103,21 @@ mod tests {
         assert!((decades(five_secs) + 11.0).abs() < 1e-6);
         assert!((decades(1e6) + 8.0).abs() < 1e-12);
     }
+
+    #[test]
+    fn near_the_end_of_a_budget_the_time_left_decides() {
+        let control = Control::new(1e-12, 8);
+        let at = |since: f64, end: Option<f64>, time: f64| {
+            let limit = control.after_a_cell(since, end, 1e4).limit(time);
+            limit / 2.0 / std::f64::consts::LOG2_10
+        };
+        let secs = 9.81f64.sqrt();
+        assert!((at(40.0, None, 40.0) + 12.0).abs() < 1e-9, "1e4 below the ceiling of 1e-8");
+        let far = Some(40.0 + 18.1 * secs);
+        assert_eq!(at(40.0, far, 50.0), at(40.0, None, 50.0), "the end is far");
+        let end = Some(40.0 + 8.0 * secs);
+        assert!((at(40.0, end, 40.0) + 12.0 - 3.0).abs() < 1e-3, "10 s after it became near");
+        assert_eq!(at(40.0, end, 44.0), at(42.0, end, 44.0), "whenever they set out");
+        assert!((at(40.0, end, 60.0) + 8.0).abs() < 1e-9);
+    }
 }

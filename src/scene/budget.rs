@@ -70,6 +70,17 @@ impl Budget {
         });
         Budget { secs, auto: true }
     }
+
+    /// The budget in s of a view on the way between two with automatic budgets, as though neighbours
+    /// moved apart at one rate all along the way to the deeper one; none if they are not automatic.
+    pub fn on_the_way(ends: [(Budget, &View); 2], view: &View) -> Option<f64> {
+        let [a, b] = ends.map(|(budget, _)| budget);
+        let needed = |view: &View| decades(view.width_rad().to_f64()) + PIXEL_DECADES;
+        let [from, to] = ends.map(|(_, view)| needed(view));
+        let (deeper, most) = if from > to { (a.secs, from) } else { (b.secs, to) };
+        let secs = deeper * needed(view) / most;
+        (a.auto && b.auto).then(|| secs.clamp(a.secs.min(b.secs), a.secs.max(b.secs)))
+    }
 }
 
 /// The automatic budget of a view, in s, if it has been settled lately.
@@ -188,6 +199,21 @@ mod tests {
         let moon = Build { gravity: (9.81 / 4.0).into(), ..Build::default() };
         assert_eq!(AUTO.for_view(&moon, &view(fast, "1")).secs, 60.0);
         assert_eq!(Budget::secs(7.0).for_view(&moon, &view(fast, "1e-50")).secs, 7.0);
+    }
+
+    #[test]
+    fn on_the_way_to_a_deep_view_budgets_follow_the_depth() {
+        let [home, deep] = [view(["0", "0"], "6.283185307179586"), view(["1", "2"], "6.3e-27")];
+        let of = |secs| Budget { secs, auto: true };
+        let ends = [(of(30.0), &home), (of(120.0), &deep)];
+        let at = |width: &str| Budget::on_the_way(ends, &view(["1", "2"], width));
+        let near = |a: Option<f64>, b: f64| a.is_some_and(|a| (a - b).abs() < 0.1);
+        assert!(near(at("6.28"), 30.0) && near(at("6.3e-4"), 30.0), "the least is that of home");
+        assert!(near(at("6.3e-12"), 60.0) && near(at("6.3e-27"), 120.0));
+        let back = Budget::on_the_way([ends[1], ends[0]], &view(["1", "2"], "6.3e-12"));
+        assert!(near(back, 60.0), "whichever is first");
+        let fixed = [(Budget::secs(30.0), &home), (of(120.0), &deep)];
+        assert_eq!(Budget::on_the_way(fixed, &home), None);
     }
 
     #[test]

@@ -178,13 +178,13 @@ impl Film {
         }
     }
 
-    /// The one budget to which every sample of the film is computed, in s.
+    /// The largest budget of the film, in s.
     pub fn budget_secs(&self) -> f64 {
         self.keys.iter().map(|key| key.scene.question.budget.secs).fold(0.0, f64::max)
     }
 
-    /// True if all keys have one view.
-    fn stays(&self) -> bool {
+    /// Returns true if all keys have one view.
+    pub fn stays(&self) -> bool {
         self.keys.iter().all(|key| key.scene.view == self.keys[0].scene.view)
     }
 
@@ -220,15 +220,12 @@ impl Film {
             gravity: exact(a.build.gravity, b.build.gravity),
             friction: pair(a.build.friction, b.build.friction),
         };
-        // A film whose camera moves has one budget throughout.
-        let budget = if self.stays() {
-            mix(a.question.budget.secs, b.question.budget.secs)
-        } else {
-            self.budget_secs()
-        };
+        let view = between_views(&a.view, &b.view, share, a.plane.axes().map(Axis::wraps));
+        let ends = [&a, &b].map(|scene| (scene.question.budget, &scene.view));
+        let on_way = Budget::on_the_way(ends, &view);
+        let budget = on_way.unwrap_or(mix(a.question.budget.secs, b.question.budget.secs));
         let at = a.question.at.zip(b.question.at).map(|(a, b)| mix(a, b));
         let question = QuestionTable { budget: Budget::secs(budget), at, ..a.question };
-        let view = between_views(&a.view, &b.view, share, a.plane.axes().map(Axis::wraps));
         let plane = Plane { energy: mix(a.plane.energy, b.plane.energy), ..a.plane };
         let clock_secs = from.clock.zip(to.clock).map(|(a, b)| mix(a, b));
         Shot { scene: Scene { build, question, view, plane }, clock_secs }
@@ -352,11 +349,11 @@ mod tests {
     }
 
     #[test]
-    fn a_film_that_moves_has_one_budget() {
+    fn budgets_grow_with_the_depth() {
         let mut film = zoom("1e-3");
         film.keys[1].scene.question.budget = Budget::secs(60.0);
         let budgets = (0..11).map(|frame| film.shot(frame).scene.question.budget.secs);
-        assert!(budgets.into_iter().all(|secs| secs == 60.0));
+        assert!(budgets.zip(0..).all(|(secs, frame)| secs == 30.0 + 3.0 * f64::from(frame)));
     }
 
     #[test]
