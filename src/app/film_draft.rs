@@ -6,7 +6,7 @@ use super::flight::playback::Playback;
 use crate::output::{Destination, SafeFile, read_text};
 use crate::scene::film::{Film, FilmError};
 use crate::scene::keys::{Easing, Key, Keys};
-use crate::scene::{Document, Scene};
+use crate::scene::{Budget, Document, Scene};
 
 /// A film that is being planned.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,7 +127,12 @@ impl FilmDraft {
     /// Returns the scene that the preview shows now; none if the keys do not make a film.
     pub fn scene(&self) -> Option<Scene> {
         let film = self.film().ok()?;
-        Some(film.shot_at(self.keys[0].secs + self.clock.time_secs()).scene)
+        let mut scene = film.shot_at(self.keys[0].secs + self.clock.time_secs()).scene;
+        if !film.stays() {
+            // With the budget of each moment, the map would begin again at each.
+            scene.question.budget = Budget::secs(film.budget_secs());
+        }
+        Some(scene)
     }
 
     /// Reads keys from their file, or says in a sentence why it left the draft as it was.
@@ -218,7 +223,11 @@ mod tests {
         let mut draft = draft(&["4", "1"]);
         let width = |draft: &FilmDraft| draft.scene().unwrap().view.width_rad().to_f64();
         assert_eq!(width(&draft), 4.0);
+        draft.keys[1].scene.question.budget = Budget::secs(50.0);
+        let budget = |draft: &FilmDraft| draft.scene().unwrap().question.budget.secs;
+        assert_eq!(budget(&draft), 50.0);
         draft.clock.scrub(2.5);
+        assert_eq!(budget(&draft), 50.0, "one map for all of the way");
         assert!((width(&draft) - 2.0).abs() < 1e-9, "half of a smooth zoom by 4");
         draft.clock.scrub(99.0);
         assert_eq!(width(&draft), 1.0);
