@@ -77,8 +77,7 @@ fn whole(film: &Film) -> (u64, f64, f64) {
 
 /// Seconds to compute a single frame.
 fn rendered(film: &Film, frame: u32) -> f64 {
-    let mut scene = film.shot(frame).scene;
-    scene.question.budget.secs = film.budget_secs();
+    let scene = film.shot(frame).scene;
     let size = SIZE.map(|side| side * SAMPLES);
     let mut engine = engine();
     let begun = Instant::now();

@@ -6,7 +6,7 @@ use super::flight::playback::Playback;
 use crate::output::{Destination, SafeFile, read_text};
 use crate::scene::film::{Film, FilmError};
 use crate::scene::keys::{Easing, Key, Keys};
-use crate::scene::{Budget, Document, Scene};
+use crate::scene::{Budget, Document, QuestionTable, Scene};
 
 /// A film that is being planned.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,12 +127,10 @@ impl FilmDraft {
     /// Returns the scene that the preview shows now; none if the keys do not make a film.
     pub fn scene(&self) -> Option<Scene> {
         let film = self.film().ok()?;
-        let mut scene = film.shot_at(self.keys[0].secs + self.clock.time_secs()).scene;
-        if !film.stays() {
-            // With the budget of each moment, the map would begin again at each.
-            scene.question.budget = Budget::secs(film.budget_secs());
-        }
-        Some(scene)
+        let shot = film.shot_at(self.keys[0].secs + self.clock.time_secs());
+        // With the budget of each moment, the map of a moving camera would begin again at each.
+        let budget = Budget::secs(film.shown_secs(&shot));
+        Some(Scene { question: QuestionTable { budget, ..shot.scene.question }, ..shot.scene })
     }
 
     /// Reads keys from their file, or says in a sentence why it left the draft as it was.

@@ -97,7 +97,8 @@ fn open<'a>(
         }
         (WorkPiece::Patches(group, cells), TaskKind::Film(_, groups)) => {
             let (group, first) = (&groups[*group], cells.first().ok_or(PartError::Gone)?);
-            let scene = group.group.scene_of(first);
+            let mut scenes = group.group.scenes();
+            let scene = scenes.nth(group.group.scene_index(first)).ok_or(PartError::Gone)?;
             Box::new(Patches {
                 writer: PartWriter::open(&task.folder, group.of(first))?,
                 work: PatchWork::new(&scene, task.config, cells.iter().cloned()),

@@ -68,7 +68,7 @@ pub struct FrameGroupTask {
     pub group: FrameGroup,
     /// Patches to compute, in the order of computation; shared like those of the groups.
     pub cells: Arc<[Cell]>,
-    /// Digests of everything that decides its samples, by level from the coarsest to the finest.
+    /// Digests of everything that decides its samples, one for each of the group's scenes.
     of: Vec<String>,
 }
 
@@ -238,8 +238,7 @@ impl Task {
 impl FrameGroupTask {
     /// The digest of everything that decides the samples of one of its patches.
     pub fn of(&self, cell: &Cell) -> &str {
-        let last = self.of.len() - 1;
-        &self.of[(cell.level as usize).min(last)]
+        &self.of[self.group.scene_index(cell)]
     }
 }
 
@@ -320,12 +319,8 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
                 cells.into()
             }
         };
-        let of_level = |level: u32| {
-            let scene = group.scene_of(&Cell { level, ..Cell::WHOLE });
-            sha256(format!("film {} {how}", what_of(&scene)).as_bytes())
-        };
-        let finest = cells.last().map_or(0, |cell| cell.level);
-        let of = (0..=finest).map(of_level).collect();
+        let digest = |scene| sha256(format!("film {} {how}", what_of(&scene)).as_bytes());
+        let of = group.scenes().map(digest).collect();
         tasks.push(FrameGroupTask { group, cells, of });
     }
     tasks

@@ -19,15 +19,11 @@ pub struct FlipWindow {
 }
 
 impl FlipWindow {
-    /// The flips that a shot of a film shows: those within its clock, all within its budget if the
-    /// camera stays, or all that samples have.
+    /// The flips that a shot of a film shows: all that it can, or those within its clock.
     pub fn of(film: &Film, shot: &Shot) -> Self {
         match shot.clock_secs {
             Some(secs) => FlipWindow { secs, waits: true },
-            None if film.stays() => {
-                FlipWindow { secs: shot.scene.question.budget.secs, waits: false }
-            }
-            None => FlipWindow { secs: film.budget_secs(), waits: false },
+            None => FlipWindow { secs: film.shown_secs(shot), waits: false },
         }
     }
 }

@@ -49,8 +49,8 @@ use crate::tiles::patches::{Sight, patches};
 pub struct FrameGroup {
     /// The pendulum and the question; neither the view nor the budget matters.
     scene: Scene,
-    /// Budgets of patches by level, in s; finer ones have the last.
-    budgets: Arc<[f64]>,
+    /// The levels from which on patches have another budget, and that budget in s.
+    budgets: Vec<(u32, f64)>,
     /// The range from the first frame to the one after the last.
     pub frames: std::ops::Range<u32>,
     /// Patches in depth-first order of quarters of quarters; shared by groups with equal views.
@@ -61,12 +61,18 @@ pub struct FrameGroup {
 const BUDGETS: f64 = 64.0;
 
 impl FrameGroup {
-    /// The scene to compute a patch of; its view does not matter.
-    pub fn scene_of(&self, cell: &Cell) -> Scene {
-        let mut scene = self.scene.clone();
-        let last = self.budgets.len() - 1;
-        scene.question.budget.secs = self.budgets[(cell.level as usize).min(last)];
-        scene
+    /// The scenes to compute patches of, one for each budget; their views do not matter.
+    pub fn scenes(&self) -> impl Iterator<Item = Scene> {
+        self.budgets.iter().map(|(_, secs)| {
+            let mut scene = self.scene.clone();
+            scene.question.budget.secs = *secs;
+            scene
+        })
+    }
+
+    /// The index among [`Self::scenes`] of the one to compute a patch of.
+    pub fn scene_index(&self, patch: &Cell) -> usize {
+        self.budgets.partition_point(|(level, _)| *level <= patch.level).saturating_sub(1)
     }
 }
 
@@ -75,18 +81,21 @@ pub fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     let samples = film.keys[0].scene.picture.samples;
     let shots: Vec<Shot> = (0..film.frames).map(|frame| film.shot(frame)).collect();
     let mut groups: Vec<FrameGroup> = Vec::new();
-    let mut looked: Vec<&View> = Vec::new();
+    let (mut looked, mut levels): (Vec<&View>, Vec<u32>) = Default::default();
     for same in shots.chunk_by(|a, b| a.scene.build == b.scene.build) {
         let shots = different_views(same);
         let views: Vec<&View> = shots.iter().map(|shot| &shot.scene.view).collect();
-        let sight = |shot: &&Shot| Sight::new(&shot.scene, film.size, samples);
-        let sights: Vec<Sight> = shots.iter().map(sight).collect();
         let found = match groups.last() {
             Some(before) if looked == views => before.patches.clone(),
-            _ => patches(&sights).into(),
+            _ => {
+                let sight = |shot: &&Shot| Sight::new(&shot.scene, film.size, samples);
+                let sights: Vec<Sight> = shots.iter().map(sight).collect();
+                levels = sights.iter().map(Sight::level).collect();
+                patches(&sights).into()
+            }
         };
         looked = views;
-        let budgets = level_budgets(film, &shots, &sights).into();
+        let budgets = level_budgets(film, &levels, same);
         let scene = Scene { view: View::default(), ..same[0].scene.clone() };
         let first = groups.last().map_or(0, |before| before.frames.end);
         let frames = first..first + same.len() as u32;
@@ -95,26 +104,23 @@ pub fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     groups
 }
 
-/// The budgets of patches by level, in s: the largest of the frames that look at this level or a
-/// coarser one, in steps of a 64th of the film's largest.
-fn level_budgets(film: &Film, shots: &[&Shot], sights: &[Sight]) -> Vec<f64> {
+/// The levels from which on patches have another budget, and that budget in s: the largest of the
+/// shots that look at such a level or a coarser one, in steps of a 64th of the film's largest.
+/// `levels` has one for each run of shots with the same view.
+fn level_budgets(film: &Film, levels: &[u32], shots: &[Shot]) -> Vec<(u32, f64)> {
     let most = film.budget_secs();
-    if film.stays() {
-        return vec![most];
-    }
     let step = most / BUDGETS;
-    let mut budgets: Vec<f64> = Vec::new();
-    for (shot, sight) in shots.iter().zip(sights) {
-        let level = sight.level() as usize;
-        budgets.resize(budgets.len().max(level + 1), 0.0);
-        let secs = (shot.scene.question.budget.secs / step).ceil() * step;
-        budgets[level] = budgets[level].max(secs.min(most));
+    let in_steps = |shot: &Shot| (shot.scene.question.budget.secs / step).ceil() * step;
+    let largest = |run: &[Shot]| run.iter().map(in_steps).fold(0.0, f64::max).min(most);
+    let runs = shots.chunk_by(|a, b| a.scene.view == b.scene.view);
+    let mut looks: Vec<(u32, f64)> = levels.iter().copied().zip(runs.map(largest)).collect();
+    looks.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    let mut budgets: Vec<(u32, f64)> = Vec::new();
+    for (level, secs) in looks {
+        if budgets.last().is_none_or(|(_, before)| secs > *before) {
+            budgets.push((level, secs));
+        }
     }
-    let mut so_far = 0.0;
-    budgets.iter_mut().for_each(|secs| {
-        so_far = secs.max(so_far);
-        *secs = so_far;
-    });
     budgets
 }
 
@@ -140,11 +146,12 @@ mod tests {
     fn budgets(keys: Vec<Key>) -> Vec<f64> {
         let film = Film { size: [64, 48], frames: 21, fps: 10.0, keys };
         let [group] = &frame_groups(&film)[..] else { panic!("one pendulum") };
-        let of = |cell: &Cell| group.scene_of(cell).question.budget.secs;
-        let mut all: Vec<(u32, f64)> = group.patches.iter().map(|c| (c.level, of(c))).collect();
-        all.sort_by(|a, b| a.partial_cmp(b).unwrap());
-        all.dedup();
-        all.into_iter().map(|(_, secs)| secs).collect()
+        let all: Vec<f64> = group.scenes().map(|scene| scene.question.budget.secs).collect();
+        let of = |cell: &Cell| all[group.scene_index(cell)];
+        let mut found: Vec<(u32, f64)> = group.patches.iter().map(|c| (c.level, of(c))).collect();
+        found.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        found.dedup();
+        found.into_iter().map(|(_, secs)| secs).collect()
     }
 
     #[test]
@@ -158,6 +165,9 @@ mod tests {
         }
         let far = budgets(vec![key(0.0, "1e-6", 30.0), key(1.0, "6", 60.0)]);
         assert!(far.iter().all(|secs| *secs == 60.0), "a wide view's time is never cut: {far:?}");
+        // A camera that waits at its last view while the budget grows.
+        let waits = vec![key(0.0, "6", 30.0), key(1.0, "1e-3", 30.0), key(2.0, "1e-3", 60.0)];
+        assert_eq!(budgets(waits).last(), Some(&60.0));
         let stays = budgets(vec![key(0.0, "6", 10.0), key(1.0, "6", 30.0)]);
         assert_eq!(stays, [30.0]);
     }

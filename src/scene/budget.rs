@@ -72,14 +72,14 @@ impl Budget {
     }
 
     /// The budget in s of a view on the way between two with automatic budgets, as though neighbours
-    /// moved apart at one rate all along the way to the deeper one; none if they are not automatic.
+    /// moved apart at one rate all along the way to the deeper one. None if they are not automatic, or
+    /// if the deeper one has the shorter budget.
     pub fn on_the_way(ends: [(Budget, &View); 2], view: &View) -> Option<f64> {
-        let [a, b] = ends.map(|(budget, _)| budget);
         let needed = |view: &View| decades(view.width_rad().to_f64()) + PIXEL_DECADES;
-        let [from, to] = ends.map(|(_, view)| needed(view));
-        let (deeper, most) = if from > to { (a.secs, from) } else { (b.secs, to) };
-        let secs = deeper * needed(view) / most;
-        (a.auto && b.auto).then(|| secs.clamp(a.secs.min(b.secs), a.secs.max(b.secs)))
+        let [a, b] = ends.map(|(budget, view)| (needed(view), budget.secs));
+        let ((_, least), (most_needed, most)) = if a > b { (b, a) } else { (a, b) };
+        let follows = least <= most && ends.iter().all(|(budget, _)| budget.auto);
+        follows.then(|| (most * needed(view) / most_needed).clamp(least, most))
     }
 }
 

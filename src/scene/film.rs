@@ -183,8 +183,14 @@ impl Film {
         self.keys.iter().map(|key| key.scene.question.budget.secs).fold(0.0, f64::max)
     }
 
-    /// Returns true if all keys have one view.
-    pub fn stays(&self) -> bool {
+    /// The time in s until which a shot shows flips: its own budget if the camera stays, and otherwise
+    /// all that samples have, so that every frame shows a place alike.
+    pub fn shown_secs(&self, shot: &Shot) -> f64 {
+        if self.stays() { shot.scene.question.budget.secs } else { self.budget_secs() }
+    }
+
+    /// True if all keys have one view.
+    fn stays(&self) -> bool {
         self.keys.iter().all(|key| key.scene.view == self.keys[0].scene.view)
     }
 
@@ -222,8 +228,8 @@ impl Film {
         };
         let view = between_views(&a.view, &b.view, share, a.plane.axes().map(Axis::wraps));
         let ends = [&a, &b].map(|scene| (scene.question.budget, &scene.view));
-        let on_way = Budget::on_the_way(ends, &view);
-        let budget = on_way.unwrap_or(mix(a.question.budget.secs, b.question.budget.secs));
+        let evenly = mix(a.question.budget.secs, b.question.budget.secs);
+        let budget = Budget::on_the_way(ends, &view).map_or(evenly, |secs| secs.min(evenly));
         let at = a.question.at.zip(b.question.at).map(|(a, b)| mix(a, b));
         let question = QuestionTable { budget: Budget::secs(budget), at, ..a.question };
         let plane = Plane { energy: mix(a.plane.energy, b.plane.energy), ..a.plane };
@@ -354,6 +360,26 @@ mod tests {
         film.keys[1].scene.question.budget = Budget::secs(60.0);
         let budgets = (0..11).map(|frame| film.shot(frame).scene.question.budget.secs);
         assert!(budgets.zip(0..).all(|(secs, frame)| secs == 30.0 + 3.0 * f64::from(frame)));
+    }
+
+    #[test]
+    fn automatic_budgets_begin_and_end_as_their_keys_have_them() {
+        for (wide, deep) in [(30.0, 60.0), (60.0, 30.0), (10.0, 60.0)] {
+            let mut film = zoom("1e-9");
+            for (key, secs) in film.keys.iter_mut().zip([wide, deep]) {
+                key.scene.question.budget = Budget { secs, auto: true };
+            }
+            let budget = |frame| film.shot(frame).scene.question.budget.secs;
+            assert_eq!((budget(0), budget(10)), (wide, deep));
+            assert!(budget(5) <= 0.5 * (wide + deep), "{}", budget(5));
+        }
+        // A pendulum that changes under a camera that stays.
+        let mut film = zoom("1e-9");
+        film.keys[0].scene.view = film.keys[1].scene.view.clone();
+        for (key, secs) in film.keys.iter_mut().zip([75.0, 35.0]) {
+            key.scene.question.budget = Budget { secs, auto: true };
+        }
+        assert_eq!(film.shot(5).scene.question.budget.secs, 55.0);
     }
 
     #[test]
