@@ -19,6 +19,9 @@ struct Job {
     start: f32,
     rise: f32,
     ceiling: f32,
+    // Numbers of columns and rows of an upright picture's starts.
+    columns: u32,
+    rows: u32,
 {% if general %}
     // 1: the first bob is watched, 2: the second, 3: both.
     watched: u32,

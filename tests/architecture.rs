@@ -261,6 +261,8 @@ fn structs_have_the_same_offsets_on_both_sides() {
         ("start", offset_of!(JobHead, start)),
         ("rise", offset_of!(JobHead, rise)),
         ("ceiling", offset_of!(JobHead, ceiling)),
+        ("columns", offset_of!(JobHead, columns)),
+        ("rows", offset_of!(JobHead, rows)),
         ("watched", head + offset_of!(JobScene, watched)),
         ("a", head + offset_of!(JobScene, a)),
         ("b", head + offset_of!(JobScene, b)),

@@ -126,8 +126,9 @@ impl Engine for MockEngine {
         let Some(Job { id, question, starts, keep, .. }) = job else {
             return Ok(Vec::new());
         };
-        let angles = match starts {
+        let angles = match starts.listed() {
             Starts::Rest(angles) => angles,
+            Starts::Upright(_) => unreachable!("listed"),
             Starts::Thrown(launches) => launches.iter().map(|launch| launch.angle).collect(),
             Starts::Resumed { states, .. } => states
                 .iter()

@@ -56,7 +56,7 @@ pub use level::Accuracy;
 use method::Pace;
 pub use method::{Method, Precision};
 pub use one_job::run_job;
-pub use starts::{Deep, Leaf, Moving, MovingStarts, Starts};
+pub use starts::{Deep, Leaf, Moving, MovingStarts, Starts, Upright};
 pub use trust::Trust;
 
 /// The question that a job asks about each of its starts.

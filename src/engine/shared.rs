@@ -12,7 +12,7 @@ pub fn status_constants() -> String {
         format!("const {name}: u32 = {}u;\n", status as u8)
     };
     let all = [Status::Unflipped, Status::Flipped, Status::Forbidden, Status::Failed];
-    all.map(line).concat()
+    all.map(line).concat() + &format!("const RUNNING: u32 = {RUNNING}u;\n")
 }
 
 /// The status in the device's memory of a pendulum that has not ended. No [`Status`] has this code,
@@ -48,6 +48,10 @@ pub struct JobHead {
     pub rise: f32,
     /// Value beyond which `start` does not rise.
     pub ceiling: f32,
+    /// Numbers of columns and rows of an upright picture's starts; else 0.
+    pub columns: u32,
+    /// See [`JobHead::columns`].
+    pub rows: u32,
 }
 
 /// The scene, which a general kernel reads in addition to the head.

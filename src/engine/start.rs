@@ -6,6 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use rayon::prelude::*;
+
 use super::integrator_state::carried_names;
 use super::method::Pace;
 use super::{
@@ -102,7 +104,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
         _ => true,
     };
     let is_possible = match &job.starts {
-        Starts::Rest(_) | Starts::Thrown(_) => true,
+        Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) => true,
         Starts::Resumed { states, .. } => states.iter().all(carries),
         Starts::Moving(moving) => match job.keep.ends {
             Ends::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
@@ -196,11 +198,17 @@ fn nudged_on_its_way(
     IntegratorState { steps: 0, numbers, carried }
 }
 
+/// The states of pendulums released from rest at angles in rad, each within (−π, π].
+pub(super) fn at_rest_at(config: &IntegratorConfig, angles: &[[Dd; 2]]) -> Vec<IntegratorState> {
+    angles.par_iter().with_min_len(1 << 10).map(|angle| at_rest(config, *angle)).collect()
+}
+
 fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let Job { question, config, .. } = job;
     match &job.starts {
         Starts::Resumed { states, .. } => Ok(states.clone()),
-        Starts::Rest(angles) => Ok(angles.iter().map(|angle| at_rest(config, *angle)).collect()),
+        Starts::Rest(angles) => Ok(at_rest_at(config, angles)),
+        Starts::Upright(upright) => Ok(at_rest_at(config, &upright.listed())),
         Starts::Thrown(launches) => {
             let reduced = question.reduced_in();
             Ok(launches.iter().map(|launch| thrown(config, &reduced, launch)).collect())
@@ -242,7 +250,7 @@ pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Opti
         Starts::Moving(moving) => {
             moving.states.iter().filter_map(|moving| thrown(moving.phase)).reduce(f64::max)
         }
-        Starts::Rest(_) | Starts::Resumed { .. } | Starts::Deep(_) => None,
+        Starts::Rest(_) | Starts::Upright(_) | Starts::Resumed { .. } | Starts::Deep(_) => None,
     }
 }
 

@@ -1,5 +1,7 @@
 //! The states in which the pendulums of a job begin.
 
+use rayon::prelude::*;
+
 use super::IntegratorState;
 use crate::physics::phase::Phase;
 use crate::physics::tangents::TangentMap;
@@ -12,6 +14,8 @@ use crate::scene::lattice::Cell;
 pub enum Starts {
     /// Released from rest at these angles (rad), each within (−π, π].
     Rest(Vec<[Dd; 2]>),
+    /// Released from rest at angles that many starts share.
+    Upright(Upright),
     /// Thrown from angles (rad, each within (−π, π]) with speeds (rad/s).
     Thrown(Vec<Launch>),
     /// Resumed from the states in which an earlier job left them; its question may differ in the
@@ -27,6 +31,27 @@ pub enum Starts {
     /// Starts at places too close together for the number types of engines; only
     /// [`super::depth::DepthEngine`] can begin them.
     Deep(Deep),
+}
+
+/// Starts from rest of an upright picture, each at the angles of its column and of its row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Upright {
+    /// Angles of the columns and of the rows (rad, within (−π, π]).
+    pub angles: [Vec<Dd>; 2],
+    /// The place of each start: its column, and its row times the number of columns.
+    pub places: Vec<u32>,
+}
+
+impl Upright {
+    /// The angles of each start in rad.
+    pub fn listed(&self) -> Vec<[Dd; 2]> {
+        let [columns, rows] = &self.angles;
+        let angle = |&place: &u32| {
+            let place = place as usize;
+            [columns[place % columns.len()], rows[place / columns.len()]]
+        };
+        self.places.par_iter().map(angle).collect()
+    }
 }
 
 /// Starts grouped by the leaves of the lattice in which they lie.
@@ -85,10 +110,19 @@ impl Starts {
     pub fn len(&self) -> usize {
         match self {
             Starts::Rest(angles) => angles.len(),
+            Starts::Upright(upright) => upright.places.len(),
             Starts::Thrown(launches) => launches.len(),
             Starts::Resumed { states, .. } => states.len(),
             Starts::Moving(moving) => moving.states.len(),
             Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
+        }
+    }
+
+    /// The same starts, with the angles of each one that is released from rest.
+    pub fn listed(self) -> Self {
+        match self {
+            Starts::Upright(upright) => Starts::Rest(upright.listed()),
+            other => other,
         }
     }
 

@@ -1,10 +1,11 @@
 //! The energy curve as pixels show it; only pixels near it are examined.
 
+use std::ops::Range;
+
 use crate::scene::Grid;
 
 /// A band of rows, with the blocks of pixels that the energy curve may touch.
 pub struct CurveBand {
-    first_row: u32,
     /// True for each block, from the left, that is not clear of the curve.
     near: Vec<bool>,
 }
@@ -22,14 +23,7 @@ impl CurveBand {
         let first_row = row - row % BLOCK;
         let columns = (0..grid.size()[0]).step_by(BLOCK as usize);
         let near = |x| !grid.is_clear_of_curve([x, first_row], [BLOCK; 2], REACH);
-        CurveBand { first_row, near: columns.map(near).collect() }
-    }
-
-    /// Moves on to another row of the same grid.
-    pub fn move_to(&mut self, grid: &Grid, row: u32) {
-        if row - row % BLOCK != self.first_row {
-            *self = CurveBand::around(grid, row);
-        }
+        CurveBand { near: columns.map(near).collect() }
     }
 
     /// Share of a pixel of the band that the energy curve covers, from its distance to the pixel's
@@ -42,6 +36,12 @@ impl CurveBand {
     }
 }
 
+/// Some rows, cut into those of each band.
+pub(super) fn bands(rows: Range<u32>) -> Vec<Range<u32>> {
+    let firsts = (rows.start / BLOCK..rows.end.div_ceil(BLOCK)).map(|band| band * BLOCK);
+    firsts.map(|first| first.max(rows.start)..(first + BLOCK).min(rows.end)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,15 +52,22 @@ mod tests {
         let view = View { rotate: 12.0, ..View::default() };
         for scene in [Scene::default(), Scene { view, ..Scene::default() }] {
             let grid = Grid::new(&scene.checked().unwrap(), [150, 83]);
-            let mut band = CurveBand::around(&grid, 0);
             let mut touched = 0;
             for (row, column) in (0..83).flat_map(|row| (0..150).map(move |x| (row, x))) {
-                band.move_to(&grid, row);
+                let band = CurveBand::around(&grid, row);
                 let whole = (REACH - grid.pixels_from_curve(column, row)).clamp(0.0, 1.0);
                 assert_eq!(band.cover(&grid, column, row), whole, "({column}, {row})");
                 touched += u32::from(whole > 0.0);
             }
             assert!(touched > 100, "{touched}");
         }
+    }
+
+    #[test]
+    fn rows_are_cut_where_bands_begin() {
+        assert_eq!(bands(0..40), [0..16, 16..32, 32..40]);
+        assert_eq!(bands(14..18), [14..16, 16..18]);
+        assert_eq!(bands(17..20), [17..20]);
+        assert!(bands(32..32).is_empty());
     }
 }

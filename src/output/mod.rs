@@ -19,6 +19,7 @@ mod npy;
 mod one_file;
 mod paint;
 mod picture_file;
+mod pixel_stream;
 mod png;
 mod pyramid;
 mod read;

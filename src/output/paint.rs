@@ -1,7 +1,9 @@
 //! The colours of samples: the palette, the light on them, the mean of several samples per pixel, the
 //! energy curve, the legend.
 
-use super::curve::CurveBand;
+use rayon::prelude::*;
+
+use super::curve::{CurveBand, bands};
 use super::legend::Legend;
 use super::lit_rows::LitRows;
 use crate::physics::Status;
@@ -14,8 +16,8 @@ use crate::tiles::Samples;
 /// Paints bands of a picture from the top.
 pub struct RowPainter {
     colours: AnswerColours,
-    /// The band of the next row, where the energy curve is drawn.
-    curve: Option<CurveBand>,
+    /// True where the energy curve is drawn.
+    curve: bool,
     legend: Option<Legend>,
     lit: Option<LitRows>,
     samples_along: u32,
@@ -38,7 +40,7 @@ impl RowPainter {
             legend: picture.legend.then(legend).transpose()?,
             lit: relief.map(|relief| LitRows::new(relief, fine)),
             colours,
-            curve: curve.then(|| CurveBand::around(&grid, 0)),
+            curve,
             samples_along: picture.samples,
             grid,
             next_row: 0,
@@ -57,50 +59,71 @@ impl RowPainter {
     pub fn tints(&mut self, samples: &Samples) -> Vec<Tint> {
         let colours = &self.colours;
         let tint = |k| colours.tint(samples.get(k).status, samples.values(k));
-        let tints = (0..samples.len()).map(tint);
-        match &mut self.lit {
-            None => self.pending.extend(tints),
-            Some(lit) => {
-                let heights = (0..samples.len()).map(|k| height(colours, samples, k));
-                self.pending.extend(lit.light(tints, heights));
-            }
+        let share = (0..samples.len()).into_par_iter().with_min_len(SHARE);
+        let mut tints: Vec<Tint> = share.map(tint).collect();
+        if let Some(lit) = &mut self.lit {
+            let heights = (0..samples.len()).map(|k| height(colours, samples, k));
+            tints = lit.light(tints.into_iter(), heights);
         }
-        let along = self.samples_along as usize;
-        let width = self.grid.size()[0] as usize;
-        let row_samples = width * along * along;
+        self.pending.append(&mut tints);
+        let row_samples = self.row_samples();
         let rows = self.pending.len() / row_samples;
-        let mut pixels = Vec::with_capacity(rows * width);
-        let painted: Vec<Tint> = self.pending.drain(..rows * row_samples).collect();
-        for row in painted.chunks(row_samples) {
-            if let Some(curve) = &mut self.curve {
-                curve.move_to(&self.grid, self.next_row);
-            }
-            for column in 0..width {
-                let tint = mean(row, width * along, column * along, along);
-                pixels.push(self.with_marks(tint, column as u32));
-            }
-            self.next_row += 1;
-        }
+        let rest = self.pending.split_off(rows * row_samples);
+        let ready = std::mem::replace(&mut self.pending, rest);
+        let pixels = self.rows(&ready);
+        self.next_row += rows as u32;
         pixels
     }
 
-    /// The colour of a pixel of the next row under the energy curve and the legend.
-    fn with_marks(&self, tint: Tint, column: u32) -> Tint {
-        let tint = self.with_curve(tint, column);
+    /// Number of samples of a row of pixels.
+    fn row_samples(&self) -> usize {
+        self.grid.size()[0] as usize * (self.samples_along * self.samples_along) as usize
+    }
+
+    /// The pixels of the next rows, whose samples are all there.
+    fn rows(&self, ready: &[Tint]) -> Vec<Tint> {
+        let (width, along) = (self.grid.size()[0] as usize, self.samples_along as usize);
+        let row_samples = self.row_samples();
+        let mut pixels = vec![Tint::default(); ready.len() / (along * along)];
+        // All rows of a band share the search for the curve.
+        let first = self.next_row;
+        let bands = bands(first..first + (pixels.len() / width) as u32);
+        let mut parts = Vec::with_capacity(bands.len());
+        let mut rest = &mut pixels[..];
+        for rows in bands {
+            let (part, below) = rest.split_at_mut(rows.len() * width);
+            parts.push((rows, part));
+            rest = below;
+        }
+        parts.into_par_iter().for_each(|(rows, part)| {
+            let curve = self.curve.then(|| CurveBand::around(&self.grid, rows.start));
+            let from = (rows.start - first) as usize * row_samples;
+            let samples = ready[from..].chunks(row_samples);
+            for ((row, pixels), samples) in rows.zip(part.chunks_mut(width)).zip(samples) {
+                for (column, pixel) in pixels.iter_mut().enumerate() {
+                    let tint = mean(samples, width * along, column * along, along);
+                    *pixel = self.with_marks(tint, [column as u32, row], curve.as_ref());
+                }
+            }
+        });
+        pixels
+    }
+
+    /// The colour of a pixel under the energy curve and the legend.
+    fn with_marks(&self, tint: Tint, [column, row]: [u32; 2], curve: Option<&CurveBand>) -> Tint {
+        let tint = match curve.map_or(0.0, |band| band.cover(&self.grid, column, row)) {
+            0.0 => tint,
+            cover => mixed(tint, tint_of(self.colours.ground().curve), cover as f32),
+        };
         match &self.legend {
-            Some(legend) => legend.over(tint, column, self.next_row),
+            Some(legend) => legend.over(tint, column, row),
             None => tint,
         }
     }
-
-    fn with_curve(&self, tint: Tint, column: u32) -> Tint {
-        let band = self.curve.as_ref();
-        match band.map_or(0.0, |band| band.cover(&self.grid, column, self.next_row)) {
-            0.0 => tint,
-            cover => mixed(tint, tint_of(self.colours.ground().curve), cover as f32),
-        }
-    }
 }
+
+/// Number of samples that a thread colours at a time.
+const SHARE: usize = 1 << 12;
 
 /// The height of a sample in the landscape of times; NaN without a time.
 fn height(colours: &AnswerColours, samples: &Samples, index: usize) -> f32 {

@@ -1,16 +1,15 @@
 //! PNG files written row by row with the scene inside, and the scene read back from one.
 
 use std::io::{self, BufRead, Seek, Write};
-use std::sync::{Arc, Mutex, MutexGuard};
 
+use super::pixel_stream::PixelStream;
 use crate::scene::Document;
 
 /// The keyword of the text chunk.
 const KEYWORD: &str = "flipmap";
 
-/// Level of compression. Maps are flat areas of few colours, which filters break up: without them
-/// this level takes a fifth of the time of the encoder's own choice, and most files are smaller.
-const COMPRESSION: png::DeflateCompression = png::DeflateCompression::Level(2);
+/// Size in bytes of the chunk that ends a file.
+const END_BYTES: usize = 12;
 
 /// Reasons why a PNG could not be written, or has no scene.
 #[derive(Debug, thiserror::Error)]
@@ -37,13 +36,18 @@ pub enum PngError {
     Text(#[from] crate::scene::DocumentError),
 }
 
-/// Writes RGB rows as they come, of eight bits a channel or sixteen.
-pub struct PngWriter<W: Write + 'static> {
-    out: Shared<W>,
-    stream: png::StreamWriter<'static, Shared<W>>,
+/// Writes RGB rows as they come, of eight bits a channel or sixteen. Blocks of rows are compressed on
+/// all cores; a file does not depend on their number, nor on how its rows come.
+pub struct PngWriter<W: Write> {
+    out: W,
+    pixels: PixelStream,
+    /// Number of bytes of rows that have not come yet.
+    missing: usize,
+    /// The chunk after the pixels.
+    end: Vec<u8>,
 }
 
-impl<W: Write + 'static> PngWriter<W> {
+impl<W: Write> PngWriter<W> {
     /// Begins a `size` picture that carries `document`.
     pub fn new(out: W, size: [u32; 2], document: &Document) -> Result<Self, PngError> {
         Self::begin(out, size, Some(document.text()), png::BitDepth::Eight)
@@ -60,86 +64,59 @@ impl<W: Write + 'static> PngWriter<W> {
     }
 
     fn begin(
-        out: W,
+        mut out: W,
         [width, height]: [u32; 2],
         text: Option<String>,
         depth: png::BitDepth,
     ) -> Result<Self, PngError> {
-        let out = Shared(Arc::new(Mutex::new(Inner { out, failure: None })));
-        let mut encoder = png::Encoder::new(out.clone(), width, height);
+        let mut head = Vec::new();
+        let mut encoder = png::Encoder::new(&mut head, width, height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(depth);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        encoder.set_filter(png::Filter::NoFilter);
-        encoder.set_deflate_compression(COMPRESSION);
         let texted = text.map_or(Ok(()), |text| encoder.add_itxt_chunk(KEYWORD.to_string(), text));
-        let begun = texted.and_then(|()| encoder.write_header()?.into_stream_writer());
-        let stream = begun.map_err(|error| out.explain(error.into()))?;
-        Ok(PngWriter { out, stream })
+        // An encoder that is dropped ends its file.
+        texted.and_then(|()| encoder.write_header().map(drop)).map_err(io::Error::from)?;
+        let end = head.split_off(head.len() - END_BYTES);
+        out.write_all(&head)?;
+        let pixel_bytes = if depth == png::BitDepth::Eight { 3 } else { 6 };
+        let row_bytes = width as usize * pixel_bytes;
+        let (pixels, first) = PixelStream::begin(row_bytes);
+        write_pixels(&mut out, &first)?;
+        Ok(PngWriter { out, pixels, missing: row_bytes * height as usize, end })
     }
 
     /// Writes the next rows, three bytes per pixel, or six with the high one of each channel first.
     pub fn write(&mut self, rgb: &[u8]) -> Result<(), PngError> {
-        self.stream.write_all(rgb).map_err(|error| self.out.explain(error).into())
+        let missing = self.missing.checked_sub(rgb.len());
+        self.missing = missing.ok_or_else(|| io::Error::other("the picture has fewer rows"))?;
+        for block in self.pixels.pack(rgb) {
+            write_pixels(&mut self.out, &block)?;
+        }
+        Ok(())
     }
 
     /// Completes the picture and returns the file.
-    pub fn finish(self) -> Result<W, PngError> {
-        let PngWriter { out, stream } = self;
-        stream.finish().map_err(|error| out.explain(error.into()))?;
-        let inner = Arc::into_inner(out.0).expect("the stream's share is gone");
-        Ok(inner.into_inner().expect(NO_PANIC).out)
+    pub fn finish(mut self) -> Result<W, PngError> {
+        if self.missing > 0 {
+            return Err(io::Error::other("rows of the picture are missing").into());
+        }
+        write_pixels(&mut self.out, &self.pixels.end())?;
+        self.out.write_all(&self.end)?;
+        Ok(self.out)
     }
 }
 
-/// The file, shared with the encoder, which takes its writer and never gives it back.
-struct Shared<W>(Arc<Mutex<Inner<W>>>);
-
-/// Reason for which the lock of a shared file is sound.
-const NO_PANIC: &str = "no panic while held";
-
-struct Inner<W> {
-    out: W,
-    /// The first error of the file; the encoder passes on only its words.
-    failure: Option<io::Error>,
-}
-
-impl<W> Shared<W> {
-    fn inner(&self) -> MutexGuard<'_, Inner<W>> {
-        self.0.lock().expect(NO_PANIC)
-    }
-
-    /// The file's own error behind the `error` that the encoder reported.
-    fn explain(&self, error: io::Error) -> io::Error {
-        self.inner().failure.take().unwrap_or(error)
-    }
-
-    fn remember<T>(&self, result: io::Result<T>) -> io::Result<T> {
-        result.map_err(|error| {
-            let kind = error.kind();
-            if kind != io::ErrorKind::Interrupted {
-                self.inner().failure.get_or_insert(error);
-            }
-            kind.into()
-        })
-    }
-}
-
-impl<W> Clone for Shared<W> {
-    fn clone(&self) -> Self {
-        Shared(self.0.clone())
-    }
-}
-
-impl<W: Write> Write for Shared<W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.inner().out.write(bytes);
-        self.remember(written)
-    }
-    fn flush(&mut self) -> io::Result<()> {
-        let flushed = self.inner().out.flush();
-        self.remember(flushed)
-    }
+/// Writes a chunk of packed pixels.
+fn write_pixels(out: &mut impl Write, packed: &[u8]) -> io::Result<()> {
+    let name = b"IDAT";
+    let mut sum = crc32fast::Hasher::new();
+    sum.update(name);
+    sum.update(packed);
+    out.write_all(&(packed.len() as u32).to_be_bytes())?;
+    out.write_all(name)?;
+    out.write_all(packed)?;
+    out.write_all(&sum.finalize().to_be_bytes())
 }
 
 /// A picture that flipmap wrote, in memory.

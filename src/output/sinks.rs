@@ -4,6 +4,8 @@ use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::failure::{OutputError, is_broken_pipe};
 use super::picture_file::{check_depth, format_of};
 use super::{
@@ -188,8 +190,16 @@ impl Painted {
     fn new(tints: &[Tint], deep: bool) -> Self {
         let wide = |channel: &f32| ((channel * 257.0).round() as u16).to_be_bytes();
         let deep = if deep { tints.iter().flatten().flat_map(wide).collect() } else { Vec::new() };
-        Painted { rgb: tints.iter().copied().flat_map(rounded).collect(), deep }
+        Painted { rgb: bytes_of(tints), deep }
     }
+}
+
+/// The nearest colours of eight bits a channel.
+fn bytes_of(tints: &[Tint]) -> Vec<u8> {
+    let mut bytes = vec![0; 3 * tints.len()];
+    let colours = bytes.as_chunks_mut::<3>().0.par_iter_mut().with_min_len(1 << 14);
+    colours.zip(tints).for_each(|(bytes, tint)| *bytes = rounded(*tint));
+    bytes
 }
 
 /// The outputs being written.

@@ -89,7 +89,12 @@ impl Opening {
         if self.rounded.friction.is_some() {
             return false;
         }
-        self.rule.watched().iter().any(|&bob| from_top(angle[bob]).abs() <= 1.01 * self.near_rad)
+        self.rule.watched().iter().any(|&bob| from_top(angle[bob]).abs() <= self.near_rad())
+    }
+
+    /// Distance from the top within which [`Opening::begin`] may have to decide, rad.
+    pub fn near_rad(&self) -> f64 {
+        1.01 * self.near_rad
     }
 
     /// Decides the course of the opening after a release from rest; `angle` lies within (−π, π].

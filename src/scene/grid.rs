@@ -53,7 +53,9 @@ fn beside_pi(by: Dd, other: Dd) -> Dd {
 }
 
 /// Distance from the top in rad below which double-double cannot tell its two sides apart.
-const INDISTINCT_RAD: f64 = 1e-29;
+pub(super) const INDISTINCT_RAD: f64 = 1e-29;
+/// Depth beyond which the sign of the energy in f64 is sure, as a share of P + Q.
+pub(super) const SURE: f64 = 1e-12;
 /// Depth below which the energy is computed in double-double, as a share of P + Q.
 const NEAR: f64 = 1e-9;
 
@@ -119,6 +121,31 @@ impl Grid {
     /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// Change of (θ1, θ2) per pixel to the right and per pixel upwards, rad.
+    pub(super) fn axes_rad(&self) -> [[Dd; 2]; 2] {
+        [self.right, self.up]
+    }
+
+    /// True if all starts are at rest.
+    pub(super) fn starts_at_rest(&self) -> bool {
+        self.plane.is_at_rest
+    }
+
+    /// The pendulum.
+    pub(super) fn pendulum(&self) -> &Pendulum<f64> {
+        &self.pendulum
+    }
+
+    /// The bobs that are watched.
+    pub(super) fn rule(&self) -> Rule {
+        self.rule
+    }
+
+    /// Distance of a watched bob from the top within which its first moments may decide, rad.
+    pub(super) fn opening_rad(&self) -> f64 {
+        self.opening.near_rad()
     }
 
     /// The same pixels in the leaves of another, finer grid, so that both are followed along the
@@ -319,7 +346,7 @@ impl Grid {
     fn is_forbidden(&self, angle: [Dd; 2]) -> bool {
         let Pendulum { p, q, .. } = self.pendulum;
         let near = self.energy_depth(angle.map(|theta| theta.hi));
-        if near.abs() > 1e-12 * (p + q) {
+        if near.abs() > SURE * (p + q) {
             return self.pendulum.q <= 0.0 || near > 0.0;
         }
         self.exact.forbids(self.rule, angle)

@@ -21,6 +21,7 @@ mod picture;
 mod plane;
 mod scene_error;
 mod turn;
+mod upright;
 mod view;
 mod words;
 
@@ -36,6 +37,7 @@ pub use picture::{PictureTable, Scale, Shown};
 pub use plane::{Axis, Plane, PlaneKind};
 pub use scene_error::SceneError;
 pub use turn::Turn;
+pub use upright::UprightGrid;
 pub use view::{LEAST_WIDTH, View};
 pub use words::Word;
 

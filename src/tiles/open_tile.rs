@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::plan::Tile;
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
-use crate::engine::{Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust};
+use crate::engine::{Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust, Upright};
 use crate::physics::{Dd, Launch, Outcome};
 use crate::scene::lattice::Cell;
-use crate::scene::{ExactPlane, Fate, Grid, Grouped, Scene};
+use crate::scene::{ExactPlane, Fate, Grid, Grouped, Scene, UprightGrid};
 
 /// A pixel of an earlier run, and the trust of its outcome.
 pub(super) type Known = (SavedPixel, Trust);
@@ -38,6 +39,29 @@ impl OpenTile {
         let groups =
             plane.map(|plane| (plane, grid.grouped(config.leaf_pixels(), pixels.iter().copied())));
         OpenTile::sorted(pixels.len() as u32, groups, pixel)
+    }
+
+    /// Creates a tile of an upright grid, of which nothing is known beforehand, on all cores; none where
+    /// a start has not the angles of its column and row.
+    pub(super) fn of_upright(grid: &Grid, tile: &Tile) -> Option<Self> {
+        let ([x, y], [width, height]) = (tile.origin, tile.size);
+        let upright = grid.upright(x..x + width, y..y + height)?;
+        let row = |row: u32| UprightRow::new(grid, &upright, tile, row);
+        let rows: Option<Vec<UprightRow>> = (0..height).into_par_iter().map(row).collect();
+        let mut samples = Samples::unflipped((width * height) as usize);
+        let mut places = Vec::new();
+        for row in rows? {
+            row.open.into_iter().for_each(|run| places.extend(run));
+            for run in row.forbidden {
+                samples.forbid(run.start as usize..run.end as usize);
+            }
+            for (place, outcome) in row.known {
+                samples.set(place as usize, outcome);
+                samples.set_trust(place as usize, Trust::of_proved(&outcome));
+            }
+        }
+        let starts = Upright { angles: upright.angles, places: places.clone() };
+        Some(OpenTile { samples, places, starts: Starts::Upright(starts) })
     }
 
     /// Creates a tile of all samples of cells of one level, `side` × `side` each, cell after cell;
@@ -142,6 +166,44 @@ impl OpenTile {
     fn set(&mut self, place: u32, outcome: Outcome, trust: Trust) {
         self.samples.set(place as usize, outcome);
         self.samples.set_trust(place as usize, trust);
+    }
+}
+
+/// A row of an upright grid's tile: runs of places among the tile's pixels.
+#[derive(Default)]
+struct UprightRow {
+    open: Vec<Range<u32>>,
+    forbidden: Vec<Range<u32>>,
+    /// Places whose outcomes are known otherwise.
+    known: Vec<(u32, Outcome)>,
+}
+
+impl UprightRow {
+    fn new(grid: &Grid, upright: &UprightGrid, tile: &Tile, row: u32) -> Option<Self> {
+        let mut runs = UprightRow::default();
+        let width = tile.size[0];
+        let mut column = 0;
+        while column < width {
+            let first = row * width + column;
+            let fate = |column: u32| upright.is_forbidden(column as usize, row as usize);
+            if let Some(is_forbidden) = fate(column) {
+                let same = |column: &u32| fate(*column) == Some(is_forbidden);
+                let length = (column..width).take_while(same).count() as u32;
+                let kind = if is_forbidden { &mut runs.forbidden } else { &mut runs.open };
+                kind.push(first..first + length);
+                column += length;
+                continue;
+            }
+            match grid.fate(tile.origin[0] + column, tile.origin[1] + row) {
+                Fate::Known(outcome) => runs.known.push((first, outcome)),
+                Fate::Open(angle) if angle == upright.angle(column as usize, row as usize) => {
+                    runs.open.push(first..first + 1);
+                }
+                Fate::Open(_) | Fate::Thrown(_) => return None,
+            }
+            column += 1;
+        }
+        Some(runs)
     }
 }
 

@@ -12,6 +12,12 @@ pub struct Tile {
 }
 
 impl Tile {
+    /// The column and row of a pixel, by its place among [`Tile::pixels`].
+    pub fn pixel(&self, place: u32) -> [u32; 2] {
+        let ([x, y], width) = (self.origin, self.size[0]);
+        [x + place % width, y + place / width]
+    }
+
     /// Iterates over the columns and rows of the pixels, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let ([x0, y0], [w, h]) = (self.origin, self.size);

@@ -75,6 +75,11 @@ impl Samples {
         self.values[first..first + values.len()].copy_from_slice(values);
     }
 
+    /// Says of some samples that energy forbids a flip.
+    pub fn forbid(&mut self, places: std::ops::Range<usize>) {
+        self.statuses[places].fill(Status::Forbidden);
+    }
+
     /// Returns the trust of sample `index`.
     pub fn trust(&self, index: usize) -> Trust {
         self.trusts[index]
@@ -157,18 +162,17 @@ pub struct Counts {
 impl Counts {
     /// Adds finished samples to the counts.
     pub fn add(&mut self, samples: &Samples) {
-        self.pixels += samples.len() as u64;
+        let mut statuses = [0; 4];
         for (status, trust) in samples.statuses.iter().zip(&samples.trusts) {
-            *match status {
-                Status::Flipped => &mut self.flipped,
-                Status::Unflipped => &mut self.unflipped,
-                Status::Forbidden => &mut self.forbidden,
-                Status::Failed => &mut self.failed,
-            } += 1;
-            if *status != Status::Forbidden {
-                self.trusts[*trust as usize] += 1;
-            }
+            statuses[*status as usize] += 1;
+            self.trusts[*trust as usize] += u64::from(*status != Status::Forbidden);
         }
+        let count = |status: Status| statuses[status as usize];
+        self.pixels += samples.len() as u64;
+        self.flipped += count(Status::Flipped);
+        self.unflipped += count(Status::Unflipped);
+        self.forbidden += count(Status::Forbidden);
+        self.failed += count(Status::Failed);
     }
 
     /// Number of pixels whose checks disagree.

@@ -176,6 +176,20 @@ impl Work {
         self.kept.as_ref().filter(|_| !is_deep)
     }
 
+    /// Sorts the pixels of a tile into known samples and starts.
+    fn open(&self, tile: &Tile) -> OpenTile {
+        let is_known = self.plain.is_some() || self.saved().is_some();
+        let follows = self.cells.are_followed(&self.config, self.grid.pixel_rad());
+        if !is_known && !(follows && self.grid.cell_plane().is_some()) {
+            if let Some(open) = OpenTile::of_upright(&self.grid, tile) {
+                return open;
+            }
+        }
+        let pixels: Vec<_> = tile.pixels().collect();
+        let known = |pixel| self.known(pixel);
+        OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known)
+    }
+
     fn known(&self, pixel: [u32; 2]) -> Option<(SavedPixel, Trust)> {
         if let Some(plain) = &self.plain {
             return plain.known(pixel);
@@ -242,19 +256,17 @@ impl TileSource for Work {
 
     fn next_tile(&mut self, _job_size: usize) -> Option<NextTile<Tile>> {
         let tile = self.waiting.pop_front()?;
-        let pixels: Vec<_> = tile.pixels().collect();
-        let known = |pixel| self.known(pixel);
-        let mut open = OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known);
+        let mut open = self.open(&tile);
         let keeps_states = self.kept.is_some();
         let (ask, question, config) = (self.ask, self.question, self.config);
         let start = |place: usize| {
-            let [x, y] = pixels[place];
+            let [x, y] = tile.pixel(place as u32);
             self.grid.angle_from_pixel(x, y)
         };
         open.samples = Reader::new(ask, &question).complete(open.samples, start);
         if let Some(kept) = self.saved() {
-            for (place, pixel) in pixels.iter().enumerate() {
-                if let Some(values) = kept.values(self.index(*pixel)) {
+            for (place, pixel) in tile.pixels().enumerate() {
+                if let Some(values) = kept.values(self.index(pixel)) {
                     open.samples.set_values(place, Status::Flipped, values);
                 }
             }

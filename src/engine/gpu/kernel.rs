@@ -26,7 +26,7 @@ use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// All shader files by name.
-pub const FILES: [(&str, &str); 20] = [
+pub const FILES: [(&str, &str); 21] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
@@ -45,6 +45,7 @@ pub const FILES: [(&str, &str); 20] = [
     ("adaptive.wgsl", include_str!("../../../shaders/adaptive.wgsl")),
     ("look.wgsl", include_str!("../../../shaders/look.wgsl")),
     ("passes.wgsl", include_str!("../../../shaders/passes.wgsl")),
+    ("begin.wgsl", include_str!("../../../shaders/begin.wgsl")),
     ("turn.wgsl", include_str!("../../../shaders/turn.wgsl")),
     ("selfcheck.wgsl", include_str!("../../../shaders/selfcheck.wgsl")),
 ];
@@ -136,6 +137,11 @@ impl Design {
         self.passes != 1
     }
 
+    /// Returns true if the kernel can begin the starts of an upright picture.
+    pub fn begins(&self) -> bool {
+        !self.ends.are_carried()
+    }
+
     pub(super) fn is_adaptive(&self) -> bool {
         !matches!(self.scheme, Scheme::Fixed(_))
     }
@@ -176,7 +182,7 @@ impl Design {
         if self.is_adaptive() {
             let (control, adaptive) = ("control.wgsl", "adaptive.wgsl");
             return glue(
-                &["shared.wgsl", number, control, adaptive, "look.wgsl", "turn.wgsl"],
+                &["shared.wgsl", number, control, adaptive, "look.wgsl", "begin.wgsl", "turn.wgsl"],
                 &self.values(maths, String::new()),
             );
         }
@@ -185,7 +191,9 @@ impl Design {
         }
         let values = self.values(maths, self.may_pass());
         let look = if self.counts_passes() { "fixed_passes.wgsl" } else { "fixed_look.wgsl" };
-        glue(&["shared.wgsl", number, "flip.wgsl", "fixed.wgsl", look, "turn.wgsl"], &values)
+        let files =
+            ["shared.wgsl", number, "flip.wgsl", "fixed.wgsl", look, "begin.wgsl", "turn.wgsl"];
+        glue(&files, &values)
     }
 
     /// The energy below which a pendulum is done early, where there is such a bound.

@@ -4,7 +4,7 @@ use super::device::Gpu;
 use super::kernel::Design;
 use crate::engine::EngineError;
 
-/// The three entry points of a design, compiled for one device.
+/// The entry points of a design, compiled for one device.
 pub struct Kernel {
     /// The design that the pipelines were made from.
     pub design: Design,
@@ -14,7 +14,9 @@ pub struct Kernel {
     pub advance: wgpu::ComputePipeline,
     /// Pipeline that decides steps in which the top may be reached.
     pub look: wgpu::ComputePipeline,
-    layouts: [wgpu::BindGroupLayout; 2],
+    /// Pipeline that puts the pendulums of an upright picture at their starts, where there is one.
+    pub begin: Option<wgpu::ComputePipeline>,
+    layouts: [wgpu::BindGroupLayout; 3],
 }
 
 impl Kernel {
@@ -33,18 +35,20 @@ impl Kernel {
             label: Some("tile"),
             source: wgpu::ShaderSource::Wgsl(text.into()),
         });
-        let layouts =
-            [layout(device, &[true, false, false, false, false]), layout(device, &[false])];
-        let pipeline = |entry: &str, groups: usize| {
-            let groups: Vec<_> = layouts[..groups].iter().map(Some).collect();
-            compute_pipeline(device, &module, entry, &groups)
+        let [job, size, starts] =
+            [&[true, false, false, false, false][..], &[false], &[true, true]]
+                .map(|read_only| layout(device, read_only));
+        let pipeline = |entry: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
+            compute_pipeline(device, &module, entry, groups)
         };
+        let begin = || pipeline("begin", &[Some(&job), None, Some(&starts)]);
         Kernel {
             design,
-            turn: pipeline("turn", 2),
-            advance: pipeline("advance", 1),
-            look: pipeline("look", 1),
-            layouts: layouts.clone(),
+            turn: pipeline("turn", &[Some(&job), Some(&size)]),
+            advance: pipeline("advance", &[Some(&job)]),
+            look: pipeline("look", &[Some(&job)]),
+            begin: design.begins().then(begin),
+            layouts: [job, size, starts],
         }
     }
 

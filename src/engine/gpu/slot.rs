@@ -6,6 +6,7 @@
 //! workgroups stay full to the end. States stay in place; only indices move.
 //!
 //! ```text
+//!  begin     the starts of an upright picture, from their columns and rows
 //!  turn      read list 0, clear list 1 and the suspects, size the dispatch by list 0
 //!  advance   0 1 2 3 4 5 6 7     at most `slice_steps` steps each
 //!            ├─ 1 3 6    still running ──────────────────▶ list 1
@@ -28,6 +29,7 @@
 //! * The job is kept whole: if the device is lost, it starts again on a fresh one.
 
 mod answer;
+mod axes;
 mod buffers;
 mod upload;
 
@@ -37,6 +39,7 @@ use std::time::Instant;
 
 use bytemuck::bytes_of;
 
+use self::axes::Axes;
 pub(super) use self::buffers::BufferPool;
 use self::buffers::{Buffers, TICK_BYTES, TICKS_AT};
 use super::clock::Slices;
@@ -45,7 +48,7 @@ use super::pipeline::Kernel;
 use crate::engine::method::Pace;
 use crate::engine::shared::{CountedOutcome, JobHead, Queue, RawOutcome, to_parts};
 use crate::engine::start::places;
-use crate::engine::{EngineError, Job, JobResult, Keep};
+use crate::engine::{EngineError, Job, JobResult, Keep, Starts};
 
 /// A job on the device. One submission of slices is in flight at a time; after each the host reads
 /// how many pendulums still run, and after the last one the outcomes.
@@ -116,7 +119,9 @@ impl Slot {
         let pace = job.pace()?;
         let places = places(&kernel.design.state(), job.config.precision, job.keep.ends);
         let head = head(&job, &pace);
-        let buffers = Buffers::new(gpu, pool, &job, places.len())?;
+        let axes = Axes::of(&job, &kernel, &places);
+        let begun = axes.as_ref().map(Axes::len);
+        let buffers = Buffers::new(gpu, pool, &job, (places.len(), begun))?;
         let slot = Slot {
             job,
             pace,
@@ -130,7 +135,7 @@ impl Slot {
             flight: None,
         };
         slot.write_scene(gpu);
-        slot.begin(gpu);
+        slot.begin(gpu, axes);
         Ok(slot)
     }
 
@@ -268,9 +273,15 @@ impl Slot {
 }
 
 fn head(job: &Job, pace: &Pace) -> JobHead {
+    let [columns, rows] = match &job.starts {
+        Starts::Upright(upright) => [0, 1].map(|i| upright.angles[i].len() as u32),
+        _ => [0; 2],
+    };
     let head = JobHead {
         count: job.starts.len() as u32,
         most_steps: pace.most_steps(),
+        columns,
+        rows,
         ..Default::default()
     };
     match pace {

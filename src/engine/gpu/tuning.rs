@@ -64,7 +64,9 @@ impl GpuTuning {
             "first_slice" => GpuTuning { first_slice: number(1, 10_000)?, ..self },
             "slices" => GpuTuning { slices: number(1, MOST_SLICES)?, ..self },
             "slots" => GpuTuning { slots: number(1, 8)? as usize, ..self },
-            "job_size" => GpuTuning { job_size: Some(number(1 << 10, 1 << 22)? as usize), ..self },
+            "job_size" => {
+                GpuTuning { job_size: Some(number(1 << 10, MOST_STARTS)? as usize), ..self }
+            }
             "workgroup" => match number(32, 256)? {
                 size if size.is_power_of_two() => GpuTuning { workgroup: size, ..self },
                 _ => return Err("workgroup must be 32, 64, 128 or 256".to_string()),
@@ -80,6 +82,9 @@ impl GpuTuning {
         ["pace", "first_slice", "slices", "slots", "job_size", "workgroup", "subgroups", "general"];
 }
 
+/// Largest number of starts in a job: a dispatch has at most 65,535 workgroups along a side, of at least
+/// 32 invocations each.
+const MOST_STARTS: u32 = 2_000_000;
 /// Largest number of slices that a submission can have.
 pub(super) const MOST_SLICES: u32 = 16;
 

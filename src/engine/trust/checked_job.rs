@@ -46,6 +46,7 @@ pub(super) const RUNS: u64 = 32;
 impl CheckedJob {
     /// A checked job of which nothing is known, and its first jobs.
     pub(super) fn new(job: Job) -> (Self, Vec<Job>) {
+        let job = Job { starts: job.starts.listed(), ..job };
         let count = job.starts.len();
         let leaf_half_rad = match &job.starts {
             Starts::Deep(deep) => Some(deep.half_side()),
@@ -104,7 +105,9 @@ impl CheckedJob {
                 let some = deep.some(&self.open, strict, run.nudge);
                 if run.from == Origin::Rest { some.rounded() } else { Starts::Deep(some) }
             }
-            Starts::Resumed { .. } | Starts::Moving(_) => unreachable!("refused when submitted"),
+            Starts::Upright(_) | Starts::Resumed { .. } | Starts::Moving(_) => {
+                unreachable!("listed or refused when submitted")
+            }
         }
     }
 

@@ -92,6 +92,7 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
         Starts::Thrown(launches) => {
             Starts::Thrown(launches.iter().map(|launch| launch.moved_by(by.map(Dd::new))).collect())
         }
+        Starts::Upright(upright) => moved_by(&Starts::Rest(upright.listed()), by),
         Starts::Resumed { .. } | Starts::Moving(_) => starts.clone(),
     }
 }

@@ -26,7 +26,11 @@ pub type Tint = [f32; 3];
 
 /// The nearest colour of eight bits a channel.
 pub fn rounded(tint: Tint) -> Rgb {
-    tint.map(|channel| channel.round() as u8)
+    // As `round`, which is a call of a function on most machines.
+    tint.map(|channel| {
+        let whole = channel as u8;
+        whole.saturating_add(u8::from(channel - f32::from(whole) >= 0.5))
+    })
 }
 
 /// A colour of eight bits a channel as a tint.

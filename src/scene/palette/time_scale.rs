@@ -8,12 +8,15 @@ pub struct TimeScale {
     scale: Scale,
     /// Seconds at which equal steps of the range lie; at least two, rising.
     times: Vec<f64>,
+    /// Logarithm of the ratio of each two neighbours.
+    logs: Vec<f64>,
 }
 
 impl TimeScale {
     /// The scale between these times, at least two of them and rising.
     pub(super) fn new(scale: Scale, times: Vec<f64>) -> Self {
-        TimeScale { scale, times }
+        let logs = times.windows(2).map(|pair| (pair[1] / pair[0]).ln()).collect();
+        TimeScale { scale, times, logs }
     }
 
     /// The first and the last time with a colour of its own, in s.
@@ -28,7 +31,7 @@ impl TimeScale {
         let step = self.times.partition_point(|&time| time <= secs).clamp(1, steps) - 1;
         let [from, to] = [self.times[step], self.times[step + 1]];
         let within = match self.scale {
-            Scale::Log | Scale::Steps => (secs / from).ln() / (to / from).ln(),
+            Scale::Log | Scale::Steps => (secs / from).ln() / self.logs[step],
             Scale::Linear => (secs - from) / (to - from),
         };
         ((step as f64 + within) / steps as f64).clamp(0.0, 1.0)

@@ -17,22 +17,20 @@ impl Slot {
     /// The answer, once it has been mapped; none if the device was lost after that, an error if it
     /// lost pendulums.
     pub(super) fn read_answer(&self) -> Option<Result<JobResult, EngineError>> {
-        let count = self.head.count as usize;
-        let counted = self.read_outcomes(count)?;
-        let raw: Vec<RawOutcome> = counted.iter().map(|counted| counted.raw).collect();
+        let (raw, passes) = self.read_outcomes(self.head.count as usize)?;
         match statuses(&raw) {
-            Ok(statuses) => self.answer(&counted, &raw, &statuses).map(Ok),
+            Ok(statuses) => self.answer(&raw, &passes, &statuses).map(Ok),
             Err(lost) => Some(Err(lost)),
         }
     }
 
     fn answer(
         &self,
-        counted: &[CountedOutcome],
         raw: &[RawOutcome],
+        passes: &[[u32; 4]],
         statuses: &[Status],
     ) -> Option<JobResult> {
-        let ended = statuses.iter().zip(raw);
+        let ended = statuses.par_iter().zip(raw).with_min_len(SHARE);
         let outcomes: Vec<Outcome> =
             ended.map(|(status, raw)| self.outcome(*status, raw)).collect();
         let mut finished =
@@ -40,10 +38,10 @@ impl Slot {
         if self.job.keep != Keep::NOTHING {
             let mut states = self.read_states(raw)?;
             if self.job.keep.ends != Ends::None {
-                finished.ends = self.ends(counted, &states);
+                finished.ends = self.ends((raw, passes), &states);
             }
             if self.job.keep.states {
-                self.add_counts(counted, &mut states);
+                self.add_counts((raw, passes), &mut states);
                 let states = states.into_iter().enumerate();
                 let left = states.filter(|(i, _)| outcomes[*i].status == Status::Unflipped);
                 finished.unfinished = left.collect();
@@ -53,18 +51,18 @@ impl Slot {
         Some(JobResult { outcomes, ..finished })
     }
 
-    /// The outcomes as the kernel wrote them, with no passes where none are counted.
-    fn read_outcomes(&self, count: usize) -> Option<Vec<CountedOutcome>> {
+    /// The outcomes as the kernel wrote them, and the passes of each pendulum where they are counted.
+    fn read_outcomes(&self, count: usize) -> Option<(Vec<RawOutcome>, Vec<[u32; 4]>)> {
         let answer = &self.buffers.answer;
-        if self.job.question.passes != 1 {
-            return read(answer, 0, count);
+        if self.job.question.passes == 1 {
+            return Some((read(answer, 0, count)?, Vec::new()));
         }
-        let raw = read::<RawOutcome>(answer, 0, count)?;
-        Some(raw.into_iter().map(|raw| CountedOutcome { raw, passes: [0; 4] }).collect())
+        let counted = read::<CountedOutcome>(answer, 0, count)?;
+        Some(counted.into_iter().map(|counted| (counted.raw, counted.passes)).unzip())
     }
 
     /// The end of each pendulum; a flip lies in the step that follows its state.
-    fn ends(&self, counted: &[CountedOutcome], states: &[IntegratorState]) -> Vec<End> {
+    fn ends(&self, (raw, passes): Ended, states: &[IntegratorState]) -> Vec<End> {
         let (reduced, _) = self.job.question.reduced();
         match self.job.keep.ends {
             Ends::Growth => {
@@ -74,7 +72,7 @@ impl Slot {
             Ends::Return => return states.iter().map(start::end_with_return).collect(),
             Ends::None | Ends::Plain => {}
         }
-        let one = |(CountedOutcome { raw, passes }, state): (&CountedOutcome, &IntegratorState)| {
+        let one = |(k, (raw, state)): (usize, (&RawOutcome, &IntegratorState))| {
             let flipped =
                 (status_of(raw.status) == Some(Status::Flipped)).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
@@ -82,21 +80,21 @@ impl Slot {
             if let Pace::Adaptive(_) = self.pace {
                 end.gathered.turns = turns_of(raw);
             }
-            end.gathered.passes = *passes;
+            end.gathered.passes = passes_of(passes, k);
             end
         };
-        counted.par_iter().zip(states).map(one).collect()
+        raw.par_iter().zip(states).enumerate().map(one).collect()
     }
 
     /// Gives states the turns and passes counted so far, where these are counted and nothing else is
     /// taken along.
-    fn add_counts(&self, counted: &[CountedOutcome], states: &mut [IntegratorState]) {
+    fn add_counts(&self, (raw, passes): Ended, states: &mut [IntegratorState]) {
         if !self.job.question.counts() || self.job.keep.ends.are_carried() {
             return;
         }
-        for (CountedOutcome { raw, passes }, state) in counted.iter().zip(states) {
-            let turns = turns_of(raw);
-            let gathered = Accumulators { turns, passes: *passes, ..Accumulators::NONE };
+        for (k, (raw, state)) in raw.iter().zip(states).enumerate() {
+            let (turns, passes) = (turns_of(raw), passes_of(passes, k));
+            let gathered = Accumulators { turns, passes, ..Accumulators::NONE };
             state.carried = Some(Box::new(Carried::Counts(gathered)));
         }
     }
@@ -104,11 +102,12 @@ impl Slot {
     fn effort(&self, raw: &[RawOutcome]) -> Effort {
         let before: u64 = match &self.job.starts {
             Starts::Resumed { states, .. } => states.iter().map(|p| u64::from(p.steps)).sum(),
-            Starts::Rest(_) | Starts::Thrown(_) => 0,
+            Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) => 0,
             _ => start::states(&self.job).iter().flatten().map(|p| u64::from(p.steps)).sum(),
         };
-        let steps: u64 = raw.iter().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
-        let looks: u64 = raw.iter().map(|raw| u64::from(raw.status >> 8)).sum();
+        let raw = raw.par_iter().with_min_len(SHARE);
+        let steps: u64 = raw.clone().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
+        let looks: u64 = raw.map(|raw| u64::from(raw.status >> 8)).sum();
         let Job { config, question, .. } = &self.job;
         let rhs = config.method.rhs_per_step(config.precision);
         let per_look = match self.pace {
@@ -165,6 +164,17 @@ impl Slot {
     }
 }
 
+/// The outcomes of pendulums, and their passes where these are counted.
+type Ended<'a> = (&'a [RawOutcome], &'a [[u32; 4]]);
+
+/// Number of pendulums that a thread takes at a time.
+const SHARE: usize = 1 << 12;
+
+/// The passes of a pendulum; none where they are not counted.
+fn passes_of(passes: &[[u32; 4]], k: usize) -> [u32; 4] {
+    passes.get(k).copied().unwrap_or_default()
+}
+
 /// The statuses of pendulums that have all ended; an error if a device returned some of them
 /// unchanged, or with flips that have no time.
 fn statuses(raw: &[RawOutcome]) -> Result<Vec<Status>, EngineError> {
@@ -174,11 +184,11 @@ fn statuses(raw: &[RawOutcome]) -> Result<Vec<Status>, EngineError> {
         };
         status_of(raw.status).filter(is_sound)
     };
-    let ended: Vec<Status> = raw.iter().filter_map(status).collect();
-    if ended.len() == raw.len() {
-        return Ok(ended);
-    }
-    Err(EngineError::LostPendulums { lost: raw.len() - ended.len(), count: raw.len() })
+    let ended: Option<Vec<Status>> = raw.par_iter().with_min_len(SHARE).map(status).collect();
+    ended.ok_or_else(|| {
+        let lost = raw.iter().filter(|raw| status(raw).is_none()).count();
+        EngineError::LostPendulums { lost, count: raw.len() }
+    })
 }
 
 /// Whole turns of both bobs.

@@ -28,6 +28,8 @@ pub(super) struct Buffers {
     pub kept: u64,
     /// Readings of the device's clock, if it has one.
     pub ticks: Option<Ticks>,
+    /// The numbers of columns and rows, and the places of the starts, where the device begins them.
+    pub starts: Option<[wgpu::Buffer; 2]>,
 }
 
 /// The moments at which a submission begins and ends on the device.
@@ -49,7 +51,7 @@ pub(in crate::engine::gpu) struct BufferPool {
 }
 
 /// Largest number of free buffers: those of two jobs. The ones that have waited longest go first.
-const MOST_FREE: usize = 18;
+const MOST_FREE: usize = 22;
 
 /// The size that is allocated for a buffer, so that jobs of nearly equal size can use each other's:
 /// at most a quarter more.
@@ -95,6 +97,9 @@ impl BufferPool {
             (ANSWER, answer),
         ]);
         self.free.extend(buffers.ticks.map(|ticks| (TICKS, ticks.buffer)));
+        self.free.extend(
+            buffers.starts.into_iter().flat_map(|starts| [AXES, PLACES].into_iter().zip(starts)),
+        );
         let extra = self.free.len().saturating_sub(MOST_FREE);
         self.free.drain(..extra);
     }
@@ -110,14 +115,17 @@ const DISPATCH: &str = "a job's dispatch";
 const PROGRESS: &str = "a job's progress";
 const ANSWER: &str = "a job's answer";
 const TICKS: &str = "a job's clock";
+const AXES: &str = "a job's columns and rows";
+const PLACES: &str = "a job's places";
 
 impl Buffers {
-    /// The buffers of a job whose states have `state_len` numbers.
+    /// The buffers of a job whose states have `state_len` numbers; the device begins it from `begun`
+    /// numbers of columns and rows, if any.
     pub(super) fn new(
         gpu: &Gpu,
         pool: &mut BufferPool,
         job: &Job,
-        state_len: usize,
+        (state_len, begun): (usize, Option<usize>),
     ) -> Result<Self, EngineError> {
         let count = job.starts.len() as u64;
         let number = if job.config.precision == Precision::F32 { 4 } else { 8 };
@@ -142,6 +150,13 @@ impl Buffers {
             answer: take(ANSWER, outcome_bytes + kept, back)?,
             kept,
             ticks: Ticks::new(gpu, &mut take)?,
+            starts: match begun {
+                None => None,
+                Some(axes) => Some([
+                    take(AXES, axes as u64 * number, storage)?,
+                    take(PLACES, count * 4, storage)?,
+                ]),
+            },
         })
     }
 

@@ -1,8 +1,10 @@
 //! The states in which the pendulums of a job begin, written to the device.
 
 use bytemuck::{bytes_of, cast_slice};
+use rayon::prelude::*;
 
 use super::Slot;
+use super::axes::Axes;
 use crate::engine::gpu::device::Gpu;
 use crate::engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RUNNING, RawOutcome, to_parts,
@@ -29,9 +31,12 @@ impl Slot {
     }
 
     /// Puts every pendulum at its start; the first slice reads list 0.
-    pub(super) fn begin(&self, gpu: &Gpu) {
+    pub(super) fn begin(&self, gpu: &Gpu, axes: Option<Axes>) {
         let queue = Queue { turn: 1, lengths: [self.head.count, 0, 0] };
         gpu.write(&self.buffers.queue, 0, bytes_of(&queue));
+        if let Some(axes) = axes {
+            return self.begin_upright(gpu, &axes);
+        }
         let list: Vec<u32> = (0..self.head.count).collect();
         gpu.write(&self.buffers.lists, 0, cast_slice(&list));
         match &self.job.starts {
@@ -41,23 +46,31 @@ impl Slot {
         }
     }
 
+    /// Has the device put the pendulums of an upright picture at their starts.
+    fn begin_upright(&self, gpu: &Gpu, axes: &Axes) {
+        let (Starts::Upright(upright), Some([numbers, places]), Some(pipeline)) =
+            (&self.job.starts, &self.buffers.starts, &self.kernel.begin)
+        else {
+            unreachable!("axes are those of an upright picture and a kernel that begins it");
+        };
+        let precision = self.job.config.precision;
+        let all = axes.numbers().flat_map(|(states, places)| encoded(states, places, precision));
+        gpu.write(numbers, 0, &all.collect::<Vec<u8>>());
+        gpu.write(places, 0, cast_slice(&upright.places));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &self.groups[0], &[]);
+        pass.set_bind_group(2, &self.kernel.bind(gpu, 2, &[numbers, places]), &[]);
+        pass.dispatch_workgroups(self.head.count.div_ceil(LEAST_WORKGROUP).min(MOST_GROUPS), 1, 1);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+    }
+
     fn write_states(&self, gpu: &Gpu, paused: &[IntegratorState]) {
-        let part =
-            |place: Option<usize>, p: &IntegratorState| place.map_or(0.0, |place| p.number(place));
-        let mut bytes: Vec<u8> = Vec::new();
-        for &[high, low] in &self.places {
-            for p in paused {
-                match self.job.config.precision {
-                    Precision::F32 => bytes.extend((part(high, p) as f32).to_le_bytes()),
-                    Precision::Df32 => {
-                        let parts = two_floats(part(high, p), part(low, p));
-                        bytes.extend(parts.into_iter().flat_map(f32::to_le_bytes));
-                    }
-                    _ => bytes.extend(part(high, p).to_le_bytes()),
-                }
-            }
-        }
-        gpu.write(&self.buffers.states, 0, &bytes);
+        let precision = self.job.config.precision;
+        let numbers = self.places.par_iter().map(|places| encoded(paused, *places, precision));
+        gpu.write(&self.buffers.states, 0, &numbers.collect::<Vec<_>>().concat());
         let begun = |p: &IntegratorState| {
             let [first, second] = p.counts().turns;
             let turns = (first as u32 & 0xffff) | ((second as u32) << 16);
@@ -72,6 +85,31 @@ impl Slot {
             gpu.write(&self.buffers.outcomes, 0, cast_slice(&outcomes));
         }
     }
+}
+
+/// Smallest number of invocations in a workgroup, and largest number of workgroups along a side.
+const LEAST_WORKGROUP: u32 = 32;
+const MOST_GROUPS: u32 = 65_535;
+
+/// A number of each state as the device has it, from its place there and that of its remainder.
+fn encoded(
+    states: &[IntegratorState],
+    [high, low]: [Option<usize>; 2],
+    precision: Precision,
+) -> Vec<u8> {
+    let part =
+        |place: Option<usize>, p: &IntegratorState| place.map_or(0.0, |place| p.number(place));
+    let bytes: Vec<u8> = match precision {
+        Precision::F32 => {
+            states.iter().flat_map(|p| (part(high, p) as f32).to_le_bytes()).collect()
+        }
+        Precision::Df32 => {
+            let parts = states.iter().flat_map(|p| two_floats(part(high, p), part(low, p)));
+            parts.flat_map(f32::to_le_bytes).collect()
+        }
+        _ => states.iter().flat_map(|p| part(high, p).to_le_bytes()).collect(),
+    };
+    bytes
 }
 
 /// A number and its remainder, where it has one of its own, as two f32.

@@ -1,0 +1,122 @@
+//! The pixels of a PNG as one zlib stream, whose blocks are compressed apart.
+//!
+//! A stream of deflate (RFC 1951) that is flushed ends at a whole byte, and what follows may refer to
+//! nothing before it. So blocks of rows are compressed on all cores, as M. Adler's *pigz* does, and
+//! joined in their order between the head and the sum of zlib (RFC 1950).
+
+use flate2::{Compress, Compression, FlushCompress};
+use rayon::prelude::*;
+use simd_adler32::Adler32;
+
+/// Level of compression. Maps are flat areas of few colours, which filters break up: without them
+/// this level takes a fifth of the time of the usual one with filters, and most files are smaller.
+const LEVEL: u32 = 3;
+/// Least size of a block in bytes. A block knows nothing of those before it, which makes files larger
+/// by a hundredth at this size.
+const BLOCK_BYTES: usize = 1 << 18;
+/// The head of a stream: deflate with a window of 32 KiB, packed quickly.
+const HEAD: [u8; 2] = [0x78, 0x01];
+/// An empty block that says that it is the last.
+const LAST: [u8; 2] = [0x03, 0x00];
+/// The filter before each row: none.
+const UNFILTERED: u8 = 0;
+
+/// The pixels of a picture, compressed as they come.
+pub(super) struct PixelStream {
+    /// Size of a row in bytes, without its filter.
+    row_bytes: usize,
+    /// Size of a block in bytes: whole rows with their filters.
+    block_bytes: usize,
+    /// Rows with their filters that are no whole block yet.
+    pending: Vec<u8>,
+    sum: Adler32,
+}
+
+impl PixelStream {
+    /// The stream of a picture with rows of `row_bytes` bytes, and its head.
+    pub(super) fn begin(row_bytes: usize) -> (Self, [u8; 2]) {
+        let block_bytes = BLOCK_BYTES.next_multiple_of(row_bytes + 1);
+        let (pending, sum) = (Vec::new(), Adler32::new());
+        (PixelStream { row_bytes, block_bytes, pending, sum }, HEAD)
+    }
+
+    /// Takes the next whole rows and returns the blocks that they complete, packed.
+    pub(super) fn pack(&mut self, rows: &[u8]) -> Vec<Vec<u8>> {
+        for row in rows.chunks(self.row_bytes) {
+            self.pending.push(UNFILTERED);
+            self.pending.extend_from_slice(row);
+        }
+        let whole = self.pending.len() / self.block_bytes * self.block_bytes;
+        let rest = self.pending.split_off(whole);
+        let ready = std::mem::replace(&mut self.pending, rest);
+        self.sum.write(&ready);
+        ready.par_chunks(self.block_bytes).map(packed).collect()
+    }
+
+    /// Returns the last block, packed, and the end of the stream.
+    pub(super) fn end(mut self) -> Vec<u8> {
+        self.sum.write(&self.pending);
+        [packed(&self.pending), LAST.to_vec(), self.sum.finish().to_be_bytes().to_vec()].concat()
+    }
+}
+
+/// A block as deflate, up to a whole byte.
+fn packed(block: &[u8]) -> Vec<u8> {
+    let mut packer = Compress::new(Compression::new(LEVEL), false);
+    let mut bytes = Vec::with_capacity(block.len() / 4 + 64);
+    loop {
+        let rest = &block[packer.total_in() as usize..];
+        packer.compress_vec(rest, &mut bytes, FlushCompress::Sync).expect("a fresh encoder");
+        // Room that is left means that all has been flushed.
+        if bytes.len() < bytes.capacity() {
+            return bytes;
+        }
+        bytes.reserve(bytes.len());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read;
+
+    use super::*;
+
+    /// The rows that a stream holds.
+    fn unpacked(stream: &[u8]) -> Vec<u8> {
+        let mut rows = Vec::new();
+        flate2::read::ZlibDecoder::new(stream).read_to_end(&mut rows).unwrap();
+        rows
+    }
+
+    #[test]
+    fn rows_come_back_and_their_pieces_change_no_byte() {
+        let row_bytes = 3 * 1000;
+        // A smooth part, and one that does not pack at all.
+        let value =
+            |k: u32| if k < 600_000 { k / 7000 } else { k.wrapping_mul(2_654_435_761) >> 13 };
+        let rows: Vec<u8> = (0..450 * row_bytes as u32).map(|k| value(k) as u8).collect();
+        let stream = |rows_at_once: usize| {
+            let (mut pixels, head) = PixelStream::begin(row_bytes);
+            let mut bytes = head.to_vec();
+            for piece in rows.chunks(rows_at_once * row_bytes) {
+                bytes.extend(pixels.pack(piece).concat());
+            }
+            bytes.extend(pixels.end());
+            bytes
+        };
+        let whole = stream(450);
+        assert!(whole.len() < rows.len() * 3 / 4, "{} of {}", whole.len(), rows.len());
+        for rows_at_once in [1, 7, 200] {
+            assert!(stream(rows_at_once) == whole, "{rows_at_once} rows at once");
+        }
+        let filtered: Vec<u8> =
+            rows.chunks(row_bytes).flat_map(|row| [&[UNFILTERED], row].concat()).collect();
+        assert!(unpacked(&whole) == filtered);
+    }
+
+    #[test]
+    fn a_picture_without_rows_is_a_whole_stream() {
+        let (pixels, head) = PixelStream::begin(3);
+        assert!(unpacked(&[&head[..], &pixels.end()].concat()).is_empty());
+    }
+}

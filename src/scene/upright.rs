@@ -1,0 +1,128 @@
+//! The starts from rest of an upright picture: θ1 is the same all along a column, and θ2 along a row.
+//!
+//! So the energy of a start is a sum of two numbers that are known beforehand, and a device needs the
+//! angles of columns and rows alone. Where a start needs more than its energy in f64 to be judged,
+//! [`Grid::fate`] does it.
+
+use std::ops::Range;
+
+use super::Grid;
+use super::grid::{INDISTINCT_RAD, SURE};
+use crate::physics::opening::from_top;
+use crate::physics::{Dd, Rule};
+
+/// The angles of some columns and rows of an upright grid.
+#[derive(Clone, Debug)]
+pub struct UprightGrid {
+    /// Angles of the columns and of the rows (rad, within [−π, π]).
+    pub angles: [Vec<Dd>; 2],
+    /// Parts of the depth of a start in the forbidden region, by its column and by its row; NaN near
+    /// the top and where an angle depends on the other coordinate.
+    depths: [Vec<f64>; 2],
+    /// Depth from which its sign is sure.
+    sure: f64,
+    /// True if energy forbids every flip.
+    is_never: bool,
+}
+
+impl Grid {
+    /// The angles of some columns and rows, where each is the same for a whole column or row, and
+    /// energy may forbid flips.
+    pub fn upright(&self, columns: Range<u32>, rows: Range<u32>) -> Option<UprightGrid> {
+        let zero = Dd::new(0.0);
+        let [right, up] = self.axes_rad();
+        if !self.starts_at_rest()
+            || self.rule() == Rule::Neither
+            || right[1] != zero
+            || up[0] != zero
+        {
+            return None;
+        }
+        let [x, y] = [columns.start, rows.start];
+        let theta1: Vec<Dd> = columns.map(|x| self.angle_from_pixel(x, y)[0]).collect();
+        let theta2: Vec<Dd> = rows.map(|y| self.angle_from_pixel(x, y)[1]).collect();
+        let pendulum = self.pendulum();
+        let near_rad = self.opening_rad().max(INDISTINCT_RAD);
+        let part = |angle: &Dd, weight: f64, least: f64| {
+            let is_plain = from_top(angle.hi).abs() > near_rad && angle.hi != 0.0;
+            if is_plain { weight * angle.hi.cos() - least } else { f64::NAN }
+        };
+        let least = pendulum.least_depth(self.rule());
+        let depths = [
+            theta1.iter().map(|angle| part(angle, pendulum.p, least)).collect(),
+            theta2.iter().map(|angle| part(angle, pendulum.q, 0.0)).collect(),
+        ];
+        Some(UprightGrid {
+            angles: [theta1, theta2],
+            depths,
+            sure: SURE * (pendulum.p + pendulum.q),
+            is_never: pendulum.q <= 0.0,
+        })
+    }
+}
+
+impl UprightGrid {
+    /// Returns true if energy forbids the flip of a start, by its column and row among these; none where
+    /// that is not sure, or not all that decides.
+    pub fn is_forbidden(&self, column: usize, row: usize) -> Option<bool> {
+        let depth = self.depths[0][column] + self.depths[1][row];
+        (depth.abs() > self.sure).then_some(self.is_never || depth > 0.0)
+    }
+
+    /// The angles of a start, by its column and row among these.
+    pub fn angle(&self, column: usize, row: usize) -> [Dd; 2] {
+        [self.angles[0][column], self.angles[1][row]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Status;
+    use crate::scene::{BuiltIn, Fate, Scene, View};
+
+    fn upright(grid: &Grid) -> Option<UprightGrid> {
+        grid.upright(0..grid.size()[0], 0..grid.size()[1])
+    }
+
+    #[test]
+    fn what_it_says_of_starts_is_their_fate() {
+        let home = BuiltIn::home().document().scene();
+        let narrow = View {
+            center: ["0".into(), "3.14159".into()],
+            width: "1e-4".into(),
+            ..View::default()
+        };
+        let scenes = [home, Scene::default(), Scene { view: narrow, ..Scene::default() }];
+        for (scene, size) in
+            scenes.iter().flat_map(|scene| [[96, 64], [61, 45]].map(|size| (scene, size)))
+        {
+            let grid = Grid::new(&scene.clone().checked().unwrap(), size);
+            let upright = upright(&grid).expect("not turned");
+            let mut sure = 0;
+            for (x, y) in (0..size[0]).flat_map(|x| (0..size[1]).map(move |y| (x, y))) {
+                let [column, row] = [x, y].map(|side| side as usize);
+                let Some(is_forbidden) = upright.is_forbidden(column, row) else { continue };
+                sure += 1;
+                match grid.fate(x, y) {
+                    Fate::Open(angle) => {
+                        assert!(!is_forbidden && angle == upright.angle(column, row), "({x}, {y})");
+                    }
+                    Fate::Known(outcome) => {
+                        assert!(is_forbidden && outcome.status == Status::Forbidden, "({x}, {y})");
+                    }
+                    Fate::Thrown(_) => panic!("from rest"),
+                }
+            }
+            assert!(sure > size[0] * size[1] / 2, "{sure} of {size:?}");
+        }
+    }
+
+    #[test]
+    fn turned_pictures_and_those_without_forbidden_starts_have_none() {
+        let turned = View { rotate: 10.0, ..View::default() };
+        let grid = |scene: Scene| Grid::new(&scene.checked().unwrap(), [20, 20]);
+        assert!(upright(&grid(Scene { view: turned, ..Scene::default() })).is_none());
+        assert!(upright(&grid(Scene::default())).is_some());
+    }
+}
