@@ -34,10 +34,7 @@ impl Reader {
     /// Writes the answers of a job into the samples at `places`.
     pub(super) fn fill(&self, result: &JobResult, places: &[u32], samples: &mut Samples) {
         if self.ask.is_time() {
-            for (&place, outcome) in places.iter().zip(&result.outcomes) {
-                samples.set(place as usize, *outcome);
-            }
-            return;
+            return samples.set_all(places, &result.outcomes);
         }
         let answers = result.outcomes.par_iter().zip(&result.ends);
         let answers: Vec<_> = answers.map(|(outcome, end)| self.read(outcome, end)).collect();

@@ -68,6 +68,15 @@ impl Samples {
         self.set_values(index, outcome.status, &[outcome.time]);
     }
 
+    /// Replaces the outcomes of the samples at `places`, whose only channel is a time.
+    pub fn set_all(&mut self, places: &[u32], outcomes: &[Outcome]) {
+        let (statuses, times) = (&mut self.statuses[..], &mut self.values[..]);
+        for (&place, outcome) in places.iter().zip(outcomes) {
+            statuses[place as usize] = outcome.status;
+            times[place as usize] = outcome.time;
+        }
+    }
+
     /// Replaces the status and the first values of sample `index`.
     pub fn set_values(&mut self, index: usize, status: Status, values: &[f64]) {
         let first = index * self.channels();

@@ -17,6 +17,8 @@ pub struct Tones {
     cycles: f64,
     /// Runs through the palette that precede the first time.
     shift: f64,
+    /// Index of the last run.
+    last_run: f64,
     scale: TimeScale,
 }
 
@@ -48,13 +50,16 @@ impl Tones {
         if times.is_empty() {
             times = vec![first_secs, budget_secs];
         }
+        let cycles = picture.cycles;
+        let shift = picture.offset * if picture.mirror { 2.0 } else { 1.0 };
         Ok(Tones {
             palette: Palette::named(&picture.palette)?,
             ground: Ground::of(picture)?,
             reverse: picture.reverse,
             mirror: picture.mirror,
-            cycles: picture.cycles,
-            shift: picture.offset * if picture.mirror { 2.0 } else { 1.0 },
+            cycles,
+            shift,
+            last_run: (cycles + shift).ceil() - 1.0,
             scale: TimeScale::new(picture.scale, times),
         })
     }
@@ -78,7 +83,7 @@ impl Tones {
     fn position_at(&self, height: f64) -> f64 {
         let along = self.scale.coloured(height) * self.cycles + self.shift;
         // The last time is the end of the last run, not the beginning of another.
-        let run = along.floor().min((self.cycles + self.shift).ceil() - 1.0);
+        let run = along.floor().min(self.last_run);
         let within = along - run;
         let backwards = self.reverse != (self.mirror && run % 2.0 == 1.0);
         if backwards { 1.0 - within } else { within }
