@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use crate::scene::Grid;
 
 /// A band of rows, with the blocks of pixels that the energy curve may touch.
@@ -26,6 +28,17 @@ impl CurveBand {
         CurveBand { near: columns.map(near).collect() }
     }
 
+    /// The bands in which some rows lie, from the top.
+    pub(super) fn all(grid: &Grid, rows: Range<u32>) -> Vec<Self> {
+        let bands = rows.start / BLOCK..rows.end.div_ceil(BLOCK);
+        bands.into_par_iter().map(|band| CurveBand::around(grid, band * BLOCK)).collect()
+    }
+
+    /// The band of a row among those of the rows from `first` on; none where there are no bands.
+    pub(super) fn of_row(bands: &[CurveBand], first: u32, row: u32) -> Option<&CurveBand> {
+        bands.get((row / BLOCK - first / BLOCK) as usize)
+    }
+
     /// Share of a pixel of the band that the energy curve covers, from its distance to the pixel's
     /// middle.
     pub fn cover(&self, grid: &Grid, column: u32, row: u32) -> f64 {
@@ -34,12 +47,6 @@ impl CurveBand {
         }
         (REACH - grid.pixels_from_curve(column, row)).clamp(0.0, 1.0)
     }
-}
-
-/// Some rows, cut into those of each band.
-pub(super) fn bands(rows: Range<u32>) -> Vec<Range<u32>> {
-    let firsts = (rows.start / BLOCK..rows.end.div_ceil(BLOCK)).map(|band| band * BLOCK);
-    firsts.map(|first| first.max(rows.start)..(first + BLOCK).min(rows.end)).collect()
 }
 
 #[cfg(test)]
@@ -53,21 +60,15 @@ mod tests {
         for scene in [Scene::default(), Scene { view, ..Scene::default() }] {
             let grid = Grid::new(&scene.checked().unwrap(), [150, 83]);
             let mut touched = 0;
-            for (row, column) in (0..83).flat_map(|row| (0..150).map(move |x| (row, x))) {
-                let band = CurveBand::around(&grid, row);
+            // From a row in the middle of a band.
+            let bands = CurveBand::all(&grid, 7..83);
+            for (row, column) in (7..83).flat_map(|row| (0..150).map(move |x| (row, x))) {
+                let band = CurveBand::of_row(&bands, 7, row).expect("a band of each row");
                 let whole = (REACH - grid.pixels_from_curve(column, row)).clamp(0.0, 1.0);
                 assert_eq!(band.cover(&grid, column, row), whole, "({column}, {row})");
                 touched += u32::from(whole > 0.0);
             }
             assert!(touched > 100, "{touched}");
         }
-    }
-
-    #[test]
-    fn rows_are_cut_where_bands_begin() {
-        assert_eq!(bands(0..40), [0..16, 16..32, 32..40]);
-        assert_eq!(bands(14..18), [14..16, 16..18]);
-        assert_eq!(bands(17..20), [17..20]);
-        assert!(bands(32..32).is_empty());
     }
 }

@@ -1,9 +1,11 @@
 //! The colours of samples: the palette, the light on them, the mean of several samples per pixel, the
 //! energy curve, the legend.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use super::curve::{CurveBand, bands};
+use super::curve::CurveBand;
 use super::legend::Legend;
 use super::lit_rows::LitRows;
 use crate::physics::Status;
@@ -51,62 +53,64 @@ impl RowPainter {
     /// Paints the next rows of samples as rows of RGB bytes; they come out when they are complete (see
     /// [`RowPainter::tints`]).
     pub fn paint(&mut self, samples: &Samples) -> Vec<u8> {
-        self.tints(samples).into_iter().flat_map(rounded).collect()
+        self.tints(samples, 0..samples.len()).into_iter().flat_map(rounded).collect()
     }
 
-    /// Paints the next rows of samples. With several samples per pixel, a row comes out when it is
-    /// complete, and with light from the side, when the row below it has come.
-    pub fn tints(&mut self, samples: &Samples) -> Vec<Tint> {
+    /// Paints the samples at `places`, which are the next ones. With several samples per pixel, a row
+    /// comes out when it is complete, and with light from the side, when the row below it has come.
+    pub fn tints(&mut self, samples: &Samples, places: Range<usize>) -> Vec<Tint> {
         let colours = &self.colours;
         let tint = |k| colours.tint(samples.get(k).status, samples.values(k));
-        let share = (0..samples.len()).into_par_iter().with_min_len(SHARE);
+        let share = places.clone().into_par_iter().with_min_len(SHARE);
         let mut tints: Vec<Tint> = share.map(tint).collect();
         if let Some(lit) = &mut self.lit {
-            let heights = (0..samples.len()).map(|k| height(colours, samples, k));
+            let heights = places.map(|k| height(colours, samples, k));
             tints = lit.light(tints.into_iter(), heights);
         }
-        self.pending.append(&mut tints);
-        let row_samples = self.row_samples();
+        if self.pending.is_empty() {
+            self.pending = tints;
+        } else {
+            self.pending.append(&mut tints);
+        }
+        let along = self.samples_along as usize;
+        let row_samples = self.grid.size()[0] as usize * along * along;
         let rows = self.pending.len() / row_samples;
         let rest = self.pending.split_off(rows * row_samples);
         let ready = std::mem::replace(&mut self.pending, rest);
-        let pixels = self.rows(&ready);
+        let mut pixels = if along == 1 { ready } else { self.averaged(&ready) };
+        self.mark(&mut pixels);
         self.next_row += rows as u32;
         pixels
     }
 
-    /// Number of samples of a row of pixels.
-    fn row_samples(&self) -> usize {
-        self.grid.size()[0] as usize * (self.samples_along * self.samples_along) as usize
-    }
-
-    /// The pixels of the next rows, whose samples are all there.
-    fn rows(&self, ready: &[Tint]) -> Vec<Tint> {
+    /// The mean colours of the samples of each pixel of whole rows.
+    fn averaged(&self, samples: &[Tint]) -> Vec<Tint> {
         let (width, along) = (self.grid.size()[0] as usize, self.samples_along as usize);
-        let row_samples = self.row_samples();
-        let mut pixels = vec![Tint::default(); ready.len() / (along * along)];
-        // All rows of a band share the search for the curve.
-        let first = self.next_row;
-        let bands = bands(first..first + (pixels.len() / width) as u32);
-        let mut parts = Vec::with_capacity(bands.len());
-        let mut rest = &mut pixels[..];
-        for rows in bands {
-            let (part, below) = rest.split_at_mut(rows.len() * width);
-            parts.push((rows, part));
-            rest = below;
-        }
-        parts.into_par_iter().for_each(|(rows, part)| {
-            let curve = self.curve.then(|| CurveBand::around(&self.grid, rows.start));
-            let from = (rows.start - first) as usize * row_samples;
-            let samples = ready[from..].chunks(row_samples);
-            for ((row, pixels), samples) in rows.zip(part.chunks_mut(width)).zip(samples) {
-                for (column, pixel) in pixels.iter_mut().enumerate() {
-                    let tint = mean(samples, width * along, column * along, along);
-                    *pixel = self.with_marks(tint, [column as u32, row], curve.as_ref());
-                }
+        let mut pixels = vec![Tint::default(); samples.len() / (along * along)];
+        let rows = samples.par_chunks(width * along * along);
+        pixels.par_chunks_mut(width).zip(rows).for_each(|(pixels, samples)| {
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = mean(samples, width * along, column * along, along);
             }
         });
         pixels
+    }
+
+    /// Draws the energy curve and the legend over the next rows.
+    fn mark(&self, pixels: &mut [Tint]) {
+        if !self.curve && self.legend.is_none() {
+            return;
+        }
+        let width = self.grid.size()[0] as usize;
+        let rows = self.next_row..self.next_row + (pixels.len() / width) as u32;
+        let curves = if self.curve { CurveBand::all(&self.grid, rows.clone()) } else { Vec::new() };
+        let rows = rows.into_par_iter().zip(pixels.par_chunks_mut(width));
+        rows.for_each(|(row, pixels)| {
+            let curve = CurveBand::of_row(&curves, self.next_row, row);
+            for (column, pixel) in (0..).zip(pixels) {
+                *pixel = self.with_marks(*pixel, [column, row], curve);
+            }
+        });
     }
 
     /// The colour of a pixel under the energy curve and the legend.
@@ -147,9 +151,6 @@ pub(super) fn mixed(below: Tint, above: Tint, cover: f32) -> Tint {
 
 /// The mean colour of `along` × `along` samples from index `first` on, in linear light.
 fn mean(row: &[Tint], stride: usize, first: usize, along: usize) -> Tint {
-    if along == 1 {
-        return row[first];
-    }
     let mut sum = [0.0; 3];
     for j in 0..along {
         for tint in &row[j * stride + first..j * stride + first + along] {

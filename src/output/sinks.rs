@@ -142,16 +142,26 @@ impl Sink {
         matches!(self, Sink::Picture(_) | Sink::DeepPicture(_) | Sink::Pyramid(_))
     }
 
-    /// Writes samples, or what was painted from them.
-    fn write(&mut self, samples: &Samples, painted: &Painted) -> Result<(), PngError> {
+    /// Writes samples, where the output is not painted.
+    fn write(&mut self, samples: &Samples) -> Result<(), PngError> {
         match self {
-            Sink::Picture(picture) => Ok(picture.write(&painted.rgb)?),
-            Sink::DeepPicture(picture) => Ok(picture.write(&painted.deep)?),
-            Sink::Pyramid(pyramid) => pyramid.write(&painted.rgb),
-            Sink::Raw(npy) => Ok(npy.write(samples)?),
-            Sink::Exr(exr) => Ok(exr.write(samples)?),
-            Sink::Trust(picture) => Ok(picture.write(&trust_colours(samples))?),
+            Sink::Raw(npy) => npy.write(samples)?,
+            Sink::Exr(exr) => exr.write(samples)?,
+            Sink::Trust(picture) => picture.write(&trust_colours(samples))?,
+            Sink::Picture(_) | Sink::DeepPicture(_) | Sink::Pyramid(_) => {}
         }
+        Ok(())
+    }
+
+    /// Writes painted rows, where the output is made of them.
+    fn write_painted(&mut self, painted: &Painted) -> Result<(), PngError> {
+        match self {
+            Sink::Picture(picture) => picture.write(&painted.rgb)?,
+            Sink::DeepPicture(picture) => picture.write(&painted.deep)?,
+            Sink::Pyramid(pyramid) => pyramid.write(&painted.rgb)?,
+            Sink::Raw(_) | Sink::Exr(_) | Sink::Trust(_) => {}
+        }
+        Ok(())
     }
 
     fn complete(self) -> Result<Complete, PngError> {
@@ -193,6 +203,9 @@ impl Painted {
         Painted { rgb: bytes_of(tints), deep }
     }
 }
+
+/// Number of samples that are painted at a time.
+const STRIP: usize = 1 << 20;
 
 /// The nearest colours of eight bits a channel.
 fn bytes_of(tints: &[Tint]) -> Vec<u8> {
@@ -241,18 +254,39 @@ impl Sinks {
     /// Passes samples, rows from the top, to the outputs of a pass. An output whose reader has left
     /// is given up if there is another one.
     pub fn write(&mut self, pass: &SinkPass, samples: &Samples) -> Result<(), OutputError> {
-        let painted = match &mut self.painter {
-            Some(painter) if pass.picture => {
-                let is_deep = |(sink, _): &(Sink, _)| matches!(sink, Sink::DeepPicture(_));
-                Painted::new(&painter.tints(samples), self.open.iter().any(is_deep))
-            }
-            _ => Painted::default(),
-        };
+        if pass.picture {
+            self.paint(samples)?;
+        }
+        if pass.others {
+            self.write_each(|sink| !sink.is_painted(), |sink| sink.write(samples))?;
+        }
+        Ok(())
+    }
+
+    /// Paints samples a strip at a time, which fits a processor's cache and memory that is used again.
+    fn paint(&mut self, samples: &Samples) -> Result<(), OutputError> {
+        let Some(mut painter) = self.painter.take() else { return Ok(()) };
+        let is_deep = |(sink, _): &(Sink, _)| matches!(sink, Sink::DeepPicture(_));
+        let deep = self.open.iter().any(is_deep);
+        for first in (0..samples.len()).step_by(STRIP) {
+            let strip = first..samples.len().min(first + STRIP);
+            let painted = Painted::new(&painter.tints(samples, strip), deep);
+            self.write_each(Sink::is_painted, |sink| sink.write_painted(&painted))?;
+        }
+        self.painter = Some(painter);
+        Ok(())
+    }
+
+    /// Writes to some of the outputs.
+    fn write_each(
+        &mut self,
+        wanted: impl Fn(&Sink) -> bool,
+        write: impl Fn(&mut Sink) -> Result<(), PngError>,
+    ) -> Result<(), OutputError> {
         let mut others = self.open.len() - 1;
         let mut kept = Vec::new();
         for (mut sink, name) in std::mem::take(&mut self.open) {
-            let wanted = if sink.is_painted() { pass.picture } else { pass.others };
-            let written = if wanted { sink.write(samples, &painted) } else { Ok(()) };
+            let written = if wanted(&sink) { write(&mut sink) } else { Ok(()) };
             match written.map_err(|source| write_error(&name, source)) {
                 Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
                 Err(error) => return Err(error),

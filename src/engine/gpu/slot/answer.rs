@@ -17,52 +17,47 @@ impl Slot {
     /// The answer, once it has been mapped; none if the device was lost after that, an error if it
     /// lost pendulums.
     pub(super) fn read_answer(&self) -> Option<Result<JobResult, EngineError>> {
-        let (raw, passes) = self.read_outcomes(self.head.count as usize)?;
-        match statuses(&raw) {
-            Ok(statuses) => self.answer(&raw, &passes, &statuses).map(Ok),
-            Err(lost) => Some(Err(lost)),
-        }
+        let answer = &self.buffers.answer;
+        // Read where it lies: a copy takes as long as all that is done with it.
+        let view = answer.slice(..self.outcome_bytes()).get_mapped_range().ok()?;
+        let read = if self.job.question.passes == 1 {
+            self.answer(Outcomes { raw: bytemuck::cast_slice(&view), passes: &[] })
+        } else {
+            let counted: Vec<CountedOutcome> = bytemuck::pod_collect_to_vec(&view);
+            let (raw, passes): (Vec<_>, Vec<_>) =
+                counted.into_iter().map(|counted| (counted.raw, counted.passes)).unzip();
+            self.answer(Outcomes { raw: &raw, passes: &passes })
+        };
+        drop(view);
+        answer.unmap();
+        read.transpose()
     }
 
-    fn answer(
-        &self,
-        raw: &[RawOutcome],
-        passes: &[[u32; 4]],
-        statuses: &[Status],
-    ) -> Option<JobResult> {
-        let ended = statuses.par_iter().zip(raw).with_min_len(SHARE);
-        let outcomes: Vec<Outcome> =
-            ended.map(|(status, raw)| self.outcome(*status, raw)).collect();
+    /// The answer that the outcomes of all pendulums give, if none is missing.
+    fn answer(&self, ended: Outcomes) -> Result<Option<JobResult>, EngineError> {
+        let raw = ended.raw;
+        let statuses = statuses(raw)?;
+        let each = statuses.par_iter().zip(raw).with_min_len(SHARE);
+        let outcomes: Vec<Outcome> = each.map(|(status, raw)| self.outcome(*status, raw)).collect();
         let mut finished =
             JobResult { id: self.job.id, effort: self.effort(raw), ..Default::default() };
         if self.job.keep != Keep::NOTHING {
-            let mut states = self.read_states(raw)?;
+            let Some(mut states) = self.read_states(raw) else { return Ok(None) };
             if self.job.keep.ends != Ends::None {
-                finished.ends = self.ends((raw, passes), &states);
+                finished.ends = self.ends(ended, &states);
             }
             if self.job.keep.states {
-                self.add_counts((raw, passes), &mut states);
+                self.add_counts(ended, &mut states);
                 let states = states.into_iter().enumerate();
                 let left = states.filter(|(i, _)| outcomes[*i].status == Status::Unflipped);
                 finished.unfinished = left.collect();
             }
         }
-        self.buffers.answer.unmap();
-        Some(JobResult { outcomes, ..finished })
-    }
-
-    /// The outcomes as the kernel wrote them, and the passes of each pendulum where they are counted.
-    fn read_outcomes(&self, count: usize) -> Option<(Vec<RawOutcome>, Vec<[u32; 4]>)> {
-        let answer = &self.buffers.answer;
-        if self.job.question.passes == 1 {
-            return Some((read(answer, 0, count)?, Vec::new()));
-        }
-        let counted = read::<CountedOutcome>(answer, 0, count)?;
-        Some(counted.into_iter().map(|counted| (counted.raw, counted.passes)).unzip())
+        Ok(Some(JobResult { outcomes, ..finished }))
     }
 
     /// The end of each pendulum; a flip lies in the step that follows its state.
-    fn ends(&self, (raw, passes): Ended, states: &[IntegratorState]) -> Vec<End> {
+    fn ends(&self, Outcomes { raw, passes }: Outcomes, states: &[IntegratorState]) -> Vec<End> {
         let (reduced, _) = self.job.question.reduced();
         match self.job.keep.ends {
             Ends::Growth => {
@@ -88,7 +83,7 @@ impl Slot {
 
     /// Gives states the turns and passes counted so far, where these are counted and nothing else is
     /// taken along.
-    fn add_counts(&self, (raw, passes): Ended, states: &mut [IntegratorState]) {
+    fn add_counts(&self, Outcomes { raw, passes }: Outcomes, states: &mut [IntegratorState]) {
         if !self.job.question.counts() || self.job.keep.ends.are_carried() {
             return;
         }
@@ -164,8 +159,12 @@ impl Slot {
     }
 }
 
-/// The outcomes of pendulums, and their passes where these are counted.
-type Ended<'a> = (&'a [RawOutcome], &'a [[u32; 4]]);
+/// The outcomes of pendulums as a kernel wrote them, and their passes where these are counted.
+#[derive(Clone, Copy)]
+struct Outcomes<'a> {
+    raw: &'a [RawOutcome],
+    passes: &'a [[u32; 4]],
+}
 
 /// Number of pendulums that a thread takes at a time.
 const SHARE: usize = 1 << 12;
