@@ -27,6 +27,8 @@ pub struct RowPainter {
     next_row: u32,
     /// Samples of a row of pixels that is not yet complete.
     pending: Vec<Tint>,
+    /// The pixels painted last, whose memory the next ones use.
+    fresh: Vec<Tint>,
 }
 
 impl RowPainter {
@@ -47,40 +49,47 @@ impl RowPainter {
             grid,
             next_row: 0,
             pending: Vec::new(),
+            fresh: Vec::new(),
         })
     }
 
     /// Paints the next rows of samples as rows of RGB bytes; they come out when they are complete (see
     /// [`RowPainter::tints`]).
     pub fn paint(&mut self, samples: &Samples) -> Vec<u8> {
-        self.tints(samples, 0..samples.len()).into_iter().flat_map(rounded).collect()
+        self.tints(samples, 0..samples.len()).iter().copied().flat_map(rounded).collect()
     }
 
     /// Paints the samples at `places`, which are the next ones. With several samples per pixel, a row
     /// comes out when it is complete, and with light from the side, when the row below it has come.
-    pub fn tints(&mut self, samples: &Samples, places: Range<usize>) -> Vec<Tint> {
+    pub fn tints(&mut self, samples: &Samples, places: Range<usize>) -> &[Tint] {
+        let mut fresh = std::mem::take(&mut self.fresh);
+        self.colour(samples, places, &mut fresh);
+        let along = self.samples_along as usize;
+        let row_samples = self.grid.size()[0] as usize * along * along;
+        if !self.pending.is_empty() || !fresh.len().is_multiple_of(row_samples) {
+            self.pending.append(&mut fresh);
+            let whole = self.pending.len() / row_samples * row_samples;
+            fresh.extend(self.pending.drain(..whole));
+        }
+        if along > 1 {
+            fresh = self.averaged(&fresh);
+        }
+        self.mark(&mut fresh);
+        self.next_row += (fresh.len() / self.grid.size()[0] as usize) as u32;
+        self.fresh = fresh;
+        &self.fresh
+    }
+
+    /// The colours of samples, under light from the side if there is any.
+    fn colour(&mut self, samples: &Samples, places: Range<usize>, tints: &mut Vec<Tint>) {
         let colours = &self.colours;
         let tint = |k| colours.tint(samples.get(k).status, samples.values(k));
         let share = places.clone().into_par_iter().with_min_len(SHARE);
-        let mut tints: Vec<Tint> = share.map(tint).collect();
+        share.map(tint).collect_into_vec(tints);
         if let Some(lit) = &mut self.lit {
             let heights = places.map(|k| height(colours, samples, k));
-            tints = lit.light(tints.into_iter(), heights);
+            *tints = lit.light(tints.drain(..), heights);
         }
-        if self.pending.is_empty() {
-            self.pending = tints;
-        } else {
-            self.pending.append(&mut tints);
-        }
-        let along = self.samples_along as usize;
-        let row_samples = self.grid.size()[0] as usize * along * along;
-        let rows = self.pending.len() / row_samples;
-        let rest = self.pending.split_off(rows * row_samples);
-        let ready = std::mem::replace(&mut self.pending, rest);
-        let mut pixels = if along == 1 { ready } else { self.averaged(&ready) };
-        self.mark(&mut pixels);
-        self.next_row += rows as u32;
-        pixels
     }
 
     /// The mean colours of the samples of each pixel of whole rows.

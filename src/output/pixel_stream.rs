@@ -47,26 +47,39 @@ impl PixelStream {
             self.pending.extend_from_slice(row);
         }
         let whole = self.pending.len() / self.block_bytes * self.block_bytes;
-        let rest = self.pending.split_off(whole);
-        let ready = std::mem::replace(&mut self.pending, rest);
-        self.sum.write(&ready);
-        ready.par_chunks(self.block_bytes).map(packed).collect()
+        let ready = &self.pending[..whole];
+        self.sum.write(ready);
+        let blocks = ready.par_chunks(self.block_bytes).map_init(packer, packed).collect();
+        self.pending.drain(..whole);
+        blocks
     }
 
     /// Returns the last block, packed, and the end of the stream.
     pub(super) fn end(mut self) -> Vec<u8> {
         self.sum.write(&self.pending);
-        [packed(&self.pending), LAST.to_vec(), self.sum.finish().to_be_bytes().to_vec()].concat()
+        [
+            packed(&mut packer(), &self.pending),
+            LAST.to_vec(),
+            self.sum.finish().to_be_bytes().to_vec(),
+        ]
+        .concat()
     }
 }
 
+/// An encoder of blocks.
+fn packer() -> Compress {
+    Compress::new(Compression::new(LEVEL), false)
+}
+
 /// A block as deflate, up to a whole byte.
-fn packed(block: &[u8]) -> Vec<u8> {
-    let mut packer = Compress::new(Compression::new(LEVEL), false);
+fn packed(packer: &mut Compress, block: &[u8]) -> Vec<u8> {
+    packer.reset();
     let mut bytes = Vec::with_capacity(block.len() / 4 + 64);
     loop {
         let rest = &block[packer.total_in() as usize..];
-        packer.compress_vec(rest, &mut bytes, FlushCompress::Sync).expect("a fresh encoder");
+        packer
+            .compress_vec(rest, &mut bytes, FlushCompress::Sync)
+            .expect("an encoder at its beginning");
         // Room that is left means that all has been flushed.
         if bytes.len() < bytes.capacity() {
             return bytes;

@@ -197,28 +197,27 @@ struct Painted {
 }
 
 impl Painted {
-    fn new(tints: &[Tint], deep: bool) -> Self {
-        let wide = |channel: &f32| ((channel * 257.0).round() as u16).to_be_bytes();
-        let deep = if deep { tints.iter().flatten().flat_map(wide).collect() } else { Vec::new() };
-        Painted { rgb: bytes_of(tints), deep }
+    /// Takes the next rows in place of the last ones, in the same memory.
+    fn take(&mut self, tints: &[Tint], deep: bool) {
+        self.rgb.resize(3 * tints.len(), 0);
+        let colours = self.rgb.as_chunks_mut::<3>().0.par_iter_mut().with_min_len(1 << 14);
+        colours.zip(tints).for_each(|(bytes, tint)| *bytes = rounded(*tint));
+        if deep {
+            let wide = |channel: &f32| ((channel * 257.0).round() as u16).to_be_bytes();
+            self.deep.clear();
+            self.deep.extend(tints.iter().flatten().flat_map(wide));
+        }
     }
 }
 
 /// Number of samples that are painted at a time.
 const STRIP: usize = 1 << 20;
 
-/// The nearest colours of eight bits a channel.
-fn bytes_of(tints: &[Tint]) -> Vec<u8> {
-    let mut bytes = vec![0; 3 * tints.len()];
-    let colours = bytes.as_chunks_mut::<3>().0.par_iter_mut().with_min_len(1 << 14);
-    colours.zip(tints).for_each(|(bytes, tint)| *bytes = rounded(*tint));
-    bytes
-}
-
 /// The outputs being written.
 pub struct Sinks {
     /// Painter shared by all outputs that are painted.
     painter: Option<RowPainter>,
+    painted: Painted,
     open: Vec<(Sink, Destination)>,
 }
 
@@ -232,7 +231,7 @@ impl Sinks {
             paths.named().into_iter().map(begin).collect::<Result<_, OutputError>>()?;
         let paint = || RowPainter::new(&document.scene(), size, &document.picture);
         let painter = open.iter().any(|(sink, _)| sink.is_painted()).then(paint).transpose()?;
-        Ok(Sinks { painter, open })
+        Ok(Sinks { painter, painted: Painted::default(), open })
     }
 
     /// The passes over a picture with `along` × `along` samples per pixel. With several, outputs
@@ -266,14 +265,15 @@ impl Sinks {
     /// Paints samples a strip at a time, which fits a processor's cache and memory that is used again.
     fn paint(&mut self, samples: &Samples) -> Result<(), OutputError> {
         let Some(mut painter) = self.painter.take() else { return Ok(()) };
+        let mut painted = std::mem::take(&mut self.painted);
         let is_deep = |(sink, _): &(Sink, _)| matches!(sink, Sink::DeepPicture(_));
         let deep = self.open.iter().any(is_deep);
         for first in (0..samples.len()).step_by(STRIP) {
             let strip = first..samples.len().min(first + STRIP);
-            let painted = Painted::new(&painter.tints(samples, strip), deep);
+            painted.take(painter.tints(samples, strip), deep);
             self.write_each(Sink::is_painted, |sink| sink.write_painted(&painted))?;
         }
-        self.painter = Some(painter);
+        (self.painter, self.painted) = (Some(painter), painted);
         Ok(())
     }
 
