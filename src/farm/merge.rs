@@ -76,7 +76,7 @@ fn some_rows(pass: &StillPass, parts: &mut Parts, row: u32) -> Result<Samples, P
     if row < pass.rows {
         return parts.rows(&pass.of, row, ROWS.min(pass.rows - row));
     }
-    parts.rows(&pass.of, pass.size[1] - 1 - row, 1).map(Samples::reversed)
+    parts.rows(&pass.of, pass.size[1] - 1 - row, 1).map(|row| row.image(row.len()))
 }
 
 /// Destination of a film.
@@ -242,7 +242,7 @@ fn coloured(
     let mut light = || {
         let (cell, mirrored) = patches.next().ok_or(PartError::Gone)?.canonical();
         let samples = parts.patch(group.of(&cell), &cell)?;
-        let samples = if mirrored { samples.reversed() } else { samples };
+        let samples = if mirrored { samples.image(samples.len()) } else { samples };
         Ok(colours.light(&samples, shown))
     };
     Mip::build(&group.group.patches, colours.channels(), folder, &mut light)

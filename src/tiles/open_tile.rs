@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::plan::Tile;
-use super::samples::Samples;
+use super::samples::{RowMut, Samples};
 use super::saved_pixels::SavedPixel;
 use crate::engine::{Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust, Upright};
 use crate::physics::{Dd, Launch, Outcome};
@@ -46,20 +46,12 @@ impl OpenTile {
     pub(super) fn of_upright(grid: &Grid, tile: &Tile) -> Option<Self> {
         let ([x, y], [width, height]) = (tile.origin, tile.size);
         let upright = grid.upright(x..x + width, y..y + height)?;
-        let row = |row: u32| UprightRow::new(grid, &upright, tile, row);
-        let rows: Option<Vec<UprightRow>> = (0..height).into_par_iter().map(row).collect();
         let mut samples = Samples::unflipped((width * height) as usize);
-        let mut places = Vec::new();
-        for row in rows? {
-            row.open.into_iter().for_each(|run| places.extend(run));
-            for run in row.forbidden {
-                samples.forbid(run.start as usize..run.end as usize);
-            }
-            for (place, outcome) in row.known {
-                samples.set(place as usize, outcome);
-                samples.set_trust(place as usize, Trust::of_proved(&outcome));
-            }
-        }
+        let rows = samples.rows_mut(width as usize).enumerate();
+        let open = rows
+            .map(|(row, mut samples)| open_runs(grid, &upright, tile, row as u32, &mut samples));
+        let open: Vec<Vec<Range<u32>>> = open.collect::<Option<_>>()?;
+        let places = joined(&open);
         let starts = Upright { angles: upright.angles, places: places.clone() };
         Some(OpenTile { samples, places, starts: Starts::Upright(starts) })
     }
@@ -169,42 +161,64 @@ impl OpenTile {
     }
 }
 
-/// A row of an upright grid's tile: runs of places among the tile's pixels.
-#[derive(Default)]
-struct UprightRow {
-    open: Vec<Range<u32>>,
-    forbidden: Vec<Range<u32>>,
-    /// Places whose outcomes are known otherwise.
-    known: Vec<(u32, Outcome)>,
+/// The places of all runs of all rows, in their order.
+fn joined(rows: &[Vec<Range<u32>>]) -> Vec<u32> {
+    let count = |row: &[Range<u32>]| row.iter().map(ExactSizeIterator::len).sum::<usize>();
+    let mut places = vec![0; rows.iter().map(|row| count(row)).sum()];
+    let (mut parts, mut rest) = (Vec::with_capacity(rows.len()), &mut places[..]);
+    for row in rows {
+        let (part, later) = rest.split_at_mut(count(row));
+        parts.push((row, part));
+        rest = later;
+    }
+    parts.into_par_iter().for_each(|(row, mut part)| {
+        for run in row {
+            let (own, later) = part.split_at_mut(run.len());
+            own.iter_mut().zip(run.clone()).for_each(|(own, place)| *own = place);
+            part = later;
+        }
+    });
+    places
 }
 
-impl UprightRow {
-    fn new(grid: &Grid, upright: &UprightGrid, tile: &Tile, row: u32) -> Option<Self> {
-        let mut runs = UprightRow::default();
-        let width = tile.size[0];
-        let mut column = 0;
-        while column < width {
-            let first = row * width + column;
-            let fate = |column: u32| upright.is_forbidden(column as usize, row as usize);
-            if let Some(is_forbidden) = fate(column) {
-                let same = |column: &u32| fate(*column) == Some(is_forbidden);
-                let length = (column..width).take_while(same).count() as u32;
-                let kind = if is_forbidden { &mut runs.forbidden } else { &mut runs.open };
-                kind.push(first..first + length);
-                column += length;
-                continue;
+/// Fills in what is known of a row of an upright grid's tile, and returns the runs of its other places;
+/// none where a start has not the angles of its column and row.
+fn open_runs(
+    grid: &Grid,
+    upright: &UprightGrid,
+    tile: &Tile,
+    row: u32,
+    samples: &mut RowMut,
+) -> Option<Vec<Range<u32>>> {
+    let width = tile.size[0];
+    let fate = |column: u32| upright.is_forbidden(column as usize, row as usize);
+    let mut open = Vec::new();
+    let mut column = 0;
+    while column < width {
+        let first = row * width + column;
+        if let Some(is_forbidden) = fate(column) {
+            let same = |column: &u32| fate(*column) == Some(is_forbidden);
+            let length = (column..width).take_while(same).count() as u32;
+            if is_forbidden {
+                samples.forbid(column as usize..(column + length) as usize);
+            } else {
+                open.push(first..first + length);
             }
-            match grid.fate(tile.origin[0] + column, tile.origin[1] + row) {
-                Fate::Known(outcome) => runs.known.push((first, outcome)),
-                Fate::Open(angle) if angle == upright.angle(column as usize, row as usize) => {
-                    runs.open.push(first..first + 1);
-                }
-                Fate::Open(_) | Fate::Thrown(_) => return None,
-            }
-            column += 1;
+            column += length;
+            continue;
         }
-        Some(runs)
+        match grid.fate(tile.origin[0] + column, tile.origin[1] + row) {
+            Fate::Known(outcome) => {
+                samples.set(column as usize, outcome, Trust::of_proved(&outcome));
+            }
+            Fate::Open(angle) if angle == upright.angle(column as usize, row as usize) => {
+                open.push(first..first + 1);
+            }
+            Fate::Open(_) | Fate::Thrown(_) => return None,
+        }
+        column += 1;
     }
+    Some(open)
 }
 
 /// Number of pixels that a thread sorts at a time.

@@ -1,5 +1,8 @@
 //! Samples: the answer of each pixel with its trust, and counts of each kind of pixel.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::{Effort, Trust};
@@ -70,11 +73,23 @@ impl Samples {
 
     /// Replaces the outcomes of the samples at `places`, whose only channel is a time.
     pub fn set_all(&mut self, places: &[u32], outcomes: &[Outcome]) {
-        let (statuses, times) = (&mut self.statuses[..], &mut self.values[..]);
-        for (&place, outcome) in places.iter().zip(outcomes) {
-            statuses[place as usize] = outcome.status;
-            times[place as usize] = outcome.time;
+        // Shares of rising places lie apart, so that each thread has samples of its own.
+        let share = if places.is_sorted() { SHARE } else { places.len().max(1) };
+        let (mut statuses, mut times) = (&mut self.statuses[..], &mut self.values[..]);
+        let (mut parts, mut first) = (Vec::new(), 0);
+        for (places, outcomes) in places.chunks(share).zip(outcomes.chunks(share)) {
+            let end = places.iter().max().map_or(first, |last| *last as usize + 1);
+            let (own, later) = statuses.split_at_mut(end - first);
+            let (own_times, later_times) = times.split_at_mut(end - first);
+            parts.push((first, places, outcomes, own, own_times));
+            (statuses, times, first) = (later, later_times, end);
         }
+        parts.into_par_iter().for_each(|(first, places, outcomes, statuses, times)| {
+            for (&place, outcome) in places.iter().zip(outcomes) {
+                let place = place as usize - first;
+                (statuses[place], times[place]) = (outcome.status, outcome.time);
+            }
+        });
     }
 
     /// Replaces the status and the first values of sample `index`.
@@ -84,9 +99,15 @@ impl Samples {
         self.values[first..first + values.len()].copy_from_slice(values);
     }
 
-    /// Says of some samples that energy forbids a flip.
-    pub fn forbid(&mut self, places: std::ops::Range<usize>) {
-        self.statuses[places].fill(Status::Forbidden);
+    /// Rows of `width` samples with one channel, to be filled on all cores.
+    pub(super) fn rows_mut(
+        &mut self,
+        width: usize,
+    ) -> impl IndexedParallelIterator<Item = RowMut<'_>> {
+        let Samples { statuses, values, trusts } = self;
+        let rows = statuses.par_chunks_mut(width).zip(values.par_chunks_mut(width));
+        let rows = rows.zip(trusts.par_chunks_mut(width));
+        rows.map(|((statuses, times), trusts)| RowMut { statuses, times, trusts })
     }
 
     /// Returns the trust of sample `index`.
@@ -99,16 +120,8 @@ impl Samples {
         self.trusts[index] = trust;
     }
 
-    /// Keeps only the first `count` samples.
-    pub fn truncated(mut self, count: usize) -> Self {
-        self.values.truncate(count * self.channels());
-        self.statuses.truncate(count);
-        self.trusts.truncate(count);
-        self
-    }
-
     /// Returns a copy of the samples at `places`.
-    pub fn part(&self, places: std::ops::Range<usize>) -> Self {
+    pub fn part(&self, places: Range<usize>) -> Self {
         let channels = self.channels();
         Samples {
             statuses: self.statuses[places.clone()].to_vec(),
@@ -124,15 +137,21 @@ impl Samples {
         self.trusts.extend(other.trusts);
     }
 
-    /// Reverses the order of the samples: those of a tile become those of its mirror image.
-    pub fn reversed(mut self) -> Self {
-        // Backwards number by number, then forwards within each sample.
+    /// Returns the first `count` samples in reverse: those of a tile become those of its mirror image.
+    pub fn image(&self, count: usize) -> Self {
         let channels = self.channels();
-        self.values.reverse();
-        self.values.chunks_mut(channels).for_each(<[f64]>::reverse);
-        self.statuses.reverse();
-        self.trusts.reverse();
-        self
+        let values = self.values[..count * channels].par_chunks(SHARE * channels).rev();
+        let backwards = |values: &[f64]| {
+            // Backwards number by number, then forwards within each sample.
+            let mut values: Vec<f64> = values.iter().rev().copied().collect();
+            values.chunks_mut(channels).for_each(<[f64]>::reverse);
+            values
+        };
+        Samples {
+            statuses: self.statuses[..count].par_iter().rev().copied().collect(),
+            values: values.map(backwards).collect::<Vec<_>>().concat(),
+            trusts: self.trusts[..count].par_iter().rev().copied().collect(),
+        }
     }
 
     /// Iterates over all outcomes in order.
@@ -143,6 +162,29 @@ impl Samples {
     /// Size in bytes of a sample with this many channels.
     pub const fn bytes(channels: usize) -> usize {
         size_of::<Status>() + channels * size_of::<f64>() + size_of::<Trust>()
+    }
+}
+
+/// Number of samples that a thread takes at a time.
+const SHARE: usize = 1 << 14;
+
+/// A row of samples with one channel.
+pub(super) struct RowMut<'a> {
+    statuses: &'a mut [Status],
+    times: &'a mut [f64],
+    trusts: &'a mut [Trust],
+}
+
+impl RowMut<'_> {
+    /// Says of some samples that energy forbids a flip.
+    pub(super) fn forbid(&mut self, columns: Range<usize>) {
+        self.statuses[columns].fill(Status::Forbidden);
+    }
+
+    /// Replaces the outcome of a sample, and its trust.
+    pub(super) fn set(&mut self, column: usize, outcome: Outcome, trust: Trust) {
+        self.statuses[column] = outcome.status;
+        (self.times[column], self.trusts[column]) = (outcome.time, trust);
     }
 }
 
@@ -171,23 +213,36 @@ pub struct Counts {
 impl Counts {
     /// Adds finished samples to the counts.
     pub fn add(&mut self, samples: &Samples) {
-        let mut statuses = [0; 4];
-        for (status, trust) in samples.statuses.iter().zip(&samples.trusts) {
-            statuses[*status as usize] += 1;
-            self.trusts[*trust as usize] += u64::from(*status != Status::Forbidden);
-        }
+        let shares = samples.statuses.par_chunks(SHARE).zip(samples.trusts.par_chunks(SHARE));
+        let (statuses, trusts) = shares.map(counted).reduce(Default::default, |one, other| {
+            let sum = |i: usize| one.0[i] + other.0[i];
+            (std::array::from_fn(sum), std::array::from_fn(|i| one.1[i] + other.1[i]))
+        });
         let count = |status: Status| statuses[status as usize];
         self.pixels += samples.len() as u64;
         self.flipped += count(Status::Flipped);
         self.unflipped += count(Status::Unflipped);
         self.forbidden += count(Status::Forbidden);
         self.failed += count(Status::Failed);
+        for (sum, count) in self.trusts.iter_mut().zip(trusts) {
+            *sum += count;
+        }
     }
 
     /// Number of pixels whose checks disagree.
     pub fn uncertain(&self) -> u64 {
         self.trusts[Trust::Uncertain as usize]
     }
+}
+
+/// Numbers of samples by status, and by trust where a flip is possible.
+fn counted((statuses, trusts): (&[Status], &[Trust])) -> ([u64; 4], [u64; 5]) {
+    let (mut by_status, mut by_trust) = ([0; 4], [0; 5]);
+    for (status, trust) in statuses.iter().zip(trusts) {
+        by_status[*status as usize] += 1;
+        by_trust[*trust as usize] += u64::from(*status != Status::Forbidden);
+    }
+    (by_status, by_trust)
 }
 
 impl std::ops::AddAssign for Counts {

@@ -240,10 +240,10 @@ impl Work {
         if rows == 0 {
             return None;
         }
-        let image = samples.clone().truncated(rows as usize * width as usize);
+        let image = samples.image(rows as usize * width as usize);
         let origin = [0, height - tile.origin[1] - rows];
         let tile = Tile { origin, size: [width, rows] };
-        Some(FinishedTile { tile, samples: image.reversed() })
+        Some(FinishedTile { tile, samples: image })
     }
 }
 

@@ -73,7 +73,7 @@ fn a_tile_has_the_answers_of_a_picture_of_its_starts() {
         let (known, mirrored) = explorer.known(cell).expect("it is in view");
         assert_eq!(known.samples.channels(), ask.kind().channels.len());
         let samples = std::sync::Arc::clone(&known.samples);
-        let samples = if mirrored { (*samples).clone().reversed() } else { (*samples).clone() };
+        let samples = if mirrored { samples.image(samples.len()) } else { (*samples).clone() };
         let mut answered = 0;
         for (place, (status, values)) in picture(&scene, cell).into_iter().enumerate() {
             assert_eq!(samples.get(place).status, status, "{ask} {plane} {place}");
