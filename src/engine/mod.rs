@@ -140,7 +140,7 @@ impl Job {
     /// Returns the fixed steps or the step size control of the job.
     pub fn pace(&self) -> Result<Pace, EngineError> {
         let pace = Pace::new(&self.question, &self.config)?;
-        let pace = match (start::fastest(&self.question, &pace, &self.starts), pace) {
+        let pace = match (starts::fastest(&self.question, &pace, &self.starts), pace) {
             (None, pace) => pace,
             (Some(_), Pace::Fixed(steps)) => Pace::Fixed(steps.for_launches()),
             (Some(fastest), Pace::Adaptive(adaptive)) => {

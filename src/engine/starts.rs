@@ -2,7 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::IntegratorState;
+use super::method::Pace;
+use super::start::phase_at;
+use super::{IntegratorState, Question};
 use crate::physics::phase::Phase;
 use crate::physics::tangents::TangentMap;
 use crate::physics::{Dd, Launch};
@@ -134,5 +136,34 @@ impl Starts {
     /// Returns true if there are no pendulums.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+}
+
+/// Share by which the energy of a pendulum in motion may lie above that of the highest release from
+/// rest before it counts as thrown: errors of coarse steps change the energy, too.
+const ABOVE_REST: f64 = 0.05;
+
+/// The greatest reduced angular velocity of starts that may move faster than after any release from
+/// rest; none where no start does. Those that come from cells are known by their energy.
+pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Option<f64> {
+    let (reduced, unit_secs) = question.reduced();
+    let greatest = |speed: [f64; 2]| speed[0].abs().max(speed[1].abs());
+    let highest = (1.0 + ABOVE_REST) * (reduced.p + reduced.q);
+    let thrown = |phase: Phase<f64>| {
+        (reduced.energy_of(&phase) > highest).then(|| greatest(reduced.speeds(&phase)))
+    };
+    match starts {
+        Starts::Thrown(launches) => {
+            let speeds = launches.iter().map(|launch| launch.speed.map(|w| w.hi * unit_secs));
+            Some(speeds.map(greatest).fold(0.0, f64::max))
+        }
+        Starts::Resumed { states, thrown: true } => {
+            let speeds = |state| reduced.speeds(&phase_at(&reduced, pace, state));
+            Some(states.iter().map(speeds).map(greatest).fold(0.0, f64::max))
+        }
+        Starts::Moving(moving) => {
+            moving.states.iter().filter_map(|moving| thrown(moving.phase)).reduce(f64::max)
+        }
+        Starts::Rest(_) | Starts::Upright(_) | Starts::Resumed { .. } | Starts::Deep(_) => None,
     }
 }
