@@ -282,3 +282,48 @@ fn leaves_of(cells: &[Cell], side: u32, leaf: u32) -> Grouped {
     }
     groups
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::level::BALANCED;
+    use crate::scene::{BuiltIn, View};
+
+    #[test]
+    fn an_upright_tile_is_sorted_as_pixel_by_pixel() {
+        let home = BuiltIn::home().document().scene();
+        let top =
+            View { center: ["0".into(), "pi".into()], width: "1e-9".into(), ..View::default() };
+        let scenes = [home, Scene { view: top, ..Scene::default() }];
+        for (scene, size) in
+            scenes.iter().flat_map(|scene| [[64, 50], [40, 33]].map(|s| (scene, s)))
+        {
+            let grid = Grid::new(&scene.clone().checked().unwrap(), size);
+            let tile = Tile { origin: [0, 7], size: [size[0], 20] };
+            let upright = OpenTile::of_upright(&grid, &tile).expect("not turned");
+            let pixels: Vec<_> = tile.pixels().collect();
+            let each = OpenTile::of_pixels(&grid, BALANCED, Cells::Never, &pixels, |_| None);
+            assert_eq!((&upright.samples, &upright.places), (&each.samples, &each.places));
+            assert_eq!(upright.starts.listed(), each.starts);
+        }
+    }
+
+    #[test]
+    fn a_column_whose_angle_depends_on_the_row_is_not_upright() {
+        // The middle of this picture is a column at the top, on either side of which rows begin.
+        let home = BuiltIn::home().document().scene();
+        let grid = Grid::new(&home, [41, 41]);
+        let whole = Tile { origin: [0, 0], size: [41, 41] };
+        let upright = OpenTile::of_upright(&grid, &whole);
+        let pixels: Vec<_> = whole.pixels().collect();
+        let each = OpenTile::of_pixels(&grid, BALANCED, Cells::Never, &pixels, |_| None);
+        assert!(upright.is_none_or(|upright| upright.starts.listed() == each.starts));
+    }
+
+    #[test]
+    fn runs_are_joined_row_by_row() {
+        let rows = [vec![0..3, 5..6], Vec::new(), vec![20..22, 30..31]];
+        assert_eq!(joined(&rows), [0, 1, 2, 5, 20, 21, 30]);
+        assert!(joined(&[]).is_empty());
+    }
+}

@@ -259,3 +259,67 @@ impl std::ops::AddAssign for Counts {
         self.effort += other.effort;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outcomes_reach_their_places_in_whatever_order() {
+        let rising: Vec<u32> = (0..3 * SHARE as u32).map(|k| 2 * k + 1).collect();
+        let falling: Vec<u32> = rising.iter().rev().copied().collect();
+        for places in [rising, falling, vec![5, 1, 9], Vec::new()] {
+            let mut samples = Samples::unflipped(6 * SHARE + 1);
+            let outcomes: Vec<Outcome> =
+                places.iter().map(|&place| Outcome::flipped(f64::from(place))).collect();
+            samples.set_all(&places, &outcomes);
+            let mut is_named = vec![false; samples.len()];
+            places.iter().for_each(|place| is_named[*place as usize] = true);
+            for (place, is_named) in is_named.into_iter().enumerate() {
+                let outcome = samples.get(place);
+                if is_named {
+                    assert_eq!(outcome, Outcome::flipped(place as f64));
+                } else {
+                    assert_eq!(outcome.status, Status::Unflipped, "{place}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_image_is_the_samples_backwards_with_their_channels_in_order() {
+        for (channels, count) in [(1, 3 * SHARE + 7), (3, 2 * SHARE + 5), (4, 9)] {
+            let mut samples = Samples::unanswered(count + 4, channels);
+            for k in 0..count {
+                let values: Vec<f64> = (0..channels).map(|c| (10 * k + c) as f64).collect();
+                samples.set_values(k, Status::Flipped, &values);
+                samples.set_trust(k, if k % 3 == 0 { Trust::Agreed } else { Trust::Unchecked });
+            }
+            let image = samples.image(count);
+            assert_eq!((image.len(), image.channels()), (count, channels));
+            for k in 0..count {
+                let other = count - 1 - k;
+                assert_eq!(image.values(k), samples.values(other));
+                assert_eq!(image.trust(k), samples.trust(other));
+            }
+            assert!(samples.image(count).image(count) == samples.part(0..count));
+        }
+    }
+
+    #[test]
+    fn all_shares_of_samples_are_counted() {
+        let mut samples = Samples::unflipped(2 * SHARE + 3);
+        for place in (0..samples.len()).step_by(5) {
+            samples.set(place, Outcome::without_time(Status::Forbidden));
+        }
+        samples.set(1, Outcome::flipped(2.0));
+        samples.set_trust(1, Trust::Agreed);
+        let mut counts = Counts::default();
+        counts.add(&samples);
+        let forbidden = samples.len().div_ceil(5) as u64;
+        assert_eq!([counts.forbidden, counts.flipped, counts.failed], [forbidden, 1, 0]);
+        assert_eq!(counts.unflipped + counts.forbidden + 1, counts.pixels);
+        assert_eq!(counts.trusts.iter().sum::<u64>(), counts.pixels - forbidden);
+        assert_eq!(counts.trusts[Trust::Agreed as usize], 1);
+    }
+}

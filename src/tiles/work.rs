@@ -171,23 +171,25 @@ impl Work {
     /// Returns the pixels of an earlier run that need not be computed again. Those of deep views do:
     /// answers from a line of samples depend on the budget in their last digits.
     fn saved(&self) -> Option<&SavedPixels> {
-        let is_deep = self.grid.cell_plane().is_some()
-            && self.cells.are_followed(&self.config, self.grid.pixel_rad());
-        self.kept.as_ref().filter(|_| !is_deep)
+        self.kept.as_ref().filter(|_| !self.follows_cells())
+    }
+
+    /// Returns true if the pixels are followed as cells.
+    fn follows_cells(&self) -> bool {
+        self.grid.cell_plane().is_some()
+            && self.cells.are_followed(&self.config, self.grid.pixel_rad())
     }
 
     /// Sorts the pixels of a tile into known samples and starts.
     fn open(&self, tile: &Tile) -> OpenTile {
         let is_known = self.plain.is_some() || self.saved().is_some();
-        let follows = self.cells.are_followed(&self.config, self.grid.pixel_rad());
-        if !is_known && !(follows && self.grid.cell_plane().is_some()) {
-            if let Some(open) = OpenTile::of_upright(&self.grid, tile) {
-                return open;
-            }
-        }
-        let pixels: Vec<_> = tile.pixels().collect();
-        let known = |pixel| self.known(pixel);
-        OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known)
+        let is_plain = !is_known && !self.follows_cells();
+        let upright = is_plain.then(|| OpenTile::of_upright(&self.grid, tile)).flatten();
+        upright.unwrap_or_else(|| {
+            let pixels: Vec<_> = tile.pixels().collect();
+            let known = |pixel| self.known(pixel);
+            OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known)
+        })
     }
 
     fn known(&self, pixel: [u32; 2]) -> Option<(SavedPixel, Trust)> {

@@ -99,7 +99,7 @@ fn encoded(
 ) -> Vec<u8> {
     let part =
         |place: Option<usize>, p: &IntegratorState| place.map_or(0.0, |place| p.number(place));
-    let bytes: Vec<u8> = match precision {
+    match precision {
         Precision::F32 => {
             states.iter().flat_map(|p| (part(high, p) as f32).to_le_bytes()).collect()
         }
@@ -108,8 +108,7 @@ fn encoded(
             parts.flat_map(f32::to_le_bytes).collect()
         }
         _ => states.iter().flat_map(|p| part(high, p).to_le_bytes()).collect(),
-    };
-    bytes
+    }
 }
 
 /// A number and its remainder, where it has one of its own, as two f32.
