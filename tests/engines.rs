@@ -8,9 +8,10 @@ use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{
     Accuracy, Engine, EngineKind, IntegratorConfig, Keep, Method, Precision, Question, Starts,
+    Upright,
 };
 use flipmap::physics::{Dd, Decimal, Outcome, Rule, Status};
-use flipmap::scene::{Budget, Build, Kind, QuestionTable as Asked, Scene, View};
+use flipmap::scene::{Budget, Build, Grid, Kind, QuestionTable as Asked, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
@@ -57,6 +58,7 @@ on_every_engine! {
     mirrored_starts_have_mirrored_fates
     a_whole_turn_away_is_the_same_pendulum
     splitting_a_job_changes_nothing
+    an_upright_picture_is_begun_as_start_by_start
     stopping_and_going_on_changes_nothing
     the_budget_ends_where_it_says
     starts_at_the_top_begin_inside
@@ -186,6 +188,33 @@ fn splitting_a_job_changes_nothing(make: Make) {
             .flat_map(|part| answers(engine.as_mut(), &question, config, part))
             .collect();
         assert_eq!(whole, parts, "{config:?}");
+    }
+}
+
+fn an_upright_picture_is_begun_as_start_by_start(make: Make) {
+    let (width, height) = (40, 30);
+    let grid = Grid::new(&Scene::default(), [width, height]);
+    let upright = grid.upright(0..width, 0..height).expect("not turned");
+    let is_open = |place: &u32| {
+        upright.is_forbidden((place % width) as usize, (place / width) as usize) == Some(false)
+    };
+    let places: Vec<u32> = (0..width * height).filter(is_open).collect();
+    assert!(places.len() > 300);
+    let begun = |places: &[u32]| {
+        Starts::Upright(Upright { angles: upright.angles.clone(), places: places.to_vec() })
+    };
+    let mut engine = make();
+    let configs = configs(engine.as_ref());
+    for (passes, &config) in
+        [1, 2].iter().flat_map(|passes| configs.iter().map(move |c| (*passes, c)))
+    {
+        let question = Question { passes, ..question(&Scene::default()) };
+        let mut answer = |starts| finished(engine.as_mut(), &question, config, starts);
+        let [upright, listed] = [begun(&places), begun(&places).listed()].map(&mut answer);
+        assert_eq!(upright.outcomes, listed.outcomes, "{config:?}, {passes} passes");
+        assert_eq!(upright.unfinished, listed.unfinished, "{config:?}, {passes} passes");
+        let others: Vec<u32> = places.iter().map(|place| place / width * width).collect();
+        assert_ne!(answer(begun(&others)).outcomes, listed.outcomes, "the test can fail");
     }
 }
 

@@ -17,10 +17,10 @@ use flipmap::engine::level::FAST_TO_COMPILE;
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
     Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, JobResult, Keep,
-    Method, Precision, Question, Starts, Upright, Wait,
+    Method, Precision, Question, Starts, Wait,
 };
 use flipmap::physics::{Decimal, Rule};
-use flipmap::scene::{Build, Grid, Scene};
+use flipmap::scene::{Build, Scene};
 
 /// The `lesson` configurations in both precisions, and those of `fast` and `balanced`.
 fn configs() -> Vec<IntegratorConfig> {
@@ -34,7 +34,6 @@ needs_adapter! {
     the_length_of_slices_changes_nothing
     several_slices_in_a_submission_take_the_same_steps
     used_buffers_and_other_settings_change_no_answer
-    an_upright_picture_is_begun_on_the_device_as_start_by_start
     an_engine_on_its_own_thread_gives_the_same_answers_and_tells_what_it_did
     orbits_are_checked_once_before_the_first_job_of_a_method_and_precision
     a_general_kernel_is_as_right_as_one_made_for_the_scene
@@ -149,33 +148,6 @@ mod checks {
                 let [used, new] =
                     [&mut used, &mut new].map(|e| answers(e, &question, config, starts));
                 assert_eq!(used, new, "{config:?}");
-            }
-        }
-    }
-
-    pub(crate) fn an_upright_picture_is_begun_on_the_device_as_start_by_start() {
-        let (width, height) = (40, 30);
-        let grid = Grid::new(&Scene::default(), [width, height]);
-        let upright = grid.upright(0..width, 0..height).expect("not turned");
-        let is_open = |place: &u32| {
-            upright.is_forbidden((place % width) as usize, (place / width) as usize) == Some(false)
-        };
-        let places: Vec<u32> = (0..width * height).filter(is_open).collect();
-        assert!(places.len() > 300);
-        let begun = |places: &[u32]| {
-            Starts::Upright(Upright { angles: upright.angles.clone(), places: places.to_vec() })
-        };
-        let mut engine = gpu_engine();
-        for passes in [1, 2] {
-            let question = Question { passes, ..question(&Scene::default()) };
-            for config in configs() {
-                let mut answer = |starts| finished(&mut engine, &question, config, starts);
-                let [on_device, listed] =
-                    [begun(&places), begun(&places).listed()].map(&mut answer);
-                assert_eq!(on_device.outcomes, listed.outcomes, "{config:?}, {passes} passes");
-                assert_eq!(on_device.unfinished, listed.unfinished, "{config:?}");
-                let others: Vec<u32> = places.iter().map(|place| place / width * width).collect();
-                assert_ne!(answer(begun(&others)).outcomes, listed.outcomes, "it can fail");
             }
         }
     }

@@ -88,12 +88,9 @@ mod tests {
     #[test]
     fn what_it_says_of_starts_is_their_fate() {
         let home = BuiltIn::home().document().scene();
-        let narrow = View {
-            center: ["0".into(), "3.14159".into()],
-            width: "1e-4".into(),
-            ..View::default()
-        };
-        let scenes = [home, Scene::default(), Scene { view: narrow, ..Scene::default() }];
+        let center = ["1".to_string(), "1.6".to_string()];
+        let across_the_curve = View { center, width: "1".to_string(), ..View::default() };
+        let scenes = [home, Scene::default(), Scene { view: across_the_curve, ..Scene::default() }];
         for (scene, size) in
             scenes.iter().flat_map(|scene| [[96, 64], [61, 45]].map(|size| (scene, size)))
         {
@@ -116,6 +113,15 @@ mod tests {
             }
             assert!(sure > size[0] * size[1] / 2, "{sure} of {size:?}");
         }
+    }
+
+    #[test]
+    fn near_the_top_it_says_nothing() {
+        let center = ["0".to_string(), "3.14159".to_string()];
+        let view = View { center, width: "1e-4".to_string(), ..View::default() };
+        let grid = Grid::new(&Scene { view, ..Scene::default() }.checked().unwrap(), [9, 9]);
+        let upright = upright(&grid).expect("not turned");
+        assert!((0..81).all(|place| upright.is_forbidden(place % 9, place / 9).is_none()));
     }
 
     #[test]

@@ -292,8 +292,11 @@ mod tests {
     #[test]
     fn an_upright_tile_is_sorted_as_pixel_by_pixel() {
         let home = BuiltIn::home().document().scene();
-        let top =
-            View { center: ["0".into(), "pi".into()], width: "1e-9".into(), ..View::default() };
+        let top = View {
+            center: ["0".into(), "3.141592653589793".into()],
+            width: "1e-9".into(),
+            ..View::default()
+        };
         let scenes = [home, Scene { view: top, ..Scene::default() }];
         for (scene, size) in
             scenes.iter().flat_map(|scene| [[64, 50], [40, 33]].map(|s| (scene, s)))
