@@ -9,11 +9,11 @@ use crate::physics::Dd;
 pub(super) struct Axes {
     columns: Vec<IntegratorState>,
     rows: Vec<IntegratorState>,
-    /// Which of them has each number of the device's state, and its places there.
+    /// Sources of the numbers of the device's state, and their places there.
     numbers: Vec<(Along, [Option<usize>; 2])>,
 }
 
-/// What a number of a state depends on.
+/// The coordinate that a number of a state depends on.
 #[derive(Clone, Copy, PartialEq)]
 enum Along {
     Column,

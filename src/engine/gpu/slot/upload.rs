@@ -46,7 +46,7 @@ impl Slot {
         }
     }
 
-    /// Has the device put the pendulums of an upright picture at their starts.
+    /// Submits the dispatch that puts the pendulums of an upright picture at their starts.
     fn begin_upright(&self, gpu: &Gpu, axes: &Axes) {
         let (Starts::Upright(upright), Some([numbers, places]), Some(pipeline)) =
             (&self.job.starts, &self.buffers.starts, &self.kernel.begin)
