@@ -257,43 +257,21 @@ impl Sinks {
             self.paint(samples)?;
         }
         if pass.others {
-            self.write_each(|sink| !sink.is_painted(), |sink| sink.write(samples))?;
+            write_each(&mut self.open, |sink| sink.write(samples))?;
         }
         Ok(())
     }
 
     /// Paints samples a strip at a time, which fits a processor's cache and memory that is used again.
     fn paint(&mut self, samples: &Samples) -> Result<(), OutputError> {
-        let Some(mut painter) = self.painter.take() else { return Ok(()) };
-        let mut painted = std::mem::take(&mut self.painted);
+        let Sinks { painter: Some(painter), painted, open } = self else { return Ok(()) };
         let is_deep = |(sink, _): &(Sink, _)| matches!(sink, Sink::DeepPicture(_));
-        let deep = self.open.iter().any(is_deep);
+        let deep = open.iter().any(is_deep);
         for first in (0..samples.len()).step_by(STRIP) {
             let strip = first..samples.len().min(first + STRIP);
             painted.take(painter.tints(samples, strip), deep);
-            self.write_each(Sink::is_painted, |sink| sink.write_painted(&painted))?;
+            write_each(open, |sink| sink.write_painted(painted))?;
         }
-        (self.painter, self.painted) = (Some(painter), painted);
-        Ok(())
-    }
-
-    /// Writes to some of the outputs.
-    fn write_each(
-        &mut self,
-        wanted: impl Fn(&Sink) -> bool,
-        write: impl Fn(&mut Sink) -> Result<(), PngError>,
-    ) -> Result<(), OutputError> {
-        let mut others = self.open.len() - 1;
-        let mut kept = Vec::new();
-        for (mut sink, name) in std::mem::take(&mut self.open) {
-            let written = if wanted(&sink) { write(&mut sink) } else { Ok(()) };
-            match written.map_err(|source| write_error(&name, source)) {
-                Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
-                Err(error) => return Err(error),
-                Ok(()) => kept.push((sink, name)),
-            }
-        }
-        self.open = kept;
         Ok(())
     }
 
@@ -312,6 +290,24 @@ impl Sinks {
         }
         Ok(())
     }
+}
+
+/// Writes to each output, without those whose readers have left.
+fn write_each(
+    open: &mut Vec<(Sink, Destination)>,
+    write: impl Fn(&mut Sink) -> Result<(), PngError>,
+) -> Result<(), OutputError> {
+    let mut others = open.len() - 1;
+    let mut kept = Vec::new();
+    for (mut sink, name) in std::mem::take(open) {
+        match write(&mut sink).map_err(|source| write_error(&name, source)) {
+            Err(error) if others > 0 && is_broken_pipe(&error) => others -= 1,
+            Err(error) => return Err(error),
+            Ok(()) => kept.push((sink, name)),
+        }
+    }
+    *open = kept;
+    Ok(())
 }
 
 fn write_error(name: &Destination, source: PngError) -> OutputError {
