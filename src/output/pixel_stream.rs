@@ -84,17 +84,17 @@ fn packed(packer: &mut Compress, bytes: &[u8], first: usize) -> Vec<u8> {
         let window = &before[before.len().saturating_sub(WINDOW_BYTES)..];
         packer.set_dictionary(window).expect("an encoder at its beginning");
     }
-    let mut bytes = Vec::with_capacity(block.len() / 4 + 64);
+    let mut packed_bytes = Vec::with_capacity(block.len() / 4 + 64);
     loop {
         let rest = &block[packer.total_in() as usize..];
         packer
-            .compress_vec(rest, &mut bytes, FlushCompress::Sync)
+            .compress_vec(rest, &mut packed_bytes, FlushCompress::Sync)
             .expect("an encoder at its beginning");
         // Room that is left means that all has been flushed.
-        if bytes.len() < bytes.capacity() {
-            return bytes;
+        if packed_bytes.len() < packed_bytes.capacity() {
+            return packed_bytes;
         }
-        bytes.reserve(bytes.len());
+        packed_bytes.reserve(packed_bytes.len());
     }
 }
 
