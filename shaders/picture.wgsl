@@ -1,10 +1,11 @@
 // Draws the samples of tiles through a colour table.
 //
-// A tile lies in a slot of an atlas, one packed word per sample: the value of the time or the colour
-// of another answer, how sure it is, and the status (counterpart: src/app/canvas/sample.rs). Quads say
-// which part of which slot goes where, and how much it covers of what is beneath. Between samples the
-// light of the four nearest is mixed, and where many samples lie in a pixel that of all of them, never
-// their times: the mean of two flip times is the time of no pendulum.
+// A tile lies in a slot of an atlas, in its upper left as long as only some samples are known, one packed
+// word per sample: the value of the time or the colour of another answer, how sure it is, and the status
+// (counterpart: src/app/canvas/sample.rs). Quads say which part of which slot goes where, and how much it
+// covers of what is beneath. Between samples the light of the four nearest is mixed, and where many
+// samples lie in a pixel that of all of them, never their times: the mean of two flip times is the time of
+// no pendulum.
 
 struct Canvas {
     // A word's number is a value, the logarithm of a time or its height on the scale of the colours:
@@ -36,8 +37,9 @@ struct Quad {
     @location(2) down: vec2<f32>,
     @location(3) texel: vec2<f32>,
     @location(4) span: vec2<f32>,
-    @location(5) slot: u32,
-    @location(6) alpha: f32,
+    @location(5) side: f32,
+    @location(6) slot: u32,
+    @location(7) alpha: f32,
 }
 
 struct Fragment {
@@ -47,6 +49,8 @@ struct Fragment {
     @location(1) @interpolate(flat) origin: vec2<f32>,
     @location(2) @interpolate(flat) layer: i32,
     @location(3) @interpolate(flat) alpha: f32,
+    // Samples along a side of the slot.
+    @location(4) @interpolate(flat) side: f32,
 }
 
 @group(0) @binding(0) var<uniform> canvas: Canvas;
@@ -67,7 +71,7 @@ const TABLE_ENTRIES: f32 = 8192.0;
 const UNCERTAIN: u32 = 4u;
 // Samples along a pixel beyond which all of them are mixed: those of the view's own level are fewer,
 // unless the view is stretched.
-const MANY: f32 = 1.65;
+const MANY: f32 = 1.35;
 
 @vertex
 fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
@@ -80,6 +84,7 @@ fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
     out.origin = vec2<f32>(place) * f32(SIDE);
     out.layer = i32(quad.slot / (SLOTS_ALONG * SLOTS_ALONG));
     out.alpha = quad.alpha;
+    out.side = quad.side;
     return out;
 }
 
@@ -152,8 +157,8 @@ struct Around {
 }
 
 fn around(in: Fragment, texel: vec2<f32>) -> Around {
-    let place = clamp(texel, vec2<f32>(0.5), vec2<f32>(f32(SIDE) - 0.5)) - 0.5;
-    let first = min(floor(place), vec2<f32>(f32(SIDE) - 2.0));
+    let place = clamp(texel, vec2<f32>(0.5), vec2<f32>(in.side - 0.5)) - 0.5;
+    let first = min(floor(place), vec2<f32>(in.side - 2.0));
     let corner = (in.origin + first + 1.0) / f32(SIDE * i32(SLOTS_ALONG));
     return Around(textureGather(0, atlas, nearest, corner, in.layer), place - first);
 }

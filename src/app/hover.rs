@@ -5,6 +5,7 @@ use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::question::MOST_CHANNELS;
 use crate::scene::Turn;
 use crate::scene::lattice::{Cell, SIDE};
+use crate::tiles::Stride;
 use crate::tiles::explorer::Explorer;
 
 /// The answer that the map shows for a sample.
@@ -51,15 +52,29 @@ pub fn answer_at(
 
 /// Returns the known answer of the sample at a place inside a cell.
 pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<Answer> {
-    let [column, row] = cell.sample_at(angle);
+    answer_of(explorer, cell, angle, |stride, place| stride.index(place, SIDE))
+}
+
+/// Returns the same, or the known answer of a sample near it in the cell.
+pub fn known_near(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<Answer> {
+    answer_of(explorer, cell, angle, |stride, place| Some(stride.nearest(place, SIDE)))
+}
+
+fn answer_of(
+    explorer: &mut Explorer,
+    cell: Cell,
+    angle: [Theta; 2],
+    index: impl Fn(Stride, [u32; 2]) -> Option<u32>,
+) -> Option<Answer> {
+    let place = cell.sample_at(angle);
     let (known, mirrored) = explorer.known(cell)?;
-    let place = (row * SIDE + column) as usize;
-    let place = if mirrored { known.samples.len() - 1 - place } else { place };
+    let place = if mirrored { place.map(|k| SIDE - 1 - k) } else { place };
+    let index = index(known.stride, place)? as usize;
     let mut values = [0.0; MOST_CHANNELS];
-    let known_values = known.samples.values(place);
+    let known_values = known.samples.values(index);
     values[..known_values.len()].copy_from_slice(known_values);
-    let Outcome { status, .. } = known.samples.get(place);
-    Some(Answer { status, values, trust: known.samples.trust(place) })
+    let Outcome { status, .. } = known.samples.get(index);
+    Some(Answer { status, values, trust: known.samples.trust(index) })
 }
 
 impl Answer {

@@ -109,7 +109,7 @@ pub struct AppModel {
     saved: LastSave,
     /// Lines for the debug panel, set by the owner of the window.
     pub measured: Vec<String>,
-    /// View over which deep colours were last spread, and true if at its finest level.
+    /// View over which deep colours were last spread, and true if it was complete.
     pub(super) spread_for: Option<(Camera, bool)>,
 }
 

@@ -5,13 +5,14 @@ use super::model::AppModel;
 use super::view_samples;
 use crate::scene::PictureTable;
 use crate::scene::palette::equalised;
+use crate::tiles::Stride;
 
 /// Number of levels coarser than the finest whose times suffice for a deep view's colours.
 const COARSER: u32 = 3;
 
 impl AppModel {
-    /// Spreads the palette over the flip times of a deep view, once the view is complete at a
-    /// coarse level and again at the finest: the times lie so close together that it would look
+    /// Spreads the palette over the flip times of a deep view, once the view has some
+    /// samples everywhere and again once it is complete: the times lie so close together that it would look
     /// flat. Colours that the user chose are left alone. Returns true if the colours have changed.
     pub(super) fn spread_colours(&mut self) -> bool {
         let camera = self.state.target();
@@ -32,16 +33,16 @@ impl AppModel {
             let moved = then.offset_of(camera.center).length() < 0.25 * camera.width_rad;
             moved && (then.width_rad / camera.width_rad).ln().abs() < 0.3
         };
-        // True if the last spread was at the finest level.
+        // True if the last spread was of the complete view.
         let spread = self.spread_for.filter(|(then, _)| near(then)).map(|(_, fine)| fine);
         if spread == Some(true) {
             return false;
         }
         let (screen, explorer) = (self.state.screen(), &mut self.compute.explorer);
-        let Some(level) = view_samples::whole_level(&screen, COARSER, explorer) else {
+        let Some((level, stride)) = view_samples::whole_level(&screen, COARSER, explorer) else {
             return false;
         };
-        let finest = level == screen.level();
+        let finest = level == screen.level() && stride == Stride::ONE;
         if spread.is_some() && !finest {
             return false;
         }

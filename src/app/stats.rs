@@ -79,7 +79,7 @@ pub struct Holdings {
     pub tiles: usize,
     /// Number of those tiles that are computed.
     pub tiles_done: usize,
-    /// True if nothing is left to compute, not even around the view, except finer samples at edges.
+    /// True if nothing is left to compute, except finer samples at edges.
     pub idle: bool,
     /// True if these are being computed.
     pub refines: bool,

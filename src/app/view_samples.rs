@@ -3,10 +3,11 @@
 use glam::DVec2;
 
 use super::camera::Screen;
-use super::hover::{Answer, known_at};
+use super::hover::{Answer, known_near};
 use crate::physics::{Outcome, Status};
 use crate::scene::lattice::Cell;
 use crate::scene::palette::AnswerColours;
+use crate::tiles::Stride;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
 /// Width and height of a bookmark's picture in pixels.
@@ -17,12 +18,15 @@ pub fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
     times_at(screen, screen.level(), explorer)
 }
 
-/// Returns the finest level, up to `most` coarser than the screen's, with all cells in view known.
-pub fn whole_level(screen: &Screen, most: u32, explorer: &mut Explorer) -> Option<u32> {
+/// Returns the finest level, up to `most` coarser than the screen's, with samples of all cells in view, and
+/// the largest stride of these.
+pub fn whole_level(screen: &Screen, most: u32, explorer: &mut Explorer) -> Option<(u32, Stride)> {
     let finest = screen.level();
-    (finest.saturating_sub(most)..=finest).rev().find(|&level| {
-        let mut cells = screen.region().cells(level, MOST_CELLS).into_iter().peekable();
-        cells.peek().is_some() && cells.all(|placed| explorer.known(placed.cell).is_some())
+    (finest.saturating_sub(most)..=finest).rev().find_map(|level| {
+        let cells = screen.region().cells(level, MOST_CELLS).into_iter();
+        let strides: Option<Vec<Stride>> =
+            cells.map(|placed| Some(explorer.known(placed.cell)?.0.stride)).collect();
+        Some((level, strides?.into_iter().max()?))
     })
 }
 
@@ -62,5 +66,5 @@ fn best_answer(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option
     let angle = screen.angle_at(point);
     let around = Cell::around(angle, screen.level());
     let mut cells = std::iter::successors(Some(around), Cell::parent);
-    cells.find_map(|cell| known_at(explorer, cell, angle))
+    cells.find_map(|cell| known_near(explorer, cell, angle))
 }

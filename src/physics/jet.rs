@@ -8,6 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::dual::Dual;
 use super::frame::Frame;
+use super::jet_product::{invert, multiply};
 use super::real::Real;
 
 /// Highest degree kept; higher powers of the coordinates are cut off.
@@ -41,16 +42,6 @@ impl Jet {
         let mut c = [0.0; TERMS];
         c[1 + axis] = half;
         Jet { c, varies: true }
-    }
-
-    /// The coefficients, and whether any but the first can differ from zero.
-    pub(super) const fn parts(&self) -> (&[f64; TERMS], bool) {
-        (&self.c, self.varies)
-    }
-
-    /// The polynomial with these coefficients.
-    pub(super) const fn of_parts(c: [f64; TERMS], varies: bool) -> Self {
-        Jet { c, varies }
     }
 
     /// Value in the middle of the cell.
@@ -189,6 +180,7 @@ impl Jet {
         (s * cos_by + c * sin_by, c * cos_by - s * sin_by)
     }
 
+    #[inline(always)]
     fn scaled(mut self, by: f64) -> Self {
         self.c.iter_mut().for_each(|c| *c *= by);
         self
@@ -196,25 +188,11 @@ impl Jet {
 
     /// The reciprocal, degree by degree; the value in the middle must not be zero.
     fn reciprocal(&self) -> Self {
-        let inverse = 1.0 / self.c[0];
-        let mut out = Jet::constant(inverse);
         if !self.varies {
-            return out;
+            return Jet::constant(1.0 / self.c[0]);
         }
-        out.varies = true;
-        for n in 1..=DEGREE {
-            let mut sum = [0.0; DEGREE + 1];
-            for m in 1..=n {
-                for a in 0..=m {
-                    for b in 0..=n - m {
-                        sum[a + b] += self.c[first(m) + a] * out.c[first(n - m) + b];
-                    }
-                }
-            }
-            for (c, sum) in out.c[first(n)..].iter_mut().zip(&sum[..=n]) {
-                *c = -inverse * sum;
-            }
-        }
+        let mut out = Jet { c: [0.0; TERMS], varies: true };
+        invert(&self.c, &mut out.c);
         out
     }
 }
@@ -263,7 +241,7 @@ impl Sub for Jet {
 
 impl Mul for Jet {
     type Output = Jet;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Jet) -> Jet {
         if !other.varies {
             return self.scaled(other.c[0]);
@@ -272,17 +250,7 @@ impl Mul for Jet {
             return other.scaled(self.c[0]);
         }
         let mut out = Jet { c: [0.0; TERMS], varies: true };
-        for n in 0..=DEGREE {
-            for a in 0..=n {
-                let x = self.c[first(n) + a];
-                for m in 0..=DEGREE - n {
-                    let (to, from) = (first(n + m) + a, first(m));
-                    for b in 0..=m {
-                        out.c[to + b] += x * other.c[from + b];
-                    }
-                }
-            }
-        }
+        multiply(&self.c, &other.c, &mut out.c);
         out
     }
 }
@@ -303,6 +271,12 @@ impl Real for Jet {
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self * factor + term
+    }
+
+    #[inline(always)]
+    fn add_scaled(&mut self, other: &Self, weight: f64) {
+        self.varies |= other.varies;
+        self.c.iter_mut().zip(&other.c).for_each(|(sum, c)| *sum += c * weight);
     }
 }
 

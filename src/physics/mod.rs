@@ -29,7 +29,7 @@ pub mod frame;
 pub mod growth;
 pub mod integrator;
 pub mod jet;
-mod jet_lanes;
+mod jet_product;
 pub mod opening;
 pub mod oracle;
 pub mod passes;

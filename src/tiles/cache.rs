@@ -7,22 +7,25 @@ use super::open_tile::Known;
 use super::refinement::{self, Quarters};
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
-use crate::engine::{IntegratorState, Trust};
-use crate::physics::{Outcome, Status};
-use crate::scene::lattice::{Cell, SAMPLES};
+use super::stride::Stride;
+use crate::engine::IntegratorState;
+use crate::physics::Status;
+use crate::scene::lattice::{Cell, SAMPLES, SIDE};
 
 /// A computed cell.
 #[derive(Clone, Debug)]
 pub struct CachedCell {
-    /// Samples of the cell, row by row from the top.
+    /// Samples of the cell at its stride, row by row from the top.
     pub samples: Arc<Samples>,
+    /// Stride of the samples: they are all of the cell once it is one.
+    pub stride: Stride,
     /// Simulated seconds that the unflipped samples have had.
     pub budget_secs: f64,
     /// Serial number, which changes whenever the samples do and is never used twice.
     pub serial: u64,
     /// Quarters that have edges, determined when they are first needed.
     edges: OnceLock<Quarters>,
-    /// States of unflipped samples with their places, in ascending order of place.
+    /// States of unflipped samples with their indices, in ascending order of index.
     pub(super) unfinished: Vec<(u32, IntegratorState)>,
     used: u64,
 }
@@ -38,6 +41,19 @@ pub struct SampleSet {
 
 /// A set of samples, and a canonical cell.
 type CacheKey = (SampleSet, Cell);
+
+/// What was computed of a cell.
+#[derive(Clone, Debug)]
+pub struct CellSamples {
+    /// Samples at the stride, row by row from the top.
+    pub samples: Samples,
+    /// Stride of the samples.
+    pub stride: Stride,
+    /// Simulated seconds that the unflipped samples have had.
+    pub budget_secs: f64,
+    /// States of unflipped samples with their indices, in ascending order of index.
+    pub unfinished: Vec<(u32, IntegratorState)>,
+}
 
 /// Computed cells by physics, within a budget of bytes.
 #[derive(Debug)]
@@ -61,24 +77,26 @@ impl CachedCell {
         *self.edges.get_or_init(|| refinement::edges(&self.samples))
     }
 
-    /// Returns the outcome and the trust of the sample at a place.
-    pub fn at(&self, place: usize) -> (Outcome, Trust) {
-        (self.samples.get(place), self.samples.trust(place))
+    /// Returns true if all samples are known to a budget.
+    pub fn is_complete(&self, budget_secs: f64) -> bool {
+        self.stride == Stride::ONE && self.budget_secs >= budget_secs
     }
 
-    /// Returns the sample at a place as a run to a larger budget needs it, or `None` if it is
-    /// unflipped and has no saved state.
-    pub(super) fn known(&self, place: u32) -> Option<Known> {
-        let (outcome, trust) = self.at(place as usize);
-        if outcome.status != Status::Unflipped {
+    /// Returns the sample at a column and row as a pass to `budget_secs` needs it, or `None` if
+    /// it has to begin anew.
+    pub(super) fn known(&self, place: [u32; 2], budget_secs: f64) -> Option<Known> {
+        let index = self.stride.index(place, SIDE)?;
+        let outcome = self.samples.get(index as usize);
+        let trust = self.samples.trust(index as usize);
+        if outcome.status != Status::Unflipped || self.budget_secs >= budget_secs {
             return Some((SavedPixel::Over(outcome), trust));
         }
-        let state = self.unfinished.binary_search_by_key(&place, |(place, _)| *place).ok()?;
+        let state = self.unfinished.binary_search_by_key(&index, |(index, _)| *index).ok()?;
         Some((SavedPixel::Unfinished(self.unfinished[state].1.clone()), trust))
     }
 
     fn bytes(&self) -> usize {
-        let samples = SAMPLES * Samples::bytes(self.samples.channels());
+        let samples = self.samples.len() * Samples::bytes(self.samples.channels());
         samples + self.unfinished.capacity() * size_of::<(u32, IntegratorState)>()
     }
 }
@@ -144,16 +162,14 @@ impl Cache {
         &mut self,
         set: SampleSet,
         cell: Cell,
-        samples: Samples,
-        budget_secs: f64,
-        mut unfinished: Vec<(u32, IntegratorState)>,
+        CellSamples { samples, stride, budget_secs, mut unfinished }: CellSamples,
     ) {
         unfinished.shrink_to_fit();
         self.clock += 1;
         self.serial += 1;
         let (samples, edges) = (Arc::new(samples), OnceLock::new());
         let (serial, used) = (self.serial, self.clock);
-        let known = CachedCell { samples, budget_secs, serial, edges, unfinished, used };
+        let known = CachedCell { samples, stride, budget_secs, serial, edges, unfinished, used };
         self.bytes += known.bytes();
         if let Some(old) = self.known.insert((set, cell), known) {
             self.bytes -= old.bytes();
@@ -224,8 +240,10 @@ mod tests {
 
     fn fill(cache: &mut Cache, x: u32, unfinished: usize) {
         let state = IntegratorState::new(0, [0.0; NUMBERS]);
-        let unfinished = (0..unfinished as u32).map(|place| (place, state.clone())).collect();
-        cache.insert(SET, cell(x), Samples::unflipped(SAMPLES), 30.0, unfinished);
+        let unfinished = (0..unfinished as u32).map(|index| (index, state.clone())).collect();
+        let (samples, stride) = (Samples::unflipped(SAMPLES), Stride::ONE);
+        let known = CellSamples { samples, stride, budget_secs: 30.0, unfinished };
+        cache.insert(SET, cell(x), known);
     }
 
     fn want(cache: &mut Cache, cells: std::ops::Range<u32>) {

@@ -11,22 +11,25 @@
 //! The window calls [`Explorer::work`] with a deadline and draws between the calls; a test without
 //! a window calls it without a deadline.
 
+mod batch;
 mod known;
 mod morphing;
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::time::Instant;
 
+use self::batch::{Batch, BatchCell};
 use super::cache::{Cache, SampleSet};
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
-use super::open_tile::OpenTile;
+use super::open_tile::{OpenTile, Spacing};
 use super::order::{self, CellPass, Wanted};
 use super::reader::Reader;
 use super::refinement::{Refinement, quarter_of};
-use super::samples::{Counts, Samples};
+use super::samples::Counts;
+use super::stride::Stride;
 use super::view_target::{Physics, ViewTarget};
-use crate::engine::{DepthStats, Engine, EngineError, IntegratorState, Wait};
-use crate::scene::lattice::{Cell, SAMPLES, SIDE};
+use crate::engine::{DepthStats, Engine, EngineError, Wait};
+use crate::scene::lattice::{Cell, SIDE};
 
 /// The progress of the newest target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,7 +42,7 @@ pub struct ViewProgress {
     pub done: usize,
     /// True if every cell in view or one of its ancestors is known.
     pub covered: bool,
-    /// True if nothing is left to do, not even around the view, except finer samples at edges.
+    /// True if nothing is left to do, except finer samples at edges.
     pub idle: bool,
     /// True if these are being computed.
     pub refines: bool,
@@ -49,20 +52,8 @@ pub struct ViewProgress {
 pub const MOST_CELLS: usize = 1500;
 /// Maximum number of cells in a job, which fill a large graphics card.
 const MOST_IN_JOB: usize = 64;
-
-/// Cells of one job in flight, with the key of their physics and their budget.
-#[derive(Debug)]
-pub(super) struct Batch {
-    set: SampleSet,
-    budget_secs: f64,
-    cells: Vec<Cell>,
-}
-
-impl Batch {
-    fn keys(&self) -> impl Iterator<Item = (SampleSet, Cell)> {
-        self.cells.iter().map(|cell| (self.set, *cell))
-    }
-}
+/// Number of cells of a pass before the last that always share a job.
+const LEAST_SHARE: usize = 64;
 
 /// A physics viewed before, and whether the mirror images of its cells have equal samples.
 #[derive(Debug)]
@@ -186,33 +177,56 @@ impl Explorer {
         self.cache.want(wanted.iter().flat_map(|&(_, cell)| sets.map(|set| (set, cell))));
         // Cells in flight to a smaller budget are resumed when they have finished.
         let jobs = self.in_flight.tiles();
-        let jobs: HashSet<_> = jobs.flat_map(Batch::keys).collect();
+        let jobs: HashMap<_, _> =
+            jobs.flat_map(|batch| batch.keys().map(|key| (key, batch.stride))).collect();
+        let flies = |wanted: &Wanted| {
+            let stride = jobs.get(&self.cache_key(wanted));
+            stride.is_some_and(|stride| *stride <= wanted.pass.stride())
+        };
+        let budget_secs = target.budget_secs;
         self.waiting = cells
             .into_iter()
-            .filter(|wanted| !jobs.contains(&self.cache_key(wanted)) && self.needs(*wanted))
+            .filter(|wanted| !flies(wanted) && self.needs(*wanted, budget_secs))
             .collect();
         let useful = |batch: &&Batch| batch.keys().any(|key| wanted.contains(&key));
         let useful = self.in_flight.tiles().filter(useful).count();
         self.stale = !self.in_flight.is_empty() && 2 * useful <= self.in_flight.len();
     }
 
-    /// Returns true if a cell has to be computed. A coarse one does not if its parent or all of its
-    /// quarters are known, which are nearly as fine and stand in; a finer one only if its parent has
-    /// edges there.
-    fn needs(&self, Wanted { cell, pass }: Wanted) -> bool {
-        let is_known = |cell: Cell| self.peek(cell).is_some();
-        let is_known_to_budget = |cell: Cell| {
-            let budget_secs = self.target.as_ref().map_or(0.0, |target| target.budget_secs);
-            self.peek(cell).is_some_and(|known| known.budget_secs >= budget_secs)
-        };
+    /// Returns true if a cell has to be computed: to make it complete, to show it sooner than that, to
+    /// show it when the view moves, or because its parent has edges there.
+    fn needs(&self, Wanted { cell, pass }: Wanted, budget_secs: f64) -> bool {
+        let known = self.peek(cell);
+        let stride = known.map(|known| known.stride);
+        let is_due = known.is_some_and(|known| known.budget_secs < budget_secs);
         match pass {
-            CellPass::Coarse => {
-                let mut quarters = cell.children().into_iter();
-                !(is_known(cell) || cell.parent().is_some_and(is_known) || quarters.all(is_known))
+            CellPass::Own(own) if stride == Some(own) => is_due,
+            CellPass::Own(Stride::ONE) => stride.is_none_or(|stride| stride > Stride::ONE),
+            CellPass::Own(own) => {
+                let finer = stride.is_none_or(|stride| stride > own);
+                finer && self.stand_in_places(cell).is_none_or(|places| places > own.places())
             }
-            CellPass::Own => !is_known_to_budget(cell),
+            CellPass::Around => {
+                let all_quarters =
+                    cell.children().into_iter().all(|cell| self.peek(cell).is_some());
+                known.is_none() && !all_quarters
+            }
             CellPass::Finer => self.peek_finer(cell).is_none() && self.has_edges(cell),
         }
+    }
+
+    /// Returns how far apart samples of other levels lie, in places of a cell, that stand in for it; none
+    /// if there are none.
+    fn stand_in_places(&self, cell: Cell) -> Option<u32> {
+        if cell.children().into_iter().all(|child| self.peek(child).is_some()) {
+            return Some(1);
+        }
+        let ancestors = std::iter::successors(cell.parent(), Cell::parent);
+        let places = |(level, cell): (u32, Cell)| {
+            let stride = self.peek(cell)?.stride;
+            stride.places().checked_shl(level)
+        };
+        (1..8).zip(ancestors).find_map(places)
     }
 
     /// Returns true if the parent of a cell has edges where the cell lies.
@@ -288,35 +302,37 @@ impl Explorer {
         self.plan();
     }
 
-    /// Takes the next cells that can share a job from the queue: cells of one level and set, either
-    /// all new or all to be resumed.
-    fn next_cells(&mut self, most: usize) -> Option<(SampleSet, Vec<Cell>)> {
+    /// Takes the next cells that can share a job from the queue: cells of one level, set and stride, either
+    /// all new or all to be resumed. Those in flight wait for what they will know.
+    fn next_cells(&mut self, job_size: usize) -> Option<(Wanted, Vec<Cell>)> {
+        let flying: HashSet<_> = self.in_flight.tiles().flat_map(Batch::keys).collect();
+        let waits = |wanted: &Wanted| flying.contains(&self.cache_key(wanted));
         let traits = |wanted: &Wanted| {
             let (set, cell) = self.cache_key(wanted);
-            let known = self.cache.peek(set, cell);
-            let continues = known.is_some_and(|known| !known.unfinished.is_empty());
-            (set, cell.level, continues)
+            let (known, stride) = (self.cache.peek(set, cell), wanted.pass.stride());
+            let continues =
+                known.is_some_and(|known| known.stride == stride && !known.unfinished.is_empty());
+            (set, stride, cell.level, continues)
         };
-        let first = traits(self.waiting.front()?);
-        let alike = |wanted: &&Wanted| traits(wanted) == first;
-        let count = self.waiting.iter().take(most).take_while(alike).count();
-        Some((first.0, self.waiting.drain(..count).map(|wanted| wanted.cell).collect()))
-    }
-
-    /// Counts a batch's samples and stores them in the cache, cell by cell.
-    fn keep(&mut self, batch: &Batch, samples: &Samples, unfinished: &[(u32, IntegratorState)]) {
-        self.counts.add(samples);
-        for (k, cell) in batch.cells.iter().enumerate() {
-            let places = k * SAMPLES..(k + 1) * SAMPLES;
-            let first = places.start as u32;
-            let unfinished = unfinished
-                .iter()
-                .filter(|(place, _)| places.contains(&(*place as usize)))
-                .map(|(place, state)| (place - first, state.clone()))
-                .collect();
-            let samples = samples.part(places.clone());
-            self.cache.insert(batch.set, *cell, samples, batch.budget_secs, unfinished);
+        let first = *self.waiting.iter().find(|wanted| !waits(wanted))?;
+        let group = traits(&first);
+        let alike = |wanted: &Wanted| !waits(wanted) && traits(wanted) == group;
+        let stride = first.pass.stride();
+        let mut most = (job_size / (2 * stride.count(SIDE) as usize)).clamp(1, MOST_IN_JOB);
+        if stride > Stride::ONE {
+            // While some cells of a pass are computed, the next pass begins with others.
+            let count = self.waiting.iter().filter(|wanted| alike(wanted)).count();
+            most = most.min((count / 2).max(LEAST_SHARE));
         }
+        let mut cells = Vec::new();
+        let mut is_left = |wanted: &Wanted| {
+            let is_taken = cells.len() < most && alike(wanted);
+            cells.extend(is_taken.then_some(wanted.cell));
+            !is_taken
+        };
+        let left = self.waiting.iter().filter(|wanted| is_left(wanted)).copied().collect();
+        self.waiting = left;
+        Some((first, cells))
     }
 
     /// Returns the counts of all that has been computed so far.
@@ -350,31 +366,33 @@ impl TileSource for Explorer {
 
     fn next_tile(&mut self, job_size: usize) -> Option<NextTile<Batch>> {
         let target = self.target.clone()?;
-        let most = (job_size / (2 * SAMPLES)).clamp(1, MOST_IN_JOB);
-        let (set, cells) = self.next_cells(most)?;
+        let (first, cells) = self.next_cells(job_size)?;
+        let (set, stride) = (self.cache_key(&first).0, first.pass.stride());
         let coarser = if set.refined { self.coarser(&cells) } else { Vec::new() };
-        let batch = Batch { set, budget_secs: target.budget_secs, cells };
         let (config, ask) = (target.physics.config, target.physics.question.ask);
-        // Only times of flips stay the same when the budget grows.
-        let continues = ask.is_time();
         let before = |k: usize, place| match &coarser[..] {
-            _ if !continues => None,
-            [] => self.cache.peek(batch.set, batch.cells[k])?.known(place),
-            coarser => coarser[k].as_ref()?.known(place),
+            [] => self.known_before_pass(set, cells[k], &target, place),
+            coarser if ask.is_time() => coarser[k].as_ref()?.known(place),
+            _ => None,
         };
         let (scene, question) = (target.scene(), target.question());
-        let level = batch.cells[0].level;
-        let sizes = (SIDE, order::leaf_pixels(config.leaf_pixels(), target.level, level));
-        let mut open = OpenTile::of_cells(&scene, config, &batch.cells, sizes, before);
+        let leaf_pixels = order::leaf_pixels(config.leaf_pixels(), target.level, cells[0].level);
+        let spacing = Spacing { side: SIDE, stride, leaf_pixels };
+        let mut open = OpenTile::of_cells(&scene, config, &cells, spacing, before);
         if !ask.is_time() {
-            let grids: Vec<_> = batch.cells.iter().map(|cell| cell.grid(&scene, SIDE)).collect();
-            let start = |place: usize| {
-                let (cell, place) = (place / SAMPLES, (place % SAMPLES) as u32);
-                grids[cell].angle_from_pixel(place % SIDE, place / SIDE)
+            let grids: Vec<_> = cells.iter().map(|cell| cell.grid(&scene, SIDE)).collect();
+            let in_cell = stride.count(SIDE);
+            let start = |index: usize| {
+                let (k, index) = (index / in_cell as usize, index as u32 % in_cell);
+                let [column, row] = stride.place(index, SIDE);
+                grids[k].angle_from_pixel(column, row)
             };
             open.samples = Reader::new(ask, &question).complete(open.samples, start);
         }
         let keeps_states = target.physics.keeps_states() && !set.refined;
+        let batched = |cell| BatchCell::new(cell, self.cache.peek(set, cell), stride);
+        let cells = cells.into_iter().map(batched).collect();
+        let batch = Batch { set, budget_secs: target.budget_secs, stride, cells };
         Some(NextTile { tile: batch, open, question, config, keeps_states, ask })
     }
 
@@ -383,10 +401,11 @@ impl TileSource for Explorer {
         if !finished.computed.is_empty() {
             self.depth = finished.effort.depth;
         }
-        let FinishedBatch { tile: batch, samples, unfinished, .. } = finished;
-        self.keep(&batch, &samples, &unfinished);
-        // The budget has been raised since the job was submitted.
-        if self.target.as_ref().is_some_and(|target| batch.budget_secs < target.budget_secs) {
+        // The budget may have been raised since the job was submitted.
+        let target = self.target.as_ref();
+        let is_late = target.is_some_and(|to| finished.tile.budget_secs < to.budget_secs);
+        let all_kept = self.keep(finished);
+        if is_late || !all_kept {
             self.plan();
         }
     }

@@ -37,6 +37,7 @@ mod refinement;
 mod renderer;
 mod samples;
 mod saved_pixels;
+mod stride;
 pub mod view_target;
 mod work;
 
@@ -48,4 +49,5 @@ pub use plan::{Tile, plan};
 pub use renderer::Renderer;
 pub use samples::{Counts, Samples};
 pub use saved_pixels::{SavedPixel, SavedPixels};
+pub use stride::Stride;
 pub use work::{FinishedTile, Work};

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::plan::Tile;
 use super::samples::{RowMut, Samples};
 use super::saved_pixels::SavedPixel;
+use super::stride::Stride;
 use crate::engine::{Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust, Upright};
 use crate::physics::{Dd, Launch, Outcome};
 use crate::scene::lattice::Cell;
@@ -56,24 +57,25 @@ impl OpenTile {
         Some(OpenTile { samples, places, starts: Starts::Upright(starts) })
     }
 
-    /// Creates a tile of all samples of cells of one level, `side` × `side` each, cell after cell;
-    /// `known` takes the index of a cell and the place of a sample in it.
+    /// Creates a tile of samples of cells of one level, cell after cell; `known` takes the index of a cell
+    /// and the column and row of a sample in it.
     pub(super) fn of_cells(
         scene: &Scene,
         config: IntegratorConfig,
         cells: &[Cell],
-        (side, leaf_pixels): (u32, u32),
-        known: impl Fn(usize, u32) -> Option<Known> + Sync,
+        spacing: Spacing,
+        known: impl Fn(usize, [u32; 2]) -> Option<Known> + Sync,
     ) -> Self {
-        let in_cell = side * side;
+        let Spacing { side, stride, .. } = spacing;
+        let in_cell = stride.count(side);
         let grids: Vec<Grid> = cells.iter().map(|cell| cell.grid(scene, side)).collect();
-        let pixel = |place: u32| {
-            let (k, place) = ((place / in_cell) as usize, place % in_cell);
-            (&grids[k], [place % side, place / side], known(k, place))
+        let pixel = |index: u32| {
+            let (k, place) = ((index / in_cell) as usize, stride.place(index % in_cell, side));
+            (&grids[k], place, known(k, place))
         };
         let deep = grids.first().filter(|grid| config.is_deep(grid.pixel_rad()));
         let plane = deep.and_then(Grid::cell_plane);
-        let groups = plane.map(|plane| (plane, leaves_of(cells, side, leaf_pixels)));
+        let groups = plane.map(|plane| (plane, spacing.leaves_of(cells)));
         OpenTile::sorted(cells.len() as u32 * in_cell, groups, pixel)
     }
 
@@ -272,15 +274,35 @@ fn known_deep((grid, [x, y], known): (&Grid, [u32; 2], Option<Known>)) -> Option
     }
 }
 
-/// Returns the leaves of cells, with the places of their points among all samples of the cells.
-fn leaves_of(cells: &[Cell], side: u32, leaf: u32) -> Grouped {
-    let mut groups = Grouped::new();
-    for (k, cell) in (0..).zip(cells) {
-        let moved = |(place, point)| (k * side * side + place, point);
-        let leaves = cell.leaves(side, leaf).into_iter();
-        groups.extend(leaves.map(|(leaf, points)| (leaf, points.into_iter().map(moved).collect())));
+/// The samples of cells, and how they are grouped by leaf where they are deep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spacing {
+    /// Number of places along a side of a cell.
+    pub side: u32,
+    /// Stride of the samples.
+    pub stride: Stride,
+    /// Number of places along a side of a leaf.
+    pub leaf_pixels: u32,
+}
+
+impl Spacing {
+    /// Returns the leaves of cells, with the indices of their points among all samples of the cells.
+    fn leaves_of(self, cells: &[Cell]) -> Grouped {
+        let Spacing { side, stride, leaf_pixels } = self;
+        let mut groups = Grouped::new();
+        for (k, cell) in (0..).zip(cells) {
+            let first = k * stride.count(side);
+            let sample = |(place, point): (u32, [f64; 2])| {
+                let index = stride.index([place % side, place / side], side)?;
+                Some((first + index, point))
+            };
+            let leaves = cell.leaves(side, leaf_pixels).into_iter();
+            let leaves = leaves
+                .map(|(leaf, points)| (leaf, points.into_iter().filter_map(sample).collect()));
+            groups.extend(leaves.filter(|(_, points): &(Cell, Vec<_>)| !points.is_empty()));
+        }
+        groups
     }
-    groups
 }
 
 #[cfg(test)]

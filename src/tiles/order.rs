@@ -1,30 +1,41 @@
 //! The order in which a window's cells are computed.
 //!
-//! Coarse levels come first, so that something is soon drawn everywhere; within a level, the cells
-//! nearest to the pointer or the middle come first. A ring around the view comes last. Once all of
-//! these are known, finer levels follow, of which only the samples at edges are computed
-//! (`refinement.rs`).
+//! Passes over the view come one after the other, each with four times the samples of the one before,
+//! so that something is soon drawn everywhere; within a pass, the cells nearest to the pointer or the
+//! middle come first. Coarse cells that reach beyond the view follow the first pass, to stand in when the
+//! view moves. Once all of these are known, finer levels follow, of which only the samples at edges
+//! are computed (`refinement.rs`).
 
 use std::collections::HashSet;
 
 use super::explorer::MOST_CELLS;
+use super::stride::Stride;
 use super::view_target::ViewTarget;
-use crate::scene::lattice::{Cell, DEEPEST, Region, SIDE, side_rad};
+use crate::scene::lattice::{Cell, SIDE};
 
-/// Levels from one pass to the next finer one, which has a quarter of the sample distance.
-const LEVEL_STEP: u32 = 2;
-/// Number of passes before the finest.
-const COARSE_PASSES: u32 = 2;
+/// Number of levels from the target's to that of the cells which reach beyond the view.
+const AROUND_LEVELS: u32 = 3;
 
 /// The pass that a cell belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum CellPass {
-    /// A level above the target's.
-    Coarse,
-    /// The target's level.
-    Own,
+    /// Samples of the target's level.
+    Own(Stride),
+    /// Samples of a level above the target's, which reach beyond the view.
+    Around,
     /// A level below the target's, of which only the samples at edges are computed.
     Finer,
+}
+
+impl CellPass {
+    /// The samples of a cell that the pass has.
+    pub(super) fn stride(self) -> Stride {
+        match self {
+            CellPass::Own(stride) => stride,
+            CellPass::Around => Stride::TWO,
+            CellPass::Finer => Stride::ONE,
+        }
+    }
 }
 
 /// A canonical cell to be known, and its pass.
@@ -34,63 +45,53 @@ pub(super) struct Wanted {
     pub pass: CellPass,
 }
 
-/// Returns the first `most` cells that a target needs, each once, without those of finer levels.
+/// Returns the cells that a target needs, pass by pass, without those of finer levels. There are no more
+/// than `most` different ones.
 pub(super) fn wanted(target: &ViewTarget, most: usize) -> Vec<Wanted> {
-    let mut seen = HashSet::new();
-    passes(target).into_iter().flatten().filter(|w| seen.insert(w.cell)).take(most).collect()
-}
-
-/// Returns a target's cells pass by pass.
-fn passes(target: &ViewTarget) -> Vec<Vec<Wanted>> {
-    // The coarsest level of all has a pass, too: it takes a moment, and is a whole map.
-    let mut coarse: Vec<_> =
-        (1..=COARSE_PASSES).rev().map(|n| target.level.saturating_sub(n * LEVEL_STEP)).collect();
-    coarse.dedup();
-    coarse.retain(|&level| level < target.level);
-    let mut passes: Vec<_> = coarse
-        .into_iter()
-        .map(|level| nearest_first(target, &target.region, level, CellPass::Coarse))
-        .collect();
-    passes.push(nearest_first(target, &target.region, target.level, CellPass::Own));
-    let ring = side_rad(target.level.min(DEEPEST));
-    let around =
-        Region { half_rad: target.region.half_rad.map(|half| half + 0.5 * ring), ..target.region };
-    passes.push(nearest_first(target, &around, target.level, CellPass::Own));
-    passes
+    let mut around = Vec::new();
+    if target.level > 0 {
+        around = nearest_first(target, target.level.saturating_sub(AROUND_LEVELS));
+    }
+    around.truncate(most);
+    let mut own = nearest_first(target, target.level);
+    own.truncate(most - around.len());
+    let pass = |pass, cells: &[Cell]| -> Vec<Wanted> {
+        cells.iter().map(|&cell| Wanted { cell, pass }).collect()
+    };
+    let mut passes = Stride::PASSES.map(|stride| pass(CellPass::Own(stride), &own));
+    passes[0].extend(pass(CellPass::Around, &around));
+    passes.concat()
 }
 
 /// Returns the cells of the first `levels` finer levels, level by level and each once.
 pub(super) fn finer(target: &ViewTarget, levels: u32) -> Vec<Wanted> {
-    let mut seen = HashSet::new();
-    let cells = (1..=levels)
-        .flat_map(|n| nearest_first(target, &target.region, target.level + n, CellPass::Finer));
-    cells.filter(|w| seen.insert(w.cell)).collect()
+    let cells = (1..=levels).flat_map(|n| nearest_first(target, target.level + n));
+    cells.map(|cell| Wanted { cell, pass: CellPass::Finer }).collect()
 }
 
-fn nearest_first(target: &ViewTarget, region: &Region, level: u32, pass: CellPass) -> Vec<Wanted> {
+/// Returns the canonical cells of a level in view, each once.
+fn nearest_first(target: &ViewTarget, level: u32) -> Vec<Cell> {
     let mirrors = target.physics.mirrors();
-    let mut placed = region.cells(level, MOST_CELLS);
+    let mut placed = target.region.cells(level, MOST_CELLS);
     let far = |offset: [f64; 2], from: [f64; 2]| (offset[0] - from[0]).hypot(offset[1] - from[1]);
     let distance = |offset: [f64; 2]| {
         let middle = far(offset, [0.0, 0.0]);
         target.pointer.map_or(middle, |pointer| middle.min(far(offset, pointer)))
     };
     placed.sort_by(|a, b| distance(a.offset).total_cmp(&distance(b.offset)));
+    let mut seen = HashSet::new();
     let canonical = placed.into_iter().map(|placed| placed.cell.computed(mirrors).0);
-    canonical.map(|cell| Wanted { cell, pass }).collect()
+    canonical.filter(|cell| seen.insert(*cell)).collect()
 }
 
-/// Number of samples along a leaf of the cells of a level; those of the target's level have `finest`. The
-/// pass before the finest has the same leaves, so that what is followed for it need not be followed
-/// again; the last digits of its samples then depend on the target. So have the finer levels. The first
-/// pass has larger leaves, since it is to be seen soon.
+/// Number of samples along a leaf of the cells of a level; those of the target's level have `finest`. Other
+/// levels have the same leaves, so that what is followed for one need not be followed again; the last
+/// digits of their samples then depend on the target.
 pub(super) fn leaf_pixels(finest: u32, target_level: u32, level: u32) -> u32 {
     if level > target_level {
         return (finest << (level - target_level)).min(SIDE);
     }
-    let coarser = target_level.saturating_sub(level);
-    let shared = if coarser <= LEVEL_STEP { coarser } else { 0 };
-    (finest >> shared).max(1)
+    (finest >> (target_level - level)).max(1)
 }
 
 #[cfg(test)]
@@ -99,7 +100,7 @@ mod tests {
     use crate::physics::{Scalar, Theta};
 
     #[test]
-    fn the_last_two_passes_have_the_same_leaves() {
+    fn other_levels_have_the_same_leaves() {
         let target = 40;
         let place = [2.2, -1.9].map(Theta::from_f64);
         let leaf_level = |level: u32, finest| {
@@ -107,9 +108,9 @@ mod tests {
             Cell::around(place, level).leaves(SIDE, leaf)[0].0.level
         };
         for finest in [16, 64] {
-            let [first, last, own, finer] = [36, 38, 40, 41].map(|level| leaf_level(level, finest));
-            assert_eq!((first, last, finer), (own - 4, own, own), "{finest} samples along a leaf");
+            let own = leaf_level(40, finest);
+            assert!([37, 38, 41].into_iter().all(|level| leaf_level(level, finest) == own));
         }
-        assert_eq!(leaf_pixels(2, target, 38), 1, "a leaf has a sample");
+        assert_eq!(leaf_pixels(2, target, 37), 1, "a leaf has a sample");
     }
 }

@@ -4,9 +4,10 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
-use super::open_tile::OpenTile;
+use super::open_tile::{OpenTile, Spacing};
 use super::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use super::samples::{Counts, Samples};
+use super::stride::Stride;
 use crate::engine::{Engine, EngineError, IntegratorConfig, Question, Wait};
 use crate::question::Ask;
 use crate::scene::Scene;
@@ -87,8 +88,9 @@ impl TileSource for PatchWork {
         if cells.is_empty() {
             return None;
         }
-        let sizes = (PATCH_SIDE, self.config.leaf_pixels());
-        let open = OpenTile::of_cells(&self.scene, self.config, &cells, sizes, |_, _| None);
+        let leaf_pixels = self.config.leaf_pixels();
+        let spacing = Spacing { side: PATCH_SIDE, stride: Stride::ONE, leaf_pixels };
+        let open = OpenTile::of_cells(&self.scene, self.config, &cells, spacing, |_, _| None);
         let (question, config) = (self.question, self.config);
         Some(NextTile { tile: cells, open, question, config, keeps_states: false, ask: Ask::Flip })
     }

@@ -145,9 +145,8 @@ impl Coarser {
         Coarser { samples, mirrored, first }
     }
 
-    /// Returns what is known of a place in the quarter's own cell; none if it has to be computed.
-    pub(super) fn known(&self, place: u32) -> Option<Known> {
-        let [x, y] = [place % SIDE, place / SIDE];
+    /// Returns what is known of a column and row in the quarter's own cell; none if it has to be computed.
+    pub(super) fn known(&self, [x, y]: [u32; 2]) -> Option<Known> {
         let [mut column, mut row] = [self.first[0] + x / 2, self.first[1] + y / 2];
         // From the middle of the coarse sample to that of the fine one.
         let mut away = [x, y].map(|fine| if fine % 2 == 0 { -0.25 } else { 0.25 });
@@ -200,8 +199,7 @@ mod tests {
         let coarser = |child: &Cell, mirrored| {
             Coarser::of(child, &Cell::WHOLE, Arc::clone(&samples), mirrored)
         };
-        let place = |x: u32, y: u32| y * SIDE + x;
-        let at = |coarser: &Coarser, x, y| match coarser.known(place(x, y)) {
+        let at = |coarser: &Coarser, x, y| match coarser.known([x, y]) {
             Some((SavedPixel::Over(outcome), _)) => Some(outcome.time),
             _ => None,
         };

@@ -1,4 +1,4 @@
-//! The choice of samples to draw for every cell in view: the cell's own, or the best known ones
+//! The choice of samples to draw for every cell in view: the cell's own, or the finest known ones
 //! until those arrive; and while nothing is known of a changed pendulum, those of the previous one.
 
 use glam::DVec2;
@@ -152,7 +152,12 @@ fn best(
     set: PatchSet,
     fading: &mut Fading,
 ) -> CoveredCell {
-    let own = known(explorer, placed.cell, set);
+    let mut own = known(explorer, placed.cell, set);
+    let mut beneath = None;
+    if own.is_none_or(|own| own.spacing > 1) {
+        beneath = coarser(explorer, placed.cell, set);
+        own = own.filter(|own| beneath.is_none_or(|coarser| own.spacing <= coarser.spacing));
+    }
     let alpha = match own {
         Some(_) if set == PatchSet::Own => fading.cover(placed.cell),
         Some(_) => 1.0,
@@ -160,20 +165,19 @@ fn best(
     };
     let mut patches = Vec::new();
     if alpha < 1.0 {
-        let mut coarser = std::iter::successors(placed.cell.parent(), Cell::parent);
-        let coarser = coarser.find_map(|cell| known(explorer, cell, set));
-        patches.extend(coarser.map(|source| patch(screen, placed, source)));
+        beneath = beneath.or_else(|| coarser(explorer, placed.cell, set));
+        patches.extend(beneath.map(|source| patch(screen, placed, source)));
     }
     let whole = own.is_some() || !patches.is_empty();
     match own {
         Some(source) if patches.is_empty() => patches.push(patch(screen, placed, source)),
         Some(source) => patches.push(Patch { alpha, ..patch(screen, placed, source) }),
-        None => {
-            if set == PatchSet::Own {
-                fading.stand_in(placed.cell);
-            }
-            finer(screen, explorer, placed, set, FINER_LEVELS, &mut patches);
-        }
+        None if set == PatchSet::Own => fading.stand_in(placed.cell),
+        None => {}
+    }
+    let spacing = own.or(beneath).map_or(u32::MAX, |shown| shown.spacing);
+    if spacing > 1 {
+        finer(screen, explorer, placed, (set, spacing), FINER_LEVELS, &mut patches);
     }
     CoveredCell { patches, whole }
 }
@@ -184,33 +188,50 @@ struct KnownSource {
     cell: Cell,
     set: PatchSet,
     mirrored: bool,
+    /// Distance between the samples, in places of the cell that is drawn.
+    spacing: u32,
 }
 
 fn known(explorer: &mut Explorer, cell: Cell, set: PatchSet) -> Option<KnownSource> {
-    set.known(explorer, cell).map(|(_, mirrored)| KnownSource { cell, set, mirrored })
+    let (known, mirrored) = set.known(explorer, cell)?;
+    Some(KnownSource { cell, set, mirrored, spacing: known.stride.places() })
 }
 
-/// Appends the patches of a cell's known descendants, searched down `levels` levels.
+/// Returns the finest known samples of the cells around a cell.
+fn coarser(explorer: &mut Explorer, cell: Cell, set: PatchSet) -> Option<KnownSource> {
+    let ancestors = std::iter::successors(cell.parent(), Cell::parent);
+    let source = |(level, ancestor)| {
+        let source = known(explorer, ancestor, set)?;
+        let spacing = source.spacing.checked_shl(level).unwrap_or(u32::MAX);
+        Some(KnownSource { spacing, ..source })
+    };
+    (1..).zip(ancestors).filter_map(source).min_by_key(|source| source.spacing)
+}
+
+/// Appends the patches of a cell's descendants whose known samples lie closer together than `spacing`
+/// places of the cell, searched down `levels` levels.
 fn finer(
     screen: &Screen,
     explorer: &mut Explorer,
     placed: &Placed,
-    set: PatchSet,
+    (set, spacing): (PatchSet, u32),
     levels: u32,
     patches: &mut Vec<Patch>,
 ) {
+    let spacing = spacing.saturating_mul(2);
     for child in children(placed) {
-        if let Some(source) = known(explorer, child.cell, set) {
+        let source = known(explorer, child.cell, set).filter(|source| source.spacing < spacing);
+        if let Some(source) = source {
             patches.push(patch(screen, &child, source));
         } else if levels > 1 {
-            finer(screen, explorer, &child, set, levels - 1, patches);
+            finer(screen, explorer, &child, (set, spacing), levels - 1, patches);
         }
     }
 }
 
 /// Returns the part of `source`'s samples that covers a cell inside it.
 fn patch(screen: &Screen, placed: &Placed, source: KnownSource) -> Patch {
-    let KnownSource { cell: source, set, mirrored } = source;
+    let KnownSource { cell: source, set, mirrored, .. } = source;
     let side = side_rad(placed.cell.level);
     let middle = DVec2::from_array(placed.offset);
     let at = |x: f64, y: f64| screen.point_of(middle + DVec2::new(x, y) * (side / 2.0));

@@ -150,7 +150,7 @@ fn all(frame: &MapFrame) -> Vec<Quad> {
 
 /// Returns what a frame changes of a picture of the same screen and colours; without one before, all.
 fn changes(before: Option<&[CellQuads]>, frame: &MapFrame) -> Changes {
-    let uploaded: HashSet<u32> = frame.uploads.iter().map(|(slot, _)| *slot).collect();
+    let uploaded: HashSet<u32> = frame.uploads.iter().map(|upload| upload.slot).collect();
     // What is drawn over a part of a cell leaves the rest of it as it was before.
     let uncovers =
         |(old, new): (&CellQuads, &CellQuads)| old != new && !new.whole && !old.quads.is_empty();
@@ -206,6 +206,7 @@ mod tests {
     use bytemuck::Zeroable;
 
     use super::*;
+    use crate::app::canvas::pipeline::Upload;
     use crate::app::canvas::sample::WordKind;
     use crate::app::state::tests::state;
     use crate::tiles::Samples;
@@ -222,11 +223,12 @@ mod tests {
 
     fn frame(slots: &[&[u32]], uploaded: &[u32]) -> MapFrame {
         let samples = Arc::new(Samples::unflipped(0));
+        let upload = |slot| Upload { slot, samples: Arc::clone(&samples), side: 0 };
         MapFrame {
             screen: state().screen(),
             mixes: true,
             cells: slots.iter().copied().map(cell).collect(),
-            uploads: uploaded.iter().map(|slot| (*slot, Arc::clone(&samples))).collect(),
+            uploads: uploaded.iter().map(|&slot| upload(slot)).collect(),
             words: Arc::new(WordKind::Times),
             uniforms: Uniforms::zeroed(),
             table: None,

@@ -24,10 +24,11 @@ use self::colours::CardColours;
 use self::cover::{CoveredCell, Patch, cover};
 use self::fading::Fading;
 use self::glide::Glide;
-use self::pipeline::{CellQuads, MapFrame, Quad};
+use self::pipeline::{CellQuads, MapFrame, Quad, Upload};
 use self::sample::WordKind;
 use crate::app::camera::Screen;
-use crate::tiles::Samples;
+use crate::scene::lattice::SIDE;
+use crate::tiles::Stride;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 
 /// Number of layers of the atlas: enough for one tile per cell in view.
@@ -54,7 +55,7 @@ pub struct MapRenderer {
 /// away: egui may run a pass twice and draw only the second.
 #[derive(Debug, Default)]
 struct LastFrame {
-    uploads: Vec<(u32, Arc<Samples>)>,
+    uploads: Vec<Upload>,
     has_table: bool,
     is_loaded: Arc<AtomicBool>,
 }
@@ -133,30 +134,36 @@ impl MapRenderer {
         screen: &Screen,
         explorer: &mut Explorer,
         patch: &Patch,
-        uploads: &mut Vec<(u32, Arc<Samples>)>,
+        uploads: &mut Vec<Upload>,
     ) -> Option<Quad> {
         let (known, _) = patch.set.known(explorer, patch.source)?;
         let slot = match self.atlas.place(known.serial)? {
             AtlasPlace::There(slot) => slot,
             AtlasPlace::New(slot) => {
-                uploads.retain(|(other, _)| *other != slot);
-                uploads.push((slot, Arc::clone(&known.samples)));
+                uploads.retain(|other| other.slot != slot);
+                let (samples, side) = (Arc::clone(&known.samples), known.stride.side(SIDE));
+                uploads.push(Upload { slot, samples, side });
                 slot
             }
         };
-        Some(quad(screen, patch, slot))
+        Some(quad(screen, patch, known.stride, slot))
     }
 }
 
-fn quad(screen: &Screen, patch: &Patch, slot: u32) -> Quad {
+/// Returns the quad of a patch whose samples are in a slot at a stride.
+fn quad(screen: &Screen, patch: &Patch, stride: Stride, slot: u32) -> Quad {
+    // The middle of a sample lies half a place from the borders of its own place.
+    let texel = (patch.texel - 0.5 - f64::from(stride.first())) / f64::from(stride.places()) + 0.5;
+    let span = patch.span / f64::from(stride.places());
     let clip = 2.0 / screen.size;
     let clip = |point: glam::DVec2| [(point.x * clip.x) as f32, (-point.y * clip.y) as f32];
     Quad {
         corner: clip(patch.corner),
         right: clip(patch.right),
         down: clip(patch.down),
-        texel: patch.texel.as_vec2().to_array(),
-        span: patch.span.as_vec2().to_array(),
+        texel: texel.as_vec2().to_array(),
+        span: span.as_vec2().to_array(),
+        side: stride.side(SIDE) as f32,
         slot,
         alpha: patch.alpha,
     }

@@ -42,6 +42,8 @@ pub struct Quad {
     pub texel: [f32; 2],
     /// Number of samples along each side; negative for the mirror image.
     pub span: [f32; 2],
+    /// Number of samples along a side of the slot.
+    pub side: f32,
     /// Index of the slot that holds the samples.
     pub slot: u32,
     /// Share of what is beneath that the samples cover.
@@ -91,6 +93,17 @@ pub struct CellQuads {
     pub whole: bool,
 }
 
+/// Samples to be uploaded.
+#[derive(Clone, Debug)]
+pub struct Upload {
+    /// Index of the slot to hold them.
+    pub slot: u32,
+    /// Samples of a cell, row by row.
+    pub samples: Arc<Samples>,
+    /// Number of samples in a row.
+    pub side: u32,
+}
+
 /// One frame of the map.
 pub struct MapFrame {
     /// The screen that is shown.
@@ -99,8 +112,8 @@ pub struct MapFrame {
     pub mixes: bool,
     /// The quads of every cell in view.
     pub cells: Vec<CellQuads>,
-    /// Slots with the samples that are yet to be uploaded to them.
-    pub uploads: Vec<(u32, Arc<Samples>)>,
+    /// Samples that are yet to be uploaded.
+    pub uploads: Vec<Upload>,
     /// The words that the samples become.
     pub words: Arc<WordKind>,
     /// Colours and marks.
@@ -172,8 +185,8 @@ impl Canvas {
 
     /// Uploads a frame's data to the card.
     pub fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
-        for (slot, samples) in &frame.uploads {
-            self.upload(queue, *slot, &frame.words.words(samples));
+        for upload in &frame.uploads {
+            self.upload(queue, upload, &frame.words.words(&upload.samples));
         }
         if let Some(table) = &frame.table {
             let size =
@@ -197,7 +210,7 @@ impl Canvas {
         frame.is_loaded.store(true, Ordering::Release);
     }
 
-    fn upload(&self, queue: &wgpu::Queue, slot: u32, words: &[u32]) {
+    fn upload(&self, queue: &wgpu::Queue, &Upload { slot, side, .. }: &Upload, words: &[u32]) {
         let in_layer = slot % SLOTS_IN_LAYER;
         let origin = wgpu::Origin3d {
             x: in_layer % SLOTS_ALONG * SIDE,
@@ -207,10 +220,10 @@ impl Canvas {
         let target = wgpu::TexelCopyTextureInfo { origin, ..self.atlas.as_image_copy() };
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(4 * SIDE),
+            bytes_per_row: Some(4 * side),
             rows_per_image: None,
         };
-        let size = wgpu::Extent3d { width: SIDE, height: SIDE, depth_or_array_layers: 1 };
+        let size = wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 };
         queue.write_texture(target, bytemuck::cast_slice(words), layout, size);
     }
 
@@ -315,8 +328,8 @@ fn pipeline(
     most_taps: u32,
 ) -> wgpu::RenderPipeline {
     let attributes = wgpu::vertex_attr_array![
-        0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2, 5 => Uint32,
-        6 => Float32
+        0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2,
+        5 => Float32, 6 => Uint32, 7 => Float32
     ];
     let encode = if target.is_srgb() { 0.0 } else { 1.0 };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {

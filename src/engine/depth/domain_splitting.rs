@@ -31,7 +31,6 @@ use super::anchor::{Anchor, anchor_level};
 use super::finished_patch::{FinishedPatch, MappedStart, PartKey};
 use super::following::Following;
 use super::part::{Branch, BranchState, Cut, PlacedStart, SplitNode, SplitPart};
-use super::split_lanes::SplitLanes;
 use crate::engine::{Deep, Leaf, Moving, Question};
 use crate::physics::crossing::FAR;
 use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
@@ -138,32 +137,34 @@ impl DomainSplitting {
         leaf * 0.5f64.powi(levels_above_leaf.max(0))
     }
 
-    /// Follows branches to their ends. Many starts are shared out among threads; few are followed
-    /// together in lanes.
+    /// Follows branches to their ends: on several threads if there are many starts. A thread that waits
+    /// for others may begin another job, which would delay a small one.
     fn followed(&self, branches: Vec<Branch>, wanted: SplitRequest) -> Distribution {
         let starts: usize = branches.iter().map(|branch| branch.starts.len()).sum();
-        if starts < MANY_STARTS {
-            return SplitLanes::new(self, branches, wanted).run();
-        }
-        let follow = |branch: Branch| {
-            let mut all = Distribution::default();
-            let Branch { part, starts, way } = branch;
-            let finished = match way {
-                BranchState::Ended(finished) => finished,
-                BranchState::Open(mut node) => {
-                    let end = self.follow(&mut node, &part, wanted.budget);
-                    self.finish(&part, *node, end, wanted, &mut all)
-                }
-            };
-            let parts = self.cut(part, starts, finished, wanted, &mut all);
-            all.append(self.followed(parts, wanted));
-            all
-        };
+        let follow = |branch| self.followed_branch(branch, wanted);
         let add = |mut all: Distribution, more| {
             all.append(more);
             all
         };
+        if starts < MANY_STARTS {
+            return branches.into_iter().map(follow).fold(Distribution::default(), add);
+        }
         branches.into_par_iter().map(follow).reduce(Distribution::default, add)
+    }
+
+    fn followed_branch(&self, branch: Branch, wanted: SplitRequest) -> Distribution {
+        let mut all = Distribution::default();
+        let Branch { part, starts, way } = branch;
+        let finished = match way {
+            BranchState::Ended(finished) => finished,
+            BranchState::Open(mut node) => {
+                let end = self.follow(&mut node, &part, wanted.budget);
+                self.finish(&part, *node, end, wanted, &mut all)
+            }
+        };
+        let parts = self.cut(part, starts, finished, wanted, &mut all);
+        all.append(self.followed(parts, wanted));
+        all
     }
 
     /// Follows a part alone; returns why it ended.
@@ -176,12 +177,12 @@ impl DomainSplitting {
     }
 
     /// Returns true if a part can be followed at all.
-    pub(super) fn holds(&self, node: &SplitNode, part: &SplitPart) -> bool {
+    fn holds(&self, node: &SplitNode, part: &SplitPart) -> bool {
         node.patch.holds(&self.dynamics, self.tolerance(part.above[0]))
     }
 
     /// Keeps a part that has been followed to its end for `all`.
-    pub(super) fn finish(
+    fn finish(
         &self,
         part: &SplitPart,
         node: SplitNode,
@@ -203,7 +204,7 @@ impl DomainSplitting {
 
     /// Cuts a part that has ended into those that have starts; otherwise, adds it to the patches of
     /// `all`.
-    pub(super) fn cut(
+    fn cut(
         &self,
         part: SplitPart,
         starts: Vec<PlacedStart>,

@@ -83,9 +83,11 @@ impl FinishedPatch {
         matches!(self.ending, PatchEnd::Spread | PatchEnd::Unclear)
     }
 
-    /// Returns true if it ends in the same way when it is followed to another budget.
+    /// Returns true if it ends in the same way when it is followed to another budget: only the end of one
+    /// depends on it.
     pub(super) fn serves(&self, budget: f64) -> bool {
-        budget == self.budget || (budget > self.budget && !matches!(self.ending, PatchEnd::Over))
+        let is_before = budget > self.budget || self.patch.time.0 < budget;
+        budget == self.budget || (is_before && !matches!(self.ending, PatchEnd::Over))
     }
 
     /// Mean rate at which neighbours moved apart, in decades per second; 0 where they did not.

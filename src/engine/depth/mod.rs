@@ -28,7 +28,7 @@
 //!
 //! * An answer depends on its place in the lattice alone, not on jobs or other requests.
 //! * Anchors, finished patches and samples are kept for later jobs. Cells are followed on threads of
-//!   this engine's own, eight at a time in SIMD lanes ([`split_lanes`]).
+//!   this engine's own.
 //! * Strict jobs use other cuts and smaller errors: [`super::trust`] checks one map by another.
 
 mod anchor;
@@ -41,7 +41,6 @@ mod line_check;
 mod line_interval;
 mod lines;
 mod part;
-mod split_lanes;
 mod stats;
 mod takeoff;
 

@@ -1,16 +1,8 @@
-//! Patches on their way: each is followed step by step, several at a time in SIMD lanes.
-//!
-//! Nearly all the cost of a step is in carrying its polynomials, so that is done for [`JET_LANES`]
-//! patches at once. Everything else, such as the lengths of steps and the events at the top, is
-//! decided for each patch alone, so that a patch's path does not depend on those beside it.
-
-use pulp::{Arch, Simd, WithSimd};
+//! A patch on its way, step by step.
 
 use super::event::PatchEvent;
 use super::{Dynamics, FlowPatch, GRAZE_WITHIN, PatchEnd, PatchStep};
-use crate::physics::embedded::{dop853, plus};
 use crate::physics::jet::Jet;
-use crate::physics::jet_lanes::{JET_LANES, JetLanes};
 use crate::physics::phase::Phase;
 use crate::physics::reference::Reference;
 
@@ -67,6 +59,11 @@ impl Follower {
         end
     }
 
+    /// The states after a planned step.
+    pub(super) fn carried(&self, dynamics: &Dynamics, plan: StepPlan) -> Phase<Jet> {
+        dynamics.carried(&self.patch.phase, Jet::constant(plan.length))
+    }
+
     /// Takes a step to the states `after`, or a part of it later on; returns the reason for the
     /// patch's end if the step ends it.
     pub fn take(
@@ -118,39 +115,5 @@ impl Follower {
     /// The patch in its last state.
     pub fn into_patch(self) -> FlowPatch {
         self.patch
-    }
-}
-
-/// Carries the patches of some followers by their planned steps, at most [`JET_LANES`] of them.
-pub fn carry(dynamics: &Dynamics, planned: &[(&Follower, StepPlan)]) -> Vec<Phase<Jet>> {
-    let last = planned.len() - 1;
-    let phases = std::array::from_fn(|lane| &planned[lane.min(last)].0.patch.phase);
-    let lengths = std::array::from_fn(|lane| planned[lane.min(last)].1.length);
-    let mut all = Vec::with_capacity(planned.len());
-    Arch::new().dispatch(Carry { dynamics, phases, lengths, count: planned.len(), all: &mut all });
-    all
-}
-
-struct Carry<'a> {
-    dynamics: &'a Dynamics,
-    phases: [&'a Phase<Jet>; JET_LANES],
-    lengths: [f64; JET_LANES],
-    count: usize,
-    all: &'a mut Vec<Phase<Jet>>,
-}
-
-impl WithSimd for Carry<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, set: S) {
-        let Carry { dynamics, phases, lengths, count, all } = self;
-        let constant = |value: f64| JetLanes::constants(set, [value; JET_LANES]);
-        let phase = JetLanes::load(set, phases);
-        let pendulum = dynamics.pendulum.map(constant);
-        let scale = dynamics.inverse_scale.map(constant);
-        let length = JetLanes::constants(set, lengths);
-        let after = plus(&phase, &dop853(&pendulum, scale, &phase, length).change);
-        all.extend((0..count).map(|lane| JetLanes::lane(&after, lane)));
     }
 }

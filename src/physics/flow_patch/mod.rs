@@ -17,10 +17,8 @@ mod graze;
 mod nudges;
 
 pub use curve::{CurvePoint, PatchCurve};
-pub use follower::{Follower, StepPlan, carry};
+pub use follower::{Follower, StepPlan};
 pub use graze::Graze;
-
-pub use super::jet_lanes::JET_LANES;
 
 use super::crossing::{FAR, StepState};
 use super::embedded::{dop853, dop853_factor, plus};
@@ -284,7 +282,7 @@ impl FlowPatch {
                 Ok(plan) => plan,
                 Err(end) => break end,
             };
-            let mut after = carry(dynamics, &[(&follower, plan)]).remove(0);
+            let mut after = follower.carried(dynamics, plan);
             if let Some(reference) = reference.as_deref_mut() {
                 let known = reference.phase(plan.length);
                 after = std::array::from_fn(|i| after[i].with_middle(known[i]));

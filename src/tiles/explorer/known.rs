@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::{Explorer, MOST_CELLS, ViewProgress};
 use crate::scene::lattice::Cell;
 use crate::tiles::cache::{CachedCell, SampleSet};
+use crate::tiles::open_tile::Known;
 use crate::tiles::order::{CellPass, Wanted};
 use crate::tiles::refinement::Coarser;
-use crate::tiles::view_target::Physics;
+use crate::tiles::view_target::{Physics, ViewTarget};
 
 impl Explorer {
     /// Returns the physics of the cells that are drawn: the previous one's as long as they stand in
@@ -70,10 +71,24 @@ impl Explorer {
         let budget_secs = self.target.as_ref()?.budget_secs;
         let (computed, _) = cell.computed(self.mirrors(self.key));
         let is_known = |set: &SampleSet| {
-            let known = self.cache.peek(*set, computed);
-            known.is_some_and(|known| known.budget_secs >= budget_secs)
+            self.cache.peek(*set, computed).is_some_and(|known| known.is_complete(budget_secs))
         };
         [false, true].map(|refined| self.set(refined)).into_iter().find(is_known)
+    }
+
+    /// Returns what an earlier pass, or a run to a smaller budget, knows of a column and row of a cell.
+    pub(super) fn known_before_pass(
+        &self,
+        set: SampleSet,
+        cell: Cell,
+        target: &ViewTarget,
+        place: [u32; 2],
+    ) -> Option<Known> {
+        let known = self.cache.peek(set, cell)?;
+        // Only times of flips stay the same when the budget grows.
+        let continues = target.physics.question.ask.is_time();
+        let is_same = known.budget_secs >= target.budget_secs;
+        if is_same || continues { known.known(place, target.budget_secs) } else { None }
     }
 
     /// Returns the samples from which those far from edges follow, for each of these cells.
@@ -96,8 +111,7 @@ impl Explorer {
         let Some(target) = &self.target else { return ViewProgress::default() };
         let known = |cell: Cell| self.peek(cell);
         let placed = target.region.cells(target.level, MOST_CELLS);
-        let fine =
-            |cell: Cell| known(cell).is_some_and(|known| known.budget_secs >= target.budget_secs);
+        let fine = |cell| known(cell).is_some_and(|known| known.is_complete(target.budget_secs));
         let drawn = |cell: Cell| {
             std::iter::successors(Some(cell), Cell::parent).any(|cell| known(cell).is_some())
         };

@@ -1,0 +1,103 @@
+//! The samples of a job's cells, added to those of earlier passes.
+
+use super::{Cell, Explorer, FinishedBatch, SampleSet, Stride};
+use crate::scene::lattice::SIDE;
+use crate::tiles::cache::{CachedCell, CellSamples};
+use crate::tiles::samples::Samples;
+
+/// Cells of one job in flight, with the key of their physics, their budget and their samples.
+#[derive(Debug)]
+pub(in crate::tiles) struct Batch {
+    pub set: SampleSet,
+    pub budget_secs: f64,
+    pub stride: Stride,
+    pub cells: Vec<BatchCell>,
+}
+
+/// A cell of a job, and the samples of an earlier pass that are not computed again.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::tiles) struct BatchCell {
+    pub cell: Cell,
+    pub before: Option<EarlierPass>,
+}
+
+/// Samples of an earlier pass to the same budget.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::tiles) struct EarlierPass {
+    /// Their serial number.
+    serial: u64,
+    /// True if unflipped ones had states.
+    has_states: bool,
+}
+
+impl Batch {
+    pub(super) fn keys(&self) -> impl Iterator<Item = (SampleSet, Cell)> {
+        self.cells.iter().map(|batched| (self.set, batched.cell))
+    }
+}
+
+impl BatchCell {
+    /// A cell of which this is known, for a pass at a stride.
+    pub(super) fn new(cell: Cell, known: Option<&CachedCell>, stride: Stride) -> Self {
+        let earlier = known.filter(|known| known.stride > stride);
+        let before = earlier.map(|known| EarlierPass {
+            serial: known.serial,
+            has_states: !known.unfinished.is_empty(),
+        });
+        BatchCell { cell, before }
+    }
+}
+
+impl Explorer {
+    /// Counts a batch's samples and stores them in the cache, cell by cell. Returns false if those of an
+    /// earlier pass are no longer known, so that the cell has to be computed again.
+    pub(super) fn keep(&mut self, finished: FinishedBatch<Batch>) -> bool {
+        let FinishedBatch { tile: batch, samples, unfinished, .. } = finished;
+        self.counts.add(&samples);
+        let count = batch.stride.count(SIDE) as usize;
+        let mut all_kept = true;
+        for (k, &BatchCell { cell, before }) in batch.cells.iter().enumerate() {
+            let places = k * count..(k + 1) * count;
+            let first = places.start as u32;
+            let unfinished = unfinished
+                .iter()
+                .filter(|(place, _)| places.contains(&(*place as usize)))
+                .map(|(place, state)| (place - first, state.clone()))
+                .collect();
+            let (stride, budget_secs) = (batch.stride, batch.budget_secs);
+            let samples = samples.part(places.clone());
+            let mut cell_samples = CellSamples { samples, stride, budget_secs, unfinished };
+            if let Some(before) = before {
+                let known = self.cache.peek(batch.set, cell);
+                let Some(known) = known.filter(|known| known.serial == before.serial) else {
+                    all_kept = false;
+                    continue;
+                };
+                add_earlier(&mut cell_samples, known, before.has_states);
+            }
+            self.cache.insert(batch.set, cell, cell_samples);
+        }
+        all_kept
+    }
+}
+
+/// Adds the samples of an earlier pass, and their states if none were dropped meanwhile: either all
+/// unflipped samples of a cell can be continued, or none.
+fn add_earlier(cell: &mut CellSamples, earlier: &CachedCell, has_states: bool) {
+    let CellSamples { samples, stride, unfinished, .. } = cell;
+    let known: &Samples = &earlier.samples;
+    let moved = |index: u32| stride.index(earlier.stride.place(index, SIDE), SIDE);
+    for from in 0..known.len() {
+        let Some(to) = moved(from as u32) else { continue };
+        let status = known.get(from).status;
+        samples.set_values(to as usize, status, known.values(from));
+        samples.set_trust(to as usize, known.trust(from));
+    }
+    if has_states && earlier.unfinished.is_empty() {
+        unfinished.clear();
+        return;
+    }
+    let states = earlier.unfinished.iter();
+    unfinished.extend(states.filter_map(|(index, state)| Some((moved(*index)?, state.clone()))));
+    unfinished.sort_unstable_by_key(|(index, _)| *index);
+}
