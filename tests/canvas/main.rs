@@ -11,6 +11,7 @@ mod fading;
 mod finer;
 mod moments;
 mod offscreen;
+mod passes;
 mod smooth;
 
 use doubtful::{Doubtful, fails, is_uncertain};

@@ -37,6 +37,8 @@ pub(crate) struct Ledger {
     pub cancels: usize,
     /// The submitted jobs, each with only the first of its starts.
     pub jobs: Vec<Job>,
+    /// Numbers of their starts.
+    pub counts: Vec<usize>,
     /// Numbers of starts submitted from rest, and of starts submitted to be resumed.
     pub sent: [usize; 2],
     polls: usize,
@@ -115,6 +117,7 @@ impl Engine for Ledger {
         self.mock.submit(job)?;
         self.sent[index] += count;
         self.jobs.push(light);
+        self.counts.push(count);
         let flying: HashSet<Name> = self.flying.values().flatten().map(|span| span.name).collect();
         self.doubled += spans.iter().filter(|span| flying.contains(&span.name)).count();
         self.flying.insert(id, spans);

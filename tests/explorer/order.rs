@@ -27,8 +27,7 @@ fn distances(target: &ViewTarget, region: &Region, level: u32) -> HashMap<Cell, 
 }
 
 #[test]
-fn coarse_comes_first_then_what_is_near_then_the_ring() {
-    // The view spans five by three cells; the cells around it are less than half a cell away.
+fn passes_follow_each_other_and_each_begins_with_what_is_near() {
     let (middle, side) = (Cell::around([2.0, 1.0].map(Theta::from_f64), 9), side_rad(9));
     let [x, y] = [2.3 * side, 1.2 * side];
     let region = Region { center: middle.center(), half_rad: [x, y], repeats: true };
@@ -37,20 +36,25 @@ fn coarse_comes_first_then_what_is_near_then_the_ring() {
         let target = ViewTarget { pointer, ..wide.clone() };
         let mut engine = Ledger::default();
         explored(&target, &mut engine);
-        let cells = cells_of(&engine.jobs, &[5, 7, 9]);
-        let view: Vec<_> = [5, 7, 9].map(|level| distances(&target, &target.region, level)).into();
-        let pass = |cell: &Cell| match cell.level {
-            9 if !view[2].contains_key(cell) => 3,
-            level => (level - 5) / 2,
+        let cells = cells_of(&engine.jobs, &[6, 9]);
+        // The new samples of a pass are those that the pass before does not have.
+        let pass = |(cell, count): (&Cell, &usize)| match (cell.level, count) {
+            (9, 256) => 0,
+            (6, 4096) => 1,
+            (9, 768) => 2,
+            (9, 3072) => 3,
+            (9, 12288) => 4,
+            other => panic!("{other:?}"),
         };
-        assert!(cells.is_sorted_by_key(pass), "{cells:?}");
-        for (level, distances) in [5, 7, 9].into_iter().zip(&view) {
-            let begun: Vec<_> = cells.iter().filter(|c| c.level == level && pass(c) < 3).collect();
-            assert!(begun.is_sorted_by(|a, b| distances[a] <= distances[b]), "{pointer:?}");
-            assert_eq!(begun.len(), distances.len(), "all of level {level} in view");
+        let passes: Vec<usize> = cells.iter().zip(&engine.counts).map(pass).collect();
+        assert!(passes.is_sorted(), "{passes:?}");
+        for (pass, level) in [9, 6, 9, 9, 9].into_iter().enumerate() {
+            let distances = distances(&target, &target.region, level);
+            let begun = cells.iter().zip(&passes).filter(|(_, its)| **its == pass);
+            let begun: Vec<_> = begun.map(|(cell, _)| distances[cell]).collect();
+            assert!(begun.is_sorted(), "{pointer:?}, pass {pass}");
+            assert_eq!(begun.len(), distances.len(), "all of level {level} in view, and no more");
         }
-        let ring = cells.iter().filter(|cell| pass(cell) == 3).count();
-        assert_eq!(ring, 7 * 5 - 5 * 3, "cells around the view");
     }
 }
 
@@ -64,8 +68,8 @@ fn large_cards_get_jobs_of_many_cells() {
         explored(&ViewTarget { region, ..lively(9) }, &mut engine);
         engine.jobs.len()
     });
-    // Two cells in a job, and 32.
-    assert!(jobs[0] > 10 * jobs[1], "{jobs:?}");
+    // Two complete cells in a job, and 32.
+    assert!(jobs[0] > 5 * jobs[1], "{jobs:?}");
 }
 
 #[test]
@@ -79,12 +83,12 @@ fn the_newest_view_wins() {
     explorer.target(&there);
     let sent = jobs_of_frames(&mut explorer, &mut engine, 200);
     assert_eq!(engine.cancels, 1, "what flew for the old view is dropped");
-    let wanted: HashSet<Cell> = [8, 10, 12]
+    let wanted: HashSet<Cell> = [9, 12]
         .into_iter()
-        .flat_map(|level| there.region.scaled(2.5).cells(level, MOST_CELLS))
+        .flat_map(|level| there.region.cells(level, MOST_CELLS))
         .map(|placed| placed.cell.canonical().0)
         .collect();
-    let cells = cells_of(&sent, &[8, 10, 12]);
+    let cells = cells_of(&sent, &[9, 12]);
     assert!(cells.iter().all(|cell| wanted.contains(cell)));
     let progress = explorer.progress();
     assert!(progress.idle && progress.done == progress.wanted, "{progress:?}");
@@ -112,8 +116,14 @@ fn what_is_still_useful_flies_on() {
 fn late_answers_of_a_grounded_engine_are_nobodys() {
     let mut engine = Ledger::default();
     let mut explorer = Explorer::new(ROOMY);
-    explorer.target(&lively(7));
+    let before = lively(7);
+    explorer.target(&before);
     frame(&mut explorer, &mut engine);
+    let known = |explorer: &mut Explorer| -> Vec<Option<u64>> {
+        let cells = in_view(&before).into_iter();
+        cells.map(|cell| explorer.known(cell).map(|(known, _)| known.serial)).collect()
+    };
+    let kept = known(&mut explorer);
     // The engine still holds its old jobs, and returns them first.
     explorer.target(&target([-1.0, 2.5], 7));
     explorer.ground();
@@ -123,8 +133,7 @@ fn late_answers_of_a_grounded_engine_are_nobodys() {
     assert!(
         in_view(&target).into_iter().all(|cell| wrong(&mut explorer, &target, cell) == Some(0))
     );
-    let known = |explorer: &mut Explorer, cell: &Cell| explorer.known(*cell).is_some();
-    assert!(!in_view(&lively(7)).iter().any(|cell| known(&mut explorer, cell)));
+    assert_eq!(known(&mut explorer), kept);
 }
 
 #[test]

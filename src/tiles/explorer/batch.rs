@@ -49,11 +49,13 @@ impl BatchCell {
 }
 
 impl Explorer {
-    /// Counts a batch's samples and stores them in the cache, cell by cell. Returns false if those of an
+    /// Stores a batch's samples in the cache, cell by cell, and counts those of complete cells. Returns false if those of an
     /// earlier pass are no longer known, so that the cell has to be computed again.
     pub(super) fn keep(&mut self, finished: FinishedBatch<Batch>) -> bool {
         let FinishedBatch { tile: batch, samples, unfinished, .. } = finished;
-        self.counts.add(&samples);
+        if batch.stride == Stride::ONE {
+            self.counts.add(&samples);
+        }
         let count = batch.stride.count(SIDE) as usize;
         let mut all_kept = true;
         for (k, &BatchCell { cell, before }) in batch.cells.iter().enumerate() {
