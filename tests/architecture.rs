@@ -322,7 +322,7 @@ fn the_picture_shader_is_valid_and_has_the_same_counterparts() {
     let counterpart: Vec<_> = uniforms.iter().map(|(name, at)| (name.to_string(), *at)).collect();
     assert_eq!(members(&module, "Canvas"), counterpart);
     let names: Vec<String> = members(&module, "Quad").into_iter().map(|(name, _)| name).collect();
-    assert_eq!(names, ["corner", "right", "down", "texel", "span", "slot", "alpha"]);
+    assert_eq!(names, ["corner", "right", "down", "texel", "span", "side", "slot", "alpha"]);
     let number = |name| constant(&shader, name).parse::<f64>().unwrap();
     for (name, counterpart) in [
         ("SIDE", f64::from(SIDE)),

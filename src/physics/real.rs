@@ -19,6 +19,9 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// False for numbers whose steps are judged by other numbers, so that nobody reads a step's error.
+    const JUDGES_STEPS: bool = true;
+
     /// Returns the literal `value` in the context of `self`.
     fn lit(self, value: f64) -> Self;
 

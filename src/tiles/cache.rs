@@ -42,7 +42,7 @@ pub struct SampleSet {
 /// A set of samples, and a canonical cell.
 type CacheKey = (SampleSet, Cell);
 
-/// What was computed of a cell.
+/// Samples of a cell that were computed in a pass.
 #[derive(Clone, Debug)]
 pub struct CellSamples {
     /// Samples at the stride, row by row from the top.

@@ -14,6 +14,7 @@
 mod batch;
 mod known;
 mod morphing;
+mod needs;
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::time::Instant;
@@ -22,9 +23,9 @@ use self::batch::{Batch, BatchCell};
 use super::cache::{Cache, SampleSet};
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::{OpenTile, Spacing};
-use super::order::{self, CellPass, Wanted};
+use super::order::{self, Wanted};
 use super::reader::Reader;
-use super::refinement::{Refinement, quarter_of};
+use super::refinement::Refinement;
 use super::samples::Counts;
 use super::stride::Stride;
 use super::view_target::{Physics, ViewTarget};
@@ -191,50 +192,6 @@ impl Explorer {
         let useful = |batch: &&Batch| batch.keys().any(|key| wanted.contains(&key));
         let useful = self.in_flight.tiles().filter(useful).count();
         self.stale = !self.in_flight.is_empty() && 2 * useful <= self.in_flight.len();
-    }
-
-    /// Returns true if a cell has to be computed: to make it complete, to show it sooner than that, to
-    /// show it when the view moves, or because its parent has edges there.
-    fn needs(&self, Wanted { cell, pass }: Wanted, budget_secs: f64) -> bool {
-        let known = self.peek(cell);
-        let stride = known.map(|known| known.stride);
-        let is_due = known.is_some_and(|known| known.budget_secs < budget_secs);
-        match pass {
-            CellPass::Own(own) if stride == Some(own) => is_due,
-            CellPass::Own(Stride::ONE) => stride.is_none_or(|stride| stride > Stride::ONE),
-            CellPass::Own(own) => {
-                let finer = stride.is_none_or(|stride| stride > own);
-                finer && self.stand_in_places(cell).is_none_or(|places| places > own.places())
-            }
-            CellPass::Around => {
-                let all_quarters =
-                    cell.children().into_iter().all(|cell| self.peek(cell).is_some());
-                known.is_none() && !all_quarters
-            }
-            CellPass::Finer => self.peek_finer(cell).is_none() && self.has_edges(cell),
-        }
-    }
-
-    /// Returns how far apart samples of other levels lie, in places of a cell, that stand in for it; none
-    /// if there are none.
-    fn stand_in_places(&self, cell: Cell) -> Option<u32> {
-        if cell.children().into_iter().all(|child| self.peek(child).is_some()) {
-            return Some(1);
-        }
-        let ancestors = std::iter::successors(cell.parent(), Cell::parent);
-        let places = |(level, cell): (u32, Cell)| {
-            let stride = self.peek(cell)?.stride;
-            stride.places().checked_shl(level)
-        };
-        (1..8).zip(ancestors).find_map(places)
-    }
-
-    /// Returns true if the parent of a cell has edges where the cell lies.
-    fn has_edges(&self, cell: Cell) -> bool {
-        let Some(parent) = cell.parent() else { return false };
-        let (_, mirrored) = parent.computed(self.mirrors(self.key));
-        let quarter = quarter_of(&cell, &parent, mirrored);
-        self.peek_finer(parent).is_some_and(|parent| parent.edges()[quarter])
     }
 
     /// Submits waiting cells to the engine and collects finished ones. With a deadline it never

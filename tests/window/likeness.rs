@@ -21,10 +21,15 @@ const MARGIN: f64 = 0.03;
 
 /// The picture of a scene as `flipmap render` writes it: decoded, and as bytes.
 pub(crate) fn picture(scene: Scene, size: [u32; 2]) -> (RgbImage, Vec<u8>) {
+    sampled(scene, size, 1)
+}
+
+/// The same with `samples` × `samples` samples per pixel.
+fn sampled(scene: Scene, size: [u32; 2], samples: u32) -> (RgbImage, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.png");
     let mut document = Document::default().with_scene(scene);
-    document.picture.curve = false;
+    (document.picture.curve, document.picture.samples) = (false, samples);
     document.run.accuracy = Some(Accuracy::Fast.to_string());
     let request = ExportRequest { document, size, path: path.clone(), kind: ExportKind::Png };
     let engine_request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
@@ -91,13 +96,18 @@ pub(crate) fn is_right(told: &Told, shot: &RgbImage) -> bool {
     here.calm > ENOUGH && beside.iter().all(|share| share + MARGIN < here.all)
 }
 
-/// The mean bend of the light from pixel to pixel along the rows of the map.
-pub(crate) fn roughness(told: &Told, shot: &RgbImage) -> f64 {
-    let [width, height] = told.map_px().map(|side| side as u32);
-    let light = |x: u32, y: u32| f64::from(shot.get_pixel(x, y).0[1]);
-    let bend = |x: u32, y: u32| (light(x - 1, y) - 2.0 * light(x, y) + light(x + 1, y)).abs();
-    let rows = (0..height).flat_map(|y| (1..width - 1).map(move |x| bend(x, y)));
-    rows.sum::<f64>() / f64::from(height * (width - 2))
+/// The mean difference of a shot of the map from a picture of it with 4 × 4 samples per pixel, in any
+/// channel.
+pub(crate) fn distance_from_smooth(told: &Told, shot: &RgbImage) -> f64 {
+    let size = told.map_px().map(|side| side.round() as u32);
+    let mut scene = told.scene();
+    scene.view.width = scene.view.width_rad().decimal(30);
+    let smooth = sampled(scene, size, 4).0;
+    let differences = smooth.enumerate_pixels().map(|(x, y, pixel)| {
+        let pairs = pixel.0.iter().zip(shot.get_pixel(x, y).0);
+        f64::from(pairs.map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0))
+    });
+    differences.sum::<f64>() / f64::from(size[0] * size[1])
 }
 
 /// The colour of starts that can never flip.

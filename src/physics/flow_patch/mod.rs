@@ -20,6 +20,8 @@ pub use curve::{CurvePoint, PatchCurve};
 pub use follower::{Follower, StepPlan};
 pub use graze::Graze;
 
+use pulp::Arch;
+
 use super::crossing::{FAR, StepState};
 use super::embedded::{dop853, dop853_factor, plus};
 use super::flip::Rule;
@@ -137,7 +139,10 @@ impl Dynamics {
     /// All states after a step whose length may itself differ from start to start.
     fn carried(&self, phase: &Phase<Jet>, step: Jet) -> Phase<Jet> {
         let scale = self.inverse_scale.map(Jet::constant);
-        plus(phase, &dop853(&self.jets, scale, phase, step).change)
+        Arch::new().dispatch(
+            #[inline(always)]
+            || plus(phase, &dop853(&self.jets, scale, phase, step).change),
+        )
     }
 
     /// The weights of a state's components: momenta count in units of their scale.
