@@ -162,8 +162,8 @@ fn signals_are_heard_while_engines_are_measured_and_films_are_planned() {
         "-o",
         "f",
     ];
-    // A busy machine may be late to signal, and measuring is over in seconds.
-    let [at_once, begun] = [50, 700].map(Duration::from_millis);
+    // A busy machine may be late to signal, and measuring is over in a second.
+    let [at_once, begun] = [0, 700].map(Duration::from_millis);
     let at_work = [(&measuring[..], "measuring the engines", at_once), (&planning[..], "", begun)];
     for (words, wait, pause) in at_work {
         let mut command = program(&folder, words);
