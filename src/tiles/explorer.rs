@@ -53,8 +53,6 @@ pub struct ViewProgress {
 pub const MOST_CELLS: usize = 1500;
 /// Maximum number of cells in a job, which fill a large graphics card.
 const MOST_IN_JOB: usize = 64;
-/// Number of cells of a pass before the last that always share a job.
-const LEAST_SHARE: usize = 64;
 
 /// A physics viewed before, and whether the mirror images of its cells have equal samples.
 #[derive(Debug)]
@@ -275,12 +273,7 @@ impl Explorer {
         let group = traits(&first);
         let alike = |wanted: &Wanted| !waits(wanted) && traits(wanted) == group;
         let stride = first.pass.stride();
-        let mut most = (job_size / (2 * stride.count(SIDE) as usize)).clamp(1, MOST_IN_JOB);
-        if stride > Stride::ONE {
-            // While some cells of a pass are computed, the next pass begins with others.
-            let count = self.waiting.iter().filter(|wanted| alike(wanted)).count();
-            most = most.min((count / 2).max(LEAST_SHARE));
-        }
+        let most = (job_size / (2 * stride.count(SIDE) as usize)).clamp(1, MOST_IN_JOB);
         let mut cells = Vec::new();
         let mut is_left = |wanted: &Wanted| {
             let is_taken = cells.len() < most && alike(wanted);
