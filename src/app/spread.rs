@@ -11,9 +11,9 @@ use crate::tiles::Stride;
 const COARSER: u32 = 3;
 
 impl AppModel {
-    /// Spreads the palette over the flip times of a deep view, once the view has some
-    /// samples everywhere and again once it is complete: the times lie so close together that it would look
-    /// flat. Colours that the user chose are left alone. Returns true if the colours have changed.
+    /// Spreads the palette over the flip times of a deep view, once the view has some samples everywhere
+    /// and again once it is complete: the times lie so close together that it would look flat. Colours
+    /// that the user chose are left alone. Returns true if the colours have changed.
     pub(super) fn spread_colours(&mut self) -> bool {
         let camera = self.state.target();
         if camera.width_rad >= PictureTable::SPREAD_BELOW_RAD {

@@ -321,7 +321,8 @@ impl TileSource for Explorer {
         let coarser = if set.refined { self.coarser(&cells) } else { Vec::new() };
         let (config, ask) = (target.physics.config, target.physics.question.ask);
         let before = |k: usize, place| match &coarser[..] {
-            [] => self.known_before_pass(set, cells[k], &target, place),
+            // Budgets of other questions than times belong to the physics: they never grow.
+            [] => self.cache.peek(set, cells[k])?.known(place, target.budget_secs),
             coarser if ask.is_time() => coarser[k].as_ref()?.known(place),
             _ => None,
         };

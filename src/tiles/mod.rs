@@ -10,8 +10,7 @@
 //! - [`patch_work::PatchWork`] computes the [`patches`] of a film: cells of the lattice, each as
 //!   fine as the closest frame that shows it needs, in the order given.
 //! - [`explorer::Explorer`] computes what a window shows: cells of a lattice that does not move
-//!   with the view, first coarse ones, then those near the pointer or the middle, last the finer
-//!   samples at edges.
+//!   with the view, first a few samples of each, last the finer samples at edges.
 //! - [`descent`] and [`Renderer`] build on [`Work`]; [`outlook()`] and [`opinion()`] judge answers.
 //!
 //! Nothing here depends on a graphics card: the tests run on the mock engine.

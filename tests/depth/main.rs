@@ -323,6 +323,24 @@ fn threads_change_no_deep_answer() {
 }
 
 #[test]
+fn another_budget_before_changes_no_deep_answer() {
+    let (theta1, theta2, width) = PLACES[1];
+    let scene = scene([theta1, theta2], width);
+    let secs = scene.question.budget.secs;
+    let within = |secs: f64, engine: &mut dyn Engine| {
+        let mut scene = scene.clone();
+        scene.question.budget = Budget::secs(secs);
+        samples(&scene, [40, 40], BALANCED, engine, 1600)
+    };
+    for before in [secs - 5.0, secs + 15.0] {
+        let mut engine_before = engine();
+        within(before, &mut engine_before);
+        let (later, alone) = (within(secs, &mut engine_before), within(secs, &mut engine()));
+        assert!((0..1600).all(|k| later.get(k) == alone.get(k)), "{before} s, then {secs} s");
+    }
+}
+
+#[test]
 fn lines_are_right_where_bands_are_curved() {
     for width in ["2e-5", "2e-6"] {
         let scene = scene([PLACES[0].0, PLACES[0].1], width);

@@ -83,8 +83,8 @@ impl FinishedPatch {
         matches!(self.ending, PatchEnd::Spread | PatchEnd::Unclear)
     }
 
-    /// Returns true if it ends in the same way when it is followed to another budget: only the end of one
-    /// depends on it.
+    /// Returns true if it ends in the same way when it is followed to another budget: steps do not
+    /// depend on it, so that it matters only to a patch that reaches it.
     pub(super) fn serves(&self, budget: f64) -> bool {
         let is_before = budget > self.budget || self.patch.time.0 < budget;
         budget == self.budget || (is_before && !matches!(self.ending, PatchEnd::Over))

@@ -7,7 +7,7 @@ use crate::physics::phase::Phase;
 use crate::physics::reference::Reference;
 
 /// A patch that is being followed.
-pub struct Follower {
+pub(super) struct Follower {
     /// The patch after the steps that were taken.
     patch: FlowPatch,
     /// The latest patch that may be the end: no start is at the top with any bob, so that events
@@ -20,20 +20,20 @@ pub struct Follower {
 
 /// The length of a step to try, and of the one after it.
 #[derive(Clone, Copy, Debug)]
-pub struct StepPlan {
-    pub(super) length: f64,
-    pub(super) next: f64,
+pub(super) struct StepPlan {
+    pub length: f64,
+    pub next: f64,
 }
 
 impl Follower {
     /// Begins to follow a patch, at most to `budget`, as long as its polynomials leave out no more
     /// than `tolerance`.
-    pub fn new(patch: FlowPatch, budget: f64, tolerance: f64) -> Self {
+    pub(super) fn new(patch: FlowPatch, budget: f64, tolerance: f64) -> Self {
         Follower { clear: patch.clone(), patch, pass_began: None, budget, tolerance }
     }
 
     /// Plans the next step, or returns the reason why the patch ends here.
-    pub fn plan(
+    pub(super) fn plan(
         &mut self,
         dynamics: &Dynamics,
         reference: Option<&mut (dyn Reference + 'static)>,
@@ -66,7 +66,7 @@ impl Follower {
 
     /// Takes a step to the states `after`, or a part of it later on; returns the reason for the
     /// patch's end if the step ends it.
-    pub fn take(
+    pub(super) fn take(
         &mut self,
         dynamics: &Dynamics,
         plan: StepPlan,
@@ -113,7 +113,7 @@ impl Follower {
     }
 
     /// The patch in its last state.
-    pub fn into_patch(self) -> FlowPatch {
+    pub(super) fn into_patch(self) -> FlowPatch {
         self.patch
     }
 }

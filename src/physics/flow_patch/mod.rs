@@ -17,11 +17,11 @@ mod graze;
 mod nudges;
 
 pub use curve::{CurvePoint, PatchCurve};
-pub use follower::{Follower, StepPlan};
 pub use graze::Graze;
 
 use pulp::Arch;
 
+use self::follower::{Follower, StepPlan};
 use super::crossing::{FAR, StepState};
 use super::embedded::{dop853, dop853_factor, plus};
 use super::flip::Rule;

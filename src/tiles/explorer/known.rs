@@ -5,10 +5,9 @@ use std::sync::Arc;
 use super::{Explorer, MOST_CELLS, ViewProgress};
 use crate::scene::lattice::Cell;
 use crate::tiles::cache::{CachedCell, SampleSet};
-use crate::tiles::open_tile::Known;
 use crate::tiles::order::{CellPass, Wanted};
 use crate::tiles::refinement::Coarser;
-use crate::tiles::view_target::{Physics, ViewTarget};
+use crate::tiles::view_target::Physics;
 
 impl Explorer {
     /// Returns the physics of the cells that are drawn: the previous one's as long as they stand in
@@ -74,21 +73,6 @@ impl Explorer {
             self.cache.peek(*set, computed).is_some_and(|known| known.is_complete(budget_secs))
         };
         [false, true].map(|refined| self.set(refined)).into_iter().find(is_known)
-    }
-
-    /// Returns what an earlier pass, or a run to a smaller budget, knows of a column and row of a cell.
-    pub(super) fn known_before_pass(
-        &self,
-        set: SampleSet,
-        cell: Cell,
-        target: &ViewTarget,
-        place: [u32; 2],
-    ) -> Option<Known> {
-        let known = self.cache.peek(set, cell)?;
-        // Only times of flips stay the same when the budget grows.
-        let continues = target.physics.question.ask.is_time();
-        let is_same = known.budget_secs >= target.budget_secs;
-        if is_same || continues { known.known(place, target.budget_secs) } else { None }
     }
 
     /// Returns the samples from which those far from edges follow, for each of these cells.
