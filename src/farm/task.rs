@@ -13,10 +13,10 @@ use crate::scene::film::{Film, FilmKind, Shot};
 use crate::scene::lattice::Cell;
 use crate::scene::{Build, Document, QuestionTable, Scene, View};
 use crate::tiles::moments::Moments;
-use crate::tiles::patches::{PATCH_SAMPLES, canonical};
+use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE, canonical};
 
 /// Largest number of patches in a hand, which is dealt to one shard.
-const DEALT: usize = 64;
+const DEALT: usize = 256;
 /// Number of hands for every shard; hands are smaller where they would otherwise be too few.
 const HANDS: usize = 8;
 
@@ -319,7 +319,8 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
                 cells.into()
             }
         };
-        let digest = |scene| sha256(format!("film {} {how}", what_of(&scene)).as_bytes());
+        let digest =
+            |scene| sha256(format!("film {PATCH_SIDE} {} {how}", what_of(&scene)).as_bytes());
         let of = group.scenes().map(digest).collect();
         tasks.push(FrameGroupTask { group, cells, of });
     }

@@ -2,7 +2,7 @@
 //!
 //! Frames are not computed one by one. The camera's path determines how closely the frames look at
 //! each place, and it is sampled once, as finely as the nearest look needs: in patches, cells of
-//! the lattice with 32 × 32 samples each ([`crate::tiles::patches`]). Along one axis of a zoom:
+//! the lattice with 16 × 16 samples each ([`crate::tiles::patches`]). Along one axis of a zoom:
 //!
 //! ```text
 //! frames    ├─────────────────────────────┤

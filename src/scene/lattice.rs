@@ -137,9 +137,11 @@ impl Cell {
     }
 
     /// Groups the cell's `samples` × `samples` samples by the leaves to which start maps belong, each
-    /// with at most `leaf` of them along a side; both are powers of two.
+    /// with `leaf` of them along a side; both are powers of two. A leaf may be larger than the cell.
     pub fn leaves(&self, samples: u32, leaf: u32) -> Grouped {
-        let leaf = leaf.min(samples);
+        if leaf > samples {
+            return vec![self.in_leaf(samples, leaf)];
+        }
         let leaves = samples / leaf;
         let level = self.level + leaves.ilog2();
         let at = |k: u32| f64::from(2 * k + 1) / f64::from(leaf) - 1.0;
@@ -158,6 +160,20 @@ impl Cell {
             x = x + Turn::side(level);
         }
         groups
+    }
+
+    /// The leaf that contains the cell, with the cell's samples.
+    fn in_leaf(&self, samples: u32, leaf: u32) -> (Cell, Vec<(u32, [f64; 2])>) {
+        let level = self.level.saturating_sub((leaf / samples).ilog2());
+        let holder = self.ancestor(level);
+        let [left, below] = self.index_in(&holder).map(|sides| sides * f64::from(samples));
+        let along = f64::from(samples << (self.level - level));
+        let at = |first: f64, k: u32| (2.0 * (first + f64::from(k)) + 1.0) / along - 1.0;
+        let rows = (0..samples).flat_map(|b| (0..samples).map(move |a| [a, b]));
+        let points = rows
+            .map(|[a, b]| ((samples - 1 - b) * samples + a, [at(left, a), at(below, b)]))
+            .collect();
+        (holder, points)
     }
 
     /// The cell's image under (θ1, θ2) → (−θ1, −θ2).
@@ -332,7 +348,7 @@ mod tests {
     #[test]
     fn samples_are_shared_out_to_leaves() {
         let cell = Cell::around([2.2, -1.9].map(Theta::from_f64), 20);
-        for (samples, leaf, leaves, level) in [(128, 64, 4, 21), (128, 16, 64, 23), (32, 64, 1, 20)]
+        for (samples, leaf, leaves, level) in [(128, 64, 4, 21), (128, 16, 64, 23), (32, 64, 1, 19)]
         {
             let groups = cell.leaves(samples, leaf);
             assert_eq!(groups.len(), leaves);

@@ -299,7 +299,13 @@ impl Spacing {
             let leaves = cell.leaves(side, leaf_pixels).into_iter();
             let leaves = leaves
                 .map(|(leaf, points)| (leaf, points.into_iter().filter_map(sample).collect()));
-            groups.extend(leaves.filter(|(_, points): &(Cell, Vec<_>)| !points.is_empty()));
+            for (leaf, points) in leaves.filter(|(_, points): &(Cell, Vec<_>)| !points.is_empty()) {
+                // Cells smaller than their leaf come one after the other.
+                match groups.last_mut() {
+                    Some((last, all)) if *last == leaf => all.extend(points),
+                    _ => groups.push((leaf, points)),
+                }
+            }
         }
         groups
     }

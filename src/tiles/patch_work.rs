@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::scene::lattice::Cell;
 
 /// Maximum number of patches in a job.
-const MOST_IN_JOB: usize = 256;
+const MOST_IN_JOB: usize = 1024;
 
 /// The computation of patches of one pendulum.
 pub struct PatchWork {

@@ -10,7 +10,7 @@ use crate::scene::lattice::{Cell, DEEPEST, side_rad};
 use crate::scene::{Grid, Scene, Turn};
 
 /// Samples along each side of a patch.
-pub const PATCH_SIDE: u32 = 32;
+pub const PATCH_SIDE: u32 = 16;
 /// Samples in a patch.
 pub const PATCH_SAMPLES: usize = (PATCH_SIDE * PATCH_SIDE) as usize;
 /// Factor by which samples may lie farther apart than required. Levels differ by a factor of two,
