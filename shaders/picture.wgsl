@@ -64,9 +64,9 @@ override ENCODE: bool = true;
 // Largest number of places along a pixel whose light is mixed where samples are many.
 override MOST_TAPS: u32 = 1u;
 
-const SIDE: i32 = 128;
+const SIDE: i32 = 64;
 // Slots along a side of a layer of the atlas.
-const SLOTS_ALONG: u32 = 8u;
+const SLOTS_ALONG: u32 = 16u;
 const TABLE_ENTRIES: f32 = 8192.0;
 const UNCERTAIN: u32 = 4u;
 // Samples along a pixel beyond which all of them are mixed: those of the view's own level are fewer,

@@ -365,7 +365,7 @@ mod tests {
             assert!((0.769..1.539).contains(&(sample / pixel)), "{}", sample / pixel);
             camera = camera.zoomed(1.7, DVec2::ZERO);
         }
-        assert_eq!(screen(home()).level(), 3);
+        assert_eq!(screen(home()).level(), 4);
     }
 
     #[test]

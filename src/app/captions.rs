@@ -97,7 +97,7 @@ mod tests {
         let words = |answer, level| words_of(&Hovered { place, answer }, &home, level);
         let flipped = answer(Status::Flipped, &[3.21], Trust::Uncertain);
         assert_eq!(
-            words(flipped, 3),
+            words(flipped, 4),
             "θ1 -1.6600, θ2 0.1000 rad · flips after 3.2100 s, uncertain"
         );
         let forbidden = answer(Status::Forbidden, &[], Trust::Unchecked);

@@ -113,8 +113,8 @@ impl AppModel {
     /// Follows the running descent once the view before has been reached and is half drawn. Returns
     /// true if it had anything new.
     pub(super) fn follow_descent(&mut self) -> bool {
-        let ViewProgress { wanted, done, .. } = self.progress();
-        if self.state.moving.is_some() || 2 * done < wanted {
+        let ViewProgress { share, .. } = self.progress();
+        if self.state.moving.is_some() || share < 0.5 {
             return false;
         }
         let Some(news) = self.films.descent.running.as_ref().and_then(BackgroundDescent::news)

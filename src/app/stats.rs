@@ -286,7 +286,8 @@ mod tests {
     use super::*;
 
     fn progress(done: usize, covered: bool) -> ViewProgress {
-        ViewProgress { level: 3, wanted: 10, done, covered, idle: done == 10, refines: false }
+        let (share, idle) = (done as f64 / 10.0, done == 10);
+        ViewProgress { level: 3, wanted: 10, done, share, covered, idle, refines: false }
     }
 
     #[test]

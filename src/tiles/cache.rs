@@ -77,6 +77,14 @@ impl CachedCell {
         *self.edges.get_or_init(|| refinement::edges(&self.samples))
     }
 
+    /// Returns the share of the cell's samples that are known to a budget, 0 to 1.
+    pub(super) fn share(&self, budget_secs: f64) -> f64 {
+        if self.budget_secs < budget_secs {
+            return 0.0;
+        }
+        f64::from(self.stride.count(SIDE)) / SAMPLES as f64
+    }
+
     /// Returns true if all samples are known to a budget.
     pub fn is_complete(&self, budget_secs: f64) -> bool {
         self.stride == Stride::ONE && self.budget_secs >= budget_secs
@@ -280,14 +288,14 @@ mod tests {
     #[test]
     fn states_nobody_wants_go_before_any_tile() {
         let mut cache = Cache::new(46 * TILE_BYTES / 10);
-        (0..2).for_each(|x| fill(&mut cache, x, 300));
+        (0..2).for_each(|x| fill(&mut cache, x, 75));
         want(&mut cache, 1..2);
-        fill(&mut cache, 2, 300);
+        fill(&mut cache, 2, 75);
         fill(&mut cache, 3, 0);
         assert!((0..4).all(|x| cache.peek(SET, cell(x)).is_some()));
         assert_eq!(
             (unfinished(&cache, 0), unfinished(&cache, 1), unfinished(&cache, 2)),
-            (0, 300, 0)
+            (0, 75, 0)
         );
     }
 

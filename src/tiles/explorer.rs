@@ -33,7 +33,7 @@ use crate::engine::{DepthStats, Engine, EngineError, Wait};
 use crate::scene::lattice::{Cell, SIDE};
 
 /// The progress of the newest target.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewProgress {
     /// Level of the target.
     pub level: u32,
@@ -41,6 +41,8 @@ pub struct ViewProgress {
     pub wanted: usize,
     /// Number of those cells that are computed to the budget.
     pub done: usize,
+    /// Share of all samples of those cells that are computed to the budget, 0 to 1.
+    pub share: f64,
     /// True if every cell in view or one of its ancestors is known.
     pub covered: bool,
     /// True if nothing is left to do, except finer samples at edges.
@@ -50,9 +52,9 @@ pub struct ViewProgress {
 }
 
 /// Maximum number of cells of a level that are drawn at once.
-pub const MOST_CELLS: usize = 1500;
+pub const MOST_CELLS: usize = 6000;
 /// Maximum number of cells in a job, which fill a large graphics card.
-const MOST_IN_JOB: usize = 64;
+const MOST_IN_JOB: usize = 256;
 
 /// A physics viewed before, and whether the mirror images of its cells have equal samples.
 #[derive(Debug)]

@@ -1,5 +1,6 @@
 //! The known samples of a tile before its job, and the starts of its other pixels.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -290,6 +291,7 @@ impl Spacing {
     fn leaves_of(self, cells: &[Cell]) -> Grouped {
         let Spacing { side, stride, leaf_pixels } = self;
         let mut groups = Grouped::new();
+        let mut known: HashMap<Cell, usize> = HashMap::new();
         for (k, cell) in (0..).zip(cells) {
             let first = k * stride.count(side);
             let sample = |(place, point): (u32, [f64; 2])| {
@@ -300,10 +302,11 @@ impl Spacing {
             let leaves = leaves
                 .map(|(leaf, points)| (leaf, points.into_iter().filter_map(sample).collect()));
             for (leaf, points) in leaves.filter(|(_, points): &(Cell, Vec<_>)| !points.is_empty()) {
-                // Cells smaller than their leaf come one after the other.
-                match groups.last_mut() {
-                    Some((last, all)) if *last == leaf => all.extend(points),
-                    _ => groups.push((leaf, points)),
+                // A leaf may hold several cells.
+                let place = *known.entry(leaf).or_insert(groups.len());
+                match groups.get_mut(place) {
+                    Some((_, all)) => all.extend(points),
+                    None => groups.push((leaf, points)),
                 }
             }
         }

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 use super::explorer::MOST_CELLS;
 use super::stride::Stride;
 use super::view_target::ViewTarget;
-use crate::scene::lattice::{Cell, SIDE, pitch_rad};
+use crate::scene::lattice::{Cell, pitch_rad};
 
 /// Number of levels from the target's to that of the cells which reach beyond the view.
 const AROUND_LEVELS: u32 = 3;
@@ -92,13 +92,14 @@ fn nearest_first(target: &ViewTarget, level: u32) -> Vec<Cell> {
 /// levels have the same leaves, so that what is followed for one need not be followed again; the last
 /// digits of their samples then depend on the target.
 pub(super) fn leaf_pixels(finest: u32, target_level: u32, level: u32) -> u32 {
-    (finest << level.saturating_sub(target_level)).min(SIDE)
+    finest << level.saturating_sub(target_level)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::physics::{Scalar, Theta};
+    use crate::scene::lattice::SIDE;
 
     #[test]
     fn finer_levels_have_the_same_leaves() {

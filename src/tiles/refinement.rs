@@ -184,9 +184,9 @@ mod tests {
     fn only_quarters_with_edges_have_any() {
         assert_eq!(edges(&cell(|x, y| 3.0 + 0.01 * x - 0.02 * y)), [false; 4], "a slope");
         assert_eq!(edges(&cell(|_, _| -1.0)), [false; 4], "nothing flips");
-        let jump = |x: f64, y: f64| if x > 100.0 && y > 70.0 { 9.0 } else { 3.0 };
+        let jump = |x: f64, y: f64| if x > 50.0 && y > 35.0 { 9.0 } else { 3.0 };
         assert_eq!(edges(&cell(jump)), [false, false, false, true]);
-        let unflipped = |x: f64, y: f64| if x < 30.0 && y > 99.0 { -1.0 } else { 3.0 };
+        let unflipped = |x: f64, y: f64| if x < 15.0 && y > 49.0 { -1.0 } else { 3.0 };
         assert_eq!(edges(&cell(unflipped)), [false, false, true, false]);
         assert_eq!(edges(&cell(|x, y| 5.0 + (7.7 * x * x + 3.1 * y).sin())), [true; 4], "chaos");
     }
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn what_is_plain_follows_from_its_neighbours_also_in_the_mirror() {
         let secs = |x: f64, y: f64| 3.0 + 0.01 * x - 0.02 * y;
-        let samples = Arc::new(cell(|x, y| if x > 100.0 { 9.0 } else { secs(x, y) }));
+        let samples = Arc::new(cell(|x, y| if x > 50.0 { 9.0 } else { secs(x, y) }));
         let [lower_left, _, lower_right, _] = Cell::WHOLE.children();
         let coarser = |child: &Cell, mirrored| {
             Coarser::of(child, &Cell::WHOLE, Arc::clone(&samples), mirrored)
@@ -204,13 +204,13 @@ mod tests {
             _ => None,
         };
         let right = coarser(&lower_right, false);
-        assert_eq!(at(&right, 73, 10), None, "beside the jump");
-        let expected = secs(64.0 + 5.25, 64.0 + 3.0 - 0.25);
+        assert_eq!(at(&right, 37, 5), None, "beside the jump");
+        let expected = secs(32.0 + 5.25, 32.0 + 3.0 - 0.25);
         assert!((at(&right, 11, 6).unwrap() - expected).abs() < 1e-12);
         // The mirror image of the lower left quarter is the upper right one, turned by half a turn.
         let left = coarser(&lower_left, true);
-        let expected = secs(127.0 - 50.25, 127.0 - 64.0 - 3.25);
-        assert!((at(&left, 101, 7).unwrap() - expected).abs() < 1e-12);
-        assert_eq!(at(&left, 54, 7), None, "beside the jump in the mirror");
+        let expected = secs(63.0 - 25.25, 63.0 - 32.0 - 3.25);
+        assert!((at(&left, 51, 7).unwrap() - expected).abs() < 1e-12);
+        assert_eq!(at(&left, 26, 7), None, "beside the jump in the mirror");
     }
 }

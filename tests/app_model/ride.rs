@@ -29,7 +29,7 @@ fn share_left(desktop: &mut Desktop) -> f64 {
             model.compute.explorer.target(&before);
             let progress = model.progress();
             model.compute.explorer.target(&now);
-            return progress.done as f64 / progress.wanted as f64;
+            return progress.share;
         }
         assert!(begun.elapsed() < Duration::from_secs(120), "the descent goes nowhere");
         sleep(Duration::from_millis(1));

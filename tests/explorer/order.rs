@@ -39,11 +39,11 @@ fn passes_follow_each_other_and_each_begins_with_what_is_near() {
         let cells = cells_of(&engine.jobs, &[6, 9]);
         // The new samples of a pass are those that the pass before does not have.
         let pass = |(cell, count): (&Cell, &usize)| match (cell.level, count) {
-            (9, 256) => 0,
-            (6, 4096) => 1,
-            (9, 768) => 2,
-            (9, 3072) => 3,
-            (9, 12288) => 4,
+            (9, 64) => 0,
+            (6, 1024) => 1,
+            (9, 192) => 2,
+            (9, 768) => 3,
+            (9, 3072) => 4,
             other => panic!("{other:?}"),
         };
         let passes: Vec<usize> = cells.iter().zip(&engine.counts).map(pass).collect();
@@ -56,6 +56,28 @@ fn passes_follow_each_other_and_each_begins_with_what_is_near() {
             assert_eq!(begun.len(), distances.len(), "all of level {level} in view, and no more");
         }
     }
+}
+
+#[test]
+fn every_pass_adds_its_samples_to_the_progress() {
+    let target = lively(9);
+    let mut explorer = Explorer::new(ROOMY);
+    explorer.target(&target);
+    let mut engine = MockEngine { job_size: 1, ..MockEngine::default() };
+    let mut shares = vec![explorer.progress().share];
+    while !explorer.is_done() {
+        explorer.work(&mut engine, Some(Instant::now())).unwrap();
+        let progress = explorer.progress();
+        assert!(progress.done == 0 || progress.share > 0.25, "{progress:?}");
+        shares.push(progress.share);
+    }
+    assert!(shares.is_sorted() && shares[0] == 0.0 && shares.last() == Some(&1.0), "{shares:?}");
+    for pass in [1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0] {
+        assert!(shares.contains(&pass), "the end of a pass is missing: {shares:?}");
+    }
+    // A larger budget begins anew.
+    explorer.target(&ViewTarget { budget_secs: target.budget_secs + 1.0, ..target });
+    assert_eq!(explorer.progress().share, 0.0);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 /// Number of slots along a side of a layer (counterpart in shaders/picture.wgsl).
-pub const SLOTS_ALONG: u32 = 8;
+pub const SLOTS_ALONG: u32 = 16;
 /// Number of slots in a layer.
 pub const SLOTS_IN_LAYER: u32 = SLOTS_ALONG * SLOTS_ALONG;
 
@@ -70,13 +70,13 @@ mod tests {
     fn samples_keep_their_slot_until_it_is_needed() {
         let mut atlas = Atlas::new(1);
         atlas.begin_frame();
-        let first = atlas.place(100);
+        let first = atlas.place(5000);
         assert_eq!(first, Some(AtlasPlace::New(0)));
-        (1..64).for_each(|serial| assert!(atlas.place(serial).is_some()));
-        assert_eq!(atlas.place(64), None, "all are in use");
+        (1..SLOTS_IN_LAYER.into()).for_each(|serial| assert!(atlas.place(serial).is_some()));
+        assert_eq!(atlas.place(999), None, "all are in use");
         atlas.begin_frame();
-        assert_eq!(atlas.place(100), Some(AtlasPlace::There(0)));
-        let Some(AtlasPlace::New(slot)) = atlas.place(64) else { panic!("none given away") };
+        assert_eq!(atlas.place(5000), Some(AtlasPlace::There(0)));
+        let Some(AtlasPlace::New(slot)) = atlas.place(999) else { panic!("none given away") };
         assert_ne!(slot, 0, "in use in this frame");
         assert_eq!(atlas.place(1), Some(AtlasPlace::New(2)), "1 was the longest unused");
     }

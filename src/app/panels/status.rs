@@ -33,11 +33,10 @@ pub struct StatusLine {
 /// Shows the line.
 pub fn status_line(ui: &mut Ui, status: &StatusLine) {
     ui.horizontal(|ui| {
-        let ViewProgress { level, wanted, done, .. } = status.progress;
-        let share = if wanted == 0 { 0.0 } else { done as f32 / wanted as f32 };
+        let ViewProgress { level, share, .. } = status.progress;
         let percent = format!("{:.0} %", (100.0 * share).floor());
-        let bar = ProgressBar::new(share).desired_width(90.0).text(percent);
-        ui.add(bar).on_hover_text("Share of the view that is computed to its finest level");
+        let bar = ProgressBar::new(share as f32).desired_width(90.0).text(percent);
+        ui.add(bar).on_hover_text("Share of the view's samples that are computed");
         if let Some(secs) = status.left_secs {
             ui.label(left_words(secs)).on_hover_text("Until the view is complete, at this pace");
         }

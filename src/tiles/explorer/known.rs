@@ -95,14 +95,16 @@ impl Explorer {
         let Some(target) = &self.target else { return ViewProgress::default() };
         let known = |cell: Cell| self.peek(cell);
         let placed = target.region.cells(target.level, MOST_CELLS);
-        let fine = |cell| known(cell).is_some_and(|known| known.is_complete(target.budget_secs));
+        let share = |cell| known(cell).map_or(0.0, |known| known.share(target.budget_secs));
+        let shares: Vec<f64> = placed.iter().map(|placed| share(placed.cell)).collect();
         let drawn = |cell: Cell| {
             std::iter::successors(Some(cell), Cell::parent).any(|cell| known(cell).is_some())
         };
         ViewProgress {
             level: target.level,
             wanted: placed.len(),
-            done: placed.iter().filter(|placed| fine(placed.cell)).count(),
+            done: shares.iter().filter(|share| **share == 1.0).count(),
+            share: shares.iter().sum::<f64>() / shares.len().max(1) as f64,
             covered: !placed.is_empty() && placed.iter().all(|placed| drawn(placed.cell)),
             idle: self.is_done() || self.refinement.begun > 0,
             refines: self.refines(),
