@@ -38,6 +38,7 @@ pub mod map;
 pub mod meter;
 pub mod model;
 mod movement;
+mod news_pace;
 pub mod notices;
 mod outlook;
 pub mod overlay;

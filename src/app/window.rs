@@ -11,6 +11,7 @@ use winit::window::{Fullscreen, Window, WindowId};
 
 use super::egui_host::{EguiHost, HostError};
 use super::model::{AppModel, WindowOptions};
+use super::news_pace::NewsPace;
 use super::settings::Theme;
 use super::state::Effect;
 use super::stats::{Holdings, Stats};
@@ -46,13 +47,6 @@ pub enum WindowError {
 
 /// Shortest time between two frames.
 const FRAME: Duration = Duration::from_micros(16_600);
-/// Least time that new tiles alone wait for a frame, since drawing takes time from computing.
-const NEWS: Duration = Duration::from_millis(120);
-/// The same, in durations of the last frame: where the processor draws too, it still computes for
-/// most of the time.
-const NEWS_IN_FRAMES: u32 = 6;
-/// Largest such time, so that the map is seen to grow.
-const LATEST_NEWS: Duration = Duration::from_millis(500);
 /// Time until the next frame from which on the window is at rest.
 const REST: Duration = Duration::from_secs(1);
 /// Largest number of losses within [`LOSSES_WITHIN`] after which the device is opened again.
@@ -75,8 +69,7 @@ struct Runner {
     begun: Instant,
     redraw_at: Option<Instant>,
     last_frame: Instant,
-    /// Time that the last frame took.
-    frame_took: Duration,
+    pace: NewsPace,
     /// Moment since which events may have been waiting for this turn of the loop.
     input_since: Instant,
     /// Moments of the recent losses of the device.
@@ -111,7 +104,7 @@ pub fn run(
         begun,
         redraw_at: None,
         last_frame: now,
-        frame_took: Duration::ZERO,
+        pace: NewsPace::new(now),
         input_since: now,
         losses: Vec::new(),
         told: true,
@@ -162,8 +155,9 @@ impl Runner {
         let OpenWindow { host, model, .. } = open;
         model.map_renderer.is_quick = host.is_quick();
         let again = host.frame(event_loop, |ui| effects.extend(model.show(ui)));
-        self.frame_took = began.elapsed();
-        self.stats.frame(began, &model.progress(), model.state.dragging);
+        let progress = model.progress();
+        self.pace.drew(began.elapsed(), &progress);
+        self.stats.frame(began, &progress, model.state.dragging);
         self.stats.figure(model.figure_shown().is_some());
         if model.state.shown.debug {
             model.measured = self.stats.report(Holdings::of(model)).lines();
@@ -173,7 +167,8 @@ impl Runner {
         }
         model.save_sometimes();
         // The view of this frame is known only now.
-        let news = if model.work() { news_after(self.frame_took) } else { Duration::MAX };
+        let has_news = model.work();
+        let news = if has_news { self.pace.pause(&model.progress(), began) } else { Duration::MAX };
         let moving = moving || model.state.moving.is_some();
         let works = model.compute.is_waiting() && !model.lab_hides_map();
         let again = if moving || works { Duration::ZERO } else { again };
@@ -232,12 +227,14 @@ impl Runner {
         event_loop.exit();
     }
 
-    /// Handles news from a thread: jobs are passed on at once, pictures drawn a little later.
+    /// Handles news from a thread: jobs are passed on at once, pictures drawn a little later unless they
+    /// are the first of the whole view, or the last.
     fn news(&mut self) {
         let Some(open) = &mut self.open else { return };
         open.model.work();
         // News other than tiles comes from flights, exports and dialogs, which the panels show.
-        self.draw_at(self.last_frame + news_after(self.frame_took));
+        let pause = self.pace.pause(&open.model.progress(), Instant::now());
+        self.draw_at(self.last_frame + pause);
     }
 
     /// Writes the measurements if the view is complete and nothing moves, so that writing does not
@@ -262,11 +259,6 @@ impl Runner {
             self.failure = Some(WindowError::Stats { path, source });
         }
     }
-}
-
-/// Time that new tiles alone wait for a frame after one that took so long.
-fn news_after(frame_took: Duration) -> Duration {
-    (NEWS_IN_FRAMES * frame_took).clamp(NEWS, LATEST_NEWS)
 }
 
 /// Applies the chosen theme and scale.
@@ -325,7 +317,9 @@ impl ApplicationHandler<Woken> for Runner {
                     self.stats.input(self.input_since);
                 }
                 if repaint {
-                    self.draw_at(Instant::now());
+                    let now = Instant::now();
+                    self.pace.touch(now);
+                    self.draw_at(now);
                 }
             }
         }

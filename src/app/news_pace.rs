@@ -1,0 +1,81 @@
+//! How long new tiles wait to be drawn: drawing takes time from computing, all of it where the processor
+//! draws.
+
+use std::time::{Duration, Instant};
+
+use crate::tiles::explorer::ViewProgress;
+
+/// Least time that new tiles alone wait for a frame.
+const LEAST: Duration = Duration::from_millis(120);
+/// The same, in durations of the last frame: where the processor draws too, it still computes for
+/// most of the time. It grows by one such duration a second, as the picture changes ever less.
+const IN_FRAMES: f64 = 6.0;
+/// Largest such time, so that the map is seen to grow.
+const MOST: Duration = Duration::from_secs(1);
+
+/// The last frame, and what it showed.
+#[derive(Debug)]
+pub(super) struct NewsPace {
+    /// Time that the frame took.
+    took: Duration,
+    /// True if its map was known coarsely everywhere, and if nothing was left to compute.
+    milestones: [bool; 2],
+    /// Moment of the last event that changed the window.
+    touched: Instant,
+}
+
+impl NewsPace {
+    /// The pace of a window that has drawn nothing yet.
+    pub(super) fn new(now: Instant) -> Self {
+        NewsPace { took: Duration::ZERO, milestones: [false; 2], touched: now }
+    }
+
+    /// Notes an event that changes the window.
+    pub(super) fn touch(&mut self, now: Instant) {
+        self.touched = now;
+    }
+
+    /// Notes a frame.
+    pub(super) fn drew(&mut self, took: Duration, progress: &ViewProgress) {
+        (self.took, self.milestones) = (took, milestones_of(progress));
+    }
+
+    /// Returns the time from the last frame to one that shows this progress: none to the first one of a
+    /// whole view, and to its last.
+    pub(super) fn pause(&self, progress: &ViewProgress, now: Instant) -> Duration {
+        if milestones_of(progress) != self.milestones {
+            return Duration::ZERO;
+        }
+        let untouched = now.saturating_duration_since(self.touched);
+        self.took.mul_f64(IN_FRAMES + untouched.as_secs_f64()).clamp(LEAST, MOST)
+    }
+}
+
+fn milestones_of(progress: &ViewProgress) -> [bool; 2] {
+    [progress.covered, progress.idle]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_become_rarer_but_what_is_whole_or_complete_is_shown_at_once() {
+        let begun = Instant::now();
+        let after = |secs: u64| begun + Duration::from_secs(secs);
+        let mut pace = NewsPace::new(begun);
+        let coarse = ViewProgress { covered: true, ..ViewProgress::default() };
+        let complete = ViewProgress { idle: true, ..coarse };
+        assert_eq!(pace.pause(&ViewProgress::default(), begun), LEAST);
+        assert_eq!(pace.pause(&coarse, begun), Duration::ZERO, "the first map");
+        pace.drew(Duration::from_millis(50), &coarse);
+        assert_eq!(pace.pause(&coarse, after(0)), Duration::from_millis(300));
+        assert_eq!(pace.pause(&coarse, after(4)), Duration::from_millis(500));
+        assert_eq!(pace.pause(&coarse, after(1000)), MOST);
+        assert_eq!(pace.pause(&complete, after(4)), Duration::ZERO, "the last map");
+        pace.touch(after(1000));
+        assert_eq!(pace.pause(&coarse, after(1000)), Duration::from_millis(300));
+        pace.drew(Duration::from_millis(2), &coarse);
+        assert_eq!(pace.pause(&coarse, after(1010)), LEAST, "a graphics card is hardly slowed");
+    }
+}
