@@ -1,5 +1,4 @@
-//! How long new tiles wait to be drawn: drawing takes time from computing, all of it where the processor
-//! draws.
+//! The time that new tiles wait to be drawn: drawing takes time from computing where the processor draws.
 
 use std::time::{Duration, Instant};
 
