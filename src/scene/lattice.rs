@@ -353,6 +353,15 @@ mod tests {
             let groups = cell.leaves(samples, leaf);
             assert_eq!(groups.len(), leaves);
             assert!(groups.iter().all(|(leaf, _)| leaf.level == level));
+            let grid = cell.grid(&Scene::default(), samples);
+            for (leaf, points) in &groups {
+                for (place, [x, y]) in points {
+                    let start = grid.angle_from_pixel(place % samples, place / samples);
+                    let there =
+                        leaf.point(start.map(|angle| Turn::from_theta(Theta::from_dd(angle))));
+                    assert!((there[0] - x).abs() < 1e-9 && (there[1] - y).abs() < 1e-9);
+                }
+            }
             let mut places: Vec<u32> = groups
                 .iter()
                 .flat_map(|(_, points)| points.iter().map(|(place, _)| *place))
