@@ -140,40 +140,25 @@ impl Cell {
     /// with `leaf` of them along a side; both are powers of two. A leaf may be larger than the cell.
     pub fn leaves(&self, samples: u32, leaf: u32) -> Grouped {
         if leaf > samples {
-            return vec![self.in_leaf(samples, leaf)];
+            let holder = self.ancestor(self.level.saturating_sub((leaf / samples).ilog2()));
+            let along = samples << (self.level - holder.level);
+            let before = self.index_in(&holder).map(|sides| sides as u32 * samples);
+            return vec![(holder, points_of([0, 0], samples, samples, (before, along)))];
         }
         let leaves = samples / leaf;
         let level = self.level + leaves.ilog2();
-        let at = |k: u32| f64::from(2 * k + 1) / f64::from(leaf) - 1.0;
         let mut groups = Grouped::new();
         let mut x = self.x;
         for i in 0..leaves {
             let mut y = self.y;
             for j in 0..leaves {
-                // Rows count from the top.
-                let place = |a: u32, b: u32| (samples - 1 - j * leaf - b) * samples + i * leaf + a;
-                let points = (0..leaf).flat_map(|b| (0..leaf).map(move |a| [a, b]));
-                let points = points.map(|[a, b]| (place(a, b), [at(a), at(b)])).collect();
+                let points = points_of([i * leaf, j * leaf], leaf, samples, ([0, 0], leaf));
                 groups.push((Cell { level, x, y }, points));
                 y = y + Turn::side(level);
             }
             x = x + Turn::side(level);
         }
         groups
-    }
-
-    /// The leaf that contains the cell, with the cell's samples.
-    fn in_leaf(&self, samples: u32, leaf: u32) -> (Cell, Vec<(u32, [f64; 2])>) {
-        let level = self.level.saturating_sub((leaf / samples).ilog2());
-        let holder = self.ancestor(level);
-        let [left, below] = self.index_in(&holder).map(|sides| sides * f64::from(samples));
-        let along = f64::from(samples << (self.level - level));
-        let at = |first: f64, k: u32| (2.0 * (first + f64::from(k)) + 1.0) / along - 1.0;
-        let rows = (0..samples).flat_map(|b| (0..samples).map(move |a| [a, b]));
-        let points = rows
-            .map(|[a, b]| ((samples - 1 - b) * samples + a, [at(left, a), at(below, b)]))
-            .collect();
-        (holder, points)
     }
 
     /// The cell's image under (θ1, θ2) → (−θ1, −θ2).
@@ -257,6 +242,22 @@ impl Region {
         let [x, y] = corner.map(Turn::wrapped);
         Placed { cell: Cell { level, x, y }, offset }
     }
+}
+
+/// The `count` × `count` samples of a cell from the column and row `first` on, counted from the lower left, as
+/// places among its `samples` × `samples` and as points of a leaf with `along` samples along a side, of
+/// which those `before` lie to the left and below.
+fn points_of(
+    first: [u32; 2],
+    count: u32,
+    samples: u32,
+    (before, along): ([u32; 2], u32),
+) -> Vec<(u32, [f64; 2])> {
+    // Rows count from the top.
+    let place = |a: u32, b: u32| (samples - 1 - first[1] - b) * samples + first[0] + a;
+    let at = |k: u32| f64::from(2 * k + 1) / f64::from(along) - 1.0;
+    let all = (0..count).flat_map(|b| (0..count).map(move |a| [a, b]));
+    all.map(|[a, b]| (place(a, b), [at(before[0] + a), at(before[1] + b)])).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The known samples of a tile before its job, and the starts of its other pixels.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -290,27 +290,19 @@ impl Spacing {
     /// Returns the leaves of cells, with the indices of their points among all samples of the cells.
     fn leaves_of(self, cells: &[Cell]) -> Grouped {
         let Spacing { side, stride, leaf_pixels } = self;
-        let mut groups = Grouped::new();
-        let mut known: HashMap<Cell, usize> = HashMap::new();
+        // A leaf may hold several cells.
+        let mut groups = BTreeMap::<Cell, Vec<_>>::new();
         for (k, cell) in (0..).zip(cells) {
             let first = k * stride.count(side);
             let sample = |(place, point): (u32, [f64; 2])| {
                 let index = stride.index([place % side, place / side], side)?;
                 Some((first + index, point))
             };
-            let leaves = cell.leaves(side, leaf_pixels).into_iter();
-            let leaves = leaves
-                .map(|(leaf, points)| (leaf, points.into_iter().filter_map(sample).collect()));
-            for (leaf, points) in leaves.filter(|(_, points): &(Cell, Vec<_>)| !points.is_empty()) {
-                // A leaf may hold several cells.
-                let place = *known.entry(leaf).or_insert(groups.len());
-                match groups.get_mut(place) {
-                    Some((_, all)) => all.extend(points),
-                    None => groups.push((leaf, points)),
-                }
+            for (leaf, points) in cell.leaves(side, leaf_pixels) {
+                groups.entry(leaf).or_default().extend(points.into_iter().filter_map(sample));
             }
         }
-        groups
+        groups.into_iter().collect()
     }
 }
 

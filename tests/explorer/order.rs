@@ -90,7 +90,7 @@ fn large_cards_get_jobs_of_many_cells() {
         explored(&ViewTarget { region, ..lively(9) }, &mut engine);
         (engine.jobs.len(), engine.counts.into_iter().max().unwrap())
     });
-    // Two cells in a job of the last pass, and 32.
+    // Eight cells in a job of the last pass, and 128.
     let [(many, small), (few, large)] = jobs;
     assert!(many > 5 * few && large > 10 * small, "{jobs:?}");
 }

@@ -73,12 +73,12 @@ fn unflipped(explorer: &mut Explorer, target: &ViewTarget) -> usize {
 fn a_larger_budget_continues_what_did_not_flip() {
     for verified in [false, true] {
         let physics = Physics { verified, ..physics(9.81) };
-        let small = ViewTarget { physics, ..lively(5) };
+        let small = ViewTarget { physics, region: lively(5).region.scaled(2.0), ..lively(5) };
         let mut engine = Ledger::default();
         let mut explorer = explored(&small, &mut engine);
         assert!(engine.jobs.iter().all(|job| (job.keep == Keep::STATES) != verified));
         let left = unflipped(&mut explorer, &small);
-        assert!(left > 5_000, "{left}");
+        assert!(left > 10_000, "{left}");
         let (simulated, sent) = (explorer.counts().simulated, engine.sent);
         let large = ViewTarget { budget_secs: 50.0, ..small };
         explorer.target(&large);
