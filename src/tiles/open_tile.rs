@@ -124,6 +124,8 @@ impl OpenTile {
             all.resumed.extend(part.resumed);
             all.thrown |= part.thrown;
         }
+        let begins = !(all.angles.is_empty() && all.launches.is_empty());
+        debug_assert!(all.resumed.is_empty() || !begins, "places of new starts had no samples");
         self.starts = if !all.resumed.is_empty() {
             Starts::Resumed { states: all.resumed, thrown: all.thrown }
         } else if !all.launches.is_empty() {

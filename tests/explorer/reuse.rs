@@ -7,6 +7,7 @@ use flipmap::engine::Keep;
 use flipmap::engine::mock::MockEngine;
 use flipmap::physics::{Outcome, Status, Theta};
 use flipmap::scene::lattice::{Cell, Region, side_rad};
+use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap::tiles::view_target::{Physics, ViewTarget};
 
@@ -92,6 +93,28 @@ fn a_larger_budget_continues_what_did_not_flip() {
             in_view(&large).into_iter().all(|cell| wrong(&mut explorer, &large, cell) == Some(0))
         );
     }
+}
+
+#[test]
+fn a_cell_is_right_where_only_some_passes_had_room_for_states() {
+    let mut engine =
+        Ledger::over(MockEngine { backwards: false, job_size: 64, ..MockEngine::default() });
+    let small = lively(3);
+    let mut began_anew = 0;
+    for room in 7..30 {
+        let mut explorer = Explorer::new(room * TILE_BYTES);
+        explorer.target(&small);
+        explorer.work(&mut engine, None).unwrap();
+        let large = ViewTarget { budget_secs: 45.0, ..small.clone() };
+        let [rest, _] = engine.sent;
+        explorer.target(&large);
+        explorer.work(&mut engine, None).unwrap();
+        began_anew += engine.sent[0] - rest;
+        for cell in in_view(&large) {
+            assert_eq!(wrong(&mut explorer, &large, cell), Some(0), "{room} {cell:?}");
+        }
+    }
+    assert!(began_anew > 10_000, "some states were dropped");
 }
 
 #[test]

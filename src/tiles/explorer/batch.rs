@@ -1,6 +1,7 @@
 //! The samples of a job's cells, added to those of earlier passes.
 
 use super::{Cell, Explorer, FinishedBatch, SampleSet, Stride};
+use crate::physics::Status;
 use crate::scene::lattice::SIDE;
 use crate::tiles::cache::{CachedCell, CellSamples};
 use crate::tiles::samples::Samples;
@@ -18,16 +19,8 @@ pub(in crate::tiles) struct Batch {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::tiles) struct BatchCell {
     pub cell: Cell,
-    pub before: Option<EarlierPass>,
-}
-
-/// Samples of an earlier pass to the same budget.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::tiles) struct EarlierPass {
-    /// Their serial number.
-    serial: u64,
-    /// True if unflipped ones had states.
-    has_states: bool,
+    /// Serial number of the samples of an earlier pass to the same budget.
+    pub before: Option<u64>,
 }
 
 impl Batch {
@@ -40,11 +33,7 @@ impl BatchCell {
     /// A cell of which this is known, for a pass at a stride.
     pub(super) fn new(cell: Cell, known: Option<&CachedCell>, stride: Stride) -> Self {
         let earlier = known.filter(|known| known.stride > stride);
-        let before = earlier.map(|known| EarlierPass {
-            serial: known.serial,
-            has_states: !known.unfinished.is_empty(),
-        });
-        BatchCell { cell, before }
+        BatchCell { cell, before: earlier.map(|known| known.serial) }
     }
 }
 
@@ -69,13 +58,13 @@ impl Explorer {
             let (stride, budget_secs) = (batch.stride, batch.budget_secs);
             let samples = samples.part(places.clone());
             let mut cell_samples = CellSamples { samples, stride, budget_secs, unfinished };
-            if let Some(before) = before {
+            if let Some(serial) = before {
                 let known = self.cache.peek(batch.set, cell);
-                let Some(known) = known.filter(|known| known.serial == before.serial) else {
+                let Some(known) = known.filter(|known| known.serial == serial) else {
                     all_kept = false;
                     continue;
                 };
-                add_earlier(&mut cell_samples, known, before.has_states);
+                add_earlier(&mut cell_samples, known);
             }
             self.cache.insert(batch.set, cell, cell_samples);
         }
@@ -83,19 +72,21 @@ impl Explorer {
     }
 }
 
-/// Adds the samples of an earlier pass, and their states if none were dropped meanwhile: either all
-/// unflipped samples of a cell can be continued, or none.
-fn add_earlier(cell: &mut CellSamples, earlier: &CachedCell, has_states: bool) {
+/// Adds the samples of an earlier pass, and their states unless these were dropped: either all unflipped
+/// samples of a cell can be continued, or none.
+fn add_earlier(cell: &mut CellSamples, earlier: &CachedCell) {
     let CellSamples { samples, stride, unfinished, .. } = cell;
     let known: &Samples = &earlier.samples;
     let moved = |index: u32| stride.index(earlier.stride.place(index, SIDE), SIDE);
+    let mut is_unflipped = false;
     for from in 0..known.len() {
-        let Some(to) = moved(from as u32) else { continue };
         let status = known.get(from).status;
+        is_unflipped |= status == Status::Unflipped;
+        let Some(to) = moved(from as u32) else { continue };
         samples.set_values(to as usize, status, known.values(from));
         samples.set_trust(to as usize, known.trust(from));
     }
-    if has_states && earlier.unfinished.is_empty() {
+    if is_unflipped && earlier.unfinished.is_empty() {
         unfinished.clear();
         return;
     }
