@@ -11,7 +11,7 @@ use flipmap::engine::level::BALANCED;
 use flipmap::farm::{Parts, Plan, PlannedOutput, Task, TaskKind, merge, run};
 use flipmap::scene::film::Film;
 use flipmap::scene::keys::{Easing, Key};
-use flipmap::scene::{BuiltIn, Document};
+use flipmap::scene::{BuiltIn, Document, Sampling};
 use flipmap::tiles::Work;
 use flipmap::tiles::preview::preview;
 
@@ -42,7 +42,7 @@ fn film() -> Film {
     let key = |secs, width: &str, center: [String; 2]| {
         let mut scene = Document { question: deep.question, ..Document::default() };
         (scene.view.width, scene.view.center) = (width.to_string(), center);
-        scene.picture.samples = SAMPLES;
+        scene.picture.samples = Sampling::Square(SAMPLES);
         Key { secs, easing: Easing::Linear, clock: None, scene }
     };
     let home = key(0.0, "6.28", ["0".into(), "0".into()]);

@@ -7,7 +7,7 @@ use std::time::Instant;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Method, Precision};
 use flipmap::output::{Paths, RenderClock, Sinks, render_pass};
-use flipmap::scene::{BuiltIn, Document};
+use flipmap::scene::{BuiltIn, Document, Sampling};
 use flipmap::tiles::Work;
 
 const SIDES: [u32; 3] = [1024, 2048, 8192];
@@ -37,7 +37,7 @@ fn drawn(document: &Document, side: u32) -> (f64, Option<f64>) {
     let (begun, before) = (Instant::now(), cpu_secs());
     let mut engine = MockEngine { job_size: JOB_SIZE, ..MockEngine::default() };
     let mut sinks = Sinks::open(&paths, document, size).expect("a file");
-    for pass in sinks.passes(1) {
+    for pass in sinks.passes(Sampling::SINGLE) {
         let mut work = Work::new(&document.scene(), size, CONFIG, JOB_SIZE);
         let clock = &mut RenderClock::default();
         render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, &mut |_| true).expect("done");

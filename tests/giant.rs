@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Method, Precision};
 use flipmap::output::{Paths, RenderClock, Sinks, render_pass};
-use flipmap::scene::Document;
+use flipmap::scene::{Document, Sampling};
 use flipmap::tiles::{Counts, Work};
 
 const CONFIG: IntegratorConfig =
@@ -45,7 +45,7 @@ fn render(size: [u32; 2], paths: &Paths) -> Counts {
     let mut engine = MockEngine { job_size: 1 << 15, ..MockEngine::default() };
     let mut sinks = Sinks::open(paths, &document, size).unwrap();
     let mut counts = Counts::default();
-    for pass in sinks.passes(1) {
+    for pass in sinks.passes(Sampling::SINGLE) {
         let mut work = Work::new(&document.scene(), size, CONFIG, engine.job_size);
         let (clock, go_on) = (&mut RenderClock::default(), &mut |_: &Counts| true);
         render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, go_on).unwrap();
@@ -131,7 +131,7 @@ fn the_longest_sides_can_be_begun_and_given_up() {
     let document = Document::default();
     let mut engine = MockEngine::default();
     let mut sinks = Sinks::open(&paths, &document, size).unwrap();
-    let pass = &sinks.passes(1)[0];
+    let pass = &sinks.passes(Sampling::SINGLE)[0];
     let mut work = Work::new(&document.scene(), size, CONFIG, engine.job_size);
     for _ in 0..2 {
         for row in work.work(&mut engine, None).unwrap() {

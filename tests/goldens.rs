@@ -16,7 +16,9 @@ use flipmap::engine::{Engine, Precision};
 use flipmap::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
 use flipmap::output::{RowOrder, RowPainter};
 use flipmap::physics::Rule;
-use flipmap::scene::{Budget, Build, BuiltIn, Kind, PictureTable, QuestionTable, Scene, View};
+use flipmap::scene::{
+    Budget, Build, BuiltIn, Kind, PictureTable, QuestionTable, Sampling, Scene, View,
+};
 use flipmap::tiles::Work;
 use image::{Rgb, RgbImage};
 
@@ -75,14 +77,14 @@ fn goldens() -> Vec<Golden> {
                 view: turned,
                 ..Scene::default()
             },
-            picture: PictureTable { samples: 2, ..plain },
+            picture: PictureTable { samples: Sampling::Square(2), ..plain },
             wrong: 0.02,
         },
     ]
 }
 
 fn paint(golden: &Golden, engine: &mut dyn Engine, precision: Precision) -> RgbImage {
-    let along = golden.picture.samples;
+    let along = golden.picture.samples.along();
     let fine = SIZE.map(|side| side * along);
     let mut work = Work::new(&golden.scene, fine, lesson(precision), 4096);
     let mut painter = RowPainter::new(&golden.scene, SIZE, &golden.picture).unwrap();

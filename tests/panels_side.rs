@@ -24,7 +24,7 @@ use flipmap::output::Picture;
 use flipmap::physics::Rule;
 use flipmap::question::Ask;
 use flipmap::scene::{
-    Budget, Build, BuiltIn, Document, Kind, PictureTable, QuestionTable, Scale, Scene,
+    Budget, Build, BuiltIn, Document, Kind, PictureTable, QuestionTable, Sampling, Scale, Scene,
 };
 
 /// A panel's state, and all actions it has requested so far.
@@ -266,7 +266,7 @@ fn exports_begin_and_stop_by_name() {
     assert!(harness.query_by_label("Samples").is_none(), "numbers have one sample each");
     press(&mut harness, "picture");
     type_over(&mut harness, "Samples", "99");
-    assert_eq!(harness.state().state.samples, 8);
+    assert_eq!(harness.state().state.samples, Sampling::Square(8));
     press(&mut harness, "raw numbers");
     for name in ["Browse…", "Export", "Stop a.png", "Dismiss b.png"] {
         press(&mut harness, name);

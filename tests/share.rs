@@ -9,7 +9,7 @@ use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
 use flipmap::engine::EngineKind;
 use flipmap::engine::choice::EngineRequest;
 use flipmap::output::document_in_png;
-use flipmap::scene::{BUILT_IN, BuiltIn, Document, Scale};
+use flipmap::scene::{BUILT_IN, BuiltIn, Document, Sampling, Scale};
 
 /// Runs `flipmap render` on the processor for a small, fast picture.
 fn render(folder: &Path, arguments: &[&str]) -> String {
@@ -41,7 +41,7 @@ fn an_export_is_the_file_that_render_writes() {
     for name in ["home", "threads"] {
         render(folder.path(), &[name, "--samples", "2", "-o", "a.png", "--raw", "a.npy"]);
         let mut scene = BuiltIn::named(name).unwrap().document();
-        scene.picture.samples = 2;
+        scene.picture.samples = Sampling::Square(2);
         export(scene.clone(), &at("b.png"), ExportKind::Png);
         export(scene, &at("b.npy"), ExportKind::Raw);
         assert!(fs::read(at("a.png")).unwrap() == fs::read(at("b.png")).unwrap(), "{name}");

@@ -233,6 +233,7 @@ fn run(
     document.check()?;
     document.view = document.view.fitted(request.size.map(f64::from));
     document.picture.check_size(request.size).map_err(DocumentError::from)?;
+    document.picture.samples = document.picture.samples_of(request.size);
     let scene = document.scene();
     let mut sinks =
         Sinks::open(&request.paths(), &document, request.size).map_err(RenderError::from)?;
@@ -245,13 +246,12 @@ fn run(
     let mut renderer = Renderer::of(engine, config, verify, engine_request.threads)?;
     renderer.second_opinion(&scene, request.size, &|| !stopped())?;
     for pass in sinks.passes(document.picture.samples) {
-        let size = request.size.map(|side| side * pass.along);
-        let what = (&document, Cells::Auto);
+        let (what, whither) = ((&document, Cells::Auto), (&mut sinks, &pass));
         let clock = &mut RenderClock::default();
         let first = Heeding::new(request.size, (set, stopped));
         let go_on = |counts: &Counts| first.go_on(counts);
-        let mut work = pass_work(&mut renderer, what, request.size, &pass, clock, &go_on)?;
-        let whole = Heeding::new(size, (set, stopped));
+        let mut work = pass_work(&mut renderer, what, request.size, whither, clock, &go_on)?;
+        let whole = Heeding::new(pass.sampling.grid_size(request.size), (set, stopped));
         let mut go_on = |counts: &Counts| whole.go_on(counts);
         render_pass(&mut work, renderer.engine(), &mut sinks, &pass, clock, &mut go_on)?;
     }

@@ -70,6 +70,7 @@ impl AppModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Sampling;
 
     #[test]
     fn colours_are_kept_without_what_belongs_to_the_picture() {
@@ -78,7 +79,7 @@ mod tests {
             palette: "magma".into(),
             cycles: 3.0,
             times: vec![1.0, 2.0],
-            samples: 4,
+            samples: Sampling::Square(4),
             curve: false,
             ..PictureTable::default()
         };

@@ -7,9 +7,9 @@ use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, WorkPiece, run};
 use flipmap::film::ffmpeg::Codec;
 use flipmap::output::{read_text, shell_word};
-use flipmap::scene::Document;
 use flipmap::scene::film::{Film, FilmKind};
 use flipmap::scene::palette::Palette;
+use flipmap::scene::{Document, Sampling};
 use flipmap::tiles::{Counts, Renderer};
 
 use super::exit::Exit;
@@ -147,7 +147,7 @@ pub(super) fn paint(
 ) -> anyhow::Result<()> {
     let (TaskKind::Film(film, _) | TaskKind::Frames(film, _)) = &task.work else { return Ok(()) };
     let mut document = film.keys[0].scene.clone();
-    let samples = document.picture.samples;
+    let samples = document.picture.samples.along();
     options.apply(&mut document)?;
     check_samples(samples, &document)?;
     if film.kind() == FilmKind::Flips {
@@ -208,7 +208,7 @@ fn settle_times(
 
 /// Rejects more or fewer samples per pixel than were planned.
 pub(super) fn check_samples(planned: u32, document: &Document) -> Result<(), Exit> {
-    if document.picture.samples == planned {
+    if document.picture.samples == Sampling::Square(planned) {
         return Ok(());
     }
     Err(Exit::Usage(format!("--samples is {planned} in the plan and can no longer change")))

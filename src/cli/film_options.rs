@@ -10,7 +10,7 @@ use flipmap::physics::Decimal;
 use flipmap::question::Ask;
 use flipmap::scene::film::Film;
 use flipmap::scene::keys::{Easing, Key, Keys};
-use flipmap::scene::{Budget, Document, DocumentError, Scene, SceneError, View, Word};
+use flipmap::scene::{Budget, Document, DocumentError, Sampling, Scene, SceneError, View, Word};
 
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};
@@ -56,8 +56,8 @@ const SECS_IN_PLACE: f64 = 10.0;
 const LEAST_SECS: f64 = 2.0;
 /// Default frames per second.
 const FPS: f64 = 30.0;
-/// Default samples per pixel along each axis.
-const SAMPLES: u32 = 2;
+/// Default samples of each pixel.
+const SAMPLES: Sampling = Sampling::Square(2);
 
 impl FilmOptions {
     /// Returns true if the options describe a film and not a still.
@@ -91,7 +91,7 @@ impl FilmOptions {
         };
         self.picture.check_film()?;
         self.picture.apply(&mut first.scene)?;
-        if self.picture.samples.is_none() && first.scene.picture.samples == 1 {
+        if self.picture.samples.is_none() && first.scene.picture.samples.along() == 1 {
             first.scene.picture.samples = SAMPLES;
         }
         first.scene.picture.check()?;

@@ -25,7 +25,7 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     let request = options.film.run.engine.request(spec.setting).answering(&document.question);
     let chosen = start(&request)?;
     stop::listen()?;
-    let size = film.size.map(|side| side * document.picture.samples);
+    let size = film.size.map(|side| side * document.picture.samples.along());
     check_film(film, size, chosen.config)?;
     let threads = options.film.run.engine.threads();
     let mut renderer = Renderer::of(chosen.engine, chosen.config, spec.verify, threads)?;

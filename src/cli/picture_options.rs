@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 use flipmap::output::read_gradient;
 use flipmap::scene::palette::Palette;
-use flipmap::scene::{Document, PictureTable, Scale};
+use flipmap::scene::{Document, PictureTable, Sampling, Scale};
 
 use super::exit::Exit;
 use super::options::{number, set};
@@ -20,9 +20,10 @@ pub(super) struct PictureOptions {
     /// late (#000000,#ff8000,#ffffff); or a gradient file (.map, .ugr, .gpl)
     #[arg(long, value_name = "NAME")]
     palette: Option<String>,
-    /// Average the colours of N × N samples per pixel, N from 1 to 8; auto: 3 × 3 where colours
-    /// change, one elsewhere
-    #[arg(long, value_name = "N")]
+    /// Average the colours of N × N samples per pixel, N from 1 to 8; corners (the default): one in
+    /// the middle and, where colours change, one in each corner, shared by four pixels; auto: 3 × 3
+    /// where colours change, one elsewhere
+    #[arg(long, value_name = "N|corners|auto")]
     pub samples: Option<String>,
     /// Reverse the palette: early flips get its last colour and late ones its first
     #[arg(hide_short_help = true, long)]
@@ -95,6 +96,11 @@ impl PictureOptions {
         self.palette.is_none()
     }
 
+    /// Returns true if `--samples` was given.
+    pub(super) fn says_samples(&self) -> bool {
+        self.samples.is_some()
+    }
+
     /// The file of the palette, if it is one.
     pub(super) fn palette_file(&self) -> Option<Named<'_>> {
         let path = Path::new(self.palette.as_deref()?);
@@ -129,10 +135,12 @@ impl PictureOptions {
 
     /// Rejects adaptive sampling, for a reason.
     pub(super) fn check_full(&self, why: &str) -> Result<(), Exit> {
-        if self.samples.as_deref() == Some(ADAPTIVE) {
-            return Err(Exit::Usage(format!("--samples auto is for render: {why}")));
+        match self.samples.as_deref() {
+            Some(word @ (ADAPTIVE | Sampling::CORNERS)) => {
+                Err(Exit::Usage(format!("--samples {word} is for render: {why}")))
+            }
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// Rejects what the frames of films do not have.
@@ -228,17 +236,19 @@ impl PictureOptions {
     }
 }
 
-/// The word for samples where colours change.
+/// The word for several samples where colours change.
 const ADAPTIVE: &str = "auto";
 
-/// Reads the number of samples per pixel along each axis, and true if it is only for pixels where
-/// colours change.
-fn samples_of(text: &str) -> Result<(u32, bool), &'static str> {
-    if text == ADAPTIVE {
-        return Ok((PictureTable::ADAPTIVE, true));
+/// Reads the samples of each pixel, and true if only pixels where colours change have several.
+fn samples_of(text: &str) -> Result<(Sampling, bool), &'static str> {
+    match text {
+        ADAPTIVE => return Ok((Sampling::Square(PictureTable::ADAPTIVE), true)),
+        Sampling::CORNERS => return Ok((Sampling::Corners, false)),
+        _ => {}
     }
     let along = text.parse().ok().filter(|along| PictureTable::SAMPLES.contains(along));
-    along.map(|along| (along, false)).ok_or("it must be auto or lie between 1 and 8")
+    let square = along.map(|along| (Sampling::Square(along), false));
+    square.ok_or("it must be corners or auto, or lie between 1 and 8")
 }
 
 /// The palette that a scene names: a gradient file becomes its colours.

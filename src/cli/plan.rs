@@ -9,8 +9,8 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::farm::merge::{self, MergeError};
 use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
 use flipmap::output::{Paths, read_text, shell_word};
-use flipmap::scene::Document;
 use flipmap::scene::film::FilmKind;
+use flipmap::scene::{Document, Sampling};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
@@ -93,7 +93,7 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     if let PlannedOutput::Film(film) = &what
         && film.kind() != FilmKind::Flips
     {
-        let samples = film.keys[0].scene.picture.samples;
+        let samples = film.keys[0].scene.picture.samples.along();
         check_film(film, film.size.map(|side| side * samples), chosen.config)?;
     }
     if let PlannedOutput::Still(document) = &mut what
@@ -145,6 +145,8 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     document.view = document.view.fitted(spec.size().map(f64::from));
     document.picture.check()?;
     document.picture.check_size(spec.size())?;
+    // Corners follow from the whole picture, which no shard knows.
+    document.picture.samples = Sampling::Square(document.picture.samples.along());
     Ok((PlannedOutput::Still(Box::new(document.settled())), spec))
 }
 
@@ -239,7 +241,7 @@ fn merge_still(
     options: &MergeOptions,
 ) -> anyhow::Result<()> {
     let mut document = document.clone();
-    let samples = document.picture.samples;
+    let samples = document.picture.samples.along();
     options.picture.apply(&mut document)?;
     document.picture.check()?;
     let plan = [("the plan", options.plan.as_path())];

@@ -12,7 +12,7 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
 use flipmap::output::{RenderClock, RenderError, Sinks, pass_work, render_pass};
-use flipmap::scene::{Document, Grid, Scene};
+use flipmap::scene::{Document, Grid, Sampling, Scene};
 use flipmap::tiles::{self, Counts, Renderer};
 
 use super::continued::Continued;
@@ -80,19 +80,18 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
         let heed = Heeding::new(options.progress, spec.size(), &following);
-        let what = (&document, options.cells);
+        let (what, whither) = ((&document, options.cells), (&mut sinks, &pass));
         let go_on = |counts: &Counts| heed.go_on(counts);
-        let work = pass_work(&mut renderer, what, spec.size(), &pass, &mut clock, &go_on);
+        let work = pass_work(&mut renderer, what, spec.size(), whither, &mut clock, &go_on);
         let mut work = work.or_else(interrupted)?;
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
-        let size = spec.size().map(|side| side * pass.along);
-        let heed = Heeding::new(options.progress, size, &following);
+        let heed = Heeding::new(options.progress, pass.sampling.grid_size(spec.size()), &following);
         let mut go_on = |counts: &Counts| heed.go_on(counts);
         render_pass(&mut work, renderer.engine(), &mut sinks, &pass, &mut clock, &mut go_on)
             .or_else(interrupted)?;
-        counts += work.counts();
+        counts += work.totals();
         if let (Some(continued), Some(kept)) = (&mut continued, work.into_kept()) {
             continued.put(kept);
         }
@@ -139,6 +138,7 @@ fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Docume
     let inputs: Vec<_> =
         options.scene.file().into_iter().chain(options.picture.palette_file()).collect();
     outputs.check(options.json, spec.verify, options.state.as_deref(), &inputs)?;
+    settle_samples(options, &mut document, spec.size());
     check_state(options, &document, &spec)?;
     check_picture(&document, spec.size())?;
     Ok((document.settled(), spec))
@@ -232,14 +232,29 @@ fn decimals(text: &str) -> usize {
     (after - exponent.trim().parse::<i64>().unwrap_or(0)).max(0) as usize
 }
 
+/// Has one sample per pixel where those in corners cannot be had, unless they were asked for.
+fn settle_samples(options: &Options, document: &mut Document, size: [u32; 2]) {
+    let picture = &mut document.picture;
+    let asked = options.picture.says_samples();
+    if options.state.is_some() && !asked && picture.samples == Sampling::Corners {
+        picture.samples = Sampling::SINGLE;
+    }
+    if picture.samples_of(size) != picture.samples {
+        super::tell(
+            "flipmap: a picture of more than 33554432 pixels has one sample in each of them",
+        );
+    }
+    picture.samples = picture.samples_of(size);
+}
+
 fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {
     if options.state.is_none() {
         return Ok(());
     }
     let why = if spec.verify {
         "checks start at the release: omit --verify and --accuracy exact"
-    } else if document.picture.samples > 1 {
-        "it stores one sample per pixel: omit --samples"
+    } else if document.picture.samples != Sampling::SINGLE {
+        "it stores one sample per pixel: omit --samples, or give --samples 1"
     } else {
         return Ok(());
     };

@@ -55,7 +55,10 @@ pub fn still(
     let mut sinks = Sinks::open(paths, document, size)?;
     let mut done = 0;
     for pass in sinks.passes(document.picture.samples) {
-        let rows = passes.iter().find(|rows| rows.along == pass.along).ok_or(PartError::Gone)?;
+        let rows = passes
+            .iter()
+            .find(|rows| rows.along == pass.sampling.along())
+            .ok_or(PartError::Gone)?;
         let height = rows.size[1];
         let mut row = 0;
         while row < height {

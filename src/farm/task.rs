@@ -277,7 +277,7 @@ impl WorkPiece {
 fn passes(document: &Document, numbers: bool, how: &str) -> Vec<StillPass> {
     let scene = document.scene();
     let size = document.run.size.unwrap_or([1, 1]);
-    let samples = document.picture.samples;
+    let samples = document.picture.samples.along();
     let mut all = vec![samples];
     if numbers && samples > 1 {
         all.push(1);
@@ -295,7 +295,7 @@ fn pass(scene: &Scene, size: [u32; 2], along: u32, how: &str) -> StillPass {
 
 /// The work for the frames of a film that are stills.
 fn frames(film: &Film, how: &str) -> Vec<FrameTask> {
-    let along = film.keys[0].scene.picture.samples;
+    let along = film.keys[0].scene.picture.samples.along();
     let frame = |frame| {
         let shot = film.shot(frame);
         let pass = pass(&shot.scene, film.size, along, how);
@@ -353,6 +353,7 @@ mod tests {
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
     use crate::physics::Decimal;
+    use crate::scene::Sampling;
     use crate::scene::keys::{Easing, Key};
 
     const CONFIG: IntegratorConfig =
@@ -391,14 +392,14 @@ mod tests {
     fn still(size: [u32; 2], samples: u32) -> PlannedOutput {
         let mut document = Document::default();
         document.run.size = Some(size);
-        document.picture.samples = samples;
+        document.picture.samples = Sampling::Square(samples);
         PlannedOutput::Still(Box::new(document))
     }
 
     fn film(change: fn(&mut Document)) -> PlannedOutput {
         let key = |secs, change: fn(&mut Document)| {
             let mut scene = Document::default();
-            scene.picture.samples = 2;
+            scene.picture.samples = Sampling::Square(2);
             change(&mut scene);
             Key { secs, easing: Easing::Linear, clock: None, scene }
         };

@@ -78,7 +78,7 @@ impl FrameGroup {
 
 /// The groups of a film: one for each run of frames with the same pendulum.
 pub fn frame_groups(film: &Film) -> Vec<FrameGroup> {
-    let samples = film.keys[0].scene.picture.samples;
+    let samples = film.keys[0].scene.picture.samples.along();
     let shots: Vec<Shot> = (0..film.frames).map(|frame| film.shot(frame)).collect();
     let mut groups: Vec<FrameGroup> = Vec::new();
     let (mut looked, mut levels): (Vec<&View>, Vec<u32>) = Default::default();

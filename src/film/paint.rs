@@ -67,7 +67,7 @@ impl FramePainter {
     pub fn new(size: [u32; 2], picture: &PictureTable) -> Self {
         let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
         let curve = Ground::of(picture).ok().filter(|_| picture.curve).map(|ground| ground.curve);
-        let (samples, relief) = (picture.samples, Relief::of(picture));
+        let (samples, relief) = (picture.samples.along(), Relief::of(picture));
         FramePainter { size, samples, curve, relief, encode, used: HashMap::new() }
     }
 
@@ -278,7 +278,7 @@ fn fine_share(sight: &Sight, level: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::View;
+    use crate::scene::{Sampling, View};
     use crate::tiles::patches::{PATCH_SAMPLES, patches};
 
     const SIZE: [u32; 2] = [96, 64];
@@ -314,8 +314,11 @@ mod tests {
     }
 
     fn painter() -> FramePainter {
-        let picture =
-            PictureTable { samples: SAMPLES_ALONG, curve: false, ..PictureTable::default() };
+        let picture = PictureTable {
+            samples: Sampling::Square(SAMPLES_ALONG),
+            curve: false,
+            ..PictureTable::default()
+        };
         FramePainter::new(SIZE, &picture)
     }
 

@@ -6,6 +6,7 @@
 
 pub mod compare;
 mod comparison;
+mod corner_rows;
 mod curve;
 mod device;
 mod digest;

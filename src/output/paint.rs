@@ -2,9 +2,11 @@
 //! energy curve, the legend.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::corner_rows::CornerRows;
 use super::curve::CurveBand;
 use super::legend::Legend;
 use super::lit_rows::LitRows;
@@ -13,7 +15,7 @@ use crate::scene::palette::{
     AnswerColours, Relief, Rgb, Tint, channel_of, light_of, rounded, tint_of,
 };
 use crate::scene::{Grid, PictureTable, Scene, SceneError};
-use crate::tiles::Samples;
+use crate::tiles::{PlainPixels, Samples};
 
 /// Paints bands of a picture from the top.
 pub struct RowPainter {
@@ -23,6 +25,8 @@ pub struct RowPainter {
     legend: Option<Legend>,
     lit: Option<LitRows>,
     samples_along: u32,
+    /// The pixels, if the samples that come are those of their corners.
+    corners: Option<CornerRows>,
     grid: Grid,
     next_row: u32,
     /// Samples of a row of pixels that is not yet complete.
@@ -36,7 +40,8 @@ impl RowPainter {
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let colours = AnswerColours::new(scene, picture)?;
         let legend = || Legend::new(&colours, scene.question.ask, size);
-        let fine = size.map(|side| side * picture.samples);
+        let samples_along = picture.samples.along();
+        let fine = size.map(|side| side * samples_along);
         let relief = Relief::of(picture).filter(|_| colours.times().is_some());
         let grid = Grid::new(scene, size);
         let curve = picture.curve && scene.build.pendulum().q > 0.0;
@@ -45,12 +50,18 @@ impl RowPainter {
             lit: relief.map(|relief| LitRows::new(relief, fine)),
             colours,
             curve,
-            samples_along: picture.samples,
+            samples_along,
+            corners: None,
             grid,
             next_row: 0,
             pending: Vec::new(),
             fresh: Vec::new(),
         })
+    }
+
+    /// Paints pixels whose middles are known, and whose corners are the samples that come.
+    pub fn paint_corners(&mut self, plain: Arc<PlainPixels>) {
+        self.corners = Some(CornerRows::new(plain, self.grid.size()[0] as usize));
     }
 
     /// Paints the next rows of samples as rows of RGB bytes; they come out when they are complete (see
@@ -63,33 +74,60 @@ impl RowPainter {
     /// comes out when it is complete, and with light from the side, when the row below it has come.
     pub fn tints(&mut self, samples: &Samples, places: Range<usize>) -> &[Tint] {
         let mut fresh = std::mem::take(&mut self.fresh);
-        self.colour(samples, places, &mut fresh);
-        let along = self.samples_along as usize;
-        let row_samples = self.grid.size()[0] as usize * along * along;
-        if !self.pending.is_empty() || !fresh.len().is_multiple_of(row_samples) {
-            self.pending.append(&mut fresh);
-            let whole = self.pending.len() / row_samples * row_samples;
-            fresh.extend(self.pending.drain(..whole));
-        }
-        if along > 1 {
-            fresh = self.averaged(&fresh);
-        }
+        self.colour(samples, places.clone(), &mut fresh);
+        fresh = match self.corners.take() {
+            Some(mut corners) => {
+                let mixed = self.mixed(&mut corners, &fresh);
+                self.corners = Some(corners);
+                mixed
+            }
+            None => {
+                self.light(samples, places, &mut fresh);
+                self.gathered(fresh)
+            }
+        };
         self.mark(&mut fresh);
         self.next_row += (fresh.len() / self.grid.size()[0] as usize) as u32;
         self.fresh = fresh;
         &self.fresh
     }
 
-    /// The colours of samples, under light from the side if there is any.
-    fn colour(&mut self, samples: &Samples, places: Range<usize>, tints: &mut Vec<Tint>) {
-        let colours = &self.colours;
-        let tint = |k| colours.tint(samples.get(k).status, samples.values(k));
-        let share = places.clone().into_par_iter().with_min_len(SHARE);
-        share.map(tint).collect_into_vec(tints);
+    /// The colours of samples.
+    fn colour(&self, samples: &Samples, places: Range<usize>, tints: &mut Vec<Tint>) {
+        let tint = |k| self.colours.tint(samples.get(k).status, samples.values(k));
+        places.into_par_iter().with_min_len(SHARE).map(tint).collect_into_vec(tints);
+    }
+
+    /// Puts the colours of samples under light from the side, if there is any.
+    fn light(&mut self, samples: &Samples, places: Range<usize>, tints: &mut Vec<Tint>) {
         if let Some(lit) = &mut self.lit {
-            let heights = places.map(|k| height(colours, samples, k));
+            let heights = places.map(|k| height(&self.colours, samples, k));
             *tints = lit.light(tints.drain(..), heights);
         }
+    }
+
+    /// The colours of pixels of which these are the next samples, once a row of them is complete.
+    fn gathered(&mut self, mut samples: Vec<Tint>) -> Vec<Tint> {
+        let along = self.samples_along as usize;
+        let row_samples = self.grid.size()[0] as usize * along * along;
+        if !self.pending.is_empty() || !samples.len().is_multiple_of(row_samples) {
+            self.pending.append(&mut samples);
+            let whole = self.pending.len() / row_samples * row_samples;
+            samples.extend(self.pending.drain(..whole));
+        }
+        if along > 1 { self.averaged(&samples) } else { samples }
+    }
+
+    /// The colours of pixels whose corners have these colours. Light from the side falls on a landscape
+    /// of the middles, of which each pixel has one.
+    fn mixed(&mut self, corners: &mut CornerRows, tints: &[Tint]) -> Vec<Tint> {
+        let plain = corners.pixels();
+        let (colours, middles) = (&self.colours, plain.middles());
+        let tint = |k: usize| colours.tint(middles.get(k).status, middles.values(k));
+        let (first, mut pixels) = corners.mixed(tints, tint);
+        let places = first..first + pixels.len();
+        self.light(middles, places, &mut pixels);
+        pixels
     }
 
     /// The mean colours of the samples of each pixel of whole rows.
@@ -175,9 +213,11 @@ fn mean(row: &[Tint], stride: usize, first: usize, along: usize) -> Tint {
 mod tests {
     use super::*;
     use crate::physics::Outcome;
+    use crate::scene::Sampling;
     use crate::scene::palette::{Ground, encoded, light};
 
     fn painter(size: [u32; 2], samples: u32, curve: bool) -> RowPainter {
+        let samples = Sampling::Square(samples);
         let picture = PictureTable { samples, curve, ..PictureTable::default() };
         RowPainter::new(&Scene::default(), size, &picture).unwrap()
     }
@@ -207,7 +247,8 @@ mod tests {
     fn light_from_the_side_changes_slopes_alone_and_every_row_comes_out() {
         let size = [32, 24];
         let picture = PictureTable { curve: false, ..PictureTable::default() };
-        let lit = PictureTable { relief: 1.0, light: 0.0, samples: 2, ..picture.clone() };
+        let twofold = PictureTable { samples: Sampling::Square(2), ..picture };
+        let lit = PictureTable { relief: 1.0, light: 0.0, ..twofold.clone() };
         let mut samples = Samples::unflipped(64 * 48);
         for index in 0..64 * 48 {
             let (x, y) = (index % 64, index / 64);
@@ -224,7 +265,7 @@ mod tests {
             let parts = parts.map(|at| samples.part(at..samples.len().min(at + part)));
             parts.flat_map(|part| painter.paint(&part)).collect::<Vec<u8>>()
         };
-        let flat = paint(&PictureTable { samples: 2, ..picture }, 64);
+        let flat = paint(&twofold, 64);
         let bytes = paint(&lit, 64);
         assert_eq!(bytes, paint(&lit, 7), "however they come");
         assert_eq!((bytes.len(), flat.len()), (3 * 32 * 24, 3 * 32 * 24));

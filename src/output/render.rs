@@ -8,14 +8,15 @@
 //! ```
 
 use std::panic::resume_unwind;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::{Duration, Instant};
 
 use super::failure::{OutputError, RenderError};
 use super::{RowOrder, SinkPass, Sinks};
 use crate::engine::{Cells, Engine};
-use crate::scene::Document;
 use crate::scene::palette::AnswerColours;
+use crate::scene::{Document, Sampling};
 use crate::tiles::{Counts, PlainPixels, Renderer, Samples, Work};
 
 /// Time spent on a render.
@@ -35,28 +36,35 @@ const PAUSE: Duration = Duration::from_millis(2);
 const AHEAD: usize = 2;
 
 /// The work of a pass over a picture of `size` pixels. In adaptive sampling, a run over the pixels'
-/// centres comes first, with counts of its own; it ends as stopped once `go_on` returns false.
+/// middles comes first, with counts of its own; it ends as stopped once `go_on` returns false.
 pub fn pass_work(
     renderer: &mut Renderer,
     (document, cells): (&Document, Cells),
     size: [u32; 2],
-    pass: &SinkPass,
+    (sinks, pass): (&mut Sinks, &SinkPass),
     clock: &mut RenderClock,
     go_on: &dyn Fn(&Counts) -> bool,
 ) -> Result<Work, RenderError> {
     let (scene, picture) = (document.scene(), &document.picture);
-    let fine = size.map(|side| side * pass.along);
-    let work = renderer.work(&scene, fine).with_cells(cells);
-    if pass.along == 1 || !picture.is_adaptive(scene.question.ask) {
+    let work = match pass.sampling {
+        Sampling::Corners => renderer.corner_work(&scene, size),
+        Sampling::Square(_) => renderer.work(&scene, pass.sampling.grid_size(size)),
+    };
+    let work = work.with_cells(cells);
+    let is_adaptive = pass.sampling.along() > 1 && picture.is_adaptive(scene.question.ask);
+    if pass.sampling != Sampling::Corners && !is_adaptive {
         return Ok(work);
     }
     let colours = AnswerColours::new(&scene, picture).map_err(OutputError::from)?;
-    let (what, how) = ((&scene, cells), (&colours, pass.along));
+    let (what, how) = ((&scene, cells), (&colours, pass.sampling));
     let computing = Instant::now();
     let plain = PlainPixels::find(renderer, what, size, how, go_on);
     clock.compute += computing.elapsed();
-    let plain = plain?;
-    Ok(work.sparing(plain.ok_or(RenderError::Stopped)?))
+    let plain = Arc::new(plain?.ok_or(RenderError::Stopped)?);
+    if pass.sampling == Sampling::Corners {
+        sinks.write_middles(pass, &plain)?;
+    }
+    Ok(work.sparing(plain))
 }
 
 /// Runs one pass and hands its samples to `sinks`, rows from the top. `go_on` takes the counts so
@@ -160,7 +168,7 @@ mod tests {
         let (document, size) = (Document::default(), [200, 200]);
         let mut engine = MockEngine { job_size: 200, ..MockEngine::default() };
         let mut sinks = Sinks::open(&paths, &document, size).unwrap();
-        let pass = sinks.passes(1).remove(0);
+        let pass = sinks.passes(Sampling::SINGLE).remove(0);
         let mut work = Work::new(&document.scene(), size, CONFIG, 200);
         let clock = &mut RenderClock::default();
         let done = render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, go_on);

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -13,8 +14,8 @@ use super::{
     SafeFile, Spool, trust_colours,
 };
 use crate::scene::palette::{Tint, rounded};
-use crate::scene::{Document, PictureTable, Shown};
-use crate::tiles::Samples;
+use crate::scene::{Document, PictureTable, Sampling, Shown};
+use crate::tiles::{PlainPixels, Samples};
 
 /// Paths of the outputs, by setting.
 #[derive(Clone, Debug, Default)]
@@ -69,8 +70,8 @@ const PYRAMID: &str = "pyramid";
 
 /// One run over the picture, for the outputs that need its samples.
 pub struct SinkPass {
-    /// Samples per pixel along each axis.
-    pub along: u32,
+    /// Samples of each pixel.
+    pub sampling: Sampling,
     /// True if it is for the painted outputs; the others need one sample at each pixel's centre.
     picture: bool,
     others: bool,
@@ -234,20 +235,38 @@ impl Sinks {
         Ok(Sinks { painter, painted: Painted::default(), open })
     }
 
-    /// The passes over a picture with `along` × `along` samples per pixel. With several, outputs
-    /// that are not painted hold the samples at the pixels' centres, from a pass of their own.
-    pub fn passes(&self, along: u32) -> Vec<SinkPass> {
+    /// The passes over a picture with these samples per pixel. Outputs that are not painted hold the
+    /// samples in the pixels' middles: beside several in a square, from a pass of their own.
+    pub fn passes(&self, sampling: Sampling) -> Vec<SinkPass> {
         let is_painted = |(sink, _): &(Sink, _)| sink.is_painted();
         let picture = self.open.iter().any(is_painted);
         let others = !self.open.iter().all(is_painted);
-        if along == 1 || !picture {
-            return vec![SinkPass { along: 1, picture, others }];
+        if sampling == Sampling::SINGLE || !picture {
+            return vec![SinkPass { sampling: Sampling::SINGLE, picture, others }];
         }
-        let mut passes = vec![SinkPass { along, picture, others: false }];
+        if sampling == Sampling::Corners {
+            return vec![SinkPass { sampling, picture, others }];
+        }
+        let mut passes = vec![SinkPass { sampling, picture, others: false }];
         if others {
-            passes.push(SinkPass { along: 1, picture: false, others });
+            passes.push(SinkPass { sampling: Sampling::SINGLE, picture: false, others });
         }
         passes
+    }
+
+    /// Passes the samples in the middles of all pixels to the outputs of a pass over their corners.
+    pub fn write_middles(
+        &mut self,
+        pass: &SinkPass,
+        plain: &Arc<PlainPixels>,
+    ) -> Result<(), OutputError> {
+        if let Some(painter) = &mut self.painter {
+            painter.paint_corners(Arc::clone(plain));
+        }
+        if pass.others {
+            write_each(&mut self.open, |sink| sink.write(plain.middles()))?;
+        }
+        Ok(())
     }
 
     /// Passes samples, rows from the top, to the outputs of a pass. An output whose reader has left
@@ -256,7 +275,7 @@ impl Sinks {
         if pass.picture {
             self.paint(samples)?;
         }
-        if pass.others {
+        if pass.others && pass.sampling != Sampling::Corners {
             write_each(&mut self.open, |sink| sink.write(samples))?;
         }
         Ok(())

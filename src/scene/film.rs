@@ -124,7 +124,7 @@ impl Film {
         range("frames", f64::from(self.frames), 2.0, f64::from(Self::MOST_FRAMES))?;
         range("fps", self.fps, 0.1, 1000.0)?;
         let [first, _, ..] = &self.keys[..] else { return Err(FilmError::Few(self.keys.len())) };
-        let (size, samples) = (self.size, first.scene.picture.samples);
+        let (size, samples) = (self.size, first.scene.picture.samples.along());
         let [width, height] = size.map(|side| u64::from(side) * u64::from(samples));
         if width * height > MOST_SAMPLES {
             return Err(FilmError::Large { size, samples });

@@ -2,7 +2,7 @@
 
 use super::leaf_grid::{Grouped, LeafGrid};
 use super::plane::{PlaneNumbers, wrapped};
-use super::{Axis, ExactPlane, Scene};
+use super::{Axis, ExactPlane, Sampling, Scene};
 use crate::physics::opening::{Begin, Opening, from_top};
 use crate::physics::{Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
 
@@ -65,6 +65,14 @@ impl Grid {
         let pixel = scene.view.width_rad() / Dd::new(f64::from(size[0]));
         let (right, up) = Self::axes(scene, pixel);
         Grid::spanned(scene, scene.view.center_rad(), right, up, size)
+    }
+
+    /// The corners of the pixels of that picture, one column and one row more.
+    pub fn of_corners(scene: &Scene, size: [u32; 2]) -> Self {
+        let pixel = scene.view.width_rad() / Dd::new(f64::from(size[0]));
+        let (right, up) = Self::axes(scene, pixel);
+        let corners = Sampling::Corners.grid_size(size);
+        Grid::spanned(scene, scene.view.center_rad(), right, up, corners)
     }
 
     /// The grid of `size` pixels, each `pixel` rad square, upright whatever the scene's view.

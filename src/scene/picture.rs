@@ -4,8 +4,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::SceneError;
 use super::palette::{Ground, GroundTable, Palette, rise};
+use super::{Sampling, SceneError};
 use crate::question::{Ask, ChannelScale, Painted};
 
 /// The table `[picture]` of a scene's file. Keys added after the first release are written only
@@ -17,9 +17,9 @@ pub struct PictureTable {
     pub palette: String,
     /// True if the energy curve is drawn.
     pub curve: bool,
-    /// Samples per pixel along each axis.
-    pub samples: u32,
-    /// True if pixels that look like all their neighbours get one sample only.
+    /// Samples of each pixel.
+    pub samples: Sampling,
+    /// True if pixels that look like all their neighbours get one of several samples only.
     #[serde(skip_serializing_if = "is_default")]
     pub adaptive: bool,
     /// True if late flips have the palette's first colour.
@@ -67,7 +67,7 @@ impl Default for PictureTable {
         PictureTable {
             palette: Palette::DEFAULT.to_string(),
             curve: true,
-            samples: 1,
+            samples: Sampling::default(),
             adaptive: false,
             reverse: false,
             cycles: 1.0,
@@ -186,14 +186,11 @@ impl PictureTable {
         if !size.iter().all(|side| (1..=Self::LONGEST_SIDE).contains(side)) {
             return refuse(value, "both sides must lie between 1 and 1000000 pixels");
         }
-        if size[0] * self.samples > Self::LONGEST_ROW {
+        if size[0] * self.samples.along() > Self::LONGEST_ROW {
             let value = format!("{value} with `samples` {}", self.samples);
             return refuse(value, "at most 1048576 samples fit in a row");
         }
-        if self.adaptive
-            && self.samples > 1
-            && size.iter().map(|side| u64::from(*side)).product::<u64>() > Self::MOST_ADAPTIVE
-        {
+        if self.adaptive && self.samples.along() > 1 && !Self::fits_adaptive(size) {
             let value = format!("{value} with `samples` auto");
             return refuse(
                 value,
@@ -203,10 +200,25 @@ impl PictureTable {
         Ok(())
     }
 
-    /// Returns true if a picture of a question is sampled adaptively: one with a single time, which is
-    /// the same all over a pixel that looks so.
+    /// Returns true if a picture of a question has several samples only in pixels where colours change:
+    /// one with a single time, which is the same all over a pixel that looks so.
     pub fn is_adaptive(&self, ask: Ask) -> bool {
-        self.adaptive && self.samples > 1 && ask.is_time() && ask.kind().channels.len() == 1
+        let several = self.adaptive && self.samples.along() > 1;
+        several && ask.is_time() && ask.kind().channels.len() == 1
+    }
+
+    /// The samples of each pixel of a picture of this size: one where there are too many pixels to hold
+    /// those whose corners have samples.
+    pub fn samples_of(&self, size: [u32; 2]) -> Sampling {
+        match self.samples {
+            Sampling::Corners if !Self::fits_adaptive(size) => Sampling::SINGLE,
+            samples => samples,
+        }
+    }
+
+    /// Returns true if all pixels of a picture can be held at once.
+    fn fits_adaptive(size: [u32; 2]) -> bool {
+        size.into_iter().map(u64::from).product::<u64>() <= Self::MOST_ADAPTIVE
     }
 
     /// The part of a question's answers that is shown.
@@ -236,8 +248,9 @@ impl PictureTable {
         let refuse = |setting, value: String, range: &'static str| {
             Err(SceneError::new(setting, value, range))
         };
-        if !Self::SAMPLES.contains(&self.samples) {
-            return refuse("samples", self.samples.to_string(), "it must lie between 1 and 8");
+        if !Self::SAMPLES.contains(&self.samples.along()) {
+            let range = "it must be corners or lie between 1 and 8";
+            return refuse("samples", self.samples.to_string(), range);
         }
         if !Self::CYCLES.contains(&self.cycles) {
             return refuse("cycles", self.cycles.to_string(), "it must lie between 1 and 100");
@@ -273,7 +286,7 @@ mod tests {
         type Change = fn(&mut PictureTable);
         let changes: [(&str, Change); 13] = [
             ("`palette` is 'rainbow'; the palettes are iris", |p| p.palette = "rainbow".into()),
-            ("`samples` is 9; it must lie between 1 and 8", |p| p.samples = 9),
+            ("`samples` is 9; it must be corners or lie", |p| p.samples = Sampling::Square(9)),
             ("`cycles` is 0; it must", |p| p.cycles = 0.0),
             ("`cycles` is NaN; it must", |p| p.cycles = f64::NAN),
             ("`times` is [1.0]; it must be 2 to", |p| p.times = vec![1.0]),
@@ -297,14 +310,19 @@ mod tests {
 
     #[test]
     fn sizes_end_where_rows_get_too_long() {
-        let picture = PictureTable { samples: 2, ..PictureTable::default() };
+        let samples = Sampling::Square(2);
+        let picture = PictureTable { samples, ..PictureTable::default() };
         picture.check_size([524_288, 1_000_000]).unwrap();
         let adaptive = PictureTable { adaptive: true, ..picture.clone() };
         adaptive.check_size([7680, 4320]).unwrap();
-        let single = PictureTable { samples: 1, ..adaptive.clone() };
+        let single = PictureTable { samples: Sampling::SINGLE, ..adaptive.clone() };
         single.check_size([8192, 8192]).unwrap();
         let error = adaptive.check_size([8192, 8192]).unwrap_err().to_string();
         assert!(error.contains("`samples` auto") && error.contains("`samples` 3"), "{error}");
+        let corners = PictureTable::default();
+        assert_eq!(corners.samples_of([7680, 4320]), Sampling::Corners);
+        assert_eq!(corners.samples_of([8192, 8192]), Sampling::SINGLE);
+        assert_eq!(picture.samples_of([8192, 8192]), Sampling::Square(2));
         for size in [[0, 1], [1, 1_000_001], [524_289, 1]] {
             let error = picture.check_size(size).unwrap_err().to_string();
             assert!(error.contains(&format!("`size` is {}x{}", size[0], size[1])), "{error}");
@@ -314,7 +332,7 @@ mod tests {
     #[test]
     fn a_plain_picture_writes_no_newer_keys() {
         let text = toml::to_string(&PictureTable::default()).unwrap();
-        assert_eq!(text, "palette = \"iris\"\ncurve = true\nsamples = 1\n");
+        assert_eq!(text, "palette = \"iris\"\ncurve = true\nsamples = \"corners\"\n");
         let rich = PictureTable {
             reverse: true,
             cycles: 2.5,
@@ -325,7 +343,7 @@ mod tests {
             bits: 16,
             relief: 0.5,
             light: 90.0,
-            samples: 3,
+            samples: Sampling::Square(3),
             adaptive: true,
             ..PictureTable::default()
         };

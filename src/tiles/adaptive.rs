@@ -2,14 +2,14 @@
 //!
 //! A first run computes a sample in the middle of each pixel. A pixel is *plain* if no neighbour's
 //! colour differs from its own by more than the eye notices; all its samples are taken to be that
-//! one. The others get the full number:
+//! one. The others get the full number, or samples in their corners:
 //!
 //! ```text
-//!   ┌───┬───┬───┬───┐        ┌───┬───┬───┬───┐
-//!   │ a │ a │ a │ b │        │ a │ a │·:·│:·:│
-//!   ├───┼───┼───┼───┤  ──▶   ├───┼───┼───┼───┤
-//!   │ a │ a │ a │ b │        │ a │ a │·:·│:·:│
-//!   └───┴───┴───┴───┘        └───┴───┴───┴───┘
+//!   ┌───┬───┬───┬───┐        ┌───┬───┬───┬───┐        ┌───┬───·───·───·
+//!   │ a │ a │ a │ b │        │ a │ a │·:·│:·:│        │ a │ a │ a │ b │
+//!   ├───┼───┼───┼───┤  ──▶   ├───┼───┼───┼───┤   or   ├───┼───·───·───·
+//!   │ a │ a │ a │ b │        │ a │ a │·:·│:·:│        │ a │ a │ a │ b │
+//!   └───┴───┴───┴───┘        └───┴───┴───┴───┘        └───┴───·───·───·
 //! ```
 //!
 //! Which pixels are plain follows from the whole picture, never from tiles or jobs.
@@ -18,8 +18,9 @@ use super::preview::preview;
 use super::saved_pixels::SavedPixel;
 use super::{Counts, Renderer, Samples};
 use crate::engine::{Cells, EngineError, Trust};
-use crate::scene::Scene;
+use crate::physics::{Outcome, Status};
 use crate::scene::palette::{AnswerColours, Tint};
+use crate::scene::{Sampling, Scene};
 
 /// Largest difference of a channel of neighbouring colours, on a scale of 255, that is no edge.
 const EDGE: f32 = 6.0;
@@ -30,21 +31,21 @@ pub struct PlainPixels {
     /// A sample for each pixel, row by row from the top.
     samples: Samples,
     is_plain: Vec<bool>,
-    width: u32,
-    /// Samples per pixel along each axis where colours change.
-    along: u32,
+    size: [u32; 2],
+    /// Samples of the other pixels.
+    others: Sampling,
     /// Counts of the run that found them.
     counts: Counts,
 }
 
 impl PlainPixels {
-    /// Finds the plain pixels of a checked scene in `size` pixels and `colours`, which get `along` ×
-    /// `along` samples elsewhere; none once `go_on`, which takes the counts so far, returns false.
+    /// Finds the plain pixels of a checked scene in `size` pixels and `colours`, whose `others` have more
+    /// samples; none once `go_on`, which takes the counts so far, returns false.
     pub fn find(
         renderer: &mut Renderer,
         (scene, cells): (&Scene, Cells),
         size: [u32; 2],
-        (colours, along): (&AnswerColours, u32),
+        (colours, others): (&AnswerColours, Sampling),
         go_on: &dyn Fn(&Counts) -> bool,
     ) -> Result<Option<Self>, EngineError> {
         let mut work = renderer.work(scene, size).with_cells(cells);
@@ -54,20 +55,45 @@ impl PlainPixels {
         let tint = |k: usize| colours.tint(samples.get(k).status, samples.values(k));
         let tints: Vec<Tint> = (0..samples.len()).map(tint).collect();
         let is_plain = plain(&tints, size[0] as usize);
-        Ok(Some(PlainPixels { samples, is_plain, width: size[0], along, counts: work.counts() }))
+        Ok(Some(PlainPixels { samples, is_plain, size, others, counts: work.counts() }))
     }
 
-    /// Adds the work of the run that found them.
-    pub(super) fn count_work(&self, counts: &mut Counts) {
-        counts.simulated += self.counts.simulated;
-        counts.effort += self.counts.effort;
+    /// The samples in the middles of all pixels, row by row from the top.
+    pub fn middles(&self) -> &Samples {
+        &self.samples
     }
 
-    /// Returns the known answer of a sample, by its column and row among all samples.
-    pub(super) fn known(&self, [x, y]: [u32; 2]) -> Option<(SavedPixel, Trust)> {
-        let pixel = (y / self.along * self.width + x / self.along) as usize;
+    /// Returns the counts of a picture whose other samples have these.
+    pub(super) fn counts_with(&self, counts: Counts) -> Counts {
+        // Samples in corners belong to no pixel.
+        let pixels = if self.others == Sampling::Corners { self.counts } else { counts };
+        let simulated = self.counts.simulated + counts.simulated;
+        let mut effort = self.counts.effort;
+        effort += counts.effort;
+        Counts { simulated, effort, ..pixels }
+    }
+
+    /// Returns the known answer of a sample, by its column and row among all samples. Corners of plain
+    /// pixels alone have none, and nobody looks at it.
+    pub(super) fn known(&self, place: [u32; 2]) -> Option<(SavedPixel, Trust)> {
+        let Sampling::Square(along) = self.others else {
+            let none = SavedPixel::Over(Outcome::without_time(Status::Forbidden));
+            return (!self.has_corner(place)).then_some((none, Trust::Unchecked));
+        };
+        let [x, y] = place.map(|at| at / along);
+        let pixel = (y * self.size[0] + x) as usize;
         let known = || (SavedPixel::Over(self.samples.get(pixel)), self.samples.trust(pixel));
         self.is_plain[pixel].then(known)
+    }
+
+    /// Returns true if a corner, by its column and row among all corners, has a sample: that of a pixel
+    /// that is not plain.
+    pub fn has_corner(&self, [x, y]: [u32; 2]) -> bool {
+        let [width, height] = self.size;
+        let columns = x.saturating_sub(1)..=x.min(width - 1);
+        (y.saturating_sub(1)..=y.min(height - 1)).any(|row| {
+            columns.clone().any(|column| !self.is_plain[(row * width + column) as usize])
+        })
     }
 }
 

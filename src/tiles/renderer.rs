@@ -102,6 +102,12 @@ impl Renderer {
         Work::new(&scene.clone().settled(), size, self.config, tile_pixels)
     }
 
+    /// The work of the corners of that picture's pixels.
+    pub fn corner_work(&mut self, scene: &Scene, size: [u32; 2]) -> Work {
+        let tile_pixels = self.engine().job_size();
+        Work::of_corners(&scene.clone().settled(), size, self.config, tile_pixels)
+    }
+
     /// The samples of a checked scene in `size` pixels, by rows from the top; an error if the pixels lie
     /// too close together for the question or the plane.
     pub fn render(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Samples, EngineError> {

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeSet, VecDeque};
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::adaptive::PlainPixels;
@@ -40,7 +41,7 @@ pub struct Work {
     /// Pixels known from an earlier run, and those that a later one will need.
     kept: Option<SavedPixels>,
     /// Pixels whose samples are all known, if the rest of the picture gets several each.
-    plain: Option<PlainPixels>,
+    plain: Option<Arc<PlainPixels>>,
 }
 
 /// Maximum size in bytes of a mirrored half, whose samples wait until its rows are due.
@@ -59,11 +60,26 @@ impl Work {
         config: IntegratorConfig,
         tile_pixels: usize,
     ) -> Self {
+        Work::of_grid(scene, Grid::new(scene, size), config, tile_pixels)
+    }
+
+    /// Creates the work for the corners of the pixels of that picture.
+    pub fn of_corners(
+        scene: &Scene,
+        size: [u32; 2],
+        config: IntegratorConfig,
+        tile_pixels: usize,
+    ) -> Self {
+        Work::of_grid(scene, Grid::of_corners(scene, size), config, tile_pixels)
+    }
+
+    fn of_grid(scene: &Scene, grid: Grid, config: IntegratorConfig, tile_pixels: usize) -> Self {
+        let size = grid.size();
         let half = u64::from(size[0]) * u64::from(size[1]) / 2;
         let bytes = Samples::bytes(scene.question.ask.kind().channels.len());
         let mirrored = scene.is_symmetric() && half * bytes as u64 <= MIRROR_BYTES;
         let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
-        Work { mirrored, ..Work::of_rows(scene, size, config, tile_pixels, 0..rows) }
+        Work { mirrored, ..Work::of_grid_rows(scene, grid, config, tile_pixels, 0..rows) }
     }
 
     /// Creates the work for some rows of that picture, without a mirror image of them.
@@ -74,7 +90,17 @@ impl Work {
         tile_pixels: usize,
         rows: Range<u32>,
     ) -> Self {
-        let grid = Grid::new(scene, size);
+        Work::of_grid_rows(scene, Grid::new(scene, size), config, tile_pixels, rows)
+    }
+
+    fn of_grid_rows(
+        scene: &Scene,
+        grid: Grid,
+        config: IntegratorConfig,
+        tile_pixels: usize,
+        rows: Range<u32>,
+    ) -> Self {
+        let size = grid.size();
         let is_deep = config.is_deep(grid.pixel_rad());
         let leaves = ((config.leaf_pixels() * size[0]) as usize).min(MOST_DEEP);
         let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
@@ -114,10 +140,8 @@ impl Work {
     }
 
     /// Takes the samples of plain pixels as known; the run that found them counts as work.
-    pub fn sparing(mut self, plain: PlainPixels) -> Self {
-        plain.count_work(&mut self.counts);
-        self.plain = Some(plain);
-        self
+    pub fn sparing(self, plain: Arc<PlainPixels>) -> Self {
+        Work { plain: Some(plain), ..self }
     }
 
     /// Returns the saved pixels, which are complete once all is done.
@@ -163,9 +187,14 @@ impl Work {
         self.waiting.clear();
     }
 
-    /// Returns the counts of all that has been done so far.
+    /// Returns the counts of the samples so far.
     pub fn counts(&self) -> Counts {
         self.counts
+    }
+
+    /// Returns the counts of the picture, with all the work for it, once all is done.
+    pub fn totals(&self) -> Counts {
+        self.plain.as_ref().map_or(self.counts, |plain| plain.counts_with(self.counts))
     }
 
     /// Returns the pixels of an earlier run that need not be computed again. Those of deep views do:

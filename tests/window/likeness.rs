@@ -5,7 +5,7 @@ use flipmap::engine::choice::EngineRequest;
 use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::physics::{Dd, Outcome, Status};
 use flipmap::scene::palette::Tones;
-use flipmap::scene::{Document, PictureTable, Scene};
+use flipmap::scene::{Document, PictureTable, Sampling, Scene};
 use image::{Rgb, RgbImage};
 
 use super::session::Told;
@@ -29,7 +29,7 @@ fn sampled(scene: Scene, size: [u32; 2], samples: u32) -> (RgbImage, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.png");
     let mut document = Document::default().with_scene(scene);
-    (document.picture.curve, document.picture.samples) = (false, samples);
+    (document.picture.curve, document.picture.samples) = (false, Sampling::Square(samples));
     document.run.accuracy = Some(Accuracy::Fast.to_string());
     let request = ExportRequest { document, size, path: path.clone(), kind: ExportKind::Png };
     let engine_request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };

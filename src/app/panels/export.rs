@@ -7,7 +7,7 @@ use egui::{Button, ComboBox, Grid, Label, ProgressBar, RichText, TextEdit, Ui};
 use super::field::number;
 use super::sentence::sentence;
 use crate::app::export::ExportStage;
-use crate::scene::PictureTable;
+use crate::scene::{PictureTable, Sampling};
 
 /// The next export, as entered in the form.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,9 +18,9 @@ pub struct ExportForm {
     pub size: [u32; 2],
     /// True if the picture has the size of the map in the window.
     pub as_window: bool,
-    /// Number of samples per pixel along each axis.
-    pub samples: u32,
-    /// True if they are taken only where colours change.
+    /// Samples of each pixel.
+    pub samples: Sampling,
+    /// True if several are taken only where colours change.
     pub adaptive: bool,
     /// The content of the file.
     pub what: ExportSubject,
@@ -143,17 +143,7 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
         file(ui, &mut new, &mut actions);
         size(ui, &mut new);
         if new.what == ExportSubject::Png {
-            let (least, most) = PictureTable::SAMPLES.into_inner();
-            let range = f64::from(least)..=f64::from(most);
-            if let Some(samples) = number(ui, "Samples", " a side", f64::from(new.samples), range) {
-                new.samples = samples.round() as u32;
-            }
-            ui.end_row();
-            if new.samples > 1 {
-                ui.label("");
-                ui.checkbox(&mut new.adaptive, "only where colours change");
-                ui.end_row();
-            }
+            samples(ui, &mut new);
         }
     });
     if new != *form {
@@ -162,6 +152,29 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
     begin(ui, form, &mut actions);
     actions.extend(statuses(ui, exports, |export| !export.is_film));
     actions
+}
+
+/// Lets the user choose the samples of each pixel.
+fn samples(ui: &mut Ui, form: &mut ExportForm) {
+    let (least, most) = PictureTable::SAMPLES.into_inner();
+    let range = f64::from(least)..=f64::from(most);
+    let along = f64::from(form.samples.along());
+    if let Some(new) = number(ui, "Samples", " a side", along, range) {
+        form.samples = match new.round() as u32 {
+            1 => Sampling::Corners,
+            along => Sampling::Square(along),
+        };
+    }
+    ui.end_row();
+    ui.label("");
+    if form.samples.along() > 1 {
+        ui.checkbox(&mut form.adaptive, "only where colours change");
+    } else {
+        let mut corners = form.samples == Sampling::Corners;
+        ui.checkbox(&mut corners, "and in corners where colours change");
+        form.samples = if corners { Sampling::Corners } else { Sampling::SINGLE };
+    }
+    ui.end_row();
 }
 
 /// Shows the exports that `shown` accepts; returns the user's actions on them.
@@ -319,11 +332,15 @@ mod tests {
     #[test]
     fn the_size_is_that_of_the_window_until_another_is_chosen() {
         let mut form = ExportForm::default();
-        let fine = PictureTable { samples: 3, adaptive: true, ..PictureTable::default() };
+        let samples = Sampling::Square(3);
+        let fine = PictureTable { samples, adaptive: true, ..PictureTable::default() };
         form.follow([970, 776], &fine);
-        assert_eq!((form.size, form.samples, form.adaptive), ([970, 776], 3, true));
+        assert_eq!((form.size, form.samples, form.adaptive), ([970, 776], samples, true));
         form.as_window = false;
         form.follow([640, 480], &PictureTable::default());
-        assert_eq!((form.size, form.samples, form.adaptive), ([970, 776], 1, false));
+        assert_eq!(
+            (form.size, form.samples, form.adaptive),
+            ([970, 776], Sampling::Corners, false)
+        );
     }
 }

@@ -1,0 +1,81 @@
+//! Rows of pixels whose colours are the means of samples in the middle and in the corners.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::scene::palette::{Tint, channel_of, light_of};
+use crate::tiles::PlainPixels;
+
+/// Share of a pixel that lies nearer to its middle than to its corners; these share the rest.
+const MIDDLE: f64 = 0.5;
+/// Share of a pixel that lies nearest to one of its corners.
+const CORNER: f64 = (1.0 - MIDDLE) / 4.0;
+
+/// Mixes the rows of a picture from the top.
+pub(super) struct CornerRows {
+    plain: Arc<PlainPixels>,
+    /// Number of pixels in a row.
+    width: usize,
+    next_row: usize,
+    /// Colours of corners from the upper ones of the next row on.
+    waiting: Vec<Tint>,
+}
+
+impl CornerRows {
+    /// The rows of a picture of these pixels, `width` of them in a row.
+    pub(super) fn new(plain: Arc<PlainPixels>, width: usize) -> Self {
+        CornerRows { plain, width, next_row: 0, waiting: Vec::new() }
+    }
+
+    /// The pixels, with the samples in their middles.
+    pub(super) fn pixels(&self) -> Arc<PlainPixels> {
+        Arc::clone(&self.plain)
+    }
+
+    /// Takes the colours of the next corners, and returns those of the pixels above them whose corners
+    /// are all known, with the index of the first pixel. `middle` is the colour of a pixel's middle.
+    pub(super) fn mixed(
+        &mut self,
+        corners: &[Tint],
+        middle: impl Fn(usize) -> Tint + Sync,
+    ) -> (usize, Vec<Tint>) {
+        self.waiting.extend(corners);
+        let across = self.width + 1;
+        let rows = (self.waiting.len() / across).saturating_sub(1);
+        let first = self.next_row * self.width;
+        let mut pixels = vec![Tint::default(); rows * self.width];
+        let around = self.waiting.par_chunks(across).zip(self.waiting.par_chunks(across).skip(1));
+        let mixed = pixels.par_chunks_mut(self.width).zip(around).enumerate();
+        mixed.for_each(|(row, (pixels, (above, below)))| {
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                let corners = [above[column], above[column + 1], below[column], below[column + 1]];
+                let place = [column, self.next_row + row];
+                *pixel = self.pixel(place, middle(place[1] * self.width + column), corners);
+            }
+        });
+        self.waiting.drain(..rows * across);
+        self.next_row += rows;
+        (first, pixels)
+    }
+
+    /// The mean colour of a pixel, in linear light. A corner without a sample has the colour of the
+    /// middle.
+    fn pixel(&self, [column, row]: [usize; 2], middle: Tint, corners: [Tint; 4]) -> Tint {
+        let [x, y] = [column as u32, row as u32];
+        let places = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+        let is_sampled = places.map(|place| self.plain.has_corner(place));
+        if is_sampled == [false; 4] {
+            return middle;
+        }
+        std::array::from_fn(|channel| {
+            let own = light_of(middle[channel]);
+            let corner = |(tint, is_sampled): (Tint, bool)| match is_sampled {
+                true => light_of(tint[channel]),
+                false => own,
+            };
+            let sum: f64 = corners.into_iter().zip(is_sampled).map(corner).sum();
+            channel_of(MIDDLE * own + CORNER * sum)
+        })
+    }
+}
