@@ -265,6 +265,10 @@ fn exports_begin_and_stop_by_name() {
     assert_eq!((form.as_window, form.size), (false, [1024, 1024]));
     assert!(harness.query_by_label("Samples").is_none(), "numbers have one sample each");
     press(&mut harness, "picture");
+    for samples in [Sampling::SINGLE, Sampling::Corners] {
+        press(&mut harness, "and in corners where colours change");
+        assert_eq!(harness.state().state.samples, samples);
+    }
     type_over(&mut harness, "Samples", "99");
     assert_eq!(harness.state().state.samples, Sampling::Square(8));
     press(&mut harness, "raw numbers");

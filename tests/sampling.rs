@@ -12,7 +12,7 @@ use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::scene::palette::{AnswerColours, Tint, encoded, light, rounded};
 use flipmap::scene::{BuiltIn, Document, Scene};
 use flipmap::tiles::{Renderer, Samples};
-use program::{done, flipmap, refused};
+use program::{done, refused};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -179,8 +179,8 @@ fn light_and_pyramids_have_corners_and_states_have_one_sample() {
     assert_eq!(pixels(&at("kept.png")), pixels(&at("again.png")));
     let asked = ["render", "--state", "map.state", "-o", "a.png", "--samples", "corners"];
     assert!(refused(&folder, 2, &asked).contains("--samples 1"));
-    let plan = ["plan", "--shards", "2", "-o", "big.toml", "--samples", "corners"];
-    assert!(refused(&folder, 2, &plan).contains("--samples corners is for render"));
+    let film = ["video", "--vary", "time=0..3", "-o", "film/", "--samples", "corners"];
+    assert!(refused(&folder, 2, &film).contains("--samples corners is for stills"));
     let wrong = refused(&folder, 2, &["render", "--samples", "edges", "-o", "a.png"]);
     assert!(wrong.contains("it must be corners or auto, or lie between 1 and 8"), "{wrong}");
     fs::write(at("many.toml"), "[picture]\nsamples = 9\n").unwrap();
@@ -189,18 +189,20 @@ fn light_and_pyramids_have_corners_and_states_have_one_sample() {
 }
 
 #[test]
-fn shards_and_a_still_with_one_sample_are_the_same_picture() {
+fn shards_have_the_corners_of_the_whole_picture() {
     let folder = folder();
-    let scene = ["filigree", "--size", "80x60", "--budget", "10"];
-    let plan = ["--engine", "cpu", "--shards", "1", "-o", "plan.toml"];
-    done(&folder, &[&["plan"], &scene[..], &plan].concat());
-    done(&folder, &["run", "plan.toml", "--engine", "cpu"]);
-    done(&folder, &["merge", "plan.toml", "-o", "merged.png"]);
-    let still = ["--engine", "cpu", "--samples", "1", "-o", "still.png"];
-    done(&folder, &[&["render"], &scene[..], &still].concat());
-    let at = |name: &str| pixels(&folder.path().join(name));
-    assert_eq!(at("merged.png"), at("still.png"));
-    let output = flipmap(&folder, &["render", "merged.png", "--engine", "cpu", "-o", "again.png"]);
-    assert!(output.status.success());
-    assert_eq!(at("again.png"), at("still.png"), "it says how it was sampled");
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    for (samples, shards) in [("corners", "3"), ("1", "1")] {
+        let scene = ["filigree", "--size", "80x61", "--budget", "10", "--samples", samples];
+        let plan = ["--engine", "cpu", "--shards", shards, "-o", "plan.toml"];
+        done(&folder, &[&["plan"], &scene[..], &plan].concat());
+        done(&folder, &["run", "plan.toml", "--engine", "cpu"]);
+        done(&folder, &["merge", "plan.toml", "-o", "merged.png", "--raw", "merged.npy"]);
+        let still = ["--engine", "cpu", "-o", "still.png", "--raw", "still.npy"];
+        done(&folder, &[&["render"], &scene[..], &still].concat());
+        assert!(bytes("merged.png") == bytes("still.png"), "{samples}");
+        assert!(bytes("merged.npy") == bytes("still.npy"), "{samples}");
+        let other = refused(&folder, 2, &["merge", "plan.toml", "-o", "x.png", "--samples", "2"]);
+        assert!(other.contains(&format!("--samples is {samples} in the plan")), "{other}");
+    }
 }

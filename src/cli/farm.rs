@@ -102,8 +102,7 @@ fn hear_second_opinion(
     renderer: &mut Renderer,
 ) -> anyhow::Result<()> {
     let Some((scene, pass)) = task.still(piece) else { return Ok(()) };
-    let size = pass.size.map(|side| side / pass.along);
-    let opinion = renderer.second_opinion(&scene, size, &|| !stop::asked())?;
+    let opinion = renderer.second_opinion(&scene, pass.pixels(), &|| !stop::asked())?;
     if let Some(warning) = opinion.and_then(|opinion| opinion.warning()) {
         super::tell(&format!("flipmap: {warning}"));
     }
@@ -147,7 +146,7 @@ pub(super) fn paint(
 ) -> anyhow::Result<()> {
     let (TaskKind::Film(film, _) | TaskKind::Frames(film, _)) = &task.work else { return Ok(()) };
     let mut document = film.keys[0].scene.clone();
-    let samples = document.picture.samples.along();
+    let samples = document.picture.samples;
     options.apply(&mut document)?;
     check_samples(samples, &document)?;
     if film.kind() == FilmKind::Flips {
@@ -207,8 +206,8 @@ fn settle_times(
 }
 
 /// Rejects more or fewer samples per pixel than were planned.
-pub(super) fn check_samples(planned: u32, document: &Document) -> Result<(), Exit> {
-    if document.picture.samples == Sampling::Square(planned) {
+pub(super) fn check_samples(planned: Sampling, document: &Document) -> Result<(), Exit> {
+    if document.picture.samples == planned {
         return Ok(());
     }
     Err(Exit::Usage(format!("--samples is {planned} in the plan and can no longer change")))

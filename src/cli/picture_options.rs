@@ -133,21 +133,24 @@ impl PictureOptions {
         self.times.as_deref() == Some(OF_VIEW)
     }
 
-    /// Rejects adaptive sampling, for a reason.
-    pub(super) fn check_full(&self, why: &str) -> Result<(), Exit> {
-        match self.samples.as_deref() {
-            Some(word @ (ADAPTIVE | Sampling::CORNERS)) => {
-                Err(Exit::Usage(format!("--samples {word} is for render: {why}")))
-            }
-            _ => Ok(()),
+    /// Rejects several samples in some pixels only, for a reason.
+    pub(super) fn check_even(&self, why: &str) -> Result<(), Exit> {
+        self.refuse_samples(ADAPTIVE, "render", why)
+    }
+
+    /// Rejects a word for samples, for a reason.
+    fn refuse_samples(&self, word: &str, whose: &str, why: &str) -> Result<(), Exit> {
+        if self.samples.as_deref() == Some(word) {
+            return Err(Exit::Usage(format!("--samples {word} is for {whose}: {why}")));
         }
+        Ok(())
     }
 
     /// Rejects what the frames of films do not have.
     pub(super) fn check_film(&self) -> Result<(), Exit> {
-        self.check_full(
-            "every place of a film is sampled once, as finely as its closest frame needs",
-        )?;
+        let why = "every place of a film is sampled once, as finely as its closest frame needs";
+        self.check_even(why)?;
+        self.refuse_samples(Sampling::CORNERS, "stills", why)?;
         if self.bits.is_some() {
             let why = "--bits is for stills: films have 8 bits a channel";
             return Err(Exit::Usage(why.to_string()));

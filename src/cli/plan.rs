@@ -138,15 +138,14 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     }
     let words = &options.film.words;
     let mut document = words.apply(words.base(options.film.scene())?)?;
-    options.film.picture.check_full("shards know nothing of their neighbours' colours")?;
+    options.film.picture.check_even("shards know nothing of their neighbours' colours")?;
     options.film.picture.apply(&mut document)?;
     document.picture.adaptive = false;
     let spec = options.film.run.settle(&mut document)?;
     document.view = document.view.fitted(spec.size().map(f64::from));
     document.picture.check()?;
     document.picture.check_size(spec.size())?;
-    // Corners follow from the whole picture, which no shard knows.
-    document.picture.samples = Sampling::Square(document.picture.samples.along());
+    document.picture.samples = document.picture.samples_of(spec.size());
     Ok((PlannedOutput::Still(Box::new(document.settled())), spec))
 }
 
@@ -241,7 +240,7 @@ fn merge_still(
     options: &MergeOptions,
 ) -> anyhow::Result<()> {
     let mut document = document.clone();
-    let samples = document.picture.samples.along();
+    let samples = document.picture.samples;
     options.picture.apply(&mut document)?;
     document.picture.check()?;
     let plan = [("the plan", options.plan.as_path())];
@@ -256,7 +255,7 @@ fn merge_still(
         return Err(Exit::Usage(message.to_string()).into());
     }
     let numbers = paths.raw.is_some() || paths.exr.is_some() || paths.trust.is_some();
-    if numbers && !passes.iter().any(|pass| pass.along == 1) {
+    if numbers && !passes.iter().any(|pass| pass.sampling == Sampling::SINGLE) {
         let message = "the plan has several --samples per pixel and no values at pixel centres; \
                        --raw, --exr and --trust need a plan made with --numbers";
         return Err(Exit::Usage(message.to_string()).into());

@@ -31,7 +31,8 @@ pub(super) struct Options {
     /// Follow pixels as cells first (for measurements): auto where that saves time, never, or always
     #[arg(hide_short_help = true, long, value_name = "WHEN", default_value_t)]
     cells: Cells,
-    /// Save pixels that can go on to this file, and resume from it with a larger --budget or --at
+    /// Save pixels that can go on to this file, and resume from it with a larger --budget or --at; each
+    /// has one sample
     #[arg(hide_short_help = true, long, value_name = "FILE")]
     state: Option<PathBuf>,
     /// Print the settings that ran, the counts and the timings as one JSON object

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::task::{FrameGroupTask, FrameTask, StillPass, TaskKind};
 use super::{PartError, Parts, Task};
@@ -11,8 +12,8 @@ use crate::output::{Destination, Legend, OutputError, Paths, RowPainter, SafeFil
 use crate::physics::Status;
 use crate::scene::film::{Film, Shot};
 use crate::scene::palette::{AnswerColours, Tones, equalised};
-use crate::scene::{Document, PictureTable, SceneError};
-use crate::tiles::Samples;
+use crate::scene::{Document, PictureTable, Sampling, SceneError};
+use crate::tiles::{PlainPixels, Samples};
 
 /// Reasons why the parts could not be joined.
 #[derive(Debug, thiserror::Error)]
@@ -54,22 +55,33 @@ pub fn still(
     let size = document.run.size.unwrap_or([1, 1]);
     let mut sinks = Sinks::open(paths, document, size)?;
     let mut done = 0;
-    for pass in sinks.passes(document.picture.samples) {
-        let rows = passes
-            .iter()
-            .find(|rows| rows.along == pass.sampling.along())
-            .ok_or(PartError::Gone)?;
-        let height = rows.size[1];
+    let mut each = |sampling: Sampling,
+                    take: &mut dyn FnMut(Samples) -> Result<(), OutputError>| {
+        let rows = passes.iter().find(|rows| rows.sampling == sampling).ok_or(PartError::Gone)?;
         let mut row = 0;
-        while row < height {
+        while row < rows.size[1] {
             let samples = some_rows(rows, parts, row)?;
             row += (samples.len() / rows.size[0] as usize) as u32;
             done += samples.len() as u64;
-            sinks.write(&pass, &samples)?;
+            take(samples)?;
             if !go_on(done) {
                 return Err(MergeError::Stopped);
             }
         }
+        Ok(())
+    };
+    for pass in sinks.passes(document.picture.samples) {
+        if pass.sampling == Sampling::Corners {
+            let mut middles = Samples::default();
+            each(Sampling::SINGLE, &mut |samples| {
+                middles.append(samples);
+                Ok(())
+            })?;
+            let colours = AnswerColours::new(&document.scene(), &document.picture)?;
+            let plain = PlainPixels::among(middles, size, &colours, pass.sampling);
+            sinks.write_middles(&pass, &Arc::new(plain))?;
+        }
+        each(pass.sampling, &mut |samples| sinks.write(&pass, &samples))?;
     }
     Ok(sinks.finish()?)
 }

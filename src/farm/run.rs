@@ -86,12 +86,13 @@ fn open<'a>(
     Ok(match (piece, &task.work) {
         (WorkPiece::Rows(_, rows), _) => {
             let (scene, pass) = task.still(piece).ok_or(PartError::Gone)?;
+            let of = (pass.pixels(), pass.sampling);
             Box::new(PendingRows {
                 writer: PartWriter::open(&task.folder, &pass.of)?,
                 width: pass.size[0],
                 first: rows.start,
                 order: RowOrder::from(rows.start),
-                work: Work::of_rows(&scene, pass.size, task.config, job_size, rows.clone()),
+                work: Work::of_rows(&scene, of, task.config, job_size, rows.clone()),
                 loose: Samples::default(),
             })
         }

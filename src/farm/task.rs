@@ -11,7 +11,7 @@ use crate::output::sha256;
 use crate::question::Ask;
 use crate::scene::film::{Film, FilmKind, Shot};
 use crate::scene::lattice::Cell;
-use crate::scene::{Build, Document, QuestionTable, Scene, View};
+use crate::scene::{Build, Document, QuestionTable, Sampling, Scene, View};
 use crate::tiles::moments::Moments;
 use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE, canonical};
 
@@ -44,8 +44,8 @@ pub enum TaskKind {
 
 /// The rows of a still at one number of samples per pixel.
 pub struct StillPass {
-    /// Samples per pixel along each axis.
-    pub along: u32,
+    /// Place of the samples in their pixels.
+    pub sampling: Sampling,
     /// Width and height in samples.
     pub size: [u32; 2],
     /// Number of rows to compute; the others may be mirror images of some.
@@ -243,6 +243,14 @@ impl FrameGroupTask {
 }
 
 impl StillPass {
+    /// Width and height of the picture in pixels.
+    pub fn pixels(&self) -> [u32; 2] {
+        match self.sampling {
+            Sampling::Corners => self.size.map(|side| side - 1),
+            Sampling::Square(along) => self.size.map(|side| side / along),
+        }
+    }
+
     /// Number of samples to compute.
     fn samples(&self) -> u64 {
         u64::from(self.rows) * u64::from(self.size[0])
@@ -277,28 +285,30 @@ impl WorkPiece {
 fn passes(document: &Document, numbers: bool, how: &str) -> Vec<StillPass> {
     let scene = document.scene();
     let size = document.run.size.unwrap_or([1, 1]);
-    let samples = document.picture.samples.along();
+    let samples = document.picture.samples;
     let mut all = vec![samples];
-    if numbers && samples > 1 {
-        all.push(1);
+    // Middles tell which corners have a share in the picture.
+    if samples == Sampling::Corners || numbers && samples != Sampling::SINGLE {
+        all.push(Sampling::SINGLE);
     }
-    all.into_iter().map(|along| pass(&scene, size, along, how)).collect()
+    all.into_iter().map(|sampling| pass(&scene, size, sampling, how)).collect()
 }
 
-/// The pass of a picture of `size` pixels with `along` samples per pixel along each axis.
-fn pass(scene: &Scene, size: [u32; 2], along: u32, how: &str) -> StillPass {
-    let size = size.map(|side| side * along);
+/// The pass of a picture of `size` pixels over these samples of them.
+fn pass(scene: &Scene, size: [u32; 2], sampling: Sampling, how: &str) -> StillPass {
+    let size = sampling.grid_size(size);
     let rows = if scene.is_symmetric() { size[1].div_ceil(2) } else { size[1] };
-    let of = sha256(format!("still {} {size:?} {how}", what_of(scene)).as_bytes());
-    StillPass { along, size, rows, of }
+    let place = if sampling == Sampling::Corners { "corners " } else { "" };
+    let of = sha256(format!("still {place}{} {size:?} {how}", what_of(scene)).as_bytes());
+    StillPass { sampling, size, rows, of }
 }
 
 /// The work for the frames of a film that are stills.
 fn frames(film: &Film, how: &str) -> Vec<FrameTask> {
-    let along = film.keys[0].scene.picture.samples.along();
+    let sampling = Sampling::Square(film.keys[0].scene.picture.samples.along());
     let frame = |frame| {
         let shot = film.shot(frame);
-        let pass = pass(&shot.scene, film.size, along, how);
+        let pass = pass(&shot.scene, film.size, sampling, how);
         FrameTask { shot, pass }
     };
     (0..film.frames).map(frame).collect()
@@ -353,7 +363,6 @@ mod tests {
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
     use crate::physics::Decimal;
-    use crate::scene::Sampling;
     use crate::scene::keys::{Easing, Key};
 
     const CONFIG: IntegratorConfig =
@@ -390,9 +399,13 @@ mod tests {
     }
 
     fn still(size: [u32; 2], samples: u32) -> PlannedOutput {
+        sampled(size, Sampling::Square(samples))
+    }
+
+    fn sampled(size: [u32; 2], samples: Sampling) -> PlannedOutput {
         let mut document = Document::default();
         document.run.size = Some(size);
-        document.picture.samples = Sampling::Square(samples);
+        document.picture.samples = samples;
         PlannedOutput::Still(Box::new(document))
     }
 
@@ -433,6 +446,15 @@ mod tests {
     }
 
     #[test]
+    fn a_still_with_corners_has_a_pass_for_them_and_one_for_the_middles() {
+        let task = task(sampled([8, 5], Sampling::Corners), 2);
+        let TaskKind::Still(_, passes) = &task.work else { panic!("a still") };
+        let sizes: Vec<_> = passes.iter().map(|pass| (pass.size, pass.rows)).collect();
+        assert_eq!(sizes, [([9, 6], 3), ([8, 5], 3)]);
+        assert!(passes.iter().all(|pass| pass.pixels() == [8, 5]));
+    }
+
+    #[test]
     fn shards_are_all_of_a_film_once() {
         let zoom: fn(&mut Document) = |scene| scene.view.width = "0.01".into();
         let masses: fn(&mut Document) = |scene| scene.pendulum.masses[1] = Decimal::from(3.0);
@@ -468,6 +490,8 @@ mod tests {
         };
         let home = name(still([8, 8], 1));
         assert_ne!(home, name(still([8, 9], 1)));
+        let corners = name(sampled([7, 7], Sampling::Corners));
+        assert_ne!(home, corners, "as many samples, but others");
         let PlannedOutput::Still(mut painted) = still([8, 8], 1) else { panic!("a still") };
         painted.picture.palette = "viridis".to_string();
         assert_eq!(home, name(PlannedOutput::Still(painted.clone())), "colours decide no samples");

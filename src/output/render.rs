@@ -46,11 +46,7 @@ pub fn pass_work(
     go_on: &dyn Fn(&Counts) -> bool,
 ) -> Result<Work, RenderError> {
     let (scene, picture) = (document.scene(), &document.picture);
-    let work = match pass.sampling {
-        Sampling::Corners => renderer.corner_work(&scene, size),
-        Sampling::Square(_) => renderer.work(&scene, pass.sampling.grid_size(size)),
-    };
-    let work = work.with_cells(cells);
+    let work = renderer.sampled_work(&scene, size, pass.sampling).with_cells(cells);
     let is_adaptive = pass.sampling.along() > 1 && picture.is_adaptive(scene.question.ask);
     if pass.sampling != Sampling::Corners && !is_adaptive {
         return Ok(work);

@@ -62,17 +62,16 @@ const NEAR: f64 = 1e-9;
 impl Grid {
     /// The grid of a checked scene for a picture of `size` pixels.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Self {
-        let pixel = scene.view.width_rad() / Dd::new(f64::from(size[0]));
-        let (right, up) = Self::axes(scene, pixel);
-        Grid::spanned(scene, scene.view.center_rad(), right, up, size)
+        Grid::sampled(scene, size, Sampling::SINGLE)
     }
 
-    /// The corners of the pixels of that picture, one column and one row more.
-    pub fn of_corners(scene: &Scene, size: [u32; 2]) -> Self {
-        let pixel = scene.view.width_rad() / Dd::new(f64::from(size[0]));
+    /// The grid of these samples of a picture of `size` pixels.
+    pub fn sampled(scene: &Scene, size: [u32; 2], sampling: Sampling) -> Self {
+        let along = f64::from(sampling.along()) * f64::from(size[0]);
+        let pixel = scene.view.width_rad() / Dd::new(along);
         let (right, up) = Self::axes(scene, pixel);
-        let corners = Sampling::Corners.grid_size(size);
-        Grid::spanned(scene, scene.view.center_rad(), right, up, corners)
+        let size = sampling.grid_size(size);
+        Grid::spanned(scene, scene.view.center_rad(), right, up, size)
     }
 
     /// The grid of `size` pixels, each `pixel` rad square, upright whatever the scene's view.

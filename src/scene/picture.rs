@@ -1,12 +1,15 @@
 //! The settings of painting a picture from its samples; none changes what is computed.
 
+mod sampling;
+
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use super::SceneError;
 use super::palette::{Ground, GroundTable, Palette, rise};
-use super::{Sampling, SceneError};
 use crate::question::{Ask, ChannelScale, Painted};
+pub use sampling::Sampling;
 
 /// The table `[picture]` of a scene's file. Keys added after the first release are written only
 /// where they differ from their defaults, so that older pictures remain the same files.

@@ -52,10 +52,21 @@ impl PlainPixels {
         let Some(samples) = preview(&mut work, size, renderer.engine(), go_on)? else {
             return Ok(None);
         };
+        let plain = PlainPixels::among(samples, size, colours, others);
+        Ok(Some(PlainPixels { counts: work.counts(), ..plain }))
+    }
+
+    /// The plain ones among the pixels of a picture of `size` with these samples in their middles.
+    pub fn among(
+        samples: Samples,
+        size: [u32; 2],
+        colours: &AnswerColours,
+        others: Sampling,
+    ) -> Self {
         let tint = |k: usize| colours.tint(samples.get(k).status, samples.values(k));
         let tints: Vec<Tint> = (0..samples.len()).map(tint).collect();
         let is_plain = plain(&tints, size[0] as usize);
-        Ok(Some(PlainPixels { samples, is_plain, size, others, counts: work.counts() }))
+        PlainPixels { samples, is_plain, size, others, counts: Counts::default() }
     }
 
     /// The samples in the middles of all pixels, row by row from the top.

@@ -6,7 +6,7 @@ use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetti
 use crate::engine::threads::threads_beside;
 use crate::engine::trust::{Opinion, TrustEngine};
 use crate::engine::{Accuracy, Cells, Engine, EngineError, IntegratorConfig};
-use crate::scene::Scene;
+use crate::scene::{Sampling, Scene};
 
 /// Renders scenes to arrays of samples, one engine for all of them.
 ///
@@ -98,14 +98,13 @@ impl Renderer {
 
     /// The work of a picture of `size` pixels, for a loop that takes tiles as they finish.
     pub fn work(&mut self, scene: &Scene, size: [u32; 2]) -> Work {
-        let tile_pixels = self.engine().job_size();
-        Work::new(&scene.clone().settled(), size, self.config, tile_pixels)
+        self.sampled_work(scene, size, Sampling::SINGLE)
     }
 
-    /// The work of the corners of that picture's pixels.
-    pub fn corner_work(&mut self, scene: &Scene, size: [u32; 2]) -> Work {
+    /// The work of other samples of that picture's pixels.
+    pub fn sampled_work(&mut self, scene: &Scene, size: [u32; 2], sampling: Sampling) -> Work {
         let tile_pixels = self.engine().job_size();
-        Work::of_corners(&scene.clone().settled(), size, self.config, tile_pixels)
+        Work::sampled(&scene.clone().settled(), (size, sampling), self.config, tile_pixels)
     }
 
     /// The samples of a checked scene in `size` pixels, by rows from the top; an error if the pixels lie

@@ -15,7 +15,7 @@ use super::saved_pixels::{SavedPixel, SavedPixels};
 use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question, Trust, Wait};
 use crate::physics::Status;
 use crate::question::Ask;
-use crate::scene::{Grid, Scene};
+use crate::scene::{Grid, Sampling, Scene};
 
 /// A tile and the samples of its pixels, in the order of [`Tile::pixels`].
 #[derive(Clone, Debug, PartialEq)]
@@ -60,49 +60,36 @@ impl Work {
         config: IntegratorConfig,
         tile_pixels: usize,
     ) -> Self {
-        Work::of_grid(scene, Grid::new(scene, size), config, tile_pixels)
+        Work::sampled(scene, (size, Sampling::SINGLE), config, tile_pixels)
     }
 
-    /// Creates the work for the corners of the pixels of that picture.
-    pub fn of_corners(
+    /// Creates the work for other samples of that picture's pixels.
+    pub fn sampled(
         scene: &Scene,
-        size: [u32; 2],
+        (size, sampling): ([u32; 2], Sampling),
         config: IntegratorConfig,
         tile_pixels: usize,
     ) -> Self {
-        Work::of_grid(scene, Grid::of_corners(scene, size), config, tile_pixels)
-    }
-
-    fn of_grid(scene: &Scene, grid: Grid, config: IntegratorConfig, tile_pixels: usize) -> Self {
-        let size = grid.size();
-        let half = u64::from(size[0]) * u64::from(size[1]) / 2;
+        let [columns, rows] = sampling.grid_size(size);
+        let half = u64::from(columns) * u64::from(rows) / 2;
         let bytes = Samples::bytes(scene.question.ask.kind().channels.len());
         let mirrored = scene.is_symmetric() && half * bytes as u64 <= MIRROR_BYTES;
-        let rows = if mirrored { size[1].div_ceil(2) } else { size[1] };
-        Work { mirrored, ..Work::of_grid_rows(scene, grid, config, tile_pixels, 0..rows) }
+        let rows = if mirrored { rows.div_ceil(2) } else { rows };
+        Work { mirrored, ..Work::of_rows(scene, (size, sampling), config, tile_pixels, 0..rows) }
     }
 
-    /// Creates the work for some rows of that picture, without a mirror image of them.
+    /// Creates the work for some rows of those samples, without a mirror image of them.
     pub fn of_rows(
         scene: &Scene,
-        size: [u32; 2],
+        (size, sampling): ([u32; 2], Sampling),
         config: IntegratorConfig,
         tile_pixels: usize,
         rows: Range<u32>,
     ) -> Self {
-        Work::of_grid_rows(scene, Grid::new(scene, size), config, tile_pixels, rows)
-    }
-
-    fn of_grid_rows(
-        scene: &Scene,
-        grid: Grid,
-        config: IntegratorConfig,
-        tile_pixels: usize,
-        rows: Range<u32>,
-    ) -> Self {
-        let size = grid.size();
+        let grid = Grid::sampled(scene, size, sampling);
+        let width = grid.size()[0];
         let is_deep = config.is_deep(grid.pixel_rad());
-        let leaves = ((config.leaf_pixels() * size[0]) as usize).min(MOST_DEEP);
+        let leaves = ((config.leaf_pixels() * width) as usize).min(MOST_DEEP);
         let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
         Work {
             grid,
@@ -111,7 +98,7 @@ impl Work {
             config,
             cells: Cells::Auto,
             mirrored: false,
-            waiting: plan(size[0], rows, tile_pixels).into(),
+            waiting: plan(width, rows, tile_pixels).into(),
             in_flight: InFlightJobs::default(),
             finished: Vec::new(),
             counts: Counts::default(),

@@ -5,7 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Where the samples of a pixel lie.
+/// The places of samples in a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Sampling {
     /// One in the middle and, where colours change, one in each corner, which four pixels share:
@@ -19,7 +19,7 @@ pub enum Sampling {
     /// ```
     #[default]
     Corners,
-    /// This number along each axis.
+    /// Rows and columns of samples, this number of each.
     Square(u32),
 }
 
