@@ -14,7 +14,8 @@ use crate::engine::method::Pace;
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
 use crate::engine::{Cells, Question};
 use crate::output::{
-    Paths, RenderClock, RenderError, Sinks, is_one_file, pass_work, render_pass, sentence,
+    Paths, RenderClock, RenderError, Sinks, is_one_file, pass_samples, pass_work, render_pass,
+    sentence,
 };
 use crate::scene::{Document, DocumentError, RunTable};
 use crate::tiles::{Counts, Renderer};
@@ -248,11 +249,11 @@ fn run(
     for pass in sinks.passes(document.picture.samples) {
         let (what, whither) = ((&document, Cells::Auto), (&mut sinks, &pass));
         let clock = &mut RenderClock::default();
-        let first = Heeding::new(request.size, (set, stopped));
-        let go_on = |counts: &Counts| first.go_on(counts);
+        let [middles, own] = pass_samples(&document, request.size, &pass);
+        let heed = Heeding::new(middles + own, (set, stopped));
+        let go_on = |counts: &Counts| heed.go_on(counts.pixels);
         let mut work = pass_work(&mut renderer, what, request.size, whither, clock, &go_on)?;
-        let whole = Heeding::new(pass.sampling.grid_size(request.size), (set, stopped));
-        let mut go_on = |counts: &Counts| whole.go_on(counts);
+        let mut go_on = |counts: &Counts| heed.go_on(middles + counts.pixels);
         render_pass(&mut work, renderer.engine(), &mut sinks, &pass, clock, &mut go_on)?;
     }
     Ok(sinks.finish().map_err(RenderError::from)?)
@@ -268,20 +269,20 @@ struct Heeding<'a> {
 }
 
 impl<'a> Heeding<'a> {
-    /// Starts at zero of a picture's pixels.
+    /// Starts at zero of some samples.
     fn new(
-        size: [u32; 2],
+        samples: u64,
         (set, stopped): (&'a dyn Fn(ExportStage), &'a (dyn Fn() -> bool + Sync)),
     ) -> Self {
-        let total = f64::from(size[0]) * f64::from(size[1]);
+        let total = samples as f64;
         Heeding { total, begun: Instant::now(), told: Cell::new(None), set, stopped }
     }
 
-    /// Displays the counts so far; returns false once a stop is asked for.
-    fn go_on(&self, counts: &Counts) -> bool {
+    /// Displays the number of samples so far; returns false once a stop is asked for.
+    fn go_on(&self, samples: u64) -> bool {
         if self.told.get().is_none_or(|told| told.elapsed() >= TICK) {
             self.told.set(Some(Instant::now()));
-            let done = counts.pixels as f64;
+            let done = samples as f64;
             let pixels_per_sec = done / self.begun.elapsed().as_secs_f64().max(1e-3);
             let pace = format!("{} pixels/s", thousands(pixels_per_sec));
             (self.set)(ExportStage::Running { share: done / self.total, pace });

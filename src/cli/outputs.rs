@@ -44,6 +44,11 @@ impl OutputOptions {
         }
     }
 
+    /// Returns true if any of them has the colours of samples.
+    pub(super) fn are_painted(&self) -> bool {
+        self.output.is_some() || self.pyramid.is_some()
+    }
+
     /// The outputs, or if none is named, a new picture with the name of the scene, if it has one.
     pub(super) fn or_picture_of(&self, scene: Option<&str>) -> Result<Self, Exit> {
         let name = scene.and_then(|scene| Path::new(scene).file_stem());

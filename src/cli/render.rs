@@ -11,7 +11,7 @@ use flipmap::engine::depth::Following;
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
-use flipmap::output::{RenderClock, RenderError, Sinks, pass_work, render_pass};
+use flipmap::output::{RenderClock, RenderError, Sinks, pass_samples, pass_work, render_pass};
 use flipmap::scene::{Document, Grid, Sampling, Scene};
 use flipmap::tiles::{self, Counts, Renderer};
 
@@ -80,16 +80,16 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let (setup, mut clock) = (begun.elapsed(), RenderClock::default());
     let mut counts = Counts::default();
     for pass in sinks.passes(document.picture.samples) {
-        let heed = Heeding::new(options.progress, spec.size(), &following);
+        let [middles, own] = pass_samples(&document, spec.size(), &pass);
+        let heed = Heeding::new(options.progress, middles + own, &following);
         let (what, whither) = ((&document, options.cells), (&mut sinks, &pass));
-        let go_on = |counts: &Counts| heed.go_on(counts);
+        let go_on = |counts: &Counts| heed.go_on(counts.pixels);
         let work = pass_work(&mut renderer, what, spec.size(), whither, &mut clock, &go_on);
         let mut work = work.or_else(interrupted)?;
         if let Some(continued) = &mut continued {
             work = work.keeping(continued.take());
         }
-        let heed = Heeding::new(options.progress, pass.sampling.grid_size(spec.size()), &following);
-        let mut go_on = |counts: &Counts| heed.go_on(counts);
+        let mut go_on = |counts: &Counts| heed.go_on(middles + counts.pixels);
         render_pass(&mut work, renderer.engine(), &mut sinks, &pass, &mut clock, &mut go_on)
             .or_else(interrupted)?;
         counts += work.totals();
@@ -116,15 +116,14 @@ struct Heeding<'a> {
 }
 
 impl<'a> Heeding<'a> {
-    /// Starts at zero of a picture's pixels.
-    fn new(mode: Mode, size: [u32; 2], following: &'a Following) -> Self {
-        let progress = Progress::new(mode, u64::from(size[0]) * u64::from(size[1]));
-        Heeding { progress: RefCell::new(progress), following }
+    /// Starts at zero of some samples.
+    fn new(mode: Mode, samples: u64, following: &'a Following) -> Self {
+        Heeding { progress: RefCell::new(Progress::new(mode, samples)), following }
     }
 
-    /// Displays the counts so far; returns false once a stop is asked for.
-    fn go_on(&self, counts: &Counts) -> bool {
-        self.progress.borrow_mut().set(counts.pixels, self.following.words());
+    /// Displays the number of samples so far; returns false once a stop is asked for.
+    fn go_on(&self, samples: u64) -> bool {
+        self.progress.borrow_mut().set(samples, self.following.words());
         !stop::asked()
     }
 }
@@ -139,7 +138,7 @@ fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Docume
     let inputs: Vec<_> =
         options.scene.file().into_iter().chain(options.picture.palette_file()).collect();
     outputs.check(options.json, spec.verify, options.state.as_deref(), &inputs)?;
-    settle_samples(options, &mut document, spec.size());
+    settle_samples(options, &mut document, (spec.size(), outputs));
     check_state(options, &document, &spec)?;
     check_picture(&document, spec.size())?;
     Ok((document.settled(), spec))
@@ -234,13 +233,17 @@ fn decimals(text: &str) -> usize {
 }
 
 /// Has one sample per pixel where those in corners cannot be had, unless they were asked for.
-fn settle_samples(options: &Options, document: &mut Document, size: [u32; 2]) {
+fn settle_samples(
+    options: &Options,
+    document: &mut Document,
+    (size, outputs): ([u32; 2], &OutputOptions),
+) {
     let picture = &mut document.picture;
     let asked = options.picture.says_samples();
     if options.state.is_some() && !asked && picture.samples == Sampling::Corners {
         picture.samples = Sampling::SINGLE;
     }
-    if picture.samples_of(size) != picture.samples {
+    if picture.samples_of(size) != picture.samples && outputs.are_painted() {
         super::tell(
             "flipmap: a picture of more than 33554432 pixels has one sample in each of them",
         );

@@ -51,7 +51,7 @@ pub use picture_file::PictureFile;
 pub use png::{Picture, PngError, PngWriter, carries_scene, document_in_png, picture_in_png};
 pub use pyramid::{Pyramid, PyramidFolder, TILE_SIDE};
 pub use read::{ReadError, named_document, read_document};
-pub use render::{RenderClock, pass_work, render_pass};
+pub use render::{RenderClock, pass_samples, pass_work, render_pass};
 pub use rows::RowOrder;
 pub use safe::{Destination, SafeFile};
 pub use shell::shell_word;

@@ -35,6 +35,20 @@ const PAUSE: Duration = Duration::from_millis(2);
 /// Number of bands that wait for the writer.
 const AHEAD: usize = 2;
 
+/// Number of samples of a pass over a picture of `size` pixels, after those in the pixels' middles that a
+/// first run computes in adaptive sampling.
+pub fn pass_samples(document: &Document, size: [u32; 2], pass: &SinkPass) -> [u64; 2] {
+    let count = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+    let middles = if is_adaptive(document, pass) { count(size) } else { 0 };
+    [middles, count(pass.sampling.grid_size(size))]
+}
+
+/// Returns true if only some pixels get more samples than the one in their middle.
+fn is_adaptive(document: &Document, pass: &SinkPass) -> bool {
+    let several = pass.sampling.along() > 1 && document.picture.is_adaptive(document.question.ask);
+    several || pass.sampling == Sampling::Corners
+}
+
 /// The work of a pass over a picture of `size` pixels. In adaptive sampling, a run over the pixels'
 /// middles comes first, with counts of its own; it ends as stopped once `go_on` returns false.
 pub fn pass_work(
@@ -47,8 +61,7 @@ pub fn pass_work(
 ) -> Result<Work, RenderError> {
     let (scene, picture) = (document.scene(), &document.picture);
     let work = renderer.sampled_work(&scene, size, pass.sampling).with_cells(cells);
-    let is_adaptive = pass.sampling.along() > 1 && picture.is_adaptive(scene.question.ask);
-    if pass.sampling != Sampling::Corners && !is_adaptive {
+    if !is_adaptive(document, pass) {
         return Ok(work);
     }
     let colours = AnswerColours::new(&scene, picture).map_err(OutputError::from)?;
