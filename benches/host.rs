@@ -5,12 +5,18 @@
 use std::time::Instant;
 
 use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{IntegratorConfig, Method, Precision};
-use flipmap::output::{Paths, RenderClock, Sinks, render_pass};
+use flipmap::engine::{Cells, IntegratorConfig, Method, Precision};
+use flipmap::output::{Paths, RenderClock, Sinks, pass_work, render_pass};
 use flipmap::scene::{BuiltIn, Document, Sampling};
-use flipmap::tiles::Work;
+use flipmap::tiles::Renderer;
 
-const SIDES: [u32; 3] = [1024, 2048, 8192];
+/// Samples of a pixel, and pixels along a side.
+const PICTURES: [(Sampling, u32); 4] = [
+    (Sampling::SINGLE, 1024),
+    (Sampling::SINGLE, 4096),
+    (Sampling::SINGLE, 8192),
+    (Sampling::Corners, 4096),
+];
 const CONFIG: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 /// Number of starts in a job for a graphics card.
@@ -20,27 +26,36 @@ fn main() {
     let filigree = BuiltIn::named("filigree").expect("a place").document();
     let home = BuiltIn::home().document();
     for (name, document) in [("home", &home), ("filigree", &filigree)] {
-        for side in SIDES {
-            let (secs, cpu_secs) = drawn(document, side);
+        for (samples, side) in PICTURES {
+            let (secs, cpu_secs) = drawn(document, samples, side);
             let pixels = f64::from(side) * f64::from(side);
             let ns = cpu_secs.map_or("unknown".to_string(), |s| format!("{:.1}", s * 1e9 / pixels));
-            println!("{name:9} {side:>5}²  {secs:>6.2} s  {ns:>6} ns of processor time a pixel");
+            println!(
+                "{name:9} {side:>5}²  samples {samples:<7} {secs:>6.2} s  {ns:>6} ns of processor \
+                 time a pixel"
+            );
         }
     }
 }
 
 /// Seconds until a picture is complete, and seconds of processor time that it takes.
-fn drawn(document: &Document, side: u32) -> (f64, Option<f64>) {
+fn drawn(document: &Document, samples: Sampling, side: u32) -> (f64, Option<f64>) {
+    let mut document = document.clone();
+    document.picture.samples = samples;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let size = [side; 2];
     let paths = Paths { picture: Some(folder.path().join("map.png")), ..Paths::default() };
     let (begun, before) = (Instant::now(), cpu_secs());
-    let mut engine = MockEngine { job_size: JOB_SIZE, ..MockEngine::default() };
-    let mut sinks = Sinks::open(&paths, document, size).expect("a file");
-    for pass in sinks.passes(Sampling::SINGLE) {
-        let mut work = Work::new(&document.scene(), size, CONFIG, JOB_SIZE);
-        let clock = &mut RenderClock::default();
-        render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, &mut |_| true).expect("done");
+    let engine = Box::new(MockEngine { job_size: JOB_SIZE, ..MockEngine::default() });
+    let mut renderer = Renderer::of(engine, CONFIG, false, None).expect("an engine");
+    let mut sinks = Sinks::open(&paths, &document, size).expect("a file");
+    let clock = &mut RenderClock::default();
+    for pass in sinks.passes(samples) {
+        let (what, whither) = ((&document, Cells::Auto), (&mut sinks, &pass));
+        let mut work =
+            pass_work(&mut renderer, what, size, whither, clock, &|_| true).expect("a pass");
+        render_pass(&mut work, renderer.engine(), &mut sinks, &pass, clock, &mut |_| true)
+            .expect("done");
     }
     sinks.finish().expect("a complete file");
     let cpu = cpu_secs().zip(before).map(|(after, before)| after - before);

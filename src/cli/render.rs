@@ -232,7 +232,7 @@ fn decimals(text: &str) -> usize {
     (after - exponent.trim().parse::<i64>().unwrap_or(0)).max(0) as usize
 }
 
-/// Has one sample per pixel where those in corners cannot be had, unless they were asked for.
+/// Takes one sample per pixel where those in corners cannot be had, unless they were asked for.
 fn settle_samples(
     options: &Options,
     document: &mut Document,

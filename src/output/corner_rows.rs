@@ -29,17 +29,13 @@ impl CornerRows {
     }
 
     /// The pixels, with the samples in their middles.
-    pub(super) fn pixels(&self) -> Arc<PlainPixels> {
-        Arc::clone(&self.plain)
+    pub(super) fn pixels(&self) -> &PlainPixels {
+        &self.plain
     }
 
     /// Takes the colours of the next corners, and returns those of the pixels above them whose corners
-    /// are all known, with the index of the first pixel. `middle` is the colour of a pixel's middle.
-    pub(super) fn mixed(
-        &mut self,
-        corners: &[Tint],
-        middle: impl Fn(usize) -> Tint + Sync,
-    ) -> (usize, Vec<Tint>) {
+    /// are all known, with the index of the first pixel.
+    pub(super) fn mixed(&mut self, corners: &[Tint]) -> (usize, Vec<Tint>) {
         self.waiting.extend(corners);
         let across = self.width + 1;
         let rows = (self.waiting.len() / across).saturating_sub(1);
@@ -50,8 +46,7 @@ impl CornerRows {
         mixed.for_each(|(row, (pixels, (above, below)))| {
             for (column, pixel) in pixels.iter_mut().enumerate() {
                 let corners = [above[column], above[column + 1], below[column], below[column + 1]];
-                let place = [column, self.next_row + row];
-                *pixel = self.pixel(place, middle(place[1] * self.width + column), corners);
+                *pixel = self.pixel([column, self.next_row + row], corners);
             }
         });
         self.waiting.drain(..rows * across);
@@ -61,7 +56,8 @@ impl CornerRows {
 
     /// The mean colour of a pixel, in linear light. A corner without a sample has the colour of the
     /// middle.
-    fn pixel(&self, [column, row]: [usize; 2], middle: Tint, corners: [Tint; 4]) -> Tint {
+    fn pixel(&self, [column, row]: [usize; 2], corners: [Tint; 4]) -> Tint {
+        let middle = self.plain.tint(row * self.width + column);
         let [x, y] = [column as u32, row as u32];
         let places = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
         let is_sampled = places.map(|place| self.plain.has_corner(place));

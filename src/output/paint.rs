@@ -121,12 +121,9 @@ impl RowPainter {
     /// The colours of pixels whose corners have these colours. Light from the side falls on a landscape
     /// of the middles, of which each pixel has one.
     fn mixed(&mut self, corners: &mut CornerRows, tints: &[Tint]) -> Vec<Tint> {
-        let plain = corners.pixels();
-        let (colours, middles) = (&self.colours, plain.middles());
-        let tint = |k: usize| colours.tint(middles.get(k).status, middles.values(k));
-        let (first, mut pixels) = corners.mixed(tints, tint);
+        let (first, mut pixels) = corners.mixed(tints);
         let places = first..first + pixels.len();
-        self.light(middles, places, &mut pixels);
+        self.light(corners.pixels().middles(), places, &mut pixels);
         pixels
     }
 

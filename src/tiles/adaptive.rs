@@ -14,6 +14,8 @@
 //!
 //! Which pixels are plain follows from the whole picture, never from tiles or jobs.
 
+use rayon::prelude::*;
+
 use super::preview::preview;
 use super::saved_pixels::SavedPixel;
 use super::{Counts, Renderer, Samples};
@@ -30,7 +32,11 @@ const EDGE: f32 = 6.0;
 pub struct PlainPixels {
     /// A sample for each pixel, row by row from the top.
     samples: Samples,
+    /// The colours of these samples.
+    tints: Vec<Tint>,
     is_plain: Vec<bool>,
+    /// True for corners that have a sample, row by row from the top; empty where the others have none.
+    has_corner: Vec<bool>,
     size: [u32; 2],
     /// Samples of the other pixels.
     others: Sampling,
@@ -64,14 +70,24 @@ impl PlainPixels {
         others: Sampling,
     ) -> Self {
         let tint = |k: usize| colours.tint(samples.get(k).status, samples.values(k));
-        let tints: Vec<Tint> = (0..samples.len()).map(tint).collect();
+        let tints: Vec<Tint> = (0..samples.len()).into_par_iter().map(tint).collect();
         let is_plain = plain(&tints, size[0] as usize);
-        PlainPixels { samples, is_plain, size, others, counts: Counts::default() }
+        let has_corner = match others {
+            Sampling::Corners => corners(&is_plain, size.map(|side| side as usize)),
+            Sampling::Square(_) => Vec::new(),
+        };
+        let counts = Counts::default();
+        PlainPixels { samples, tints, is_plain, has_corner, size, others, counts }
     }
 
     /// The samples in the middles of all pixels, row by row from the top.
     pub fn middles(&self) -> &Samples {
         &self.samples
+    }
+
+    /// The colour of a pixel's middle, by the pixel's index.
+    pub fn tint(&self, pixel: usize) -> Tint {
+        self.tints[pixel]
     }
 
     /// Returns the counts of a picture whose other samples have these.
@@ -82,6 +98,11 @@ impl PlainPixels {
         let mut effort = self.counts.effort;
         effort += counts.effort;
         Counts { simulated, effort, ..pixels }
+    }
+
+    /// Returns true if the samples are those of corners.
+    pub(super) fn has_corners(&self) -> bool {
+        self.others == Sampling::Corners
     }
 
     /// Returns the known answer of a sample, by its column and row among all samples. Corners of plain
@@ -100,12 +121,19 @@ impl PlainPixels {
     /// Returns true if a corner, by its column and row among all corners, has a sample: that of a pixel
     /// that is not plain.
     pub fn has_corner(&self, [x, y]: [u32; 2]) -> bool {
-        let [width, height] = self.size;
-        let columns = x.saturating_sub(1)..=x.min(width - 1);
-        (y.saturating_sub(1)..=y.min(height - 1)).any(|row| {
-            columns.clone().any(|column| !self.is_plain[(row * width + column) as usize])
-        })
+        self.has_corner[y as usize * (self.size[0] as usize + 1) + x as usize]
     }
+}
+
+/// Returns true for the corners, one column and one row more than pixels, of pixels that are not plain.
+fn corners(is_plain: &[bool], [width, height]: [usize; 2]) -> Vec<bool> {
+    let has_corner = |corner: usize| {
+        let (x, y) = (corner % (width + 1), corner / (width + 1));
+        let columns = x.saturating_sub(1)..=x.min(width - 1);
+        let mut rows = y.saturating_sub(1)..=y.min(height - 1);
+        rows.any(|row| columns.clone().any(|column| !is_plain[row * width + column]))
+    };
+    (0..(width + 1) * (height + 1)).into_par_iter().map(has_corner).collect()
 }
 
 /// Returns true for the pixels of a picture with rows of `width` that have the colour of all their
@@ -120,7 +148,7 @@ fn plain(tints: &[Tint], width: usize) -> Vec<bool> {
         let mut around = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
         !around.any(|other| apart(tints[pixel], tints[other]))
     };
-    (0..tints.len()).map(is_plain).collect()
+    (0..tints.len()).into_par_iter().map(is_plain).collect()
 }
 
 #[cfg(test)]
@@ -139,6 +167,14 @@ mod tests {
         for (k, is_plain) in plain(&tints, 8).into_iter().enumerate() {
             assert_eq!(is_plain, !matches!(k % 8, 3 | 4), "pixel {k}");
         }
+    }
+
+    #[test]
+    fn corners_of_pixels_that_are_not_plain_have_samples() {
+        // Three columns and two rows; the last pixel of the first row is not plain.
+        let found = corners(&[true, true, false, true, true, true], [3, 2]);
+        let expected = [0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0].map(|corner| corner == 1);
+        assert_eq!(found, expected);
     }
 
     #[test]

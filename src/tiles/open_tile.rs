@@ -102,6 +102,15 @@ impl OpenTile {
         tile
     }
 
+    /// Leaves out the starts of an upright tile at places that `is_wanted` refuses.
+    pub(super) fn only(mut self, is_wanted: impl Fn(u32) -> bool) -> Self {
+        self.places.retain(|place| is_wanted(*place));
+        if let Starts::Upright(upright) = &mut self.starts {
+            upright.places.clone_from(&self.places);
+        }
+        self
+    }
+
     /// Returns true if there is nothing to compute.
     pub(super) fn is_settled(&self) -> bool {
         self.places.is_empty()

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Counts, Samples, Work};
+use super::{Counts, FinishedTile, Samples, Work};
 use crate::engine::{Engine, EngineError};
 
 /// Longest wait for the engine before `go_on` is called again.
@@ -22,12 +22,12 @@ pub fn preview(
             engine.cancel();
             return Ok(None);
         }
-        for part in work.work(engine, Some(Instant::now() + PATIENCE))? {
-            for (k, [x, y]) in part.tile.pixels().enumerate() {
-                let place = (y * size[0] + x) as usize;
-                let status = part.samples.get(k).status;
-                all.set_values(place, status, part.samples.values(k));
-                all.set_trust(place, part.samples.trust(k));
+        for FinishedTile { tile, samples } in work.work(engine, Some(Instant::now() + PATIENCE))? {
+            let ([x, y], [width, height]) = (tile.origin, tile.size);
+            for row in 0..height {
+                let place = ((y + row) * size[0] + x) as usize;
+                let part = (row * width) as usize..((row + 1) * width) as usize;
+                all.copy(place, &samples, part);
             }
         }
     }

@@ -137,6 +137,16 @@ impl Samples {
         self.trusts.extend(other.trusts);
     }
 
+    /// Replaces the samples from index `first` on by some of others, of the same question.
+    pub(super) fn copy(&mut self, first: usize, other: &Samples, places: Range<usize>) {
+        let own = first..first + places.len();
+        let channels = self.channels();
+        let wide = |range: Range<usize>| range.start * channels..range.end * channels;
+        self.values[wide(own.clone())].copy_from_slice(&other.values[wide(places.clone())]);
+        self.statuses[own.clone()].copy_from_slice(&other.statuses[places.clone()]);
+        self.trusts[own].copy_from_slice(&other.trusts[places]);
+    }
+
     /// Returns the first `count` samples in reverse: those of a tile become those of its mirror image.
     pub fn image(&self, count: usize) -> Self {
         let channels = self.channels();

@@ -198,10 +198,15 @@ impl Work {
 
     /// Sorts the pixels of a tile into known samples and starts.
     fn open(&self, tile: &Tile) -> OpenTile {
-        let is_known = self.plain.is_some() || self.saved().is_some();
-        let is_plain = !is_known && !self.follows_cells();
-        let upright = is_plain.then(|| OpenTile::of_upright(&self.grid, tile)).flatten();
-        upright.unwrap_or_else(|| {
+        let corners = self.plain.as_deref().filter(|plain| plain.has_corners());
+        let is_known = corners.is_none() && self.plain.is_some() || self.saved().is_some();
+        let is_free = !is_known && !self.follows_cells();
+        let upright = is_free.then(|| OpenTile::of_upright(&self.grid, tile)).flatten();
+        let wanted = upright.map(|open| match corners {
+            Some(corners) => open.only(|place| corners.has_corner(tile.pixel(place))),
+            None => open,
+        });
+        wanted.unwrap_or_else(|| {
             let pixels: Vec<_> = tile.pixels().collect();
             let known = |pixel| self.known(pixel);
             OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known)
