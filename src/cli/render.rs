@@ -243,12 +243,13 @@ fn settle_samples(
     if options.state.is_some() && !asked && picture.samples == Sampling::Corners {
         picture.samples = Sampling::SINGLE;
     }
-    if picture.samples_of(size) != picture.samples && outputs.are_painted() {
+    let fitting = picture.samples_of(size);
+    if fitting != picture.samples && outputs.are_painted() {
         super::tell(
             "flipmap: a picture of more than 33554432 pixels has one sample in each of them",
         );
     }
-    picture.samples = picture.samples_of(size);
+    picture.samples = fitting;
 }
 
 fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result<(), Exit> {

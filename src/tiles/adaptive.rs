@@ -17,7 +17,6 @@
 use rayon::prelude::*;
 
 use super::preview::preview;
-use super::saved_pixels::SavedPixel;
 use super::{Counts, Renderer, Samples};
 use crate::engine::{Cells, EngineError, Trust};
 use crate::physics::{Outcome, Status};
@@ -100,22 +99,16 @@ impl PlainPixels {
         Counts { simulated, effort, ..pixels }
     }
 
-    /// Returns true if the samples are those of corners.
-    pub(super) fn has_corners(&self) -> bool {
-        self.others == Sampling::Corners
-    }
-
     /// Returns the known answer of a sample, by its column and row among all samples. Corners of plain
     /// pixels alone have none, and nobody looks at it.
-    pub(super) fn known(&self, place: [u32; 2]) -> Option<(SavedPixel, Trust)> {
+    pub(super) fn known(&self, place: [u32; 2]) -> Option<(Outcome, Trust)> {
         let Sampling::Square(along) = self.others else {
-            let none = SavedPixel::Over(Outcome::without_time(Status::Forbidden));
+            let none = Outcome::without_time(Status::Forbidden);
             return (!self.has_corner(place)).then_some((none, Trust::Unchecked));
         };
         let [x, y] = place.map(|at| at / along);
         let pixel = (y * self.size[0] + x) as usize;
-        let known = || (SavedPixel::Over(self.samples.get(pixel)), self.samples.trust(pixel));
-        self.is_plain[pixel].then(known)
+        self.is_plain[pixel].then(|| (self.samples.get(pixel), self.samples.trust(pixel)))
     }
 
     /// Returns true if a corner, by its column and row among all corners, has a sample: that of a pixel

@@ -102,13 +102,20 @@ impl OpenTile {
         tile
     }
 
-    /// Leaves out the starts of an upright tile at places that `is_wanted` refuses.
-    pub(super) fn only(mut self, is_wanted: impl Fn(u32) -> bool) -> Self {
-        self.places.retain(|place| is_wanted(*place));
+    /// Leaves out the starts of an upright tile whose samples are known.
+    pub(super) fn sparing(mut self, known: impl Fn(u32) -> Option<(Outcome, Trust)>) -> Self {
+        let mut places = std::mem::take(&mut self.places);
+        places.retain(|&place| match known(place) {
+            Some((outcome, trust)) => {
+                self.set(place, outcome, trust);
+                false
+            }
+            None => true,
+        });
         if let Starts::Upright(upright) = &mut self.starts {
-            upright.places.clone_from(&self.places);
+            upright.places.clone_from(&places);
         }
-        self
+        OpenTile { places, ..self }
     }
 
     /// Returns true if there is nothing to compute.

@@ -198,24 +198,21 @@ impl Work {
 
     /// Sorts the pixels of a tile into known samples and starts.
     fn open(&self, tile: &Tile) -> OpenTile {
-        let corners = self.plain.as_deref().filter(|plain| plain.has_corners());
-        let is_known = corners.is_none() && self.plain.is_some() || self.saved().is_some();
-        let is_free = !is_known && !self.follows_cells();
-        let upright = is_free.then(|| OpenTile::of_upright(&self.grid, tile)).flatten();
-        let wanted = upright.map(|open| match corners {
-            Some(corners) => open.only(|place| corners.has_corner(tile.pixel(place))),
-            None => open,
-        });
-        wanted.unwrap_or_else(|| {
-            let pixels: Vec<_> = tile.pixels().collect();
-            let known = |pixel| self.known(pixel);
-            OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known)
-        })
+        let is_free = self.saved().is_none() && !self.follows_cells();
+        match (is_free.then(|| OpenTile::of_upright(&self.grid, tile)).flatten(), &self.plain) {
+            (Some(open), Some(plain)) => open.sparing(|place| plain.known(tile.pixel(place))),
+            (Some(open), None) => open,
+            (None, _) => {
+                let pixels: Vec<_> = tile.pixels().collect();
+                let known = |pixel| self.known(pixel);
+                OpenTile::of_pixels(&self.grid, self.config, self.cells, &pixels, known)
+            }
+        }
     }
 
     fn known(&self, pixel: [u32; 2]) -> Option<(SavedPixel, Trust)> {
         if let Some(plain) = &self.plain {
-            return plain.known(pixel);
+            return plain.known(pixel).map(|(outcome, trust)| (SavedPixel::Over(outcome), trust));
         }
         let saved = self.saved().and_then(|saved| saved.known(self.index(pixel)))?;
         Some((saved, Trust::Unchecked))
