@@ -83,13 +83,7 @@ fn crosses(before: Bob, after: Bob) -> bool {
 }
 
 {% if counts_turns %}
-// Number of turns (-1, 0 or 1) that end between two places of a bob: it passes the top where y
-// changes its sign in the sense in which the bob turns (counterpart: `cpu/turns.rs`).
-fn turns_between(x0: f32, y0: f32, x1: f32, y1: f32) -> i32 {
-    let falls = select(0, 1, y1 < 0) - select(0, 1, y0 < 0);
-    return select(0, falls, f32(falls) * (x0 * y1 - y0 * x1) > 0);
-}
-
+{% include "turns.wgsl" %}
 {% endif %}
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -147,18 +141,6 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% if counts_turns %}
     outcomes[pixel].turns = bitcast<u32>(insertBits(turns.x, turns.y, 16u, 16u));
 {% endif %}
-    let sound = steps < job.most_steps;
-{% if least_energy %}
-{{ maths.energy }}
-    // Too little energy is left ever to pass the top (see src/engine/slowed.rs).
-    let slowed = rough(energy) < {{ least_energy }};
-    suspect = suspect && !slowed;
-{% endif %}
-    let over = !(rough(time) < budget){% if least_energy %} || slowed{% endif %};
-    if !sound || (over && !suspect) {
-        end(pixel, select(FAILED, UNFLIPPED, sound));
-    }
-    put_on(SUSPECTS, pixel, sound && suspect);
-    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
+{% include "stop.wgsl" %}
 }
 

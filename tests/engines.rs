@@ -7,8 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{
-    Accuracy, Engine, EngineKind, IntegratorConfig, Keep, Method, Precision, Question, Starts,
-    Upright,
+    Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Question, Starts, Upright,
 };
 use flipmap::physics::{Dd, Decimal, Outcome, Rule, Status};
 use flipmap::scene::{Budget, Build, Grid, Kind, QuestionTable as Asked, Scene, View};
@@ -17,14 +16,12 @@ const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
 /// The configurations that an engine is used with: the lesson in both precisions, and each adaptive
 /// method in the precision it is meant for.
-fn configs(engine: &dyn Engine) -> Vec<IntegratorConfig> {
+fn configs() -> Vec<IntegratorConfig> {
     let config = |method, precision| IntegratorConfig { method, precision };
     let mut configs = PRECISIONS.map(lesson).to_vec();
     configs.push(config(Method::Dopri5 { tolerance: 1e-7 }, Precision::F32));
     configs.push(config(Method::Dop853 { tolerance: 1e-12 }, Precision::F64));
-    if engine.kind() == EngineKind::Cpu {
-        configs.push(config(Method::Taylor { tolerance: 1e-15 }, Precision::F64));
-    }
+    configs.push(SERIES);
     configs
 }
 
@@ -151,7 +148,7 @@ fn mirrored_starts_have_mirrored_fates(make: Make) {
     let mut engine = make();
     for rule in [Rule::Second, Rule::Either] {
         let question = Question { rule, ..question(&Scene::default()) };
-        for config in configs(engine.as_ref()) {
+        for config in configs() {
             let there = answers(engine.as_mut(), &question, config, &starts);
             let back = answers(engine.as_mut(), &question, config, &mirrored);
             assert_eq!(there, back, "{rule} {config:?}");
@@ -168,7 +165,7 @@ fn a_whole_turn_away_is_the_same_pendulum(make: Make) {
     let [here, there] = [moved(["2", "1"]), moved(["8.283185307179586", "-5.283185307179586"])];
     let question = question(&here);
     let mut engine = make();
-    for config in configs(engine.as_ref()) {
+    for config in configs() {
         let [near, far] = [&here, &there]
             .map(|scene| answers(engine.as_mut(), &question, config, &open_starts(scene, 64, 1)));
         let (far, near) = flips_before(5.0, &far, &near);
@@ -181,7 +178,7 @@ fn splitting_a_job_changes_nothing(make: Make) {
     let question = question(&Scene::default());
     let starts = open_starts(&Scene::default(), 48, 1);
     let mut engine = make();
-    for config in configs(engine.as_ref()) {
+    for config in configs() {
         let whole = answers(engine.as_mut(), &question, config, &starts);
         let parts: Vec<Outcome> = starts
             .chunks(97)
@@ -204,7 +201,7 @@ fn an_upright_picture_is_begun_as_start_by_start(make: Make) {
         Starts::Upright(Upright { angles: upright.angles.clone(), places: places.to_vec() })
     };
     let mut engine = make();
-    let configs = configs(engine.as_ref());
+    let configs = configs();
     for (passes, &config) in
         [1, 2].iter().flat_map(|passes| configs.iter().map(move |c| (*passes, c)))
     {
@@ -222,7 +219,7 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
     let question = question(&Scene::default());
     let starts = open_starts(&Scene::default(), 48, 1);
     let mut engine = make();
-    for config in configs(engine.as_ref()) {
+    for config in configs() {
         let whole = finished(engine.as_mut(), &question, config, Starts::Rest(starts.clone()));
         let mut outcomes = vec![None; starts.len()];
         let mut open: Vec<usize> = (0..starts.len()).collect();
@@ -275,7 +272,7 @@ fn starts_at_the_top_begin_inside(make: Make) {
     let truth = truth(&question, &starts);
     assert!(truth[0].time > 0.1, "{truth:?}");
     let mut engine = make();
-    for config in configs(engine.as_ref()) {
+    for config in configs() {
         let answers = answers(engine.as_mut(), &question, config, &starts);
         assert!(
             (answers[0].time - truth[0].time).abs() < 1e-2,
@@ -293,7 +290,7 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
         let asked = Asked { budget: Budget::secs(3.0), ..Asked::default() };
         let scene = Scene { build, question: asked, ..Scene::default() };
         let starts = open_starts(&scene, 24, 1);
-        for config in configs(engine.as_ref()) {
+        for config in configs() {
             let answers = answers(engine.as_mut(), &question(&scene), config, &starts);
             for outcome in &answers {
                 let sound = outcome.time.is_finite() && (0.0..=3.0).contains(&outcome.time);
@@ -305,7 +302,7 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
 
 fn a_job_without_starts_is_done_at_once(make: Make) {
     let mut engine = make();
-    for config in configs(engine.as_ref()) {
+    for config in configs() {
         let none = answers(engine.as_mut(), &question(&Scene::default()), config, &[]);
         assert!(none.is_empty());
     }

@@ -22,10 +22,11 @@ use flipmap::engine::{
 use flipmap::physics::{Decimal, Rule};
 use flipmap::scene::{Build, Scene};
 
-/// The `lesson` configurations in both precisions, and those of `fast` and `balanced`.
+/// The `lesson` configurations in both precisions, those of `fast` and `balanced`, and expansions.
 fn configs() -> Vec<IntegratorConfig> {
     let levels = [Accuracy::Fast, Accuracy::Balanced].map(|level| level.configs()[0]);
-    [lesson(Precision::F32), lesson(Precision::F64)].into_iter().chain(levels).collect()
+    let lessons = [lesson(Precision::F32), lesson(Precision::F64)];
+    lessons.into_iter().chain(levels).chain([SERIES]).collect()
 }
 
 needs_adapter! {
@@ -56,8 +57,8 @@ impl Engine for Pretender {
     fn submit(&mut self, job: Job) -> Result<(), EngineError> {
         let config = IntegratorConfig { precision: Precision::F32, ..job.config };
         let config = match config.method {
-            // The kernels have no f32 for order 8.
-            Method::Dop853 { .. } => Accuracy::Fast.configs()[0],
+            // Nobody asks for f32 in higher orders.
+            Method::Dop853 { .. } | Method::Taylor { .. } => Accuracy::Fast.configs()[0],
             _ => config,
         };
         self.0.submit(Job { config, ..job })
@@ -164,8 +165,8 @@ mod checks {
         let mut engine = choose(&request, &|_| {}).unwrap().engine;
         // The checks of its trust have other tolerances, and methods that it does not have.
         assert!(engine.offers(&Accuracy::Fast.configs()[0]));
-        let taylor = Method::Taylor { tolerance: 1e-15 };
-        assert!(!engine.offers(&IntegratorConfig { method: taylor, precision: Precision::F64 }));
+        assert!(engine.offers(&SERIES));
+        assert!(!engine.offers(&IntegratorConfig { precision: Precision::Dd, ..SERIES }));
         let before = engine.gpu_stats().unwrap();
         let begun = Instant::now();
         assert_eq!(answers(engine.as_mut(), &question, config, &starts), expected);
@@ -347,7 +348,7 @@ mod checks {
         let mut engine = gpu_engine();
         let more = Accuracy::Fast.configs()[0];
         let more = IntegratorConfig { precision: Precision::F64, ..more };
-        let configs: Vec<_> = FAST_TO_COMPILE.into_iter().chain([more]).collect();
+        let configs: Vec<_> = FAST_TO_COMPILE.into_iter().chain([more, SERIES]).collect();
         let checks = selfcheck::orbits(&mut engine, &configs).unwrap();
         assert_eq!(checks.len(), configs.len());
         assert!(checks.iter().all(|check| check.passed), "{checks:?}");

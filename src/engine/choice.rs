@@ -9,7 +9,7 @@ use super::gpu::{GpuEngine, GpuTuning};
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
 use super::{
-    Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck,
+    Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Method, Precision, selfcheck,
 };
 use crate::scene::QuestionTable;
 
@@ -144,12 +144,15 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
 }
 
 /// Chooses the fastest engine of the profile. Adapters are not even opened where only the processor
-/// has the method.
+/// has the method, or where engines are not compared by it.
 fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let configs = request.configs();
     let on_cpu = configs.iter().any(CpuEngine::offers);
     if on_cpu && !configs.iter().any(GpuEngine::has) {
         return cpu(request, "only the processor has this method and precision".to_string());
+    }
+    if configs.iter().all(|config| matches!(config.method, Method::Taylor { .. })) {
+        return cpu(request, "engines are not compared by this method".to_string());
     }
     let profile = Profile::get(request.threads, tell);
     let Some(row) = fastest(&profile, request.setting) else {

@@ -195,7 +195,8 @@ fn orbit_config(config: &IntegratorConfig) -> Option<(IntegratorConfig, f64)> {
         (Method::Dopri5 { .. }, _) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-8),
         (Method::Dop853 { .. }, Precision::F32) => (Method::Dop853 { tolerance: 1e-7 }, 5e-3),
         (Method::Dop853 { .. }, _) => (Method::Dop853 { tolerance: 1e-13 }, 1e-8),
-        (Method::Taylor { .. } | Method::Extrapolation { .. }, _) => return None,
+        (Method::Taylor { .. }, _) => (Method::Taylor { tolerance: 1e-15 }, 1e-8),
+        (Method::Extrapolation { .. }, _) => return None,
     };
     Some((IntegratorConfig { method, ..*config }, allowed_secs))
 }
@@ -217,6 +218,7 @@ pub fn judge_orbits(
         name: match config.method {
             Method::Rk4 { .. } => "orbits by rk4",
             Method::Dopri5 { .. } => "orbits by dopri5",
+            Method::Taylor { .. } => "orbits by taylor",
             _ => "orbits by dop853",
         },
         passed: complete && error <= allowed_secs,

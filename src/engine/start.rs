@@ -17,6 +17,7 @@ use super::{
 use crate::physics::dual::Dual;
 use crate::physics::embedded::{dop853, plus};
 use crate::physics::phase::Phase;
+use crate::physics::series::{MotionSeries, ORDER_F64};
 use crate::physics::tangents::{TangentMap, Tangents, log_growth, released};
 use crate::physics::{Accumulators, Angle, Dd, Launch, Pendulum, Scalar, State, control};
 
@@ -28,6 +29,9 @@ pub const PHASE: [&str; NUMBERS] = [
     "x1", "y1", "x2", "y2", "p1", "p2", "x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low",
     "time", "time_low", "h",
 ];
+
+/// An expansion in f64.
+type Expansion = MotionSeries<f64, { ORDER_F64 + 1 }>;
 
 /// Index of the time in an adaptive state.
 pub const TIME: usize = 12;
@@ -289,7 +293,7 @@ pub fn phase_at(reduced: &Pendulum<f64>, pace: &Pace, state: &IntegratorState) -
 /// ones.
 pub fn end(
     reduced: &Pendulum<f64>,
-    pace: &Pace,
+    (config, pace): (&IntegratorConfig, &Pace),
     left: &IntegratorState,
     flipped: Option<f64>,
     clearance: f64,
@@ -309,8 +313,14 @@ pub fn end(
         (Pace::Adaptive(_), Some(time)) => time,
         (Pace::Fixed(steps), Some(fraction)) => from + fraction * steps.length,
     };
-    let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
-    let change = dop853(reduced, scale, &begin, time - from).change;
+    let change = match config.method {
+        // Steps are as long as only an expansion allows.
+        Method::Taylor { .. } => Expansion::expand(reduced, &begin).change(time - from),
+        _ => {
+            let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
+            dop853(reduced, scale, &begin, time - from).change
+        }
+    };
     let gathered = Accumulators { turns, ..counts };
     End { time, phase: plus(&begin, &change), clearance, gathered, ..End::NOWHERE }
 }

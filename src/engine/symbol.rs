@@ -52,8 +52,8 @@ enum SymbolNode {
     Negative(u32),
     /// The first times the second plus the third, of pairs of f32.
     MultiplyAdd(u32, u32, u32),
-    /// A function of one symbol, from the shading language or from the included number file.
-    Call(&'static str, u32),
+    /// A function of symbols, from the shading language or from an included file.
+    Call(&'static str, Vec<u32>),
     /// A rounded value that the optimiser must not see through.
     Guard(u32),
 }
@@ -104,6 +104,11 @@ pub fn literal(value: f64) -> Symbol {
     push(SymbolNode::Literal(value.to_bits()))
 }
 
+/// The value of the shader function `name`.
+pub fn call(name: &'static str, operands: &[Symbol]) -> Symbol {
+    push(SymbolNode::Call(name, operands.iter().map(|operand| operand.0).collect()))
+}
+
 fn with_tape<R>(f: impl FnOnce(&mut Tape) -> R) -> R {
     TAPE.with_borrow_mut(|tape| f(tape.as_mut().expect("symbols live inside write_maths")))
 }
@@ -121,6 +126,11 @@ fn push(node: SymbolNode) -> Symbol {
 }
 
 impl Symbol {
+    /// The absolute value.
+    pub fn abs(self) -> Symbol {
+        self.value().map_or_else(|| call("abs", &[self]), |value| literal(value.abs()))
+    }
+
     /// The value of the symbol if it is a literal.
     fn value(self) -> Option<f64> {
         with_tape(|tape| match tape.nodes[self.0 as usize] {
@@ -135,10 +145,6 @@ impl Symbol {
             SymbolNode::Negative(inner) => Some(Symbol(inner)),
             _ => None,
         })
-    }
-
-    fn call(self, function: &'static str) -> Symbol {
-        push(SymbolNode::Call(function, self.0))
     }
 
     fn binary(self, operator: char, other: Symbol) -> Symbol {
@@ -257,7 +263,7 @@ impl Angle for Symbol {
 
 impl Rounding for Symbol {
     fn nearest(self) -> Self {
-        self.call("round")
+        call("round", &[self])
     }
 }
 
@@ -291,17 +297,13 @@ impl Tape {
     }
 
     fn mark_operands(&self, index: usize, needed: &mut [bool]) {
-        match self.nodes[index] {
-            SymbolNode::Binary(_, a, b) => {
-                needed[a as usize] = true;
-                needed[b as usize] = true;
-            }
-            SymbolNode::MultiplyAdd(a, b, c) => {
-                [a, b, c].into_iter().for_each(|operand| needed[operand as usize] = true);
-            }
-            SymbolNode::Negative(a) | SymbolNode::Call(_, a) | SymbolNode::Guard(a) => {
-                needed[a as usize] = true
-            }
+        let mut mark =
+            |operands: &[u32]| operands.iter().for_each(|&operand| needed[operand as usize] = true);
+        match &self.nodes[index] {
+            SymbolNode::Binary(_, a, b) => mark(&[*a, *b]),
+            SymbolNode::MultiplyAdd(a, b, c) => mark(&[*a, *b, *c]),
+            SymbolNode::Negative(a) | SymbolNode::Guard(a) => mark(&[*a]),
+            SymbolNode::Call(_, operands) => mark(operands),
             SymbolNode::Literal(_) | SymbolNode::Variable(_) => {}
         }
     }
@@ -326,7 +328,10 @@ impl Tape {
                 format!("multiply_add({a}, {b}, {c}, zero)")
             }
             SymbolNode::Negative(a) => format!("-{}", self.operand(*a)),
-            SymbolNode::Call(function, a) => format!("{function}({})", self.operand(*a)),
+            SymbolNode::Call(function, operands) => {
+                let operands: Vec<String> = operands.iter().map(|a| self.operand(*a)).collect();
+                format!("{function}({})", operands.join(", "))
+            }
             SymbolNode::Guard(a) => format!("guard({}, zero)", self.operand(*a)),
             SymbolNode::Literal(_) | SymbolNode::Variable(_) => {
                 unreachable!("printed where it is used")

@@ -22,11 +22,12 @@ use crate::engine::start::{ANGLES, PHASE};
 use crate::engine::{Ends, EngineError, IntegratorConfig, Method, Precision, Question};
 use crate::physics::control::{Control, GROW, LONGEST, SHRINK};
 use crate::physics::crossing::{FAR, SLACK};
+use crate::physics::series::ORDER_F64;
 use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// All shader files by name.
-pub const FILES: [(&str, &str); 21] = [
+pub const FILES: [(&str, &str); 27] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
@@ -44,6 +45,12 @@ pub const FILES: [(&str, &str); 21] = [
     ("nearest.wgsl", include_str!("../../../shaders/nearest.wgsl")),
     ("adaptive.wgsl", include_str!("../../../shaders/adaptive.wgsl")),
     ("look.wgsl", include_str!("../../../shaders/look.wgsl")),
+    ("stop.wgsl", include_str!("../../../shaders/stop.wgsl")),
+    ("turns.wgsl", include_str!("../../../shaders/turns.wgsl")),
+    ("series.wgsl", include_str!("../../../shaders/series.wgsl")),
+    ("course.wgsl", include_str!("../../../shaders/course.wgsl")),
+    ("series_look.wgsl", include_str!("../../../shaders/series_look.wgsl")),
+    ("series_passes.wgsl", include_str!("../../../shaders/series_passes.wgsl")),
     ("passes.wgsl", include_str!("../../../shaders/passes.wgsl")),
     ("begin.wgsl", include_str!("../../../shaders/begin.wgsl")),
     ("turn.wgsl", include_str!("../../../shaders/turn.wgsl")),
@@ -59,6 +66,8 @@ pub enum Scheme {
     Fifth,
     /// The pair DOP853.
     Eighth,
+    /// Taylor expansions; only in f64.
+    Series,
 }
 
 /// All that a kernel's text depends on.
@@ -107,6 +116,7 @@ impl Design {
             }
             Method::Dopri5 { .. } => Scheme::Fifth,
             Method::Dop853 { .. } => Scheme::Eighth,
+            Method::Taylor { .. } if config.precision == Precision::F64 => Scheme::Series,
             method => {
                 return Err(EngineError::Unsupported(format!(
                     "graphics adapters have no `method` {} in `precision` {}",
@@ -140,6 +150,21 @@ impl Design {
     /// Returns true if the kernel can begin the starts of an upright picture.
     pub fn begins(&self) -> bool {
         !self.ends.are_carried()
+    }
+
+    /// The same kernel, if its scheme can compute such ends.
+    pub fn returning(self, ends: Ends) -> Result<Self, EngineError> {
+        if self.scheme == Scheme::Series && ends.are_carried() {
+            let why = "growth and returns by `method` taylor are computed by `engine` cpu only";
+            return Err(EngineError::Unsupported(why.to_string()));
+        }
+        Ok(self)
+    }
+
+    /// Returns true if scenes have no kernels of their own: expansions check a few pixels of each, and
+    /// their kernels take long to compile.
+    pub fn serves_all(&self) -> bool {
+        self.scheme == Scheme::Series
     }
 
     pub(super) fn is_adaptive(&self) -> bool {
@@ -180,11 +205,12 @@ impl Design {
             return glue(&files, &self.values(maths, String::new()));
         }
         if self.is_adaptive() {
-            let (control, adaptive) = ("control.wgsl", "adaptive.wgsl");
-            return glue(
-                &["shared.wgsl", number, control, adaptive, "look.wgsl", "begin.wgsl", "turn.wgsl"],
-                &self.values(maths, String::new()),
-            );
+            let steps = match self.scheme {
+                Scheme::Series => ["series.wgsl", "course.wgsl", "series_look.wgsl"],
+                _ => ["control.wgsl", "adaptive.wgsl", "look.wgsl"],
+            };
+            let files = [&["shared.wgsl", number], &steps[..], &["begin.wgsl", "turn.wgsl"]];
+            return glue(&files.concat(), &self.values(maths, String::new()));
         }
         for bob in self.watched() {
             maths.insert(format!("bob{bob}"), self.quintic_of(bob));
@@ -243,6 +269,7 @@ impl Design {
                 shrink: number(SHRINK),
                 grow: number(GROW),
                 longest: number(LONGEST),
+                terms: ORDER_F64 + 1,
             },
             quartic: self.scheme == Scheme::Fifth,
             bows: self.bows(),

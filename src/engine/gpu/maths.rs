@@ -1,5 +1,7 @@
 //! The maths of a kernel as shader text, printed from the Rust of `physics`.
 
+mod series;
+
 use super::kernel::{Design, Scheme};
 use crate::engine::integrator_state::{SLOPES, STARTS};
 use crate::engine::start::PHASE;
@@ -57,6 +59,7 @@ impl Design {
             Scheme::Fixed(turning) => self.fixed_step(turning),
             Scheme::Fifth => self.adaptive_step(dopri5),
             Scheme::Eighth => self.adaptive_step(dop853),
+            Scheme::Series => self.series_step(),
         }
     }
 
@@ -131,6 +134,7 @@ impl Design {
                 Scheme::Fixed(_) => (rk4(&pendulum, &before, length), Dual::new(literal(0.0))),
                 Scheme::Fifth => tried(&before, dopri5(&pendulum, scale, &before, length)),
                 Scheme::Eighth => tried(&before, dop853(&pendulum, scale, &before, length)),
+                Scheme::Series => unreachable!("refused with the job"),
             };
             let error = error.value;
             let mut results = vec![("time_next".to_string(), variable("time") + step)];
@@ -155,6 +159,7 @@ impl Design {
                 Scheme::Fixed(_) => (rk4(&pendulum, &before, step), literal(0.0)),
                 Scheme::Fifth => tried(&before, dopri5(&pendulum, scale, &before, step)),
                 Scheme::Eighth => tried(&before, dop853(&pendulum, scale, &before, step)),
+                Scheme::Series => unreachable!("refused with the job"),
             };
             let unit = |i: usize| if i < 4 { literal(1.0) } else { scale[i - 4] };
             let apart =

@@ -203,11 +203,11 @@ impl GpuEngine {
     fn design(&mut self, job: &Job) -> Result<Design, EngineError> {
         self.require(&job.config)?;
         job.keep.check(&job.config)?;
-        let general = self.general(&job.config)?;
+        let general = self.general(&job.config)?.returning(job.keep.ends)?;
         // The general kernel counts nothing, carries nothing along and knows no friction.
         let (question, ends) = (&job.question, job.keep.ends);
         let is_special = question.counts() || ends.are_carried() || question.build.has_friction();
-        if self.tuning.general && !is_special {
+        if (self.tuning.general || general.serves_all()) && !is_special {
             return Ok(general);
         }
         let special = general.specialised(question, &job.pace()?);

@@ -99,7 +99,7 @@ impl CarriedValues {
     }
 }
 
-/// The constants of the step size control and of the test for crossings.
+/// The constants of steps, of their control and of the tests for crossings.
 #[derive(Serialize)]
 pub(super) struct ControlValues {
     pub(super) far: String,
@@ -109,6 +109,8 @@ pub(super) struct ControlValues {
     pub(super) shrink: String,
     pub(super) grow: String,
     pub(super) longest: String,
+    /// Number of coefficients of an expansion.
+    pub(super) terms: usize,
 }
 
 /// Values of the self-check's text.

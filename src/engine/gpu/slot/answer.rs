@@ -71,7 +71,8 @@ impl Slot {
             let flipped =
                 (status_of(raw.status) == Some(Status::Flipped)).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
-            let mut end = start::end(&reduced, &self.pace, state, flipped, clearance);
+            let how = (&self.job.config, &self.pace);
+            let mut end = start::end(&reduced, how, state, flipped, clearance);
             if let Pace::Adaptive(_) = self.pace {
                 end.gathered.turns = turns_of(raw);
             }

@@ -1,0 +1,14 @@
+    let sound = steps < job.most_steps;
+{% if least_energy %}
+{{ maths.energy }}
+    // Too little energy is left ever to pass the top (see src/engine/slowed.rs).
+    let slowed = rough(energy) < {{ least_energy }};
+    suspect = suspect && !slowed;
+{% endif %}
+    let over = !(rough(time) < budget){% if least_energy %} || slowed{% endif %};
+    if !sound || (over && !suspect) {
+        end(pixel, select(FAILED, UNFLIPPED, sound));
+    }
+    put_on(SUSPECTS, pixel, sound && suspect);
+    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
+

@@ -1,0 +1,96 @@
+//! Taylor expansions on the card, by which `exact` checks other methods.
+
+#[macro_use]
+#[path = "common/adapter.rs"]
+mod adapter;
+mod common;
+
+use common::*;
+use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::{End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Wait};
+use flipmap::physics::{Dd, Rule, Status};
+use flipmap::scene::Scene;
+
+needs_adapter! {
+    checks:
+    they_end_where_those_of_the_processor_do
+    they_count_the_passes_that_the_processor_counts
+    they_carry_no_tangents
+}
+
+/// A question whose budget is so short that roundings stay small.
+fn soon(rule: Rule, passes: u32) -> Question {
+    Question { rule, passes, budget_secs: 4.0, ..question(&Scene::default()) }
+}
+
+/// The results of both engines, with all ends.
+fn on_both(question: Question, starts: &[[Dd; 2]]) -> [JobResult; 2] {
+    let ended = |engine: &mut dyn Engine| {
+        let starts = Starts::Rest(starts.to_vec());
+        let job = Job { id: 0, question, config: SERIES, starts, keep: Keep::ENDS };
+        engine.submit(job).unwrap();
+        engine.poll(Wait::UntilFinished).unwrap().remove(0)
+    };
+    let both = [ended(&mut gpu_engine()), ended(&mut CpuEngine::new(None).unwrap())];
+    assert!(both.iter().all(|result| result.ends.len() == starts.len()));
+    let statuses = |result: &JobResult| -> Vec<Status> {
+        result.outcomes.iter().map(|outcome| outcome.status).collect()
+    };
+    assert_eq!(statuses(&both[0]), statuses(&both[1]), "{question:?}");
+    both
+}
+
+mod checks {
+    use super::*;
+
+    pub(crate) fn they_end_where_those_of_the_processor_do() {
+        let starts = open_starts(&Scene::default(), 64, 1);
+        for rule in [Rule::Second, Rule::Either] {
+            let [gpu, cpu] = on_both(soon(rule, 1), &starts);
+            // Pendulums that do not flip end with the last step of the budget, and steps differ a little
+            // in length.
+            let flipped = gpu.outcomes.iter().map(|outcome| outcome.status == Status::Flipped);
+            let ends = gpu.ends.iter().zip(&cpu.ends).zip(flipped);
+            let ends: Vec<(&End, &End)> =
+                ends.filter(|(_, flips)| *flips).map(|(e, _)| e).collect();
+            assert!(ends.len() > 300, "{}", ends.len());
+            for (a, b) in &ends {
+                assert!((a.time - b.time).abs() < 1e-8, "{a:?} and {b:?}");
+                let apart = |i: usize| (a.phase[i] - b.phase[i]).abs();
+                assert!((0..6).all(|i| apart(i) < 1e-8), "{a:?} and {b:?}");
+                assert_eq!(a.clearance == 0.0, b.clearance == 0.0, "{a:?} and {b:?}");
+            }
+            // Clearances are bounds, which depend on the parts that a step is cut into.
+            let near = ends.iter().filter(|(a, b)| a.clearance.min(b.clearance) > 0.0);
+            let ratios: Vec<f64> = near.map(|(a, b)| (a.clearance / b.clearance).ln()).collect();
+            let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+            assert!(ratios.len() > 100 && mean.abs() < 0.5, "{}, {mean}", ratios.len());
+        }
+    }
+
+    pub(crate) fn they_count_the_passes_that_the_processor_counts() {
+        let starts = open_starts(&Scene::default(), 48, 1);
+        for (rule, passes) in [(Rule::Either, u32::MAX), (Rule::Second, 3)] {
+            let both = on_both(soon(rule, passes), &starts);
+            let [gpu, cpu] = both.map(|result| {
+                result.ends.iter().map(|end| end.gathered.passes).collect::<Vec<[u32; 4]>>()
+            });
+            assert_eq!(gpu, cpu, "{rule}");
+            assert!(gpu.iter().flatten().sum::<u32>() > 1000);
+            // Both bobs, in both senses, some more than once.
+            let counted = |place: usize| gpu.iter().map(move |passes| passes[place]).max();
+            let most: Vec<u32> = (0..4).filter_map(counted).collect();
+            let watched = if rule == Rule::Either { 0 } else { 2 };
+            assert!(most[watched..].iter().all(|&most| most > 1), "{most:?}");
+        }
+    }
+
+    pub(crate) fn they_carry_no_tangents() {
+        let starts = Starts::Rest(open_starts(&Scene::default(), 8, 1));
+        let keep = Keep { ends: Ends::Growth, states: false };
+        let question = soon(Rule::Neither, 1);
+        let job = Job { id: 0, question, config: SERIES, starts, keep };
+        let error = gpu_engine().submit(job).unwrap_err().to_string();
+        assert!(error.contains("`method` taylor") && error.contains("`engine` cpu"), "{error}");
+    }
+}
