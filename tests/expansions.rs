@@ -7,7 +7,10 @@ mod common;
 
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::{End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Wait};
+use flipmap::engine::trust::TrustEngine;
+use flipmap::engine::{
+    Accuracy, End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Trust, Wait,
+};
 use flipmap::physics::{Dd, Rule, Status};
 use flipmap::scene::Scene;
 
@@ -16,6 +19,7 @@ needs_adapter! {
     they_end_where_those_of_the_processor_do
     they_count_the_passes_that_the_processor_counts
     they_carry_no_tangents
+    exact_is_sure_of_the_same_starts
 }
 
 /// A question whose budget is so short that roundings stay small.
@@ -92,5 +96,24 @@ mod checks {
         let job = Job { id: 0, question, config: SERIES, starts, keep };
         let error = gpu_engine().submit(job).unwrap_err().to_string();
         assert!(error.contains("`method` taylor") && error.contains("`engine` cpu"), "{error}");
+    }
+
+    pub(crate) fn exact_is_sure_of_the_same_starts() {
+        let starts = open_starts(&Scene::default(), 96, 1);
+        let question = question(&Scene::default());
+        let config = Accuracy::Exact.configs()[0];
+        let checked = |engine: Box<dyn Engine>| {
+            let starts = Starts::Rest(starts.clone());
+            finished(&mut TrustEngine::new(engine, None).unwrap(), &question, config, starts)
+        };
+        let gpu = gpu_engine();
+        assert!(gpu.offers(&SERIES), "the card makes the check");
+        let [gpu, cpu] = [checked(Box::new(gpu)), checked(Box::new(CpuEngine::new(None).unwrap()))];
+        for trusts in [&gpu.trusts, &cpu.trusts] {
+            let confirmed = trusts.iter().filter(|&&trust| trust == Trust::Confirmed).count();
+            assert!(confirmed > 100, "{confirmed} starts of {} needed more digits", starts.len());
+            assert!(trusts.iter().all(|&trust| trust != Trust::Uncertain));
+        }
+        assert_eq!(share_within(1e-3, &gpu.outcomes, &cpu.outcomes), 1.0);
     }
 }

@@ -4,7 +4,7 @@
 use super::background::on_its_own_thread;
 use super::cpu::CpuEngine;
 use super::depth::{DepthEngine, Following};
-use super::gpu::device::{Gpu, adapters, describe};
+use super::gpu::device::{Gpu, adapters, describe, is_software};
 use super::gpu::{GpuEngine, GpuTuning};
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
@@ -252,8 +252,11 @@ fn served(
         return Ok(Box::new(engine));
     }
     let verdict = engine.verdict().clone();
+    let is_software = is_software(&engine.gpu().adapter);
     let offered = move |config: &IntegratorConfig| {
-        GpuEngine::has(config) && verdict.require(config.precision).is_ok()
+        // A software adapter takes longer for expansions than the processor's lanes, on the same cores.
+        let is_left = is_software && matches!(config.method, Method::Taylor { .. });
+        GpuEngine::has(config) && verdict.require(config.precision).is_ok() && !is_left
     };
     let served = on_its_own_thread(engine, config, why, offered)
         .map_err(|error| EngineError::Unsupported(format!("cannot start a thread: {error}")))?;
