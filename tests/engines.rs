@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::level::FINEST;
 use flipmap::engine::{
     Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Question, Starts, Upright,
 };
@@ -21,7 +22,7 @@ fn configs() -> Vec<IntegratorConfig> {
     let mut configs = PRECISIONS.map(lesson).to_vec();
     configs.push(config(Method::Dopri5 { tolerance: 1e-7 }, Precision::F32));
     configs.push(config(Method::Dop853 { tolerance: 1e-12 }, Precision::F64));
-    configs.push(SERIES);
+    configs.push(FINEST);
     configs
 }
 

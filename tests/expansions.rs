@@ -7,6 +7,7 @@ mod common;
 
 use common::*;
 use flipmap::engine::cpu::CpuEngine;
+use flipmap::engine::level::FINEST;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{
     Accuracy, End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Trust, Wait,
@@ -31,7 +32,7 @@ fn soon(rule: Rule, passes: u32) -> Question {
 fn on_both(question: Question, starts: &[[Dd; 2]]) -> [JobResult; 2] {
     let ended = |engine: &mut dyn Engine| {
         let starts = Starts::Rest(starts.to_vec());
-        let job = Job { id: 0, question, config: SERIES, starts, keep: Keep::ENDS };
+        let job = Job { id: 0, question, config: FINEST, starts, keep: Keep::ENDS };
         engine.submit(job).unwrap();
         engine.poll(Wait::UntilFinished).unwrap().remove(0)
     };
@@ -93,7 +94,7 @@ mod checks {
         let starts = Starts::Rest(open_starts(&Scene::default(), 8, 1));
         let keep = Keep { ends: Ends::Growth, states: false };
         let question = soon(Rule::Neither, 1);
-        let job = Job { id: 0, question, config: SERIES, starts, keep };
+        let job = Job { id: 0, question, config: FINEST, starts, keep };
         let error = gpu_engine().submit(job).unwrap_err().to_string();
         assert!(error.contains("`method` taylor") && error.contains("`engine` cpu"), "{error}");
     }
@@ -107,7 +108,7 @@ mod checks {
             finished(&mut TrustEngine::new(engine, None).unwrap(), &question, config, starts)
         };
         let gpu = gpu_engine();
-        assert!(gpu.offers(&SERIES), "the card makes the check");
+        assert!(gpu.offers(&FINEST), "the card makes the check");
         let [gpu, cpu] = [checked(Box::new(gpu)), checked(Box::new(CpuEngine::new(None).unwrap()))];
         for trusts in [&gpu.trusts, &cpu.trusts] {
             let confirmed = trusts.iter().filter(|&&trust| trust == Trust::Confirmed).count();

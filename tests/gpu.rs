@@ -13,7 +13,7 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device::{Gpu, is_software};
 use flipmap::engine::gpu::pairs::Pairs;
 use flipmap::engine::gpu::{GpuEngine, MOST_KERNELS};
-use flipmap::engine::level::FAST_TO_COMPILE;
+use flipmap::engine::level::{FAST_TO_COMPILE, FINEST};
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
     Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, JobResult, Keep,
@@ -26,7 +26,7 @@ use flipmap::scene::{Build, Scene};
 fn configs() -> Vec<IntegratorConfig> {
     let levels = [Accuracy::Fast, Accuracy::Balanced].map(|level| level.configs()[0]);
     let lessons = [lesson(Precision::F32), lesson(Precision::F64)];
-    lessons.into_iter().chain(levels).chain([SERIES]).collect()
+    lessons.into_iter().chain(levels).chain([FINEST]).collect()
 }
 
 needs_adapter! {
@@ -165,8 +165,8 @@ mod checks {
         let mut engine = choose(&request, &|_| {}).unwrap().engine;
         // The checks of its trust have other tolerances, and methods that it leaves to the processor.
         assert!(engine.offers(&Accuracy::Fast.configs()[0]));
-        assert_eq!(engine.offers(&SERIES), !is_software(&gpu_engine().gpu().adapter));
-        assert!(!engine.offers(&IntegratorConfig { precision: Precision::Dd, ..SERIES }));
+        assert_eq!(engine.offers(&FINEST), !is_software(&gpu_engine().gpu().adapter));
+        assert!(!engine.offers(&IntegratorConfig { precision: Precision::Dd, ..FINEST }));
         let before = engine.gpu_stats().unwrap();
         let begun = Instant::now();
         assert_eq!(answers(engine.as_mut(), &question, config, &starts), expected);
@@ -348,7 +348,7 @@ mod checks {
         let mut engine = gpu_engine();
         let more = Accuracy::Fast.configs()[0];
         let more = IntegratorConfig { precision: Precision::F64, ..more };
-        let configs: Vec<_> = FAST_TO_COMPILE.into_iter().chain([more, SERIES]).collect();
+        let configs: Vec<_> = FAST_TO_COMPILE.into_iter().chain([more, FINEST]).collect();
         let checks = selfcheck::orbits(&mut engine, &configs).unwrap();
         assert_eq!(checks.len(), configs.len());
         assert!(checks.iter().all(|check| check.passed), "{checks:?}");

@@ -321,7 +321,7 @@ fn open(
     step_back();
     let tuning = GpuTuning { pace: PACE, at_once: true, ..request.tuning };
     // The whole engine gets a thread of its own here.
-    let request = EngineRequest { tuning, own_thread: false, ..request.clone() };
+    let request = EngineRequest { tuning, own_thread: false, verify, ..request.clone() };
     let Chosen { engine, config, why, following } = choice::choose(&request, tell)?;
     let engine = Renderer::of(engine, config, verify, request.threads)?.into_engine();
     Ok(Chosen { engine, config, why, following })

@@ -229,7 +229,7 @@ fn run(
 ) -> Result<(), Failure> {
     let words = RunTable { size: Some(request.size), ..request.document.run.clone() };
     let RunSpec { setting, verify, table } = RunSpec::resolve(words)?;
-    let engine_request = &EngineRequest { setting, ..engine_request.clone() };
+    let engine_request = &EngineRequest { setting, verify, ..engine_request.clone() };
     let mut document = Document { run: table, ..request.document.clone() };
     document.check()?;
     document.view = document.view.fitted(request.size.map(f64::from));

@@ -47,7 +47,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let spec = options.run.settle(&mut document)?;
     let scene = document.scene();
     scene.require_flip_from_rest()?;
-    let mut chosen = start(&options.run.engine.request(spec.setting))?;
+    let mut chosen = start(&options.run.engine.request(spec.setting, spec.verify))?;
     stop::listen()?;
     // A pipe that nobody reads is refused before the work.
     let destination = options.output.as_deref().map(Destination::from);

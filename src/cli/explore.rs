@@ -41,7 +41,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let options = model::WindowOptions {
         run: options.run.says_how().then(|| document.run.clone()),
         document: options.scene.says_something().then_some(document),
-        request: options.run.engine.request(spec.setting),
+        request: options.run.engine.request(spec.setting, spec.verify),
         folders,
         stats: options.stats.clone(),
         film_command: Some(film_command),

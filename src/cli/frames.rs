@@ -22,7 +22,8 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     let mut document = film.keys[0].scene.clone();
     options.film.picture.apply(&mut document)?;
     let document = document.checked()?;
-    let request = options.film.run.engine.request(spec.setting).answering(&document.question);
+    let request =
+        options.film.run.engine.request(spec.setting, spec.verify).answering(&document.question);
     let chosen = start(&request)?;
     stop::listen()?;
     let size = film.size.map(|side| side * document.picture.samples.along());

@@ -87,7 +87,8 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         PlannedOutput::Still(document) => document.scene(),
         PlannedOutput::Film(film) => film.keys[0].scene.scene(),
     };
-    let request = options.film.run.engine.request(spec.setting).answering(&scene.question);
+    let request =
+        options.film.run.engine.request(spec.setting, spec.verify).answering(&scene.question);
     let mut chosen = start(&request)?;
     check_steps(&scene, chosen.config)?;
     if let PlannedOutput::Film(film) = &what
@@ -154,7 +155,8 @@ pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     options.engine.check()?;
     let task = farm::open(&options.plan)?;
     let shards = shards(options.shard.as_deref(), task.plan.shards)?;
-    let request = options.engine.request(IntegrationSetting::Explicit(task.config));
+    let request =
+        options.engine.request(IntegrationSetting::Explicit(task.config), task.plan.verify);
     let chosen = start(&farm::request_like(&task.plan, request)).with_context(|| {
         let engine = &task.plan.engine;
         format!("the plan is for the {engine} engine; choose another with --engine and --adapter")

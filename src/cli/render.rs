@@ -59,7 +59,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check(&document.picture)?;
-    let mut request = options.run.engine.request(spec.setting).answering(&document.question);
+    let mut request =
+        options.run.engine.request(spec.setting, spec.verify).answering(&document.question);
     if let Some(continued) = &continued {
         request = continued.prefer_engine(request);
     }

@@ -87,13 +87,14 @@ impl From<EngineOption> for Option<EngineKind> {
 }
 
 impl EngineOptions {
-    /// Returns the engine request that the options make for a setting.
-    pub(super) fn request(&self, setting: IntegrationSetting) -> EngineRequest {
+    /// Returns the engine request that the options make for a setting, with checked answers or not.
+    pub(super) fn request(&self, setting: IntegrationSetting, verify: bool) -> EngineRequest {
         EngineRequest {
             kind: self.engine.into(),
             adapter: self.adapter.clone(),
             threads: self.threads(),
             setting,
+            verify,
             tuning: self.tuning(),
             ..EngineRequest::default()
         }

@@ -60,7 +60,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let path = cache.join("plan.toml");
     spares_others("--cache", &path)?;
     spares_plans(&path)?;
-    let mut request = options.film.run.engine.request(spec.setting);
+    let mut request = options.film.run.engine.request(spec.setting, spec.verify);
     // Another engine would differ from the existing samples in the last digits.
     if let Some(earlier) = earlier(&path) {
         request = farm::request_like(&earlier, request);

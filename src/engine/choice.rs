@@ -6,6 +6,7 @@ use super::cpu::CpuEngine;
 use super::depth::{DepthEngine, Following};
 use super::gpu::device::{Gpu, adapters, describe, is_software};
 use super::gpu::{GpuEngine, GpuTuning};
+use super::level::FINEST;
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
 use super::{
@@ -26,6 +27,9 @@ pub struct EngineRequest {
     pub setting: IntegrationSetting,
     /// The ends that the configuration has to compute, if any configuration of the level can.
     pub ends: Ends,
+    /// True if answers will be checked: the kernel of the checks is judged before, and an adapter on
+    /// which it fails leaves them to the processor.
+    pub verify: bool,
     /// Settings of an adapter that change no answer.
     pub tuning: GpuTuning,
     /// True if an adapter is served by a thread of its own, so that it never waits for its caller.
@@ -64,6 +68,7 @@ impl Default for EngineRequest {
             threads: None,
             setting,
             ends: Ends::None,
+            verify: false,
             tuning: GpuTuning::default(),
             own_thread: true,
         }
@@ -229,7 +234,10 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
     for adapter in fitting {
         let configs = configs_on(&adapter, request, profile.as_ref());
         match sound(&adapter, request.tuning, configs) {
-            Ok((engine, config)) => {
+            Ok((mut engine, config)) => {
+                if request.verify && !is_software(&adapter) && engine.offers(&FINEST) {
+                    engine.check_orbits(&FINEST)?;
+                }
                 let why = format!("{} passed the self-check", engine.adapter());
                 let engine = served(engine, request, config, &why)?;
                 let following = Following::default();
@@ -256,7 +264,7 @@ fn served(
     let offered = move |config: &IntegratorConfig| {
         // A software adapter takes longer for expansions than the processor's lanes, on the same cores.
         let is_left = is_software && matches!(config.method, Method::Taylor { .. });
-        GpuEngine::has(config) && verdict.require(config.precision).is_ok() && !is_left
+        GpuEngine::has(config) && verdict.allows(config).is_ok() && !is_left
     };
     let served = on_its_own_thread(engine, config, why, offered)
         .map_err(|error| EngineError::Unsupported(format!("cannot start a thread: {error}")))?;

@@ -35,6 +35,10 @@ pub const BALANCED: IntegratorConfig =
 pub const BALANCED_DF32: IntegratorConfig =
     IntegratorConfig { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
 
+/// The finest configuration in f64, by which `exact` checks what others leave open.
+pub const FINEST: IntegratorConfig =
+    IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
+
 /// The levels' configurations whose kernels compile fast, and the lesson's in f64.
 pub const FAST_TO_COMPILE: [IntegratorConfig; 4] =
     [LESSON, IntegratorConfig { precision: Precision::F64, ..LESSON }, FAST, BALANCED];

@@ -17,10 +17,6 @@ pub(crate) fn lesson(precision: Precision) -> IntegratorConfig {
     IntegratorConfig { method: Method::LESSON, precision }
 }
 
-/// Expansions in f64.
-pub(crate) const SERIES: IntegratorConfig =
-    IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
-
 /// An engine on the first adapter, preferring a software adapter so that results are the same
 /// everywhere. Without an adapter the test fails with a message on what to install.
 pub(crate) fn gpu_engine() -> GpuEngine {

@@ -107,7 +107,7 @@ impl GpuEngine {
     /// Refuses a configuration that the kernels do not have or the device is not trusted with.
     pub fn require(&self, config: &IntegratorConfig) -> Result<(), EngineError> {
         Design::general(config, false, false)?;
-        self.verdict.require(config.precision).map_err(EngineError::Unsupported)
+        self.verdict.allows(config).map_err(EngineError::Unsupported)
     }
 
     /// Checks orbits by a configuration's method in its precision, unless that was done before.

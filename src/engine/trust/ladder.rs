@@ -6,7 +6,7 @@
 //! the home map, on random scenes and on deep views; `docs/accuracy.md` has the figures.
 
 use super::Trust;
-use crate::engine::level::{BALANCED, FAST};
+use crate::engine::level::{BALANCED, FAST, FINEST};
 use crate::engine::{End, Ends, IntegratorConfig, Keep, Method, Precision};
 
 /// One way of computing a start.
@@ -125,8 +125,6 @@ const fn dd_run(method: Method) -> IntegratorConfig {
 const FINER: IntegratorConfig = f64_run(Method::Dop853 { tolerance: 1e-14 });
 /// A coarser configuration of another method than [`FINER`].
 const OTHER: IntegratorConfig = f64_run(Method::Dopri5 { tolerance: 1e-10 });
-/// The finest configuration in f64.
-const FINEST: IntegratorConfig = f64_run(Method::Taylor { tolerance: 1e-15 });
 /// A configuration in double-double, far finer than f64.
 const BEYOND: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-20 });
 /// The finest configuration in double-double.
