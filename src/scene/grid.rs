@@ -161,9 +161,13 @@ impl Grid {
         Grid { spots: self.spots.in_leaves_of(&other.spots), ..self }
     }
 
-    /// Groups pixels by the leaves in which they lie, each with about `leaf_pixels` along a side, with
-    /// their places among `pixels`.
-    pub fn grouped(&self, leaf_pixels: u32, pixels: impl Iterator<Item = [u32; 2]>) -> Grouped {
+    /// Groups some pixels by the leaves in which they lie, each with about `leaf_pixels` along a side;
+    /// each comes with its place among all.
+    pub fn grouped(
+        &self,
+        leaf_pixels: u32,
+        pixels: impl Iterator<Item = (u32, [u32; 2])>,
+    ) -> Grouped {
         self.spots.grouped(self.size, leaf_pixels, pixels)
     }
 

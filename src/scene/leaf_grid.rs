@@ -42,31 +42,48 @@ impl LeafGrid {
         LeafGrid { pixel: others.pixel, ..self }
     }
 
-    /// The leaf of a point `across` pixels to the right of the centre and `above` pixels above it,
-    /// and the point's place in that leaf.
-    fn leaf_point(&self, level: u32, across: f64, above: f64) -> (Cell, [f64; 2]) {
-        let place =
-            [0, 1].map(|i| self.middle[i] + self.right[i].times(across) + self.up[i].times(above));
-        let cell = Cell::at(place, level);
-        (cell, cell.point(place))
-    }
-
-    /// Groups pixels of a picture of `size` by their leaves, with about `leaf_pixels` along a side.
+    /// Groups some pixels of a picture of `size` by their leaves, with about `leaf_pixels` along a side;
+    /// each comes with its place among all.
     pub(super) fn grouped(
         &self,
         size: [u32; 2],
         leaf_pixels: u32,
-        pixels: impl Iterator<Item = [u32; 2]>,
+        pixels: impl Iterator<Item = (u32, [u32; 2])>,
     ) -> Grouped {
         let sides = std::f64::consts::TAU / (f64::from(leaf_pixels) * self.pixel);
         let level = sides.log2().floor().max(0.0) as u32;
+        let across = |column: u32| f64::from(column) + 0.5 - f64::from(size[0]) / 2.0;
+        let above = |row: u32| f64::from(size[1]) / 2.0 - f64::from(row) - 0.5;
+        // Products of long numbers take longer than all else here: one for each column and row.
+        let mut columns = Offsets::new(|column| self.right.map(|step| step.times(across(column))));
+        let mut rows = Offsets::new(|row| self.up.map(|step| step.times(above(row))));
         let mut groups = std::collections::BTreeMap::<Cell, Vec<_>>::new();
-        for (place, [column, row]) in (0..).zip(pixels) {
-            let across = f64::from(column) + 0.5 - f64::from(size[0]) / 2.0;
-            let above = f64::from(size[1]) / 2.0 - f64::from(row) - 0.5;
-            let (cell, point) = self.leaf_point(level, across, above);
-            groups.entry(cell).or_default().push((place, point));
+        for (place, [column, row]) in pixels {
+            let (right, up) = (columns.at(column), rows.at(row));
+            let at = [0, 1].map(|i| self.middle[i] + right[i] + up[i]);
+            let cell = Cell::at(at, level);
+            groups.entry(cell).or_default().push((place, cell.point(at)));
         }
         groups.into_iter().collect()
+    }
+}
+
+/// Distances from the middle of a picture, of the columns or rows met so far.
+struct Offsets<F> {
+    known: Vec<Option<[Turn; 2]>>,
+    compute: F,
+}
+
+impl<F: Fn(u32) -> [Turn; 2]> Offsets<F> {
+    fn new(compute: F) -> Self {
+        Offsets { known: Vec::new(), compute }
+    }
+
+    fn at(&mut self, index: u32) -> [Turn; 2] {
+        let place = index as usize;
+        if place >= self.known.len() {
+            self.known.resize(place + 1, None);
+        }
+        *self.known[place].get_or_insert_with(|| (self.compute)(index))
     }
 }

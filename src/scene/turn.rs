@@ -56,8 +56,7 @@ impl Turn {
 
     /// Rounds the place down to the nearest side of a cell of the level.
     pub fn floor(self, level: u32) -> Self {
-        let rest = Fixed::<8>::BITS - level;
-        Turn(self.0.halved(rest).doubled(rest))
+        Turn(self.0.without_lowest(Fixed::<8>::BITS - level))
     }
 
     /// The place without whole turns, in [0, 1).

@@ -36,11 +36,24 @@ impl OpenTile {
         pixels: &[[u32; 2]],
         known: impl Fn([u32; 2]) -> Option<Known> + Sync,
     ) -> Self {
-        let pixel = |place: u32| (grid, pixels[place as usize], known(pixels[place as usize]));
         let plane = grid.cell_plane().filter(|_| cells.are_followed(&config, grid.pixel_rad()));
-        let groups =
-            plane.map(|plane| (plane, grid.grouped(config.leaf_pixels(), pixels.iter().copied())));
-        OpenTile::sorted(pixels.len() as u32, groups, pixel)
+        let Some(plane) = plane else {
+            let pixel = |place: u32| (grid, pixels[place as usize], known(pixels[place as usize]));
+            return OpenTile::sorted(pixels.len() as u32, None, pixel);
+        };
+        let samples = Samples::unflipped(pixels.len());
+        let mut tile = OpenTile { samples, places: Vec::new(), starts: Starts::Rest(Vec::new()) };
+        // Those that are known are not grouped at all: most corners of pixels are.
+        let open = (0..).zip(pixels.iter().copied()).filter(|(place, pixel)| match known(*pixel) {
+            Some((SavedPixel::Over(outcome), trust)) => {
+                tile.set(*place, outcome, trust);
+                false
+            }
+            _ => true,
+        });
+        let groups = grid.grouped(config.leaf_pixels(), open);
+        tile.fill_deep(plane, groups, |place| known_deep((grid, pixels[place as usize], None)));
+        tile
     }
 
     /// Creates a tile of an upright grid, of which nothing is known beforehand, on all cores; none where

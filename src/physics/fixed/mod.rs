@@ -92,6 +92,14 @@ impl<const N: usize> Fixed<N> {
         }))
     }
 
+    /// The number without its lowest `bits` bits: rounded down.
+    pub fn without_lowest(self, bits: u32) -> Self {
+        Fixed(std::array::from_fn(|k| {
+            let below = bits.saturating_sub(64 * k as u32).min(64);
+            self.0[k] & u64::MAX.checked_shl(below).unwrap_or(0)
+        }))
+    }
+
     /// The product, rounded to nearest. The limbs are multiplied as if unsigned, and the effect of
     /// the signs is subtracted afterwards: no branch depends on the numbers.
     #[inline(never)]
@@ -337,6 +345,17 @@ mod tests {
 
     fn long(text: &str) -> Long {
         Long::parse(text).unwrap()
+    }
+
+    #[test]
+    fn the_lowest_bits_are_dropped_downwards() {
+        let some = (Fixed::<4>::from_f64(1.0) / Fixed::from_f64(3.0)).doubled(3);
+        for x in [some, -some, Fixed::ZERO, Fixed::from_f64(-2.0)] {
+            for bits in [0, 1, 63, 64, 65, 127, 128, 191, 192, 200] {
+                let expected = x.halved(bits).doubled(bits);
+                assert_eq!(x.without_lowest(bits), expected, "{bits}");
+            }
+        }
     }
 
     proptest! {
