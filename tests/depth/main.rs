@@ -144,7 +144,7 @@ fn no_answer_depends_on_tiles_or_on_what_else_is_asked() {
 fn deep_job(scene: &Scene, size: [u32; 2], keep: Keep) -> Job {
     let grid = Grid::new(scene, size);
     let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
-    let leaves = grid.grouped(BALANCED.leaf_pixels(), pixels).into_iter();
+    let leaves = grid.grouped(BALANCED.leaf_pixels(), (0..).zip(pixels)).into_iter();
     let leaf = |(cell, points): (Cell, Vec<(u32, [f64; 2])>)| Leaf {
         cell,
         points: points.into_iter().map(|(_, point)| point).collect(),
