@@ -90,17 +90,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% include "running.wgsl" %}
     let zero = job.zero;
 {% include "general.wgsl" %}
-    var steps = outcomes[pixel].steps;
-    let stop = min(steps + job.slice_steps, job.most_steps);
-    let budget = job.budget;
-    var clearance = outcomes[pixel].clearance;
-    var suspect = false;
-{% if counts_turns %}
-    var turns = vec2<i32>(
-        extractBits(bitcast<i32>(outcomes[pixel].turns), 0u, 16u),
-        extractBits(bitcast<i32>(outcomes[pixel].turns), 16u, 16u),
-    );
-{% endif %}
+{% include "slice.wgsl" %}
     while !suspect && steps < stop && rough(time) < budget {
         let step = h;
 {{ maths.step }}
@@ -133,14 +123,6 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
         clearance = select(clearance, min(clearance, near), taken);
         steps += select(1u, 0u, suspect);
     }
-{% for name in state %}
-    states[{{ loop.index0 }}u * job.count + pixel] = {{ name }};
-{% endfor %}
-    outcomes[pixel].steps = steps;
-    outcomes[pixel].clearance = clearance;
-{% if counts_turns %}
-    outcomes[pixel].turns = bitcast<u32>(insertBits(turns.x, turns.y, 16u, 16u));
-{% endif %}
 {% include "stop.wgsl" %}
 }
 

@@ -38,17 +38,7 @@ fn clearance_of(lowest: Real, nearest: Real, steady: Real, before: Real, after: 
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% include "running.wgsl" %}
 {% include "general.wgsl" %}
-    var steps = outcomes[pixel].steps;
-    let stop = min(steps + job.slice_steps, job.most_steps);
-    let budget = job.budget;
-    var clearance = outcomes[pixel].clearance;
-    var suspect = false;
-{% if counts_turns %}
-    var turns = vec2<i32>(
-        extractBits(bitcast<i32>(outcomes[pixel].turns), 0u, 16u),
-        extractBits(bitcast<i32>(outcomes[pixel].turns), 16u, 16u),
-    );
-{% endif %}
+{% include "slice.wgsl" %}
     while !suspect && steps < stop && rough(time) < budget {
 {{ maths.step }}
         var near = FAR;
@@ -76,14 +66,6 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
             steps = job.most_steps;
         }
     }
-{% for name in state %}
-    states[{{ loop.index0 }}u * job.count + pixel] = {{ name }};
-{% endfor %}
-    outcomes[pixel].steps = steps;
-    outcomes[pixel].clearance = clearance;
-{% if counts_turns %}
-    outcomes[pixel].turns = bitcast<u32>(insertBits(turns.x, turns.y, 16u, 16u));
-{% endif %}
 {% include "stop.wgsl" %}
 }
 

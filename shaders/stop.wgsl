@@ -1,3 +1,11 @@
+{% for name in state %}
+    states[{{ loop.index0 }}u * job.count + pixel] = {{ name }};
+{% endfor %}
+    outcomes[pixel].steps = steps;
+    outcomes[pixel].clearance = clearance;
+{% if counts_turns %}
+    outcomes[pixel].turns = bitcast<u32>(insertBits(turns.x, turns.y, 16u, 16u));
+{% endif %}
     let sound = steps < job.most_steps;
 {% if least_energy %}
 {{ maths.energy }}

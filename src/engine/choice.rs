@@ -4,7 +4,7 @@
 use super::background::on_its_own_thread;
 use super::cpu::CpuEngine;
 use super::depth::{DepthEngine, Following};
-use super::gpu::device::{Gpu, adapters, describe, is_software};
+use super::gpu::device::{Gpu, adapters, describe};
 use super::gpu::{GpuEngine, GpuTuning};
 use super::level::FINEST;
 use super::profile::{Profile, ProfileRow};
@@ -235,7 +235,7 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
         let configs = configs_on(&adapter, request, profile.as_ref());
         match sound(&adapter, request.tuning, configs) {
             Ok((mut engine, config)) => {
-                if request.verify && !is_software(&adapter) && engine.offers(&FINEST) {
+                if request.verify && engine.checks_by(&FINEST) {
                     engine.check_orbits(&FINEST)?;
                 }
                 let why = format!("{} passed the self-check", engine.adapter());
@@ -260,10 +260,9 @@ fn served(
         return Ok(Box::new(engine));
     }
     let verdict = engine.verdict().clone();
-    let is_software = is_software(&engine.gpu().adapter);
+    let leaves_series = engine.leaves_series();
     let offered = move |config: &IntegratorConfig| {
-        // A software adapter takes longer for expansions than the processor's lanes, on the same cores.
-        let is_left = is_software && matches!(config.method, Method::Taylor { .. });
+        let is_left = leaves_series && matches!(config.method, Method::Taylor { .. });
         GpuEngine::has(config) && verdict.allows(config).is_ok() && !is_left
     };
     let served = on_its_own_thread(engine, config, why, offered)

@@ -278,6 +278,11 @@ pub trait Engine {
     fn adapter(&self) -> String;
     /// Reports whether the engine has the configuration and can be trusted with it.
     fn offers(&self, config: &IntegratorConfig) -> bool;
+    /// Reports whether checks by the configuration are made on this engine, and not on the processor
+    /// beside it.
+    fn checks_by(&self, config: &IntegratorConfig) -> bool {
+        self.offers(config)
+    }
     /// Counts of what a graphics device did; none for other engines.
     fn gpu_stats(&self) -> Option<GpuStats> {
         None
@@ -320,6 +325,10 @@ impl<E: Engine + ?Sized> Engine for &mut E {
 
     fn offers(&self, config: &IntegratorConfig) -> bool {
         (**self).offers(config)
+    }
+
+    fn checks_by(&self, config: &IntegratorConfig) -> bool {
+        (**self).checks_by(config)
     }
 
     fn gpu_stats(&self) -> Option<GpuStats> {

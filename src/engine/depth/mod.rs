@@ -320,6 +320,10 @@ impl Engine for DepthEngine<'_> {
         self.inner.offers(config)
     }
 
+    fn checks_by(&self, config: &IntegratorConfig) -> bool {
+        self.inner.checks_by(config)
+    }
+
     fn gpu_stats(&self) -> Option<GpuStats> {
         self.inner.gpu_stats()
     }

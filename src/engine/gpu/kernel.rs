@@ -27,7 +27,7 @@ use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// All shader files by name.
-pub const FILES: [(&str, &str); 27] = [
+pub const FILES: [(&str, &str); 28] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
@@ -45,6 +45,7 @@ pub const FILES: [(&str, &str); 27] = [
     ("nearest.wgsl", include_str!("../../../shaders/nearest.wgsl")),
     ("adaptive.wgsl", include_str!("../../../shaders/adaptive.wgsl")),
     ("look.wgsl", include_str!("../../../shaders/look.wgsl")),
+    ("slice.wgsl", include_str!("../../../shaders/slice.wgsl")),
     ("stop.wgsl", include_str!("../../../shaders/stop.wgsl")),
     ("turns.wgsl", include_str!("../../../shaders/turns.wgsl")),
     ("series.wgsl", include_str!("../../../shaders/series.wgsl")),

@@ -134,7 +134,8 @@ const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 
 
 /// The rungs to climb, one after the other, as long as a start is not sure; `leaf_half_rad` is half
 /// the side of the leaves of deep starts. The first rung begins with its finest run. Runs that
-/// cannot return what is to be kept are left out.
+/// cannot return what is to be kept are left out, and so are runs that were made before: that the
+/// same run ends in the same place confirms nothing.
 pub(super) fn rungs(
     config: &IntegratorConfig,
     keep: Keep,
@@ -144,8 +145,10 @@ pub(super) fn rungs(
         Some(half) => deep_rungs(half),
         None => rungs_from_rest(config),
     };
+    let mut made: Vec<Run> = Vec::new();
     for rung in &mut rungs {
-        rung.runs.retain(|run| can_keep(keep.ends, &run.config));
+        rung.runs.retain(|run| can_keep(keep.ends, &run.config) && !made.contains(run));
+        made.extend(&rung.runs);
     }
     rungs.retain(|rung| !rung.runs.is_empty());
     rungs
@@ -212,4 +215,22 @@ fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
         rungs.push(rung(Trust::Settled, vec![rest(LAST), rest(CHECK)]));
     }
     rungs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_run_is_its_own_witness() {
+        for first in [BALANCED, FINER, OTHER, FINEST, BEYOND, LAST] {
+            let all: Vec<Run> =
+                rungs(&first, Keep::ENDS, None).into_iter().flat_map(|rung| rung.runs).collect();
+            let rest = |config| Run::new(config, Origin::Rest);
+            for config in [FINER, FINEST, BEYOND, LAST] {
+                let count = all.iter().filter(|run| **run == rest(config)).count();
+                assert_eq!(count, 1, "{config:?} after {first:?}");
+            }
+        }
+    }
 }

@@ -82,7 +82,7 @@ impl Trust {
 }
 
 /// An engine that checks the one it wraps. The wrapped engine runs the configurations that it
-/// offers, the processor all others.
+/// checks by, the processor all others.
 pub struct TrustEngine<'a> {
     inner: Box<dyn Engine + 'a>,
     /// The processor; none where `inner` is the processor itself.
@@ -124,7 +124,7 @@ impl<'a> TrustEngine<'a> {
     /// Index of the engine that runs a configuration: 0 for the wrapped one, 1 for the processor
     /// beside it.
     fn place_of(&self, config: &IntegratorConfig) -> usize {
-        usize::from(self.checker.is_some() && !self.inner.offers(config))
+        usize::from(self.checker.is_some() && !self.inner.checks_by(config))
     }
 
     fn engine(&mut self, place: usize) -> &mut (dyn Engine + 'a) {
