@@ -1,5 +1,5 @@
-//! What a device is trusted with: the self-check's verdict on its arithmetic, and the orbits that each
-//! method has to compute rightly before its first job.
+//! The trust in a device: the self-check's verdict on its arithmetic, and the orbits that each method
+//! has to compute rightly before its first job.
 
 use super::device::is_software;
 use super::kernel::Design;
