@@ -130,7 +130,10 @@ mod checks {
         let question = soon(Rule::Neither, 1);
         let job = Job { id: 0, question, config: FINEST, starts, keep };
         let error = gpu_engine().submit(job).unwrap_err().to_string();
-        assert!(error.contains("`method` taylor") && error.contains("`engine` cpu"), "{error}");
+        assert!(
+            error.contains("`method` taylor") && error.contains("graphics adapters"),
+            "{error}"
+        );
     }
 
     pub(crate) fn exact_is_sure_of_the_same_starts() {

@@ -233,7 +233,7 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
     let mut failures = Vec::new();
     for adapter in fitting {
         let configs = configs_on(&adapter, request, profile.as_ref());
-        match sound(&adapter, request.tuning, configs) {
+        match sound(&adapter, request, configs) {
             Ok((mut engine, config)) => {
                 if request.verify && engine.checks_by(&FINEST) {
                     engine.check_orbits(&FINEST)?;
@@ -294,15 +294,17 @@ fn configs_on(
 /// Opens an engine on the adapter, with the first configuration that it is trusted with.
 fn sound(
     adapter: &wgpu::Adapter,
-    tuning: GpuTuning,
+    request: &EngineRequest,
     configs: Vec<IntegratorConfig>,
 ) -> Result<(GpuEngine, IntegratorConfig), String> {
     let mut engine = open_checked(adapter.clone(), &[]).map_err(|error| error.to_string())?;
-    engine.tune(tuning);
+    engine.tune(request.tuning);
     let mut refusals = Vec::new();
     for config in configs {
         // Checks only the orbits that are needed: some kernels take long to compile.
-        let checked = engine.require(&config).and_then(|()| engine.check_orbits(&config));
+        let checked = GpuEngine::require_ends(&config, request.ends)
+            .and_then(|()| engine.require(&config))
+            .and_then(|()| engine.check_orbits(&config));
         match checked.and_then(|()| engine.require(&config)) {
             Ok(()) => return Ok((engine, config)),
             Err(why) => refusals.push(why.to_string()),

@@ -6,7 +6,7 @@ use super::kernel::Design;
 use super::kernels::Haste;
 use super::{GpuEngine, GpuTuning};
 use crate::engine::selfcheck::{self, Check, Verdict};
-use crate::engine::{EngineError, IntegratorConfig};
+use crate::engine::{Ends, EngineError, IntegratorConfig};
 
 impl GpuEngine {
     /// The arithmetic that the device is trusted with.
@@ -17,6 +17,11 @@ impl GpuEngine {
     /// Returns true if there are kernels for the method in the precision, on any adapter.
     pub fn has(config: &IntegratorConfig) -> bool {
         Design::general(config, false, false).is_ok()
+    }
+
+    /// Refuses ends that the kernels of a configuration do not compute, on any adapter.
+    pub fn require_ends(config: &IntegratorConfig, ends: Ends) -> Result<(), EngineError> {
+        Design::general(config, false, false)?.returning(ends).map(drop)
     }
 
     /// Refuses a configuration that the kernels do not have or the device is not trusted with.

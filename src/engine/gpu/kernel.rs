@@ -156,7 +156,7 @@ impl Design {
     /// The same kernel, if its scheme can compute such ends.
     pub fn returning(self, ends: Ends) -> Result<Self, EngineError> {
         if self.scheme == Scheme::Series && ends.are_carried() {
-            let why = "growth and returns by `method` taylor are computed by `engine` cpu only";
+            let why = "graphics adapters compute no growth and no returns by `method` taylor";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         Ok(self)
