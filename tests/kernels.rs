@@ -2,18 +2,21 @@
 //! a folder in FLIPMAP_KERNELS, finds all translations there afterwards.
 
 use std::fs;
+use std::mem::offset_of;
 use std::path::Path;
 
-use flipmap::engine::gpu::kernel::{Design, selfcheck_text};
+use flipmap::engine::gpu::kernel::{Design, pack_text, selfcheck_text};
+use flipmap::engine::gpu::packing::Packing;
 use flipmap::engine::gpu::pairs::Pairs;
 use flipmap::engine::method::Pace;
+use flipmap::engine::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
 use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question};
 use flipmap::physics::Rule;
 use flipmap::scene::Build;
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use naga::{Module, ShaderStage};
+use naga::{Module, ShaderStage, TypeInner};
 
 /// The number types by name, with the way in which pairs are computed.
 const NUMBERS: [(&str, Precision, Pairs); 5] = [
@@ -173,6 +176,41 @@ fn every_kernel_is_translated_for_every_kind_of_driver() {
     for (number, precision, pairs) in NUMBERS {
         let all = translations(&selfcheck_text(precision, pairs), precision);
         keep(&format!("selfcheck-{number}"), &all.unwrap());
+    }
+    for packing in Packing::ALL {
+        // Every language, and one entry point in GLSL.
+        let all = translations(&pack_text(packing), Precision::F32).unwrap();
+        assert_eq!(all.len(), 5, "{packing:?}");
+    }
+}
+
+#[test]
+fn packed_outcomes_have_the_same_layout_on_both_sides() {
+    for packing in Packing::ALL {
+        let text = pack_text(packing);
+        let (module, _) = parsed(&text).unwrap();
+        let members = |name: &str| -> Vec<(String, usize)> {
+            let is = |ty: &&naga::Type| ty.name.as_deref() == Some(name);
+            let (_, ty) = module.types.iter().find(|(_, ty)| is(ty)).unwrap();
+            let TypeInner::Struct { members, .. } = &ty.inner else { panic!("{name}") };
+            members.iter().map(|m| (m.name.clone().unwrap(), m.offset as usize)).collect()
+        };
+        let named = |all: &[(&str, usize)]| -> Vec<(String, usize)> {
+            all.iter().map(|(name, offset)| (name.to_string(), *offset)).collect()
+        };
+        assert_eq!(members("Head"), named(&[("count", offset_of!(JobHead, count))]));
+        let sums = ("sums", offset_of!(PackedWork, sums));
+        assert_eq!(members("Work"), named(&[sums, ("packed", offset_of!(PackedWork, packed))]));
+        let outcome = [
+            ("status", offset_of!(RawOutcome, status)),
+            ("steps", offset_of!(RawOutcome, steps)),
+            ("moment", offset_of!(RawOutcome, moment)),
+            ("clearance", offset_of!(RawOutcome, clearance)),
+        ];
+        assert_eq!(members("Outcome"), named(&outcome));
+        let no_moment = format!("const NO_MOMENT = {NO_MOMENT:#x}u;");
+        assert!(text.contains(&no_moment), "{no_moment}");
+        assert!(text.contains(&format!("const WORDS = {}u;", packing.words())));
     }
 }
 

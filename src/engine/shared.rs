@@ -102,6 +102,30 @@ pub struct CountedOutcome {
     pub passes: [u32; 4],
 }
 
+/// The upper bits of a packed outcome's first word that has a status instead of a moment; as an f32
+/// it is no number.
+pub const NO_MOMENT: u32 = !255;
+
+/// The work for all pendulums of a job, added up on the device.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub struct PackedWork {
+    /// Number of steps and number of looks for a flip, each in two words with the low one first.
+    pub sums: [u32; 4],
+    /// Number of pendulums whose outcomes have been packed.
+    pub packed: u32,
+    /// Padding, so that packed outcomes can follow.
+    pub padding: [u32; 3],
+}
+
+impl PackedWork {
+    /// Number of steps and number of looks.
+    pub fn steps_and_looks(&self) -> [u64; 2] {
+        let [steps_low, steps_high, looks_low, looks_high] = self.sums.map(u64::from);
+        [steps_low | steps_high << 32, looks_low | looks_high << 32]
+    }
+}
+
 /// Lengths of the lists of pendulums, and the list in use.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]

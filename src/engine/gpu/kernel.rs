@@ -10,9 +10,11 @@ use minijinja::{Environment, UndefinedBehavior};
 use serde::Serialize;
 
 use self::values::{
-    CarriedValues, ControlValues, CountValues, PairValues, SelfcheckValues, TextValues, Values,
+    CarriedValues, ControlValues, CountValues, PackValues, PairValues, SelfcheckValues, TextValues,
+    Values,
 };
 use super::maths;
+use super::packing::Packing;
 use super::pairs::Pairs;
 use crate::engine::integrator_state::{LOG_SCALE, SEARCH, STARTS, carried_names};
 use crate::engine::method::Pace;
@@ -27,8 +29,9 @@ use crate::physics::trig::Turning;
 use crate::physics::{Pendulum, Rule};
 
 /// All shader files by name.
-pub const FILES: [(&str, &str); 28] = [
+pub const FILES: [(&str, &str); 30] = [
     ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
+    ("outcome.wgsl", include_str!("../../../shaders/outcome.wgsl")),
     ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
     ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
     ("f64.wgsl", include_str!("../../../shaders/f64.wgsl")),
@@ -55,6 +58,7 @@ pub const FILES: [(&str, &str); 28] = [
     ("passes.wgsl", include_str!("../../../shaders/passes.wgsl")),
     ("begin.wgsl", include_str!("../../../shaders/begin.wgsl")),
     ("turn.wgsl", include_str!("../../../shaders/turn.wgsl")),
+    ("pack.wgsl", include_str!("../../../shaders/pack.wgsl")),
     ("selfcheck.wgsl", include_str!("../../../shaders/selfcheck.wgsl")),
 ];
 
@@ -350,6 +354,19 @@ pub fn selfcheck_text(precision: Precision, pairs: Pairs) -> String {
         maths: maths::selfcheck(precision),
     };
     glue(&[number_file(precision), "selfcheck.wgsl"], &values)
+}
+
+/// The text that packs outcomes.
+pub fn pack_text(packing: Packing) -> String {
+    let values = PackValues {
+        words: packing.words(),
+        stepped: packing.is_stepped(),
+        has_rest: packing.has_rest(),
+        counts_turns: false,
+        counts_passes: false,
+        statuses: status_constants(),
+    };
+    glue(&["pack.wgsl"], &values)
 }
 
 /// Joins the named files into one text, with `values` filled in.

@@ -12,6 +12,7 @@ mod judged;
 pub mod kernel;
 mod kernels;
 mod maths;
+pub mod packing;
 pub mod pairs;
 pub mod pipeline;
 mod slot;
@@ -28,6 +29,7 @@ use self::device::Gpu;
 use self::kernel::Design;
 pub use self::kernels::MOST_KERNELS;
 use self::kernels::{Haste, Kernels};
+use self::packing::Packer;
 use self::pipeline::Kernel;
 use self::slot::{BufferPool, FinishedSlices, Slot, SlotEvent};
 pub use self::stats::GpuStats;
@@ -52,6 +54,7 @@ pub struct GpuEngine {
     kernels: Kernels,
     slots: VecDeque<Slot>,
     pool: BufferPool,
+    packer: Packer,
     clock: StepClock,
     last_landing: Option<Instant>,
     losses: u32,
@@ -70,6 +73,7 @@ impl GpuEngine {
             kernels: Kernels::default(),
             slots: VecDeque::new(),
             pool: BufferPool::default(),
+            packer: Packer::default(),
             clock: StepClock::default(),
             last_landing: None,
             losses: 0,
@@ -183,7 +187,7 @@ impl GpuEngine {
     fn land(&mut self) -> Result<Vec<JobResult>, EngineError> {
         let mut finished = Vec::new();
         for mut slot in std::mem::take(&mut self.slots) {
-            match slot.land(&self.gpu) {
+            match slot.land(&self.gpu, &self.packer) {
                 SlotEvent::InFlight => {}
                 SlotEvent::Slices(ran) => {
                     self.measure(&slot.kernel.design, &ran);
@@ -230,6 +234,7 @@ impl GpuEngine {
         let jobs: Vec<Job> = self.slots.drain(..).map(|slot| slot.job).collect();
         self.kernels.clear();
         self.pool = BufferPool::default();
+        self.packer = Packer::default();
         self.gpu = self.gpu.reopen()?;
         jobs.into_iter().try_for_each(|job| self.start(job))
     }

@@ -44,9 +44,10 @@ pub(super) use self::buffers::BufferPool;
 use self::buffers::{Buffers, TICK_BYTES, TICKS_AT};
 use super::clock::Slices;
 use super::device::Gpu;
+use super::packing::{Packer, Packing};
 use super::pipeline::Kernel;
 use crate::engine::method::Pace;
-use crate::engine::shared::{CountedOutcome, JobHead, Queue, RawOutcome, to_parts};
+use crate::engine::shared::{CountedOutcome, JobHead, PackedWork, Queue, RawOutcome, to_parts};
 use crate::engine::start::places;
 use crate::engine::{EngineError, Job, JobResult, Keep, Starts};
 
@@ -62,6 +63,8 @@ pub(super) struct Slot {
     /// Indices in a [`crate::engine::IntegratorState`] of each number of the device's state and of its
     /// remainder.
     places: Vec<[Option<usize>; 2]>,
+    /// The way in which outcomes are packed, if the picture wants no more of them.
+    packing: Option<Packing>,
     lane_steps: u64,
     head: JobHead,
     /// Number of pendulums that still run.
@@ -121,11 +124,14 @@ impl Slot {
         let head = head(&job, &pace);
         let axes = Axes::of(&job, &kernel, &places);
         let begun = axes.as_ref().map(Axes::len);
-        let buffers = Buffers::new(gpu, pool, &job, (places.len(), begun))?;
+        let packing = packing(&job, &kernel);
+        let answer_bytes = answer_bytes(&job, packing);
+        let buffers = Buffers::new(gpu, pool, &job, (places.len(), begun), answer_bytes)?;
         let slot = Slot {
             job,
             pace,
             places,
+            packing,
             lane_steps: 0,
             running: head.count,
             head,
@@ -182,20 +188,24 @@ impl Slot {
     }
 
     /// Requests the outcomes.
-    pub(super) fn submit_answer(&mut self, gpu: &Gpu) {
+    fn submit_answer(&mut self, gpu: &Gpu, packer: &Packer) {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let outcomes = self.outcome_bytes();
-        let Buffers { answer, states, kept, .. } = &self.buffers;
-        encoder.copy_buffer_to_buffer(&self.buffers.outcomes, 0, answer, 0, outcomes);
-        if self.job.keep != Keep::NOTHING {
-            encoder.copy_buffer_to_buffer(states, 0, answer, outcomes, *kept);
+        let bytes = answer_bytes(&self.job, self.packing);
+        let Buffers { job, answer, outcomes, lists, queue, states, kept, .. } = &self.buffers;
+        if let Some(packing) = self.packing {
+            gpu.write(queue, 0, bytes_of(&PackedWork::default()));
+            let buffers = [job, outcomes, lists, queue];
+            packer.record(gpu, &mut encoder, packing, self.head.count, &buffers);
+            encoder.copy_buffer_to_buffer(queue, 0, answer, 0, WORK_BYTES);
+            encoder.copy_buffer_to_buffer(lists, 0, answer, WORK_BYTES, bytes - WORK_BYTES);
+        } else {
+            encoder.copy_buffer_to_buffer(outcomes, 0, answer, 0, bytes);
+            if *kept > 0 {
+                encoder.copy_buffer_to_buffer(states, 0, answer, bytes, *kept);
+            }
         }
-        let bytes = outcomes + kept;
-        self.fly(gpu, encoder, 0, bytes);
-    }
-
-    fn outcome_bytes(&self) -> u64 {
-        u64::from(self.head.count) * outcome_size(&self.job)
+        let all = bytes + kept;
+        self.fly(gpu, encoder, 0, all);
     }
 
     /// Submits slices or, if there are none, the request for the answer, and requests the first
@@ -233,7 +243,7 @@ impl Slot {
 
     /// Takes the read-back if it has finished, and submits the request for the answer after the
     /// last slice.
-    pub(super) fn land(&mut self, gpu: &Gpu) -> SlotEvent {
+    pub(super) fn land(&mut self, gpu: &Gpu, packer: &Packer) -> SlotEvent {
         let landed = |flight: &mut Submission| flight.mapped.load(Ordering::Acquire) != PENDING;
         let Some(flight) = self.flight.take_if(landed) else {
             return SlotEvent::InFlight;
@@ -248,7 +258,7 @@ impl Slot {
         if self.running > 0 {
             return SlotEvent::Slices(ran);
         }
-        self.submit_answer(gpu);
+        self.submit_answer(gpu, packer);
         SlotEvent::Complete(ran)
     }
 
@@ -307,6 +317,25 @@ fn outcome_size(job: &Job) -> u64 {
     };
     size as u64
 }
+
+/// The way in which a job's outcomes are packed; none where more of them is wanted.
+fn packing(job: &Job, kernel: &Kernel) -> Option<Packing> {
+    let is_plain = job.keep == Keep::NOTHING && job.question.passes == 1;
+    is_plain.then(|| Packing::of(&kernel.design))
+}
+
+/// Size in bytes of a job's answer without states: of all outcomes, or of the work and the packed
+/// outcomes.
+fn answer_bytes(job: &Job, packing: Option<Packing>) -> u64 {
+    let count = job.starts.len() as u64;
+    match packing {
+        Some(packing) => WORK_BYTES + count * packing.words() as u64 * 4,
+        None => count * outcome_size(job),
+    }
+}
+
+/// Size in bytes of the work that is added up on the device.
+const WORK_BYTES: u64 = size_of::<PackedWork>() as u64;
 
 // Stages of a read-back.
 const PENDING: u8 = 0;

@@ -113,6 +113,19 @@ pub(super) struct ControlValues {
     pub(super) terms: usize,
 }
 
+/// Values of the text that packs outcomes.
+#[derive(Serialize)]
+pub(super) struct PackValues {
+    /// Number of words for each outcome.
+    pub(super) words: usize,
+    pub(super) stepped: bool,
+    pub(super) has_rest: bool,
+    /// Always false: counted outcomes are not packed.
+    pub(super) counts_turns: bool,
+    pub(super) counts_passes: bool,
+    pub(super) statuses: String,
+}
+
 /// Values of the self-check's text.
 #[derive(Serialize)]
 pub(super) struct SelfcheckValues {

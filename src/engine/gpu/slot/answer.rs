@@ -3,10 +3,11 @@
 use bytemuck::Pod;
 use rayon::prelude::*;
 
-use super::Slot;
+use super::{Slot, answer_bytes};
+use crate::engine::gpu::packing::Packing;
 use crate::engine::integrator_state::{MOST_CARRIED, carried_names};
 use crate::engine::method::Pace;
-use crate::engine::shared::{CountedOutcome, RawOutcome, from_parts, status_of};
+use crate::engine::shared::{CountedOutcome, PackedWork, RawOutcome, from_parts, status_of};
 use crate::engine::{
     Carried, Effort, End, Ends, EngineError, IntegratorState, Job, JobResult, Keep, NUMBERS,
     Precision, Starts, start,
@@ -18,9 +19,14 @@ impl Slot {
     /// lost pendulums.
     pub(super) fn read_answer(&self) -> Option<Result<JobResult, EngineError>> {
         let answer = &self.buffers.answer;
+        let bytes = answer_bytes(&self.job, self.packing);
         // Read where it lies: a copy takes as long as all that is done with it.
-        let view = answer.slice(..self.outcome_bytes()).get_mapped_range().ok()?;
-        let read = if self.job.question.passes == 1 {
+        let view = answer.slice(..bytes).get_mapped_range().ok()?;
+        let read = if let Some(packing) = self.packing {
+            let (work, words) = view.split_at(size_of::<PackedWork>());
+            let words = Packed { packing, words: bytemuck::cast_slice(words) };
+            self.packed_answer(bytemuck::from_bytes(work), words).map(Some)
+        } else if self.job.question.passes == 1 {
             self.answer(Outcomes { raw: bytemuck::cast_slice(&view), passes: &[] })
         } else {
             let counted: Vec<CountedOutcome> = bytemuck::pod_collect_to_vec(&view);
@@ -33,14 +39,25 @@ impl Slot {
         read.transpose()
     }
 
+    /// The answer that packed outcomes give, if none is missing.
+    fn packed_answer(&self, work: &PackedWork, packed: Packed) -> Result<JobResult, EngineError> {
+        let count = self.job.starts.len();
+        all_packed(count, work)?;
+        let outcomes =
+            all_ended(count, |k| packed.outcome(k), |raw, status| self.outcome(raw, status))?;
+        let effort = self.effort(work.steps_and_looks());
+        Ok(JobResult { id: self.job.id, outcomes, effort, ..Default::default() })
+    }
+
     /// The answer that the outcomes of all pendulums give, if none is missing.
     fn answer(&self, ended: Outcomes) -> Result<Option<JobResult>, EngineError> {
         let raw = ended.raw;
-        let statuses = statuses(raw)?;
-        let each = statuses.par_iter().zip(raw).with_min_len(SHARE);
-        let outcomes: Vec<Outcome> = each.map(|(status, raw)| self.outcome(*status, raw)).collect();
-        let mut finished =
-            JobResult { id: self.job.id, effort: self.effort(raw), ..Default::default() };
+        let outcomes = all_ended(raw.len(), |k| raw[k], |raw, status| self.outcome(raw, status))?;
+        let mut finished = JobResult {
+            id: self.job.id,
+            effort: self.effort(steps_and_looks(raw)),
+            ..Default::default()
+        };
         if self.job.keep != Keep::NOTHING {
             let Some(mut states) = self.read_states(raw) else { return Ok(None) };
             if self.job.keep.ends != Ends::None {
@@ -95,15 +112,14 @@ impl Slot {
         }
     }
 
-    fn effort(&self, raw: &[RawOutcome]) -> Effort {
+    /// The work for the job, from the numbers of its pendulums' steps and looks.
+    fn effort(&self, [steps, looks]: [u64; 2]) -> Effort {
         let before: u64 = match &self.job.starts {
             Starts::Resumed { states, .. } => states.iter().map(|p| u64::from(p.steps)).sum(),
             Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) => 0,
             _ => start::states(&self.job).iter().flatten().map(|p| u64::from(p.steps)).sum(),
         };
-        let raw = raw.par_iter().with_min_len(SHARE);
-        let steps: u64 = raw.clone().map(|raw| u64::from(raw.steps)).sum::<u64>() - before;
-        let looks: u64 = raw.map(|raw| u64::from(raw.status >> 8)).sum();
+        let steps = steps - before;
         let Job { config, question, .. } = &self.job;
         let rhs = config.method.rhs_per_step(config.precision);
         let per_look = match self.pace {
@@ -119,7 +135,7 @@ impl Slot {
         }
     }
 
-    fn outcome(&self, status: Status, raw: &RawOutcome) -> Outcome {
+    fn outcome(&self, raw: &RawOutcome, status: Status) -> Outcome {
         let moment = from_parts(raw.moment);
         match (status, self.pace) {
             (Status::Flipped, Pace::Fixed(steps)) => steps.outcome_of_pass(raw.steps, moment),
@@ -129,7 +145,8 @@ impl Slot {
     }
 
     fn read_states(&self, raw: &[RawOutcome]) -> Option<Vec<IntegratorState>> {
-        let (count, offset) = (raw.len() * self.places.len(), self.outcome_bytes());
+        let (count, offset) =
+            (raw.len() * self.places.len(), answer_bytes(&self.job, self.packing));
         let answer = &self.buffers.answer;
         // For each number of each pendulum its value and, for two f32, its remainder.
         let states: Vec<[f64; 2]> = match self.job.config.precision {
@@ -160,6 +177,19 @@ impl Slot {
     }
 }
 
+/// The words of packed outcomes.
+struct Packed<'a> {
+    packing: Packing,
+    words: &'a [u32],
+}
+
+impl Packed<'_> {
+    fn outcome(&self, k: usize) -> RawOutcome {
+        let each = self.packing.words();
+        self.packing.unpacked(&self.words[k * each..(k + 1) * each])
+    }
+}
+
 /// The outcomes of pendulums as a kernel wrote them, and their passes where these are counted.
 #[derive(Clone, Copy)]
 struct Outcomes<'a> {
@@ -175,20 +205,47 @@ fn passes_of(passes: &[[u32; 4]], k: usize) -> [u32; 4] {
     passes.get(k).copied().unwrap_or_default()
 }
 
-/// The statuses of pendulums that have all ended; an error if a device returned some of them
-/// unchanged, or with flips that have no time.
-fn statuses(raw: &[RawOutcome]) -> Result<Vec<Status>, EngineError> {
-    let status = |raw: &RawOutcome| {
-        let is_sound = |status: &Status| {
-            *status != Status::Flipped || raw.moment.iter().all(|part| part.is_finite())
-        };
-        status_of(raw.status).filter(is_sound)
+/// The status of a pendulum that has ended; none for one that the device returned unchanged, or with a
+/// flip that has no time.
+fn ended(raw: &RawOutcome) -> Option<Status> {
+    let is_sound = |status: &Status| {
+        *status != Status::Flipped || raw.moment.iter().all(|part| part.is_finite())
     };
-    let ended: Option<Vec<Status>> = raw.par_iter().with_min_len(SHARE).map(status).collect();
-    ended.ok_or_else(|| {
-        let lost = raw.iter().filter(|raw| status(raw).is_none()).count();
-        EngineError::LostPendulums { lost, count: raw.len() }
+    status_of(raw.status).filter(is_sound)
+}
+
+/// The outcomes of `count` pendulums by what a device has written of each; an error if one has not
+/// ended.
+fn all_ended(
+    count: usize,
+    raw: impl Fn(usize) -> RawOutcome + Sync,
+    outcome: impl Fn(&RawOutcome, Status) -> Outcome + Sync,
+) -> Result<Vec<Outcome>, EngineError> {
+    let one = |k| {
+        let raw = raw(k);
+        ended(&raw).map(|status| outcome(&raw, status))
+    };
+    let all: Option<Vec<Outcome>> =
+        (0..count).into_par_iter().with_min_len(SHARE).map(one).collect();
+    all.ok_or_else(|| {
+        let lost = (0..count).filter(|&k| ended(&raw(k)).is_none()).count();
+        EngineError::LostPendulums { lost, count }
     })
+}
+
+/// Returns an error unless the words of all pendulums have been written; others mean nothing.
+fn all_packed(count: usize, work: &PackedWork) -> Result<(), EngineError> {
+    match count.abs_diff(work.packed as usize) {
+        0 => Ok(()),
+        lost => Err(EngineError::LostPendulums { lost, count }),
+    }
+}
+
+/// Steps and looks of all pendulums.
+fn steps_and_looks(raw: &[RawOutcome]) -> [u64; 2] {
+    let each = raw.par_iter().with_min_len(SHARE);
+    let steps = each.clone().map(|raw| u64::from(raw.steps)).sum();
+    [steps, each.map(|raw| u64::from(raw.status >> 8)).sum()]
 }
 
 /// Whole turns of both bobs.
@@ -208,23 +265,43 @@ mod tests {
     use super::*;
     use crate::engine::shared::RUNNING;
 
+    fn raw(status: u32) -> RawOutcome {
+        RawOutcome { status, ..RawOutcome::default() }
+    }
+
+    /// The statuses of pendulums, or the error that some were lost.
+    fn statuses(all: &[RawOutcome]) -> Result<Vec<Status>, String> {
+        let all = all_ended(all.len(), |k| all[k], |_, status| Outcome::without_time(status));
+        all.map(|all| all.iter().map(|outcome| outcome.status).collect())
+            .map_err(|error| error.to_string())
+    }
+
     #[test]
     fn pendulums_that_a_device_lost_are_not_taken_for_unflipped_ones() {
-        let raw = |status| RawOutcome { status, ..RawOutcome::default() };
         // The number of looks above the low byte says nothing about the end.
         let [unflipped, flipped, failed] = [raw(0), raw(1 | 7 << 8), raw(3 | 1 << 8)];
-        let ended = [Status::Unflipped, Status::Flipped, Status::Failed];
-        assert_eq!(statuses(&[unflipped, flipped, failed]).unwrap(), ended);
+        let ended = vec![Status::Unflipped, Status::Flipped, Status::Failed];
+        assert_eq!(statuses(&[unflipped, flipped, failed]), Ok(ended));
         for lost in [RUNNING, RUNNING | 3 << 8, Status::Forbidden as u32, 77] {
-            let error = statuses(&[unflipped, raw(lost), flipped]).unwrap_err().to_string();
+            let error = statuses(&[unflipped, raw(lost), flipped]).unwrap_err();
             assert!(error.contains("1 of 3 pendulums"), "{error}");
         }
         for moment in [[f32::NAN, 0.0], [0.5, f32::INFINITY]] {
             let flipped = RawOutcome { status: 1, moment, ..RawOutcome::default() };
-            let error = statuses(&[unflipped, flipped]).unwrap_err().to_string();
+            let error = statuses(&[unflipped, flipped]).unwrap_err();
             assert!(error.contains("1 of 2 pendulums"), "{error}");
             // The moment of a pendulum that did not flip means nothing.
             statuses(&[RawOutcome { status: 0, ..flipped }]).unwrap();
+        }
+    }
+
+    #[test]
+    fn words_that_were_not_written_are_not_read() {
+        let work = |packed| PackedWork { packed, ..PackedWork::default() };
+        assert!(all_packed(70, &work(70)).is_ok());
+        for packed in [0, 6, 69, 134] {
+            let error = all_packed(70, &work(packed)).unwrap_err().to_string();
+            assert!(error.contains(&format!("{} of 70", packed.abs_diff(70))), "{error}");
         }
     }
 }

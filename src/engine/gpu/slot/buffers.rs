@@ -5,7 +5,7 @@
 
 use wgpu::BufferUsages as Usage;
 
-use super::outcome_size;
+use super::{WORK_BYTES, outcome_size};
 use crate::engine::gpu::device::Gpu;
 use crate::engine::gpu::pipeline::Kernel;
 use crate::engine::gpu::tuning::MOST_SLICES;
@@ -17,12 +17,15 @@ pub(super) struct Buffers {
     pub job: wgpu::Buffer,
     pub states: wgpu::Buffer,
     pub outcomes: wgpu::Buffer,
+    /// The lists of pendulums, and at the end the packed outcomes.
     pub lists: wgpu::Buffer,
+    /// The lengths of the lists, and at the end the work.
     pub queue: wgpu::Buffer,
     pub dispatch_size: wgpu::Buffer,
     /// The queue after each slice of a submission, then the ticks of its beginning and end.
     pub progress: wgpu::Buffer,
-    /// The outcomes, then the states if they are kept, read back at the end.
+    /// The outcomes, then the states if they are kept; or the work, then the packed outcomes. Read
+    /// back at the end.
     pub answer: wgpu::Buffer,
     /// Size in bytes of the states that are kept.
     pub kept: u64,
@@ -120,34 +123,34 @@ const PLACES: &str = "a job's places";
 
 impl Buffers {
     /// The buffers of a job whose states have `state_len` numbers; the device begins it from `begun`
-    /// numbers of columns and rows, if any.
+    /// numbers of columns and rows, if any. The answer without states has `answer_bytes`.
     pub(super) fn new(
         gpu: &Gpu,
         pool: &mut BufferPool,
         job: &Job,
         (state_len, begun): (usize, Option<usize>),
+        answer_bytes: u64,
     ) -> Result<Self, EngineError> {
         let count = job.starts.len() as u64;
         let number = if job.config.precision == Precision::F32 { 4 } else { 8 };
         let state_bytes = count * number * state_len as u64;
-        let outcome_bytes = count * outcome_size(job);
         let storage = Usage::STORAGE | Usage::COPY_DST;
         let both = storage | Usage::COPY_SRC;
         let back = Usage::MAP_READ | Usage::COPY_DST;
         let kept = if job.keep == Keep::NOTHING { 0 } else { state_bytes };
         let head = (size_of::<JobHead>() + size_of::<JobScene>()) as u64;
         let sizes = Usage::STORAGE | Usage::INDIRECT;
-        let queue = size_of::<Queue>() as u64;
+        let queue = (size_of::<Queue>() as u64).max(WORK_BYTES);
         let mut take = |label, bytes, usage| pool.take(gpu, label, bytes, usage);
         Ok(Buffers {
             job: take(JOB, head, storage)?,
             states: take(STATES, state_bytes, both)?,
-            outcomes: take(OUTCOMES, outcome_bytes, both)?,
-            lists: take(LISTS, count * 12, storage)?,
+            outcomes: take(OUTCOMES, count * outcome_size(job), both)?,
+            lists: take(LISTS, count * 12, both)?,
             queue: take(QUEUE, queue, both)?,
             dispatch_size: take(DISPATCH, 16, sizes)?,
             progress: take(PROGRESS, TICKS_AT + TICK_BYTES, back)?,
-            answer: take(ANSWER, outcome_bytes + kept, back)?,
+            answer: take(ANSWER, answer_bytes + kept, back)?,
             kept,
             ticks: Ticks::new(gpu, &mut take)?,
             starts: match begun {
