@@ -13,7 +13,7 @@ use super::{
     Destination, ExrWriter, NpyWriter, PictureFile, PngError, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
 };
-use crate::scene::palette::{Tint, rounded};
+use crate::scene::palette::{Tint, rounded_channel};
 use crate::scene::{Document, PictureTable, Sampling, Shown};
 use crate::tiles::{PlainPixels, Samples};
 
@@ -201,8 +201,11 @@ impl Painted {
     /// Takes the next rows in place of the last ones, in the same memory.
     fn take(&mut self, tints: &[Tint], deep: bool) {
         self.rgb.resize(3 * tints.len(), 0);
-        let colours = self.rgb.as_chunks_mut::<3>().0.par_iter_mut().with_min_len(1 << 14);
-        colours.zip(tints).for_each(|(bytes, tint)| *bytes = rounded(*tint));
+        let shares = self.rgb.par_chunks_mut(SHARE).zip(tints.as_flattened().par_chunks(SHARE));
+        shares.for_each(|(bytes, channels)| {
+            let each = bytes.iter_mut().zip(channels);
+            each.for_each(|(byte, channel)| *byte = rounded_channel(*channel));
+        });
         if deep {
             let wide = |channel: &f32| ((channel * 257.0).round() as u16).to_be_bytes();
             self.deep.clear();
@@ -211,6 +214,8 @@ impl Painted {
     }
 }
 
+/// Number of channels that a thread rounds at a time.
+const SHARE: usize = 3 << 14;
 /// Number of samples that are painted at a time.
 const STRIP: usize = 1 << 20;
 

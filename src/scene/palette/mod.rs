@@ -26,11 +26,13 @@ pub type Tint = [f32; 3];
 
 /// The nearest colour of eight bits a channel.
 pub fn rounded(tint: Tint) -> Rgb {
+    tint.map(rounded_channel)
+}
+
+/// The nearest value of eight bits of a channel.
+pub fn rounded_channel(channel: f32) -> u8 {
     // As `round`, which is a call of a function on most machines.
-    tint.map(|channel| {
-        let whole = channel as u8;
-        whole.saturating_add(u8::from(channel - f32::from(whole) >= 0.5))
-    })
+    (channel + 0.5) as u8
 }
 
 /// A colour of eight bits a channel as a tint.
@@ -45,7 +47,7 @@ pub struct Palette {
     pub name: &'static str,
     /// Colours that suit it.
     pub ground: Ground,
-    table: Vec<Rgb>,
+    table: Vec<Tint>,
 }
 
 const FILES: [(&str, &str); 6] = [
@@ -58,7 +60,7 @@ const FILES: [(&str, &str); 6] = [
 ];
 
 /// Largest difference of a channel between two colours whose seam no eye sees.
-const MOST_SEAM: u8 = 6;
+const MOST_SEAM: f32 = 6.0;
 
 /// Colour of starts whose integration failed.
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
@@ -93,7 +95,7 @@ impl Palette {
                          colours (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl";
             SceneError::new("palette", format!("'{name}'"), range)
         })?;
-        let table = text.lines().filter_map(parse_colour).collect();
+        let table = text.lines().filter_map(parse_colour).map(tint_of).collect();
         let ground = if *name == Self::DEFAULT { Ground::DARK } else { Ground::LIGHT };
         Ok(Palette { name, ground, table })
     }
@@ -103,7 +105,8 @@ impl Palette {
             let range = "a list is 2 to 256 colours such as #ff8000, separated by commas";
             SceneError::new("palette", format!("'{text}'"), range)
         })?;
-        Ok(Palette { name: "custom", ground: Ground::DARK, table: gradient::table(&stops) })
+        let table = gradient::table(&stops).into_iter().map(tint_of).collect();
+        Ok(Palette { name: "custom", ground: Ground::DARK, table })
     }
 
     /// Returns true if a picture's palette need not have been chosen by anyone, so that answers with
@@ -117,7 +120,7 @@ impl Palette {
         let ends = |palette: Palette| {
             palette.table[0].into_iter().zip(palette.table[palette.table.len() - 1])
         };
-        let is_near = |(from, to): (u8, u8)| from.abs_diff(to) <= MOST_SEAM;
+        let is_near = |(from, to): (f32, f32)| (from - to).abs() <= MOST_SEAM;
         Palette::named(name).is_ok_and(|palette| ends(palette).all(is_near))
     }
 
@@ -133,7 +136,7 @@ impl Palette {
         let place = if position > 0.0 { position.min(1.0) * last as f64 } else { 0.0 };
         let first = (place as usize).min(last - 1);
         let share = (place - first as f64) as f32;
-        let [from, to] = [self.table[first], self.table[first + 1]].map(tint_of);
+        let [from, to] = [self.table[first], self.table[first + 1]];
         [0, 1, 2].map(|i| from[i] + (to[i] - from[i]) * share)
     }
 
@@ -224,7 +227,7 @@ mod tests {
         for name in Palette::names() {
             let Palette { table, ground, .. } = Palette::named(name).unwrap();
             for own in [ground.forbidden, ground.unflipped, FAILED] {
-                assert!(!table.contains(&own), "{name} {own:?}");
+                assert!(!table.contains(&tint_of(own)), "{name} {own:?}");
             }
         }
     }
