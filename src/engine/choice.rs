@@ -10,7 +10,7 @@ use super::level::FINEST;
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
 use super::{
-    Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Method, Precision, selfcheck,
+    Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck,
 };
 use crate::scene::QuestionTable;
 
@@ -156,7 +156,7 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     if on_cpu && !configs.iter().any(GpuEngine::has) {
         return cpu(request, "only the processor has this method and precision".to_string());
     }
-    if configs.iter().all(|config| matches!(config.method, Method::Taylor { .. })) {
+    if configs.iter().all(|config| config.method.is_series()) {
         return cpu(request, "engines are not compared by this method".to_string());
     }
     let profile = Profile::get(request.threads, tell);
@@ -259,12 +259,7 @@ fn served(
     if !request.own_thread {
         return Ok(Box::new(engine));
     }
-    let verdict = engine.verdict().clone();
-    let leaves_series = engine.leaves_series();
-    let offered = move |config: &IntegratorConfig| {
-        let is_left = leaves_series && matches!(config.method, Method::Taylor { .. });
-        GpuEngine::has(config) && verdict.allows(config).is_ok() && !is_left
-    };
+    let offered = engine.checks();
     let served = on_its_own_thread(engine, config, why, offered)
         .map_err(|error| EngineError::Unsupported(format!("cannot start a thread: {error}")))?;
     Ok(Box::new(served))

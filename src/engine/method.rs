@@ -61,6 +61,11 @@ impl Method {
         }
     }
 
+    /// Returns true if steps are taken by Taylor expansions.
+    pub fn is_series(self) -> bool {
+        matches!(self, Method::Taylor { .. })
+    }
+
     /// The method's step or tolerance as text, for people and files.
     pub fn setting(self) -> String {
         match self {

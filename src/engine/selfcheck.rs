@@ -53,8 +53,8 @@ impl Verdict {
     /// Returns the reason as an error if a method is not offered in its precision.
     pub fn allows(&self, config: &IntegratorConfig) -> Result<(), String> {
         self.require(config.precision)?;
-        let is_series = matches!(config.method, Method::Taylor { .. });
-        let failed = |check: &&Check| is_series && check.name == BY_SERIES && !check.passed;
+        let failed =
+            |check: &&Check| config.method.is_series() && check.name == BY_SERIES && !check.passed;
         match self.checks.iter().find(failed) {
             None => Ok(()),
             Some(check) => Err(format!(

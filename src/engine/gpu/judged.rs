@@ -100,9 +100,15 @@ impl GpuEngine {
         };
     }
 
-    /// Returns true if checks by expansions are left to the processor: a software adapter takes longer for
-    /// them on the same cores, and a window does not wait for their kernel to compile.
-    pub fn leaves_series(&self) -> bool {
-        self.tuning.at_once || is_software(&self.gpu.adapter)
+    /// The configurations by which checks are made on the device, wherever that is asked. Expansions are
+    /// left to the processor by a software adapter, which takes longer for them on the same cores, and by
+    /// a window, which does not wait for their kernel to compile.
+    pub fn checks(&self) -> impl Fn(&IntegratorConfig) -> bool + Send + 'static {
+        let leaves_series = self.tuning.at_once || is_software(&self.gpu.adapter);
+        let verdict = self.verdict.clone();
+        move |config| {
+            let is_left = leaves_series && config.method.is_series();
+            GpuEngine::has(config) && verdict.allows(config).is_ok() && !is_left
+        }
     }
 }

@@ -36,7 +36,7 @@ pub use self::stats::GpuStats;
 pub use self::tuning::GpuTuning;
 use super::selfcheck::Verdict;
 use super::{
-    Engine, EngineError, IntegratorConfig, Job, JobResult, Method, Precision, Starts, Wait, start,
+    Engine, EngineError, IntegratorConfig, Job, JobResult, Precision, Starts, Wait, start,
 };
 
 /// Largest number of losses after which the device is opened again.
@@ -312,8 +312,7 @@ impl Engine for GpuEngine {
     }
 
     fn checks_by(&self, config: &IntegratorConfig) -> bool {
-        let is_series = matches!(config.method, Method::Taylor { .. });
-        self.offers(config) && !(is_series && self.leaves_series())
+        self.checks()(config)
     }
 
     fn adapter(&self) -> String {

@@ -157,7 +157,7 @@ pub(super) fn rungs(
 /// Returns true if a run can return such ends without a scalar loop, which takes a hundred times as
 /// long as the other runs.
 fn can_keep(ends: Ends, config: &IntegratorConfig) -> bool {
-    let is_scalar = ends.are_carried() && matches!(config.method, Method::Taylor { .. });
+    let is_scalar = ends.are_carried() && config.method.is_series();
     !is_scalar && ends.check(config).is_ok()
 }
 
@@ -186,9 +186,19 @@ fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
                 rest(FINER).nudged([0.28e-12, -0.96e-12]),
             ],
         ),
-        rung(Trust::Settled, vec![rest(BEYOND)]),
-        rung(Trust::Settled, vec![rest(LAST), rest(CHECK)]),
     ]
+    .into_iter()
+    .chain(rungs_beyond_f64())
+    .collect()
+}
+
+/// The rungs in double-double, from the release. What they cost differs by far: the first takes a
+/// quarter of the second's time.
+fn rungs_beyond_f64() -> impl Iterator<Item = Rung> {
+    [BEYOND, LAST, CHECK].into_iter().map(|config| {
+        let runs = vec![Run::new(config, Origin::Rest)];
+        Rung { runs, trust: Trust::Settled }
+    })
 }
 
 /// Least half side of leaves, in rad, that double-double can tell apart from the release.
@@ -211,8 +221,7 @@ fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
         ),
     ];
     if leaf_half_rad >= LEAST_FOR_DD {
-        let rest = |config| Run::new(config, Origin::Rest);
-        rungs.push(rung(Trust::Settled, vec![rest(LAST), rest(CHECK)]));
+        rungs.extend(rungs_beyond_f64());
     }
     rungs
 }

@@ -13,7 +13,8 @@
 //!                 DOP853 and DOPRI5 in f64
 //!                 Taylor expansions in f64, DOP853 from starts 1e-12 aside
 //!                 extrapolated midpoint rules in double-double
-//!                 Taylor expansions in double-double, midpoint rules again
+//!                 Taylor expansions in double-double
+//!                 midpoint rules again, finer
 //!  what is left   is uncertain
 //! ```
 //!
