@@ -13,7 +13,7 @@ use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
 use flipmap::engine::gpu::pairs::Pairs;
 use flipmap::engine::level::{BALANCED, FAST, LESSON};
-use flipmap::engine::method::Pace;
+use flipmap::engine::pace::Pace;
 use flipmap::engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants,
 };

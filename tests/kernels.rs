@@ -8,7 +8,7 @@ use std::path::Path;
 use flipmap::engine::gpu::kernel::{Design, pack_text, selfcheck_text};
 use flipmap::engine::gpu::packing::Packing;
 use flipmap::engine::gpu::pairs::Pairs;
-use flipmap::engine::method::Pace;
+use flipmap::engine::pace::Pace;
 use flipmap::engine::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
 use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question};
 use flipmap::physics::Rule;

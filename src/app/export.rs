@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use super::film_run::{FilmRequest, FilmRunError, film};
 use crate::engine::choice::{Chosen, EngineRequest, choose};
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
 use crate::engine::{Cells, Question};
 use crate::output::{

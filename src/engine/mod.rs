@@ -29,6 +29,7 @@ pub mod level;
 pub mod method;
 pub mod mock;
 mod one_job;
+pub mod pace;
 pub mod plain_file;
 pub mod profile;
 pub mod run_settings;
@@ -53,9 +54,9 @@ pub use integrator_state::{Carried, IntegratorState, NUMBERS};
 pub use keep::{Ends, Keep};
 pub use kind::EngineKind;
 pub use level::Accuracy;
-use method::Pace;
 pub use method::{Method, Precision};
 pub use one_job::run_job;
+use pace::{Adaptive, Pace};
 pub use starts::{Deep, Leaf, Moving, MovingStarts, Starts, Upright};
 pub use trust::Trust;
 
@@ -156,7 +157,7 @@ impl Job {
                 let finer = if self.config.precision == Precision::F32 { 200.0 } else { 2000.0 };
                 let finer = finer * f64::from(self.config.leaf_pixels()) / 16.0;
                 let control = adaptive.control.after_a_cell(moving.since, moving.end, finer);
-                Pace::Adaptive(method::Adaptive { control, ..adaptive })
+                Pace::Adaptive(Adaptive { control, ..adaptive })
             }
             _ => pace,
         })

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use rayon::prelude::*;
 
 use super::integrator_state::carried_names;
-use super::method::Pace;
+use super::pace::Pace;
 use super::{
     Carried, End, Ends, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving,
     NUMBERS, Precision, Question, Starts,

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::method::Pace;
+use super::pace::Pace;
 use super::start::phase_at;
 use super::{IntegratorState, Question};
 use crate::physics::phase::Phase;

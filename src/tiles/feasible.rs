@@ -1,6 +1,6 @@
 //! Refusal of pictures that no engine can compute.
 
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::{Cells, EngineError, IntegratorConfig, Question};
 use crate::scene::{Grid, Scene};
 

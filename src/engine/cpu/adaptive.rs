@@ -7,7 +7,7 @@ use super::number::{Number, load_phase, store_phase};
 use super::pair::{EmbeddedPair, LaneStep, TopTest};
 use super::slowed::finish_slowed;
 use super::{step_control, turns};
-use crate::engine::method::Adaptive;
+use crate::engine::pace::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
 use crate::engine::{End, NUMBERS, Question};
 use crate::physics::control::LONGEST;

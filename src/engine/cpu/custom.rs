@@ -9,7 +9,7 @@ use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::F64Lanes;
 use super::pair::{EmbeddedPair, OnCubic};
 use super::{CHUNK, adaptive};
-use crate::engine::method::{Adaptive, Pace};
+use crate::engine::pace::{Adaptive, Pace};
 use crate::engine::{
     EngineError, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, start,
 };

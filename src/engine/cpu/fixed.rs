@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::slowed::slowed_lanes;
-use crate::engine::method::Steps;
+use crate::engine::pace::Steps;
 use crate::engine::start::{angles_of, whole_turns};
 use crate::engine::{End, NUMBERS, Precision, Question};
 use crate::physics::flip::{fraction_of_step, may_pass};

@@ -3,7 +3,7 @@
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::one_by_one::{self, WalkProgress, Walker, dynamics, phase_in};
 use super::pair::EmbeddedPair;
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::start::{STEP, TIME, end_with_growth};
 use crate::engine::{Carried, End, IntegratorState, NUMBERS, Precision};
 use crate::physics::dual::Dual;

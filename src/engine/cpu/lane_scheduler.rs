@@ -28,7 +28,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::lanes::MOST_LANES;
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::start::{TIME, TIME_LOW, phase_of};
 use crate::engine::{
     Carried, Effort, End, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question,

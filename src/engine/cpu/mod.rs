@@ -37,7 +37,7 @@ use self::lanes::{F32Lanes, F64Lanes};
 use self::number::{Compensated, Two};
 use self::pair::{Midpoints, OnCubic, OnQuartic};
 use self::taylor_pair::TaylorPair;
-use super::method::{Adaptive, Pace, Steps};
+use super::pace::{Adaptive, Pace, Steps};
 use super::threads::default_threads;
 use super::{
     End, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,

@@ -7,7 +7,7 @@
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::one_by_one::{self, WalkProgress, Walker, dynamics, phase_in};
 use super::pair::EmbeddedPair;
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::start::{STEP, TIME, end_with_return};
 use crate::engine::{Carried, IntegratorState, NUMBERS, Precision};
 use crate::physics::phase::{Phase, distance};

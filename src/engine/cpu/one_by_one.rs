@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::pair::EmbeddedPair;
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::start::phase_of;
 use crate::engine::{End, IntegratorState, NUMBERS, Precision};
 use crate::physics::control::LONGEST;

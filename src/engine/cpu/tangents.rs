@@ -5,7 +5,7 @@ use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::{Lanes, MOST_LANES};
 use super::pair::EmbeddedPair;
 use super::step_control;
-use crate::engine::method::{Adaptive, Pace};
+use crate::engine::pace::{Adaptive, Pace};
 use crate::engine::start::{STEP, TIME, TIME_LOW, end_with_growth};
 use crate::engine::{Carried, IntegratorState, NUMBERS};
 use crate::physics::control::LONGEST;

@@ -9,7 +9,7 @@ use super::number::{Number, load_phase, store_phase};
 use super::slowed::finish_slowed;
 use super::turns;
 use crate::engine::End;
-use crate::engine::method::Adaptive;
+use crate::engine::pace::Adaptive;
 use crate::engine::start::{TIME, TIME_LOW};
 use crate::physics::control::LONGEST;
 use crate::physics::crossing::{FAR, StepState, height_beyond};

@@ -17,7 +17,7 @@ use super::maths;
 use super::packing::Packing;
 use super::pairs::Pairs;
 use crate::engine::integrator_state::{LOG_SCALE, SEARCH, STARTS, carried_names};
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::shared::status_constants;
 use crate::engine::slowed::least_energy;
 use crate::engine::start::{ANGLES, PHASE};

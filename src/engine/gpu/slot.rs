@@ -46,7 +46,7 @@ use super::clock::Slices;
 use super::device::Gpu;
 use super::packing::{Packer, Packing};
 use super::pipeline::Kernel;
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::shared::{CountedOutcome, JobHead, PackedWork, Queue, RawOutcome, to_parts};
 use crate::engine::start::places;
 use crate::engine::{EngineError, Job, JobResult, Keep, Starts};

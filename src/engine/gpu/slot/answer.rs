@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{Slot, answer_bytes};
 use crate::engine::gpu::packing::Packing;
 use crate::engine::integrator_state::{MOST_CARRIED, carried_names};
-use crate::engine::method::Pace;
+use crate::engine::pace::Pace;
 use crate::engine::shared::{CountedOutcome, PackedWork, RawOutcome, from_parts, status_of};
 use crate::engine::{
     Carried, Effort, End, Ends, EngineError, IntegratorState, Job, JobResult, Keep, NUMBERS,
