@@ -1,6 +1,9 @@
 // Packs what a picture shows of each outcome into {{ words }} words, and adds up the work, when all pendulums
 // of a job have ended (counterpart: src/engine/gpu/packing.rs).
 
+{# Counted outcomes are not packed. #}
+{% set counts_turns = false %}
+{% set counts_passes = false %}
 {% include "outcome.wgsl" %}
 
 // The first member of a job's head.

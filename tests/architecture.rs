@@ -1,6 +1,8 @@
 //! The project's rules that a machine can check: dependencies between modules, sizes of files,
 //! valid shaders, matching struct counterparts, kernels with only the code that their scene needs.
 
+#[path = "common/shader_structs.rs"]
+mod shader_structs;
 #[path = "common/sources.rs"]
 mod sources;
 
@@ -23,6 +25,7 @@ use flipmap::physics::{Decimal, Rule, Status};
 use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use shader_structs::members;
 use sources::rust_files;
 
 /// The modules from left to right: a module may use only those before it.
@@ -236,15 +239,6 @@ fn every_assembled_shader_is_valid() {
     for precision in [Precision::F32, Precision::Df32, Precision::F64] {
         Pairs::ALL.iter().for_each(|&pairs| drop(parsed(&selfcheck_text(precision, pairs))));
     }
-}
-
-/// Names and offsets of the members of a shader struct.
-fn members(module: &naga::Module, name: &str) -> Vec<(String, usize)> {
-    let is = |ty: &&naga::Type| ty.name.as_deref() == Some(name);
-    let (_, ty) = module.types.iter().find(|(_, ty)| is(ty)).expect("the struct is there");
-    let naga::TypeInner::Struct { members, .. } = &ty.inner else { panic!("{name}") };
-    let named = |m: &naga::StructMember| (m.name.clone().unwrap(), m.offset as usize);
-    members.iter().map(named).collect()
 }
 
 #[test]

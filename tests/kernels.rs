@@ -1,6 +1,9 @@
 //! Every kernel can be translated to the language of every kind of driver. scripts/kernels, which names
 //! a folder in FLIPMAP_KERNELS, finds all translations there afterwards.
 
+#[path = "common/shader_structs.rs"]
+mod shader_structs;
+
 use std::fs;
 use std::mem::offset_of;
 use std::path::Path;
@@ -16,7 +19,8 @@ use flipmap::scene::Build;
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use naga::{Module, ShaderStage, TypeInner};
+use naga::{Module, ShaderStage};
+use shader_structs::members;
 
 /// The number types by name, with the way in which pairs are computed.
 const NUMBERS: [(&str, Precision, Pairs); 5] = [
@@ -189,12 +193,7 @@ fn packed_outcomes_have_the_same_layout_on_both_sides() {
     for packing in Packing::ALL {
         let text = pack_text(packing);
         let (module, _) = parsed(&text).unwrap();
-        let members = |name: &str| -> Vec<(String, usize)> {
-            let is = |ty: &&naga::Type| ty.name.as_deref() == Some(name);
-            let (_, ty) = module.types.iter().find(|(_, ty)| is(ty)).unwrap();
-            let TypeInner::Struct { members, .. } = &ty.inner else { panic!("{name}") };
-            members.iter().map(|m| (m.name.clone().unwrap(), m.offset as usize)).collect()
-        };
+        let members = |name| members(&module, name);
         let named = |all: &[(&str, usize)]| -> Vec<(String, usize)> {
             all.iter().map(|(name, offset)| (name.to_string(), *offset)).collect()
         };

@@ -362,8 +362,6 @@ pub fn pack_text(packing: Packing) -> String {
         words: packing.words(),
         stepped: packing.is_stepped(),
         has_rest: packing.has_rest(),
-        counts_turns: false,
-        counts_passes: false,
         statuses: status_constants(),
     };
     glue(&["pack.wgsl"], &values)

@@ -8,9 +8,10 @@ use std::cell::OnceCell;
 
 use super::device::Gpu;
 use super::kernel::{Design, pack_text};
-use super::pipeline::{bind, compute_pipeline, layout};
+use super::pipeline::{bind, compute_pipeline, layout, workgroups};
 use crate::engine::Precision;
 use crate::engine::shared::{NO_MOMENT, RawOutcome};
+use crate::physics::Status;
 
 /// The words that are kept of an outcome: the first part of the moment or the status, and these.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +61,7 @@ impl Packing {
         }
         let rest = if self.has_rest() { words[self.words() - 1] } else { 0 };
         let moment = [first, rest].map(f32::from_bits);
-        RawOutcome { status: 1, steps, moment, ..RawOutcome::default() }
+        RawOutcome { status: Status::Flipped as u32, steps, moment, ..RawOutcome::default() }
     }
 }
 
@@ -76,9 +77,8 @@ struct Pipeline {
     layout: wgpu::BindGroupLayout,
 }
 
-/// Number of invocations in a workgroup, and largest number of workgroups.
+/// Number of invocations in a workgroup.
 const WORKGROUP: u32 = 64;
-const MOST_GROUPS: u32 = 65_535;
 
 impl Packer {
     /// Records a dispatch that packs the outcomes of `count` pendulums. The buffers are the job's head,
@@ -96,7 +96,7 @@ impl Packer {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &bind(&gpu.device, layout, buffers), &[]);
-        pass.dispatch_workgroups(count.div_ceil(WORKGROUP).min(MOST_GROUPS), 1, 1);
+        pass.dispatch_workgroups(workgroups(count, WORKGROUP), 1, 1);
     }
 }
 

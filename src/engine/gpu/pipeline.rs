@@ -63,6 +63,13 @@ fn in_workgroups(text: &str, workgroup: u32) -> String {
     text.replace("const WORKGROUP = 64u;", &format!("const WORKGROUP = {workgroup}u;"))
 }
 
+/// Number of workgroups for `count` invocations, as many as a dispatch can have at most: invocations
+/// take several places each where there are more.
+pub(super) fn workgroups(count: u32, workgroup: u32) -> u32 {
+    const MOST: u32 = 65_535;
+    count.div_ceil(workgroup).min(MOST)
+}
+
 /// A layout of storage buffers, each read-only or not.
 pub fn layout(device: &wgpu::Device, read_only: &[bool]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = (0..)

@@ -16,6 +16,7 @@
 //!            ├─ 5        no flip ────────────────────────▶ list 1
 //!            └─ 2        flipped
 //!  host      reads 16 bytes: list 1 has 4 pendulums left, so another slice follows
+//!  pack      after the last slice: what a picture shows of each outcome, over the lists
 //! ```
 //!
 //! * Where there are subgroups, each reserves its places in a list by a prefix sum and one atomic.

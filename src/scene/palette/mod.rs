@@ -31,7 +31,7 @@ pub fn rounded(tint: Tint) -> Rgb {
 
 /// The nearest value of eight bits of a channel.
 pub fn rounded_channel(channel: f32) -> u8 {
-    // As `round`, which is a call of a function on most machines.
+    // As `round` but for the number just below a half; that is a call of a function on most machines.
     (channel + 0.5) as u8
 }
 

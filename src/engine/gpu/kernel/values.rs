@@ -120,9 +120,6 @@ pub(super) struct PackValues {
     pub(super) words: usize,
     pub(super) stepped: bool,
     pub(super) has_rest: bool,
-    /// Always false: counted outcomes are not packed.
-    pub(super) counts_turns: bool,
-    pub(super) counts_passes: bool,
     pub(super) statuses: String,
 }
 

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::Slot;
 use super::axes::Axes;
 use crate::engine::gpu::device::Gpu;
+use crate::engine::gpu::pipeline::workgroups;
 use crate::engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RUNNING, RawOutcome, to_parts,
 };
@@ -62,7 +63,7 @@ impl Slot {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.groups[0], &[]);
         pass.set_bind_group(2, &self.kernel.bind(gpu, 2, &[numbers, places]), &[]);
-        pass.dispatch_workgroups(self.head.count.div_ceil(LEAST_WORKGROUP).min(MOST_GROUPS), 1, 1);
+        pass.dispatch_workgroups(workgroups(self.head.count, LEAST_WORKGROUP), 1, 1);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
     }
@@ -87,9 +88,8 @@ impl Slot {
     }
 }
 
-/// Smallest number of invocations in a workgroup, and largest number of workgroups along a side.
+/// Smallest number of invocations in a workgroup.
 const LEAST_WORKGROUP: u32 = 32;
-const MOST_GROUPS: u32 = 65_535;
 
 /// A number of each state as the device has it, from its place there and that of its remainder.
 fn encoded(
