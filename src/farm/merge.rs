@@ -260,7 +260,7 @@ fn coloured(
         let samples = if mirrored { samples.image(samples.len()) } else { samples };
         Ok(colours.light(&samples, shown))
     };
-    Mip::build(&group.group.patches, colours.channels(), folder, &mut light)
+    Mip::build(&group.group.patches, colours.is_lit(), folder, &mut light)
 }
 
 /// Stride between the samples of a patch that the spread of colours uses: every second row, one

@@ -1,7 +1,7 @@
 //! The samples of a patch as linear light.
 
 use super::WAITING;
-use super::mip::{HEIGHT, Light};
+use super::mip::Light;
 use crate::physics::{Outcome, Status};
 use crate::scene::film::{Film, Shot};
 use crate::scene::palette::{Rgb, Tones, light_table};
@@ -33,27 +33,28 @@ impl FlipWindow {
 pub struct Colours {
     tones: Tones,
     light: [u16; 256],
-    lit: bool,
+    is_lit: bool,
 }
 
 impl Colours {
     /// The colours of a film with these tones; with heights if it is lit from the side.
-    pub fn new(tones: Tones, lit: bool) -> Self {
-        Colours { tones, light: light_table(), lit }
+    pub fn new(tones: Tones, is_lit: bool) -> Self {
+        Colours { tones, light: light_table(), is_lit }
     }
 
-    /// Number of numbers per sample, 3 or 4.
-    pub fn channels(&self) -> usize {
-        HEIGHT + usize::from(self.lit)
+    /// Returns true if the film is lit from the side.
+    pub fn is_lit(&self) -> bool {
+        self.is_lit
     }
 
     /// The light of a patch's samples.
     pub fn light(&self, samples: &Samples, shown: &FlipWindow) -> Light {
         let of = |outcome: Outcome| {
-            let rgb = self.colour(&outcome, shown).map(|channel| self.light[usize::from(channel)]);
-            rgb.into_iter().chain(self.lit.then(|| self.height(&outcome, shown)))
+            let rgb = self.colour(&outcome, shown);
+            let [red, green, blue] = rgb.map(|channel| self.light[usize::from(channel)]);
+            [red, green, blue, if self.is_lit { self.height(&outcome, shown) } else { 0 }]
         };
-        samples.iter().flat_map(of).collect()
+        samples.iter().map(of).collect()
     }
 
     /// The height of a flip that is shown, 1 to 65535; 0 without one.

@@ -13,9 +13,11 @@ use std::sync::Arc;
 use crate::scene::lattice::Cell;
 use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE};
 
-/// Linear light of a patch: three numbers per sample, row by row from the top. Under light from the
-/// side each has a fourth, its height: 1 to 65535, or 0 without one.
-pub type Light = Arc<[u16]>;
+/// Linear light of a sample, red, green and blue, and its height: 1 to 65535, or 0 without one.
+pub type Lit = [u16; 4];
+
+/// The samples of a patch, row by row from the top.
+pub type Light = Arc<[Lit]>;
 
 /// Index of the height among the numbers of a sample.
 pub(super) const HEIGHT: usize = 3;
@@ -25,20 +27,21 @@ pub struct Mip {
     file: File,
     /// Index of each cell in the file, and true if it is a patch.
     places: HashMap<Cell, (u32, bool)>,
-    /// Number of numbers per sample, 3 or 4.
+    /// Number of numbers per sample in the file: heights are kept only if the film is lit.
     channels: usize,
 }
 
 impl Mip {
     /// Builds the mip of `patches`, given in depth-first order of quarters of quarters; `light`
-    /// returns theirs one by one in that order, with 3 or 4 numbers per sample. The file lies in
-    /// `folder`.
+    /// returns theirs one by one in that order. The file lies in `folder`, and keeps heights if the
+    /// film `is_lit` from the side.
     pub fn build<E: From<io::Error>>(
         patches: &[Cell],
-        channels: usize,
+        is_lit: bool,
         folder: &Path,
         light: &mut dyn FnMut() -> Result<Light, E>,
     ) -> Result<Mip, E> {
+        let channels = HEIGHT + usize::from(is_lit);
         let mut builder = Builder {
             out: BufWriter::with_capacity(1 << 20, tempfile::tempfile_in(folder)?),
             places: HashMap::new(),
@@ -57,18 +60,16 @@ impl Mip {
         self.places.get(cell).map(|(_, patch)| *patch)
     }
 
-    /// Number of numbers per sample, 3 or 4.
-    pub fn channels(&self) -> usize {
-        self.channels
-    }
-
     /// Reads the colours of a cell that has some.
     pub fn light(&mut self, cell: &Cell) -> io::Result<Light> {
         let (place, _) = self.places[cell];
         let mut numbers = vec![0u16; self.channels * PATCH_SAMPLES];
         self.file.seek(SeekFrom::Start(u64::from(place) * 2 * numbers.len() as u64))?;
         self.file.read_exact(bytemuck::cast_slice_mut(&mut numbers))?;
-        Ok(numbers.into())
+        let sample = |numbers: &[u16]| {
+            std::array::from_fn(|channel| numbers.get(channel).copied().unwrap_or(0))
+        };
+        Ok(numbers.chunks_exact(self.channels).map(sample).collect())
     }
 }
 
@@ -85,14 +86,16 @@ impl<E: From<io::Error>> Builder<'_, E> {
         let is_patch = patches == [cell];
         let light = if is_patch { (self.light)()? } else { self.halved(&cell, patches)? };
         let place = self.places.len() as u32;
-        self.out.write_all(bytemuck::cast_slice(&light))?;
+        let numbers: Vec<u16> =
+            light.iter().flat_map(|sample| &sample[..self.channels]).copied().collect();
+        self.out.write_all(bytemuck::cast_slice(&numbers))?;
         self.places.insert(cell, (place, is_patch));
         Ok(light)
     }
 
     /// The means of two by two samples of a cell's quarters; black where no frame looks.
     fn halved(&mut self, cell: &Cell, patches: &[Cell]) -> Result<Light, E> {
-        let mut all = vec![0u16; self.channels * PATCH_SAMPLES];
+        let mut all = vec![[0; 4]; PATCH_SAMPLES];
         let mut rest = patches;
         for (k, child) in cell.children().into_iter().enumerate() {
             let inside = |patch: &Cell| patch.ancestor(child.level) == child;
@@ -102,7 +105,7 @@ impl<E: From<io::Error>> Builder<'_, E> {
             if !own.is_empty() {
                 let light = self.build(child, own)?;
                 // Children: the left two from below, then the right two; rows count from the top.
-                put_quarter(&mut all, &light, self.channels, [k / 2, 1 - k % 2]);
+                put_quarter(&mut all, &light, [k / 2, 1 - k % 2]);
             }
         }
         Ok(all.into())
@@ -110,23 +113,27 @@ impl<E: From<io::Error>> Builder<'_, E> {
 }
 
 /// Puts a patch's means into the quarter of another, so many quarters to the right and down.
-fn put_quarter(all: &mut [u16], light: &[u16], channels: usize, [right, down]: [usize; 2]) {
+fn put_quarter(all: &mut [Lit], light: &[Lit], [right, down]: [usize; 2]) {
     let side = PATCH_SIDE as usize;
     let half = side / 2;
     for row in 0..half {
         for column in 0..half {
-            let to = channels * ((down * half + row) * side + right * half + column);
             let from = 2 * row * side + 2 * column;
-            for channel in 0..channels {
-                let at = |by: usize| light[channels * (from + by) + channel];
-                let four = [at(0), at(1), at(side), at(side + 1)];
-                // A place that is partly without a height has none.
-                let lacks = channel == HEIGHT && four.contains(&0);
-                let sum: u32 = four.into_iter().map(u32::from).sum();
-                all[to + channel] = if lacks { 0 } else { ((sum + 2) / 4) as u16 };
-            }
+            let four = [0, 1, side, side + 1].map(|by| light[from + by]);
+            all[(down * half + row) * side + right * half + column] = mean(four);
         }
     }
+}
+
+/// The mean of four samples; a place that is partly without a height has none.
+fn mean(four: [Lit; 4]) -> Lit {
+    let of = |channel: usize| four.map(|sample| u32::from(sample[channel]));
+    let mut mean =
+        std::array::from_fn(|channel| ((of(channel).iter().sum::<u32>() + 2) / 4) as u16);
+    if of(HEIGHT).contains(&0) {
+        mean[HEIGHT] = 0;
+    }
+    mean
 }
 
 #[cfg(test)]
@@ -142,15 +149,15 @@ mod tests {
         let mut next = 0u16;
         let mut light = || {
             next += 1000;
-            Ok::<Light, io::Error>(vec![next; 3 * PATCH_SAMPLES].into())
+            Ok::<Light, io::Error>(vec![[next; 4]; PATCH_SAMPLES].into())
         };
         let folder = tempfile::tempdir().unwrap();
-        let mut mip = Mip::build(&patches, 3, folder.path(), &mut light).unwrap();
+        let mut mip = Mip::build(&patches, false, folder.path(), &mut light).unwrap();
         assert_eq!(mip.is_patch(&a), Some(true));
         assert_eq!(mip.is_patch(&d), Some(false));
         assert_eq!(mip.is_patch(&d.children()[2]), None);
         let side = PATCH_SIDE as usize;
-        let at = |light: &Light, column: usize, row: usize| light[3 * (row * side + column)];
+        let at = |light: &Light, column: usize, row: usize| light[row * side + column][0];
         let whole = mip.light(&Cell::WHOLE).unwrap();
         let corners = [[0, side - 1], [0, 0], [side - 1, side - 1], [side - 1, 0]];
         let seen = corners.map(|[column, row]| at(&whole, column, row));
@@ -167,16 +174,15 @@ mod tests {
             next += 1;
             let heights =
                 (0..PATCH_SAMPLES).map(|k| if k == 0 && next == 1 { 0 } else { next * 100 });
-            let numbers = heights.flat_map(|height| [7, 8, 9, height]);
-            Ok::<Light, io::Error>(numbers.collect())
+            Ok::<Light, io::Error>(heights.map(|height| [7, 8, 9, height]).collect())
         };
         let folder = tempfile::tempdir().unwrap();
-        let mut mip = Mip::build(&parts, 4, folder.path(), &mut light).unwrap();
+        let mut mip = Mip::build(&parts, true, folder.path(), &mut light).unwrap();
         let whole = mip.light(&Cell::WHOLE).unwrap();
         let side = PATCH_SIDE as usize;
-        let at = |column: usize, row: usize| whole[4 * (row * side + column) + HEIGHT];
+        let at = |column: usize, row: usize| whole[row * side + column][HEIGHT];
         // The first quarter lies below on the left, and its first sample is its upper left one.
         assert_eq!([at(0, side / 2), at(1, side / 2), at(0, 0)], [0, 100, 200]);
-        assert_eq!(whole[..3], [7, 8, 9]);
+        assert_eq!(whole[0][..3], [7, 8, 9]);
     }
 }

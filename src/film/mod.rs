@@ -28,13 +28,14 @@
 mod colours;
 pub mod ffmpeg;
 mod frames;
+mod layer;
 mod lit_frame;
 mod mip;
 mod paint;
 
 pub use colours::{Colours, FlipWindow};
 pub use frames::{FrameError, Frames};
-pub use mip::{Light, Mip};
+pub use mip::{Light, Lit, Mip};
 pub use paint::{FramePainter, WAITING};
 
 use std::sync::Arc;
