@@ -96,6 +96,21 @@ impl Jet {
         self.value(point)
     }
 
+    /// Values at some points of the cell, given by all first and all second coordinates.
+    #[inline(always)]
+    pub(super) fn values<const N: usize>(&self, [x, y]: &[[f64; N]; 2]) -> [f64; N] {
+        let mut sum = [0.0; N];
+        for j in (0..=DEGREE).rev() {
+            let mut row = [0.0; N];
+            for i in (0..=DEGREE - j).rev() {
+                let c = self.c[first(i + j) + j];
+                (0..N).for_each(|lane| row[lane] = row[lane] * x[lane] + c);
+            }
+            (0..N).for_each(|lane| sum[lane] = sum[lane] * y[lane] + row[lane]);
+        }
+        sum
+    }
+
     /// Value at a point of the cell, with its derivative in a direction.
     pub(super) fn along_at(&self, point: [f64; 2], direction: [f64; 2]) -> Dual<1> {
         self.value([0, 1].map(|i| Dual { value: point[i], slope: [direction[i]] }))
@@ -315,6 +330,14 @@ mod tests {
             prop_assert!(near(a * three, 3.0 * at(a)) && near(three * a, 3.0 * at(a)));
             prop_assert!(near(three / a, 3.0 / at(a)));
             prop_assert!(near(a.sqrt(), at(a).sqrt()));
+        }
+
+        #[test]
+        fn values_at_many_points_are_those_at_each(
+            a in jets(), x in prop::array::uniform4(-1.0..1.0f64), y in prop::array::uniform4(-1.0..1.0f64),
+        ) {
+            let each = std::array::from_fn(|k| a.at([x[k], y[k]]));
+            prop_assert_eq!(a.values(&[x, y]), each);
         }
 
         #[test]

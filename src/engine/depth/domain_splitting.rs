@@ -28,7 +28,7 @@ use std::sync::{Arc, Mutex};
 use rayon::prelude::*;
 
 use super::anchor::{Anchor, anchor_level};
-use super::finished_patch::{FinishedPatch, MappedStart, PartKey};
+use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
 use super::part::{Branch, BranchState, Cut, PlacedStart, SplitNode, SplitPart};
 use crate::engine::{Deep, Leaf, Moving, Question};
@@ -270,14 +270,14 @@ impl DomainSplitting {
         is_undescribed || patch.patch.has_grown_less_than(ALIGNED)
     }
 
-    /// A start that is followed alone from its release.
-    pub(super) fn start_alone(&self, cell: Cell, at: [f64; 2]) -> MappedStart {
-        let Some((pendulum, start)) = self.reduced(cell, at) else { return MappedStart::FORBIDDEN };
+    /// A start that is followed alone from its release; none if it is forbidden.
+    pub(super) fn start_alone(&self, cell: Cell, at: [f64; 2]) -> Option<Moving> {
+        let (pendulum, start) = self.reduced(cell, at)?;
         let phase = pendulum.phase(&start);
         if pendulum.forbids_depth(self.rule, -pendulum.energy_of(&phase)) {
-            return MappedStart::FORBIDDEN;
+            return None;
         }
-        MappedStart::Moving(Moving {
+        Some(Moving {
             time: [0.0; 2],
             phase: phase.map(Theta::to_f64),
             step: control::FIRST,

@@ -6,7 +6,9 @@ use std::sync::OnceLock;
 use super::part::{SplitNode, SplitPart};
 use super::stats::DepthStats;
 use crate::engine::{End, Moving, Question};
-use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchCurve, PatchEnd};
+use crate::physics::flow_patch::{
+    CurveCoordinates, CurvePoint, Dynamics, FlowPatch, PatchCurve, PatchEnd,
+};
 use crate::physics::jet::Jet;
 use crate::physics::phase::Phase;
 use crate::physics::tangents::TangentMap;
@@ -45,15 +47,8 @@ pub(super) struct FinishedPatch {
     pub budget: f64,
     /// The curve on which its states lie, if they lie on one.
     pub curve: OnceLock<Option<PatchCurve>>,
-}
-
-/// A start as far as polynomials determine it.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum MappedStart {
-    /// The outcome is known, and the end.
-    Known(Outcome, End),
-    /// The state is known up to this moment; the rest has to be integrated.
-    Moving(Moving),
+    /// The coordinates of all starts along that curve, if they are polynomials.
+    pub coordinates: OnceLock<Option<CurveCoordinates>>,
 }
 
 /// Largest residual of a patch that is taken for a line, as a share of half its length along the
@@ -70,7 +65,8 @@ impl FinishedPatch {
     ) -> Self {
         let SplitNode { patch, edge } = node;
         let (key, half_side, area) = (part.key, part.half_side(plane), part.above.iter().sum());
-        FinishedPatch { key, patch, ending, edge, half_side, area, budget, curve: OnceLock::new() }
+        let (curve, coordinates) = Default::default();
+        FinishedPatch { key, patch, ending, edge, half_side, area, budget, curve, coordinates }
     }
 
     /// The patch with the forbidden region's edge.
@@ -124,17 +120,42 @@ impl FinishedPatch {
         self.curve.get_or_init(find).as_ref()
     }
 
-    /// Maps the start at a point of the patch, in [−1, 1]²; `unit_secs` is the reduced unit of time
-    /// in s.
-    pub(super) fn start(
+    /// The places on the patch's curve of the starts at some points; none for a start that cannot be
+    /// told from its neighbours along the flow.
+    pub(super) fn points(
+        &self,
+        dynamics: &Dynamics,
+        curve: &PatchCurve,
+        places: &[[f64; 2]],
+    ) -> Vec<Option<CurvePoint>> {
+        let find = || self.patch.coordinates(dynamics, curve);
+        match self.coordinates.get_or_init(find) {
+            Some(coordinates) => coordinates.points(places).into_iter().map(Some).collect(),
+            None => {
+                let phase = |at: &[f64; 2]| self.patch.phase.map(|jet| jet.at(*at));
+                places.iter().map(|at| curve.point(dynamics, &phase(at))).collect()
+            }
+        }
+    }
+
+    /// The state that the start at a point is in when the patch ends.
+    pub(super) fn state(&self, dynamics: &Dynamics, at: [f64; 2]) -> Moving {
+        let phase = self.patch.phase.map(|jet| jet.at(at));
+        let nudges = self.patch.nudges_at(dynamics, at).map(Box::new);
+        Moving { nudges, ..self.moving(dynamics, phase, self.patch.clearance(at)) }
+    }
+
+    /// The outcome of the start at a point of the patch, in [−1, 1]², and its end, if the polynomials
+    /// determine them; `unit_secs` is the reduced unit of time in s.
+    pub(super) fn known(
         &self,
         dynamics: &Dynamics,
         question: &Question,
         unit_secs: f64,
         at: [f64; 2],
-    ) -> MappedStart {
+    ) -> Option<(Outcome, End)> {
         if self.edge.is_some_and(|edge| edge.at(at) > 0.0) {
-            return MappedStart::FORBIDDEN;
+            return Some(FORBIDDEN);
         }
         let grazed = self.patch.grazes.iter().filter_map(|graze| graze.flip(dynamics, at));
         let passed = match &self.ending {
@@ -142,43 +163,37 @@ impl FinishedPatch {
             _ => None,
         };
         let first = |a: (f64, _), b: (f64, _)| if b.0 < a.0 { b } else { a };
-        let clearance = self.patch.clearance(at);
+        match grazed.chain(passed).reduce(first) {
+            Some((time, phase)) => {
+                let (clearance, grown) = (self.patch.clearance(at), f64::INFINITY);
+                let end = End { time, phase, clearance, grown, ..End::NOWHERE };
+                Some((question.flipped_at(time * unit_secs), end))
+            }
+            None => (!self.is_open()).then(|| self.unflipped(dynamics, at)),
+        }
+    }
+
+    /// The outcome of a start that has not flipped when the budget ends, and its end.
+    fn unflipped(&self, dynamics: &Dynamics, at: [f64; 2]) -> (Outcome, End) {
         let (high, low) = self.patch.time;
         let phase = self.patch.phase.map(|jet| jet.at(at));
+        let turns = self.patch.turns_at(&phase);
+        // The last step may have gone beyond the budget; the state itself is brought back later.
+        let back =
+            |map: TangentMap| map.followed_by(&dynamics.pendulum, &phase, self.budget - high - low);
         let nudges = self.patch.nudges_at(dynamics, at);
-        match (grazed.chain(passed).reduce(first), self.is_open()) {
-            (Some((time, phase)), _) => {
-                let end = End { time, phase, clearance, grown: f64::INFINITY, ..End::NOWHERE };
-                MappedStart::Known(question.flipped_at(time * unit_secs), end)
-            }
-            (None, true) => {
-                let nudges = nudges.map(Box::new);
-                let moving = self.moving(dynamics, phase, clearance);
-                MappedStart::Moving(Moving { nudges, ..moving })
-            }
-            (None, false) => {
-                let turns = self.patch.turns_at(&phase);
-                // The last step may have gone beyond the budget; the state itself is brought back
-                // later.
-                let back = |map: TangentMap| {
-                    map.followed_by(&dynamics.pendulum, &phase, self.budget - high - low)
-                };
-                let log_growth = nudges.map_or(0.0, |map| back(map).log_growth());
-                let end = End {
-                    time: high + low,
-                    phase,
-                    clearance,
-                    grown: f64::INFINITY,
-                    gathered: Accumulators { turns, log_growth, ..Accumulators::NONE },
-                };
-                MappedStart::Known(Outcome::without_time(Status::Unflipped), end)
-            }
-        }
+        let log_growth = nudges.map_or(0.0, |map| back(map).log_growth());
+        let end = End {
+            time: high + low,
+            phase,
+            clearance: self.patch.clearance(at),
+            grown: f64::INFINITY,
+            gathered: Accumulators { turns, log_growth, ..Accumulators::NONE },
+        };
+        (Outcome::without_time(Status::Unflipped), end)
     }
 }
 
-impl MappedStart {
-    /// The result for starts that conservation of energy keeps from flipping.
-    pub(super) const FORBIDDEN: MappedStart =
-        MappedStart::Known(Outcome { status: Status::Forbidden, time: 0.0 }, End::NOWHERE);
-}
+/// The outcome and the end of starts that conservation of energy keeps from flipping.
+pub(super) const FORBIDDEN: (Outcome, End) =
+    (Outcome { status: Status::Forbidden, time: 0.0 }, End::NOWHERE);

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use super::anchor::digits;
 use super::domain_splitting::{DomainSplitting, SplitRequest};
-use super::finished_patch::MappedStart;
+use super::finished_patch::{FORBIDDEN, FinishedPatch};
 use super::following::Following;
 use super::lines::Lines;
 use super::part::PlacedStart;
@@ -16,6 +16,7 @@ use crate::engine::{
     Deep, Effort, End, Ends, IntegratorState, Job, JobResult, Method, Moving, MovingStarts,
     Precision, Question, Starts,
 };
+use crate::physics::flow_patch::Dynamics;
 use crate::physics::{Outcome, Status};
 
 /// The domain splittings of the pendulums, rules and planes met so far, the latest last.
@@ -29,15 +30,18 @@ pub(super) struct Awaited {
     /// The job, without its starts.
     pub job: Job,
     pub outcomes: Vec<Outcome>,
+    /// Empty unless the job wants them.
     pub ends: Vec<End>,
     /// States of the starts that are unflipped, if they are kept.
     pub unfinished: Vec<(usize, IntegratorState)>,
     /// Number of its takeoffs that have not come back.
     pub takeoffs: usize,
-    /// Indices of the starts that are not known, and the states they are in.
+    /// Indices of the starts that have to be integrated one by one, and the states they are in.
     pub moving: Vec<(usize, Moving)>,
     /// The job's lines, while samples of these are integrated.
     pub lines: Option<Lines>,
+    /// The starts of patches that are lines, whose states are not computed until lines fail them.
+    on_lines: Vec<(Arc<FinishedPatch>, Vec<PlacedStart>)>,
     pub effort: Effort,
 }
 
@@ -83,48 +87,42 @@ pub(super) fn followed(
     let begun = Instant::now();
     let distribution = splitting.distribute(&deep, wanted)?;
     let places = LazyCell::new(|| deep.places().collect::<Vec<_>>());
-    let dynamics = &splitting.dynamics;
-    let mut lines = (lines && may_use_lines(&job)).then(|| Lines::new(*dynamics, unit_secs));
     let mut awaited = Awaited::of_forbidden(job, count);
+    awaited.lines =
+        (lines && may_use_lines(&awaited.job)).then(|| Lines::new(splitting.dynamics, unit_secs));
     let (cells, cell_steps) = distribution.followed;
     let cell_secs = begun.elapsed().as_secs_f64();
     let mut depth = DepthStats { cells, cell_steps, cell_secs, ..DepthStats::NOTHING };
-    for (patch, starts) in &distribution.patches {
-        let before = awaited.moving.len();
-        for PlacedStart { index, at } in starts {
-            let start = if splitting.tells_nothing(patch) {
-                let (cell, at) = places[*index];
+    for (patch, starts) in distribution.patches {
+        let open = if splitting.tells_nothing(&patch) {
+            awaited.take_alone(&starts, |index| {
+                let (cell, at) = places[index];
                 splitting.start_alone(cell, at)
-            } else {
-                patch.start(dynamics, &question, unit_secs, *at)
-            };
-            awaited.take(*index, start);
-        }
-        let moving = &awaited.moving[before..];
-        depth = depth.and(DepthStats {
-            digits: digits(level),
-            ..patch.stats(dynamics, unit_secs, moving.len())
-        });
-        if let Some(lines) = lines.as_mut().filter(|_| !moving.is_empty()) {
-            lines.add(patch, moving);
-        }
+            })
+        } else {
+            awaited.take(&splitting.dynamics, &patch, starts)
+        };
+        let stats = patch.stats(&splitting.dynamics, unit_secs, open);
+        depth = depth.and(DepthStats { digits: digits(level), ..stats });
     }
     awaited.effort = Effort { depth: Some(depth), ..Effort::default() };
-    awaited.lines = lines;
     Some(awaited)
 }
 
 impl Awaited {
     /// A job of forbidden starts.
     fn of_forbidden(job: Job, count: usize) -> Self {
+        let (outcome, end) = FORBIDDEN;
+        let ends = if job.keep.ends == Ends::None { 0 } else { count };
         Awaited {
             job,
-            outcomes: vec![Outcome { status: Status::Forbidden, time: 0.0 }; count],
-            ends: vec![End::NOWHERE; count],
+            outcomes: vec![outcome; count],
+            ends: vec![end; ends],
             unfinished: Vec::new(),
             takeoffs: 0,
             moving: Vec::new(),
             lines: None,
+            on_lines: Vec::new(),
             effort: Effort::default(),
         }
     }
@@ -149,34 +147,69 @@ impl Awaited {
     /// Takes the outcomes that lines give; the starts that are left have to be integrated alone.
     pub(super) fn take_lines(&mut self, lines: Lines) {
         self.effort.depth = self.effort.depth.map(|depth| lines.counted(depth));
-        let Lines { known, mut alone, .. } = lines;
-        for (place, outcome) in known {
-            self.outcomes[place] = outcome;
+        for (place, outcome) in &lines.known {
+            self.outcomes[*place] = *outcome;
         }
-        alone.sort_unstable();
-        self.moving.retain(|(place, _)| alone.binary_search(place).is_ok());
+        let mut is_alone = vec![false; self.outcomes.len()];
+        lines.alone.iter().for_each(|index| is_alone[*index] = true);
+        for (patch, starts) in std::mem::take(&mut self.on_lines) {
+            let alone = starts.iter().filter(|start| is_alone[start.index]);
+            self.moving
+                .extend(alone.map(|start| (start.index, patch.state(&lines.dynamics, start.at))));
+        }
     }
 
     /// The result of the job, once all is known.
     pub(super) fn result(self) -> JobResult {
-        let Awaited { job: Job { id, keep, .. }, outcomes, ends, mut unfinished, effort, .. } =
-            self;
-        let ends = if keep.ends == Ends::None { Vec::new() } else { ends };
+        let Awaited { job: Job { id, .. }, outcomes, ends, mut unfinished, effort, .. } = self;
         unfinished.sort_unstable_by_key(|(index, _)| *index);
         JobResult { id, outcomes, ends, unfinished, effort, ..JobResult::default() }
     }
 
-    fn take(&mut self, index: usize, start: MappedStart) {
-        match start {
-            MappedStart::Known(outcome, end) => {
-                self.outcomes[index] = outcome;
-                self.ends[index] = end;
-            }
-            MappedStart::Moving(state) => {
-                self.outcomes[index] = Outcome::without_time(Status::Unflipped);
-                self.moving.push((index, state));
+    /// Takes some starts that are followed alone from their release; `begun` returns the state of the
+    /// one with an index, and none where it is forbidden. Returns the number of those that move.
+    fn take_alone(
+        &mut self,
+        starts: &[PlacedStart],
+        begun: impl Fn(usize) -> Option<Moving>,
+    ) -> usize {
+        let before = self.moving.len();
+        for PlacedStart { index, .. } in starts {
+            if let Some(state) = begun(*index) {
+                self.outcomes[*index] = Outcome::without_time(Status::Unflipped);
+                self.moving.push((*index, state));
             }
         }
+        self.moving.len() - before
+    }
+
+    /// Takes what a patch tells of its starts. Returns the number of those whose outcome it does not.
+    fn take(
+        &mut self,
+        dynamics: &Dynamics,
+        patch: &Arc<FinishedPatch>,
+        mut starts: Vec<PlacedStart>,
+    ) -> usize {
+        let (question, (_, unit_secs)) = (self.job.question, self.job.question.reduced());
+        starts.retain(|PlacedStart { index, at }| {
+            let Some((outcome, end)) = patch.known(dynamics, &question, unit_secs, *at) else {
+                return true;
+            };
+            self.outcomes[*index] = outcome;
+            if let Some(known) = self.ends.get_mut(*index) {
+                *known = end;
+            }
+            false
+        });
+        let open = starts.len();
+        let lines = self.lines.as_mut().filter(|_| open > 0);
+        if lines.is_some_and(|lines| lines.add(patch, &starts)) {
+            self.on_lines.push((patch.clone(), starts));
+        } else {
+            let states = starts.iter().map(|start| (start.index, patch.state(dynamics, start.at)));
+            self.moving.extend(states);
+        }
+        open
     }
 }
 

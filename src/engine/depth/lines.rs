@@ -31,8 +31,9 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::finished_patch::{FinishedPatch, PartKey};
-use super::line_check::{CheckPlace, LineCheck};
+use super::line_check::{CheckPlace, LineCheck, LineVerdict};
 use super::line_interval::{COARSEST, FINEST, Interval, IntervalVerdict, SAMPLES, Sample};
+use super::part::PlacedStart;
 use super::stats::DepthStats;
 use crate::engine::{IntegratorConfig, Job, JobResult, Moving, Question};
 use crate::physics::Outcome;
@@ -61,7 +62,7 @@ pub(super) struct LineSamples {
 
 /// The lines of a job's patches.
 pub(super) struct Lines {
-    dynamics: Dynamics,
+    pub dynamics: Dynamics,
     /// The reduced unit of time in s.
     unit_secs: f64,
     samples: u64,
@@ -154,25 +155,23 @@ impl Lines {
         }
     }
 
-    /// Adds some starts of a patch, by their indices in the job and their states when the patch
-    /// ends. If it is no line, they have to be integrated one by one.
-    pub(super) fn add(&mut self, patch: &Arc<FinishedPatch>, starts: &[(usize, Moving)]) {
+    /// Adds the starts of a patch whose outcomes it does not tell. Returns false if it is no line.
+    pub(super) fn add(&mut self, patch: &Arc<FinishedPatch>, starts: &[PlacedStart]) -> bool {
         let dynamics = &self.dynamics;
-        let Some(curve) = patch.curve(dynamics) else {
-            return self.alone.extend(starts.iter().map(|(index, _)| index));
-        };
+        let Some(curve) = patch.curve(dynamics) else { return false };
+        let places: Vec<[f64; 2]> = starts.iter().map(|start| start.at).collect();
         let mut open: HashMap<i32, Interval> = HashMap::new();
-        for (index, moving) in starts {
-            let index = *index;
-            let Some(point) = curve.point(dynamics, &moving.phase) else {
-                self.alone.push(index);
+        for (start, point) in starts.iter().zip(patch.points(dynamics, curve, &places)) {
+            let Some(point) = point else {
+                self.alone.push(start.index);
                 continue;
             };
             let interval = Interval::around(COARSEST, point.s);
-            open.entry(interval.place).or_insert(interval).starts.push((index, point));
+            open.entry(interval.place).or_insert(interval).starts.push((start.index, point));
         }
         let (patch, open) = (patch.clone(), open.into_values().collect());
         self.lines.push(Line { patch, open, is_confirmed: false });
+        true
     }
 
     /// Decides as much as the samples allow, and returns what is needed next.
@@ -184,8 +183,13 @@ impl Lines {
             let (dynamics, unit_secs) = (&self.dynamics, self.unit_secs);
             let check = LineCheck { dynamics, patch: &patch.patch, curve, unit_secs };
             let taken = samples.lines.entry(patch.key).or_default();
-            line.confirm(&check, taken, &mut self.alone);
-            for place in line.refine(taken, unit_secs, &mut self.known, &mut self.alone) {
+            let mut missing: BTreeSet<Place> = line
+                .confirm(&check, taken, &mut self.alone)
+                .into_iter()
+                .map(Place::Check)
+                .collect();
+            missing.extend(line.refine(taken, unit_secs, &mut self.known, &mut self.alone));
+            for place in missing {
                 if samples.asked.insert((patch.key, place)) {
                     let state = match place {
                         Place::On(place) => curve.at(f64::from(place) / f64::from(1 << PLACES)),
@@ -214,24 +218,27 @@ impl Lines {
 }
 
 impl Line {
-    /// Confirms the line by the starts that check it, once these are known; if they contradict it,
-    /// all starts have to be integrated one by one.
+    /// Confirms the line by the starts that check it, and returns those of them that are missing. If they
+    /// refuse it, all starts have to be integrated one by one.
     fn confirm(
         &mut self,
         check: &LineCheck,
         taken: &HashMap<Place, Sample>,
         alone: &mut Vec<usize>,
-    ) {
-        let known = |place: CheckPlace| taken.get(&Place::Check(place)).copied();
-        if self.is_confirmed || CheckPlace::all().any(|place| known(place).is_none()) {
-            return;
+    ) -> Vec<CheckPlace> {
+        if self.is_confirmed {
+            return Vec::new();
         }
-        self.is_confirmed = true;
-        if !check.holds(|place| known(place).expect("all are known")) {
-            log::info!("starts off a line contradict it: {:?}", self.patch.key);
-            let starts = self.open.drain(..).flat_map(|interval| interval.starts);
-            alone.extend(starts.map(|(index, _)| index));
+        match check.verdict(|place| taken.get(&Place::Check(place)).copied()) {
+            LineVerdict::Open(missing) => return missing,
+            LineVerdict::Confirmed => self.is_confirmed = true,
+            LineVerdict::Refused => {
+                log::info!("starts off a line refuse it: {:?}", self.patch.key);
+                let starts = self.open.drain(..).flat_map(|interval| interval.starts);
+                alone.extend(starts.map(|(index, _)| index));
+            }
         }
+        Vec::new()
     }
 
     /// Judges intervals and halves those that are rough, as far as the samples allow. Adds the starts
@@ -245,10 +252,6 @@ impl Line {
         alone: &mut Vec<usize>,
     ) -> BTreeSet<Place> {
         let mut missing = BTreeSet::new();
-        if !self.is_confirmed {
-            let checks = CheckPlace::all().map(Place::Check);
-            missing.extend(checks.filter(|place| !taken.contains_key(place)));
-        }
         let mut waiting = std::mem::take(&mut self.open);
         while let Some(interval) = waiting.pop() {
             let places = interval.places(PLACES).map(Place::On);

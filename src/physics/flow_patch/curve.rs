@@ -2,8 +2,10 @@
 //! others.
 
 use super::{Dynamics, FlowPatch};
+use crate::physics::Pendulum;
 use crate::physics::jet::{DEGREE, Jet};
 use crate::physics::phase::Phase;
+use crate::physics::real::Real;
 
 /// The states P(s) = Φ(s·u) of the starts on a line through the middle of a cell.
 #[derive(Clone, Debug)]
@@ -26,8 +28,23 @@ pub struct CurvePoint {
     pub aside: f64,
 }
 
+/// One iteration towards the place of a state on a curve.
+pub(super) struct Approach<T> {
+    /// Change of s.
+    pub by: T,
+    /// Reduced time by which the state is ahead of the curve.
+    pub ahead: T,
+    /// Weighted distance that remains.
+    pub rest: Phase<T>,
+    /// Squared lengths of the curve's slope and of the flow, and what is left of their product
+    /// between the two directions.
+    pub slope_squared: T,
+    flow_squared: T,
+    det: T,
+}
+
 /// Number of Newton iterations for a point; the polynomials are nearly linear.
-const NEWTON_STEPS: usize = 4;
+pub(super) const NEWTON_STEPS: usize = 4;
 /// Change of s below which a point has been found.
 const FOUND: f64 = 1e-9;
 /// Least sine of the angle between curve and flow at which the two can be told apart.
@@ -44,13 +61,16 @@ impl FlowPatch {
     /// continued as if they had not.
     pub fn curve(&self, dynamics: &Dynamics, most_aside: f64) -> Option<PatchCurve> {
         let curve = PatchCurve::through(dynamics, &self.phase);
-        let rim = [-1.0, 0.0, 1.0];
-        let rim = rim.into_iter().flat_map(|x| rim.map(|y| [x, y]));
         let lies = |at: [f64; 2]| {
             let point = curve.point(dynamics, &self.phase.map(|jet| jet.at(at)));
             point.is_some_and(|point| point.aside <= most_aside)
         };
-        rim.into_iter().all(lies).then_some(curve)
+        FlowPatch::rim().into_iter().all(lies).then_some(curve)
+    }
+
+    /// Places at the rim of a cell, and its middle.
+    pub(super) fn rim() -> [[f64; 2]; 9] {
+        std::array::from_fn(|k| [k % 3, k / 3].map(|third| third as f64 - 1.0))
     }
 }
 
@@ -76,46 +96,81 @@ impl PatchCurve {
     }
 
     /// The state at `s`.
-    pub fn at(&self, s: f64) -> Phase<f64> {
-        self.powers.map(|c| c.iter().rev().fold(0.0, |sum, c| sum * s + c))
+    pub fn at<T: Real>(&self, s: T) -> Phase<T> {
+        self.powers.map(|c| c.iter().rev().fold(s.lit(0.0), |sum, c| sum * s + s.lit(*c)))
     }
 
     /// The derivative P′(s).
-    fn slope(&self, s: f64) -> Phase<f64> {
-        self.powers.map(|c| (1..=DEGREE).rev().fold(0.0, |sum, k| sum * s + k as f64 * c[k]))
+    fn slope<T: Real>(&self, s: T) -> Phase<T> {
+        self.powers
+            .map(|c| (1..=DEGREE).rev().fold(s.lit(0.0), |sum, k| sum * s + s.lit(k as f64 * c[k])))
+    }
+
+    /// The place of a state on the curve to first order.
+    pub(super) fn first_guess<T: Real>(&self, dynamics: &Dynamics, phase: &Phase<T>) -> T {
+        let weight = dynamics.weights();
+        let part = |i: usize| {
+            let off = phase[i] - phase[i].lit(self.middle[i]);
+            off * off.lit(weight[i]) * off.lit(self.across[i])
+        };
+        (1..6).fold(part(0), |sum, i| sum + part(i))
+    }
+
+    /// Approaches the place on the curve that is nearest to a state, from `s`: the state is written as
+    /// the one at `s`, moved along the curve and along the flow (a step of Gauss and Newton).
+    pub(super) fn approach<T: Real>(
+        &self,
+        dynamics: &Dynamics,
+        pendulum: &Pendulum<T>,
+        phase: &Phase<T>,
+        s: T,
+    ) -> Approach<T> {
+        let weight = dynamics.weights();
+        let weighted = |state: Phase<T>| -> Phase<T> {
+            std::array::from_fn(|i| state[i] * state[i].lit(weight[i]))
+        };
+        let there = self.at(s);
+        let off = weighted(std::array::from_fn(|i| phase[i] - there[i]));
+        let slope = weighted(self.slope(s));
+        let flow = weighted(pendulum.derivative(&there));
+        let (ss, sf, ff) = (dot(&slope, &slope), dot(&slope, &flow), dot(&flow, &flow));
+        let det = ss * ff - sf * sf;
+        let (os, of) = (dot(&off, &slope), dot(&off, &flow));
+        let (by, ahead) = ((os * ff - of * sf) / det, (of * ss - os * sf) / det);
+        let rest = std::array::from_fn(|i| off[i] - by * slope[i] - ahead * flow[i]);
+        Approach { by, ahead, rest, slope_squared: ss, flow_squared: ff, det }
     }
 
     /// Writes a state as one on the curve, moved along the flow: the nearest one in unit vectors and
     /// scaled momenta. `None` if curve and flow cannot be told apart there.
     pub fn point(&self, dynamics: &Dynamics, phase: &Phase<f64>) -> Option<CurvePoint> {
-        let weight = dynamics.weights();
-        let weighted =
-            |state: Phase<f64>| -> Phase<f64> { std::array::from_fn(|i| weight[i] * state[i]) };
-        let dot = |a: &Phase<f64>, b: &Phase<f64>| -> f64 { (0..6).map(|i| a[i] * b[i]).sum() };
-        let from_middle = weighted(std::array::from_fn(|i| phase[i] - self.middle[i]));
-        let mut s = dot(&from_middle, &self.across);
+        let mut s = self.first_guess(dynamics, phase);
         for _ in 0..NEWTON_STEPS {
-            let there = self.at(s);
-            let off = weighted(std::array::from_fn(|i| phase[i] - there[i]));
-            let slope = weighted(self.slope(s));
-            let flow = weighted(dynamics.pendulum.derivative(&there));
-            let (ss, sf, ff) = (dot(&slope, &slope), dot(&slope, &flow), dot(&flow, &flow));
-            let det = ss * ff - sf * sf;
-            if det <= LEAST_ANGLE * LEAST_ANGLE * ss * ff {
+            let Approach { by, ahead, rest, slope_squared, flow_squared, det } =
+                self.approach(dynamics, &dynamics.pendulum, phase, s);
+            if det <= LEAST_ANGLE * LEAST_ANGLE * slope_squared * flow_squared {
                 return None;
             }
-            let (os, of) = (dot(&off, &slope), dot(&off, &flow));
-            let (by, ahead) = ((os * ff - of * sf) / det, (of * ss - os * sf) / det);
             s += by;
             if by.abs() < FOUND {
-                let rest: Phase<f64> =
-                    std::array::from_fn(|i| off[i] - by * slope[i] - ahead * flow[i]);
-                let aside = (dot(&rest, &rest) / ss).sqrt();
+                let aside = (dot(&rest, &rest) / slope_squared).sqrt();
                 return Some(CurvePoint { s, ahead, aside });
             }
         }
         None
     }
+}
+
+impl CurvePoint {
+    /// Returns true if no coordinate of another point differs by more than `most`.
+    pub(super) fn is_near(&self, other: &CurvePoint, most: f64) -> bool {
+        let apart = [self.s - other.s, self.ahead - other.ahead, self.aside - other.aside];
+        apart.iter().all(|apart| apart.abs() <= most)
+    }
+}
+
+fn dot<T: Real>(a: &Phase<T>, b: &Phase<T>) -> T {
+    (1..6).fold(a[0] * b[0], |sum, i| sum + a[i] * b[i])
 }
 
 #[cfg(test)]

@@ -10,12 +10,14 @@
 //! itself a polynomial. Where a bob turns round near the top, the height it reaches is one, and its
 //! sign says which starts have flipped: a graze stays one clean line however deep the zoom.
 
+mod coordinates;
 mod curve;
 mod event;
 mod follower;
 mod graze;
 mod nudges;
 
+pub use coordinates::CurveCoordinates;
 pub use curve::{CurvePoint, PatchCurve};
 pub use graze::Graze;
 
