@@ -21,7 +21,7 @@ pub use coordinates::CurveCoordinates;
 pub use curve::{CurvePoint, PatchCurve};
 pub use graze::Graze;
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use self::follower::{Follower, StepPlan};
 use super::crossing::{FAR, StepState};
@@ -47,6 +47,25 @@ pub struct Dynamics {
     pub opening: f64,
     jets: Pendulum<Jet>,
     inverse_scale: [f64; 2],
+}
+
+/// A step of all states, compiled for the widest registers of the processor. As a closure it would be
+/// compiled for the narrowest.
+struct CarryingStep<'a> {
+    dynamics: &'a Dynamics,
+    phase: &'a Phase<Jet>,
+    step: Jet,
+}
+
+impl WithSimd for CarryingStep<'_> {
+    type Output = Phase<Jet>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Phase<Jet> {
+        let CarryingStep { dynamics, phase, step } = self;
+        let scale = dynamics.inverse_scale.map(Jet::constant);
+        plus(phase, &dop853(&dynamics.jets, scale, phase, step).change)
+    }
 }
 
 /// A cell of starts in motion.
@@ -140,11 +159,7 @@ impl Dynamics {
 
     /// All states after a step whose length may itself differ from start to start.
     fn carried(&self, phase: &Phase<Jet>, step: Jet) -> Phase<Jet> {
-        let scale = self.inverse_scale.map(Jet::constant);
-        Arch::new().dispatch(
-            #[inline(always)]
-            || plus(phase, &dop853(&self.jets, scale, phase, step).change),
-        )
+        Arch::new().dispatch(CarryingStep { dynamics: self, phase, step })
     }
 
     /// The weights of a state's components: momenta count in units of their scale.
