@@ -84,15 +84,15 @@ impl CheckPlace {
     }
 }
 
-/// What the pendulums of a check say about a line.
+/// The judgement of a line by the pendulums of its check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum LineVerdict {
-    /// It tells its starts.
+    /// Enough starts confirm it.
     Confirmed,
-    /// It is not used: some starts contradict it, or too few prove anything.
+    /// A start contradicts it, or too few prove anything.
     Refused,
-    /// These pendulums are missing.
-    Open(Vec<CheckPlace>),
+    /// No judgement yet: some pendulums are missing.
+    Missing(Vec<CheckPlace>),
 }
 
 impl LineCheck<'_> {
@@ -124,7 +124,7 @@ impl LineCheck<'_> {
             let missing: Vec<CheckPlace> =
                 CheckPlace::of_round(round).filter(|place| sample(*place).is_none()).collect();
             if !missing.is_empty() {
-                return LineVerdict::Open(missing);
+                return LineVerdict::Missing(missing);
             }
             for start in 0..starts.len() {
                 let places = Role::ALL.map(|role| CheckPlace { round, start, role });

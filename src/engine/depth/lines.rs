@@ -230,7 +230,7 @@ impl Line {
             return Vec::new();
         }
         match check.verdict(|place| taken.get(&Place::Check(place)).copied()) {
-            LineVerdict::Open(missing) => return missing,
+            LineVerdict::Missing(missing) => return missing,
             LineVerdict::Confirmed => self.is_confirmed = true,
             LineVerdict::Refused => {
                 log::info!("starts off a line refuse it: {:?}", self.patch.key);

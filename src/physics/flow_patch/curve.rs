@@ -29,7 +29,7 @@ pub struct CurvePoint {
 }
 
 /// One iteration towards the place of a state on a curve.
-pub(super) struct Approach<T> {
+pub(super) struct CurveStep<T> {
     /// Change of s.
     pub by: T,
     /// Reduced time by which the state is ahead of the curve.
@@ -124,7 +124,7 @@ impl PatchCurve {
         pendulum: &Pendulum<T>,
         phase: &Phase<T>,
         s: T,
-    ) -> Approach<T> {
+    ) -> CurveStep<T> {
         let weight = dynamics.weights();
         let weighted = |state: Phase<T>| -> Phase<T> {
             std::array::from_fn(|i| state[i] * state[i].lit(weight[i]))
@@ -138,7 +138,7 @@ impl PatchCurve {
         let (os, of) = (dot(&off, &slope), dot(&off, &flow));
         let (by, ahead) = ((os * ff - of * sf) / det, (of * ss - os * sf) / det);
         let rest = std::array::from_fn(|i| off[i] - by * slope[i] - ahead * flow[i]);
-        Approach { by, ahead, rest, slope_squared: ss, flow_squared: ff, det }
+        CurveStep { by, ahead, rest, slope_squared: ss, flow_squared: ff, det }
     }
 
     /// Writes a state as one on the curve, moved along the flow: the nearest one in unit vectors and
@@ -146,7 +146,7 @@ impl PatchCurve {
     pub fn point(&self, dynamics: &Dynamics, phase: &Phase<f64>) -> Option<CurvePoint> {
         let mut s = self.first_guess(dynamics, phase);
         for _ in 0..NEWTON_STEPS {
-            let Approach { by, ahead, rest, slope_squared, flow_squared, det } =
+            let CurveStep { by, ahead, rest, slope_squared, flow_squared, det } =
                 self.approach(dynamics, &dynamics.pendulum, phase, s);
             if det <= LEAST_ANGLE * LEAST_ANGLE * slope_squared * flow_squared {
                 return None;
