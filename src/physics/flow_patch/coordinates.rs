@@ -79,3 +79,51 @@ impl WithSimd for Evaluation<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Pendulum;
+    use crate::physics::flip::Rule;
+
+    fn dynamics() -> Dynamics {
+        Dynamics::new(Pendulum::points([1.0; 2], [1.0; 2], 9.81), Rule::Second)
+    }
+
+    fn release(half: f64) -> FlowPatch {
+        FlowPatch::release([-1.6601f64, 0.1003].map(f64::sin_cos), half)
+    }
+
+    #[test]
+    fn polynomials_place_starts_where_their_states_are() {
+        let (dynamics, mut patch) = (dynamics(), release(1e-8));
+        patch.follow(&dynamics, 90.0, 1e-12, None);
+        let curve = patch.curve(&dynamics, 1e-4).expect("one direction has grown");
+        let coordinates = patch.coordinates(&dynamics, &curve).expect("polynomials");
+        let places: Vec<[f64; 2]> =
+            (0..21).map(|k| [0.09 * f64::from(k) - 0.9, (1.7 * f64::from(k)).sin()]).collect();
+        let points = coordinates.points(&places);
+        assert_eq!(points.len(), places.len());
+        for (at, point) in places.into_iter().zip(points) {
+            let exact = curve.point(&dynamics, &patch.phase.map(|jet| jet.at(at))).unwrap();
+            assert!(exact.is_near(&point, 1e-10), "{exact:?} {point:?}");
+        }
+        // The points of another strip are others.
+        let mut other = release(0.5e-8);
+        other.follow(&dynamics, 90.0, 1e-12, None);
+        let elsewhere = other.curve(&dynamics, 1e-4).expect("one direction has grown");
+        let exact = elsewhere.point(&dynamics, &patch.phase.map(|jet| jet.at([0.5; 2])));
+        let point = coordinates.points(&[[0.5; 2]])[0];
+        assert!(exact.is_none_or(|exact| !exact.is_near(&point, 1e-10)));
+    }
+
+    #[test]
+    fn states_too_far_apart_have_no_such_polynomials() {
+        let (dynamics, mut patch) = (dynamics(), release(0.2));
+        for _ in 0..8 {
+            patch.phase = dynamics.carried(&patch.phase, Jet::constant(0.3));
+        }
+        let curve = PatchCurve::through(&dynamics, &patch.phase);
+        assert!(patch.coordinates(&dynamics, &curve).is_none());
+    }
+}

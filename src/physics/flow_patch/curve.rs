@@ -86,7 +86,8 @@ fn growing_angle(dynamics: &Dynamics, phase: &Phase<Jet>) -> f64 {
 }
 
 impl PatchCurve {
-    fn through(dynamics: &Dynamics, phase: &Phase<Jet>) -> Self {
+    /// The curve through the middle, whether or not the other states lie on it.
+    pub(super) fn through(dynamics: &Dynamics, phase: &Phase<Jet>) -> Self {
         let weight = dynamics.weights();
         let (sin, cos) = growing_angle(dynamics, phase).sin_cos();
         let powers = phase.map(|jet| jet.along([cos, sin]));
