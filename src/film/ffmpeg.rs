@@ -102,7 +102,7 @@ impl Codec {
         match self {
             Codec::H264 => {
                 "-vf scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,\
-                 format=yuv420p -c:v libx264 -preset slow -crf 16 -threads 4 -colorspace bt709 \
+                 format=yuv420p -c:v libx264 -preset medium -crf 16 -threads 4 -colorspace bt709 \
                  -color_primaries bt709 -color_trc bt709 -movflags +faststart"
             }
             Codec::Ffv1 => "-c:v ffv1 -pix_fmt bgr0 -level 3 -g 1 -slices 4 -slicecrc 1",
