@@ -5,9 +5,9 @@ use std::io;
 
 use super::Mip;
 use super::colours::HIGHEST;
-use super::mip::{HEIGHT, Light, Lit};
+use super::mip::{HEIGHT, Light, SampleLight};
 use crate::scene::lattice::Cell;
-use crate::scene::{Grid, Scene, Turn};
+use crate::scene::{Grid, Turn, View};
 use crate::tiles::patches::{PATCH_SIDE, offset_rad, patch_pitch_rad};
 
 /// Samples along each side of a patch.
@@ -42,17 +42,17 @@ struct Entry {
 }
 
 impl Layer {
-    /// The cells of `level` that a frame of `size` pixels touches.
+    /// The cells of `level` that a frame touches, given its view and its pixels.
     pub(super) fn around(
-        scene: &Scene,
-        size: [u32; 2],
+        view: &View,
+        grid: &Grid,
         level: u32,
         mip: &mut Mip,
         used: &mut UsedLight,
     ) -> io::Result<Self> {
-        let [right, up] = Grid::new(scene, size).pixel_axes();
+        let ([right, up], size) = (grid.pixel_axes(), grid.size());
         let pitch = patch_pitch_rad(level);
-        let center = scene.view.center_rad().map(Turn::from_theta);
+        let center = view.center_rad().map(Turn::from_theta);
         let middle = Cell::at(center, level);
         let corner = offset_rad([middle.x, middle.y], center).map(|rad| rad / pitch);
         let half = [0, 1].map(|i| {
@@ -136,7 +136,7 @@ impl Layer {
 
     /// A sample with those to its right, above it, and above that on its right.
     #[inline]
-    fn four(&self, column: usize, row: usize) -> Option<[Lit; 4]> {
+    fn four(&self, column: usize, row: usize) -> Option<[SampleLight; 4]> {
         let (x, y) = (column % SIDE, row % SIDE);
         if x + 1 < SIDE && y + 1 < SIDE {
             // Most lie in one cell.
@@ -201,7 +201,7 @@ impl Entry {
 
     /// The sample so many samples to the right and up in the cell.
     #[inline]
-    fn at(&self, column: usize, row: usize) -> Lit {
+    fn at(&self, column: usize, row: usize) -> SampleLight {
         let (column, row) =
             ((column + self.first[0]) >> self.shift, (row + self.first[1]) >> self.shift);
         self.light[(SIDE - 1 - row) * SIDE + column]

@@ -14,10 +14,10 @@ use crate::scene::lattice::Cell;
 use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE};
 
 /// Linear light of a sample, red, green and blue, and its height: 1 to 65535, or 0 without one.
-pub type Lit = [u16; 4];
+pub type SampleLight = [u16; 4];
 
 /// The samples of a patch, row by row from the top.
-pub type Light = Arc<[Lit]>;
+pub type Light = Arc<[SampleLight]>;
 
 /// Index of the height among the numbers of a sample.
 pub(super) const HEIGHT: usize = 3;
@@ -113,7 +113,7 @@ impl<E: From<io::Error>> Builder<'_, E> {
 }
 
 /// Puts a patch's means into the quarter of another, so many quarters to the right and down.
-fn put_quarter(all: &mut [Lit], light: &[Lit], [right, down]: [usize; 2]) {
+fn put_quarter(all: &mut [SampleLight], light: &[SampleLight], [right, down]: [usize; 2]) {
     let side = PATCH_SIDE as usize;
     let half = side / 2;
     for row in 0..half {
@@ -126,7 +126,7 @@ fn put_quarter(all: &mut [Lit], light: &[Lit], [right, down]: [usize; 2]) {
 }
 
 /// The mean of four samples; a place that is partly without a height has none.
-fn mean(four: [Lit; 4]) -> Lit {
+fn mean(four: [SampleLight; 4]) -> SampleLight {
     let of = |channel: usize| four.map(|sample| u32::from(sample[channel]));
     let mut mean =
         std::array::from_fn(|channel| ((of(channel).iter().sum::<u32>() + 2) / 4) as u16);

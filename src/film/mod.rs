@@ -35,7 +35,7 @@ mod paint;
 
 pub use colours::{Colours, FlipWindow};
 pub use frames::{FrameError, Frames};
-pub use mip::{Light, Lit, Mip};
+pub use mip::{Light, Mip, SampleLight};
 pub use paint::{FramePainter, WAITING};
 
 use std::sync::Arc;

@@ -67,11 +67,11 @@ impl FramePainter {
         let sight = Sight::new(&shot.scene, self.size, self.samples);
         let level = sight.level();
         let mut used = UsedLight { before: &self.used, now: HashMap::new() };
-        let coarse = Layer::around(&shot.scene, self.size, level, mip, &mut used)?;
+        let grid = Grid::new(&shot.scene, self.size);
+        let coarse = Layer::around(&shot.scene.view, &grid, level, mip, &mut used)?;
         let fine = coarse.finer(mip, &mut used)?;
         self.used = used.now;
         let layers = LayerPair { coarse, fine, fine_share: fine_share(&sight, level) };
-        let grid = Grid::new(&shot.scene, self.size);
         let curve = self.curve.filter(|_| shot.scene.build.pendulum().q > 0.0);
         let height = |pixel: [usize; 2]| layers.height(pixel.map(|at| at as f64 + 0.5));
         let lit = self.relief.map(|relief| LitFrame::new(relief, self.size, height));

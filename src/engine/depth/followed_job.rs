@@ -16,8 +16,8 @@ use crate::engine::{
     Deep, Effort, End, Ends, IntegratorState, Job, JobResult, Method, Moving, MovingStarts,
     Precision, Question, Starts,
 };
+use crate::physics::Outcome;
 use crate::physics::flow_patch::Dynamics;
-use crate::physics::{Outcome, Status};
 
 /// The domain splittings of the pendulums, rules and planes met so far, the latest last.
 pub(super) type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
@@ -174,12 +174,8 @@ impl Awaited {
         begun: impl Fn(usize) -> Option<Moving>,
     ) -> usize {
         let before = self.moving.len();
-        for PlacedStart { index, .. } in starts {
-            if let Some(state) = begun(*index) {
-                self.outcomes[*index] = Outcome::without_time(Status::Unflipped);
-                self.moving.push((*index, state));
-            }
-        }
+        let moving = starts.iter().filter_map(|start| Some((start.index, begun(start.index)?)));
+        self.moving.extend(moving);
         self.moving.len() - before
     }
 

@@ -3,7 +3,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::curve::{CurvePoint, NEWTON_STEPS, PatchCurve};
+use super::curve::{CurvePoint, NEWTON_STEPS, PatchCurve, dot};
 use super::{Dynamics, FlowPatch};
 use crate::physics::jet::Jet;
 
@@ -32,8 +32,7 @@ impl FlowPatch {
             s = s + step.by;
             step = curve.approach(dynamics, pendulum, &self.phase, s);
         }
-        let rest = step.rest.map(|rest| rest * rest).into_iter().reduce(|sum, rest| sum + rest)?;
-        let aside_squared = rest / step.slope_squared;
+        let aside_squared = dot(&step.rest, &step.rest) / step.slope_squared;
         let found = CurveCoordinates { s: s + step.by, ahead: step.ahead, aside_squared };
         let places = FlowPatch::rim();
         let agrees = |(at, by_polynomials): ([f64; 2], CurvePoint)| {

@@ -36,10 +36,10 @@ pub(super) struct CurveStep<T> {
     pub ahead: T,
     /// Weighted distance that remains.
     pub rest: Phase<T>,
-    /// Squared lengths of the curve's slope and of the flow, and what is left of their product
-    /// between the two directions.
+    /// Squared length of the curve's slope.
     pub slope_squared: T,
     flow_squared: T,
+    /// Squared area between slope and flow.
     det: T,
 }
 
@@ -170,7 +170,8 @@ impl CurvePoint {
     }
 }
 
-fn dot<T: Real>(a: &Phase<T>, b: &Phase<T>) -> T {
+/// The scalar product.
+pub(super) fn dot<T: Real>(a: &Phase<T>, b: &Phase<T>) -> T {
     (1..6).fold(a[0] * b[0], |sum, i| sum + a[i] * b[i])
 }
 
