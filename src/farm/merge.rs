@@ -254,13 +254,14 @@ fn coloured(
     folder: &Path,
 ) -> Result<Mip, MergeError> {
     let mut patches = group.group.patches.iter();
-    let mut light = || {
-        let (cell, mirrored) = patches.next().ok_or(PartError::Gone)?.canonical();
+    let mut looks = || {
+        let patch = patches.next().ok_or(PartError::Gone)?;
+        let (cell, mirrored) = patch.canonical();
         let samples = parts.patch(group.of(&cell), &cell)?;
         let samples = if mirrored { samples.image(samples.len()) } else { samples };
-        Ok(colours.light(&samples, shown))
+        Ok(colours.looks(&samples, &group.group.shown(patch, *shown)))
     };
-    Mip::build(&group.group.patches, colours.is_lit(), folder, &mut light)
+    Mip::build(&group.group.patches, colours.is_lit(), folder, &mut looks)
 }
 
 /// Stride between the samples of a patch that the spread of colours uses: every second row, one

@@ -1,7 +1,7 @@
 //! The samples of a patch as linear light.
 
 use super::WAITING;
-use super::mip::Light;
+use super::mip::{LOOKS, Light, Looks};
 use crate::physics::{Outcome, Status};
 use crate::scene::film::{Film, Shot};
 use crate::scene::palette::{Rgb, Tones, light_table};
@@ -26,6 +26,16 @@ impl FlipWindow {
             None => FlipWindow { secs: film.shown_secs(shot), waits: false },
         }
     }
+
+    /// Returns true for a flip that is shown.
+    fn shows(&self, outcome: &Outcome) -> bool {
+        outcome.status == Status::Flipped && outcome.time <= self.secs
+    }
+
+    /// Those of them within a budget, in s.
+    pub(super) fn within(self, secs: f64) -> Self {
+        FlipWindow { secs: self.secs.min(secs), ..self }
+    }
 }
 
 /// The colours of a whole film, and the heights if it is lit from the side: a time has the same
@@ -47,8 +57,24 @@ impl Colours {
         self.is_lit
     }
 
+    /// The looks of a patch with these samples, given the flips that each of them shows.
+    pub fn looks(&self, samples: &Samples, shown: &[FlipWindow; LOOKS]) -> Looks {
+        let mut looks: Vec<Light> = Vec::with_capacity(LOOKS);
+        for (k, window) in shown.iter().enumerate() {
+            let changes = |outcome: Outcome| window.shows(&outcome) != shown[k - 1].shows(&outcome);
+            let light = match looks.last() {
+                Some(before) if *window == shown[k - 1] || !samples.iter().any(changes) => {
+                    before.clone()
+                }
+                _ => self.light(samples, window),
+            };
+            looks.push(light);
+        }
+        looks.try_into().expect("as many looks")
+    }
+
     /// The light of a patch's samples.
-    pub fn light(&self, samples: &Samples, shown: &FlipWindow) -> Light {
+    fn light(&self, samples: &Samples, shown: &FlipWindow) -> Light {
         let of = |outcome: Outcome| {
             let rgb = self.colour(&outcome, shown);
             let [red, green, blue] = rgb.map(|channel| self.light[usize::from(channel)]);
@@ -59,7 +85,7 @@ impl Colours {
 
     /// The height of a flip that is shown, 1 to 65535; 0 without one.
     fn height(&self, outcome: &Outcome, shown: &FlipWindow) -> u16 {
-        if outcome.status != Status::Flipped || outcome.time > shown.secs {
+        if !shown.shows(outcome) {
             return 0;
         }
         1 + (self.tones.scale().height(outcome.time) * HIGHEST).round() as u16
@@ -68,7 +94,7 @@ impl Colours {
     fn colour(&self, outcome: &Outcome, shown: &FlipWindow) -> Rgb {
         let others = if shown.waits { WAITING } else { self.tones.ground().unflipped };
         match outcome.status {
-            Status::Flipped if outcome.time > shown.secs => others,
+            Status::Flipped if !shown.shows(outcome) => others,
             Status::Unflipped => others,
             _ => self.tones.colour(outcome),
         }

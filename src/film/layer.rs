@@ -15,8 +15,9 @@ const SIDE: usize = PATCH_SIDE as usize;
 
 /// The light of the cells that a frame uses, and of those that the frame before it used.
 pub(super) struct UsedLight<'a> {
-    pub before: &'a HashMap<Cell, Light>,
-    pub now: HashMap<Cell, Light>,
+    /// By their index in the mip.
+    pub before: &'a HashMap<u32, Light>,
+    pub now: HashMap<u32, Light>,
 }
 
 /// The cells of one level around a frame.
@@ -37,8 +38,8 @@ struct Entry {
     shift: u32,
     /// Samples of this level in the patch before the cell's own, to the right and up.
     first: [usize; 2],
-    /// True if the light is a patch's: no finer cells have colours of their own.
-    is_patch: bool,
+    /// The index of the light that its quarters have in the next finer level, if it is a patch's.
+    finer: Option<u32>,
 }
 
 impl Layer {
@@ -90,7 +91,10 @@ impl Layer {
                     whole.children()[2 * quarter[0] + quarter[1]]
                 };
                 cells.push(match whole {
-                    Some(whole) if whole.is_patch => Some(whole.quarter(quarter)),
+                    Some(Entry { finer: Some(finer), shift, first, .. }) => {
+                        let first = [0, 1].map(|i| 2 * first[i] + quarter[i] * SIDE);
+                        Some(Entry::of_part(*finer, shift + 1, first, mip, used)?)
+                    }
                     Some(_) => Entry::of_own(cell(), mip, used)?,
                     None => None,
                 });
@@ -172,31 +176,34 @@ impl Layer {
 impl Entry {
     /// The colours for a cell: its own, or those of the patch in which it lies.
     fn of(cell: Cell, mip: &mut Mip, used: &mut UsedLight) -> io::Result<Option<Self>> {
-        let levels = (0..=cell.level).rev();
-        let known = |level: u32| {
-            let at = cell.ancestor(level);
-            mip.is_patch(&at).map(|is_patch| (at, is_patch))
-        };
-        let Some((holder, is_patch)) = levels.into_iter().find_map(known) else { return Ok(None) };
-        let shift = cell.level - holder.level;
-        // A coarser cell that is not a patch is found only where no frame looks.
-        if shift > 0 && !is_patch {
-            return Ok(None);
+        let holders = (0..=cell.level).rev().map(|level| cell.ancestor(level));
+        let known = |at: Cell| mip.place(&at).map(|place| (at, place));
+        let Some((holder, place)) = holders.into_iter().find_map(known) else { return Ok(None) };
+        if holder == cell {
+            return Entry::of_own(cell, mip, used);
         }
+        // A coarser cell that is not a patch is found only where no frame looks.
+        let Some(finer) = place.finer else { return Ok(None) };
         let first = cell.index_in(&holder).map(|sides| (sides * f64::from(PATCH_SIDE)) as usize);
-        Ok(Some(Entry { light: used.light(holder, mip)?, shift, first, is_patch }))
+        Entry::of_part(finer, cell.level - holder.level, first, mip, used).map(Some)
     }
 
     /// The colours of a cell itself, if it has some.
     fn of_own(cell: Cell, mip: &mut Mip, used: &mut UsedLight) -> io::Result<Option<Self>> {
-        let Some(is_patch) = mip.is_patch(&cell) else { return Ok(None) };
-        Ok(Some(Entry { light: used.light(cell, mip)?, shift: 0, first: [0; 2], is_patch }))
+        let Some(place) = mip.place(&cell) else { return Ok(None) };
+        let light = used.light(place.own, mip)?;
+        Ok(Some(Entry { light, shift: 0, first: [0; 2], finer: place.finer }))
     }
 
-    /// The colours of a quarter of a patch or of a part of one.
-    fn quarter(&self, quarter: [usize; 2]) -> Self {
-        let first = [0, 1].map(|i| 2 * self.first[i] + quarter[i] * SIDE);
-        Entry { light: self.light.clone(), shift: self.shift + 1, first, is_patch: true }
+    /// The colours of a part of a patch, whose light in finer levels has this index.
+    fn of_part(
+        finer: u32,
+        shift: u32,
+        first: [usize; 2],
+        mip: &mut Mip,
+        used: &mut UsedLight,
+    ) -> io::Result<Self> {
+        Ok(Entry { light: used.light(finer, mip)?, shift, first, finer: Some(finer) })
     }
 
     /// The sample so many samples to the right and up in the cell.
@@ -209,16 +216,16 @@ impl Entry {
 }
 
 impl UsedLight<'_> {
-    /// The light of a cell that has some.
-    fn light(&mut self, cell: Cell, mip: &mut Mip) -> io::Result<Light> {
-        if let Some(light) = self.now.get(&cell) {
+    /// The light at an index of the mip.
+    fn light(&mut self, index: u32, mip: &mut Mip) -> io::Result<Light> {
+        if let Some(light) = self.now.get(&index) {
             return Ok(light.clone());
         }
-        let light = match self.before.get(&cell) {
+        let light = match self.before.get(&index) {
             Some(light) => light.clone(),
-            None => mip.light(&cell)?,
+            None => mip.light(index)?,
         };
-        self.now.insert(cell, light.clone());
+        self.now.insert(index, light.clone());
         Ok(light)
     }
 }

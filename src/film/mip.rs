@@ -1,6 +1,10 @@
 //! The colours of patches, and of every cell above them at 1/2, 1/4, … of their resolution; under
 //! light from the side, their heights too.
 //!
+//! Levels show flips within budgets of their own ([`super::FrameGroup::shown`]), so a cell looks
+//! different in the means of every level above it. Only its look in its own level is kept, and that of
+//! a patch in the next finer one; those for the levels above go into their means and are forgotten.
+//!
 //! They lie in an unnamed file, which the system keeps in memory as far as there is room: a deep
 //! zoom may have more colours than fit.
 
@@ -19,34 +23,58 @@ pub type SampleLight = [u16; 4];
 /// The samples of a patch, row by row from the top.
 pub type Light = Arc<[SampleLight]>;
 
+/// Number of levels above its own for which a cell has a look. Still higher levels take the last: they see
+/// the cell in less than a sample, unless a frame has more than 4096 of them along its width.
+const LEVELS_ABOVE: usize = 12;
+
+/// Number of looks of a cell.
+pub(super) const LOOKS: usize = LEVELS_ABOVE + 2;
+
+/// The colours of a cell as levels show it: the next finer one, its own, the one above, and so on.
+/// Equal ones are one.
+pub type Looks = [Light; LOOKS];
+
+/// Indices of the first looks.
+const FINER: usize = 0;
+const OWN: usize = 1;
+
 /// Index of the height among the numbers of a sample.
 pub(super) const HEIGHT: usize = 3;
 
 /// The colours of cells, in a file.
 pub struct Mip {
     file: File,
-    /// Index of each cell in the file, and true if it is a patch.
-    places: HashMap<Cell, (u32, bool)>,
+    places: HashMap<Cell, CellPlace>,
     /// Number of numbers per sample in the file: heights are kept only if the film is lit.
     channels: usize,
 }
 
+/// The colours of a cell in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct CellPlace {
+    /// Index of its look in its own level.
+    pub own: u32,
+    /// Index of its look in finer levels, if it is a patch: no finer cells have colours of their own.
+    pub finer: Option<u32>,
+}
+
 impl Mip {
-    /// Builds the mip of `patches`, given in depth-first order of quarters of quarters; `light`
-    /// returns theirs one by one in that order. The file lies in `folder`, and keeps heights if the
+    /// Builds the mip of `patches`, given in depth-first order of quarters of quarters; `looks`
+    /// returns their looks one by one in that order. The file lies in `folder`, and keeps heights if the
     /// film `is_lit` from the side.
     pub fn build<E: From<io::Error>>(
         patches: &[Cell],
         is_lit: bool,
         folder: &Path,
-        light: &mut dyn FnMut() -> Result<Light, E>,
+        looks: &mut dyn FnMut() -> Result<Looks, E>,
     ) -> Result<Mip, E> {
         let channels = HEIGHT + usize::from(is_lit);
         let mut builder = Builder {
             out: BufWriter::with_capacity(1 << 20, tempfile::tempfile_in(folder)?),
+            written: 0,
             places: HashMap::new(),
             channels,
-            light,
+            looks,
         };
         if !patches.is_empty() {
             builder.build(Cell::WHOLE, patches)?;
@@ -55,16 +83,15 @@ impl Mip {
         Ok(Mip { file, places: builder.places, channels })
     }
 
-    /// Returns true for a patch, false for a cell above patches, `None` where there are no colours.
-    pub fn is_patch(&self, cell: &Cell) -> Option<bool> {
-        self.places.get(cell).map(|(_, patch)| *patch)
+    /// The place of a cell's colours, if it has some.
+    pub(super) fn place(&self, cell: &Cell) -> Option<CellPlace> {
+        self.places.get(cell).copied()
     }
 
-    /// Reads the colours of a cell that has some.
-    pub fn light(&mut self, cell: &Cell) -> io::Result<Light> {
-        let (place, _) = self.places[cell];
+    /// Reads the look at an index.
+    pub(super) fn light(&mut self, index: u32) -> io::Result<Light> {
         let mut numbers = vec![0u16; self.channels * PATCH_SAMPLES];
-        self.file.seek(SeekFrom::Start(u64::from(place) * 2 * numbers.len() as u64))?;
+        self.file.seek(SeekFrom::Start(u64::from(index) * 2 * numbers.len() as u64))?;
         self.file.read_exact(bytemuck::cast_slice_mut(&mut numbers))?;
         let sample = |numbers: &[u16]| {
             std::array::from_fn(|channel| numbers.get(channel).copied().unwrap_or(0))
@@ -75,41 +102,82 @@ impl Mip {
 
 struct Builder<'a, E> {
     out: BufWriter<File>,
-    places: HashMap<Cell, (u32, bool)>,
+    /// Number of looks in the file.
+    written: u32,
+    places: HashMap<Cell, CellPlace>,
     channels: usize,
-    light: &'a mut dyn FnMut() -> Result<Light, E>,
+    looks: &'a mut dyn FnMut() -> Result<Looks, E>,
 }
 
 impl<E: From<io::Error>> Builder<'_, E> {
-    /// Writes and returns the colours of a cell, whose patches these are.
-    fn build(&mut self, cell: Cell, patches: &[Cell]) -> Result<Light, E> {
+    /// Writes and returns the looks of a cell, whose patches these are.
+    fn build(&mut self, cell: Cell, patches: &[Cell]) -> Result<Looks, E> {
         let is_patch = patches == [cell];
-        let light = if is_patch { (self.light)()? } else { self.halved(&cell, patches)? };
-        let place = self.places.len() as u32;
+        let looks = if is_patch { (self.looks)()? } else { self.halved(&cell, patches)? };
+        let own = self.write(&looks[OWN])?;
+        let finer = match is_patch {
+            true if Arc::ptr_eq(&looks[FINER], &looks[OWN]) => Some(own),
+            true => Some(self.write(&looks[FINER])?),
+            false => None,
+        };
+        self.places.insert(cell, CellPlace { own, finer });
+        Ok(looks)
+    }
+
+    /// Writes a look and returns its index.
+    fn write(&mut self, light: &Light) -> io::Result<u32> {
         let numbers: Vec<u16> =
             light.iter().flat_map(|sample| &sample[..self.channels]).copied().collect();
         self.out.write_all(bytemuck::cast_slice(&numbers))?;
-        self.places.insert(cell, (place, is_patch));
-        Ok(light)
+        self.written += 1;
+        Ok(self.written - 1)
     }
 
     /// The means of two by two samples of a cell's quarters; black where no frame looks.
-    fn halved(&mut self, cell: &Cell, patches: &[Cell]) -> Result<Light, E> {
-        let mut all = vec![[0; 4]; PATCH_SAMPLES];
+    fn halved(&mut self, cell: &Cell, patches: &[Cell]) -> Result<Looks, E> {
+        // Children: the left two from below, then the right two.
+        let mut quarters = [const { None }; 4];
         let mut rest = patches;
-        for (k, child) in cell.children().into_iter().enumerate() {
+        for (child, quarter) in cell.children().into_iter().zip(&mut quarters) {
             let inside = |patch: &Cell| patch.ancestor(child.level) == child;
             let count = rest.iter().take_while(|patch| inside(patch)).count();
             let (own, others) = rest.split_at(count);
             rest = others;
             if !own.is_empty() {
-                let light = self.build(child, own)?;
-                // Children: the left two from below, then the right two; rows count from the top.
-                put_quarter(&mut all, &light, [k / 2, 1 - k % 2]);
+                *quarter = Some(self.build(child, own)?);
             }
         }
-        Ok(all.into())
+        Ok(halved_looks(&quarters))
     }
+}
+
+/// The looks of a cell, given those of its quarters that are seen. The level of the cell, and every
+/// other, lies one level further above the quarters than above the cell.
+fn halved_looks(quarters: &[Option<Looks>; 4]) -> Looks {
+    let from = |look: usize| (look + 1).min(LOOKS - 1);
+    let mut looks: Vec<Light> = Vec::with_capacity(LOOKS);
+    for look in OWN..LOOKS {
+        let same = |looks: &Looks| Arc::ptr_eq(&looks[from(look)], &looks[from(look - 1)]);
+        let light = match looks.last() {
+            Some(before) if quarters.iter().flatten().all(same) => before.clone(),
+            _ => halved(quarters.each_ref().map(|looks| looks.as_ref().map(|l| &l[from(look)]))),
+        };
+        looks.push(light);
+    }
+    // Finer levels have cells of their own.
+    looks.insert(FINER, looks[0].clone());
+    looks.try_into().expect("as many looks")
+}
+
+fn halved(quarters: [Option<&Light>; 4]) -> Light {
+    let mut all = vec![[0; 4]; PATCH_SAMPLES];
+    for (k, light) in quarters.into_iter().enumerate() {
+        if let Some(light) = light {
+            // Rows count from the top.
+            put_quarter(&mut all, light, [k / 2, 1 - k % 2]);
+        }
+    }
+    all.into()
 }
 
 /// Puts a patch's means into the quarter of another, so many quarters to the right and down.
@@ -140,6 +208,17 @@ fn mean(four: [SampleLight; 4]) -> SampleLight {
 mod tests {
     use super::*;
 
+    /// Looks of a patch that are all one.
+    fn alike(light: Vec<SampleLight>) -> Looks {
+        let light: Light = light.into();
+        std::array::from_fn(|_| light.clone())
+    }
+
+    fn own(mip: &mut Mip, cell: &Cell) -> Light {
+        let place = mip.place(cell).unwrap();
+        mip.light(place.own).unwrap()
+    }
+
     #[test]
     fn every_cell_above_patches_has_their_means() {
         let [a, b, c, d] = Cell::WHOLE.children();
@@ -147,38 +226,62 @@ mod tests {
         let [e, f, ..] = d.children();
         let patches = [a, b, c, e, f];
         let mut next = 0u16;
-        let mut light = || {
+        let mut looks = || {
             next += 1000;
-            Ok::<Light, io::Error>(vec![[next; 4]; PATCH_SAMPLES].into())
+            Ok::<Looks, io::Error>(alike(vec![[next; 4]; PATCH_SAMPLES]))
         };
         let folder = tempfile::tempdir().unwrap();
-        let mut mip = Mip::build(&patches, false, folder.path(), &mut light).unwrap();
-        assert_eq!(mip.is_patch(&a), Some(true));
-        assert_eq!(mip.is_patch(&d), Some(false));
-        assert_eq!(mip.is_patch(&d.children()[2]), None);
+        let mut mip = Mip::build(&patches, false, folder.path(), &mut looks).unwrap();
+        let place = mip.place(&a).unwrap();
+        assert_eq!(place.finer, Some(place.own));
+        assert_eq!(mip.place(&d).unwrap().finer, None);
+        assert_eq!(mip.place(&d.children()[2]), None);
+        let looks = mip.file.metadata().unwrap().len() / (2 * 3 * PATCH_SAMPLES as u64);
+        assert_eq!(looks, 7, "one each of five patches and two cells above them");
         let side = PATCH_SIDE as usize;
         let at = |light: &Light, column: usize, row: usize| light[row * side + column][0];
-        let whole = mip.light(&Cell::WHOLE).unwrap();
+        let whole = own(&mut mip, &Cell::WHOLE);
         let corners = [[0, side - 1], [0, 0], [side - 1, side - 1], [side - 1, 0]];
         let seen = corners.map(|[column, row]| at(&whole, column, row));
         assert_eq!(seen, [1000, 2000, 3000, 0], "a, b, c, and what nobody sees");
         assert_eq!(at(&whole, side / 2, 0), 5000, "f is the upper left quarter of d");
-        assert_eq!(at(&mip.light(&e).unwrap(), 3, 3), 4000);
+        assert_eq!(at(&own(&mut mip, &e), 3, 3), 4000);
+    }
+
+    #[test]
+    fn each_level_has_the_means_of_its_own_looks() {
+        // Patches three levels down, dark for the whole torus and lit by 100 more for each finer level.
+        let two = Cell::WHOLE.children().map(|cell| cell.children());
+        let patches: Vec<Cell> = two.iter().flatten().flat_map(Cell::children).collect();
+        let mut looks = || {
+            let light = |k: usize| vec![[400u16.saturating_sub(100 * k as u16); 4]; PATCH_SAMPLES];
+            Ok::<Looks, io::Error>(std::array::from_fn(|k| light(k).into()))
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mut mip = Mip::build(&patches, false, folder.path(), &mut looks).unwrap();
+        let seen = [patches[9], two[1][0], two[1][0].ancestor(1), Cell::WHOLE].map(|cell| {
+            let light = own(&mut mip, &cell);
+            assert!(light.iter().all(|sample| *sample == light[0]));
+            light[0][0]
+        });
+        assert_eq!(seen, [300, 200, 100, 0]);
+        let finer = mip.place(&patches[9]).unwrap().finer.unwrap();
+        assert_eq!(mip.light(finer).unwrap()[0][0], 400, "a patch in a level finer than its own");
     }
 
     #[test]
     fn a_place_has_the_mean_height_of_samples_that_all_have_one() {
         let parts = Cell::WHOLE.children();
         let mut next = 0u16;
-        let mut light = || {
+        let mut looks = || {
             next += 1;
             let heights =
                 (0..PATCH_SAMPLES).map(|k| if k == 0 && next == 1 { 0 } else { next * 100 });
-            Ok::<Light, io::Error>(heights.map(|height| [7, 8, 9, height]).collect())
+            Ok::<Looks, io::Error>(alike(heights.map(|height| [7, 8, 9, height]).collect()))
         };
         let folder = tempfile::tempdir().unwrap();
-        let mut mip = Mip::build(&parts, true, folder.path(), &mut light).unwrap();
-        let whole = mip.light(&Cell::WHOLE).unwrap();
+        let mut mip = Mip::build(&parts, true, folder.path(), &mut looks).unwrap();
+        let whole = own(&mut mip, &Cell::WHOLE);
         let side = PATCH_SIDE as usize;
         let at = |column: usize, row: usize| whole[row * side + column][HEIGHT];
         // The first quarter lies below on the left, and its first sample is its upper left one.

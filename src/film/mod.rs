@@ -20,9 +20,11 @@
 //! - A place has the same samples in every frame, so no pixel flickers between two frames.
 //! - Other colours, and other times to show ([`FlipWindow`]), compute nothing. Another pendulum is
 //!   another [`FrameGroup`] with samples of its own.
-//! - Samples have the budget of the frames that look at their level ([`level_budgets`]), so that a
-//!   zoom does not pay for its last view's budget on its way. A frame's middle, painted from finer
-//!   levels, has more time; a frame of a camera that stays hides what flips after its budget.
+//! - Samples have the budget of the frames that look at their level and the next finer one
+//!   ([`level_budgets`]), so that a zoom does not pay for its last view's budget on its way.
+//! - A level shows flips within its own budget everywhere, in the middle of its frames as well, where
+//!   finer patches know later ones ([`FrameGroup::shown`]); those fade in with the next level. A frame of a camera
+//!   that stays hides what flips after its own budget.
 //! - Only one of a patch and its mirror image is computed.
 
 mod colours;
@@ -35,7 +37,8 @@ mod paint;
 
 pub use colours::{Colours, FlipWindow};
 pub use frames::{FrameError, Frames};
-pub use mip::{Light, Mip, SampleLight};
+use mip::LOOKS;
+pub use mip::{Light, Looks, Mip, SampleLight};
 pub use paint::{FramePainter, WAITING};
 
 use std::sync::Arc;
@@ -71,9 +74,21 @@ impl FrameGroup {
         })
     }
 
-    /// The index among [`Self::scenes`] of the one to compute a patch of.
+    /// The index among [`Self::scenes`] of the one to compute a patch of: that of the next finer level, in
+    /// which the patch may be seen too.
     pub fn scene_index(&self, patch: &Cell) -> usize {
-        self.budgets.partition_point(|(level, _)| *level <= patch.level).saturating_sub(1)
+        self.budget_index(patch.level + 1)
+    }
+
+    /// The flips that each level shows of a patch, given those that its frames show in any case: the
+    /// next finer level first, then the patch's own, then the levels above.
+    pub fn shown(&self, patch: &Cell, shown: FlipWindow) -> [FlipWindow; LOOKS] {
+        let budget = |level: u32| self.budgets[self.budget_index(level)].1;
+        std::array::from_fn(|k| shown.within(budget((patch.level + 1).saturating_sub(k as u32))))
+    }
+
+    fn budget_index(&self, level: u32) -> usize {
+        self.budgets.partition_point(|(first, _)| *first <= level).saturating_sub(1)
     }
 }
 
@@ -134,8 +149,12 @@ fn different_views(shots: &[Shot]) -> Vec<&Shot> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::{Outcome, Status};
     use crate::scene::keys::{Easing, Key};
-    use crate::scene::{Budget, Document};
+    use crate::scene::palette::{Ground, Tones};
+    use crate::scene::{Budget, Document, PictureTable};
+    use crate::tiles::Samples;
+    use crate::tiles::patches::PATCH_SAMPLES;
 
     fn key(secs: f64, width: &str, budget: f64) -> Key {
         let mut scene = Document::default();
@@ -171,5 +190,46 @@ mod tests {
         assert_eq!(budgets(waits).last(), Some(&60.0));
         let stays = budgets(vec![key(0.0, "6", 10.0), key(1.0, "6", 30.0)]);
         assert_eq!(stays, [30.0]);
+    }
+
+    /// The mip of a film of which every start flips after so many seconds.
+    fn mip_of_flips_at(secs: f64, group: &FrameGroup, shown: FlipWindow) -> Mip {
+        let tones = Tones::new(&PictureTable::default(), 0.3, 60.0).unwrap();
+        let mut samples = Samples::unflipped(PATCH_SAMPLES);
+        let flip = Outcome { status: Status::Flipped, time: secs };
+        (0..PATCH_SAMPLES).for_each(|k| samples.set(k, flip));
+        let colours = Colours::new(tones, false);
+        let mut patches = group.patches.iter();
+        let mut looks = || {
+            let patch = patches.next().expect("a patch");
+            Ok::<Looks, std::io::Error>(colours.looks(&samples, &group.shown(patch, shown)))
+        };
+        let folder = tempfile::tempdir().unwrap();
+        Mip::build(&group.patches, false, folder.path(), &mut looks).unwrap()
+    }
+
+    #[test]
+    fn a_frame_shows_flips_within_one_budget_in_its_middle_too() {
+        let keys = vec![key(0.0, "6", 30.0), key(1.0, "1e-6", 60.0)];
+        let film = Film { size: [64, 48], frames: 41, fps: 10.0, keys };
+        let [group] = &frame_groups(&film)[..] else { panic!("one pendulum") };
+        let shown = FlipWindow::of(&film, &film.shot(0));
+        let mut mip = mip_of_flips_at(45.0, group, shown);
+        let picture = PictureTable { curve: false, ..PictureTable::default() };
+        let mut painter = FramePainter::new(film.size, &picture);
+        let frames: Vec<[u8; 3]> = (0..film.frames)
+            .map(|frame| {
+                let rgb = painter.paint(&film.shot(frame), &mut mip).unwrap();
+                let pixels = rgb.as_chunks::<3>().0;
+                assert!(pixels.iter().all(|pixel| *pixel == pixels[0]), "frame {frame}");
+                pixels[0]
+            })
+            .collect();
+        let unflipped = Ground::of(&picture).unwrap().unflipped;
+        let first_lit = frames.iter().position(|rgb| *rgb != unflipped).unwrap();
+        let budget = film.shot(first_lit as u32).scene.question.budget.secs;
+        assert!((42.0..46.0).contains(&budget), "{budget} s in frame {first_lit}");
+        let fading = frames.windows(2).filter(|two| two[0] != two[1]).count();
+        assert!(fading >= 2, "the flip comes gradually: {frames:?}");
     }
 }

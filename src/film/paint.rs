@@ -16,7 +16,6 @@ use super::lit_frame::LitFrame;
 use super::mip::Light;
 use crate::output::{CurveBand, blended};
 use crate::scene::film::Shot;
-use crate::scene::lattice::Cell;
 use crate::scene::palette::{Ground, Relief, Rgb, encoded};
 use crate::scene::{Grid, PictureTable};
 use crate::tiles::patches::{SLACK, Sight, patch_pitch_rad};
@@ -37,8 +36,8 @@ pub struct FramePainter {
     relief: Option<Relief>,
     /// The sRGB value of every linear light.
     encode: Vec<u8>,
-    /// Light of the cells that the previous frame used.
-    used: HashMap<Cell, Light>,
+    /// Light that the previous frame used, by its index in the mip.
+    used: HashMap<u32, Light>,
 }
 
 /// The two levels whose samples a frame mixes.
@@ -133,6 +132,7 @@ fn fine_share(sight: &Sight, level: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Looks;
     use crate::scene::{Sampling, Scene, View};
     use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE, patches};
 
@@ -151,17 +151,18 @@ mod tests {
             shots.iter().map(|shot| Sight::new(&shot.scene, SIZE, SAMPLES_ALONG)).collect();
         let cells = patches(&sights);
         let mut next = cells.iter();
-        let mut light = || {
+        let mut looks = || {
             let grid = next.next().expect("a patch").grid(&Scene::default(), PATCH_SIDE);
             let samples = (0..PATCH_SAMPLES as u32).map(|place| {
                 let angle =
                     grid.angle_from_pixel(place % PATCH_SIDE, place / PATCH_SIDE).map(|a| a.hi);
                 [(65535.0 * wave(angle, wave_rad)) as u16, 0, 0, 0]
             });
-            Ok::<Light, io::Error>(samples.collect())
+            let light: Light = samples.collect();
+            Ok::<Looks, io::Error>(std::array::from_fn(|_| light.clone()))
         };
         let folder = tempfile::tempdir().unwrap();
-        Mip::build(&cells, false, folder.path(), &mut light).unwrap()
+        Mip::build(&cells, false, folder.path(), &mut looks).unwrap()
     }
 
     fn wave([theta1, theta2]: [f64; 2], wave_rad: f64) -> f64 {
