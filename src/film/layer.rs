@@ -15,7 +15,7 @@ const SIDE: usize = PATCH_SIDE as usize;
 
 /// The light of the cells that a frame uses, and of those that the frame before it used.
 pub(super) struct UsedLight<'a> {
-    /// By their index in the mip.
+    /// The light of the frame before, by its index in the mip.
     pub before: &'a HashMap<u32, Light>,
     pub now: HashMap<u32, Light>,
 }

@@ -82,6 +82,11 @@ pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     fn max(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
+    /// Σ xⱼ yₙ₋₁₋ⱼ over two slices of `n` numbers, with `bits` bits after the point if the type is
+    /// faster with fewer than it has.
+    fn convolution(x: &[Self], y: &[Self], _bits: u32) -> Self {
+        x.iter().zip(y.iter().rev()).fold(Self::zero(), |sum, (x, y)| x.mul_add(*y, sum))
+    }
     /// Returns true if the number is neither infinite nor NaN.
     fn is_finite(self) -> bool {
         self.to_f64().is_finite()

@@ -22,8 +22,9 @@ pub trait Reference: Send {
     fn turn(&self, bob: usize, after: f64) -> f64;
     /// Advances the present moment by `by`.
     fn advance(&mut self, by: f64);
-    /// The same trajectory from now on, with errors of about 2^−`bits`; none if that is no faster.
-    fn with_fewer_digits(&self, bits: u32) -> Option<Box<dyn Reference>>;
+    /// Lets errors grow to about 2^−`bits` from the next step on. Returns the same trajectory in shorter
+    /// numbers if those have as many bits.
+    fn with_fewer_digits(&mut self, bits: u32) -> Option<Box<dyn Reference>>;
 }
 
 /// A [`Reference`] in fixed-point numbers.
@@ -39,6 +40,9 @@ struct FixedReference<const N: usize> {
 const GUARD_BITS: u32 = 10;
 /// Further bits that are kept when digits are dropped, as differences may shrink again for a while.
 const SPARE_BITS: u32 = 16;
+
+/// The least number of bits after the point: a phase in f64 shows nearly as many.
+const LEAST_BITS: u32 = 56;
 
 /// Number of bits after the point that a trajectory needs for differences of 2^−`size` from it to
 /// keep the digits of f64.
@@ -80,21 +84,25 @@ fn from<const M: usize>(
     bits: u32,
 ) -> Box<dyn Reference> {
     match limbs_for(bits) {
-        2 => Box::new(FixedReference::<2>::new(pendulum, state)),
-        3 => Box::new(FixedReference::<3>::new(pendulum, state)),
-        4 => Box::new(FixedReference::<4>::new(pendulum, state)),
-        5 => Box::new(FixedReference::<5>::new(pendulum, state)),
-        6 => Box::new(FixedReference::<6>::new(pendulum, state)),
-        7 => Box::new(FixedReference::<7>::new(pendulum, state)),
-        _ => Box::new(FixedReference::<8>::new(pendulum, state)),
+        2 => Box::new(FixedReference::<2>::new(pendulum, state, bits)),
+        3 => Box::new(FixedReference::<3>::new(pendulum, state, bits)),
+        4 => Box::new(FixedReference::<4>::new(pendulum, state, bits)),
+        5 => Box::new(FixedReference::<5>::new(pendulum, state, bits)),
+        6 => Box::new(FixedReference::<6>::new(pendulum, state, bits)),
+        7 => Box::new(FixedReference::<7>::new(pendulum, state, bits)),
+        _ => Box::new(FixedReference::<8>::new(pendulum, state, bits)),
     }
 }
 
 impl<const N: usize> FixedReference<N> {
-    fn new<const M: usize>(pendulum: &Pendulum<Fixed<M>>, state: &State<Fixed<M>>) -> Self {
+    fn new<const M: usize>(
+        pendulum: &Pendulum<Fixed<M>>,
+        state: &State<Fixed<M>>,
+        bits: u32,
+    ) -> Self {
         let pendulum = pendulum.map(Fixed::resized);
         let (angle, speed) = (state.angle.map(Fixed::resized), state.speed.map(Fixed::resized));
-        let mut orbit = Orbit::new(pendulum, State { angle, speed });
+        let mut orbit = Orbit::with_bits(pendulum, State { angle, speed }, bits.max(LEAST_BITS));
         let step = orbit.step();
         FixedReference { pendulum, orbit, step, into: Fixed::ZERO }
     }
@@ -137,7 +145,8 @@ impl<const N: usize> Reference for FixedReference<N> {
         self.into = self.into + Fixed::from_f64(by);
     }
 
-    fn with_fewer_digits(&self, bits: u32) -> Option<Box<dyn Reference>> {
+    fn with_fewer_digits(&mut self, bits: u32) -> Option<Box<dyn Reference>> {
+        self.orbit.lower_bits(bits.max(LEAST_BITS));
         (limbs_for(bits) < N).then(|| from(&self.pendulum, &self.step.state(self.into), bits))
     }
 }

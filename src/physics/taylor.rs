@@ -4,6 +4,9 @@
 //! the number type's own precision (Jorba and Zou, *A software package for the numerical
 //! integration of ODEs by means of high-order Taylor methods*, Exp. Math. 14, 2005). The expansion
 //! is kept, so the motion is known at every moment inside the step, not only at its end.
+//!
+//! A step is a seventh of the radius of convergence, so a coefficient counts for a seventh of the one before
+//! it, and needs fewer digits: numbers whose arithmetic is faster with fewer make use of it.
 
 use super::pendulum::{Pendulum, State};
 use super::polynomial::evaluate;
@@ -54,22 +57,47 @@ pub struct Orbit<T> {
     series: RecurrenceSeries<T>,
     /// Unit of time of the next step; see [`TaylorStep::unit_secs`].
     unit_secs: f64,
+    /// The longest that the next step may be, in that unit.
+    longest: f64,
     latest: Option<TaylorStep<T>>,
 }
 
 impl<T: Scalar> Orbit<T> {
     /// A pendulum in `state` at time 0.
     pub fn new(pendulum: Pendulum<T>, state: State<T>) -> Self {
-        let unit_secs = if T::FLOATING { 1.0 } else { first_unit(&pendulum, &state) };
-        Orbit {
+        Self::with_bits(pendulum, state, bits_of::<T>())
+    }
+
+    /// The same with errors of about 2^−`bits` a step; floating-point types use all their digits.
+    pub fn with_bits(pendulum: Pendulum<T>, state: State<T>, bits: u32) -> Self {
+        let mut orbit = Orbit {
             pendulum,
             state,
-            unit_secs,
+            unit_secs: 1.0,
+            longest: LONGEST_STEP,
             low: State::rest([T::zero(); 2]),
             time: (T::zero(), T::zero()),
-            series: RecurrenceSeries::new(order_for::<T>()),
+            series: RecurrenceSeries::new(bits.min(bits_of::<T>())),
             latest: None,
+        };
+        if !T::FLOATING {
+            orbit.expect_steps_of(first_step_secs(&pendulum, &state));
         }
+        orbit
+    }
+
+    /// From the next step on, errors are about 2^−`bits` a step, if that is more than before.
+    pub fn lower_bits(&mut self, bits: u32) {
+        if bits < self.series.bits {
+            self.series = RecurrenceSeries::new(bits);
+        }
+    }
+
+    /// Chooses the unit of time of the next step, given the length of the one before. From one step to
+    /// the next the radius of convergence changes by a seventh at most.
+    fn expect_steps_of(&mut self, length_secs: f64) {
+        self.unit_secs = unit_for(length_secs);
+        self.longest = RADIUS_CHANGE * length_secs / self.unit_secs;
     }
 
     /// The state at the end of the last step.
@@ -86,8 +114,9 @@ impl<T: Scalar> Orbit<T> {
     pub fn step(&mut self) -> TaylorStep<T> {
         let unit_secs = self.unit_secs;
         let (unit, per_sec) = (T::from_f64(unit_secs), T::from_f64(1.0 / unit_secs));
-        self.series.expand(&in_units(&self.pendulum, unit), &in_units_of(&self.state, unit));
-        let units = self.series.step_length();
+        let (pendulum, state) = (in_units(&self.pendulum, unit), in_units_of(&self.state, unit));
+        self.series.expand(&pendulum, &state, self.longest);
+        let units = T::from_f64(self.series.step_length().min(self.longest));
         let length = units * unit;
         let step = TaylorStep {
             unit_secs,
@@ -104,7 +133,7 @@ impl<T: Scalar> Orbit<T> {
         (self.state, self.low) = self.state.plus_compensated(&self.low, &change);
         self.time = self.time.0.fast_two_sum(self.time.1 + length);
         if !T::FLOATING {
-            self.unit_secs = unit_for(length.to_f64());
+            self.expect_steps_of(length.to_f64());
         }
         step
     }
@@ -136,23 +165,32 @@ fn unit_for(length_secs: f64) -> f64 {
     (length_secs / SAFETY).log2().floor().exp2()
 }
 
-/// The unit of time of a first step, from an expansion in f64.
-fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
+/// The length of a first step in s, from an expansion in f64.
+fn first_step_secs<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
     let near = State { angle: state.angle.map(T::to_f64), speed: state.speed.map(T::to_f64) };
-    let mut series = RecurrenceSeries::<f64>::new(order_for::<f64>());
-    series.expand(&pendulum.to_f64(), &near);
-    unit_for(series.step_length())
+    let mut series = RecurrenceSeries::<f64>::new(bits_of::<f64>());
+    series.expand(&pendulum.to_f64(), &near, LONGEST_STEP);
+    series.step_length()
 }
 
-/// The order of Jorba and Zou for relative errors of the size of the type's epsilon.
-fn order_for<T: Scalar>() -> usize {
-    (1.0 - 0.5 * T::EPSILON.ln()).ceil() as usize + 1
+/// Number of bits after the point of a type's numbers around 1.
+fn bits_of<T: Scalar>() -> u32 {
+    -T::EPSILON.log2() as u32
+}
+
+/// The order of Jorba and Zou for relative errors of 2^−`bits`.
+fn order_for(bits: u32) -> usize {
+    (1.0 + 0.5 * f64::from(bits) * std::f64::consts::LN_2).ceil() as usize + 1
 }
 
 /// Coefficients of the motion and of everything that its recurrences need, lowest order first.
 #[derive(Clone, Debug)]
 struct RecurrenceSeries<T> {
     order: usize,
+    /// Errors at the end of a step are about 2^−`bits`.
+    bits: u32,
+    /// Factor by which an error in a coefficient counts for less than one in the coefficient before.
+    fewer_bits: f64,
     angle: [Vec<T>; 2],
     speed: [Vec<T>; 2],
     /// Sines and cosines of θ1, θ2 and θ1 − θ2.
@@ -167,10 +205,13 @@ struct RecurrenceSeries<T> {
 }
 
 impl<T: Scalar> RecurrenceSeries<T> {
-    fn new(order: usize) -> Self {
+    fn new(bits: u32) -> Self {
+        let order = order_for(bits);
         let zeros = || vec![T::zero(); order + 1];
         RecurrenceSeries {
             order,
+            bits,
+            fewer_bits: 0.0,
             angle: [zeros(), zeros()],
             speed: [zeros(), zeros()],
             sin: [zeros(), zeros(), zeros()],
@@ -183,8 +224,10 @@ impl<T: Scalar> RecurrenceSeries<T> {
         }
     }
 
-    /// Fills in all coefficients for the motion through `state`.
-    fn expand(&mut self, pendulum: &Pendulum<T>, state: &State<T>) {
+    /// Fills in all coefficients for the motion through `state`, for steps of at most `longest`.
+    fn expand(&mut self, pendulum: &Pendulum<T>, state: &State<T>, longest: f64) {
+        // Coefficients that grow from one to the next carry errors along.
+        self.fewer_bits = -(RADIUS_CHANGE * longest).log2().min(0.0);
         for i in 0..2 {
             self.angle[i][0] = state.angle[i];
             self.speed[i][0] = state.speed[i];
@@ -209,8 +252,8 @@ impl<T: Scalar> RecurrenceSeries<T> {
                 Some(before) => {
                     let derivative = [&self.speed[0], &self.speed[1], &self.delta_speed][i];
                     let over = T::from_f64(k as f64);
-                    let sin = product(derivative, &self.cos[i], before);
-                    let cos = product(derivative, &self.sin[i], before);
+                    let sin = self.product(derivative, &self.cos[i], before);
+                    let cos = self.product(derivative, &self.sin[i], before);
                     (sin / over, -cos / over)
                 }
             };
@@ -227,30 +270,49 @@ impl<T: Scalar> RecurrenceSeries<T> {
     fn extend_forces(&mut self, pendulum: &Pendulum<T>, k: usize) {
         let Pendulum { a, b, c, p, q, .. } = *pendulum;
         for i in 0..2 {
-            self.speed_squared[i][k] = square(&self.speed[i], k);
+            self.speed_squared[i][k] = self.square(&self.speed[i], k);
         }
         let (s, cos) = (&self.sin[2], &self.cos[2]);
-        self.torque[0][k] = -c * product(s, &self.speed_squared[1], k) - p * self.sin[0][k];
-        self.torque[1][k] = c * product(s, &self.speed_squared[0], k) - q * self.sin[1][k];
+        self.torque[0][k] = -c * self.product(s, &self.speed_squared[1], k) - p * self.sin[0][k];
+        self.torque[1][k] = c * self.product(s, &self.speed_squared[0], k) - q * self.sin[1][k];
         if let Some([first, second]) = pendulum.drag([self.speed[0][k], self.speed[1][k]]) {
             self.torque[0][k] = self.torque[0][k] + first;
             self.torque[1][k] = self.torque[1][k] + second;
         }
         let constant = if k == 0 { pendulum.least_det } else { T::zero() };
-        self.det[k] = constant + c * c * square(s, k);
+        self.det[k] = constant + c * c * self.square(s, k);
         let pull = [
-            b * self.torque[0][k] - c * product(cos, &self.torque[1], k),
-            a * self.torque[1][k] - c * product(cos, &self.torque[0], k),
+            b * self.torque[0][k] - c * self.product(cos, &self.torque[1], k),
+            a * self.torque[1][k] - c * self.product(cos, &self.torque[0], k),
         ];
+        let bits = self.bits_at(k);
         for (alpha, pull) in self.alpha.iter_mut().zip(pull) {
-            let known = (1..=k).fold(T::zero(), |sum, j| self.det[j].mul_add(alpha[k - j], sum));
+            let known = T::convolution(&self.det[1..=k], &alpha[..k], bits);
             alpha[k] = (pull - known) / self.det[0];
         }
     }
 
+    /// Number of bits after the point that coefficients of order `k` need.
+    fn bits_at(&self, k: usize) -> u32 {
+        (f64::from(self.bits + GUARD_BITS) - k as f64 * self.fewer_bits).ceil().max(0.0) as u32
+    }
+
+    /// The coefficient of order `k` of the product of two series.
+    fn product(&self, x: &[T], y: &[T], k: usize) -> T {
+        T::convolution(&x[..=k], &y[..=k], self.bits_at(k))
+    }
+
+    /// The coefficient of order `k` of the square of a series: twice the products of different terms.
+    fn square(&self, x: &[T], k: usize) -> T {
+        let (pairs, bits) = (k.div_ceil(2), self.bits_at(k));
+        let half = T::convolution(&x[..pairs], &x[k + 1 - pairs..=k], bits);
+        let twice = half + half;
+        if k.is_multiple_of(2) { x[k / 2].mul_add(x[k / 2], twice) } else { twice }
+    }
+
     /// The step length of Jorba and Zou (their eq. 3-8): e⁻² times the radius of convergence that
     /// the last two orders indicate.
-    fn step_length(&self) -> T {
+    fn step_length(&self) -> f64 {
         let radius = |order: usize| {
             let largest = [&self.angle, &self.speed]
                 .into_iter()
@@ -268,7 +330,7 @@ impl<T: Scalar> RecurrenceSeries<T> {
             .map(|order| radius(order) * scale.powf(1.0 / order as f64))
             .into_iter()
             .fold(f64::INFINITY, f64::min);
-        T::from_f64((shortest * SAFETY).min(LONGEST_STEP))
+        (shortest * SAFETY).min(LONGEST_STEP)
     }
 }
 
@@ -289,18 +351,10 @@ fn sin_cos_exact<T: Scalar>(angle: T) -> (T, T) {
 const SAFETY: f64 = 0.135_335_283 * 0.95;
 /// Maximum length of a step in its unit of time: a pendulum at an equilibrium has no time scale.
 const LONGEST_STEP: f64 = 1e3;
-
-/// The coefficient of order `k` of the product of two series.
-fn product<T: Scalar>(x: &[T], y: &[T], k: usize) -> T {
-    (0..=k).fold(T::zero(), |sum, j| x[j].mul_add(y[k - j], sum))
-}
-
-/// The coefficient of order `k` of the square of a series: twice the products of different terms.
-fn square<T: Scalar>(x: &[T], k: usize) -> T {
-    let half = (0..k.div_ceil(2)).fold(T::zero(), |sum, j| x[j].mul_add(x[k - j], sum));
-    let twice = half + half;
-    if k.is_multiple_of(2) { x[k / 2].mul_add(x[k / 2], twice) } else { twice }
-}
+/// Largest ratio of the radii of convergence of two steps, with some room for their estimates.
+const RADIUS_CHANGE: f64 = 1.15;
+/// Further bits of coefficients, against rounding errors in the sums of many products.
+const GUARD_BITS: u32 = 10;
 
 #[cfg(test)]
 mod tests {

@@ -4,6 +4,7 @@
 //! distance. So a binary point that never moves loses nothing, and sums cost a carry, not an
 //! alignment.
 
+mod convolution;
 mod operators;
 
 use std::fmt;
@@ -98,6 +99,11 @@ impl<const N: usize> Fixed<N> {
             let below = bits.saturating_sub(64 * k as u32).min(64);
             self.0[k] & u64::MAX.checked_shl(below).unwrap_or(0)
         }))
+    }
+
+    /// Number of the highest limbs, the integer part among them, with `bits` bits after the point.
+    fn limbs_for(bits: u32) -> usize {
+        (1 + bits.div_ceil(64) as usize).clamp(2, N)
     }
 
     /// The product, rounded to nearest. The limbs are multiplied as if unsigned, and the effect of
@@ -311,6 +317,10 @@ impl<const N: usize> Scalar for Fixed<N> {
 
     fn is_finite(self) -> bool {
         true
+    }
+
+    fn convolution(x: &[Self], y: &[Self], bits: u32) -> Self {
+        convolution::convolution(x, y, Self::limbs_for(bits))
     }
 }
 
