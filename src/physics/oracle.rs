@@ -70,12 +70,12 @@ pub fn is_balanced<T: Scalar>(angle: [T; 2]) -> bool {
 
 /// Seconds into `step` at which `rule` is first met; none if it is not met.
 pub fn flip_within<T: Scalar>(step: &TaylorStep<T>, rule: Rule) -> Option<T> {
-    let units = step.length * T::from_f64(1.0 / step.unit_secs);
+    let units = step.length * step.per_sec;
     rule.watched()
         .iter()
         .filter_map(|&bob| first_passage(&step.angle[bob], units))
         .reduce(|a, b| if b < a { b } else { a })
-        .map(|tau| tau * T::from_f64(step.unit_secs))
+        .map(|tau| tau * step.unit_secs)
 }
 
 /// All moments in (0, length] at which an unwrapped angle passes an odd multiple of π, in either

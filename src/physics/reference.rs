@@ -126,8 +126,7 @@ impl<const N: usize> Reference for FixedReference<N> {
     }
 
     fn turn(&self, bob: usize, after: f64) -> f64 {
-        let unit = self.step.unit_secs;
-        let mut tau = (self.into + Fixed::from_f64(after)) / Fixed::from_f64(unit);
+        let mut tau = (self.into + Fixed::from_f64(after)) * self.step.per_sec;
         let (speed, angle) = (&self.step.speed[bob], &self.step.angle[bob]);
         let slope: Vec<Fixed<N>> =
             (1..speed.len()).map(|k| speed[k] * Fixed::from_f64(k as f64)).collect();

@@ -15,9 +15,11 @@ use super::real::Scalar;
 /// A step: the four polynomials in the time since its beginning.
 #[derive(Clone, Debug)]
 pub struct TaylorStep<T> {
-    /// The polynomials' unit of time in seconds: 1 for floating-point types; for others a power of
-    /// two near the radius of convergence, so that coefficients neither grow nor vanish.
-    pub unit_secs: f64,
+    /// The polynomials' unit of time in seconds: 1 for floating-point types; for others about the radius
+    /// of convergence, so that coefficients neither grow nor vanish.
+    pub unit_secs: T,
+    /// Units of time in a second.
+    pub per_sec: T,
     /// Seconds from the release to the beginning of the step.
     pub start: T,
     /// Length of the step in seconds.
@@ -31,11 +33,10 @@ pub struct TaylorStep<T> {
 impl<T: Scalar> TaylorStep<T> {
     /// The state `tau` seconds into the step.
     pub fn state(&self, tau: T) -> State<T> {
-        let per_sec = T::from_f64(1.0 / self.unit_secs);
-        let tau = tau * per_sec;
+        let tau = tau * self.per_sec;
         State {
             angle: [0, 1].map(|i| evaluate(&self.angle[i], tau)),
-            speed: [0, 1].map(|i| evaluate(&self.speed[i], tau) * per_sec),
+            speed: [0, 1].map(|i| evaluate(&self.speed[i], tau) * self.per_sec),
         }
     }
 
@@ -57,8 +58,6 @@ pub struct Orbit<T> {
     series: RecurrenceSeries<T>,
     /// Unit of time of the next step; see [`TaylorStep::unit_secs`].
     unit_secs: f64,
-    /// The longest that the next step may be, in that unit.
-    longest: f64,
     latest: Option<TaylorStep<T>>,
 }
 
@@ -70,20 +69,16 @@ impl<T: Scalar> Orbit<T> {
 
     /// The same with errors of about 2^−`bits` a step; floating-point types use all their digits.
     pub fn with_bits(pendulum: Pendulum<T>, state: State<T>, bits: u32) -> Self {
-        let mut orbit = Orbit {
+        let unit_secs = if T::FLOATING { 1.0 } else { first_unit(&pendulum, &state) };
+        Orbit {
             pendulum,
             state,
-            unit_secs: 1.0,
-            longest: LONGEST_STEP,
+            unit_secs,
             low: State::rest([T::zero(); 2]),
             time: (T::zero(), T::zero()),
             series: RecurrenceSeries::new(bits.min(bits_of::<T>())),
             latest: None,
-        };
-        if !T::FLOATING {
-            orbit.expect_steps_of(first_step_secs(&pendulum, &state));
         }
-        orbit
     }
 
     /// From the next step on, errors are about 2^−`bits` a step, if that is more than before.
@@ -91,13 +86,6 @@ impl<T: Scalar> Orbit<T> {
         if bits < self.series.bits {
             self.series = RecurrenceSeries::new(bits);
         }
-    }
-
-    /// Chooses the unit of time of the next step, given the length of the one before. From one step to
-    /// the next the radius of convergence changes by a seventh at most.
-    fn expect_steps_of(&mut self, length_secs: f64) {
-        self.unit_secs = unit_for(length_secs);
-        self.longest = RADIUS_CHANGE * length_secs / self.unit_secs;
     }
 
     /// The state at the end of the last step.
@@ -112,14 +100,16 @@ impl<T: Scalar> Orbit<T> {
 
     /// Advances by one step and returns it.
     pub fn step(&mut self) -> TaylorStep<T> {
-        let unit_secs = self.unit_secs;
-        let (unit, per_sec) = (T::from_f64(unit_secs), T::from_f64(1.0 / unit_secs));
-        let (pendulum, state) = (in_units(&self.pendulum, unit), in_units_of(&self.state, unit));
-        self.series.expand(&pendulum, &state, self.longest);
-        let units = T::from_f64(self.series.step_length().min(self.longest));
-        let length = units * unit;
+        let unit_secs = T::from_f64(self.unit_secs);
+        let per_sec = T::from_f64(1.0) / unit_secs;
+        let (pendulum, state) =
+            (in_units(&self.pendulum, unit_secs), in_units_of(&self.state, unit_secs));
+        self.series.expand(&pendulum, &state);
+        let units = T::from_f64(self.series.step_length());
+        let length = units * unit_secs;
         let step = TaylorStep {
             unit_secs,
+            per_sec,
             start: self.time.0,
             length,
             angle: self.series.angle.clone(),
@@ -133,7 +123,7 @@ impl<T: Scalar> Orbit<T> {
         (self.state, self.low) = self.state.plus_compensated(&self.low, &change);
         self.time = self.time.0.fast_two_sum(self.time.1 + length);
         if !T::FLOATING {
-            self.expect_steps_of(length.to_f64());
+            self.unit_secs = length.to_f64() / SAFETY;
         }
         step
     }
@@ -159,18 +149,12 @@ fn in_units_of<T: Scalar>(state: &State<T>, unit: T) -> State<T> {
     State { angle: state.angle, speed: state.speed.map(|speed| speed * unit) }
 }
 
-/// The power of two below the radius of convergence that allowed a step. From one step to the next
-/// the radius falls by a seventh at most, and the coefficients may grow by as much.
-fn unit_for(length_secs: f64) -> f64 {
-    (length_secs / SAFETY).log2().floor().exp2()
-}
-
-/// The length of a first step in s, from an expansion in f64.
-fn first_step_secs<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
+/// The unit of time of a first step, from an expansion in f64.
+fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
     let near = State { angle: state.angle.map(T::to_f64), speed: state.speed.map(T::to_f64) };
     let mut series = RecurrenceSeries::<f64>::new(bits_of::<f64>());
-    series.expand(&pendulum.to_f64(), &near, LONGEST_STEP);
-    series.step_length()
+    series.expand(&pendulum.to_f64(), &near);
+    series.step_length() / SAFETY
 }
 
 /// Number of bits after the point of a type's numbers around 1.
@@ -189,8 +173,6 @@ struct RecurrenceSeries<T> {
     order: usize,
     /// Errors at the end of a step are about 2^−`bits`.
     bits: u32,
-    /// Factor by which an error in a coefficient counts for less than one in the coefficient before.
-    fewer_bits: f64,
     angle: [Vec<T>; 2],
     speed: [Vec<T>; 2],
     /// Sines and cosines of θ1, θ2 and θ1 − θ2.
@@ -201,6 +183,8 @@ struct RecurrenceSeries<T> {
     speed_squared: [Vec<T>; 2],
     torque: [Vec<T>; 2],
     det: Vec<T>,
+    /// The reciprocal of its first coefficient, for types that divide by many products.
+    inverse_det: T,
     alpha: [Vec<T>; 2],
 }
 
@@ -211,7 +195,6 @@ impl<T: Scalar> RecurrenceSeries<T> {
         RecurrenceSeries {
             order,
             bits,
-            fewer_bits: 0.0,
             angle: [zeros(), zeros()],
             speed: [zeros(), zeros()],
             sin: [zeros(), zeros(), zeros()],
@@ -220,14 +203,13 @@ impl<T: Scalar> RecurrenceSeries<T> {
             speed_squared: [zeros(), zeros()],
             torque: [zeros(), zeros()],
             det: zeros(),
+            inverse_det: T::zero(),
             alpha: [zeros(), zeros()],
         }
     }
 
-    /// Fills in all coefficients for the motion through `state`, for steps of at most `longest`.
-    fn expand(&mut self, pendulum: &Pendulum<T>, state: &State<T>, longest: f64) {
-        // Coefficients that grow from one to the next carry errors along.
-        self.fewer_bits = -(RADIUS_CHANGE * longest).log2().min(0.0);
+    /// Fills in all coefficients for the motion through `state`.
+    fn expand(&mut self, pendulum: &Pendulum<T>, state: &State<T>) {
         for i in 0..2 {
             self.angle[i][0] = state.angle[i];
             self.speed[i][0] = state.speed[i];
@@ -281,6 +263,9 @@ impl<T: Scalar> RecurrenceSeries<T> {
         }
         let constant = if k == 0 { pendulum.least_det } else { T::zero() };
         self.det[k] = constant + c * c * self.square(s, k);
+        if k == 0 && !T::FLOATING {
+            self.inverse_det = T::from_f64(1.0) / self.det[0];
+        }
         let pull = [
             b * self.torque[0][k] - c * self.product(cos, &self.torque[1], k),
             a * self.torque[1][k] - c * self.product(cos, &self.torque[0], k),
@@ -288,13 +273,16 @@ impl<T: Scalar> RecurrenceSeries<T> {
         let bits = self.bits_at(k);
         for (alpha, pull) in self.alpha.iter_mut().zip(pull) {
             let known = T::convolution(&self.det[1..=k], &alpha[..k], bits);
-            alpha[k] = (pull - known) / self.det[0];
+            alpha[k] = match T::FLOATING {
+                true => (pull - known) / self.det[0],
+                false => (pull - known) * self.inverse_det,
+            };
         }
     }
 
     /// Number of bits after the point that coefficients of order `k` need.
     fn bits_at(&self, k: usize) -> u32 {
-        (f64::from(self.bits + GUARD_BITS) - k as f64 * self.fewer_bits).ceil().max(0.0) as u32
+        (self.bits + GUARD_BITS).saturating_sub((k as f64 * FEWER_BITS) as u32)
     }
 
     /// The coefficient of order `k` of the product of two series.
@@ -330,7 +318,7 @@ impl<T: Scalar> RecurrenceSeries<T> {
             .map(|order| radius(order) * scale.powf(1.0 / order as f64))
             .into_iter()
             .fold(f64::INFINITY, f64::min);
-        (shortest * SAFETY).min(LONGEST_STEP)
+        (shortest * SAFETY).min(if T::FLOATING { LONGEST_STEP } else { RADIUS_CHANGE * SAFETY })
     }
 }
 
@@ -351,15 +339,20 @@ fn sin_cos_exact<T: Scalar>(angle: T) -> (T, T) {
 const SAFETY: f64 = 0.135_335_283 * 0.95;
 /// Maximum length of a step in its unit of time: a pendulum at an equilibrium has no time scale.
 const LONGEST_STEP: f64 = 1e3;
-/// Largest ratio of the radii of convergence of two steps, with some room for their estimates.
+/// Largest ratio of the radii of convergence of two steps: a seventh of a radius away it has changed by a
+/// seventh at most, and the estimates need some room. Steps in units of the radius before are limited by it.
 const RADIUS_CHANGE: f64 = 1.15;
+/// Number of bits that a coefficient needs fewer than the one before it, if steps are limited like that and
+/// coefficients, which may grow as much from one to the next, carry errors along: log₂ of
+/// 1 / (`RADIUS_CHANGE`² · `SAFETY`).
+const FEWER_BITS: f64 = 2.556;
 /// Further bits of coefficients, against rounding errors in the sums of many products.
 const GUARD_BITS: u32 = 10;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Dd;
+    use crate::physics::{Dd, Fixed};
 
     #[test]
     fn energy_stays_to_the_last_digits() {
@@ -383,6 +376,39 @@ mod tests {
         let back = Orbit::new(pendulum, turned).state_at(dd(5.0));
         assert!((back.angle[0] - dd(2.0)).hi.abs() < 1e-27);
         assert!(back.speed[1].hi.abs() < 1e-27);
+    }
+
+    /// The angles of a pendulum of many digits after `secs`, whose steps have errors of 2^−`bits`.
+    fn angles_after(secs: f64, bits: u32) -> [Fixed<8>; 2] {
+        let lit = Fixed::<8>::from_f64;
+        let pendulum = Pendulum::points([lit(1.0), lit(2.0)], [lit(1.0), lit(0.6)], lit(1.0));
+        let start = State::rest([lit(2.0), lit(1.0)]);
+        Orbit::with_bits(pendulum, start, bits).state_at(lit(secs)).angle
+    }
+
+    #[test]
+    fn steps_have_the_bits_asked_for_and_not_many_more() {
+        for secs in [1.0, 20.0] {
+            let truth = angles_after(secs, u32::MAX);
+            for bits in [56, 100, 143, 200, 263, 330] {
+                let error = angles_after(secs, bits)[0] - truth[0];
+                let lost = f64::from(bits) + error.to_f64().abs().log2();
+                assert!((-20.0..12.0).contains(&lost), "{secs} s, {bits} bits: {lost} bits lost");
+            }
+        }
+    }
+
+    #[test]
+    fn fewer_bits_serve_from_the_next_step_on() {
+        let lit = Fixed::<4>::from_f64;
+        let pendulum = Pendulum::points([lit(1.0); 2], [lit(1.0); 2], lit(1.0));
+        let mut orbit = Orbit::new(pendulum, State::rest([lit(2.0), lit(1.0)]));
+        let orders = |orbit: &mut Orbit<Fixed<4>>| orbit.step().angle[0].len();
+        let all = orders(&mut orbit);
+        orbit.lower_bits(100);
+        let fewer = orders(&mut orbit);
+        orbit.lower_bits(150);
+        assert!(fewer < all && orders(&mut orbit) == fewer, "{fewer} of {all} coefficients");
     }
 
     #[test]
