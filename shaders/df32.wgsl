@@ -96,20 +96,21 @@ fn multiply(a: Real, b: Real, zero: u32) -> Real {
     return fast_two_sum(product.x, product.y + (a.x * b.y + a.y * b.x), zero);
 }
 
-// a b + c, whose second part may be larger than the rounding of the first: sums of products are
-// made of these, and `normal` ends them (Ogita, Rump and Oishi 2005).
+// a b + c, whose second part may be larger than the rounding of the first, and where terms cancel, than
+// the first itself: sums of products are made of these, and `normal` ends them before any other use
+// (Ogita, Rump and Oishi 2005).
 fn multiply_add(a: Real, b: Real, c: Real, zero: u32) -> Real {
     let product = two_product(a.x, b.x, zero);
     let sum = two_sum(c.x, product.x, zero);
     return Real(sum.x, (sum.y + product.y) + (c.y + (a.x * b.y + a.y * b.x)));
 }
 
+// Where the second part is larger, its rounding is lost, which is as small as those of the sum before.
 fn normal(x: Real, zero: u32) -> Real {
     return fast_two_sum(x.x, x.y, zero);
 }
 
-fn divide(a: Real, divisor: Real, zero: u32) -> Real {
-    let b = normal(divisor, zero);
+fn divide(a: Real, b: Real, zero: u32) -> Real {
     let first = a.x / b.x;
     let back = two_product(first, b.x, zero);
     let rest = ((plus(a.x, -back.x, zero) - back.y) + a.y) - first * b.y;

@@ -13,7 +13,7 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device::{Gpu, is_software};
 use flipmap::engine::gpu::pairs::Pairs;
 use flipmap::engine::gpu::{GpuEngine, MOST_KERNELS};
-use flipmap::engine::level::{FAST_TO_COMPILE, FINEST};
+use flipmap::engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
     Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, JobResult, Keep,
@@ -284,14 +284,17 @@ mod checks {
     pub(crate) fn two_f32_are_nearly_as_right_as_f64() {
         let question = question(&Scene::default());
         let starts = open_starts(&Scene::default(), 512, 16);
-        let df32 = Accuracy::Balanced.configs()[1];
-        assert_eq!(df32.precision, Precision::Df32);
         let mut engine = gpu_engine();
-        let orbits = selfcheck::orbits(&mut engine, &[df32]).unwrap();
+        let orbits = selfcheck::orbits(&mut engine, &[BALANCED_DF32]).unwrap();
         assert!(orbits[0].passed, "{orbits:?}");
-        let answers = answers(&mut engine, &question, df32, &starts);
-        let right = share_within(1e-3, &answers, &truth(&question, &starts));
+        let [pairs, beside] = [Precision::Df32, Precision::F64].map(|precision| {
+            let config = IntegratorConfig { precision, ..BALANCED_DF32 };
+            finished(&mut engine, &question, config, Starts::Rest(starts.clone()))
+        });
+        let right = share_within(1e-3, &pairs.outcomes, &truth(&question, &starts));
         assert!(right >= 0.99, "{right} of {}", starts.len());
+        let ratio = pairs.effort.steps as f64 / beside.effort.steps as f64;
+        assert!((0.95..1.05).contains(&ratio), "noise in errors: {ratio} times f64's steps");
     }
 
     pub(crate) fn a_lost_device_is_replaced_and_its_jobs_done_again() {

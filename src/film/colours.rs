@@ -32,7 +32,7 @@ impl FlipWindow {
         outcome.status == Status::Flipped && outcome.time <= self.secs
     }
 
-    /// Those of them within a budget, in s.
+    /// The same flips as far as they come within a budget, in s.
     pub(super) fn within(self, secs: f64) -> Self {
         FlipWindow { secs: self.secs.min(secs), ..self }
     }

@@ -133,7 +133,7 @@ impl<E: From<io::Error>> Builder<'_, E> {
         Ok(self.written - 1)
     }
 
-    /// The means of two by two samples of a cell's quarters; black where no frame looks.
+    /// The looks of a cell above patches, whose quarters are built first.
     fn halved(&mut self, cell: &Cell, patches: &[Cell]) -> Result<Looks, E> {
         // Children: the left two from below, then the right two.
         let mut quarters = [const { None }; 4];
@@ -160,7 +160,7 @@ fn halved_looks(quarters: &[Option<Looks>; 4]) -> Looks {
         let same = |looks: &Looks| Arc::ptr_eq(&looks[from(look)], &looks[from(look - 1)]);
         let light = match looks.last() {
             Some(before) if quarters.iter().flatten().all(same) => before.clone(),
-            _ => halved(quarters.each_ref().map(|looks| looks.as_ref().map(|l| &l[from(look)]))),
+            _ => quartered(quarters.each_ref().map(|looks| looks.as_ref().map(|l| &l[from(look)]))),
         };
         looks.push(light);
     }
@@ -169,7 +169,8 @@ fn halved_looks(quarters: &[Option<Looks>; 4]) -> Looks {
     looks.try_into().expect("as many looks")
 }
 
-fn halved(quarters: [Option<&Light>; 4]) -> Light {
+/// The means of two by two samples of quarters; black where one is missing.
+fn quartered(quarters: [Option<&Light>; 4]) -> Light {
     let mut all = vec![[0; 4]; PATCH_SAMPLES];
     for (k, light) in quarters.into_iter().enumerate() {
         if let Some(light) = light {

@@ -37,12 +37,12 @@ mod paint;
 
 pub use colours::{Colours, FlipWindow};
 pub use frames::{FrameError, Frames};
-use mip::LOOKS;
 pub use mip::{Light, Looks, Mip, SampleLight};
 pub use paint::{FramePainter, WAITING};
 
 use std::sync::Arc;
 
+use self::mip::LOOKS;
 use crate::scene::film::{Film, Shot};
 use crate::scene::lattice::Cell;
 use crate::scene::{Scene, View};

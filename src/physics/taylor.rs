@@ -81,7 +81,7 @@ impl<T: Scalar> Orbit<T> {
         }
     }
 
-    /// From the next step on, errors are about 2^−`bits` a step, if that is more than before.
+    /// Lets errors grow to about 2^−`bits` a step from the next one on, if that is more than before.
     pub fn lower_bits(&mut self, bits: u32) {
         if bits < self.series.bits {
             self.series = RecurrenceSeries::new(bits);
