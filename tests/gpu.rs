@@ -282,9 +282,9 @@ mod checks {
     }
 
     pub(crate) fn two_f32_are_nearly_as_right_as_f64() {
-        let question = question(&Scene::default());
-        let starts = open_starts(&Scene::default(), 512, 16);
-        let mut engine = gpu_engine();
+        assert_eq!(Accuracy::Balanced.configs()[1], BALANCED_DF32);
+        let (scene, mut engine) = (Scene::default(), gpu_engine());
+        let (question, starts) = (question(&scene), open_starts(&scene, 512, 16));
         let orbits = selfcheck::orbits(&mut engine, &[BALANCED_DF32]).unwrap();
         assert!(orbits[0].passed, "{orbits:?}");
         let [pairs, beside] = [Precision::Df32, Precision::F64].map(|precision| {

@@ -20,7 +20,7 @@ pub(super) struct Options {
     /// Folder for report.json, report.md and report.html
     #[arg(short, long, value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
-    /// Measure fewer settings and fewer starts, in about six minutes instead of more than twenty
+    /// Measure fewer settings and fewer starts, in about three minutes instead of more than twenty
     #[arg(long)]
     quick: bool,
     /// Engines to measure; auto: every adapter and the CPU

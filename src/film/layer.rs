@@ -5,7 +5,7 @@ use std::io;
 
 use super::Mip;
 use super::colours::HIGHEST;
-use super::mip::{HEIGHT, Light, SampleLight};
+use super::mip::{CellPlace, HEIGHT, Light, SampleLight};
 use crate::scene::lattice::Cell;
 use crate::scene::{Grid, Turn, View};
 use crate::tiles::patches::{PATCH_SIDE, offset_rad, patch_pitch_rad};
@@ -95,7 +95,10 @@ impl Layer {
                         let first = [0, 1].map(|i| 2 * first[i] + quarter[i] * SIDE);
                         Some(Entry::of_part(*finer, shift + 1, first, mip, used)?)
                     }
-                    Some(_) => Entry::of_own(cell(), mip, used)?,
+                    Some(_) => match mip.place(&cell()) {
+                        Some(place) => Some(Entry::of_whole(place, mip, used)?),
+                        None => None,
+                    },
                     None => None,
                 });
             }
@@ -180,7 +183,7 @@ impl Entry {
         let known = |at: Cell| mip.place(&at).map(|place| (at, place));
         let Some((holder, place)) = holders.into_iter().find_map(known) else { return Ok(None) };
         if holder == cell {
-            return Entry::of_own(cell, mip, used);
+            return Entry::of_whole(place, mip, used).map(Some);
         }
         // A coarser cell that is not a patch is found only where no frame looks.
         let Some(finer) = place.finer else { return Ok(None) };
@@ -188,11 +191,10 @@ impl Entry {
         Entry::of_part(finer, cell.level - holder.level, first, mip, used).map(Some)
     }
 
-    /// The colours of a cell itself, if it has some.
-    fn of_own(cell: Cell, mip: &mut Mip, used: &mut UsedLight) -> io::Result<Option<Self>> {
-        let Some(place) = mip.place(&cell) else { return Ok(None) };
+    /// The colours of a cell itself.
+    fn of_whole(place: CellPlace, mip: &mut Mip, used: &mut UsedLight) -> io::Result<Self> {
         let light = used.light(place.own, mip)?;
-        Ok(Some(Entry { light, shift: 0, first: [0; 2], finer: place.finer }))
+        Ok(Entry { light, shift: 0, first: [0; 2], finer: place.finer })
     }
 
     /// The colours of a part of a patch, whose light in finer levels has this index.

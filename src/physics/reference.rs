@@ -5,6 +5,7 @@
 //! digits, and an integration with fewer takes a fraction of the time: a reference drops them as it
 //! goes.
 
+use super::fixed::limbs_for;
 use super::phase::Phase;
 use super::polynomial::evaluate;
 use super::real::Scalar;
@@ -53,11 +54,6 @@ pub fn bits_for(size: u32) -> u32 {
 /// Number of decimal digits after the point in the numbers whose errors are at most 2^−`bits`.
 pub fn digits_for(bits: u32) -> u32 {
     (f64::from(64 * (limbs_for(bits) as u32 - 1)) * std::f64::consts::LOG10_2) as u32
-}
-
-/// Number of limbs with `bits` bits after the point; one limb is before it.
-fn limbs_for(bits: u32) -> usize {
-    1 + bits.div_ceil(64).clamp(1, 7) as usize
 }
 
 /// Computes the trajectory of a pendulum from a start, both in reduced units, with errors of about

@@ -399,6 +399,12 @@ mod tests {
     }
 
     #[test]
+    fn each_coefficient_needs_fewer_bits_by_the_longest_step() {
+        let exact = -(RADIUS_CHANGE * RADIUS_CHANGE * SAFETY).log2();
+        assert!((0.0..1e-3).contains(&(exact - FEWER_BITS)), "{exact}");
+    }
+
+    #[test]
     fn fewer_bits_serve_from_the_next_step_on() {
         let lit = Fixed::<4>::from_f64;
         let pendulum = Pendulum::points([lit(1.0); 2], [lit(1.0); 2], lit(1.0));

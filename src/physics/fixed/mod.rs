@@ -36,6 +36,11 @@ const PI: [u64; 9] = [
     0x3f84_d5b5_b547_0917,
 ];
 
+/// Number of limbs with `bits` bits after the point; one limb is before it.
+pub(super) fn limbs_for(bits: u32) -> usize {
+    1 + bits.div_ceil(64).clamp(1, 7) as usize
+}
+
 impl<const N: usize> Fixed<N> {
     /// The number zero.
     pub const ZERO: Self = Fixed([0; N]);
@@ -99,11 +104,6 @@ impl<const N: usize> Fixed<N> {
             let below = bits.saturating_sub(64 * k as u32).min(64);
             self.0[k] & u64::MAX.checked_shl(below).unwrap_or(0)
         }))
-    }
-
-    /// Number of the highest limbs, the integer part among them, with `bits` bits after the point.
-    fn limbs_for(bits: u32) -> usize {
-        (1 + bits.div_ceil(64) as usize).clamp(2, N)
     }
 
     /// The product, rounded to nearest. The limbs are multiplied as if unsigned, and the effect of
@@ -320,7 +320,7 @@ impl<const N: usize> Scalar for Fixed<N> {
     }
 
     fn convolution(x: &[Self], y: &[Self], bits: u32) -> Self {
-        convolution::convolution(x, y, Self::limbs_for(bits))
+        convolution::convolution(x, y, limbs_for(bits).min(N))
     }
 }
 
