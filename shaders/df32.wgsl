@@ -19,14 +19,22 @@ fn to_parts(x: Real) -> vec2<f32> {
     return x;
 }
 
-// The rounded sum, which no optimiser sees through.
-{% if guarded %}
+// `rounded` is the sum, which no optimiser sees through; `plus` is a sum on the way to its error.
+{% if guards_results %}
 fn guard(x: f32, zero: u32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) ^ zero);
 }
 
-fn plus(a: f32, b: f32, zero: u32) -> f32 {
+fn rounded(a: f32, b: f32, zero: u32) -> f32 {
     return guard(a + b, zero);
+}
+
+fn plus(a: f32, b: f32, zero: u32) -> f32 {
+{% if guards_all %}
+    return guard(a + b, zero);
+{% else %}
+    return a + b;
+{% endif %}
 }
 {% else %}
 // The number 1, which only the host knows to be it.
@@ -34,20 +42,24 @@ fn one(zero: u32) -> f32 {
     return bitcast<f32>(zero | 0x3f800000u);
 }
 
-fn plus(a: f32, b: f32, zero: u32) -> f32 {
+fn rounded(a: f32, b: f32, zero: u32) -> f32 {
     return fma(a, one(zero), b);
+}
+
+fn plus(a: f32, b: f32, zero: u32) -> f32 {
+    return rounded(a, b, zero);
 }
 {% endif %}
 
 // The sum and its error; |a| >= |b|.
 fn fast_two_sum(a: f32, b: f32, zero: u32) -> Real {
-    let sum = plus(a, b, zero);
+    let sum = rounded(a, b, zero);
     return Real(sum, plus(b, -plus(sum, -a, zero), zero));
 }
 
 fn two_sum(a: f32, b: f32, zero: u32) -> Real {
-    let sum = plus(a, b, zero);
-    let part = plus(sum, -a, zero);
+    let sum = rounded(a, b, zero);
+    let part = rounded(sum, -a, zero);
     return Real(sum, plus(a, -plus(sum, -part, zero), zero) + plus(b, -part, zero));
 }
 
@@ -68,7 +80,7 @@ fn two_product(a: f32, b: f32, zero: u32) -> Real {
     let bh = upper(b);
     let al = plus(a, -ah, zero);
     let bl = plus(b, -bh, zero);
-{% if guarded %}
+{% if guards_results %}
     let product = guard(a * b, zero);
 {% else %}
     let product = a * b;

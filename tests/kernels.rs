@@ -23,11 +23,12 @@ use naga::{Module, ShaderStage};
 use shader_structs::members;
 
 /// The number types by name, with the way in which pairs are computed.
-const NUMBERS: [(&str, Precision, Pairs); 5] = [
+const NUMBERS: [(&str, Precision, Pairs); 6] = [
     ("f32", Precision::F32, Pairs::Fused),
     ("f64", Precision::F64, Pairs::Fused),
     ("df32", Precision::Df32, Pairs::Fused),
     ("df32_fenced", Precision::Df32, Pairs::Fenced),
+    ("df32_results", Precision::Df32, Pairs::Results),
     ("df32_guarded", Precision::Df32, Pairs::Guarded),
 ];
 

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use flipmap::engine::{Accuracy, choice};
-use flipmap::report::{BackendFilter, Folder, ReportError, Session, Thoroughness};
+use flipmap::report::{BackendFilter, Chapter, Folder, ReportError, Session, Thoroughness};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::exit::Exit;
@@ -23,6 +24,9 @@ pub(super) struct Options {
     /// Measure fewer settings and fewer starts, in about three minutes instead of more than twenty
     #[arg(long)]
     quick: bool,
+    /// Measure only these chapters
+    #[arg(long, value_name = "CHAPTER,…", value_delimiter = ',', value_parser = chapter())]
+    only: Vec<Chapter>,
     /// Engines to measure; auto: every adapter and the CPU
     #[arg(long, value_enum, default_value_t = EngineOption::Auto)]
     engine: EngineOption,
@@ -48,6 +52,11 @@ pub(super) struct Options {
     seed: u64,
 }
 
+fn chapter() -> impl TypedValueParser<Value = Chapter> {
+    let names = PossibleValuesParser::new(Chapter::ALL.map(Chapter::name));
+    names.map(|name| Chapter::named(&name).expect("one of the names"))
+}
+
 fn minutes(text: &str) -> Result<f64, String> {
     let minutes = text.parse().ok().filter(|minutes| (0.01..=1e5).contains(minutes));
     minutes.ok_or_else(|| "it must be a number of minutes between 0.01 and 1e5".to_string())
@@ -70,7 +79,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let folder = Folder::create(&options.output).context("-o")?;
     stop::listen()?;
     let care = care(options);
-    let mut session = Session::open(&field, care, &stop::asked)
+    let mut session = Session::open(&field, care, &options.only, &stop::asked)
         .map_err(|error| explained(error, &folder, None))?;
     let progress = ReportProgress::new(options.progress, session.len());
     while let Some(name) = session.next_name() {

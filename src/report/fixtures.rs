@@ -28,6 +28,7 @@ pub(super) fn report() -> Report {
     let mut report = Report {
         machine: Machine::here(vec!["cpu (2 threads, no SIMD)".to_string()]),
         quick: true,
+        only: Vec::new(),
         sample: 3,
         complete: false,
         missing: vec!["cpu: something|else".to_string()],
@@ -41,10 +42,18 @@ pub(super) fn report() -> Report {
         late: vec![late()],
         depth: vec![depth(2e-3, &pairs), depth(2e-18, &pairs)],
         questions: vec![question()],
+        zooms: films::ZOOMS.iter().map(zoom).collect(),
+        painting: Some(PaintingRow { film_samples: 1_000_000, frames: 24, secs: 6.0 }),
         hard: vec![hard()],
     };
     report.targets = targets::judge(&report);
     report
+}
+
+/// A zoom of a million samples a second.
+fn zoom(zoom: &films::ShortZoom) -> ZoomRow {
+    let (engine, config) = ("cpu".to_string(), plan::BALANCED);
+    ZoomRow { engine, config, width_rad: zoom.width_rad, samples: 3_000_000, secs: 3.0 }
 }
 
 /// A row of another question.

@@ -247,6 +247,7 @@ pub(super) fn refusal(error: &ReportError) -> Option<String> {
     match error {
         ReportError::Engine(EngineError::Unsupported(why)) => Some(why.clone()),
         ReportError::Engine(error) => Some(format!("it failed: {error}")),
+        ReportError::Film(why) => Some(why.clone()),
         _ => None,
     }
 }

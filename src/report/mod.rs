@@ -12,6 +12,8 @@ mod chapters;
 mod depth;
 mod depth_pages;
 mod exact;
+mod film_pages;
+mod films;
 #[cfg(test)]
 mod fixtures;
 mod folder;
@@ -22,6 +24,7 @@ mod levels;
 mod machine;
 mod markdown;
 mod measure;
+mod measurement;
 pub mod motion;
 pub mod pages;
 pub mod plan;
@@ -46,9 +49,11 @@ pub use backend::{Backend, BackendFilter};
 pub use beyond::{Flips, LateRow, WindowRow};
 pub use depth::DepthRow;
 pub use exact::Checks;
+pub use films::{LongFilm, PaintingRow, ZoomRow};
 pub use folder::Folder;
 pub use hard::HardRow;
 pub use machine::Machine;
+pub use measurement::Chapter;
 pub use motion::MotionError;
 pub use pages::{Block, Section, Table};
 pub use plan::Thoroughness;
@@ -81,6 +86,9 @@ pub enum ReportError {
         /// The I/O error.
         why: std::io::Error,
     },
+    /// A film that is measured could not be made.
+    #[error("cannot measure a film: {0}")]
+    Film(String),
     /// A plot could not be drawn, or a table could not be written as JSON.
     #[error("cannot lay out the report: {0}")]
     Layout(String),
@@ -93,6 +101,8 @@ pub struct Report {
     pub machine: Machine,
     /// True if measured with fewer settings and starts.
     pub quick: bool,
+    /// The chapters that were asked for; empty if all were.
+    pub only: Vec<Chapter>,
     /// Largest number of starts compared with the gold standard.
     pub sample: usize,
     /// True if nothing is missing.
@@ -119,6 +129,10 @@ pub struct Report {
     pub depth: Vec<DepthRow>,
     /// Speed and errors of the questions other than the first flip.
     pub questions: Vec<QuestionRow>,
+    /// Times of short zooms, which stand for parts of a long film, from the widest to the deepest.
+    pub zooms: Vec<ZoomRow>,
+    /// Time of the frames of a long film.
+    pub painting: Option<PaintingRow>,
     /// Results of the hard cases.
     pub hard: Vec<HardRow>,
 }

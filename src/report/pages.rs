@@ -7,7 +7,7 @@ use super::backend::short_name;
 use super::motion::TIMES_SECS;
 use super::plot::{Plot, Series};
 use super::statistics::Errors;
-use super::{Report, ReportError, Row, Target, chapters, depth_pages, question_pages};
+use super::{Report, ReportError, Row, Target, chapters, depth_pages, film_pages, question_pages};
 
 /// A chapter of a report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -78,6 +78,7 @@ pub fn sections(report: &Report) -> Result<Vec<Section>, ReportError> {
     sections.extend(depth_pages::depth(report)?);
     sections.extend(chapters::beyond(report));
     sections.extend(question_pages::questions(report)?);
+    sections.extend(film_pages::films(report));
     sections.push(how(report));
     Ok(sections)
 }
@@ -89,8 +90,13 @@ pub fn section(title: &str, blocks: Vec<Block>) -> Section {
 
 /// The chapter on completeness: whether anything is missing, and the list of it.
 fn state(report: &Report) -> Section {
-    let kind =
-        if report.quick { "a quick report: fewer settings and starts" } else { "a full report" };
+    let mut kind =
+        if report.quick { "a quick report: fewer settings and starts" } else { "a full report" }
+            .to_string();
+    if !report.only.is_empty() {
+        let chapters: Vec<&str> = report.only.iter().map(|chapter| chapter.name()).collect();
+        kind = format!("{kind}, of nothing but {}", chapters.join(", "));
+    }
     if report.complete {
         return section("State", vec![Block::Text(format!("Complete; {kind}."))]);
     }

@@ -1,40 +1,14 @@
 //! The tasks of a report, done one after the other.
 
 use super::backend::{self, BackendFilter};
-use super::depth::{FilamentPlace, PLACES, Truths};
-use super::hard::HardCase;
+use super::depth::Truths;
 use super::measure::{Bench, refusal};
-use super::questions::{QuestionTruths, measured_questions};
-use super::windows::{self, Window};
+use super::measurement::{Chapter, Measurement, Subject};
+use super::questions::QuestionTruths;
 use super::{
-    Backend, HardRow, Machine, Refusal, Report, ReportError, StopTest, TestSet, Thoroughness, hard,
+    Backend, HardRow, Machine, Refusal, Report, ReportError, StopTest, TestSet, Thoroughness,
     motion, plan, targets,
 };
-use crate::engine::IntegratorConfig;
-use crate::question::Ask;
-
-/// A task of a session; its number is an index into the list of backends.
-#[derive(Clone, Copy)]
-enum Measurement {
-    /// A row of a backend.
-    Row(usize, IntegratorConfig),
-    /// The accuracy `exact` on a backend.
-    Exact(usize),
-    /// The gain of specialised kernels on a backend.
-    Specialising(usize, IntegratorConfig),
-    /// Errors in angle and energy.
-    Motion,
-    /// A window on a backend.
-    Window(usize, Window),
-    /// A window of late flips on a backend.
-    Late(usize, Window),
-    /// A config at a deep place on a backend.
-    Depth(usize, IntegratorConfig, FilamentPlace),
-    /// A question by a config on a backend.
-    Asked(usize, IntegratorConfig, Ask),
-    /// A hard case on a backend.
-    Hard(usize, HardCase),
-}
 
 /// A report in progress: its engines, starts and tasks.
 pub struct Session {
@@ -50,21 +24,25 @@ pub struct Session {
 }
 
 impl Session {
-    /// Starts the engines and obtains the gold standard's answers; nothing is timed yet.
+    /// Starts the engines and obtains the gold standard's answers; nothing is timed yet. Measures the
+    /// chapters `only`, or all if that is empty.
     pub fn open(
         field: &BackendFilter,
         care: Thoroughness,
+        only: &[Chapter],
         stop: StopTest,
     ) -> Result<Self, ReportError> {
         let (backends, not_offered) = backend::discover(field, stop)?;
-        let tasks = tasks(&backends, care.quick);
-        let test_set = TestSet::home(care.sample, stop)?;
+        let tasks = Measurement::all(&backends, care.quick, only);
+        let sample = if tasks.iter().any(Measurement::needs_truth) { care.sample } else { 0 };
+        let test_set = TestSet::home(sample, stop)?;
         let mut report = Report {
             machine: Machine::here(backends.iter().map(Backend::full_name).collect()),
             quick: care.quick,
+            only: only.to_vec(),
             sample: test_set.sample.len(),
             complete: false,
-            missing: tasks.iter().map(|task| name(task, &backends)).collect(),
+            missing: tasks.iter().map(|task| task.name(&backends)).collect(),
             rows: Vec::new(),
             not_offered,
             specialising: Vec::new(),
@@ -75,6 +53,8 @@ impl Session {
             late: Vec::new(),
             depth: Vec::new(),
             questions: Vec::new(),
+            zooms: Vec::new(),
+            painting: None,
             hard: Vec::new(),
         };
         report.targets = targets::judge(&report);
@@ -142,32 +122,25 @@ impl Session {
         let Session { test_set, care, threads, backends, truths, question_truths, report, .. } =
             self;
         let bench = Bench { test_set, care, threads: *threads, stop };
-        match task {
-            Measurement::Row(index, config) => {
-                report.rows.push(bench.row(&mut backends[index], config)?);
+        let backend = &mut backends[task.backend];
+        match task.subject {
+            Subject::Row(config) => report.rows.push(bench.row(backend, config)?),
+            Subject::Exact => report.exact.push(bench.exact(backend)?),
+            Subject::Specialising(config) => {
+                report.specialising.extend(bench.specialising(backend, config)?);
             }
-            Measurement::Exact(index) => report.exact.push(bench.exact(&mut backends[index])?),
-            Measurement::Specialising(index, config) => {
-                report.specialising.extend(bench.specialising(&mut backends[index], config)?);
+            Subject::Motion => report.motion = motion::errors(&plan::motions(), stop)?,
+            Subject::Window(window) => report.windows.push(bench.window(&window, backend)?),
+            Subject::Late(window) => report.late.push(bench.late(&window, backend)?),
+            Subject::Depth(config, place) => {
+                report.depth.push(bench.depth(&place, config, backend, truths)?);
             }
-            Measurement::Motion => report.motion = motion::errors(&plan::motions(), stop)?,
-            Measurement::Window(index, window) => {
-                report.windows.push(bench.window(&window, &mut backends[index])?);
+            Subject::Asked(config, ask) => {
+                report.questions.push(bench.question(ask, config, backend, question_truths)?);
             }
-            Measurement::Late(index, window) => {
-                report.late.push(bench.late(&window, &mut backends[index])?);
-            }
-            Measurement::Depth(index, config, place) => {
-                let row = bench.depth(&place, config, &mut backends[index], truths)?;
-                report.depth.push(row);
-            }
-            Measurement::Asked(index, config, ask) => {
-                let backend = &mut backends[index];
-                let row = bench.question(ask, config, backend, question_truths)?;
-                report.questions.push(row);
-            }
-            Measurement::Hard(index, case) => {
-                let backend = &mut backends[index];
+            Subject::Zoom(zoom) => report.zooms.push(bench.zoom(&zoom, backend)?),
+            Subject::Painting => report.painting = Some(bench.painting(backend)?),
+            Subject::Hard(case) => {
                 let name = backend.short_name();
                 report.hard.push(HardRow::of(&case, name, backend.engine()));
             }
@@ -178,107 +151,17 @@ impl Session {
     /// Records a refusal. Engines refuse a method in a precision whatever its setting, so one line
     /// covers all settings; a refused comparison of kernels needs no line of its own.
     fn refuse(&mut self, task: Measurement, reason: String) {
-        let (index, what) = match task {
-            Measurement::Specialising(..) | Measurement::Motion => return,
-            Measurement::Row(index, config) => {
-                (index, format!("{} in {}", config.method.name(), config.precision))
-            }
-            Measurement::Exact(index)
-            | Measurement::Window(index, _)
-            | Measurement::Late(index, _)
-            | Measurement::Asked(index, ..)
-            | Measurement::Hard(index, _) => (index, what(&task)),
-            Measurement::Depth(index, config, _) => {
-                (index, format!("deep zoom by {}", plan::words(&config)))
-            }
+        let what = match task.subject {
+            Subject::Specialising(_) | Subject::Motion => return,
+            Subject::Row(config) => format!("{} in {}", config.method.name(), config.precision),
+            Subject::Depth(config, _) => format!("deep zoom by {}", plan::words(&config)),
+            Subject::Zoom(_) | Subject::Painting => "films".to_string(),
+            subject => subject.words(),
         };
-        let refusal = Refusal { engine: self.backends[index].short_name(), what, reason };
+        let engine = self.backends[task.backend].short_name();
+        let refusal = Refusal { engine, what, reason };
         if !self.report.not_offered.contains(&refusal) {
             self.report.not_offered.push(refusal);
         }
-    }
-}
-
-/// Number of deep places in a quick report.
-const QUICK_PLACES: usize = 6;
-
-fn tasks(backends: &[Backend], quick: bool) -> Vec<Measurement> {
-    let mut tasks = Vec::new();
-    for (index, backend) in backends.iter().enumerate() {
-        tasks
-            .extend(plan::configs(quick).into_iter().map(|config| Measurement::Row(index, config)));
-        tasks.push(Measurement::Exact(index));
-        if let Backend::Gpu(_) = backend {
-            let configs = plan::specialised(quick).iter();
-            tasks.extend(configs.map(|config| Measurement::Specialising(index, *config)));
-        }
-    }
-    tasks.push(Measurement::Motion);
-    // The last backend is the processor, if it takes part.
-    let last = backends.len() - 1;
-    tasks.extend(windows::WINDOWS.map(|window| Measurement::Window(last, window)));
-    tasks.extend(windows::LATE.map(|window| Measurement::Late(last, window)));
-    for index in 0..backends.len() {
-        // A quick report includes only the last backend, and nothing that takes minutes.
-        if index == last || !quick {
-            let places = &PLACES[..if quick { QUICK_PLACES } else { PLACES.len() }];
-            let configs = plan::DEEP.into_iter();
-            tasks.extend(configs.flat_map(|config| {
-                places.iter().map(move |place| Measurement::Depth(index, config, *place))
-            }));
-        }
-    }
-    for index in 0..backends.len() {
-        if index == last || !quick {
-            let configs = plan::questions(quick);
-            tasks.extend(configs.iter().flat_map(|config| {
-                measured_questions().map(|ask| Measurement::Asked(index, *config, ask))
-            }));
-        }
-    }
-    for (index, backend) in backends.iter().enumerate() {
-        let fits = |case: &HardCase| case.is_for(backend.kind());
-        if index == last || !quick {
-            let cases = hard::cases().into_iter().filter(fits);
-            tasks.extend(cases.map(|case| Measurement::Hard(index, case)));
-        }
-    }
-    tasks
-}
-
-fn name(task: &Measurement, backends: &[Backend]) -> String {
-    match task {
-        Measurement::Row(index, _)
-        | Measurement::Exact(index)
-        | Measurement::Specialising(index, _)
-        | Measurement::Window(index, _)
-        | Measurement::Late(index, _)
-        | Measurement::Depth(index, ..)
-        | Measurement::Asked(index, ..)
-        | Measurement::Hard(index, _) => {
-            format!("{}: {}", backends[*index].short_name(), what(task))
-        }
-        Measurement::Motion => what(task),
-    }
-}
-
-/// Describes what a task measures, without the engine.
-fn what(task: &Measurement) -> String {
-    match task {
-        Measurement::Row(_, config) => plan::words(config),
-        Measurement::Exact(_) => "the accuracy exact".to_string(),
-        Measurement::Specialising(_, config) => {
-            format!("what specialising buys {}", plan::words(config))
-        }
-        Measurement::Motion => "errors in angle and energy".to_string(),
-        Measurement::Window(_, window) => format!("the window {}", window.name),
-        Measurement::Late(_, window) => format!("exact beside double-double, {}", window.name),
-        Measurement::Depth(_, config, place) => {
-            format!("{} at a width of {}", plan::words(config), place.width)
-        }
-        Measurement::Asked(_, config, ask) => {
-            format!("the question {ask} by {}", plan::words(config))
-        }
-        Measurement::Hard(_, case) => format!("the hard case {}", case.name),
     }
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::levels::{rows_at, rows_with};
 use super::plan::BALANCED_DF32;
 use super::windows::{WINDOWS, Window};
-use super::{Checks, DepthRow, Report, Row};
+use super::{Checks, DepthRow, LongFilm, Report, Row};
 use crate::engine::{Accuracy, IntegratorConfig, Precision};
 
 /// A target and its result.
@@ -148,6 +148,7 @@ pub(super) fn judge(report: &Report) -> Vec<Target> {
     targets.push(of_late(report));
     targets.extend(of_depth(report));
     targets.extend(of_hard(report));
+    targets.extend(of_films(report));
     targets
 }
 
@@ -215,6 +216,19 @@ fn of_hard(report: &Report) -> Vec<Target> {
         target(format!("{all}, on {engine}"), Some(held / rows.count() as f64))
     };
     engines.into_iter().map(of_engine).collect()
+}
+
+/// Longest time that the long film may take, min.
+const FILM_MINUTES: f64 = 20.0;
+
+/// The target for the long film, unless none of it was measured.
+fn of_films(report: &Report) -> Option<Target> {
+    if report.zooms.is_empty() && report.painting.is_none() {
+        return None;
+    }
+    let minutes = LongFilm::of(report).map(|film| film.secs() / 60.0);
+    let name = "film of 60 s to 6e-61 rad: minutes that it takes".to_string();
+    Some(Target::new(name, &format!("at most {FILM_MINUTES}"), minutes, [0.0, FILM_MINUTES]))
 }
 
 impl TargetSpec {

@@ -13,20 +13,23 @@ pub enum Pairs {
     /// Sums as in [`Pairs::Fused`], and products that split their factors, for adapters whose
     /// multiply-adds are not fused.
     Fenced,
-    /// Every rounding passes through an exclusive or with a 0 from a buffer.
+    /// Sums and products of which an error is taken pass through an exclusive or with a 0 from a buffer.
+    Results,
+    /// Every rounding does.
     #[default]
     Guarded,
 }
 
 impl Pairs {
     /// Every way, cheapest first.
-    pub const ALL: [Pairs; 3] = [Pairs::Fused, Pairs::Fenced, Pairs::Guarded];
+    pub const ALL: [Pairs; 4] = [Pairs::Fused, Pairs::Fenced, Pairs::Results, Pairs::Guarded];
 
     /// Name of the way.
     pub fn name(self) -> &'static str {
         match self {
             Pairs::Fused => "fused multiply-adds",
             Pairs::Fenced => "fenced sums",
+            Pairs::Results => "guarded results",
             Pairs::Guarded => "guarded sums",
         }
     }

@@ -66,7 +66,8 @@ pub(super) struct PairValues {
     /// True if the number type is a pair of f32.
     pub(super) pairs: bool,
     pub(super) fused: bool,
-    pub(super) guarded: bool,
+    pub(super) guards_results: bool,
+    pub(super) guards_all: bool,
 }
 
 impl PairValues {
@@ -74,7 +75,8 @@ impl PairValues {
         PairValues {
             pairs: precision == Precision::Df32,
             fused: pairs == Pairs::Fused,
-            guarded: pairs == Pairs::Guarded,
+            guards_results: matches!(pairs, Pairs::Results | Pairs::Guarded),
+            guards_all: pairs == Pairs::Guarded,
         }
     }
 }
