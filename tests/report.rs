@@ -69,13 +69,15 @@ fn an_interrupted_report_keeps_its_rows_and_says_what_is_missing() {
 fn mistakes_are_named_before_anything_is_measured() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("taken"), "mine").unwrap();
-    let cases: [(&[&str], i32, &[&str]); 6] = [
+    let cases: [(&[&str], i32, &[&str]); 8] = [
         (&["-o", "taken"], 1, &["-o: cannot write taken: it is a file"]),
         (&["-o", "taken/below"], 1, &["-o: cannot write taken/below"]),
         (&["-o", "fine", "--adapter", "geforce"], 2, &["--adapter", "--engine cpu"]),
         (&["--sample", "0"], 2, &["--sample"]),
         (&["--threads", "0"], 2, &["--threads"]),
         (&["--slow"], 2, &["--slow"]),
+        (&["--only", "depth,abysses"], 2, &["--only", "abysses", "films"]),
+        (&["--only", "films"], 2, &["--quick leaves out", "--only", "films"]),
     ];
     for (arguments, code, words) in cases {
         let small = if arguments[0] == "--sample" { &SMALL[..4] } else { &SMALL[..] };
@@ -88,6 +90,22 @@ fn mistakes_are_named_before_anything_is_measured() {
         assert!(error.lines().filter(|line| line.starts_with("flipmap")).count() <= 1, "{error}");
     }
     assert_eq!(fs::read_to_string(folder.path().join("taken")).unwrap(), "mine");
+}
+
+#[test]
+fn a_report_of_one_chapter_has_no_other_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = finished(&folder, &[&SMALL[..], &["--only", "hard", "-o", "out"]].concat());
+    assert!(output.status.success(), "{}", error_of(&output));
+    let text = fs::read_to_string(folder.path().join("out/report.json")).unwrap();
+    let object: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((&object["complete"], &object["only"][0]), (&true.into(), &"hard".into()));
+    assert!(!object["hard"].as_array().unwrap().is_empty());
+    for other in ["rows", "windows", "late", "depth", "questions", "zooms"] {
+        assert_eq!(object[other].as_array().map(Vec::len), Some(0), "{other}");
+    }
+    let page = fs::read_to_string(folder.path().join("out/report.md")).unwrap();
+    assert!(page.contains("of nothing but hard."), "{page}");
 }
 
 #[test]

@@ -31,8 +31,9 @@ pub(super) struct FilamentPlace {
     pub width: &'static str,
 }
 
-/// Pixels along each side of the picture that is compared with the truth.
-const SIDE: u32 = 24;
+/// Pixels along each side of the picture that is compared with the truth. In smaller ones cells end earlier,
+/// and pixels are less right.
+const SIDE: u32 = 384;
 /// Pixels along each side of the picture that is timed.
 const TIMED_SIDE: u32 = 128;
 /// Number of timed pictures, after one to warm up.
@@ -52,7 +53,7 @@ pub struct DepthRow {
     pub budget_secs: f64,
     /// Decimal digits in which the anchor is followed; 0 if every pixel begins at its release.
     pub digits: u32,
-    /// Seconds until the first picture of 24 × 24 is complete, mostly spent on the reference.
+    /// Seconds until the first picture of 384 × 384 is complete, its reference included.
     pub first_secs: f64,
     /// Errors of the answers.
     #[serde(flatten)]
@@ -349,7 +350,8 @@ mod tests {
             let apart = |i: usize| (wide.center_rad()[i] - narrow.center_rad()[i]).to_f64().abs();
             assert!(apart(0).max(apart(1)) < wide.width_rad().to_f64(), "{}", narrow.width);
         }
-        let truth = PLACES[0].truth(&[0, 100, 200, 300, 400, 500], &|| false).unwrap();
+        let truth =
+            PLACES[0].truth(&[128, 25_600, 51_300, 76_900, 102_600, 128_200], &|| false).unwrap();
         let flips = truth.iter().filter(|outcome| outcome.status == Status::Flipped);
         let flips: Vec<f64> = flips.map(|outcome| outcome.time).collect();
         assert!(flips.windows(2).any(|pair| (pair[0] - pair[1]).abs() > 0.1), "{flips:?}");

@@ -5,9 +5,9 @@ use super::pages::{Block, Section, Table, brief, section, share, short};
 use super::plot::{Plot, Series};
 use super::{DepthRow, Report, ReportError, plan};
 
-const ABOUT: &str = "One filament followed down. At each width a picture of 24 × 24 pixels, with a budget that \
-     follows the depth, is compared with pixels integrated one by one in fixed-point numbers of \
-     57 to 115 digits. First is the time until that picture is there, most of it the reference's; \
+const ABOUT: &str = "One filament followed down. Of a picture of 384 × 384 pixels at each width, with a budget that \
+     follows the depth, some are compared with pixels integrated one by one in fixed-point numbers of \
+     57 to 115 digits. First is the time until that picture is there, its reference included; \
      steps, right-hand sides and time are those of a pixel of a picture of 128 × 128 once the \
      reference is known, cells followed as polynomials included. Beside it, the time if every \
      pixel is integrated directly from its release, and if no pixel is told by samples of a line.";

@@ -52,6 +52,11 @@ impl Chapter {
         }
     }
 
+    /// Returns true if a quick report has the chapter.
+    pub fn is_quick(self) -> bool {
+        self != Chapter::Films
+    }
+
     /// The chapter called `name`.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|chapter| chapter.name() == name)
@@ -118,12 +123,12 @@ impl Measurement {
             let subjects = of_depth(quick).chain(of_questions(quick)).chain(hard);
             tasks.extend(subjects.map(|subject| (index, subject)));
         }
-        if !quick {
-            tasks.extend(ZOOMS.map(|zoom| (last, Subject::Zoom(zoom))));
-            tasks.push((last, Subject::Painting));
-        }
-        let asked = |subject: Subject| only.is_empty() || only.contains(&subject.chapter());
-        let tasks = tasks.into_iter().filter(|(_, subject)| asked(*subject));
+        tasks.extend(ZOOMS.map(|zoom| (last, Subject::Zoom(zoom))));
+        tasks.push((last, Subject::Painting));
+        let asked = |chapter: Chapter| {
+            (chapter.is_quick() || !quick) && (only.is_empty() || only.contains(&chapter))
+        };
+        let tasks = tasks.into_iter().filter(|(_, subject)| asked(subject.chapter()));
         let mut tasks: Vec<Self> =
             tasks.map(|(backend, subject)| Measurement { backend, subject }).collect();
         // Chapter by chapter, engine by engine.
@@ -200,5 +205,40 @@ impl Subject {
             Subject::Painting => "the frames of a film".to_string(),
             Subject::Hard(case) => format!("the hard case {}", case.name),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::cpu::CpuEngine;
+
+    fn names(quick: bool, only: &[Chapter]) -> Vec<String> {
+        let backends = [Backend::Cpu(Box::new(CpuEngine::new(Some(1)).unwrap()), 1)];
+        let tasks = Measurement::all(&backends, quick, only);
+        tasks.iter().map(|task| task.name(&backends)).collect()
+    }
+
+    #[test]
+    fn the_chapters_together_are_the_report_and_a_quick_one_is_a_part_of_it() {
+        let all = names(false, &[]);
+        let by_chapter: Vec<String> =
+            Chapter::ALL.iter().flat_map(|chapter| names(false, &[*chapter])).collect();
+        assert_eq!(all, by_chapter);
+        let mut different = all.clone();
+        different.sort();
+        different.dedup();
+        assert_eq!(different.len(), all.len(), "none twice");
+        let quick = names(true, &[]);
+        assert!(quick.iter().all(|name| all.contains(name)) && quick.len() < all.len());
+        for chapter in Chapter::ALL {
+            assert_eq!(names(true, &[chapter]).is_empty(), !chapter.is_quick(), "{chapter:?}");
+            assert_eq!(Chapter::named(chapter.name()), Some(chapter));
+        }
+        assert_eq!(
+            names(true, &[Chapter::Hard, Chapter::Windows]).len(),
+            names(true, &[Chapter::Hard]).len() + names(true, &[Chapter::Windows]).len()
+        );
+        assert_eq!(Chapter::named("nothing"), None);
     }
 }

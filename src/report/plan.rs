@@ -42,8 +42,8 @@ impl Thoroughness {
         window_starts: 1000,
         late_starts: 2000,
         oracle_starts: 10,
-        depth_starts: 192,
-        deepest_starts: 24,
+        depth_starts: 576,
+        deepest_starts: 48,
     };
     /// A quick report: two minutes at most.
     pub const QUICK: Self = Thoroughness {
@@ -56,7 +56,7 @@ impl Thoroughness {
         window_starts: 100,
         late_starts: 60,
         oracle_starts: 2,
-        depth_starts: 12,
+        depth_starts: 48,
         deepest_starts: 0,
     };
 }

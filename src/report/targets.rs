@@ -358,6 +358,16 @@ mod tests {
         };
         assert_eq!(deep(0.991, 150.0), [Some(true); 2]);
         assert_eq!(deep(0.989, 151.0), [Some(false); 2]);
+        let film = |factor: f64| {
+            let slow = move |report: &mut Report| {
+                report.painting.as_mut().unwrap().secs *= factor;
+            };
+            judged(&slow, "film of 60 s")
+        };
+        // The frames of the invented report take a quarter of an hour, its samples a second.
+        assert_eq!([1.33, 1.34].map(film), [Some(true), Some(false)]);
+        let part = |report: &mut Report| report.painting = None;
+        assert_eq!(judged(&part, "film of 60 s"), None);
         let clear = |report: &mut Report| {
             (report.windows, report.late, report.hard) = Default::default();
         };
